@@ -81,9 +81,9 @@ Outcome rollout(const Model& model, std::span<const T> q, Numbers<T> v, const Dr
                 int threads = 1, const Monitor& monitor = {}, bool joint_losses = false,
                 const CompiledDynamics<T>& compiled = {});
 
-/// The instruction set of the lanes: "SSE2", "AVX2" or "AVX-512", the best one that this processor has. If the
-/// environment variable AXODE_INSTRUCTION_SET is set to one of these names, no set above it is used. Throws
-/// std::invalid_argument if it has another value.
+/// The instruction set of the lanes: "SSE2", "AVX2" or "AVX-512", the best one that this processor has. If
+/// the environment variable AXODE_INSTRUCTION_SET is set to one of these names, no set above it is used.
+/// Throws std::invalid_argument if it has another value.
 const char* instruction_set();
 
 }  // namespace axode::batch

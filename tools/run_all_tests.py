@@ -131,7 +131,8 @@ seconds = {}  # of each test, by the folder of its results and its name
 
 
 def note_seconds(file, case, name):
-    seconds[str(file.parent.relative_to(SOURCE / "build")), name] = float((case.get("time") or "0").replace(",", "."))  # a test may have set a locale
+    time_taken = case.get("time") or "0"  # with a decimal comma if the test has set a locale
+    seconds[str(file.parent.relative_to(SOURCE / "build")), name] = float(time_taken.replace(",", "."))
 
 
 def print_slowest():
@@ -163,8 +164,7 @@ def outcomes_of_program(xml):
             wrong = case.find("failure") is not None or case.find("error") is not None
             name = f"{case.get('classname')}.{case.get('name')}"
             note_seconds(xml, case, name)
-            found[name] = (
-                "failed" if wrong else "skipped" if case.find("skipped") is not None else "passed")
+            found[name] = "failed" if wrong else "skipped" if case.find("skipped") is not None else "passed"
     return found
 
 

@@ -4,7 +4,7 @@
 namespace axode::batch {
 
 enum class InstructionSet { sse2, avx2, avx512 };
-/// The best instruction set that this processor has and that AXODE_INSTRUCTION_SET allows, see batch::instruction_set().
+/// The best instruction set that this processor has and AXODE_INSTRUCTION_SET allows, see instruction_set().
 InstructionSet best_instruction_set();
 
 }  // namespace axode::batch

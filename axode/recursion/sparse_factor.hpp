@@ -6,8 +6,8 @@
 /// entries in the columns parent(c), parent(parent(c)), ...
 namespace axode {
 
-/// Factorises M = LᵀDL in place. `inertia_scale` is the magnitude of the inertia of each velocity, against which
-/// rounding in its pivot is compared. A pivot is D_c = zᵀ M z, where z_c = 1 and z_k are the responses of the
+/// Factorises M = LᵀDL in place. `inertia_scale` is the magnitude of the inertia of each velocity, against
+/// which rounding in its pivot is compared. A pivot is D_c = zᵀ M z, where z_c = 1 and z_k are the responses of the
 /// later velocities, on which no forces act. Hence the rounding errors of D_c are compared with
 /// (Σ |z_k| √scale_k)². If `check` evaluates this magnitude, it costs another O(n d²) for a tree of depth d,
 /// and z is stored above the diagonal of H.

@@ -15,7 +15,7 @@ using Numbers = Trial::Numbers;
 
 class Derivatives : public Law {};
 INSTANTIATE_TEST_SUITE_P(Laws, Derivatives, testing::ValuesIn(scalars()), name_of);
-/// Those for which the condition of random trees, or a difference, leaves nothing in float.
+/// Laws in double alone: the condition of random trees, or a difference, leaves no digits in float.
 class DerivativesInDouble : public Law {};
 INSTANTIATE_TEST_SUITE_P(Laws, DerivativesInDouble, testing::Values(scalars()[0]), name_of);
 

@@ -249,7 +249,7 @@ def test_derivatives_of_forward_dynamics(case):
     for k, (q, v, _) in enumerate(case.theirs):
         pin.computeABADerivatives(model, data, q, v, back.T @ case.tau[k])
         for x, y in ((ours.q[k], data.ddq_dq), (ours.v[k], data.ddq_dv)):
-            # What is left of the equation M da = -dtau in the units of forces, where M may be ill-conditioned.
+            # The residual of M da = -dtau is compared in the units of forces, because M may be ill-conditioned.
             assert_close(M[k] @ x, M[k] @ back @ y @ P, of=np.abs(M[k]).max() * np.abs(x).max())
         assert_close(ours.tau[k], back @ symmetric(np.array(data.Minv)) @ back.T, bound=1e-9)
 

@@ -81,7 +81,7 @@ bool is_identifier(std::string_view name);
 ///     void PREFIX_inverse_dynamics_vjp(const T *q, const T *v, const T *a, const T *w, T *gradient)
 ///     void PREFIX_inverse_dynamics_hessian(const T *q, const T *v, const T *a, const T *w, T *hessian)
 ///     int  PREFIX_forward_dynamics_derivatives(const T *q, const T *v, const T *tau, T *da)
-///     int  PREFIX_forward_dynamics_jvp(...), PREFIX_forward_dynamics_vjp(...), PREFIX_forward_dynamics_hessian(...)
+///     int  PREFIX_forward_dynamics_jvp(...), ..._vjp(...), PREFIX_forward_dynamics_hessian(...)
 ///
 /// Derivatives by q, v and a or tau are contiguous, nv x nv or nv numbers each, and so are the blocks of a
 /// Hessian, (q, q), (q, v), (v, v) and (a or tau, q). M and its inverse are nv x nv. C has 12 numbers for

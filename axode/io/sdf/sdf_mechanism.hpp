@@ -32,8 +32,8 @@ inline constexpr std::array<SdfKind, 9> sdf_kinds{{
     {"gearbox", JointKind::fixed, LoopKind::fixed},  // becomes a coupling
 }};
 
-/// The part of the reader of SDFormat that turns links, joints and frames into bodies, loops and couplings. It
-/// finds a spanning tree of the links; the other joints close loops.
+/// The part of the reader of SDFormat that turns links, joints and frames into bodies, loops and couplings.
+/// It finds a spanning tree of the links; the other joints close loops.
 class SdfMechanism : protected XmlReader {
  protected:
   using XmlReader::XmlReader;

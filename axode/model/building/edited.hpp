@@ -49,9 +49,9 @@ Model append(const Model& model, std::string_view frame, const Model& other, std
 /// A joint of one velocity keeps its q, v, a and τ, limits, losses and couplings. A spherical, planar or free
 /// joint on the path has the inverse displacement: C' = C⁻¹ between its joint frames, v' = -Ad_C v, and τ =
 /// -Ad_Cᵀ τ'. A free root has the pose and twist of the body. joint_state()
-/// (axode/constraints/absolute/joint_state.hpp) converts the poses and twists of a state into the new coordinates. If
-/// the root is free and its joint has no drive force, the motion is the same; if it is fixed, the new root is
-/// held instead of the old one.
+/// (axode/constraints/absolute/joint_state.hpp) converts the poses and twists of a state into the new
+/// coordinates. If the root is free and its joint has no drive force, the motion is the same; if it is fixed,
+/// the new root is held instead of the old one.
 ///
 /// Throws std::invalid_argument for an unknown body, for a root on any other joint, and for limits, losses,
 /// springs and armatures of joints with several velocities on the path, because these act along axes of the
