@@ -1,17 +1,149 @@
 #include <algorithm>
+#include <memory>
 #include <numeric>
 
 #include "axode/codegen.hpp"
 #include "axode/codegen/tape/statement_order.hpp"
+#include "tests/codegen/compiled.hpp"
 #include "tests/laws/law.hpp"
+#include "tests/support/functions.hpp"
 #include "tests/support/refused_arguments.hpp"
 
-/// The text of kernels for a GPU. They are compiled for the processor and compared with the library in tests/bridges/cuda.
+/// Kernels for a GPU: their text, and their results on random trees when they are compiled for the processor and run thread
+/// by thread. The bridge compares every recorded function on a few mechanisms.
 namespace axode::test {
 namespace {
 
 using catalog::Id;
 using codegen::Function;
+
+class GeneratedCuda : public Law {};
+INSTANTIATE_TEST_SUITE_P(Codegen, GeneratedCuda, testing::ValuesIn(scalars()), name_of);
+
+constexpr const char* shim = R"(
+#include <math.h>
+#include <stdlib.h>
+struct Index { unsigned x; };
+static Index blockIdx, blockDim, threadIdx;
+extern "C" void be_thread(unsigned block, unsigned size, unsigned thread) {
+  blockIdx.x = block, blockDim.x = size, threadIdx.x = thread;
+}
+#define __device__
+#define __global__
+#define __forceinline__ inline
+#define __noinline__ __attribute__((noinline))
+#define __launch_bounds__(threads)
+)";
+const std::vector<std::string> as_cpp{"-x", "c++", "-std=c++14"};
+
+/// The contiguous results of a kernel for contiguous states.
+template <class T>
+std::vector<double> run_in(const Compiled& library, const std::string& name,
+                           const std::vector<std::vector<double>>& arguments, std::size_t states,
+                           std::size_t size) {
+  std::vector<std::vector<T>> x;
+  for (const std::vector<double>& argument : arguments) {
+    const std::size_t length = argument.size() / states;
+    x.emplace_back(argument.size());
+    for (std::size_t k = 0; k < argument.size(); ++k)
+      x.back()[k % length * states + k / length] = static_cast<T>(argument[k]);
+  }
+  std::vector<T> out(size * states, T(7));
+  const auto be_thread = library.function<void(unsigned, unsigned, unsigned)>("be_thread");
+  const auto call = [&](auto... pointers) {
+    library.function<void(decltype(pointers)..., T*, int)>(name + "_states")(pointers..., out.data(),
+                                                                             static_cast<int>(states));
+  };
+  constexpr unsigned block = 4;
+  for (unsigned thread = 0; thread < (states + block - 1) / block * block; ++thread) {
+    be_thread(thread / block, block, thread % block);
+    const auto pointer = [&](std::size_t k) { return static_cast<const T*>(x.at(k).data()); };
+    if (x.size() == 1)
+      call(pointer(0));
+    else
+      call(pointer(0), pointer(1), pointer(2));
+  }
+  std::vector<double> result(out.size());
+  for (std::size_t k = 0; k < out.size(); ++k)
+    result[k % states * size + k / states] = static_cast<double>(out[k]);
+  return result;
+}
+
+TEST_P(GeneratedCuda, GivesWhatTheLibraryGives) {
+  const Case fastest = fast(GetParam());
+  Comparison force("force", fastest.agreement()), inertia("mass matrix", fastest.agreement()),
+      derivative("derivative", fastest.agreement());
+  const std::vector<Function> functions{{Id("inverse_dynamics")},
+                                        {Id("mass_matrix")},
+                                        {Id("inverse_dynamics_derivatives")},
+                                        {Id("forward_dynamics")}};
+  constexpr std::size_t states = 5;
+  constexpr std::uint64_t models = 20;
+  std::vector<std::unique_ptr<Trial>> trials;
+  std::vector<codegen::Source> sources;
+  std::string text = shim;
+  for (std::uint64_t seed = 1; seed <= models; ++seed) {
+    trials.emplace_back(
+        new Trial(fastest, Random<double>(seed), TreeRecipe{.most_bodies = 12, .springs = 0}));
+    sources.push_back(codegen::c_source(trials.back()->model, functions,
+                                        {"tree" + std::to_string(seed), fastest.single, codegen::Abi::cuda}));
+    std::string& source = sources.back().text;
+    if (seed > 1)
+      source.erase(source.find("/* Entry k"), source.find("/* Drive forces") - source.find("/* Entry k"));
+    text += source;
+  }
+  const Compiled library(text, as_cpp);
+  int solvable = 0, doubted = 0;
+  for (std::size_t m = 0; m < models; ++m) {
+    SCOPED_TRACE("seed " + std::to_string(m + 1));
+    Trial& trial = *trials[m];
+    const std::size_t nv = static_cast<std::size_t>(trial.model.nv());
+    Random<double> random(m + 1000);
+    std::vector<Ask> asks;
+    std::vector<double> q, v, a, tau;
+    const auto append = [](std::vector<double>& to, const std::vector<double>& x) {
+      to.insert(to.end(), x.begin(), x.end());
+    };
+    for (std::size_t s = 0; s < states; ++s) {
+      const State<double> state = rounded(fastest, random_state(trial.model, random));
+      asks.push_back({.q = state.q, .v = state.v, .a = state.a});
+      asks.back().tau = trial.call("inverse_dynamics", asks.back());
+      append(q, state.q);
+      append(v, state.v);
+      append(a, state.a);
+      append(tau, asks.back().tau);
+    }
+    const auto results = [&](std::size_t f, const std::vector<std::vector<double>>& x, std::size_t size) {
+      const auto all =
+          (fastest.single ? run_in<float> : run_in<double>)(library, sources[m].functions[f].name, x, states,
+                                                            size);
+      std::vector<std::vector<double>> by_state;
+      for (std::size_t s = 0; s < states; ++s)
+        by_state.emplace_back(all.begin() + static_cast<std::ptrdiff_t>(s * size),
+                              all.begin() + static_cast<std::ptrdiff_t>((s + 1) * size));
+      return by_state;
+    };
+    const auto forces = results(0, {q, v, a}, nv), M = results(1, {q}, nv * nv),
+               dtau = results(2, {q, v, a}, 3 * nv * nv), found = results(3, {q, v, tau}, nv);
+    for (std::size_t s = 0; s < states; ++s) {
+      force.expect_equal(forces[s], asks[s].tau);
+      inertia.expect_equal(M[s], trial.call("mass_matrix", asks[s]));
+      const auto expected = trial.call("inverse_dynamics_derivatives", asks[s]);
+      derivative.expect_equal(dtau[s], expected, std::max(largest(expected), 1e-6));
+      const bool is_nan = nv > 0 && std::isnan(found[s][0]);
+      doubted += is_nan;
+      EXPECT_TRUE(is_nan || trial.answer("forward_dynamics", asks[s]).solvability.ok());
+      if (is_nan)
+        EXPECT_TRUE(std::ranges::all_of(found[s], [](double x) { return std::isnan(x); }));
+      else
+        ++solvable,
+            force.expect_equal(
+                trial.call("inverse_dynamics", {.q = asks[s].q, .v = asks[s].v, .a = found[s]}), asks[s].tau);
+    }
+  }
+  EXPECT_GE(solvable, 30);
+  EXPECT_GE(doubted, 1);
+}
 
 TEST(GeneratedCudaArguments, AreThoseOfC) {
   const Model rod = ModelBuilder("rod")
