@@ -149,7 +149,7 @@ TEST_P(MomentumForm, StatesInTwistsAndInSpatialMomentaMoveAlike) {
     if (!solvability.ok()) return;
     trial.state.a = a;
     const double condition = largest(trial.call("mass_matrix")) * largest(trial.call("inverse_mass_matrix")),
-                 loss = std::max(20.0, 1e-2 * condition);
+                 loss = std::clamp(1e-2 * condition, 20.0, 1e3);
     for (const Representation representation : representations) {
       Trial in_this = trial.by(representation);
       const auto of_bodies = [&](const Numbers& frames) {
@@ -161,7 +161,7 @@ TEST_P(MomentumForm, StatesInTwistsAndInSpatialMomentaMoveAlike) {
           (how.single ? by_twists<float> : by_twists<double>)(trial, representation, V, ask.tau);
       EXPECT_TRUE(solved);
       velocity.expect_equal(v, trial.state.v);
-      if (loss * agreement < 0.1) {  // which is how well accelerations can be known
+      if (largest(a) < 1e4) {  // above, M is nearly singular
         ++compared;
         twist.expect_equal(dV_found, dV, loss * largest(a));
       }
