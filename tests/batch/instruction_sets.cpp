@@ -16,8 +16,9 @@ bool processor_has(const std::string& set) {
 
 /// The outcome of some tests of this program under a limit to the instruction sets.
 Outcome run_under(const std::string& limit, const std::string& tests) {
-  return run({"env", "-u", "GTEST_TOTAL_SHARDS", "AXODE_INSTRUCTION_SET=" + limit, "AXODE_RANDOM_TREES=20",
-              std::filesystem::read_symlink("/proc/self/exe"), "--gtest_brief=1", "--gtest_filter=" + tests});
+  return run({"env", "-u", "GTEST_TOTAL_SHARDS", "-u", "GTEST_SHARD_INDEX", "AXODE_INSTRUCTION_SET=" + limit,
+              "AXODE_RANDOM_TREES=20", std::filesystem::read_symlink("/proc/self/exe"), "--gtest_brief=1",
+              "--gtest_filter=" + tests});
 }
 
 TEST(InstructionSet, IsTheBestOneOrTheOneAskedFor) {
