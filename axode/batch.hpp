@@ -34,11 +34,8 @@ struct [[nodiscard]] Outcome {
   std::size_t singular_states = 0;  ///< number of failed states; their results are NaN
   std::size_t first = 0;            ///< index of the first failed state
   Solvability solvability;          ///< why the first failed state has no result
-  union {
-    bool loops_open = false;  ///< whether its motion ended because its loops could not be kept closed
-    [[deprecated("use loops_open")]] bool torn;  ///< the former name of loops_open
-  };
-  std::size_t done = 0;  ///< N, unless the monitor ended the call
+  bool loops_open = false;          ///< whether its motion ended because its loops could not be kept closed
+  std::size_t done = 0;             ///< N, unless the monitor ended the call
   bool ok() const { return singular_states == 0; }
 };
 
