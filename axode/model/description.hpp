@@ -46,6 +46,8 @@ struct Dof {
   /// Stiffness of stops at the limits, N m/rad or N/m; for joints of one velocity.
   double stop_stiffness = 0;
   double stop_damping = 0;  ///< damping of the stops by Hunt and Crossley, s/rad or s/m
+  bool hard_stops = false;  ///< whether the limits are stops that do not yield; for joints of one velocity
+  double restitution = 0;   ///< restitution of hard stops, 0 to 1
 };
 
 /// q = ratio q_leader + offset; a coupled joint has no coordinate of its own.
@@ -108,11 +110,21 @@ enum class ShapeKind {
   cylinder,  ///< along z, about its middle
   capsule,   ///< a cylinder along z with a half ball on each end, about its middle
   ellipsoid,
-  mesh,  ///< mesh in a file, which is not opened here
+  mesh,   ///< mesh in a file, which is not opened here
+  plane,  ///< the half-space z < 0, whose outward normal is z
 };
 
-/// A visual shape of a body, or one for contacts. Shapes are kept, written and drawn; they are no part of the
-/// dynamics.
+/// How the surface of a shape behaves in contact. Two shapes in contact have the geometric mean of their
+/// coefficients of each kind of friction, and the larger of their restitutions.
+struct ContactProperties {
+  std::optional<double> friction = {};  ///< coefficient of sliding friction; empty: that of the mechanism
+  double spin_friction = 0;             ///< moment of drilling friction divided by the normal force, m
+  double rolling_friction = 0;          ///< moment of rolling friction divided by the normal force, m
+  double restitution = 0;               ///< 0 to 1
+};
+
+/// A visual shape of a body, or one for contacts. Shapes are kept, written and drawn; only simulations with
+/// contact let collision shapes act.
 struct ShapeDescription {
   enum class Role { visual, collision } role = Role::visual;
   std::string name = {};
@@ -124,6 +136,7 @@ struct ShapeDescription {
   std::string file = {};  ///< file of a mesh as the description gives it: see find_mesh()
   Vec3<> scale{1, 1, 1};  ///< scale of a mesh: m for each of its units
   std::optional<std::array<double, 4>> color = {};  ///< red, green, blue, opacity; 0 to 1
+  ContactProperties contact = {};                   ///< used for collision shapes
 };
 
 struct BodyDescription {
@@ -193,6 +206,39 @@ struct CouplingDescription {
   Source source = {};
 };
 
+/// A function of time that a joint of one velocity or the length of a rod follows.
+struct MotionDescription {
+  std::string name = {};  ///< empty: that of its joint or rod
+  std::string of;         ///< joint of one velocity, or loop of kind rod
+  enum class Kind {
+    harmonic,    ///< offset + amplitude sin(2π frequency t + phase)
+    ramp,        ///< from `from` until `start` to `to` from `end` on, as a polynomial of degree 5
+    polynomial,  ///< Σ coefficients[k] t^k
+    samples,     ///< spline of degree 5 through (times, values)
+  } kind = Kind::polynomial;
+  double offset = 0, amplitude = 0, frequency = 0, phase = 0;  ///< rad or m, the same, Hz, rad
+  double from = 0, to = 0, start = 0, end = 0;                 ///< rad or m, the same, s, s
+  std::vector<double> coefficients = {};
+  std::vector<double> times = {}, values = {};  ///< s, rad or m
+  Source source = {};
+};
+
+/// Where a motion of the mechanism starts: coordinates and velocities of joints by name. What is not named is
+/// 0, or the identity.
+struct InitialStateDescription {
+  std::vector<std::pair<std::string, std::vector<double>>> q = {}, v = {};
+  Source source = {};
+};
+
+/// What contacts of a mechanism have in common.
+struct ContactDescription {
+  double friction = 0.6;    ///< coefficient of sliding friction of shapes that have none of their own
+  double margin = 0.01;     ///< gap below which a contact is considered, m
+  double threshold = 0.05;  ///< speed of approach below which nothing bounces, m/s
+  std::vector<std::array<std::string, 2>> ignored = {};  ///< pairs of bodies that never touch
+  Source source = {};
+};
+
 struct Description {
   std::string name = "mechanism";
   Vec3<> gravity{0, 0, -9.81};  ///< m/s²
@@ -202,6 +248,9 @@ struct Description {
   std::vector<SpringDescription> springs = {};
   std::vector<LoopDescription> loops = {};
   std::vector<CouplingDescription> couplings = {};
+  std::vector<MotionDescription> motions = {};
+  std::optional<InitialStateDescription> state = {};
+  std::optional<ContactDescription> contact = {};
   Source source = {};
   std::vector<Fault> warnings = {};  ///< warnings of the reader
 };

@@ -16,13 +16,14 @@ struct ShapeTraits {
   bool in_urdf;  ///< whether URDF has an element for the shape
 };
 
-inline constexpr std::array<ShapeTraits, 6> shape_kinds{{
+inline constexpr std::array<ShapeTraits, 7> shape_kinds{{
     {ShapeKind::box, "box", "size", false, false, true},
     {ShapeKind::sphere, "sphere", "", true, false, true},
     {ShapeKind::cylinder, "cylinder", "", true, true, true},
     {ShapeKind::capsule, "capsule", "", true, true, true},
     {ShapeKind::ellipsoid, "ellipsoid", "semi_axes", false, false, false},
     {ShapeKind::mesh, "mesh", "", false, false, true},
+    {ShapeKind::plane, "plane", "", false, false, false},
 }};
 
 constexpr const ShapeTraits& traits(ShapeKind kind) {
