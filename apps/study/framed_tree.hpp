@@ -241,7 +241,8 @@ template <class T, class Frames> class FramedTree {
     }
   }
   void add_group(const JointGroup& group, std::ptrdiff_t first) {
-    joint_groups.push_back(group), at.push_back(first);
+    joint_groups.push_back(group);
+    at.push_back(first);
   }
 };
 

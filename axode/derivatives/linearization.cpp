@@ -62,7 +62,8 @@ Solvability linearize(const Model& model, Workspace<T>& workspace, Numbers<T> q,
       forward_dynamics_derivatives(model, workspace, q, v, forces, {da_dq, da_dv, da_dtau}, loads);
   if (verdict.ok() && sprung) {
     spring_force_derivatives(model, workspace, q, v, {forces_dq, forces_dv});
-    add_product<T>(da_dtau, forces_dq, n, da_dq), add_product<T>(da_dtau, forces_dv, n, da_dv);
+    add_product<T>(da_dtau, forces_dq, n, da_dq);
+    add_product<T>(da_dtau, forces_dv, n, da_dv);
   }
   if (!verdict.ok()) return solved(verdict, {A, B});
   for (std::size_t i = 0; i < n; ++i) {

@@ -63,7 +63,8 @@ template <class T> struct MotionTo {
     motion.run(tree, q, v, a);
     at.C = in_body();
     const int body = tree->frame_body[place.frame];
-    at.V = seen(at.C, motion.bodies.V[body]), at.dV = seen(at.C, motion.bodies.dV[body]);
+    at.V = seen(at.C, motion.bodies.V[body]);
+    at.dV = seen(at.C, motion.bodies.dV[body]);
     for (int i = body; i > 0; i = tree->parent[i]) at.C = motion.bodies.link[i].C_pi * at.C;
   }
 
@@ -116,7 +117,10 @@ void motion_derivatives(const Model& model, Workspace<T>& workspace, Numbers<T> 
     const V6<T> J = body_fixed(d.V_v[c]);
     const auto by_q = motion.at.template in<Rep>(J, body_fixed(d.V_q[c]), body_fixed(d.dV_q[c])),
                by_v = motion.at.template in<Rep>({}, J, body_fixed(d.dV_v[c]));
-    d.V_q[c] = by_q.V, d.dV_q[c] = by_q.dV, d.V_v[c] = by_v.V, d.dV_v[c] = by_v.dV;
+    d.V_q[c] = by_q.V;
+    d.dV_q[c] = by_q.dV;
+    d.V_v[c] = by_v.V;
+    d.dV_v[c] = by_v.dV;
   }
 }
 

@@ -99,17 +99,24 @@ JointDescription joint_of(nb::handle joint) {
   nb::dict drawing, body, here;
   nb::list bodies;
   here["position"] = nb::make_tuple(0, 0, 0);
-  body["name"] = "base", body["joint"] = joint, body["B"] = here;
+  body["name"] = "base";
+  body["joint"] = joint;
+  body["B"] = here;
   bodies.append(body);
   const nb::object follows = nb::isinstance<nb::dict>(joint) ? joint.attr("get")("follows") : nb::none();
   if (nb::isinstance<nb::dict>(follows) && nb::borrow<nb::dict>(follows).contains("joint")) {
     // Its leader is none of this drawing, and readers leave out what follows a joint that they do not know.
     nb::dict leader, moves;
-    moves["name"] = follows["joint"], moves["kind"] = "prismatic", moves["axis"] = "x";
-    leader["name"] = "leader", leader["joint"] = moves, leader["B"] = here;
+    moves["name"] = follows["joint"];
+    moves["kind"] = "prismatic";
+    moves["axis"] = "x";
+    leader["name"] = "leader";
+    leader["joint"] = moves;
+    leader["B"] = here;
     bodies.append(leader);
   }
-  drawing["format"] = "axode drawing 1", drawing["body"] = bodies;
+  drawing["format"] = "axode drawing 1";
+  drawing["body"] = bodies;
   toml::Document document;
   const toml::Value* root = Writer(document).value(drawing, "");
   return io::accept(io::read_drawing(*root, "", Strictness::lenient)).bodies[0].joint;

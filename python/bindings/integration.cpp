@@ -267,7 +267,8 @@ batch::Outcome roll(const States& states, const BoundSpecialised* compiled, cons
   const batch::Outcome outcome =
       roll<float>(std::get<Specialised<float>>(compiled->functions()), steps, states.threads(),
                   cast(states.q()), cast(steps.v), cast(steps.tau), q, v, monitor);
-  std::ranges::copy(q, q_out.begin()), std::ranges::copy(v, v_out.begin());
+  std::ranges::copy(q, q_out.begin());
+  std::ranges::copy(v, v_out.begin());
   return outcome;
 }
 

@@ -113,7 +113,8 @@ template <class A, class B> struct Packing<std::pair<A, B>> {
     return nb::make_tuple(Packing<A>::pack(x.first), Packing<B>::pack(x.second));
   }
   static void unpack(nb::handle from, std::pair<A, B>& x) {
-    Packing<A>::unpack(from[0], x.first), Packing<B>::unpack(from[1], x.second);
+    Packing<A>::unpack(from[0], x.first);
+    Packing<B>::unpack(from[1], x.second);
   }
 };
 template <class E> struct Packing<std::optional<E>> {

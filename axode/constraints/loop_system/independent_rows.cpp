@@ -16,7 +16,8 @@ IndependentRows<T>::IndependentRows(LoopSystem<T>& system, ConstraintLevel level
   system.factorize_rows();
   typename LoopSystem<T>::RowByRow dense(m_, nv_);
   system.write(dense.data());
-  A_ = dense, scale_ = system.scale().head(m_);
+  A_ = dense;
+  scale_ = system.scale().head(m_);
   const Matrix Y = system.Y().leftCols(m_);
   Matrix Q(nv_, std::min(nv_, m_));
   for (int k = 0; k < m_; ++k) {

@@ -103,8 +103,10 @@ template <class T> struct MomentumFirstOrder {
     screws.run(tree, q, zero, v, {});
     screws.compose(*tree.topology());
     for (int i = 1; i <= tree->n; ++i)
-      for (int c = tree->first_screw[i]; c < tree->first_screw[i + 1]; ++c)
-        screws.V_i.set3(screws.dV.get3(0, i), 0, c), screws.V_i.set3(screws.dV.get3(3, i), 3, c);
+      for (int c = tree->first_screw[i]; c < tree->first_screw[i + 1]; ++c) {
+        screws.V_i.set3(screws.dV.get3(0, i), 0, c);
+        screws.V_i.set3(screws.dV.get3(3, i), 3, c);
+      }
     for (int c = 0; c < tree->n_screws; c += L::width) {
       const MovingInertia<Number> moved = screws.subtree_of_columns(c);
       const auto numbers =

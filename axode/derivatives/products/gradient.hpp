@@ -39,7 +39,8 @@ template <class G, class T> struct InverseDynamicsGradient {
   void forward(const Tree<S>& tree, const T* q, const T* v, const T* a, const T* lambda,
                const Vec3<T>& g) noexcept {
     angles.run(tree, q);
-    motion[0] = {}, motion[0].dv = Vector(-g);
+    motion[0] = {};
+    motion[0].dv = Vector(-g);
     body[0] = {};
     for (int i = 1; i <= tree->n; ++i) {
       const Motion& p = motion[tree->parent[i]];
@@ -51,7 +52,8 @@ template <class G, class T> struct InverseDynamicsGradient {
         const int c = tree->iv[i];
         const T s = angles.sine[i - 1], cosine = angles.cosine[i - 1];
         const auto Rt = body_i.rows(s, cosine);
-        b.R = body_i.columns(s, cosine), b.r = Vector(body_i.r);
+        b.R = body_i.columns(s, cosine);
+        b.r = Vector(body_i.r);
         const Factor& r = body_i.r_factor();
         const Vector w = Rt * Spread(p.w);
         x.v = Rt * Spread(p.v + cross(w_p, r));
@@ -64,7 +66,8 @@ template <class G, class T> struct InverseDynamicsGradient {
         const SE3<T> C = any_joint_pose(tree, i, q);
         const Twist<BodyFixed, T> V = any_joint_twist(tree, i, v), dV = any_joint_twist(tree, i, a),
                                   L = any_joint_twist(tree, i, lambda);
-        b.R = Matrix(C.R), b.r = Vector(C.r);
+        b.R = Matrix(C.R);
+        b.r = Vector(C.r);
         const Matrix Rt(transpose(C.R));
         const Factor r(b.r), w_J(Vector(V.w)), v_J(Vector(V.v));
         x.w = Rt * Spread(p.w) + Vector(V.w);
@@ -94,8 +97,10 @@ template <class G, class T> struct InverseDynamicsGradient {
 
   /// Applies a load W on body i, and adds L(·)ᵀ of Λ for the representation in which the load is constant.
   void load(int i, const Wrench<BodyFixed, T>& W, const Wrench<BodyFixed, T>& n) noexcept {
-    body[i].m -= Vector(W.m), body[i].f -= Vector(W.f);
-    body[i].n_m -= Vector(n.m), body[i].n_f -= Vector(n.f);
+    body[i].m -= Vector(W.m);
+    body[i].f -= Vector(W.f);
+    body[i].n_m -= Vector(n.m);
+    body[i].n_f -= Vector(n.f);
   }
 
   /// Adds the part of a body to the gradients.

@@ -33,7 +33,8 @@ template <class G, class T> struct InverseDynamicsTangent {
                const Vec3<T>& g) noexcept {
     angles.run(tree, q);
     Motion x{{}, {}, Vector(-g)}, d{};
-    motion[0] = x, tangent[0] = d;
+    motion[0] = x;
+    tangent[0] = d;
     body[0] = {};
     for (int i = 1; i <= tree->n; ++i) {
       const int p = tree->parent[i];
@@ -45,7 +46,8 @@ template <class G, class T> struct InverseDynamicsTangent {
         const int c = tree->iv[i];
         const T s = angles.sine[i - 1], cosine = angles.cosine[i - 1];
         const auto Rt = body_i.rows(s, cosine);
-        b.R = body_i.columns(s, cosine), b.r = Vector(body_i.r);
+        b.R = body_i.columns(s, cosine);
+        b.r = Vector(body_i.r);
         const Factor& r = body_i.r_factor();
         const Factor w_r(cross(w_p, r)), tw_r(cross(tw_p, r));
         const Vector w = Rt * Spread(x.w), dw = Rt * Spread(x.dw);
@@ -54,7 +56,8 @@ template <class G, class T> struct InverseDynamicsTangent {
         x.a = Rt * Spread(x.a + (cross(dw_p, r) + cross(w_p, w_r)));
         d.a = Rt * Spread(d.a + (cross(tdw_p, r) + (cross(tw_p, w_r) + cross(w_p, tw_r)))) +
               cross_z(x.a, dq[c]);
-        x.w = add_z(w, v[c]), d.w = add_z(tw, dv[c]);
+        x.w = add_z(w, v[c]);
+        d.w = add_z(tw, dv[c]);
         x.dw = add_z(dw + cross_z(w, v[c]), a[c]);
         d.dw = add_z(tdw + cross_z(tw, v[c]) + cross_z(w, dv[c]), da[c]);
       } else {
@@ -62,7 +65,8 @@ template <class G, class T> struct InverseDynamicsTangent {
         const auto S_times = [&](const T* y) { return any_joint_twist(tree, i, y); };
         const Twist<BodyFixed, T> V = S_times(v), A = S_times(a), X = S_times(dq), tV = S_times(dv),
                                   tA = S_times(da);
-        b.R = Matrix(C.R), b.r = Vector(C.r);
+        b.R = Matrix(C.R);
+        b.r = Vector(C.r);
         const Matrix Rt(transpose(C.R));
         const Factor r(b.r), tr(b.R * Spread(Vector(X.v))), X_w((Vector(X.w)));
         const Factor w_J(Vector(V.w)), v_J(Vector(V.v)), tw_J(Vector(tV.w)), tv_J(Vector(tV.v));
@@ -74,7 +78,8 @@ template <class G, class T> struct InverseDynamicsTangent {
         const Vector t_at =
             Rt * Spread(d.a + (cross(tdw_p, r) + cross(dw_p, tr)) + (cross(tw_p, w_r) + cross(w_p, tw_r))) +
             cross(Factor(at), X_w);
-        x.w = w + Vector(V.w), d.w = tw + Vector(tV.w);
+        x.w = w + Vector(V.w);
+        d.w = tw + Vector(tV.w);
         x.dw = dw + cross(Factor(w), w_J) + Vector(A.w);
         d.dw = tdw + cross(Factor(tw), w_J) + cross(Factor(w), tw_J) + Vector(tA.w);
         x.a = at + cross(Factor(w + x.w), v_J) + Vector(A.v);
@@ -95,8 +100,10 @@ template <class G, class T> struct InverseDynamicsTangent {
 
   /// Applies a load W on body i, and its change along the direction.
   void load(int i, const Wrench<BodyFixed, T>& W, const Wrench<BodyFixed, T>& dW) noexcept {
-    body[i].m -= Vector(W.m), body[i].f -= Vector(W.f);
-    body[i].tangent_m -= Vector(dW.m), body[i].tangent_f -= Vector(dW.f);
+    body[i].m -= Vector(W.m);
+    body[i].f -= Vector(W.f);
+    body[i].tangent_m -= Vector(dW.m);
+    body[i].tangent_f -= Vector(dW.f);
   }
 
   /// Adds the part of a body to δτ.

@@ -203,9 +203,11 @@ template <class T> struct SecondOrder {
                     out = line;  // local copies, which no result can overwrite
     Number S[6], psi_2[6], sigma[6], chi_l[6], psi_l[6];
     for (int k = 0; k < 6; ++k) {
-      S[k] = Number(e.array(Part::S + k)[l]), psi_2[k] = Number(e.array(Part::psi_2 + k)[l]);
+      S[k] = Number(e.array(Part::S + k)[l]);
+      psi_2[k] = Number(e.array(Part::psi_2 + k)[l]);
       sigma[k] = Number(e.array(Part::sigma + k)[l]);
-      chi_l[k] = Number(d.array(chi + k)[l]), psi_l[k] = Number(d.array(psi_1 + k)[l]);
+      chi_l[k] = Number(d.array(chi + k)[l]);
+      psi_l[k] = Number(d.array(psi_1 + k)[l]);
     }
     const auto product = [](const Number(&mine)[6], const Arrays<T>& theirs, int part, int c) {
       return theirs.template product<6>(mine, part, c);

@@ -20,7 +20,9 @@ template <class T> struct LoadRates {
       return turned(on.representation, F, X);
     };
     const Wrench<BodyFixed, T> first = L(V_f, on.W), second = L(dV_f, on.W) + L(V_f, first);
-    W[0] = on.back(on.W), W[1] = on.back(first), W[2] = on.back(second);
+    W[0] = on.back(on.W);
+    W[1] = on.back(first);
+    W[2] = on.back(second);
   }
 };
 
@@ -57,7 +59,8 @@ template <class T> struct SecondOrderRecursion<BodyFixed, T> {
 
   void run(const Tree<T>& tree, const T* q, const T* rates, const Loads<T>& loads, T* tau) noexcept {
     const int nv = tree->nv;
-    body[0] = {}, body[0].g = tree.g;
+    body[0] = {};
+    body[0].g = tree.g;
     for (int i = 1; i <= tree->n; ++i) {
       const Body& p = body[tree->parent[i]];
       Body& b = body[i];
@@ -72,8 +75,12 @@ template <class T> struct SecondOrderRecursion<BodyFixed, T> {
       const V6 A_1 = A[2] - ad(S[0], A[1]), U_2 = A_1 - ad(S[1], U) - ad(S[0], U_1);
       const V6 A_2 = A[3] - ad(S[0], A[2]), U_3 = A_2 - ad(S[1], A[1]) - ad(S[0], A_1) - ad(S[2], U) -
                                                   T(2) * ad(S[1], U_1) - ad(S[0], U_2);
-      b.S = S[0], b.dS = S[1];
-      b.V[0] = U + S[0], b.V[1] = U_1 + S[1], b.V[2] = U_2 + S[2], b.V[3] = U_3 + S[3];
+      b.S = S[0];
+      b.dS = S[1];
+      b.V[0] = U + S[0];
+      b.V[1] = U_1 + S[1];
+      b.V[2] = U_2 + S[2];
+      b.V[3] = U_3 + S[3];
       b.g = transpose(b.C.R) * p.g;
 
       const auto M = [&](const V6& X) {
@@ -223,7 +230,9 @@ template <class T> struct SecondOrderRecursion<Hybrid, T> {
     const auto inertial = [&](int k) { return W6{b.R * rates.W[k].m, b.R * rates.W[k].f}; };
     const W6 W = inertial(0), W_1 = inertial(1) + turn(w, W),
              W_2 = inertial(2) + turn(w, inertial(1)) + turn(dw, W) + turn(w, W_1);
-    b.F[0] -= W, b.F[1] -= W_1, b.F[2] -= W_2;
+    b.F[0] -= W;
+    b.F[1] -= W_1;
+    b.F[2] -= W_2;
   }
 };
 

@@ -84,9 +84,13 @@ template <class T> struct SecondOrderTensors {
     const Motion6<Number> S = load6(screws.S, c), psi = ad(load6(screws.V_p, c), S);
     CoriolisInertia<Number> of_psi = CoriolisInertia<Number>::of(moved.M, psi);
     of_psi += moved.B.along(S);
-    psi_1.store3(psi.w, 0, c), psi_1.store3(psi.v, 3, c);
+    psi_1.store3(psi.w, 0, c);
+    psi_1.store3(psi.v, 3, c);
     const auto store = [&](const CoriolisInertia<Number>& B, const Arrays<T>& to) {
-      to.store3(B.D.x, 0, c), to.store3(B.D.y, 3, c), to.store3(B.D.z, 6, c), to.store3(B.p, 9, c);
+      to.store3(B.D.x, 0, c);
+      to.store3(B.D.y, 3, c);
+      to.store3(B.D.z, 6, c);
+      to.store3(B.p, 9, c);
     };
     store(CoriolisInertia<Number>::of(moved.M, S), B_S);
     store(of_psi, B_psi);
@@ -123,7 +127,8 @@ template <class T> struct SecondOrderTensors {
     const Vec3<Number> t = spread(first.effect, Part::t);
     for (int c = 0; c < d.end; c += L::width) {
       const auto store = [&](const Wrench<Spatial, Number>& W, int to) {
-        wrench.store3(W.m, 6 * to, c), wrench.store3(W.f, 6 * to + 3, c);
+        wrench.store3(W.m, 6 * to, c);
+        wrench.store3(W.f, 6 * to + 3, c);
       };
       const Motion6<Number> S = load6(path_S, c), psi = load6(path_psi, c), psi_2 = load6(path_psi_2, c),
                             sigma = load6(path_sigma, c);
@@ -177,10 +182,13 @@ template <class T> struct SecondOrderTensors {
     const auto x = [&](Products of, int l) { return line.array(of)[l]; };
     for (int l = 0; l < end_j; ++l) {
       const std::ptrdiff_t v_l = velocity[l], lj = at(d.v, v_l, v_j), jl = at(d.v, v_j, v_l);
-      out.qq[lj] += x(H, l), out.qv[lj] -= x(f, l);
+      out.qq[lj] += x(H, l);
+      out.qv[lj] -= x(f, l);
       if (l < begin_j) {
-        out.qq[jl] += x(H, l), out.qv[jl] += x(h, l);
-        out.vv[lj] -= x(b, l), out.vv[jl] -= x(b, l);
+        out.qq[jl] += x(H, l);
+        out.qv[jl] += x(h, l);
+        out.vv[lj] -= x(b, l);
+        out.vv[jl] -= x(b, l);
         out.aq[lj] += x(u, l);
       } else {
         out.vv[lj] -= x(b, l) + x(u, l);
@@ -189,10 +197,14 @@ template <class T> struct SecondOrderTensors {
     if (begin_j == d.begin) return;
     for (int l = 0; l < d.end; ++l) {
       const std::ptrdiff_t v_l = velocity[l], ld = at(v_j, v_l, d.v), dl = at(v_j, d.v, v_l);
-      out.qq[ld] += x(G, l), out.qv[ld] += x(also_f, l), out.vv[ld] += x(b, l);
+      out.qq[ld] += x(G, l);
+      out.qv[ld] += x(also_f, l);
+      out.vv[ld] += x(b, l);
       if (l >= end_j) out.aq[dl] -= x(u, l);
       if (l >= d.begin) continue;
-      out.qq[dl] += x(G, l), out.qv[dl] += x(g, l), out.vv[dl] += x(b, l);
+      out.qq[dl] += x(G, l);
+      out.qv[dl] += x(g, l);
+      out.vv[dl] += x(b, l);
       out.aq[ld] += x(b, l) + x(u, l);
     }
   }

@@ -118,13 +118,17 @@ class FloatingBases {
   void move(const Root& root, const Vec3<>& by, double* q) const {
     const Vec3<> d = transpose(tree_->B[size(root.body)].R) * by;
     double* const r = q + (*tree_)->iq[root.body] + 4;
-    r[0] += d.x, r[1] += d.y, r[2] += d.z;
+    r[0] += d.x;
+    r[1] += d.y;
+    r[2] += d.z;
   }
   void add(double sign, double t, double* q, double* v) const {
     for (const Root& root : roots_) {
       const Vec3<> u = transpose(pose(root, q).R) * (root.u + t * tree_->g);
       double* const linear = v + first(root) + 3;
-      linear[0] += sign * u.x, linear[1] += sign * u.y, linear[2] += sign * u.z;
+      linear[0] += sign * u.x;
+      linear[1] += sign * u.y;
+      linear[2] += sign * u.z;
       move(root, (sign * t) * (root.u + (0.5 * t) * tree_->g), q);
     }
   }

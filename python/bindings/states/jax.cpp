@@ -385,8 +385,11 @@ nb::dict structure(const BoundModel& m) {
   }
   for (const Frame& frame : m->frames()) frames.append(frame.body);
   nb::dict all;
-  all["screw_body"] = bodies, all["screw_velocity"] = velocities, all["screw_ratio"] = ratios;
-  all["parent"] = parents, all["frame_body"] = frames;
+  all["screw_body"] = bodies;
+  all["screw_velocity"] = velocities;
+  all["screw_ratio"] = ratios;
+  all["parent"] = parents;
+  all["frame_body"] = frames;
   return all;
 }
 

@@ -68,7 +68,8 @@ nb::object rollout_derivatives_of(const BoundModel& m, ArrayLike q, ArrayLike v,
       found = step_derivatives(*m, workspace, q_k, v_k, motions.tau[n].subspan(k * width, width), step,
                                {q_1, v_1, A_n.subspan(k * 4 * width * width, 4 * width * width),
                                 B_n.subspan(k * 2 * width * width, 2 * width * width)});
-      q_k.swap(q_1), v_k.swap(v_1);
+      q_k.swap(q_1);
+      v_k.swap(v_1);
     }
     return found;
   });

@@ -14,7 +14,8 @@ namespace axode::python {
 inline void write(const Vec3<>& a, double* to) { to[0] = a.x, to[1] = a.y, to[2] = a.z; }
 template <class Screwlike> void write_screw(const Screwlike& X, double* to) {
   const auto& [a, b] = X;
-  write(a, to), write(b, to + 3);
+  write(a, to);
+  write(b, to + 3);
 }
 void write(const SE3<>& C, double* to);
 
