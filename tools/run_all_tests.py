@@ -311,6 +311,13 @@ def check_tests(jobs, costs):
         sys.executable, f"tools/{tool}.py", "--jobs", str(jobs))) else "failed" for tool in ("ledger_coverage", "mutants")}
 
 
+def validate(costs):
+    """Published motions, and motions in closed form, are computed within their bounds."""
+    passed = costs.measure("validation", "build", lambda: run("make", "python")) and costs.measure(
+        "validation", "run", lambda: run(str(PYTHON), "tools/validation.py"))
+    return {"validation": "passed" if passed else "failed"}
+
+
 def measure_speed(jobs, costs):
     """The benchmarks run to their end."""
     if not costs.measure("bench", "run", lambda: run("make", "bench", f"JOBS={jobs}")):
@@ -338,6 +345,7 @@ def main():
         runs["docs"] = lambda: build_site(jobs, costs)
         runs["lint"] = lambda: lint(jobs, costs)
         runs["coverage"] = lambda: check_tests(jobs, costs)
+        runs["validation"] = lambda: validate(costs)
         runs["bench"] = lambda: measure_speed(jobs, costs)
     elif not arguments.bridges:
         bridges -= NIGHTLY_BRIDGES
