@@ -63,22 +63,24 @@ def block(name, found):
     sources = ""
     for case, measurements in found.items():
         for source in dict.fromkeys(comparison.source for comparison, _ in measurements):
-            sources += textwrap.fill(f"* {case}: {source}", 110, subsequent_indent="  ", break_long_words=False,
-                                     break_on_hyphens=False) + "\n"
+            sources += textwrap.fill(f"* {case}: {source}", 110, subsequent_indent="  ",
+                                     break_long_words=False, break_on_hyphens=False) + "\n"
     return f"{table}\n{sources}"
 
 
 def refresh(page, name, text):
     begin, end = re.escape(f"<!-- {name} -->\n"), re.escape("<!-- end -->")
-    old = page.read_text(encoding="utf-8")
-    new, found = re.subn(f"({begin}).*?({end})", lambda match: match[1] + text + match[2], old, flags=re.DOTALL)
+    new, found = re.subn(f"({begin}).*?({end})", lambda match: match[1] + text + match[2],
+                         page.read_text(encoding="utf-8"), flags=re.DOTALL)
     if found != 1:
-        raise SystemExit(f"{page}: expected one table between <!-- {name} --> and <!-- end -->, found {found}")
+        raise SystemExit(f"{page}: expected one table between <!-- {name} --> and <!-- end -->, found {found}; "
+                         "the command writes between these lines")
     page.write_text(new, encoding="utf-8")
 
 
 def main():
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser = argparse.ArgumentParser(description=__doc__,
+                                     formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("page", type=Path, nargs="?", help="the page to refresh, docs/validation.md")
     parser.add_argument("--only", nargs="+", choices=CASES, metavar="CASE",
                         help=f"cases to compute, and no page: {', '.join(CASES)}")

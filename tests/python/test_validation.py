@@ -38,8 +38,8 @@ def test_rows_are_within_their_bounds_and_on_the_page(validation, section):
 @pytest.mark.parametrize("error", [2e-3, np.nan])
 def test_a_number_that_exceeds_its_bound_fails_the_command(validation, monkeypatch, tmp_path, capsys, error):
     def wrong():
-        scheme = validation.closed_forms.Scheme(rtol=1e-6)
-        yield validation.closed_forms.Comparison("length, m", [1, 2 + error], [1, 2], 1e-3, scheme, "A drawing.")
+        case = validation.closed_forms
+        yield case.Comparison("length, m", [1, 2 + error], [1, 2], 1e-3, case.Scheme(rtol=1e-6), "A drawing.")
 
     page = tmp_path / "page.md"
     page.write_text("before\n<!-- lengths -->\nold\n<!-- end -->\nafter\n")

@@ -11,11 +11,14 @@ FOLDER = Path(__file__).resolve().parent
 
 
 class Scheme:
-    """A method of `axode.simulate` with its step (s) or its relative tolerance."""
+    """A method of `axode.simulate` with its step (s) or its relative tolerance, and its coordinates."""
 
-    def __init__(self, method="dopri5", *, step=None, rtol=None):
-        self.options = {"method": method, "step": step} if step else {"rtol": rtol, "atol": rtol / 100}
+    def __init__(self, method="dopri5", *, step=None, rtol=None, coordinates="relative"):
+        self.options = {"method": method, "coordinates": coordinates}
+        self.options |= {"step": step} if step else {"rtol": rtol, "atol": rtol / 100}
         self.name = f"`{method}`, " + (f"{step:g} s" if step else f"rtol = {rtol:.0e}".replace("e-0", "e-"))
+        if coordinates != "relative":
+            self.name += f", `{coordinates}`"
 
     def states(self, m, q, v, times, **forces):
         """q and v at times after 0, shapes (N, nq) and (N, nv)."""

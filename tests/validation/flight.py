@@ -50,8 +50,8 @@ def fly(scheme, mass, inertia, height, velocity, rates, air=None):
 
     The flight begins over latitude and longitude 0 with the axes of the body to the north, east and down.
     `velocity` (m/s) is relative to the Earth, `rates` (rad/s) are inertial, both in these axes. The wrench
-    `air(rates, earth, V, height)` depends on the inertial rates of the body and of the Earth and on the velocity
-    V relative to the air, all in the axes of the body.
+    `air(rates, earth, V, height)` depends on the inertial rates of the body and of the Earth and on the
+    velocity V relative to the air, all in the axes of the body.
     """
     b = axode.Builder("flight", [0, 0, 0])
     m = b.body("body", joint="free", mass=mass, com=[0, 0, 0], inertia=inertia).build()
