@@ -1,6 +1,7 @@
 #include "apps/files/state.hpp"
 
 #include <random>
+#include <utility>
 
 #include "axode/model/configuration.hpp"
 
@@ -22,6 +23,14 @@ State neutral_state(const Model& model) {
           .w = std::vector<double>(rest.size(), 1.0),
           .loads = {},
           .targets = {}};
+}
+
+State starting_state(const Model& model) {
+  State state = neutral_state(model);
+  InitialState start = initial_state(model);
+  state.q = std::move(start.q);
+  state.v = std::move(start.v);
+  return state;
 }
 
 State random_state(const Model& model) {

@@ -23,6 +23,9 @@ struct State {
 /// The state with every joint at zero and at rest, without forces.
 State neutral_state(const Model& model);
 
+/// The state in which a motion starts, as the description says, without forces.
+State starting_state(const Model& model);
+
 /// A state in motion that is the same in every call, without forces.
 State random_state(const Model& model);
 

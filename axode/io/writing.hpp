@@ -21,6 +21,12 @@ class Unsaid {
                        what + "; " + format_ + " has no word for it" + (strict ? "" : ", and it is left out"),
                        source});
   }
+  /// Notes that the initial state and the prescribed motions of a mechanism are left out.
+  void leave_out_motions(const Description& d) {
+    for (const MotionDescription& motion : d.motions)
+      leave_out("motion of \"" + motion.of + '"', "is prescribed", motion.source);
+    if (d.state) leave_out("state", "is where a motion starts", d.state->source);
+  }
   /// Notes an error, also if the writer is lenient, because bodies and joints would move differently without
   /// the element.
   void refuse(std::string element, std::string message, const Source& source) {

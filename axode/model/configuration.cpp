@@ -5,7 +5,9 @@
 #include <numbers>
 #include <random>
 #include <stdexcept>
+#include <string_view>
 #include <type_traits>
+#include <unordered_map>
 
 namespace axode {
 namespace {
@@ -80,6 +82,18 @@ std::vector<double> neutral(const Model& model) {
     std::ranges::copy(s.neutral(), q.begin() + joint.iq);
   });
   return q;
+}
+
+InitialState initial_state(const Model& model) {
+  InitialState state{neutral(model), std::vector<double>(model.nv())};
+  if (!model.description().state) return state;
+  std::unordered_map<std::string_view, const Joint*> joints;
+  for (const Joint& joint : model.joints()) joints.emplace(joint.name, &joint);
+  for (const auto& [name, numbers] : model.description().state->q)
+    std::ranges::copy(numbers, state.q.begin() + joints.at(name)->iq);
+  for (const auto& [name, numbers] : model.description().state->v)
+    std::ranges::copy(numbers, state.v.begin() + joints.at(name)->iv);
+  return state;
 }
 
 std::vector<double> random_configurations(const Model& model, std::uint64_t seed, std::size_t n) {

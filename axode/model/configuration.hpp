@@ -13,6 +13,14 @@ namespace axode {
 /// The configuration with every coordinate 0 and every quaternion the identity.
 std::vector<double> neutral(const Model& model);
 
+/// A configuration and velocities.
+struct InitialState {
+  std::vector<double> q, v;  ///< nq and nv numbers
+};
+/// The state in which a motion of the mechanism starts, as its description says: see
+/// InitialStateDescription. Joints that the description does not name are at 0 and at rest.
+InitialState initial_state(const Model& model);
+
 /// A random configuration within the limits, uniform for each joint: unlimited angles in [-π, π], unlimited
 /// lengths in [-1, 1] m, rotations uniform on SO(3). The same seed gives the same configuration.
 std::vector<double> random_configuration(const Model& model, std::uint64_t seed);

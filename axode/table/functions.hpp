@@ -25,66 +25,85 @@ inline constexpr std::string_view screws = "rad/s, m/s", rates = "rad/s^2, m/s^2
 /// and friction act as well if a caller enables them.
 inline constexpr std::string_view add_springs = "spring_forces(q, v) are to be added to tau",
                                   subtract_springs = "spring_forces(q, v) are to be subtracted from tau";
+/// A prescribed motion is a force on its joint or along its rod. Functions for a given motion of the mechanism
+/// ignore it; accelerations, and what follows from them, depend on the time if there are such motions.
+inline constexpr Count at_a_time =
+    refused("simulate and forward_dynamics_at count them, because they know the time");
 inline constexpr Counts of_motion{.loops = of_the_tree(),
                                   .passive_joints = of_the_tree(),
                                   .springs = of_the_tree(),
-                                  .joint_losses = of_the_tree()};
+                                  .joint_losses = of_the_tree(),
+                                  .motions = of_the_tree()};
 inline constexpr Counts of_loads{.loops = of_the_tree(),
                                  .passive_joints = of_the_tree(),
                                  .springs = of_the_tree(),
-                                 .joint_losses = optional};
+                                 .joint_losses = optional,
+                                 .motions = of_the_tree()};
 inline constexpr Counts of_columns{
     .loops = of_the_tree("loops allow only velocities v with loop_jacobian(q) v = 0"),
     .passive_joints = of_the_tree(),
     .springs = of_the_tree(),
-    .joint_losses = of_the_tree()};
+    .joint_losses = of_the_tree(),
+    .motions = of_the_tree()};
 inline constexpr Counts of_terms{
     .loops = of_the_tree(
         "independent_equations has the terms that belong to independent velocities of closed loops"),
     .passive_joints = of_the_tree(),
     .springs = of_the_tree(),
-    .joint_losses = of_the_tree()};
+    .joint_losses = of_the_tree(),
+    .motions = of_the_tree()};
 inline constexpr Counts of_gravity{
     .loops = of_the_tree(
         "inverse_dynamics with v = a = 0 gives the drive forces that hold a mechanism with loops"),
     .passive_joints = of_the_tree(),
     .springs = of_the_tree(),
-    .joint_losses = of_the_tree()};
+    .joint_losses = of_the_tree(),
+    .motions = of_the_tree()};
 inline constexpr Counts of_springs{.loops = of_the_tree(),
                                    .passive_joints = of_the_tree(),
                                    .springs = counted,
-                                   .joint_losses = of_the_tree()};
+                                   .joint_losses = of_the_tree(),
+                                   .motions = of_the_tree()};
 inline constexpr Counts of_forces{
     .loops = counted,
     .passive_joints = {Word::optional, "a LoopWorkspace, or drives in Python, leaves them without forces"},
     .springs = of_the_tree(subtract_springs),
-    .joint_losses = optional};
-inline constexpr Counts of_wrenches{
-    .loops = counted, .passive_joints = of_the_tree(), .springs = of_the_tree(), .joint_losses = optional};
+    .joint_losses = optional,
+    .motions = of_the_tree("tau has the forces that they take")};
+inline constexpr Counts of_wrenches{.loops = counted,
+                                    .passive_joints = of_the_tree(),
+                                    .springs = of_the_tree(),
+                                    .joint_losses = optional,
+                                    .motions = of_the_tree()};
 inline constexpr Counts of_accelerations{.loops = counted,
                                          .passive_joints = of_the_tree(),
                                          .springs = of_the_tree(add_springs),
-                                         .joint_losses = optional};
+                                         .joint_losses = optional,
+                                         .motions = at_a_time};
 inline constexpr Counts of_impulses{.loops = counted,
                                     .passive_joints = of_the_tree(),
                                     .springs = of_the_tree(),
-                                    .joint_losses = of_the_tree()};
+                                    .joint_losses = of_the_tree(),
+                                    .motions = refused("reduced locks the joints that they move")};
 inline constexpr Counts of_momentum_form{
     .loops = refused("forward_dynamics counts them; momenta(q, v) of its motion are those of the mechanism"),
     .passive_joints = of_the_tree(),
     .springs = of_the_tree(add_springs),
-    .joint_losses = optional};
+    .joint_losses = optional,
+    .motions = at_a_time};
 inline constexpr Counts of_derivatives_of_forces{
     .loops = refused("forward_dynamics_derivatives and independent_linearization count them"),
     .passive_joints = of_the_tree(),
     .springs = of_the_tree("spring_force_derivatives(q, v) are to be subtracted"),
-    .joint_losses = optional};
+    .joint_losses = optional,
+    .motions = of_the_tree()};
 inline constexpr Counts of_derivatives_of_accelerations{
     .loops =
         refused("forward_dynamics_derivatives, forward_dynamics_jvp and forward_dynamics_vjp count them"),
     .passive_joints = of_the_tree(),
     .springs = of_the_tree(add_springs),
-    .joint_losses = optional};
+    .joint_losses = optional,
+    .motions = at_a_time};
 
 }  // namespace table
 

@@ -62,7 +62,15 @@ std::string to_string(const Counts& counts) {
   return line + ".";
 }
 
+void refuse_motions(std::string_view function, std::string_view instead, const Model& model) {
+  if (model.motions().empty()) return;
+  throw std::invalid_argument(std::string(function) + " does not count prescribed motions, and model \"" +
+                              model.name() + "\" has " + std::to_string(model.motions().size()) + "; " +
+                              std::string(instead));
+}
+
 void check_counts(std::string_view function, const Counts& counts, const Model& model, Way way) {
+  if (counts.motions.word == Word::refused) refuse_motions(function, counts.motions.sentence, model);
   if (model.loops().empty()) return;
   const auto& [word, sentence] = counts.loops;
   if (word == Word::of_the_tree || (word == Word::counted && way == Way::whole)) return;

@@ -303,8 +303,8 @@ void write_escaped(const std::string& text, std::ostream& out) {
 }  // namespace
 
 std::vector<double> first_configuration(const Model& model, const std::function<bool()>& monitor) {
-  std::vector<double> q = neutral(model);
-  if (model.loops().empty()) return q;
+  std::vector<double> q = initial_state(model).q;
+  if (model.loops().empty() && model.motions().empty()) return q;
   AssemblyResult closed = assemble(model, q, {}, {.monitor = monitor});
   return closed.status == AssemblyStatus::closed ? std::move(closed.q) : q;
 }

@@ -6,6 +6,7 @@
 
 #include "axode/io.hpp"
 #include "axode/io/drawing/drawing_loops.hpp"
+#include "axode/io/drawing/drawing_motion.hpp"
 #include "axode/model/building/placement.hpp"
 #include "axode/model/joint_kinds.hpp"
 #include "axode/model/shape_kinds.hpp"
@@ -377,6 +378,8 @@ void read_top(Table& top, Description& description) {
   read_all(top, "spring", read_spring, description.springs);
   read_all(top, "loop", read_loop, description.loops);
   read_all(top, "coupling", read_coupling, description.couplings);
+  read_all(top, "motion", read_motion, description.motions);
+  read_state(top, description.state);
   top.finish();
 }
 

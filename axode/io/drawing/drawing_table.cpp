@@ -112,6 +112,41 @@ std::vector<std::pair<std::string, double>> Table::named_numbers(std::string_vie
   return all;
 }
 
+std::optional<std::vector<double>> Table::list(std::string_view key, std::string_view need) {
+  const toml::Value* node = take(key);
+  if (node == nullptr) return std::nullopt;
+  std::vector<double> all;
+  const auto* array = node->array();
+  bool good = array != nullptr;
+  for (std::size_t k = 0; good && k < array->size(); ++k) {
+    const toml::Value& entry = *(*array)[k];
+    good = entry.number() != nullptr;
+    if (!good) break;
+    if (!finite(key, entry, *entry.number(), false)) return std::nullopt;
+    all.push_back(*entry.number());
+  }
+  if (good) return all;
+  wrong(key, *node, need);
+  return std::nullopt;
+}
+
+std::vector<std::pair<std::string, std::vector<double>>> Table::named_lists(std::string_view key) {
+  std::vector<std::pair<std::string, std::vector<double>>> all;
+  auto inner = table(key);
+  if (!inner) return all;
+  inner->rename(std::string(key) + " of " + element_);
+  for (const auto& [name, entry] : inner->entries_) {
+    if (!printable(name))
+      inner->error(Rule::wrong_value, in_quotes(name) + " must not hold control characters", entry.value);
+    if (entry.value->number() != nullptr) {
+      if (const auto x = inner->number(name)) all.emplace_back(name, std::vector{*x});
+    } else if (auto x = inner->list(name, "it needs a number, or numbers in brackets")) {
+      all.emplace_back(name, std::move(*x));
+    }
+  }
+  return all;
+}
+
 std::optional<Sym3<>> Table::symmetric(std::string_view key) {
   const toml::Value* node = look(key);
   const auto* array = node == nullptr ? nullptr : node->array();

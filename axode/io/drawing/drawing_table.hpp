@@ -135,6 +135,10 @@ class Table {
   std::optional<std::array<std::string, 2>> pair_of_names(std::string_view key, std::string_view need);
   /// All keys of a table, with the number of each.
   std::vector<std::pair<std::string, double>> named_numbers(std::string_view key);
+  /// The numbers of an array of any length. Its numbers are finite.
+  std::optional<std::vector<double>> list(std::string_view key, std::string_view need);
+  /// All keys of a table, each with one number or an array of them.
+  std::vector<std::pair<std::string, std::vector<double>>> named_lists(std::string_view key);
   /// A symmetric tensor, given by Ixx Iyy Izz, by Ixx Iyy Izz Ixy Ixz Iyz, or by the rows of a symmetric
   /// matrix.
   std::optional<Sym3<>> symmetric(std::string_view key);

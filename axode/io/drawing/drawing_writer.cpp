@@ -32,6 +32,11 @@ std::string text(std::string_view s) {
   }
   return out + '"';
 }
+std::string text(const std::vector<double>& numbers) {
+  std::string out = "[";
+  for (const double x : numbers) out += (out.size() > 1 ? ", " : "") + text(x);
+  return out + "]";
+}
 std::string text(const Vec3<>& a) { return "[" + text(a.x) + ", " + text(a.y) + ", " + text(a.z) + "]"; }
 std::string text(const SO3<>& R) {
   const SO3<> rows = transpose(R);
@@ -75,6 +80,8 @@ class DrawingWriter {
     for (const SpringDescription& spring : d.springs) write(spring);
     for (const LoopDescription& loop : d.loops) write(loop);
     for (const CouplingDescription& coupling : d.couplings) write(coupling);
+    for (const MotionDescription& motion : d.motions) write(motion);
+    if (d.state) write(*d.state);
   }
 
  private:
@@ -247,6 +254,53 @@ class DrawingWriter {
       all += (all.empty() ? " " : ", ") + text(joint) + " = " + text(factor);
     line("terms", "{" + all + " }");
     if (coupling.offset != 0) line("offset", text(coupling.offset));
+  }
+
+  void write(const MotionDescription& motion) {
+    using Kind = MotionDescription::Kind;
+    out_ << "\n[[motion]]\n";
+    if (!motion.name.empty()) line("name", text(motion.name));
+    line("of", text(motion.of));
+    switch (motion.kind) {
+      case Kind::harmonic:
+        line("kind", text("harmonic"));
+        if (motion.offset != 0) line("offset", text(motion.offset));
+        line("amplitude", text(motion.amplitude));
+        line("frequency", text(motion.frequency));
+        if (motion.phase != 0) line("phase", text(motion.phase));
+        break;
+      case Kind::ramp:
+        line("kind", text("ramp"));
+        if (motion.from != 0) line("from", text(motion.from));
+        line("to", text(motion.to));
+        if (motion.start != 0) line("start", text(motion.start));
+        line("end", text(motion.end));
+        break;
+      case Kind::polynomial:
+        line("kind", text("polynomial"));
+        line("coefficients", text(motion.coefficients));
+        break;
+      case Kind::samples:
+        line("kind", text("samples"));
+        line("times", text(motion.times));
+        line("values", text(motion.values));
+        break;
+    }
+  }
+
+  /// Writes the initial state with its joints sorted by name, which is also the order in which they are read.
+  void write(const InitialStateDescription& state) {
+    out_ << "\n[state]\n";
+    if (!state.q.empty()) line("q", by_joint(state.q));
+    if (!state.v.empty()) line("v", by_joint(state.v));
+  }
+  static std::string by_joint(std::vector<std::pair<std::string, std::vector<double>>> all) {
+    std::ranges::sort(all);
+    std::string joined;
+    for (const auto& [joint, numbers] : all)
+      joined += (joined.empty() ? " " : ", ") + text(joint) + " = " +
+                (numbers.size() == 1 ? text(numbers[0]) : text(numbers));
+    return "{" + joined + " }";
   }
 
   std::ostream& out_;

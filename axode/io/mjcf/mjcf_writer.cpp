@@ -168,6 +168,7 @@ class MjcfWriter {
   // ---------------------------------------------------------------- what MJCF has no words for
 
   void find_faults() {
+    unsaid_.leave_out_motions(d_);
     const std::vector<char> has_mass = with_mass();
     shapes_unsaid(d_.shapes, "the ground", d_.source, unsaid_);
     for (const int i : order_.order) {

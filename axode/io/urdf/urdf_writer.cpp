@@ -94,6 +94,7 @@ void find_unsaid(const Description& d, io::Unsaid& unsaid) {
         "coupling \"" + coupling_name(d.couplings[k], k) + '"',
         "is one of the coordinates of " + std::to_string(d.couplings[k].terms.size()) + " joints",
         d.couplings[k].source);
+  unsaid.leave_out_motions(d);
 }
 
 class UrdfWriter {

@@ -6,6 +6,7 @@
 #include "axode/model/building/compilation.hpp"
 #include "axode/model/building/inspection.hpp"
 #include "axode/model/building/nearest_name.hpp"
+#include "axode/model/building/placement.hpp"
 
 namespace axode {
 namespace {
@@ -37,6 +38,14 @@ ModelBuilder& ModelBuilder::add(LoopDescription loop) {
 }
 ModelBuilder& ModelBuilder::add(CouplingDescription coupling) {
   description_.couplings.push_back(std::move(coupling));
+  return *this;
+}
+ModelBuilder& ModelBuilder::add(MotionDescription motion) {
+  description_.motions.push_back(std::move(motion));
+  return *this;
+}
+ModelBuilder& ModelBuilder::state(InitialStateDescription state) {
+  description_.state = std::move(state);
   return *this;
 }
 ModelBuilder& ModelBuilder::gravity(const Vec3<>& g) {
@@ -109,8 +118,12 @@ Description with_fixed_base(Description description) {
       taken = taken || body.joint.name == "fixed_base";
     }
   }
-  for (BodyDescription* body : roots)
+  std::unordered_set<std::string> freed;
+  for (BodyDescription* body : roots) {
+    freed.insert(joint_name(*body));
     body->joint = {.name = roots.size() == 1 && !taken ? "fixed_base" : "", .source = body->joint.source};
+  }
+  leave_out_state(description, freed, "is left out, because the base is fixed now");
   return description;
 }
 

@@ -32,6 +32,8 @@ class ModelBuilder {
   ModelBuilder& add(SpringDescription spring);
   ModelBuilder& add(LoopDescription loop);
   ModelBuilder& add(CouplingDescription coupling);
+  ModelBuilder& add(MotionDescription motion);
+  ModelBuilder& state(InitialStateDescription state);
   ModelBuilder& gravity(const Vec3<>& g);  ///< m/s², in the construction frame
 
   /// The description of a body, which may be changed. Throws std::invalid_argument for an unknown name.

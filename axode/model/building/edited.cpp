@@ -6,6 +6,7 @@
 #include <string>
 #include <unordered_map>
 #include <unordered_set>
+#include <utility>
 
 #include "axode/model/building/builder.hpp"
 #include "axode/model/building/nearest_name.hpp"
@@ -89,6 +90,17 @@ void mount(LoopDescription& loop, const Mount& at) {
 }
 void mount(CouplingDescription& coupling, const Mount& at) {
   for (auto& [joint, factor] : coupling.terms) joint = at.renamed(joint);
+}
+void mount(MotionDescription& motion, const Mount& at) {
+  if (!motion.name.empty()) motion.name = at.renamed(motion.name);
+  motion.of = at.renamed(motion.of);
+}
+/// The initial state of both mechanisms; that of the mounted one is added to `into`.
+void mount(const InitialStateDescription& state, const Mount& at,
+           std::optional<InitialStateDescription>& into) {
+  if (!into) into.emplace().source = state.source;
+  for (const auto& [joint, numbers] : state.q) into->q.emplace_back(at.renamed(joint), numbers);
+  for (const auto& [joint, numbers] : state.v) into->v.emplace_back(at.renamed(joint), numbers);
 }
 template <class Part> void mount_all(std::vector<Part>& parts, const Mount& at, std::vector<Part>& into) {
   for (Part& part : parts) {
@@ -174,6 +186,8 @@ Model append(const Model& model, std::string_view frame, const Model& other, std
   mount_all(mounted.springs, at, description.springs);
   mount_all(mounted.loops, at, description.loops);
   mount_all(mounted.couplings, at, description.couplings);
+  mount_all(mounted.motions, at, description.motions);
+  if (mounted.state) mount(*mounted.state, at, description.state);
   description.warnings.insert(description.warnings.end(), mounted.warnings.begin(), mounted.warnings.end());
   return built(std::move(description));
 }
@@ -206,6 +220,18 @@ void check_may_be_reversed(const JointDescription& joint, bool base) {
         "take them away first");
 }
 
+/// Leaves out the initial state of joints on the path from the new root to the old one that have several
+/// velocities, and of the free joint of the root: reversed joints have other coordinates.
+void drop_reversed_state(Description& description, const std::vector<std::size_t>& path,
+                         const JointDescription& held) {
+  std::unordered_set<std::string> reversed;
+  if (held.kind == JointKind::free) reversed.insert(held.name);
+  for (const std::size_t d : path)
+    if (const JointDescription& joint = description.bodies[d].joint; traits(joint.kind).dof > 1)
+      reversed.insert(joint.name);
+  leave_out_state(description, reversed, "is left out, because the joint has another predecessor now");
+}
+
 }  // namespace
 
 Model rerooted(const Model& model, std::string_view body) {
@@ -227,7 +253,10 @@ Model rerooted(const Model& model, std::string_view body) {
                                 "\" hangs on the ground by the joint \"" + held.name + "\", which is " +
                                 std::string(to_string(held.kind)) +
                                 "; only a root that is fixed or free can change places with another body");
-  if (path.size() > 1) check_may_be_reversed(held, true);
+  if (path.size() > 1) {
+    check_may_be_reversed(held, true);
+    drop_reversed_state(description, path, held);
+  }
   // A joint with the displacement C in its frames is reversed with C⁻¹, which is the same coordinate about
   // -z.
   for (std::size_t k = path.size() - 1; k > 0; --k) {

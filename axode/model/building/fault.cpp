@@ -31,6 +31,8 @@ std::string_view to_string(Rule rule) {
     case Rule::unknown_spring_frame: return "unknown_spring_frame";
     case Rule::unknown_loop_frame: return "unknown_loop_frame";
     case Rule::loop_within_body: return "loop_within_body";
+    case Rule::unknown_state_joint: return "unknown_state_joint";
+    case Rule::unknown_motion_target: return "unknown_motion_target";
     case Rule::no_base: return "no_base";
     case Rule::unreadable_file: return "unreadable_file";
     case Rule::syntax: return "syntax";

@@ -40,6 +40,8 @@ enum class Rule {
   unknown_spring_frame,
   unknown_loop_frame,
   loop_within_body,
+  unknown_state_joint,
+  unknown_motion_target,
   no_base,
   unreadable_file,
   syntax,

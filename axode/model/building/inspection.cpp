@@ -48,6 +48,8 @@ class Inspection {
       loop({faults_, "loop " + quoted(loop_name(it, k)), it.source}, it);
     }
     couplings();
+    if (!description_.motions.empty()) motions();
+    if (description_.state) state(*description_.state);
     return std::move(faults_.all);
   }
 
@@ -204,9 +206,8 @@ class Inspection {
                                  std::string_view role) -> const BodyDescription* {
       const auto found = joints.find(name);
       if (found == joints.end()) {
-        at.error(Rule::coupling_unknown_joint,
-                 says + " joint " + quoted(name) + ", which is not described" +
-                     nearest(name, expanded.bodies, [](const BodyDescription& b) { return b.joint.name; }));
+        at.error(Rule::coupling_unknown_joint, says + " joint " + quoted(name) + ", which is not described" +
+                                                   nearest_joint(name, expanded));
         return nullptr;
       }
       const JointKind kind = found->second->joint.kind;
@@ -249,6 +250,70 @@ class Inspection {
         named_joint(at, "has a term of", name, "be coupled");
       }
     }
+  }
+
+  void state(const InitialStateDescription& state) {
+    const FaultySubject at{faults_, "state", state.source};
+    const Description expanded = expand(description_);
+    std::unordered_map<std::string, const JointDescription*> joints, chains;
+    for (const BodyDescription& body : expanded.bodies) joints.emplace(body.joint.name, &body.joint);
+    for (const BodyDescription& body : description_.bodies) chains.emplace(joint_name(body), &body.joint);
+    const auto check = [&](const char* what, const auto& entries, bool positions) {
+      std::unordered_set<std::string_view> named;
+      for (const auto& [name, numbers] : entries) {
+        const std::string says = std::string(what) + " names joint " + quoted(name);
+        if (!named.insert(name).second) at.error(Rule::duplicate_element, says + " twice");
+        if (const auto found = joints.find(name); found != joints.end()) {
+          check_joint_state(at, what, *found->second, numbers, positions);
+        } else if (const auto chain = chains.find(name); chain != chains.end()) {
+          at.error(Rule::unknown_state_joint,
+                   says + ", which is " + std::string(to_string(chain->second->kind)) +
+                       " and becomes two joints; name one of these" + nearest_joint(name, expanded));
+        } else {
+          at.error(Rule::unknown_state_joint,
+                   says + ", which is not described" + nearest_joint(name, expanded));
+        }
+      }
+    };
+    check("q", state.q, true);
+    check("v", state.v, false);
+  }
+  void motions() {
+    const Description expanded = expand(description_);
+    std::unordered_map<std::string, JointKind> joints;
+    for (const BodyDescription& body : expanded.bodies) joints.emplace(body.joint.name, body.joint.kind);
+    std::unordered_map<std::string, LoopKind> loops;
+    for (std::size_t k = 0; k < description_.loops.size(); ++k)
+      loops.emplace(loop_name(description_.loops[k], k), description_.loops[k].kind);
+    std::unordered_set<std::string_view> moved;
+    std::unordered_set<std::string> names;
+    for (const MotionDescription& motion : description_.motions) {
+      const FaultySubject at{faults_, quoted(motion_name(motion)), motion.source};
+      const std::string says = "moves " + quoted(motion.of);
+      if (!names.insert(motion_name(motion)).second)
+        at.error(Rule::duplicate_name, "the name is taken; names of motions must differ");
+      if (const auto joint = joints.find(motion.of); joint != joints.end()) {
+        if (!can_couple(joint->second))
+          at.error(
+              Rule::degrees_of_freedom,
+              says + ", which is " + std::string(to_string(joint->second)) +
+                  "; a motion prescribes a revolute, prismatic or helical joint, or the length of a rod");
+      } else if (const auto loop = loops.find(motion.of); loop != loops.end()) {
+        if (loop->second != LoopKind::rod)
+          at.error(Rule::degrees_of_freedom, says + ", a loop that is " +
+                                                 std::string(to_string(loop->second)) +
+                                                 "; a motion prescribes a joint or the length of a rod");
+      } else {
+        at.error(Rule::unknown_motion_target,
+                 says + ", which is neither a joint nor a rod" + nearest_joint(motion.of, expanded));
+      }
+      if (!moved.insert(motion.of).second)
+        at.error(Rule::duplicate_element, says + ", which another motion moves; it can follow one");
+      check_motion(at, motion);
+    }
+  }
+  std::string nearest_joint(std::string_view name, const Description& expanded) {
+    return nearest(name, expanded.bodies, [](const BodyDescription& b) { return b.joint.name; });
   }
 
   const Description& description_;

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <numbers>
 #include <optional>
+#include <set>
 #include <string>
 #include <unordered_map>
 #include <utility>
@@ -228,6 +229,9 @@ double size_of(const LoopDescription& loop) {
 std::string loop_name(const LoopDescription& loop, std::size_t k) {
   return loop.name.empty() ? "loop " + std::to_string(k + 1) : loop.name;
 }
+std::string motion_name(const MotionDescription& motion) {
+  return motion.name.empty() ? "motion of " + motion.of : motion.name;
+}
 std::string coupling_name(const CouplingDescription& coupling, std::size_t k) {
   return coupling.name.empty() ? "coupling " + std::to_string(k + 1) : coupling.name;
 }
@@ -301,6 +305,23 @@ Description in_joint_frames(const Description& given) {
     if (kind.has("angle")) loop.angle = std::acos(size);
   }
   return description;
+}
+
+void leave_out_state(Description& description, const std::unordered_set<std::string>& joints,
+                     const char* why) {
+  if (!description.state) return;
+  std::set<std::string> left_out;
+  const auto leave_out = [&](const std::pair<std::string, std::vector<double>>& entry) {
+    if (!joints.contains(entry.first)) return false;
+    left_out.insert(entry.first);
+    return true;
+  };
+  std::erase_if(description.state->q, leave_out);
+  std::erase_if(description.state->v, leave_out);
+  for (const std::string& joint : left_out)
+    description.warnings.push_back({Severity::warning, Rule::wrong_value, "state",
+                                    "the initial state of joint \"" + joint + "\" " + why,
+                                    description.state->source});
 }
 
 }  // namespace axode

@@ -1,5 +1,7 @@
 #pragma once
 #include <span>
+#include <string>
+#include <unordered_set>
 #include <vector>
 
 #include "axode/model/description.hpp"
@@ -73,6 +75,8 @@ double size_of(const LoopDescription& loop);
 /// The name of a loop or coupling: `loop 1` or `coupling 1` if it has no name of its own; k counts from 0.
 std::string loop_name(const LoopDescription& loop, std::size_t k);
 std::string coupling_name(const CouplingDescription& coupling, std::size_t k);
+/// The name of a motion: `motion of <joint or rod>` if it has no name of its own.
+std::string motion_name(const MotionDescription& motion);
 
 /// The inertia in the frame F, whose pose is relative to the frame in which the inertia is given; or in the
 /// joint frame J if the inertia is given in A and both are relative to one frame. It is transformed by way of
@@ -81,5 +85,10 @@ Inertia<> inertia_in(const SE3<>& F, const MassProperties& given);
 Inertia<> inertia_in(const SE3<>& J, const SE3<>& A, const MassProperties& given);
 /// The mass properties, given in the body frame, expressed in a frame S relative to the body frame.
 MassProperties expressed_in(const SE3<>& S, const MassProperties& given);
+
+/// Leaves the named joints out of the initial state, with a warning for each that was in it; `why` says what
+/// has happened to the joint.
+void leave_out_state(Description& description, const std::unordered_set<std::string>& joints,
+                     const char* why);
 
 }  // namespace axode

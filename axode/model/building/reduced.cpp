@@ -1,5 +1,6 @@
 #include <string>
 #include <unordered_map>
+#include <unordered_set>
 #include <utility>
 
 #include "axode/model/building/builder.hpp"
@@ -55,6 +56,23 @@ void lock_terms(Description& description, const Model& model, const std::vector<
   std::erase_if(description.couplings, [](const CouplingDescription& c) { return c.terms.empty(); });
 }
 
+/// Leaves out the initial state of joints that no longer move, and the motions of these and of loops that were
+/// left out.
+void drop_still_motions(Description& description, const Model& model, const std::vector<bool>& is_locked) {
+  const auto locked = [&](const auto& entry) { return is_locked[model.joint_index(entry.first)]; };
+  if (description.state) {
+    std::erase_if(description.state->q, locked);
+    std::erase_if(description.state->v, locked);
+  }
+  if (description.motions.empty()) return;
+  std::unordered_set<std::string_view> moving;
+  for (int i = 1; i <= model.n_bodies(); ++i)
+    if (!is_locked[i]) moving.insert(model.joint(i).name);
+  for (const LoopDescription& loop : description.loops) moving.insert(loop.name);
+  std::erase_if(description.motions,
+                [&](const MotionDescription& motion) { return !moving.contains(motion.of); });
+}
+
 }  // namespace
 
 Model reduced(const Model& model, std::span<const std::string_view> locked, std::span<const double> q) {
@@ -84,6 +102,7 @@ Model reduced(const Model& model, std::span<const std::string_view> locked, std:
   }
   drop_still_loops(description);
   lock_terms(description, model, is_locked, q);
+  drop_still_motions(description, model, is_locked);
   return ModelBuilder(std::move(description)).build();
 }
 

@@ -275,4 +275,63 @@ void check_loop(const FaultySubject& at, const LoopDescription& loop) {
     at.error(Rule::wrong_value, "its centre lies in the plane; a rolling contact needs a radius");
 }
 
+void check_motion(const FaultySubject& at, const MotionDescription& motion) {
+  const auto all_finite = [](const std::vector<double>& all) {
+    return std::all_of(all.begin(), all.end(), [](double x) { return finite(x); });
+  };
+  const std::vector<double> numbers{motion.offset, motion.amplitude, motion.frequency, motion.phase,
+                                    motion.from,   motion.to,        motion.start,     motion.end};
+  if (!all_finite(numbers) || !all_finite(motion.coefficients) || !all_finite(motion.times) ||
+      !all_finite(motion.values))
+    return at.error(Rule::non_finite_number, "a number is not finite");
+  switch (motion.kind) {
+    case MotionDescription::Kind::harmonic: return;
+    case MotionDescription::Kind::ramp:
+      if (!(motion.end > motion.start))
+        at.error(Rule::wrong_value, "its end is at " + to_text(motion.end) + " s and its start at " +
+                                        to_text(motion.start) + " s; a ramp ends after it starts");
+      return;
+    case MotionDescription::Kind::polynomial:
+      if (motion.coefficients.empty())
+        at.error(Rule::missing_element, "has no coefficients; give those of 1, t, t^2, ...");
+      return;
+    case MotionDescription::Kind::samples: break;
+  }
+  if (motion.times.size() != motion.values.size() || motion.times.size() < 2)
+    return at.error(Rule::wrong_value, "has " + std::to_string(motion.times.size()) + " times and " +
+                                           std::to_string(motion.values.size()) +
+                                           " values; it needs two samples or more, each with both");
+  for (std::size_t k = 1; k < motion.times.size(); ++k)
+    if (!(motion.times[k] > motion.times[k - 1]))
+      return at.error(Rule::wrong_value, "has the time " + to_text(motion.times[k]) + " s after " +
+                                             to_text(motion.times[k - 1]) + " s; times must increase");
+}
+
+void check_joint_state(const FaultySubject& at, const char* what, const JointDescription& joint,
+                       std::span<const double> numbers, bool positions) {
+  const std::string says = std::string(what) + " of joint " + quoted(joint.name);
+  if (joint.kind == JointKind::fixed)
+    return at.error(Rule::wrong_value, says + " has no meaning: a fixed joint does not move");
+  if (joint.coupling)
+    return at.error(Rule::wrong_value, says + " has no meaning: it follows joint " +
+                                           quoted(joint.coupling->leader) + "; give that one");
+  const auto [nq, nv] = with_subgroup(traits(joint.kind).subgroup, joint.pitch,
+                                      [](const auto& s) { return std::pair<int, int>(s.nq, s.nv); });
+  const int needed = positions ? nq : nv;
+  const bool has_quaternion = positions && nq > nv;
+  if (std::ssize(numbers) != needed)
+    return at.error(Rule::degrees_of_freedom,
+                    says + " has " + std::to_string(numbers.size()) +
+                        (numbers.size() == 1 ? " number" : " numbers") + "; a " +
+                        std::string(to_string(joint.kind)) + " joint takes " + std::to_string(needed) +
+                        (has_quaternion ? ", of which the first four are a quaternion x, y, z, w" : ""));
+  for (const double x : numbers)
+    if (!finite(x)) return at.error(Rule::non_finite_number, says + " is not finite");
+  if (!has_quaternion) return;
+  const double norm = std::hypot(std::hypot(numbers[0], numbers[1]), std::hypot(numbers[2], numbers[3]));
+  if (!(std::abs(norm - 1) <= rotation_tolerance))
+    at.error(Rule::not_a_rotation, says + " has a quaternion of norm " + to_text(norm) +
+                                       "; it must be 1 to 1e-6, and its order is x, y, z, w");
+}
+
 }  // namespace axode

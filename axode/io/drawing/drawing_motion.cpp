@@ -1,0 +1,80 @@
+#include "axode/io/drawing/drawing_motion.hpp"
+
+#include <array>
+
+#include "axode/model/building/placement.hpp"
+
+namespace axode::io {
+namespace {
+
+using Kind = MotionDescription::Kind;
+
+constexpr std::array<std::string_view, 4> kind_names{"harmonic", "ramp", "polynomial", "samples"};
+constexpr std::array<Kind, 4> kinds{Kind::harmonic, Kind::ramp, Kind::polynomial, Kind::samples};
+
+/// Reads a number that the motion must have.
+double needed(Table& table, std::string_view key, std::string_view unit) {
+  if (!table.has(key)) table.missing(key, "give it in " + std::string(unit));
+  return table.number(key).value_or(0);
+}
+std::vector<double> needed_list(Table& table, std::string_view key, std::string_view need) {
+  if (!table.has(key)) table.missing(key, need);
+  return table.list(key, need).value_or(std::vector<double>{});
+}
+
+void read_function(Table& table, MotionDescription& motion) {
+  switch (motion.kind) {
+    case Kind::harmonic:
+      motion.offset = table.number("offset").value_or(0);
+      motion.amplitude = needed(table, "amplitude", "rad or m");
+      motion.frequency = needed(table, "frequency", "Hz");
+      motion.phase = table.number("phase").value_or(0);
+      break;
+    case Kind::ramp:
+      motion.from = table.number("from").value_or(0);
+      motion.to = needed(table, "to", "rad or m");
+      motion.start = table.number("start").value_or(0);
+      motion.end = needed(table, "end", "s");
+      break;
+    case Kind::polynomial:
+      motion.coefficients =
+          needed_list(table, "coefficients", "it needs those of 1, t, t^2, ... in brackets");
+      break;
+    case Kind::samples:
+      motion.times = needed_list(table, "times", "it needs the times of the samples in brackets, s");
+      motion.values =
+          needed_list(table, "values", "it needs the values of the samples in brackets, rad or m");
+      break;
+  }
+}
+
+}  // namespace
+
+bool read_motion(Table& table, std::size_t number, MotionDescription& motion) {
+  table.rename("motion " + std::to_string(number + 1));
+  const std::size_t faults = table.faults();
+  motion.name = table.text("name").value_or("");
+  motion.of = table.name("of", "name the joint or the rod that follows it");
+  if (!motion.of.empty()) table.rename(in_quotes(motion_name(motion)));
+  if (!table.has("kind")) table.missing("kind", "give one, such as \"harmonic\" or \"ramp\"");
+  const auto kind = table.choice("kind", kind_names);
+  if (!kind) return false;  // without a kind, its keys are not known
+  motion.kind = kinds[*kind];
+  read_function(table, motion);
+  const bool complete = table.faults() == faults;
+  table.finish();
+  return complete;
+}
+
+void read_state(Table& top, std::optional<InitialStateDescription>& state) {
+  auto table = top.table("state");
+  if (!table) return;
+  table->rename("state");
+  state.emplace();
+  state->q = table->named_lists("q");
+  state->v = table->named_lists("v");
+  state->source = {table->file(), table->line()};
+  table->finish();
+}
+
+}  // namespace axode::io
