@@ -9,6 +9,7 @@
 #include "axode/constraints/independent/independent_linearization.hpp"
 #include "axode/constraints/loops.hpp"
 #include "axode/constraints/mobility.hpp"
+#include "axode/constraints/prescribed/prescribed_motion.hpp"
 
-/// Closed loops: rows and residuals of loop joints, dynamics, assembly, mobility, small motions; equilibria,
-/// also of trees.
+/// Closed loops: rows and residuals of loop joints, dynamics, assembly, mobility, small motions; prescribed
+/// motions and equilibria, also of trees.

@@ -2,6 +2,7 @@
 #include "axode/integration/configuration_group.hpp"
 #include "axode/integration/drives.hpp"
 #include "axode/integration/methods.hpp"
+#include "axode/integration/prescribed/kinematic_motion.hpp"
 #include "axode/integration/reconstruction.hpp"
 #include "axode/integration/sensitivities.hpp"
 #include "axode/integration/simulation.hpp"

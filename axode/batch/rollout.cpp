@@ -21,6 +21,7 @@
 #include "axode/integration/simulation.hpp"
 #include "axode/model/configuration.hpp"
 #include "axode/model/finite.hpp"
+#include "axode/table/check_counts.hpp"
 
 namespace axode::batch {
 
@@ -313,6 +314,7 @@ Outcome rollout(const Model& model, std::span<const S> q, Numbers<S> v, Numbers<
                 const CompiledDynamics<S>& compiled) {
   check(method);
   check_step(step);
+  catalog::check_counts<"rollout">(model);
   const Losses losses = losses_of<S>(model, joint_losses);
   const std::size_t nv = model.nv(), N = check_states(model, q, threads),
                     K = N * nv == 0 ? 0 : tau.size() / (N * nv);
@@ -329,6 +331,7 @@ Outcome rollout(const Model& model, std::span<const S> q, Numbers<S> v, const Dr
                 const Monitor& monitor, bool joint_losses, const CompiledDynamics<S>& compiled) {
   check(method);
   check_step(step);
+  catalog::check_counts<"rollout">(model);
   const Losses losses = losses_of<S>(model, joint_losses);
   if (!drive) throw std::invalid_argument("drive is empty; expected a function of (t, q, v)");
   static_cast<void>(check_states(model, q, threads));

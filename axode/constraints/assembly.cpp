@@ -8,6 +8,7 @@
 
 #include "axode/constraints/check_loops.hpp"
 #include "axode/constraints/constrained_dynamics.hpp"
+#include "axode/constraints/prescribed/motion_rows.hpp"
 #include "axode/model/configuration.hpp"
 #include "axode/model/finite.hpp"
 
@@ -19,8 +20,11 @@ using Matrix = Eigen::MatrixXd;
 
 class Assembly {
  public:
-  Assembly(const Model& model, const AssemblyOptions& options)
-      : model_(model), options_(options), workspace_(model), system_(workspace_.system(model)) {}
+  /// In the model every motion is a loop, see MotionRows.
+  Assembly(MotionRows& motions, const AssemblyOptions& options)
+      : model_(motions.model()), options_(options), workspace_(model_), system_(workspace_.system(model_)) {
+    motions.impose(options.time, system_);
+  }
 
   AssemblyResult run(std::span<const double> q, std::span<const double> v) {
     result_.q.assign(q.begin(), q.end());
@@ -105,7 +109,7 @@ class Assembly {
     static_cast<void>(residual_of(result_.q));
     Vector rates(model_.loops().rows);
     system_.make_rows(ConstraintLevel::velocity);
-    system_.times(result_.v.data(), rates.data());
+    system_.velocity_residual(result_.v.data(), rates.data());
     const Matrix A = rows(ConstraintLevel::velocity);
     Eigen::Map<Vector> v(result_.v.data(), model_.nv());
     for (int n = 0; n < 3; ++n) {  // each step leaves a small part of the rates
@@ -189,7 +193,8 @@ std::string to_string(const Model& model, const AssemblyResult& result) {
   if (result.status == AssemblyStatus::singular)
     return "the loops are closed, but the mass matrix of the tree is singular, so velocities cannot be "
            "adapted";
-  const std::vector<LoopRows>& loops = model.loops().all;
+  const MotionRows motions(model);
+  const std::vector<LoopRows>& loops = motions.model().loops().all;
   std::vector<std::size_t> order(loops.size());
   std::iota(order.begin(), order.end(), std::size_t{0});
   std::ranges::stable_sort(order,
@@ -220,7 +225,8 @@ AssemblyResult assemble(const Model& model, std::span<const double> q, std::span
     if (c < 0 || c >= model.nv())
       throw std::invalid_argument("held has the velocity " + std::to_string(c) + "; there are 0 to " +
                                   std::to_string(model.nv() - 1));
-  return Assembly(model, options).run(q, v);
+  MotionRows motions(model);
+  return Assembly(motions, options).run(q, v);
 }
 
 }  // namespace axode

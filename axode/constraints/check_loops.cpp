@@ -16,7 +16,7 @@ void check_closed(LoopSystem<double>& system, Numbers<double> q, Numbers<double>
           "q leaves loop \"" + loop.name + "\" open by " + to_text(open) +
           " (rad and m); assemble() closes it, in a shell --assemble, as \"axode eval FILE --assemble\"");
   system.make_rows(ConstraintLevel::velocity);
-  system.times(v.data(), r.data());
+  system.velocity_residual(v.data(), r.data());
   const double size = 1 + Eigen::Map<const Eigen::VectorXd>(v.data(), std::ssize(v)).norm();
   for (const LoopRows& loop : loops.all)
     if (const double rate = r.segment(loop.first_row, loop.rows).norm(); !(rate <= closed_enough * size))
@@ -24,6 +24,19 @@ void check_closed(LoopSystem<double>& system, Numbers<double> q, Numbers<double>
                                   to_text(rate) +
                                   " (rad/s and m/s) and must be 0; assemble() finds such velocities, in a "
                                   "shell --assemble, as \"axode eval FILE --assemble\"");
+}
+
+std::vector<double> acceleration_residual(LoopSystem<double>& system, Numbers<double> a) {
+  const Loops& loops = system.model().loops();
+  std::vector<double> rates(static_cast<std::size_t>(loops.rows)), products(rates);
+  system.bias(rates.data());  // A a + γ - s'' of loop joints, because force() was called with a
+  system.make_rows(ConstraintLevel::velocity);
+  system.times(a.data(), products.data());
+  for (const LoopCoupling& coupling : loops.couplings) {
+    const auto row = static_cast<std::size_t>(coupling.first_row);
+    rates[row] += products[row];
+  }
+  return rates;
 }
 
 void check_accelerations(LoopSystem<double>& system, Numbers<double> q, Numbers<double> v,
@@ -34,13 +47,10 @@ void check_accelerations(LoopSystem<double>& system, Numbers<double> q, Numbers<
     return Eigen::Map<const Eigen::VectorXd>(x.data(), std::ssize(x)).norm();
   };
   const double size = 1 + norm(a) + norm(v) * norm(v);
-  Eigen::VectorXd rates(loops.rows), products(loops.rows);
-  system.bias(rates.data());  // A a + γ of loop joints, because force() was called with a
-  system.make_rows(ConstraintLevel::velocity);
-  system.times(a.data(), products.data());
-  rates.tail(std::ssize(loops.couplings)) = products.tail(std::ssize(loops.couplings));
+  const std::vector<double> rates = acceleration_residual(system, a);
   for (const LoopRows& loop : loops.all) {
-    const double error = rates.segment(loop.first_row, loop.rows).norm();
+    const double error = norm(std::span(rates).subspan(static_cast<std::size_t>(loop.first_row),
+                                                       static_cast<std::size_t>(loop.rows)));
     if (error <= tolerance * size) continue;
     check_closed(system, q, v);
     throw std::invalid_argument(

@@ -23,6 +23,8 @@ inline constexpr double closed_enough = 1e-6;
 /// Throws std::invalid_argument, with the loop and its residual, if q leaves a loop open or v does not keep
 /// it closed. Updates the kinematics of the system.
 void check_closed(LoopSystem<double>& system, Numbers<double> q, Numbers<double> v);
+/// A a + γ - s'' of all rows. It follows force() at (q, v, a), and makes the rows of velocities.
+std::vector<double> acceleration_residual(LoopSystem<double>& system, Numbers<double> a);
 /// Throws std::invalid_argument, with the loop, if |A a + γ| is more than a thousandth of 1 + |a| + |v|², or
 /// with the fault of q or v if that is the cause. It follows force() at (q, v, a).
 void check_accelerations(LoopSystem<double>& system, Numbers<double> q, Numbers<double> v, Numbers<double> a);

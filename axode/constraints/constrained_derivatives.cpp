@@ -8,6 +8,7 @@
 #include "axode/eigen.hpp"
 #include "axode/kinematics/check_arguments.hpp"
 #include "axode/recursion/instantiate.hpp"
+#include "axode/table/check_counts.hpp"
 
 namespace axode {
 namespace {
@@ -38,6 +39,7 @@ Solvability forward_dynamics_derivatives(const Model& model, LoopWorkspace<T>& w
                                          const std::type_identity_t<Loads<T>>& loads) {
   using Matrix = Eigen::MatrixX<T>;
   using Vector = Eigen::VectorX<T>;
+  catalog::check_motions<"forward_dynamics_derivatives">(model);
   LoopSystem<T>& system = checked(model, workspace, q, v);
   check_size("tau", tau.size(), v.size(), "nv");
   check_loads(model, loads);

@@ -6,6 +6,7 @@
 #include "axode/kinematics/check_arguments.hpp"
 #include "axode/recursion/instantiate.hpp"
 #include "axode/recursion/least_squares.hpp"
+#include "axode/table/check_counts.hpp"
 
 namespace axode {
 namespace {
@@ -119,6 +120,7 @@ Solvability forward_dynamics(const Model& model, LoopWorkspace<T>& workspace, Nu
                              Numbers<T> tau, std::type_identity_t<std::span<T>> a,
                              std::type_identity_t<std::span<T>> lambda,
                              const std::type_identity_t<Loads<T>>& loads) {
+  catalog::check_motions<"forward_dynamics">(model);
   LoopSystem<T>& system = checked(model, workspace, q, v);
   check_size("tau", tau.size(), v.size(), "nv");
   check_size("a", a.size(), v.size(), "nv");
@@ -180,6 +182,7 @@ T joint_wrenches(const Model& model, LoopWorkspace<T>& workspace, Numbers<T> q, 
 template <class T>
 Solvability impact(const Model& model, LoopWorkspace<T>& workspace, Numbers<T> q, Numbers<T> v, T restitution,
                    std::type_identity_t<std::span<T>> v_after, std::type_identity_t<std::span<T>> impulses) {
+  catalog::refuse_motions("impact", "assemble finds velocities that follow them", model);
   LoopSystem<T>& system = checked(model, workspace, q, v);
   check_size("v_after", v_after.size(), v.size(), "nv");
   check_separate("impulses", impulses, "v", v);

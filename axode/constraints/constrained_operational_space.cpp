@@ -8,6 +8,7 @@
 #include "axode/kinematics/jacobian.hpp"
 #include "axode/lie/six.hpp"
 #include "axode/recursion/instantiate.hpp"
+#include "axode/table/check_counts.hpp"
 
 namespace axode {
 
@@ -15,6 +16,7 @@ template <RecursionRepresentation Rep, class T>
 Solvability impulse_response(const Model& model, LoopWorkspace<T>& workspace, Numbers<T> q,
                              const std::type_identity_t<Place<T>>& place,
                              std::type_identity_t<std::span<Twist<Rep, T>>> Y) {
+  catalog::check_motions<"impulse_response">(model);
   LoopSystem<T>& system = checked(model, workspace, q);
   check_separate("Y", Y, "q", q);
   Workspace<T> tree(model);

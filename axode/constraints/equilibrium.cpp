@@ -13,6 +13,7 @@
 #include "axode/eigen.hpp"
 #include "axode/model/finite.hpp"
 #include "axode/recursion/least_squares.hpp"
+#include "axode/table/check_counts.hpp"
 
 namespace axode {
 
@@ -154,6 +155,7 @@ void check(const Model& model, std::span<const double> q0, std::span<const doubl
 
 EquilibriumResult equilibrium(const Model& model, std::span<const double> q0, std::span<const double> tau,
                               const Loads<>& loads, const EquilibriumOptions& options) {
+  catalog::refuse_motions("equilibrium", "reduced locks the joints that they move", model);
   check(model, q0, tau, loads, options);
   Statics statics(model, tau, loads);
   Iterate at(model, q0), next(model, q0);

@@ -47,6 +47,7 @@ class AbsoluteSimulationRun {
   const Tree<double>& tree() const { return bodies_.group(); }
   bool done() const { return run_.done(); }
   double now() const { return run_.now(); }
+  double step_end(double t_1) const { return run_.step_end(t_1); }
   void stop(const Failure& failure) { run_.stop(failure); }
   const EnergyNorm& norm() const { return norm_; }
   /// See SimulationRun; v_t are the velocities of the bodies.

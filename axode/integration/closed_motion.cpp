@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "axode/constraints/check_loops.hpp"
+#include "axode/constraints/prescribed/singularity.hpp"
 
 namespace axode {
 namespace {
@@ -18,14 +19,35 @@ double norm(std::span<const double> x) {
 
 }  // namespace
 
-ClosedMotion::ClosedMotion(const Model& model)
-    : model_(model),
-      workspace_(model),
+ClosedMotion::ClosedMotion(const Model& model, std::span<const PrescribedMotion> more)
+    : motions_(model, more),
+      model_(motions_.model()),
+      workspace_(model_),
       group_(model_.tree<double>()),
-      lambda_(static_cast<std::size_t>(model.loops().rows)),
+      lambda_(static_cast<std::size_t>(model_.loops().rows)),
       r_(lambda_.size()),
       x_(static_cast<std::size_t>(model.nv())),
-      a_(x_) {}
+      a_(x_) {
+  set_time(0);
+}
+
+void ClosedMotion::set_time(double t) {
+  time_ = t;
+  if (!motions_.empty()) motions_.impose(t, workspace_.system(model_));
+}
+
+std::string ClosedMotion::unfollowed(Span q, Span v, Span a) {
+  LoopSystem<double>& system = workspace_.system(model_);
+  const auto is_redundant = [](char redundant) { return redundant != 0; };
+  if (motions_.empty() || (system.weakest_row() >= 1 && std::ranges::none_of(rank_.redundant, is_redundant)))
+    return {};
+  system.force(q.data(), v.data(), a.data(), {}, x_.data());
+  const std::vector<double> rates = acceleration_residual(system, a);
+  constexpr double tolerance = 1e-6;
+  const std::string name = motions_.worst(rates, tolerance * (1 + norm(a) + norm(v) * norm(v)));
+  return name.empty() ? name
+                      : "the motion of \"" + name + "\" cannot be followed: the mechanism is in the way";
+}
 
 void ClosedMotion::check(Span q, Span v) {
   LoopSystem<double>& system = workspace_.system(model_);
@@ -37,6 +59,10 @@ Solvability ClosedMotion::accelerate(Span q, Span v, Span tau, const Loads<doubl
                                      std::span<double> a) {
   return workspace_.system(model_).accelerate(q.data(), v.data(), tau.data(), loads, a.data(), lambda_.data(),
                                               rank_);
+}
+
+std::string ClosedMotion::singularity(Span q, double t) {
+  return nearby_singularity(motions_, workspace_.system(model_), q, t);
 }
 
 double ClosedMotion::weakest_row() { return workspace_.system(model_).weakest_row(); }
@@ -51,7 +77,9 @@ double ClosedMotion::unit_force_response(int c, std::span<double> a) {
   a[static_cast<std::size_t>(c)] = 1;
   system.solve(a.data());
   const double alone = a[static_cast<std::size_t>(c)];
+  motions_.release(system);
   static_cast<void>(system.impact(a.data(), 0, a.data(), lambda_.data(), rank_));
+  set_time(time_);
   return alone;
 }
 

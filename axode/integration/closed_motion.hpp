@@ -1,24 +1,34 @@
 #pragma once
 #include <span>
+#include <string>
 #include <vector>
 
 #include "axode/constraints/constrained_derivatives.hpp"
 #include "axode/constraints/loop_system/loop_system.hpp"
 #include "axode/constraints/loops.hpp"
+#include "axode/constraints/prescribed/motion_rows.hpp"
 #include "axode/integration/configuration_group.hpp"
 #include "axode/recursion/solvability.hpp"
 
 namespace axode {
 
-/// The loops of a mechanism in a simulation: accelerations that keep them closed, and projections at the end
-/// of a step, by the displacement and the impulses that move the masses least. See (D7.12) and (D7.13) of
-/// docs/derivations.
+/// The loops and prescribed motions of a mechanism in a simulation: accelerations that keep the loops closed
+/// and follow the motions, and projections at the end of a step, by the displacement and the impulses that
+/// move the masses least. Motions are loops here, which are open as far as they are not followed. See
+/// (D7.12), (D7.13) and (D12.1) of docs/derivations.
 class ClosedMotion {
  public:
   using Span = std::span<const double>;
 
-  explicit ClosedMotion(const Model& model);
+  explicit ClosedMotion(const Model& model, std::span<const PrescribedMotion> more = {});
 
+  const MotionRows& motions() const { return motions_; }
+  /// Sets the time at which the motions are followed; it is 0 at first.
+  void set_time(double t);
+  /// Why the last accelerations at a motion (q, v, a) do not follow the motions; empty if they do.
+  std::string unfollowed(Span q, Span v, Span a);
+  /// nearby_singularity() at q.
+  std::string singularity(Span q, double t);
   /// Throws std::invalid_argument, with the loop and its residual, if a motion cannot start at (q, v).
   void check(Span q, Span v);
   Solvability accelerate(Span q, Span v, Span tau, const Loads<double>& loads, std::span<double> a);
@@ -45,9 +55,11 @@ class ClosedMotion {
   void determine_rank(Span q);
 
  private:
-  Model model_;
+  MotionRows motions_;
+  Model model_;  ///< MotionRows::model()
   LoopWorkspace<double> workspace_;
   RowRank rank_;  ///< the rank at the last closed configuration
+  double time_ = 0;
   ConfigurationGroup<double> group_;
   std::vector<double> lambda_, r_, x_, a_;
 };

@@ -109,6 +109,14 @@ class MomentumSimulationRun : public SimulationRun {
   bool pushes_bases_ = false;
 };
 
+/// Throws if there are motions, which a scheme does not follow.
+void check_no_motions(const Model& model, const SimulationOptions& options, const char* scheme) {
+  if (!model.motions().empty() || !options.motions.empty())
+    throw std::invalid_argument(std::string(scheme) +
+                                " do not count prescribed motions; use dopri5, rk4 or generalized_alpha in "
+                                "relative coordinates");
+}
+
 /// Runs f(run) in the coordinates of the options, and returns the motion.
 template <class F>
 Trajectory in_coordinates(const Model& model, Span q, Span v, double until, const SimulationOptions& options,
@@ -118,6 +126,7 @@ Trajectory in_coordinates(const Model& model, Span q, Span v, double until, cons
     f(run);
     return std::move(run.trajectory);
   }
+  check_no_motions(model, options, "absolute coordinates");
   AbsoluteSimulationRun run(model, q, v, until, options);
   f(run);
   return std::move(run.trajectory);
@@ -187,6 +196,7 @@ Trajectory simulate_stiff(const Model& model, Span q, Span v, double until, doub
   if (!(rho >= 0 && rho <= 1))
     throw std::invalid_argument("spectral radius is " + std::to_string(rho) + "; expected 0 to 1");
   if (options.coordinates != Coordinates::relative) {
+    check_no_motions(model, options, "absolute coordinates");
     AbsoluteSimulationRun run(model, q, v, until, options);
     if (run.done()) return std::move(run.trajectory);
     ConstrainedAlpha<AbsoluteSimulationRun> scheme(run, rho, stabilized, run.q, run.v, run.a, run.lambda);
@@ -213,6 +223,7 @@ Trajectory simulate_rattle(const Model& model, Span q, Span v, double until, dou
                            const SimulationOptions& options) {
   check_step(step);
   check_absolute(options, "RATTLE");
+  check_no_motions(model, options, "absolute coordinates");
   check_smooth(model, options);
   AbsoluteSimulationRun run(model, q, v, until, options);
   if (run.done()) return std::move(run.trajectory);
@@ -225,6 +236,7 @@ Trajectory simulate_half_explicit(const Model& model, Span q, Span v, double unt
                                   const SimulationOptions& options) {
   check_step(step);
   check_absolute(options, "the half-explicit method");
+  check_no_motions(model, options, "absolute coordinates");
   AbsoluteSimulationRun run(model, q, v, until, options);
   if (run.done()) return std::move(run.trajectory);
   HalfExplicit scheme(run, run.q, run.v);
@@ -238,6 +250,7 @@ Trajectory simulate_symplectic(const Model& model, Span q, Span v, double until,
   check_smooth(model, options);
   check_holonomic(model);
   check_relative(options, "a conserving scheme");
+  check_no_motions(model, options, "schemes on momenta");
   MomentumSimulationRun run(model, q, v, until, options);
   if (run.done()) return std::move(run.trajectory);
   Vector q_0, v_0, p_0;
@@ -262,6 +275,7 @@ Trajectory simulate_momenta(const Model& model, Span q, Span v, double until, do
   check_step(step);
   check_smooth(model, options);
   check_relative(options, "a scheme on momenta");
+  check_no_motions(model, options, "schemes on momenta");
   MomentumSimulationRun run(model, q, v, until, options);
   if (run.done()) return std::move(run.trajectory);
   FloatingBases& bases = run.bases();

@@ -4,6 +4,7 @@
 #include <utility>
 #include <vector>
 
+#include "axode/constraints/prescribed/prescribed_motion.hpp"
 #include "axode/integration/tableau.hpp"
 #include "axode/integration/trajectory.hpp"
 #include "axode/recursion/loads.hpp"
@@ -35,6 +36,11 @@ struct SimulationOptions {
   std::function<void(double t, std::span<const double> q, std::span<const double> v,
                      std::vector<AppliedWrench<>>& loads)>
       computed_loads = {};
+  /// Motions that joints and rods follow, besides those of the model. In relative coordinates explicit
+  /// methods on (q, v) and simulate_stiff() count motions, and other methods throw std::invalid_argument.
+  /// Steps end where a third derivative of a motion jumps. A motion that cannot be followed ends the
+  /// trajectory.
+  std::vector<PrescribedMotion> motions = {};
   /// Damping and dry friction of the joints. In relative coordinates a joint at rest sticks while its
   /// friction can hold it: a step ends where a joint comes to rest or begins to slide. In absolute
   /// coordinates friction is -f sign(v).

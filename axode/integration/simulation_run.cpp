@@ -43,14 +43,19 @@ SimulationRun::SimulationRun(const Model& model, Span q_0, Span v_0, double unti
       forces_(tau_),
       loads_(options.loads),
       until_(until) {
-  if (!model.loops().empty()) loops_.emplace(model);
+  if (!(model.loops().empty() && model.motions().empty() && options.motions.empty()))
+    loops_.emplace(model, options.motions);
   check_configuration(model, q_0);
   check_size("v", v_0.size(), static_cast<std::size_t>(model.nv()), "nv");
   if (!finite(v)) throw std::invalid_argument("v is not finite");
   if (!(until >= 0) || !std::isfinite(until))
     throw std::invalid_argument("until is " + std::to_string(until) + "; expected a time of 0 s or more");
   check_loads(model, loads());
-  if (loops_) loops_->check(q_0, v_0);
+  if (loops_) {
+    loops_->motions().check_times(until);
+    check_friction_of_motions();
+    loops_->check(q_0, v_0);
+  }
   places_ = norm_.of_places(tree(), q);
   friction_.start(v_0);
   if (Failure failure = accelerate(0, q_0, v_0, as_span(a))) {
@@ -62,9 +67,24 @@ SimulationRun::SimulationRun(const Model& model, Span q_0, Span v_0, double unti
   values_ = values_at(0, q_0, v_0);
 }
 
+/// Throws if a joint that follows a motion has dry friction, which would have to hold it.
+void SimulationRun::check_friction_of_motions() const {
+  if (!friction_.active()) return;
+  for (const MotionRows::Row& row : loops_->motions().rows())
+    for (const Joint& joint : model_.joints())
+      if (joint.name == row.of && tree().friction[static_cast<std::size_t>(joint.iv)] > 0)
+        throw std::invalid_argument(
+            "joint \"" + row.of +
+            "\" follows a motion and has dry friction, which joint_losses would count; "
+            "its friction changes the force of the motion alone: set it to 0");
+}
+
 void SimulationRun::stop(const Failure& failure) {
   trajectory.complete = false;
   trajectory.stop_reason = "at t = " + std::to_string(failure.t) + " s: " + failure.why;
+  if (!loops_ || loops_->motions().empty() || trajectory.size() == 0) return;
+  if (const std::string where = loops_->singularity(as_span(q), now()); !where.empty())
+    trajectory.stop_reason += "; the mechanism is " + where;
 }
 
 // Forces and accelerations.
@@ -111,10 +131,14 @@ Failure SimulationRun::joint_forces(double t, Span q_t, Span v_t, Span& tau) {
 Failure SimulationRun::accelerate(double t, Span q_t, Span v_t, std::span<double> a_t) {
   Span tau;
   if (Failure failure = joint_forces(t, q_t, v_t, tau)) return failure;
+  if (loops_) loops_->set_time(t);
   const Solvability found = loops_ ? loops_->accelerate(q_t, v_t, tau, loads(), a_t)
                                    : forward_dynamics(model_, workspace_, q_t, v_t, tau, a_t, loads());
   if (!found.ok()) return {t, to_string(model_, found)};
-  if (loops_) weakest_row_ = std::min(weakest_row_, loops_->weakest_row());
+  if (loops_) {
+    weakest_row_ = std::min(weakest_row_, loops_->weakest_row());
+    if (std::string why = loops_->unfollowed(q_t, v_t, a_t); !why.empty()) return {t, std::move(why)};
+  }
   if (!friction_.sticking().empty()) apply_sticking_forces(q_t, a_t);
   return {};
 }
@@ -322,6 +346,7 @@ Failure SimulationRun::take_up_to(double t_1, StepEnd& end, const Attempt& attem
 Failure SimulationRun::take(double t, const StepEnd& end) {
   if (!loops_) return record(t, end);
   StepEnd closed{end.q, end.v, {}};
+  loops_->set_time(t);
   if (!loops_->close(as_span(closed.q), as_span(closed.v))) return {t, open};
   return record(t, std::move(closed));
 }
@@ -438,6 +463,7 @@ Failure SimulationRun::find_events(double before, double after) {
     Vector q_t(q.size()), v_t(v.size()), a_t(v.size());
     trajectory.at(one.t, as_span(q_t), as_span(v_t));
     trajectory.pop_back();
+    if (loops_) loops_->set_time(one.t);
     if (loops_ && !loops_->close(as_span(q_t), as_span(v_t))) return {one.t, open};
     if (Failure failure = accelerate(one.t, as_span(q_t), as_span(v_t), as_span(a_t))) return failure;
     trajectory.append(one.t, as_span(q_t), as_span(v_t), as_span(a_t), as_span(tau_));

@@ -83,6 +83,10 @@ class SimulationRun {
   void stop(const Failure& failure);
   bool done() const { return trajectory.size() == 0 || ended_ || !trajectory.complete || now() >= until_; }
   double now() const { return trajectory.t().back(); }
+  /// The time at which a step that would end at t_1 has to end, because the motions jump there.
+  double step_end(double t_1) const {
+    return loops_ ? std::min(t_1, loops_->motions().next_jump(now())) : t_1;
+  }
   const Tree<double>& tree() const { return model_.tree<double>(); }
   /// tau of drives and springs at a state.
   Failure joint_forces(double t, Span q_t, Span v_t, Span& tau);
@@ -121,6 +125,7 @@ class SimulationRun {
 
  private:
   void compute_loads(double t, Span q_t, Span v_t);
+  void check_friction_of_motions() const;
   void apply_sticking_forces(Span q_t, std::span<double> a_t);
   Failure ensure_accelerations(double t, StepEnd& end);
   bool friction_changes(double t_0, double t_1, const StepEnd& end) const;

@@ -38,8 +38,8 @@ template <Id row, class T> void check_counts(const Model& model, const Workspace
         [[unlikely]]
       check_counts(row.words(), model, Way::workspace);
 }
-/// Throws std::invalid_argument if the model has prescribed motions, which a function does not count; `instead`
-/// says what to do.
+/// Throws std::invalid_argument if the model has prescribed motions, which a function does not count;
+/// `instead` says what to do.
 void refuse_motions(std::string_view function, std::string_view instead, const Model& model);
 /// The check of a row that counts loops, for a call with a LoopWorkspace.
 template <Id row> void check_motions(const Model& model) {

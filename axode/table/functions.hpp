@@ -25,8 +25,9 @@ inline constexpr std::string_view screws = "rad/s, m/s", rates = "rad/s^2, m/s^2
 /// and friction act as well if a caller enables them.
 inline constexpr std::string_view add_springs = "spring_forces(q, v) are to be added to tau",
                                   subtract_springs = "spring_forces(q, v) are to be subtracted from tau";
-/// A prescribed motion is a force on its joint or along its rod. Functions for a given motion of the mechanism
-/// ignore it; accelerations, and what follows from them, depend on the time if there are such motions.
+/// A prescribed motion is a force on its joint or along its rod. Functions for a given motion of the
+/// mechanism ignore it; accelerations, and what follows from them, depend on the time if there are such
+/// motions.
 inline constexpr Count at_a_time =
     refused("simulate and forward_dynamics_at count them, because they know the time");
 inline constexpr Counts of_motion{.loops = of_the_tree(),

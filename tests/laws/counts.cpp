@@ -13,8 +13,9 @@
 #include "tests/support/functions.hpp"
 #include "tests/support/random_loops.hpp"
 
-/// What the rows of the table say that they count, on mechanisms with loops of all kinds, redundant loops, passive joints, springs
-/// and friction. A function gives the answer of the whole mechanism, or that of the cut tree where the row says so, or it refuses.
+/// What the rows of the table say that they count, on mechanisms with loops of all kinds, redundant loops,
+/// passive joints, springs and friction. A function gives the answer of the whole mechanism, or that of the
+/// cut tree where the row says so, or it refuses.
 namespace axode::test {
 namespace {
 
@@ -35,7 +36,8 @@ std::string refusal_of(const auto& call) {
   return "";
 }
 
-/// A mechanism with loops that move, springs, losses and passive joints, at a closed state, and other mechanisms without some of that.
+/// A mechanism with loops that move, springs, losses and passive joints, at a closed state, and other
+/// mechanisms without some of that.
 class Whole {
  public:
   explicit Whole(std::uint64_t seed)
@@ -154,6 +156,45 @@ TEST(WhatFunctionsCount, OtherPropertiesChangeNothingThatIsOfTheTree) {
       EXPECT_TRUE(same_bits(call(row, whole.model, one, given), call(row, without, other, given)));
     }
   });
+}
+
+/// A function refuses a mechanism with prescribed motions in the words of its row, or is of the mechanism without them.
+TEST(WhatFunctionsCount, PrescribedMotionsAreRefusedOrIgnored) {
+  std::map<Word, int> seen;
+  for_rows(5, [&](const Whole& whole, const Row& row, const Case&) {
+    const auto prescribe = [&](Description& d) {
+      const std::span<const Joint> joints = whole.model.joints();
+      const auto joint = std::ranges::find_if(joints, [](const Joint& j) { return j.dof.size() == 1; });
+      if (joint != joints.end()) d.motions.push_back({.of = joint->name, .coefficients = {0, 1}});
+    };
+    const Model without = whole.cut(), moved = whole.with([&](Description&d) {
+      d.loops.clear(), d.couplings.clear();
+      prescribe(d);
+    });
+    if (moved.motions().empty()) return;
+    Workspace<> workspace(moved), for_cut_tree(moved, cut_tree), of_cut(without);
+    const catalog::Arguments<double> given = whole.arguments.given();
+    const Numbers expected = call(row, without, of_cut, given);
+    EXPECT_TRUE(same_bits(call(row, moved, for_cut_tree, given), expected));
+    const auto& [word, sentence] = row.counts.motions;
+    ++seen[word];
+    if (word == Word::of_the_tree) {
+      EXPECT_TRUE(same_bits(call(row, moved, workspace, given), expected));
+      return;
+    }
+    const std::string refusal = std::string(row.name) + " does not count prescribed motions, and model";
+    EXPECT_EQ(refusal_of([&] { call(row, moved, workspace, given); }).find(refusal), 0U);
+    if (row.call_with_loops == nullptr) return;
+    const Model with_loops = whole.with(prescribe);
+    LoopWorkspace<> loops(with_loops);
+    Numbers out(row.size(with_loops, given.loads.wrenches.size()));
+    const std::string refused =
+        refusal_of([&] { static_cast<void>(row.call_with_loops(with_loops, loops, given, out)); });
+    EXPECT_NE(refused.find("does not count prescribed motions"), std::string::npos) << refused;
+    EXPECT_NE(refused.find(std::string(sentence)), std::string::npos) << refused;
+  });
+  EXPECT_GT(seen[Word::of_the_tree], 0);
+  EXPECT_GT(seen[Word::refused], 0);
 }
 
 using Matrix = Eigen::MatrixXd;

@@ -6,12 +6,14 @@
 #include "axode/dynamics/mass_matrix/mass_matrix.hpp"
 #include "axode/eigen.hpp"
 #include "axode/kinematics/check_arguments.hpp"
+#include "axode/table/check_counts.hpp"
 
 namespace axode {
 
 IndependentEquations independent_equations(const Model& model, std::span<const double> q,
                                            std::span<const double> v, std::span<const int> velocities,
                                            const Loads<double>& loads) {
+  catalog::refuse_motions("independent_equations", "reduced locks the joints that they move", model);
   LoopWorkspace<double> loops(model);
   LoopSystem<double>& system = checked<double>(model, loops, q, v);
   check_loads(model, loads);

@@ -56,6 +56,7 @@ bool LoopSystem<T>::accelerate_fast(const T* q, const T* v, const T* tau, const 
     loops::bias(joint, at_[k].frames, at_[k].W.data(), motion_of_ends(k, V, dV),
                 b_.data() + table_.paths[k].rows.first);
   });
+  for (const PrescribedRow<T>& it : prescribed_) b_[it.row] -= it.dds;
   for (std::size_t k = 0; k < at_.size(); ++k)
     each_register_of_rows<T>(count(table_.paths[k]),
                              [&](int row, auto n) { pull_rows_fast<n()>(table_.paths[k], at_[k], row); });

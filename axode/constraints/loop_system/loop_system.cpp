@@ -65,7 +65,7 @@ Solvability LoopSystem<T>::impact(const T* v, const T& e, T* v_after, T* impulse
                                   const RowRank& rank) noexcept {
   const int nv = model_.nv();
   make_entries();
-  times(v, b_.data());
+  velocity_residual(v, b_.data());
   b_ *= T(1) + e;
   solve_rows(b_.data(), impulses, rank);
   w_.setZero();
@@ -166,6 +166,12 @@ template <class T> void LoopSystem<T>::residual(const T* q, T* r) const noexcept
     out = T(-coupling.offset);
     for (const LoopCoupling::Term& term : coupling.terms) out += T(term.factor) * q[term.coordinate];
   }
+  for (const PrescribedRow<T>& it : prescribed_) r[it.residual] -= it.s;
+}
+
+template <class T> void LoopSystem<T>::velocity_residual(const T* v, T* out) const noexcept {
+  times(v, out);
+  for (const PrescribedRow<T>& it : prescribed_) out[it.row] -= it.ds;
 }
 
 template <class T> void LoopSystem<T>::make_rows(ConstraintLevel level) noexcept {
@@ -226,6 +232,7 @@ void LoopSystem<T>::bias(const Twist<Spatial, T>* V, const TwistRate<Spatial, T>
     joint.wrenches(frames, W.data());
     loops::bias(joint, frames, W.data(), motion_of_ends(k, V, dV), gamma + table_.paths[k].rows.first);
   });
+  for (const PrescribedRow<T>& it : prescribed_) gamma[it.row] -= it.dds;
 }
 
 template <class T>

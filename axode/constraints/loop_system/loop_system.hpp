@@ -23,6 +23,12 @@ struct RowRank {
   std::vector<char> redundant = {};  ///< whether each row of A is redundant; empty before determine_rank()
 };
 
+/// A row that follows a function of time: r = ρ - s, A v = s' and A a + γ = s''.
+template <class T> struct PrescribedRow {
+  int row = 0, residual = 0;
+  T s{}, ds{}, dds{};  ///< s less what the drawing has for it, s' and s''
+};
+
 /// The level at which constraints are imposed.
 enum class ConstraintLevel {
   position,  ///< the rows R that have a residual, r' = R v
@@ -47,13 +53,17 @@ template <class T> class LoopSystem {
     return level == ConstraintLevel::velocity ? model_.loops().rows : model_.loops().residuals;
   }
 
+  /// The right sides of rows from now on, see (D12.1) of docs/derivations. All other right sides are 0.
+  void prescribe(std::span<const PrescribedRow<T>> rows) { prescribed_.assign(rows.begin(), rows.end()); }
+
   /// Computes a and λ at a state; both are NaN if the mass matrix of the tree is singular. The kinematics
   /// have to be updated before any other call.
   Solvability accelerate(const T* q, const T* v, const T* tau, const Loads<T>& loads, T* a, T* lambda,
                          const RowRank& rank = {}) noexcept;
   /// Computes the forces M a + h (nv) of the tree at a motion.
   void force(const T* q, const T* v, const T* a, const Loads<T>& loads, T* tau) noexcept;
-  /// Computes v after an impact of the loops, A v⁺ = -e A v, and the impulses (D7.12).
+  /// Computes v after an impact of the loops, A v⁺ = -e A v, and the impulses (D7.12). With prescribed rows
+  /// A v - s' takes the place of A v.
   Solvability impact(const T* q, const T* v, const T& e, T* v_after, T* impulses) noexcept;
   /// impact() at the configuration of the last factorize(q) or determine_rank(q).
   Solvability impact(const T* v, const T& e, T* v_after, T* impulses, const RowRank& rank = {}) noexcept;
@@ -76,6 +86,8 @@ template <class T> class LoopSystem {
   }
 
   void residual(const T* q, T* r) const noexcept;  ///< r(q), after update_kinematics() or move()
+  /// Computes A v - s' with the rows of velocities made.
+  void velocity_residual(const T* v, T* out) const noexcept;
   /// Computes the wrenches and the entries of the rows of a level, A or R.
   void make_rows(ConstraintLevel level) noexcept;
   void make_wrenches(ConstraintLevel level) noexcept;  ///< the wrenches alone
@@ -84,8 +96,8 @@ template <class T> class LoopSystem {
   /// out = A x and out += Aᵀ λ.
   void times(const T* x, T* out) const noexcept;
   void add_transposed_times(const T* lambda, T* out) const noexcept;
-  /// Computes γ (D6.7) after move(), or for given twists and rates of the bodies about the origins of their
-  /// roots.
+  /// Computes γ - s'' (D6.7) after move(), or for given twists and rates of the bodies about the origins of
+  /// their roots.
   void bias(T* gamma) noexcept {
     bias(dynamics_->recursion.motion.bodies.V, dynamics_->recursion.motion.bodies.dV, gamma);
   }
@@ -244,6 +256,7 @@ template <class T> class LoopSystem {
   Link<Spatial, T>* link_ = nullptr;
   Vec3<T>* origin_ = nullptr;
   std::vector<State> at_;  ///< one for each loop joint
+  std::vector<PrescribedRow<T>> prescribed_;
   ConstraintLevel level_ = ConstraintLevel::velocity;
   static constexpr T least_filter = std::same_as<T, float> ? T(1e-5) : T(1e-12);
   T filter_ = least_filter;  ///< μ (D7.9)

@@ -24,8 +24,9 @@ template <class Run, class Take> void each_step(Run& run, double until, double s
 template <class Run, class After>
 Failure take_until(Run& run, double t_1, StepEnd& end, const Attempt& attempt, const After& after) {
   while (run.now() < t_1 && !run.done()) {
-    if (Failure failure = attempt(t_1, end)) return failure;
-    if (Failure failure = run.take_up_to(t_1, end, attempt)) return failure;
+    const double t = run.step_end(t_1);
+    if (Failure failure = attempt(t, end)) return failure;
+    if (Failure failure = run.take_up_to(t, end, attempt)) return failure;
     after();
   }
   return {};
@@ -105,7 +106,7 @@ template <class Run> void take_adapted_steps(Run& run, double until, const Toler
   const Attempt attempt = attempts(run, scheme);
   StepEnd end;
   while (!run.done()) {
-    const double t = run.now(), rest = until - t;
+    const double t = run.now(), rest = run.step_end(until) - t;
     if (++tries == stall_window) {
       const double gone = t - window_start;
       if (gone < stall_step * stall_window && rest > stall_ratio * gone) return run.stop({t, jumps});
@@ -117,7 +118,7 @@ template <class Run> void take_adapted_steps(Run& run, double until, const Toler
     const bool last = length >= rest * (1 - 1e-12);
     if (!last && !(length > 1e-15 * until))
       return run.stop({t, "the step became too short for the tolerances"});
-    const double t_1 = last ? until : t + length;
+    const double t_1 = last ? run.step_end(until) : t + length;
     if (Failure failure = attempt(t_1, end)) {  // the step may be too long
       if (h < 1e-9 * until) return run.stop(failure);
       ++run.trajectory.rejected;

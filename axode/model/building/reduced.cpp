@@ -56,8 +56,8 @@ void lock_terms(Description& description, const Model& model, const std::vector<
   std::erase_if(description.couplings, [](const CouplingDescription& c) { return c.terms.empty(); });
 }
 
-/// Leaves out the initial state of joints that no longer move, and the motions of these and of loops that were
-/// left out.
+/// Leaves out the initial state of joints that no longer move, and the motions of these and of loops that
+/// were left out.
 void drop_still_motions(Description& description, const Model& model, const std::vector<bool>& is_locked) {
   const auto locked = [&](const auto& entry) { return is_locked[model.joint_index(entry.first)]; };
   if (description.state) {

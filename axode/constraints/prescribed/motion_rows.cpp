@@ -1,0 +1,131 @@
+#include "axode/constraints/prescribed/motion_rows.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+
+#include "axode/model/building/builder.hpp"
+#include "axode/model/building/nearest_name.hpp"
+#include "axode/model/building/placement.hpp"
+
+namespace axode {
+namespace {
+
+std::string quoted(std::string_view name) { return '"' + std::string(name) + '"'; }
+
+/// All motions of a mechanism, with the names of their rows.
+struct Motions {
+  std::vector<PrescribedMotion> all;
+  std::vector<std::string> names;
+};
+Motions motions_of(const Model& model, std::span<const PrescribedMotion> more) {
+  Motions motions;
+  for (const MotionDescription& it : model.motions()) {
+    motions.all.push_back({it.of, MotionFunction(it)});
+    motions.names.push_back(motion_name(it));
+  }
+  for (const PrescribedMotion& it : more) {
+    motions.all.push_back(it);
+    motions.names.push_back(motion_name({.name = {}, .of = it.of}));
+  }
+  return motions;
+}
+
+const Loop* rod_named(const Model& model, std::string_view name) {
+  for (const Loop& loop : model.loops().joints)
+    if (loop.name == name && loop.kind == LoopKind::rod) return &loop;
+  return nullptr;
+}
+
+/// Throws if a motion has nothing to move, or moves what another motion moves.
+void check(const Model& model, std::span<const PrescribedMotion> motions) {
+  for (std::size_t k = 0; k < motions.size(); ++k) {
+    const std::string& of = motions[k].of;
+    for (std::size_t j = 0; j < k; ++j)
+      if (motions[j].of == of)
+        throw std::invalid_argument("motions: " + quoted(of) + " has two motions; it can follow one");
+    if (rod_named(model, of) != nullptr) continue;
+    const std::span<const Joint> joints = model.joints();
+    const auto joint = std::ranges::find(joints, of, &Joint::name);
+    if (joint == joints.end())
+      throw std::invalid_argument("motions: model " + quoted(model.name()) + " has no joint and no rod " +
+                                  quoted(of) +
+                                  did_you_mean(of, joints, [](const Joint& j) { return j.name; }));
+    if (joint->dof.size() != 1)
+      throw std::invalid_argument("motions: joint " + quoted(of) + " has " +
+                                  std::to_string(joint->dof.size()) +
+                                  " velocities; a motion prescribes a joint of one velocity, or a rod");
+  }
+}
+
+/// The mechanism with a coupling for each motion of a joint.
+Model with_rows(const Model& model, const Motions& motions) {
+  if (motions.all.empty()) return model;
+  check(model, motions.all);
+  Description d = model.description();
+  d.motions.clear();
+  d.warnings.clear();
+  for (std::size_t k = 0; k < motions.all.size(); ++k)
+    if (rod_named(model, motions.all[k].of) == nullptr)
+      d.couplings.push_back({.name = motions.names[k], .terms = {{motions.all[k].of, 1}}});
+  return ModelBuilder(std::move(d)).build();
+}
+
+}  // namespace
+
+MotionRows::MotionRows(const Model& model, std::span<const PrescribedMotion> more) : model_(model) {
+  Motions motions = motions_of(model, more);
+  model_ = with_rows(model, motions);
+  const Loops& loops = model_.loops();
+  std::size_t coupling = model.loops().couplings.size();
+  for (PrescribedMotion& motion : motions.all) {
+    const Loop* rod = rod_named(model_, motion.of);
+    const LoopRows& rows = rod != nullptr ? static_cast<const LoopRows&>(*rod) : loops.couplings[coupling++];
+    const auto loop = std::ranges::find(loops.all, rows.name, &LoopRows::name) - loops.all.begin();
+    rows_.push_back({.of = motion.of,
+                     .loop = static_cast<int>(loop),
+                     .place = {.row = rows.first_row, .residual = rows.first_residual},
+                     .drawn = rod != nullptr ? rod->size : 0,
+                     .function = std::move(motion.function)});
+  }
+}
+
+void MotionRows::impose(double t, LoopSystem<double>& system) {
+  imposed_.clear();
+  for (const Row& row : rows_) {
+    const MotionValue at = row.function(t);
+    imposed_.push_back({row.place.row, row.place.residual, at.s - row.drawn, at.ds, at.dds});
+  }
+  system.prescribe(imposed_);
+}
+
+double MotionRows::next_jump(double t) const {
+  double next = std::numeric_limits<double>::infinity();
+  for (const Row& row : rows_)
+    for (const double jump : row.function.jumps())
+      if (jump > t) next = std::min(next, jump);
+  return next;
+}
+
+void MotionRows::check_times(double until) const {
+  for (const Row& row : rows_) {
+    const MotionFunction& f = row.function;
+    if (!(f.begin() <= 0) || !(until <= f.end()))
+      throw std::invalid_argument("motions: the motion of " + quoted(row.of) + " is known from " +
+                                  to_text(f.begin()) + " s to " + to_text(f.end()) +
+                                  " s; a simulation from 0 s to " + to_text(until) + " s needs more samples");
+  }
+}
+
+std::string MotionRows::worst(std::span<const double> rows, double tolerance) const {
+  std::string name;
+  for (const Row& row : rows_) {
+    const double x = std::abs(rows[static_cast<std::size_t>(row.place.row)]);
+    if (x <= tolerance) continue;
+    tolerance = x;
+    name = row.of;
+  }
+  return name;
+}
+
+}  // namespace axode

@@ -1,0 +1,29 @@
+#include "axode/constraints/prescribed/prescribed_motion.hpp"
+
+#include "axode/constraints/prescribed/motion_rows.hpp"
+#include "axode/kinematics/check_arguments.hpp"
+
+namespace axode {
+
+DynamicsAtTime forward_dynamics_at(const Model& model, double t, std::span<const double> q,
+                                   std::span<const double> v, std::span<const double> tau,
+                                   const Loads<double>& loads, std::span<const PrescribedMotion> motions) {
+  const std::size_t nv = static_cast<std::size_t>(model.nv());
+  check_configuration(model, q);
+  check_size("v", v.size(), nv, "nv");
+  check_size("tau", tau.size(), nv, "nv");
+  check_loads(model, loads);
+  MotionRows rows(model, motions);
+  LoopSystem<double> system(rows.model());
+  rows.impose(t, system);
+  DynamicsAtTime found{.solvability = {}, .a = std::vector<double>(nv), .lambda = {}, .motion_forces = {}};
+  found.lambda.resize(static_cast<std::size_t>(rows.model().loops().rows));
+  found.solvability =
+      system.accelerate(q.data(), v.data(), tau.data(), loads, found.a.data(), found.lambda.data());
+  for (const MotionRows::Row& row : rows.rows())
+    found.motion_forces.push_back(found.lambda[static_cast<std::size_t>(row.place.row)]);
+  found.lambda.resize(static_cast<std::size_t>(model.loops().rows));
+  return found;
+}
+
+}  // namespace axode

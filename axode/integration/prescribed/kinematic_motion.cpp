@@ -1,0 +1,193 @@
+#include "axode/integration/prescribed/kinematic_motion.hpp"
+
+#include <Eigen/QR>
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+
+#include "axode/constraints/check_loops.hpp"
+#include "axode/constraints/prescribed/singularity.hpp"
+#include "axode/integration/configuration_group.hpp"
+#include "axode/model/configuration.hpp"
+#include "axode/model/finite.hpp"
+
+namespace axode {
+namespace {
+
+using Vector = Eigen::VectorXd;
+using Rows = LoopSystem<double>::RowByRow;
+
+/// Newton's method has converged if a step is at most this, rad or m.
+constexpr double converged = 1e-13;
+constexpr int most_iterations = 12;
+/// The longest displacement of a joint in one step, rad or m.
+constexpr double longest = 0.5;
+/// The part of a predicted displacement that Newton's method may correct; more would be another branch.
+constexpr double most_corrected = 0.2;
+/// The shortest step, relative to the whole time.
+constexpr double shortest = 1e-11;
+
+/// The mechanism at one time.
+struct Instant {
+  double t = 0;
+  Vector q, v, a, jerk;
+};
+
+class KinematicSolver {
+ public:
+  KinematicSolver(const Model& model, std::span<const PrescribedMotion> motions)
+      : motions_(model, motions),
+        model_(motions_.model()),
+        system_(model_),
+        group_(model_.tree<double>()),
+        r_(model_.loops().residuals),
+        rows_(model_.loops().rows),
+        forces_(model_.nv()) {}
+
+  /// Moves q onto the motions at a time by at most `reach`; returns whether that is possible.
+  bool close(double t, double reach, Vector& q) {
+    motions_.impose(t, system_);
+    const Vector before = q;
+    Rows R(r_.size(), model_.nv());
+    double moved = 0;
+    for (int n = 0; n < most_iterations; ++n) {
+      system_.update_kinematics(q.data());
+      system_.residual(q.data(), r_.data());
+      system_.make_rows(ConstraintLevel::position);
+      system_.write(R.data());
+      const Vector step = -R.completeOrthogonalDecomposition().solve(r_);
+      if (!step.allFinite()) return false;
+      group_.move(q, step, q);
+      moved += step.lpNorm<Eigen::Infinity>();
+      if (moved > reach) return false;
+      if (step.lpNorm<Eigen::Infinity>() <= converged) return r_.norm() <= closed_enough;
+    }
+    return false;
+  }
+
+  /// Computes velocities, accelerations and their derivatives at a closed q (D12.5).
+  void differentiate(Instant& at) {
+    const Eigen::Index nv = model_.nv();
+    Vector s_1 = Vector::Zero(rows_.size()), s_3 = s_1;
+    motions_.impose(at.t, system_);
+    for (const MotionRows::Row& row : motions_.rows()) {
+      const MotionValue value = row.function(at.t);
+      s_1[row.place.row] = value.ds;
+      s_3[row.place.row] = value.ddds;
+    }
+    at.v.setZero(nv);
+    at.a.setZero(nv);
+    Rows A(rows_.size(), nv);
+    system_.force(at.q.data(), at.v.data(), at.a.data(), {}, forces_.data());
+    system_.make_rows(ConstraintLevel::velocity);
+    system_.write(A.data());
+    const Eigen::CompleteOrthogonalDecomposition<Eigen::MatrixXd> factor(A);
+    at.v = factor.solve(s_1);
+    system_.move(at.q.data(), at.v.data(), {}, forces_.data());
+    system_.bias(rows_.data());
+    at.a = -factor.solve(rows_);
+    system_.force(at.q.data(), at.v.data(), at.a.data(), {}, forces_.data());
+    system_.make_rows(ConstraintLevel::velocity);
+    Rows by_q = Rows::Zero(rows_.size(), nv), by_v = by_q, unused = Rows::Zero(nv, nv);
+    const Vector lambda = Vector::Zero(rows_.size());
+    system_.differentiate(lambda.data(), by_q.data(), by_v.data(), unused.data());
+    at.jerk = factor.solve(s_3 - by_q * at.v - by_v * at.a);
+    freedom_ = nv - factor.rank();
+  }
+  /// The number of velocities that the motions leave, at the last differentiate().
+  Eigen::Index freedom() const { return freedom_; }
+
+  /// Goes from one instant to a later time, in as many steps as needed. Returns false at the last instant
+  /// that can be reached.
+  bool go(double t, double whole, Instant& at) {
+    double h = t - at.t;
+    while (at.t < t) {
+      h = std::min(h, t - at.t);
+      const bool last = h >= t - at.t;
+      Instant next{last ? t : at.t + h, at.q, {}, {}, {}};
+      const double tau = next.t - at.t;
+      const Vector x = tau * (at.v + tau / 2 * (at.a + tau / 3 * at.jerk));
+      const double length = x.lpNorm<Eigen::Infinity>();
+      bool good = length <= longest;
+      if (good) {
+        group_.move(at.q, x, next.q);
+        good = close(next.t, most_corrected * length + 1e-6, next.q);
+      }
+      if (good) {
+        differentiate(next);
+        at = std::move(next);
+        h *= 2;
+      } else {
+        h /= 2;
+        if (h < shortest * whole) return false;
+      }
+    }
+    return true;
+  }
+
+  std::string singularity(const Instant& at) {
+    return nearby_singularity(motions_, system_, as_span(at.q), at.t);
+  }
+  const MotionRows& motions() const { return motions_; }
+
+ private:
+  static std::span<const double> as_span(const Vector& x) {
+    return {x.data(), static_cast<std::size_t>(x.size())};
+  }
+
+  MotionRows motions_;
+  const Model& model_;
+  LoopSystem<double> system_;
+  ConfigurationGroup<double> group_;
+  Vector r_, rows_, forces_;
+  Eigen::Index freedom_ = 0;
+};
+
+void append(const Instant& at, KinematicMotion& motion) {
+  motion.t.push_back(at.t);
+  for (const auto& [all, x] :
+       {std::pair{&motion.q, &at.q}, {&motion.v, &at.v}, {&motion.a, &at.a}, {&motion.jerk, &at.jerk}})
+    all->insert(all->end(), x->begin(), x->end());
+}
+
+}  // namespace
+
+KinematicMotion kinematic_motion(const Model& model, std::span<const double> q, std::span<const double> times,
+                                 std::span<const PrescribedMotion> motions) {
+  check_configuration(model, q);
+  if (!finite(q) || !finite(times))
+    throw std::invalid_argument("kinematic motion: q or a time is not finite");
+  if (times.empty() || std::ranges::adjacent_find(times, std::ranges::greater_equal()) != times.end())
+    throw std::invalid_argument("kinematic motion: times are empty or do not increase");
+  KinematicSolver solver(model, motions);
+  solver.motions().check_times(times.back());
+  Instant at{times.front(), Eigen::Map<const Vector>(q.data(), std::ssize(q)), {}, {}, {}};
+  if (!solver.close(at.t, longest, at.q))
+    throw std::invalid_argument(
+        "kinematic motion: q is not near a configuration that closes the loops and follows the motions at t "
+        "= " +
+        to_text(at.t) + " s; assemble() finds one, in a shell --assemble");
+  solver.differentiate(at);
+  if (solver.freedom() > 0)
+    throw std::invalid_argument("kinematic motion: the motions leave the mechanism " +
+                                std::to_string(solver.freedom()) +
+                                (solver.freedom() == 1 ? " velocity" : " velocities") +
+                                "; prescribe as many motions as it has, or simulate it with its dynamics");
+  KinematicMotion motion;
+  append(at, motion);
+  for (const double t : times.subspan(1)) {
+    if (!solver.go(t, times.back() - times.front(), at)) {
+      motion.complete = false;
+      const std::string where = solver.singularity(at);
+      motion.stop_reason = "the motions cannot be followed after t = " + to_text(at.t) + " s" +
+                           (where.empty() ? "" : ": the mechanism is " + where);
+      if (at.t > motion.t.back()) append(at, motion);
+      break;
+    }
+    append(at, motion);
+  }
+  motion.reached = at.t;
+  return motion;
+}
+
+}  // namespace axode
