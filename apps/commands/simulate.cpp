@@ -20,9 +20,11 @@
 #include "apps/shell/commands.hpp"
 #include "apps/shell/table.hpp"
 #include "apps/shell/terminal.hpp"
+#include "axode/constraints/prescribed/prescribed_motion.hpp"
 #include "axode/dynamics.hpp"
 #include "axode/eigen.hpp"
 #include "axode/integration.hpp"
+#include "axode/model/building/placement.hpp"
 #include "axode/model/configuration.hpp"
 
 namespace axode::command {
@@ -35,7 +37,7 @@ struct Options {
   double until = 1, relative = 1e-8, absolute = 1e-10, spectral_radius = 0.8;
   std::optional<double> step;
   int samples = 0;
-  bool joint_losses = false;
+  bool joint_losses = false, kinematic = false;
   Assembling assembling;
   std::vector<std::string> outputs;
   std::string plot;
@@ -65,8 +67,13 @@ rotation vector. It is added to the drive forces of STATE. Springs, dampers and 
 always act.
 
 STATE is the JSON object of `axode eval` with the keys q, v, tau and loads; keys that are left out are
-neutral, at rest or 0. With --assemble the motion of a mechanism with loops begins at the nearest q and v
-that close the loops; the joints that --hold names keep their q and v of STATE.
+neutral, at rest or 0. Without STATE the motion begins in the initial state of the drawing, [state]; if it
+has none, with all joints at zero and at rest. Prescribed motions of the drawing, [[motion]], are followed
+from t = 0 on. The initial state is moved to the nearest one that closes the loops and follows the motions.
+With --assemble the same is done to STATE; the joints that --hold names keep their q and v of STATE.
+
+With --kinematic, for mechanisms whose motions use up the mobility, forces and masses do not matter, and q,
+v, a and jerk are computed at equal intervals of time (100, or --samples).
 
 Example:
   echo '{"q": {"pin": 2}}' | axode simulate double_pendulum.toml --state - --until 10 --output run.csv --plot run.svg
@@ -167,9 +174,11 @@ Trajectory motion_of(const Model& model, const State& state, const Drive& drive,
 struct Rows {
   Eigen::VectorXd t, energy, kinetic_energy;
   Eigen::MatrixXd q, v, a, tau;
+  Eigen::MatrixXd motion_forces;  ///< force that each prescribed motion takes
 };
-Rows rows_of(const Trajectory& motion, const Drive& drive, int samples) {
+Rows rows_of(const Trajectory& motion, const Drive& drive, const Loads<>& loads, int samples) {
   const Model& model = motion.model();
+  const auto motions = static_cast<Eigen::Index>(model.motions().size());
   std::vector<double> times(motion.t().begin(), motion.t().end());
   if (samples > 0) {
     times.clear();
@@ -184,7 +193,8 @@ Rows rows_of(const Trajectory& motion, const Drive& drive, int samples) {
             .q = Eigen::MatrixXd(N, nq),
             .v = Eigen::MatrixXd(N, nv),
             .a = Eigen::MatrixXd(N, nv),
-            .tau = Eigen::MatrixXd(N, nv)};
+            .tau = Eigen::MatrixXd(N, nv),
+            .motion_forces = Eigen::MatrixXd(N, motions)};
   std::vector<double> q(static_cast<std::size_t>(model.nq())), v(static_cast<std::size_t>(model.nv())), a(v),
       tau(v);
   Workspace<> workspace(model);
@@ -199,8 +209,18 @@ Rows rows_of(const Trajectory& motion, const Drive& drive, int samples) {
     rows.kinetic_energy[k] = kinetic_energy(model, workspace, std::span<const double>(q), v);
     rows.energy[k] = rows.kinetic_energy[k] + potential_energy(model, workspace, std::span<const double>(q)) +
                      elastic_energy(model, workspace, std::span<const double>(q));
+    if (motions == 0) continue;
+    add_spring_forces(model, workspace, q, v, tau);
+    const DynamicsAtTime found = forward_dynamics_at(model, t, q, v, tau, loads);
+    rows.motion_forces.row(k) = as_eigen(std::span<const double>(found.motion_forces)).transpose();
   }
   return rows;
+}
+
+std::vector<std::string> motion_names(const Model& model) {
+  std::vector<std::string> names;
+  for (const MotionDescription& motion : model.motions()) names.push_back(motion_name(motion));
+  return names;
 }
 
 /// All numbers side by side, with the names of the columns.
@@ -227,30 +247,33 @@ Json as_json(const Trajectory& motion, const Rows& rows, const Options& options)
     for (const auto& row : matrix.rowwise()) all.push_back(list(row));
     return all;
   };
-  return {{"model", model.name()},
-          {"method", options.method},
-          {"computed_in", options.coordinates},
-          {"coordinates", coordinate_names(model)},
-          {"velocities", velocity_names(model)},
-          {"steps", motion.steps},
-          {"evaluations", motion.evaluations},
-          {"complete", motion.complete},
-          {"stopped", motion.stop_reason},
-          {"t", list(rows.t)},
-          {"q", lists(rows.q)},
-          {"v", lists(rows.v)},
-          {"a", lists(rows.a)},
-          {"tau", lists(rows.tau)},
-          {"energy", list(rows.energy)}};
+  Json json{{"model", model.name()},
+            {"method", options.method},
+            {"computed_in", options.coordinates},
+            {"coordinates", coordinate_names(model)},
+            {"velocities", velocity_names(model)},
+            {"steps", motion.steps},
+            {"evaluations", motion.evaluations},
+            {"complete", motion.complete},
+            {"stopped", motion.stop_reason},
+            {"t", list(rows.t)},
+            {"q", lists(rows.q)},
+            {"v", lists(rows.v)},
+            {"a", lists(rows.a)},
+            {"tau", lists(rows.tau)},
+            {"energy", list(rows.energy)}};
+  if (rows.motion_forces.cols() > 0) {
+    json["motions"] = motion_names(model);
+    json["motion_forces"] = lists(rows.motion_forces);
+  }
+  return json;
 }
 
 std::string npz_of(const Rows& rows) {
-  return as_npz({{"t", rows.t, true},
-                 {"q", rows.q},
-                 {"v", rows.v},
-                 {"a", rows.a},
-                 {"tau", rows.tau},
-                 {"energy", rows.energy, true}});
+  std::vector<NamedArray> arrays{{"t", rows.t, true}, {"q", rows.q},     {"v", rows.v},
+                                 {"a", rows.a},       {"tau", rows.tau}, {"energy", rows.energy, true}};
+  if (rows.motion_forces.cols() > 0) arrays.push_back({"motion_forces", rows.motion_forces});
+  return as_npz(arrays);
 }
 
 /// A symbol with the units that it has for angles and for lengths.
@@ -286,11 +309,18 @@ Chart chart_of(const Model& model, const Rows& rows) {
   add(with_units(model, "q", "rad", "m"), coordinate_names(model), rows.q);
   add(with_units(model, "v", "rad/s", "m/s"), velocities, rows.v);
   if (!rows.tau.isZero(0)) add(with_units(model, "tau", "N m", "N"), velocities, rows.tau);
+  if (rows.motion_forces.cols() > 0) add("force of motions, N m, N", motion_names(model), rows.motion_forces);
   Eigen::MatrixXd energies(rows.t.size(), 3);
   energies << rows.kinetic_energy, rows.energy - rows.kinetic_energy, rows.energy;
   add("energy, J", {"kinetic", "potential", "total"}, energies);
   chart.panels.back().x_axis = "t, s";
   return chart;
+}
+
+/// Whether all joints stay where they are.
+bool rests(const Rows& rows) {
+  constexpr double still = 1e-9;
+  return rows.v.size() > 0 && rows.v.cwiseAbs().maxCoeff() <= still;
 }
 
 void print(const Trajectory& motion, const Rows& rows) {
@@ -305,6 +335,63 @@ void print(const Trajectory& motion, const Rows& rows) {
       "off the start\n",
       significant(motion.t().back()), motion.steps, motion.evaluations, significant(rows.energy[0]),
       significant(rows.energy[end]), significant((rows.energy.array() - rows.energy[0]).abs().maxCoeff(), 2));
+  if (rests(rows))
+    fmt::print("{}\n", in(Ink::heading,
+                          "nothing moves: the mechanism is at rest, in equilibrium; begin elsewhere by "
+                          "--state, or by [state] in "
+                          "the drawing"));
+}
+
+/// Computes a motion without dynamics, and writes and prints it.
+void run_kinematic(const Options& options, const Model& model, const State& state,
+                   const std::vector<FileFormat>& kinds) {
+  constexpr int usual = 100;  // intervals if none are asked for
+  const int intervals = options.samples > 0 ? options.samples : usual;
+  std::vector<double> times;
+  for (int k = 0; k <= intervals; ++k) times.push_back(options.until * k / intervals);
+  const KinematicMotion motion = kinematic_motion(model, state.q, times);
+  const auto matrix = [&](const std::vector<double>& all) {
+    const auto N = static_cast<Eigen::Index>(motion.t.size());
+    using RowByRow = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
+    return Eigen::MatrixXd(Eigen::Map<const RowByRow>(all.data(), N, std::ssize(all) / N));
+  };
+  const Eigen::VectorXd t = as_eigen(std::span<const double>(motion.t));
+  const std::vector<NamedArray> arrays{{"t", t, true},
+                                       {"q", matrix(motion.q)},
+                                       {"v", matrix(motion.v)},
+                                       {"a", matrix(motion.a)},
+                                       {"jerk", matrix(motion.jerk)}};
+  std::vector<std::string> names;
+  Eigen::MatrixXd all(t.size(), 0);
+  Json json{{"model", model.name()}, {"complete", motion.complete}, {"stopped", motion.stop_reason}};
+  for (const NamedArray& array : arrays) {
+    const Eigen::MatrixXd& numbers = array.numbers;
+    all.conservativeResize(Eigen::NoChange, all.cols() + numbers.cols());
+    all.rightCols(numbers.cols()) = numbers;
+    if (array.is_vector) {
+      names.push_back(array.name);
+      json[array.name] = motion.t;
+      continue;
+    }
+    for (const std::string& of : array.name == "q" ? coordinate_names(model) : velocity_names(model))
+      names.push_back(array.name + " " + of);
+    for (const auto& row : numbers.rowwise())
+      json[array.name].push_back(std::vector<double>(row.begin(), row.end()));
+  }
+  for (std::size_t k = 0; k < kinds.size(); ++k) switch (kinds[k]) {
+      case FileFormat::json: write_text(options.outputs[k], text(json)); break;
+      case FileFormat::csv: write_text(options.outputs[k], as_csv(all, names)); break;
+      case FileFormat::npz: write_text(options.outputs[k], as_npz(arrays)); break;
+    }
+  const auto last = [&](std::size_t k) {
+    const Eigen::RowVectorXd row = arrays[k].numbers.bottomRows(1);
+    return std::vector<double>(row.begin(), row.end());
+  };
+  fmt::print("{}\nat t = {} s, without dynamics\n",
+             state_tables(model, last(1), {{"v", last(2)}, {"a", last(3)}, {"jerk", last(4)}},
+                          "per s, per s^2, per s^3"),
+             significant(motion.reached));
+  if (!motion.complete) throw InputError("the motion ended early, " + motion.stop_reason);
 }
 
 void run(const Options& options, int& exit_code) {
@@ -315,12 +402,21 @@ void run(const Options& options, int& exit_code) {
   for (const std::string& file : options.outputs) kinds.push_back(file_format(file));
   const std::optional<ChartFile> plot = chart_file(options.plot);
   const Model model = load(options.mechanism);
-  State state = options.state.empty() ? neutral_state(model) : read_state(model, options.state);
-  assemble(model, options.assembling, state);
+  State state = options.state.empty() ? starting_state(model) : read_state(model, options.state);
+  Assembling assembling = options.assembling;
+  const bool starts = model.description().state && !model.loops().empty();
+  if (options.state.empty() && (starts || !model.motions().empty())) assembling.wanted = true;
+  assemble(model, assembling, state);
+  if (options.kinematic) {
+    run_kinematic(options, model, state, kinds);
+    exit_code = all_well;
+    return;
+  }
   const Drive drive = drive_of(model, state, options);
   const Trajectory motion = motion_of(model, state, drive, options);
   if (motion.size() == 0) throw InputError(motion.stop_reason);
-  const Rows rows = rows_of(motion, drive, options.samples);
+  const Loads<> loads{state.loads, options.joint_losses};
+  const Rows rows = rows_of(motion, drive, loads, options.samples);
   for (std::size_t k = 0; k < kinds.size(); ++k) switch (kinds[k]) {
       case FileFormat::json: write_text(options.outputs[k], text(as_json(motion, rows, options))); break;
       case FileFormat::csv: write_text(options.outputs[k], csv_of(model, rows)); break;
@@ -329,7 +425,7 @@ void run(const Options& options, int& exit_code) {
   if (plot) {
     constexpr int smooth = 500;  // intervals; long steps would be drawn as straight lines
     const bool coarse = options.samples == 0 && rows.t.size() < smooth;
-    plot->draw(chart_of(model, coarse ? rows_of(motion, drive, smooth) : rows));
+    plot->draw(chart_of(model, coarse ? rows_of(motion, drive, loads, smooth) : rows));
   }
   if (format == Format::json) {
     fmt::print("{}", text(as_json(motion, rows, options)));
@@ -346,8 +442,7 @@ void add_simulate(CLI::App& app, int& exit_code) {
   const auto options = std::make_shared<Options>();
   CLI::App* simulate = app.add_subcommand("simulate", "Compute the motion from a state");
   add_model_options(*simulate, options->mechanism);
-  simulate
-      ->add_option("--state", options->state, "JSON, - for standard input; neutral and at rest if left out")
+  simulate->add_option("--state", options->state, "JSON, - for standard input; the initial state if left out")
       ->type_name("FILE");
   simulate->add_option("--until", options->until, "The end, s; 1 if left out")->type_name("NUMBER");
   simulate->add_option("--method", options->method, "How to integrate; dopri5 if left out")
@@ -376,6 +471,8 @@ void add_simulate(CLI::App& app, int& exit_code) {
   simulate->add_option("--samples", options->samples, "Write so many equal intervals instead of the steps")
       ->type_name("NUMBER");
   add_assembly_options(*simulate, options->assembling);
+  simulate->add_flag("--kinematic", options->kinematic,
+                     "Without dynamics, if motions of the drawing use up the mobility");
   simulate->add_flag("--joint-losses", options->joint_losses, "Count damping and friction of the joints");
   simulate->add_option("--output", options->outputs, "Write a .json, .csv or .npz; may be given again")
       ->type_name("FILE")

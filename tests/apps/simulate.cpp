@@ -191,5 +191,78 @@ TEST(SimulateCommand, MovesInAbsoluteCoordinates) {
   EXPECT_NE(end_with("0.5"), end_with("0.9"));
 }
 
+/// A pendulum on a slider, with lines that a drawing may have besides.
+std::string shaken(const std::string& more) {
+  return R"(format = "axode drawing 1"
+name = "shaken pendulum"
+[[body]]
+name = "shaker"
+joint = { name = "shake", kind = "prismatic", axis = "x" }
+mass = 1
+com = [0, 0, 0]
+inertia = [0.1, 0.1, 0.1]
+[[body]]
+name = "rod"
+on = "shaker"
+joint = { name = "pin", kind = "revolute", axis = "-y", point = [0, 0, 0] }
+mass = 1.2
+com = [0, 0, -0.5]
+inertia = [0.1, 0.1, 0]
+)" + more;
+}
+Outcome simulated(const TemporaryFolder& folder, const std::string& more, std::vector<std::string> options) {
+  const std::string file = folder.file("drawing.toml");
+  std::ofstream(file) << shaken(more);
+  options.insert(options.begin(), {"simulate", file});
+  return axode(options);
+}
+
+TEST(SimulateCommand, BeginsInTheInitialStateOfTheDrawing) {
+  const TemporaryFolder folder;
+  const Motion motion = Motion::parse(
+      simulated(folder, "[state]\nq = { pin = 0.2 }\nv = { shake = 3 }\n", {"--format", "json"}).out);
+  EXPECT_EQ(motion.at("q")[0], (std::vector<double>{0, 0.2}));
+  EXPECT_EQ(motion.at("v")[0], (std::vector<double>{3, 0}));
+}
+
+TEST(SimulateCommand, SaysThatNothingMoves) {
+  const TemporaryFolder folder;
+  const char* const said = "nothing moves: the mechanism is at rest, in equilibrium";
+  EXPECT_THAT(simulated(folder, "", {}).out, testing::HasSubstr(said));
+  EXPECT_THAT(simulated(folder, "[state]\nq = { pin = 0.2 }\n", {}).out, Not(testing::HasSubstr(said)));
+}
+
+TEST(SimulateCommand, FollowsMotionsAndGivesTheirForces) {
+  const TemporaryFolder folder;
+  const std::string moved =
+      "[[motion]]\nof = \"shake\"\nkind = \"harmonic\"\noffset = 0.3\namplitude = 0.1\nfrequency = 1\n";
+  const Outcome outcome = simulated(folder, moved, {"--format", "json", "--samples", "4"});
+  ASSERT_EQ(outcome.code, 0) << outcome.err;
+  const Motion motion = Motion::parse(outcome.out);
+  for (std::size_t k = 0; k <= 4; ++k)
+    EXPECT_NEAR(motion.at("q")[k][0].get<double>(), 0.3 + 0.1 * std::sin(M_PI / 2 * static_cast<double>(k)),
+                1e-9);
+  EXPECT_EQ(motion.at("motions"), std::vector<std::string>{"motion of shake"});
+  EXPECT_EQ(motion.at("v")[0][1], 0);  // the pendulum does not feel that the motion begins
+  EXPECT_THAT(simulated(folder, moved + "[state]\nq = { shake = 0.2 }\n", {}).err,
+              testing::HasSubstr("q of joint \"shake\" is 0.2, and its motion begins with 0.3"));
+  EXPECT_GT(std::abs(motion.at("motion_forces")[1][0].get<double>()), 0.1);
+}
+
+TEST(SimulateCommand, MovesWithoutDynamicsIfMotionsUseUpTheMobility) {
+  const TemporaryFolder folder;
+  const std::string one = "[[motion]]\nof = \"shake\"\nkind = \"polynomial\"\ncoefficients = [0, 1, 2, 3]\n",
+                    both = one + "[[motion]]\nof = \"pin\"\nkind = \"ramp\"\nto = 1\nend = 2\n",
+                    csv = folder.file("run.csv");
+  const Outcome outcome = simulated(folder, both, {"--kinematic", "--samples", "2", "--output", csv});
+  EXPECT_EQ(outcome.code, 0) << outcome.err;
+  EXPECT_THAT(outcome.out, testing::HasSubstr("at t = 1 s, without dynamics"));
+  const std::string text = contents(csv);
+  EXPECT_THAT(text, StartsWith("\"t\",\"q shake\",\"q pin\",\"v shake\",\"v pin\",\"a shake\",\"a pin\","
+                               "\"jerk shake\",\"jerk pin\"\n0,0,0,1,0,4,"));
+  EXPECT_THAT(simulated(folder, one, {"--kinematic"}).err,
+              testing::HasSubstr("the motions leave the mechanism 1 velocity"));
+}
+
 }  // namespace
 }  // namespace axode::test
