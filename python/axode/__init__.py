@@ -47,6 +47,7 @@ from ._axode import (
     elastic_energy,
     equilibrium,
     forward_dynamics,
+    forward_dynamics_at,
     forward_dynamics_derivatives,
     forward_dynamics_geometry_derivatives,
     forward_dynamics_geometry_vjp,
@@ -87,6 +88,7 @@ from ._axode import (
     joint_screws,
     joint_state,
     joint_wrenches,
+    kinematic_motion,
     kinetic_energy,
     kinetic_energy_gradient,
     kinetic_energy_regressor,
@@ -138,6 +140,7 @@ from .builder import Builder
 from .errors import AssemblyError, Fault, ModelError, NotFiniteError, SimulationError, SingularError, StatesError
 from .files import check, load
 from .records import (
+    DynamicsAtTime,
     Equilibrium,
     ForwardDynamicsDerivatives,
     ForwardDynamicsHessian,
@@ -145,6 +148,7 @@ from .records import (
     InverseDynamicsHessian,
     InverseKinematics,
     JointState,
+    KinematicMotion,
     Linearization,
     Load,
     LoopMobility,
@@ -199,6 +203,8 @@ __all__ = [
     "loop_residual", "loop_jacobian", "loop_bias", "loop_residual_jacobian", "loop_hessian_product", "assemble",
     "loop_mobility", "impact", "constraint_wrenches", "independent_equations", "independent_linearization",
     "loop_multipliers", "loop_multiplier_derivatives", "joint_state",
+    # prescribed motions
+    "forward_dynamics_at", "kinematic_motion",
     # motion in time
     "simulate", "rollout", "rollout_derivatives", "rollout_jvp", "rollout_vjp", "reconstruct", "Trajectory",
     # in a browser
@@ -206,7 +212,8 @@ __all__ = [
     # what else is taken, given and raised
     "Load", "Target", "InverseKinematics", "InverseDynamicsDerivatives", "ForwardDynamicsDerivatives",
     "InverseDynamicsHessian", "ForwardDynamicsHessian", "StateDerivatives", "MotionDerivatives", "MotionChange",
-    "MomentumFormDerivatives", "Linearization", "Equilibrium", "RolloutDerivatives", "RolloutGradient", "JointState", "LoopMobility",
+    "MomentumFormDerivatives", "Linearization", "Equilibrium", "DynamicsAtTime", "KinematicMotion", "RolloutDerivatives",
+    "RolloutGradient", "JointState", "LoopMobility",
     "RedundantRow", "AssemblyError", "Fault", "ModelError", "NotFiniteError", "SimulationError", "SingularError", "StatesError",
     # modules
     "lie", "closed_form", "codegen", "convert", "drives", "identification", "calibration", "table",

@@ -40,6 +40,8 @@ class Builder:
         self.springs: list[dict[str, Any]] = []
         self.loops: list[dict[str, Any]] = []
         self.couplings: list[dict[str, Any]] = []
+        self.motions: list[dict[str, Any]] = []
+        self.initial: dict[str, Any] | None = None
 
     def body(self, name: str, *, on: str = "ground", joint: dict[str, Any] | str, **keys: Any) -> Builder:
         """Adds a body that hangs on another one by a joint. Returns the builder.
@@ -106,11 +108,39 @@ class Builder:
         self.couplings.append({"terms": dict(terms), "offset": offset, **keys})
         return self
 
+    def motion(self, of: str, kind: str, **keys: Any) -> Builder:
+        """Prescribes the motion of a joint of one velocity, or of the length of a rod. Returns the builder.
+
+        `of` names the joint or the rod; `kind` is harmonic, ramp, polynomial or samples, and the other keys are those of a
+        motion in a drawing (rad or m, s, Hz).
+
+        >>> link = {"joint": {"kind": "revolute", "axis": "y", "point": [0, 0, 0]}, "mass": 1, "com": [0, 0, -1],
+        ...         "inertia": [1, 1, 1]}
+        >>> shaker = axode.Builder().body("link", **link)
+        >>> shaker.motion("link_joint", "harmonic", amplitude=0.2, frequency=3).build().motion_names
+        ['motion of link_joint']
+        """
+        self.motions.append({"of": of, "kind": kind, **keys})
+        return self
+
+    def state(self, q: Mapping[str, Any] | None = None, v: Mapping[str, Any] | None = None) -> Builder:
+        """Says where motions of the mechanism start: coordinates and velocities by joint. Returns the builder.
+
+        Joints that are not named are at zero and at rest; a joint with several numbers has a list of them.
+
+        >>> link = {"joint": {"kind": "revolute", "axis": "y", "point": [0, 0, 0]}, "mass": 1, "com": [0, 0, -1],
+        ...         "inertia": [1, 1, 1]}
+        >>> axode.Builder().body("link", **link).state(q={"link_joint": 0.5}).build().initial_state()
+        (array([0.5]), array([0.]))
+        """
+        self.initial = {"q": dict(q or {}), "v": dict(v or {})}
+        return self
+
     def build(self, base: Literal["fixed", "free"] | None = None, *, strict: bool = False) -> Model:
         """The model. ModelError lists every fault; `base` and `strict` as in `load`."""
         return Model.from_bodies(
             self.bodies, self.frames, springs=self.springs, loops=self.loops, couplings=self.couplings,
-            name=self.name, gravity=self.gravity, base=base, strict=strict
+            motions=self.motions, state=self.initial, name=self.name, gravity=self.gravity, base=base, strict=strict
         )
 
     def __repr__(self) -> str:

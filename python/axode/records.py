@@ -232,4 +232,24 @@ class Equilibrium(NamedTuple):
     iterations: int
 
 
+class DynamicsAtTime(NamedTuple):
+    """Accelerations at a time, multipliers of the loops, and the force that each motion takes."""
+
+    a: NDArray[np.float64]
+    multipliers: NDArray[np.float64]
+    motion_forces: NDArray[np.float64]
+
+
+class KinematicMotion(NamedTuple):
+    """A motion without dynamics, up to the last time that could be reached."""
+
+    t: NDArray[np.float64]
+    q: NDArray[np.float64]
+    v: NDArray[np.float64]
+    a: NDArray[np.float64]
+    jerk: NDArray[np.float64]
+    complete: bool
+    stop_reason: str
+
+
 signatures.explain_calls(__name__)

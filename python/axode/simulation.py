@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from typing import Any, Literal
 
 import numpy as np
@@ -32,6 +32,7 @@ def simulate(m: Model, q: ArrayLike, v: ArrayLike, until: float, *,
              loads: Sequence[Load] | Callable[[float, Array, Array], Sequence[Load]] | None = None,
              joint_losses: bool = False, times: ArrayLike | None = None,
              events: Sequence[Callable[[float, Array, Array], float]] | None = None,
+             motions: Mapping[str, Callable[[float], ArrayLike]] | None = None,
              progress: bool = False) -> Trajectory:
     """Simulates a mechanism from (q, v) at t = 0 until a time (s), on the Lie group of its configurations.
 
@@ -60,6 +61,9 @@ def simulate(m: Model, q: ArrayLike, v: ArrayLike, until: float, *,
     events: functions (t, q, v) -> number whose zeros are met; `f.terminal = True` ends the motion there,
         `f.direction = 1` or -1 counts rising or falling ones alone. One that is met twice within a step is found where it
         goes towards zero at the beginning of the step and away from it at the end.
+    motions: functions t -> (s, ds, dds) that joints of one velocity or lengths of rods follow, by the names of these,
+        besides those of the drawing; the derivatives must be exact. They are counted in relative coordinates by "dopri5",
+        "rk4", "euler" and "generalized_alpha". One that cannot be followed ends the motion.
     progress: whether a bar is shown, which needs tqdm (`pip install tqdm`).
 
     ValueError for wrong shapes, numbers that are not finite, until < 0 and step <= 0. SimulationError, with the motion
@@ -79,7 +83,7 @@ def simulate(m: Model, q: ArrayLike, v: ArrayLike, until: float, *,
             bar.update(t - bar.n)
     try:
         motion = _axode.simulate_motion(m, q, v, float(until), method, coordinates, step, rtol, atol, spectral_radius,
-                                        tau, loads, joint_losses, times, list(events or []), report)
+                                        tau, loads, joint_losses, times, list(events or []), motions, report)
     finally:
         if bar is not None:
             bar.close()

@@ -268,7 +268,7 @@ class Viewer:
 
 def view(m: Model, q: ArrayLike | None = None, motion: Trajectory | str | os.PathLike[str] | None = None, *,
          output: str | os.PathLike[str] | None = None) -> Viewer:
-    """Shows a mechanism, at q (nq,), or neutral with its loops closed, and a motion of it: in a notebook there, otherwise in a browser.
+    """Shows a mechanism, at q (nq,), or in its initial state with loops closed, and a motion of it: in a notebook there, otherwise in a browser.
 
     motion: from `simulate`, or the .csv, .json or .npz that `axode simulate --output` has written.
     output: a file of HTML to write instead of showing it; it needs no other file and no network.

@@ -12,6 +12,7 @@
 #include "axode/batch/portions.hpp"
 #include "axode/dynamics.hpp"
 #include "python/bindings/drives.hpp"
+#include "python/bindings/states/prescribed_motion.hpp"
 #include "python/bindings/states/specialised.hpp"
 #include "python/bindings/support/bindings.hpp"
 #include "python/bindings/support/choice.hpp"
@@ -126,19 +127,21 @@ void check_drive(const BoundModel& m, const BoundDrive& drive) {
 BoundTrajectory simulate_of(const BoundModel& m, ArrayLike q, ArrayLike v, double until, nb::handle method,
                             nb::handle coordinates, nb::handle step, double rtol, double atol,
                             double spectral_radius, nb::handle tau, nb::handle loads, bool joint_losses,
-                            nb::handle times, nb::handle given_events, nb::handle progress) {
+                            nb::handle times, nb::handle given_events, nb::handle motions,
+                            nb::handle progress) {
   const States states = one_state(m, q);
   const Items velocities = states.velocities("v", v);
   const nb::list events = nb::borrow<nb::list>(given_events);
   SimulationOptions options;
   options.joint_losses = joint_losses;
+  options.motions = motions_from(motions);
   const auto add_loads = [&states](LoadList given, std::vector<AppliedWrench<>>& all) {
     AppliedLoads(states, given, false).with(0, [&](const Loads<double>& now) {
       all.insert(all.end(), now.wrenches.begin(), now.wrenches.end());
       return 0;
     });
   };
-  bool calls_back = !progress.is_none() || events.size() > 0;
+  bool calls_back = !progress.is_none() || events.size() > 0 || !options.motions.empty();
   if (nb::isinstance<nb::callable>(loads)) {
     calls_back = true;
     options.computed_loads = [add_loads, f = nb::borrow<nb::callable>(loads)](
@@ -482,7 +485,8 @@ Its to_parquet (with pyarrow) and to_csv write files. ModuleNotFoundError where 
       });
   module.def("simulate_motion", &simulate_of, "m"_a, "q"_a, "v"_a, "until"_a, "method"_a, "coordinates"_a,
              "step"_a.none(), "rtol"_a, "atol"_a, "spectral_radius"_a, "tau"_a.none(), "loads"_a.none(),
-             "joint_losses"_a, "times"_a.none(), "events"_a, "progress"_a.none(), "See axode.simulate.");
+             "joint_losses"_a, "times"_a.none(), "events"_a, "motions"_a.none(), "progress"_a.none(),
+             "See axode.simulate.");
   module.def("rollout_under", &rollout_of, "m"_a, "q"_a, "v"_a, "tau"_a, "step"_a, "compiled"_a = nb::none(),
              nb::kw_only(), "threads"_a = 1, "joint_losses"_a = false, "See axode.rollout.");
   module.def("rollout_driven", &driven_rollout_of, "m"_a, "q"_a, "v"_a, "drive"_a, "steps"_a, "step"_a,

@@ -7,6 +7,7 @@
 #include "axode/io.hpp"
 #include "axode/model/building/builder.hpp"
 #include "axode/model/building/edited.hpp"
+#include "axode/model/building/placement.hpp"
 #include "axode/model/configuration.hpp"
 #include "axode/model/inertial_parameters.hpp"
 #include "python/bindings/states/states.hpp"
@@ -286,6 +287,20 @@ Shapes (nq,) or (N, nq) to (nv,) or (N, nv), rad and m.
 array([0.2, 0.2, 0.2, 0.2, 0.2, 0.2, 0.2])
 )")
       .def(
+          "initial_state",
+          [](const BoundModel& m) {
+            const InitialState start = initial_state(m);
+            return std::pair(to_array(start.q), to_array(start.v));
+          },
+          R"(
+(q, v): the state in which a motion of the mechanism starts, as its drawing says; (nq,) and (nv,).
+
+Joints that the drawing does not name are at zero and at rest.
+
+>>> arm.initial_state()[1].any()
+False
+)")
+      .def(
           "interpolate",
           [](const BoundModel& m, ArrayLike q0, ArrayLike q1, nb::handle s) {
             const double part = number("s", s);
@@ -337,9 +352,9 @@ True
 )");
 }
 
-/// The lists of tables that a drawing consists of.
+/// The lists of tables that a drawing consists of, and the table of its initial state, which may be None.
 struct Tables {
-  nb::handle bodies, frames, springs, loops, couplings;
+  nb::handle bodies, frames, springs, loops, couplings, motions, state;
 };
 nb::dict drawing_of(const Tables& of, const std::string& name, nb::handle gravity) {
   nb::dict drawing;
@@ -351,6 +366,8 @@ nb::dict drawing_of(const Tables& of, const std::string& name, nb::handle gravit
   drawing["spring"] = of.springs;
   drawing["loop"] = of.loops;
   drawing["coupling"] = of.couplings;
+  drawing["motion"] = of.motions;
+  if (!of.state.is_none()) drawing["state"] = of.state;
   return drawing;
 }
 
@@ -359,25 +376,29 @@ void add_construction(nb::class_<BoundModel>& model) {
       .def_static(
           "from_bodies",
           [](nb::handle bodies, nb::handle frames, nb::handle springs, nb::handle loops, nb::handle couplings,
-             const std::string& name, nb::handle gravity, Base base, bool strict) {
-            return BoundModel(
-                from_dict(drawing_of({bodies, frames, springs, loops, couplings}, name, gravity), base,
-                          strictness(strict)));
+             nb::handle motions, nb::handle state, const std::string& name, nb::handle gravity, Base base,
+             bool strict) {
+            return BoundModel(from_dict(
+                drawing_of({bodies, frames, springs, loops, couplings, motions, state}, name, gravity), base,
+                strictness(strict)));
           },
           "bodies"_a, "frames"_a = nb::make_tuple(), nb::kw_only(), "springs"_a = nb::make_tuple(),
-          "loops"_a = nb::make_tuple(), "couplings"_a = nb::make_tuple(), "name"_a = "mechanism",
-          "gravity"_a = nb::make_tuple(0.0, 0.0, -9.81), "base"_a = nb::none(), "strict"_a = false,
+          "loops"_a = nb::make_tuple(), "couplings"_a = nb::make_tuple(), "motions"_a = nb::make_tuple(),
+          "state"_a = nb::none(), "name"_a = "mechanism", "gravity"_a = nb::make_tuple(0.0, 0.0, -9.81),
+          "base"_a = nb::none(), "strict"_a = false,
           nb::sig("def from_bodies(bodies: collections.abc.Sequence[dict[str, typing.Any]], "
                   "frames: collections.abc.Sequence[dict[str, typing.Any]] = (), *, "
                   "springs: collections.abc.Sequence[dict[str, typing.Any]] = (), "
                   "loops: collections.abc.Sequence[dict[str, typing.Any]] = (), "
                   "couplings: collections.abc.Sequence[dict[str, typing.Any]] = (), "
+                  "motions: collections.abc.Sequence[dict[str, typing.Any]] = (), "
+                  "state: dict[str, typing.Any] | None = None, "
                   "name: str = 'mechanism', gravity: numpy.typing.ArrayLike = (0.0, 0.0, -9.81), "
                   "base: typing.Literal['fixed', 'free'] | None = None, strict: bool = False) -> Model"),
           R"(
 A mechanism from axes, points, masses and inertias, all in one frame with every joint at zero.
 
-Each body, frame, spring, loop and coupling is a dict with the keys of the drawing format (docs/drawing-format.md): name, on, joint, mass, com,
+Each body, frame, spring, loop, coupling and motion, and the state, is a dict with the keys of the drawing format (docs/drawing-format.md): name, on, joint, mass, com,
 inertia, ... SI units. The frame of a body is the construction frame unless its dict says another, such as
 "frame": "joint" or "frame": "com". ModelError lists every fault; base and strict are those of `load`.
 
@@ -650,6 +671,14 @@ Model("arm7": 7 moving bodies, nq = 7, nv = 7, 10 frames, 26.334 kg)
       .def_prop_ro(
           "loop_names", [](const BoundModel& m) { return names(m->loops().all); },
           "Names of the loops, then of the couplings, in the order of the drawing.")
+      .def_prop_ro(
+          "motion_names",
+          [](const BoundModel& m) {
+            std::vector<std::string> all;
+            for (const MotionDescription& motion : m->motions()) all.push_back(motion_name(motion));
+            return all;
+          },
+          "Names of the prescribed motions, in the order of the drawing.")
       .def_prop_ro(
           "parameters", [](const BoundModel& m) { return to_array(inertial_parameters(m)); },
           "Inertial parameters, (10 n_bodies,): m, m c, Theta (xx, yy, zz, xy, xz, yz) of each body in its "

@@ -39,6 +39,7 @@ NB_MODULE(_axode, module) {
   add_derivatives(module);
   add_constraints(module);
   add_integration(module);
+  add_prescribed_motion(module);
   add_sensitivities(module);
   add_drives(module);
   nb::module_ closed_form = module.def_submodule("closed_form", "See axode.closed_form.");

@@ -44,9 +44,14 @@ auto fields(Like<LoopDescription> auto& l) {
                   l.wheel_axis, l.frames, l.length, l.radius, l.angle, l.source);
 }
 auto fields(Like<CouplingDescription> auto& c) { return std::tie(c.name, c.terms, c.offset, c.source); }
+auto fields(Like<MotionDescription> auto& m) {
+  return std::tie(m.name, m.of, m.kind, m.offset, m.amplitude, m.frequency, m.phase, m.from, m.to, m.start,
+                  m.end, m.coefficients, m.times, m.values, m.source);
+}
+auto fields(Like<InitialStateDescription> auto& s) { return std::tie(s.q, s.v, s.source); }
 auto fields(Like<Description> auto& d) {
-  return std::tie(d.name, d.gravity, d.bodies, d.frames, d.shapes, d.springs, d.loops, d.couplings, d.source,
-                  d.warnings);
+  return std::tie(d.name, d.gravity, d.bodies, d.frames, d.shapes, d.springs, d.loops, d.couplings, d.motions,
+                  d.state, d.source, d.warnings);
 }
 
 template <class T> struct Packing {

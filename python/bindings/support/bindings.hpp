@@ -14,6 +14,7 @@ void add_momentum(nanobind::module_& module);
 void add_derivatives(nanobind::module_& module);
 void add_constraints(nanobind::module_& module);
 void add_integration(nanobind::module_& module);
+void add_prescribed_motion(nanobind::module_& module);
 void add_sensitivities(nanobind::module_& module);
 void add_drives(nanobind::module_& module);
 void add_closed_form(nanobind::module_& closed_form);
