@@ -118,9 +118,9 @@ void add_view(CLI::App& app, int& exit_code) {
   const auto options = std::make_shared<Options>();
   CLI::App* view = app.add_subcommand("view", "Show a mechanism and its motion in a browser");
   add_model_options(*view, options->mechanism);
-  view->add_option(
-          "--state", options->state,
-          "JSON, - for standard input. If left out: the start of the motion, or neutral with loops closed")
+  view->add_option("--state", options->state,
+                   "JSON, - for standard input. If left out: the start of the motion, or the initial state "
+                   "with loops closed")
       ->type_name("FILE");
   view->add_option("--motion", options->motion, "A .csv, .json or .npz of `axode simulate --output`")
       ->type_name("FILE");

@@ -33,9 +33,9 @@ inline constexpr std::size_t largest_meshes = std::size_t{256} << 20;
 /// is shown.
 inline constexpr std::size_t longest_motion = 1'000'000;
 
-/// Configuration that a page shows first if no other is given: the neutral one, or, if the model has loops
-/// and they can be closed from there by assemble(), the closed one. The search ends if monitor() returns
-/// false.
+/// Configuration that a page shows first if no other is given: that of initial_state(), or, if the model has
+/// loops or motions and assemble() can close and follow them from there, the closed one. The search ends if
+/// monitor() returns false.
 std::vector<double> first_configuration(const Model& model, const std::function<bool()>& monitor = {});
 
 /// Writes the scene that a page shows as JSON: bodies with their joints and inertias, frames, shapes with the

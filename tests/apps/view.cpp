@@ -63,7 +63,7 @@ TEST_F(View, WritesAPageWithTheScene) {
   EXPECT_THAT(outcome.out, testing::MatchesRegex(".*page.html: [0-9.]+ [kM]B, 2 moving bodies, 0 meshes\n"));
   const nlohmann::json scene = scene_in(page_);
   EXPECT_EQ(scene["name"], "double pendulum");
-  EXPECT_EQ(scene["q"], nlohmann::json({0.0, 0.0}));
+  EXPECT_EQ(scene["q"], nlohmann::json({2.0, 0.0}));  // the initial state of the drawing
   EXPECT_TRUE(scene["motion"].is_null());
   EXPECT_EQ(contents(page_).find("src=\"http"), std::string::npos);
 }
