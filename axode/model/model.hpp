@@ -82,8 +82,8 @@ class Model {
   /// Loop joints, rods, contacts and couplings. Functions whose documentation does not mention loops compute
   /// with the spanning tree alone.
   const Loops& loops() const { return data_->loops; }
-  /// Motions that joints and rods follow, see axode/integration/prescribed_motion.hpp. Functions whose
-  /// documentation does not mention them compute with the mechanism without motions.
+  /// Motions that joints and rods follow, see axode/constraints/prescribed/prescribed_motion.hpp. Functions
+  /// whose documentation does not mention them compute with the mechanism without motions.
   std::span<const MotionDescription> motions() const { return data_->description.motions; }
 
   /// Indices by name. They throw std::invalid_argument with the unknown name and the nearest known one.

@@ -57,10 +57,11 @@ Description with_free_base(Description description);
 /// `fixed_base`, several by joints without a name.
 Description with_fixed_base(Description description);
 
-/// A new model in which the named joints are fixed at their position in q (nq coordinates of `model`). Joints
-/// that are coupled to a locked one are locked as well. Loops between bodies that no longer move relative to
-/// each other, and couplings without a moving joint, are left out, whether they are closed or not. Throws
-/// std::invalid_argument for an unknown or coupled joint and a wrong q.
+/// A new model in which the named joints are fixed at their position in q (nq coordinates of `model`).
+/// Joints that are coupled to a locked one are locked as well. The initial state and the motions of locked
+/// joints are left out. Loops between bodies that no longer move relative to each other, and couplings
+/// without a moving joint, are left out, whether they are closed or not. Throws std::invalid_argument for an
+/// unknown or coupled joint and a wrong q.
 Model reduced(const Model& model, std::span<const std::string_view> locked, std::span<const double> q);
 
 }  // namespace axode

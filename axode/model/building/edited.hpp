@@ -28,7 +28,7 @@ Model with_payload(const Model& model, std::string_view frame, const Inertia<>& 
 
 /// The mechanism with another one mounted on one of its frames, such as a hand on the flange of an arm. The
 /// frame replaces the ground of the other mechanism, and the gravity of the other one is not used. The prefix
-/// is put before all names of bodies, joints, frames and loops of the other one. Bodies are numbered
+/// is put before all names of bodies, joints, frames, loops and motions of the other one. Bodies are numbered
 /// depth-first, so that the coordinates of the other one need not be the last ones.
 ///
 /// If a joint other than a fixed one is given, the ground of the other mechanism moves on the frame by this
@@ -50,8 +50,9 @@ Model append(const Model& model, std::string_view frame, const Model& other, std
 /// joint on the path has the inverse displacement: C' = C⁻¹ between its joint frames, v' = -Ad_C v, and τ =
 /// -Ad_Cᵀ τ'. A free root has the pose and twist of the body. joint_state()
 /// (axode/constraints/absolute/joint_state.hpp) converts the poses and twists of a state into the new
-/// coordinates. If the root is free and its joint has no drive force, the motion is the same; if it is fixed,
-/// the new root is held instead of the old one.
+/// coordinates; the initial state of such joints is left out with a warning. If the root is free and its
+/// joint has no drive force, the motion is the same; if it is fixed, the new root is held instead of the old
+/// one.
 ///
 /// Throws std::invalid_argument for an unknown body, for a root on any other joint, and for limits, losses,
 /// springs and armatures of joints with several velocities on the path, because these act along axes of the
