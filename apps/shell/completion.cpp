@@ -19,17 +19,15 @@ constexpr const char* footer = R"(Example:
   axode completion bash
 
 In ~/.bashrc: source <(axode completion bash). In ~/.zshrc, after compinit: source <(axode completion zsh).
-For fish: axode completion fish > ~/.config/fish/completions/axode.fish. `cmake --install` installs
-these files.
+For fish: axode completion fish > ~/.config/fish/completions/axode.fish. `cmake --install` installs them.
 The scripts call axode with the WORDS of a command line, and axode prints the completions of the last word.)";
 
-/// A shell calls axode with all words after `axode`, the last of which is to be completed. The output has a
-/// line for each completion: a word, a tab and a description. The output ":files" stands for the names of
-/// files.
+/// A shell calls axode with all words after `axode`, the last of which is to be completed. Each line of the
+/// output is a word, a tab and a description; `:files` stands for the names of files.
 constexpr const char* bash = R"sh(# Completion of axode for bash.
 _axode() {
-  local words=("${COMP_WORDS[@]:1:COMP_CWORD}")
-  mapfile -t COMPREPLY < <("${COMP_WORDS[0]}" completion bash -- "${words[@]}" 2>/dev/null | cut -f 1)
+  mapfile -t COMPREPLY < <(
+    "${COMP_WORDS[0]}" completion bash -- "${COMP_WORDS[@]:1:COMP_CWORD}" 2>/dev/null | cut -f 1)
   if [[ ${COMPREPLY[0]} == :files ]]; then
     compopt -o filenames 2>/dev/null
     mapfile -t COMPREPLY < <(compgen -f -- "${COMP_WORDS[COMP_CWORD]#=}")
@@ -49,11 +47,7 @@ _axode() {
     compadd -q -S $suffix -l -d shown -- $word
   done
 }
-if [[ $funcstack[1] == _axode ]]; then
-  _axode "$@"
-else
-  compdef _axode axode
-fi
+if [[ $funcstack[1] == _axode ]]; then _axode "$@"; else compdef _axode axode; fi
 )sh";
 constexpr const char* fish = R"sh(# Completion of axode for fish.
 function __axode
@@ -72,72 +66,68 @@ complete -c axode -f -a '(__axode)'
 constexpr std::array<std::pair<std::string_view, const char*>, 3> shells{
     {{"bash", bash}, {"zsh", zsh}, {"fish", fish}}};
 
-/// The words, or files, that are valid at a place of the command line.
+/// What is valid at a place of the command line: names of files, or words with their descriptions.
 struct Offer {
   bool files = false;
-  bool list = false;                                            ///< whether commas separate several words
-  std::vector<std::pair<std::string, std::string>> words = {};  ///< words and descriptions
+  bool list = false;  ///< whether commas separate several words
+  std::vector<std::pair<std::string, std::string>> words = {};
 };
 
-/// The words that an option takes. The type of its value is `FILE`, a list of words, as in `table|json`, or a name
-/// for many words.
-Offer offer(const CLI::Option& option) {
+/// Adds what an option takes: a `FILE`, one of some words, as in `table|json`, or a name that stands for many.
+void add_values(Offer& offer, const CLI::Option& option) {
   const std::string type = option.get_type_name();
-  Offer offer{.files = type.starts_with("FILE"), .list = type == "QUANTITIES" || type == "FUNCTIONS"};
   const auto add = [&](const auto& all, const auto& name_of) {
     for (const auto& one : all) offer.words.emplace_back(name_of(one), "");
   };
+  offer.files |= type.starts_with("FILE");
+  offer.list |= type == "QUANTITIES" || type == "FUNCTIONS";
   if (type == "METHOD") add(methods, [](const auto& method) { return method.first; });
   if (type == "QUANTITIES") add(quantities(), [](const Quantity& x) { return x.name; });
   if (type == "FUNCTIONS") add(codegen::recorded_functions, std::identity());
   if (type.find('|') != std::string::npos) add(CLI::detail::split(type, '|'), std::identity());
-  return offer;
 }
 
-/// The words that are valid if the word before is not an option with a value.
-Offer words_of(const CLI::App& command, bool is_option, bool with_equals) {
-  Offer all;
-  for (const CLI::App* sub : commands(command))
-    all.words.emplace_back(sub->get_name(), sub->get_description());
-  for (const CLI::Option* option : positionals(command)) {
-    const Offer one = offer(*option);
-    all.files |= one.files;
-    all.words.insert(all.words.end(), one.words.begin(), one.words.end());
+/// Adds commands and the values of positional arguments, or options if there are none or the word is an option.
+void add_words(Offer& offer, const CLI::App& command, bool is_option, bool with_equals) {
+  if (!is_option) {
+    for (const CLI::App* sub : commands(command))
+      offer.words.emplace_back(sub->get_name(), sub->get_description());
+    for (const CLI::Option* option : positionals(command)) add_values(offer, *option);
+    if (offer.files || !offer.words.empty()) return;
   }
-  if (!is_option && (all.files || !all.words.empty())) return all;
-  all = {};
   for (const CLI::Option* option : command.get_options())
     for (const std::string& name : flags(*option)) {
       const bool before_value = with_equals && takes_value(*option) && name.starts_with("--");
-      all.words.emplace_back(name + (before_value ? "=" : ""), option->get_description());
+      offer.words.emplace_back(name + (before_value ? "=" : ""), option->get_description());
     }
-  return all;
 }
 
 /// The completions of the last of the words after `axode`, one in a line.
 std::string completions(const CLI::App& app, std::vector<std::string> words, std::string_view shell) {
   std::string word = words.back(), head;  // a part of the word that stays
   words.pop_back();
-  if (shell == "bash" && word == "=")
-    words.push_back(std::exchange(word, ""));  // --option=value is three words
-  if (!words.empty() && words.back() == "=") words.pop_back();
+  if (word == "=") word.clear();  // bash divides --option=value into three words
+  std::erase(words, "=");
   if (const std::size_t end = word.find('='); word.starts_with("--") && end != std::string::npos) {
     words.push_back(word.substr(0, end));
     head = word.substr(0, end + 1);
   }
-  const CLI::App* command = &app;
   const auto name = std::ranges::find_if(words, [](const std::string& x) { return !x.starts_with('-'); });
+  const CLI::App* command = &app;
   for (const CLI::App* sub : commands(app))
     if (name != words.end() && sub->get_name() == *name) command = sub;
   const CLI::Option* asked = words.empty() ? nullptr : command->get_option_no_throw(words.back());
-  const bool has_value = asked != nullptr && asked->nonpositional() && takes_value(*asked);
-  const Offer found = has_value ? offer(*asked) : words_of(*command, word.starts_with('-'), shell == "zsh");
-  if (found.files) return ":files\n";
-  if (found.list) head = word.substr(0, std::max(head.size(), word.rfind(',') + 1));
+  Offer offer;
+  if (asked != nullptr && asked->nonpositional() && takes_value(*asked))
+    add_values(offer, *asked);
+  else
+    add_words(offer, *command, word.starts_with('-'), shell == "zsh");
+  if (offer.files) return ":files\n";
+  if (offer.list) head = word.substr(0, std::max(head.size(), word.rfind(',') + 1));
   std::string lines;
-  for (const auto& [end, description] : found.words)
+  for (const auto& [end, description] : offer.words)
     if (const std::string all = head + end; all.starts_with(word))
-      lines += fmt::format("{}{}\t{}\n", all, found.list && shell == "zsh" ? "," : "", description);
+      lines += fmt::format("{}{}\t{}\n", all, offer.list && shell == "zsh" ? "," : "", description);
   return lines;
 }
 
