@@ -6,7 +6,6 @@ This needs pyarrow (`pip install pyarrow`), a cluster needs Ray (`pip install ra
 
 from __future__ import annotations
 
-import contextlib
 import itertools
 import os
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
@@ -19,21 +18,21 @@ from numpy.typing import NDArray
 from .parallel import jobs, parquet_states
 from .support import signatures
 from ._axode import Model
+from .parallel.jobs import Progress
 from .parallel.parquet_states import TableFunction
 
 import pyarrow as pa  # type: ignore[import-not-found, import-untyped, unused-ignore]
 
 __all__ = ["TableFunction", "Written", "grid", "map_states", "sweep"]
 
-Progress = bool | Callable[[int, int], object]
 #: Parts of a sweep, about.
 PARTS = 256
 
 
 class Written(NamedTuple):
     """Summary of the files that `map_states` or `sweep` wrote: the number of `rows` and of `parts`, the number of parts
-    that this call `computed` (an interrupted call before may have computed the others), and the number of `faulty` rows, which
-    are NaN, among them.
+    that this call `computed` (an interrupted call before may have computed the others), and the number of `faulty` rows,
+    which are NaN, among them.
 
     >>> axode.distributed.Written(rows=10, parts=1, computed=1, faulty=0).rows
     10
@@ -56,35 +55,34 @@ def map_states(m: Model, function: str | Callable[..., Any],
                rows_per_part: int = parquet_states.ROWS, progress: Progress = False) -> Written:
     """Computes a function of the states in Parquet files and writes Parquet files with the same rows in the same order.
 
-    function: the name of one of this package that takes N states, such as "inverse_dynamics"; or a function (m, q, v,
-        ...) of yours whose parameters without a default are names of columns, and which returns (N, ...), or a dict of
+    function: name of a function of this package that takes N states, such as "inverse_dynamics"; or a function of yours,
+        (m, q, v, ...), whose parameters without a default are names of columns, and which returns (N, ...) or a dict of
         such arrays.
-    states: a file, a list of files or a folder of them. A column `q` holds lists of nq numbers, `v`, `a` and `tau` of
-        nv; or each coordinate has a column, `q A1`, `q A2`, ..., as `axode simulate --output` names them. Numbers of
-        any real type.
-    output: a file where it ends in .parquet, otherwise a folder of files. Columns are those of `keep` and the result: a
-        number, lists, or tensors (lists to readers that do not know these) where there are several axes. That of
-        inverse_dynamics is `tau`, that of forward_dynamics `a`, others have the name of the function.
-    arguments: what else the function is given, such as {"frame": "flange"}; the same for all states.
-    keep: columns to carry over, or "all"; without it, all that are no part of a state, such as a time or a number.
-    dtype: of the results in the files; it is computed in float64.
-    faulty: a null, NaN or infinity, a singular mass matrix or an overflow ends the work in an error that names file and
-        row, or with "nan" makes NaN of the results of this row.
-    overwrite: whether what is there is removed and everything computed anew. Otherwise a job that was interrupted is
-        continued: parts are files that appear when they are whole, and only those that are missing are computed. The
-        job is the same if the model, the states and the arguments are, and the function with the values that it is
-        bound to. Global variables and the functions that it calls are not compared. A function with a value that cannot
-        be compared, such as an open file, is not continued.
+    states: a file, a list of files or a folder. A column `q` holds lists of nq numbers, `v`, `a` and `tau` of nv, of any
+        real type; or each coordinate has a column, `q A1`, `q A2`, ..., as `axode simulate --output` names them.
+    output: a file if it ends in .parquet, otherwise a folder. Its columns are those of `keep` and the result: numbers,
+        lists, or tensors (lists to other readers) if there are several axes. The result of inverse_dynamics is `tau`,
+        that of forward_dynamics `a`; others have the name of the function.
+    arguments: other arguments of the function, such as {"frame": "flange"}, the same for all states.
+    keep: columns to copy, or "all"; if left out, those that are not part of a state, such as a time or a number.
+    dtype: type of the results in the files; they are computed in float64.
+    faulty: a null, NaN or infinity, a singular mass matrix or an overflow is an error that names file and row; with
+        "nan" the results of this row are NaN.
+    overwrite: whether existing results are removed and everything is computed anew. Otherwise an interrupted job
+        continues: parts are files that appear when they are complete, and only missing ones are computed. The job is the
+        same if the model, the states, the arguments, and the function with the values that it is bound to are the same.
+        Global variables and functions that it calls are not compared. A function with a value that cannot be compared,
+        such as an open file, is not continued.
     cluster: "local" starts Ray on the cores of this machine, an address connects to a cluster; both end with the call.
-        Without it a cluster to which this program is connected is used, or that of $RAY_ADDRESS, and otherwise this
-        process. The workers of a cluster see the files under the same names.
-    threads: of this process; all cores where it is left out, or one for a function of yours.
-    retries: how often Ray computes a part anew whose worker was lost.
+        If left out, the cluster to which this program is connected or that of $RAY_ADDRESS is used, or else this
+        process. Workers see the files under the same names.
+    threads: of this process; all cores if left out, or one for a function of yours.
+    retries: how often Ray computes a part again whose worker was lost.
     rows_per_part: states in a part.
     progress: whether a bar is shown, which needs tqdm; or a function (rows done, rows).
 
-    Memory is bounded: each core has one part at work. ValueError for what is in the files, KeyError for an unknown
-    function, TypeError for its arguments, FileExistsError for an output that is there. Ctrl-C ends it.
+    Memory is bounded: each core works on one part. ValueError for wrong files, KeyError for an unknown function,
+    TypeError for its arguments, FileExistsError for an existing output. Ctrl-C ends it.
 
     >>> import pyarrow as pa, pyarrow.parquet as pq, tempfile
     >>> folder = tempfile.mkdtemp()
@@ -98,49 +96,48 @@ def map_states(m: Model, function: str | Callable[..., Any],
     _at_least_one("rows_per_part", rows_per_part)
     table_function = TableFunction(m, function, arguments, keep=keep, dtype=dtype, faulty=faulty)
     files = parquet_states.files_in(states)
-    task = _StatesTask(table_function, files)
-    parts = task.parts(rows_per_part)
+    task = _StatesTask(table_function, files, rows_per_part)
     seen = [(file, os.path.getsize(file), os.stat(file).st_mtime_ns) for file in files]
     job = {"function": table_function.function, "model": m, "states": seen,
            "arguments": [table_function.arguments, keep, dtype, faulty], "rows_per_part": rows_per_part}
     _check_apart(Path(output), states)
     if threads is None:
         threads = (os.cpu_count() or 1) if table_function.known else 1
-    return _write(task, parts, jobs.Output(output, job, len(parts), overwrite), cluster=cluster, threads=threads,
-                  retries=retries, progress=progress)
+    return _write(task, job, output, overwrite, cluster=cluster, threads=threads, retries=retries, progress=progress)
 
 
 class _StatesTask:
-    """A function of states on parts of files."""
+    """A function of states on parts of files. ValueError if a file has not the columns that the first one has."""
 
-    def __init__(self, function: TableFunction, files: list[str]):
-        self.function, self.files = function, files
+    def __init__(self, function: TableFunction, files: list[str], rows_per_part: int):
+        self.function, self.rows_per_part = function, rows_per_part
         self.columns: list[str] = []
-
-    def parts(self, rows_per_part: int) -> list[parquet_states.Slice]:
-        """ValueError where a file has not the columns that the first one has."""
-        def use(schema: Any) -> None:
-            wanted = {name for names in self.function.columns(schema.names) for name in names}
+        self.parts: list[parquet_states.Slice] = []
+        for file in files:
+            schema, parts = parquet_states.slices(file, rows_per_part)
+            try:
+                wanted = {name for names in function.columns(schema.names) for name in names}
+            except ValueError as error:
+                raise ValueError(f"{file}: {error}") from error
             columns = [name for name in schema.names if name in wanted]
-            if self.columns and wanted != set(self.columns):
-                raise ValueError(f"it has the columns {', '.join(columns)}; {self.files[0]} has "
-                                 f"{', '.join(self.columns)}")
             self.columns = self.columns or columns
-
-        parts = [part for file in self.files for part in parquet_states.slices(file, rows_per_part, use)]
-        return parts or [parquet_states.Slice(self.files[0], 0, 0, 0, 0)]
+            if wanted != set(self.columns):
+                raise ValueError(f"{file}: it has the columns {', '.join(columns)}; {files[0]} has "
+                                 f"{', '.join(self.columns)}")
+            self.parts += parts
+        self.parts = self.parts or [parquet_states.Slice(files[0], 0, 0, 0, 0)]
 
     def said(self, part: parquet_states.Slice) -> str:
         return f"{part.file}, rows {part.first} to {part.first + part.rows - 1}"
 
     def load(self, part: parquet_states.Slice) -> Any:
-        return parquet_states.read(part, self.columns)
+        return parquet_states.read(part, self.columns, self.rows_per_part)
 
     def tables(self, part: parquet_states.Slice, loaded: Any) -> Iterator[tuple[Any, int]]:
         try:
             yield from self.function.pieces(loaded)
         except parquet_states.RowError as error:
-            raise error.located(f"{part.file}: ", part.first) from error.cause
+            raise error.located(f"{part.file}: ", part.first) from error.__cause__
         except Exception as error:
             if self.function.known:
                 raise ValueError(f"{part.file}: {error}") from error
@@ -176,21 +173,22 @@ def sweep(m: Any, function: Callable[..., Any], points: Mapping[str, Sequence[An
           output: str | os.PathLike[str] | None = None, *, overwrite: bool = False, cluster: str | None = None,
           threads: int = 1, retries: int = 3, points_per_part: int | None = None,
           progress: Progress = False) -> dict[str, NDArray[Any]] | Written:
-    """Computes a function of a model at many points, of a grid or of seeds for Monte Carlo, and writes a row for each point.
+    """Computes a function of a model at many points, of a grid or of seeds for Monte Carlo, and writes a row for each
+    point.
 
-    function: takes m, a model or whatever it needs, and the numbers of a point under their names, and returns a number,
-        or a dict of numbers, words and arrays; it is the same words in every point. A number of its own is called
+    function: takes m, a model or anything else, and the values of a point under their names. It returns a number, or a
+        dict of numbers, words and arrays with the same names at every point. A number that is returned alone is called
         `result`.
-    points: a dict of equally many values under each name, such as `grid(...)` or {"seed": range(1000)}.
-    output: a Parquet file or folder as that of `map_states`, which is continued like that. Without it the columns
-        come back as arrays.
-    threads: of this process. More than 1 pay where the function is long in axode or numpy, which let other threads run;
-        a cluster, be it "local", where it is long in Python.
-    points_per_part: points that a worker computes before it writes them; the points make 256 parts if it is left out.
+    points: a dict with the same number of values for each name, such as `grid(...)` or {"seed": range(1000)}.
+    output: a Parquet file or folder as in `map_states`, which is continued in the same way. If left out, the columns are
+        returned as arrays.
+    threads: of this process. Use more than 1 if the function is long in axode or numpy, which let other threads run, and
+        a cluster, for example "local", if it is long in Python.
+    points_per_part: points that a worker computes before it writes them; if left out, there are 256 parts.
     overwrite, cluster, retries, progress: as in `map_states`.
 
-    Draw from the seed alone, `np.random.default_rng(seed)`: then it does not matter who computes which point. Numbers
-    are float64. RuntimeError, with the point, where the function fails.
+    Draw random numbers from the seed alone, `np.random.default_rng(seed)`: then it does not matter who computes which
+    point. Numbers are float64. RuntimeError, with the point, if the function fails.
 
     >>> def holding_torque(m, seed):
     ...     drawn = m.parameters * np.random.default_rng(seed).normal(1, 0.01, m.parameters.shape)
@@ -199,29 +197,16 @@ def sweep(m: Any, function: Callable[..., Any], points: Mapping[str, Sequence[An
     >>> torques["seed"][:3], torques["result"].shape
     (array([0, 1, 2]), (20,))
     """
-    if not isinstance(points, Mapping):
-        raise TypeError(f"points is {points!r:.60}; expected a dict of equally many values under each name")
-    values_of = {name: list(values) for name, values in points.items()}
-    lengths = {name: len(values) for name, values in values_of.items()}
-    if len(set(lengths.values())) != 1:
-        raise ValueError(f"points: expected equally many values under each name, got {lengths}")
-    N = next(iter(lengths.values()))
-    if N == 0:
-        raise ValueError("points is empty; expected at least one value under each name")
-    if points_per_part is None:
-        points_per_part = -(-N // PARTS)
-    _at_least_one("points_per_part", points_per_part)
-    task = _SweepTask(m, function, values_of)
-    parts = [_Points(start, min(points_per_part, N - start)) for start in range(0, N, points_per_part)]
-    if output is None:
-        _at_least_one("threads", threads)
-        with contextlib.closing(jobs.run(task, parts, [None] * len(parts), cluster=cluster, threads=threads,
-                                         retries=retries, progress=progress)) as reports:
-            found = sorted(reports, key=lambda report: report.number)
-        return _arrays(pa.concat_tables([report.table for report in found]))
-    job = {"function": function, "model": m, "points": task.points, "points_per_part": points_per_part}
-    return _write(task, parts, jobs.Output(output, job, len(parts), overwrite), cluster=cluster, threads=threads,
-                  retries=retries, progress=progress)
+    task = _SweepTask(m, function, points, points_per_part)
+    how: dict[str, Any] = {"cluster": cluster, "threads": threads, "retries": retries, "progress": progress}
+    if output is not None:
+        job = {"function": function, "model": m, "points": task.points, "points_per_part": task.points_per_part}
+        return _write(task, job, output, overwrite, **how)
+    _at_least_one("threads", threads)
+    reports = sorted(jobs.run(task, task.parts, [None] * len(task.parts), **how))
+    table = pa.concat_tables([pa.ipc.open_file(report.table).read_all() for report in reports])
+    return {name: column.to_numpy() if column.type == pa.int64() else parquet_states.numbers(column, name)
+            for name, column in zip(table.column_names, table.columns)}
 
 
 class _Points(NamedTuple):
@@ -234,44 +219,52 @@ class _Points(NamedTuple):
 class _SweepTask:
     """A function of points, a part of them at a time."""
 
-    def __init__(self, m: Any, function: Callable[..., Any], points: dict[str, list[Any]]):
-        self.m, self.function, self.points = m, function, points
-        self.columns = {name: _column(name, values) for name, values in points.items()}
+    def __init__(self, m: Any, function: Callable[..., Any], points: Mapping[str, Sequence[Any]],
+                 points_per_part: int | None):
+        if not isinstance(points, Mapping):
+            raise TypeError(f"points is {points!r:.60}; expected a dict of equally many values under each name")
+        self.m, self.function = m, function
+        self.points = {name: list(values) for name, values in points.items()}
+        lengths = {name: len(values) for name, values in self.points.items()}
+        if len(set(lengths.values())) != 1:
+            raise ValueError(f"points: expected equally many values under each name, got {lengths}")
+        N = max(lengths.values())
+        if N == 0:
+            raise ValueError("points is empty; expected at least one value under each name")
+        self.points_per_part = -(-N // PARTS) if points_per_part is None else points_per_part
+        _at_least_one("points_per_part", self.points_per_part)
+        self.parts = [_Points(start, min(self.points_per_part, N - start)) for start in range(0, N, self.points_per_part)]
+        self.columns = {name: _column(name, values) for name, values in self.points.items()}
 
     def said(self, part: _Points) -> str:
         return f"points {part.start} to {part.start + part.rows - 1}"
 
-    def load(self, part: _Points) -> dict[str, list[Any]]:
-        return {name: values[part.start:part.start + part.rows] for name, values in self.points.items()}
+    def load(self, part: _Points) -> list[dict[str, Any]]:
+        return [dict(zip(self.points, values)) for values in zip(
+            *(values[part.start:part.start + part.rows] for values in self.points.values()))]
 
-    def tables(self, part: _Points, loaded: dict[str, list[Any]]) -> Iterator[tuple[Any, int]]:
+    def tables(self, part: _Points, loaded: list[dict[str, Any]]) -> Iterator[tuple[Any, int]]:
         rows: list[dict[str, Any]] = []
-        for values in zip(*loaded.values()):
-            point = dict(zip(loaded, values))
-            row = self._row(point)
-            if rows and list(row) != list(rows[0]):
-                raise ValueError(f"at {_shown(point)} the function returns {', '.join(row) or 'nothing'}; before it "
-                                 f"was {', '.join(rows[0]) or 'nothing'}")
-            rows.append(row)
+        for point in loaded:
+            where = "at " + ", ".join(f"{name} = {value!r:.40}" for name, value in point.items())
+            try:
+                row = self.function(self.m, **point)
+            except Exception as error:
+                raise RuntimeError(f"{where}: {type(error).__name__}: {error}") from error
+            rows.append({str(name): x for name, x in row.items()} if isinstance(row, Mapping) else {"result": row})
+            if list(rows[-1]) != list(rows[0]):
+                raise ValueError(f"{where} the function returns {', '.join(rows[-1]) or 'nothing'}; before it was "
+                                 f"{', '.join(rows[0]) or 'nothing'}")
         columns = {name: column.slice(part.start, part.rows) for name, column in self.columns.items()}
         for name in rows[0]:
             if name in columns:
                 raise ValueError(f'the function returns "{name}", which is a name of the points as well')
-            columns[name] = _column(name, [row[name] for row in rows])
+            columns[name] = _column(name, [_float64(row[name]) for row in rows])
         yield pa.table(columns), 0
 
-    def _row(self, point: dict[str, Any]) -> dict[str, Any]:
-        try:
-            row = self.function(self.m, **point)
-        except Exception as error:
-            raise RuntimeError(f"at {_shown(point)}: {type(error).__name__}: {error}") from error
-        found = {str(key): value for key, value in row.items()} if isinstance(row, Mapping) else {"result": row}
-        return {name: float(x) if isinstance(x, (int, float, np.number)) and not isinstance(x, bool) else x
-                for name, x in found.items()}
 
-
-def _shown(point: dict[str, Any]) -> str:
-    return ", ".join(f"{name} = {value!r:.40}" for name, value in point.items())
+def _float64(x: Any) -> Any:
+    return float(x) if isinstance(x, (int, float, np.number)) and not isinstance(x, bool) else x
 
 
 def _column(name: str, values: list[Any]) -> Any:
@@ -282,15 +275,10 @@ def _column(name: str, values: list[Any]) -> Any:
         array = np.array(values)
     except ValueError as error:
         raise ValueError(f'"{name}" must have the same shape at all points') from error
-    if array.dtype == object or array.dtype.kind not in "fiu":
+    if array.dtype.kind not in "fiu":
         wrong = next((x for x in values if np.asarray(x).dtype.kind not in "fiu"), values[0])
         raise ValueError(f'"{name}" is {wrong!r:.60}; expected numbers, words or arrays of numbers')
     return parquet_states.as_column(name, array, len(values))
-
-
-def _arrays(table: Any) -> dict[str, NDArray[Any]]:
-    return {name: parquet_states.numbers(table.column(name), name)[0] if table.schema.field(name).type != pa.int64()
-            else table.column(name).to_numpy() for name in table.column_names}
 
 
 # ------------------------------------------------------------------------------------------------------- both
@@ -301,17 +289,14 @@ def _at_least_one(name: str, value: int) -> None:
         raise ValueError(f"{name} is {value}; it must be at least 1")
 
 
-def _write(task: Any, parts: Sequence[Any], output: jobs.Output, *, cluster: str | None, threads: int, retries: int,
-           progress: Progress) -> Written:
-    _at_least_one("threads", threads)
+def _write(task: Any, job: Mapping[str, Any], output: str | os.PathLike[str], overwrite: bool, **how: Any) -> Written:
+    _at_least_one("threads", how["threads"])
     try:
-        with output.held(), contextlib.closing(jobs.run(task, parts, output.paths, cluster=cluster, threads=threads,
-                                                        retries=retries, progress=progress)) as reports:
-            found = output.write(reports)
+        reports = jobs.Output(output, job, len(task.parts), overwrite).write(task, task.parts, **how)
     finally:
-        parquet_states.stop_reading()
-    return Written(sum(part.rows for part in parts), len(parts), sum(report.computed for report in found),
-                   sum(report.faulty for report in found))
+        vars(parquet_states.reading).clear()
+    return Written(sum(part.rows for part in task.parts), len(task.parts), sum(report.computed for report in reports),
+                   sum(report.faulty for report in reports))
 
 
 def _check_apart(output: Path, states: str | os.PathLike[str] | Sequence[str | os.PathLike[str]]) -> None:

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import contextlib
 import fcntl
+import importlib
 import itertools
 import json
 import logging
@@ -15,10 +16,11 @@ import os
 import socket
 import sys
 import threading
-from collections.abc import Callable, Generator, Iterator, Mapping, Sequence
+from collections import deque
+from collections.abc import Callable, Generator, Mapping, Sequence
 from concurrent.futures import FIRST_COMPLETED, Future, ThreadPoolExecutor, wait
 from pathlib import Path
-from typing import Any, NamedTuple, Protocol
+from typing import Any, NamedTuple
 
 from .job_identity import Unknown, digest
 from .parquet_states import ROWS  # first: it says what to install if pyarrow is missing
@@ -32,21 +34,9 @@ import pyarrow.parquet as pq  # type: ignore[import-not-found, import-untyped, u
 __all__: list[str] = []
 
 MANIFEST = "_axode.json"
-#: The variable in which Ray itself looks for the address of a cluster.
-RAY_ADDRESS = "RAY_ADDRESS"
-
-
-class Task(Protocol):
-    """A task that is computed for each part. Every worker receives it once."""
-
-    def said(self, part: Any) -> str:
-        """The words for a part."""
-
-    def load(self, part: Any) -> Any:
-        """The input of a part; parts are loaded in their order."""
-
-    def tables(self, part: Any, loaded: Any) -> Iterator[tuple[Any, int]]:
-        """Results of a part in pieces, and how many rows of each have none. Errors say which row they are about."""
+Progress = bool | Callable[[int, int], object]
+#: The number of a part, what the task computes it from, and its file.
+Part = tuple[int, Any, Path | None]
 
 
 class Report(NamedTuple):
@@ -69,28 +59,24 @@ def parquet_file(path: Path, schema: Any) -> Any:
     return pq.ParquetWriter(path, schema, use_dictionary=False)
 
 
-def compute(task: Task, number: int, part: Any, path: Path | None, loaded: Any = None,
+def compute(task: Any, number: int, part: Any, path: Path | None, loaded: Any = None,
             stop: threading.Event | None = None) -> Report:
     """Writes the file of a part, unless it is there: a worker may have ended between writing it and saying so."""
-    faulty, tables, schema = 0, [], None
     try:
         if path is not None and path.exists():
             return Report(number, stored([path]).schema)
+        faulty, schema = 0, None
         with contextlib.ExitStack() as stack:
-            temporary: Any = None if path is None else stack.enter_context(replacing(path))
+            sink: Any = stack.enter_context(replacing(path)) if path else pa.BufferOutputStream()
             for table, without in task.tables(part, task.load(part) if loaded is None else loaded):
                 if stop is not None and stop.is_set():
                     raise InterruptedError
-                if path is None:
-                    tables.append(table)
-                elif schema is None:
-                    new = parquet_file if path.suffix == ".parquet" else pa.ipc.new_file
-                    writer = stack.enter_context(new(temporary, table.schema))
-                schema = schema or table.schema
-                if path is not None:
-                    writer.write_table(table.cast(schema))
+                if schema is None:
+                    schema, new = table.schema, parquet_file if path and path.suffix == ".parquet" else pa.ipc.new_file
+                    writer = stack.enter_context(new(sink, schema))
+                writer.write_table(table.cast(schema))
                 faulty += without
-        return Report(number, schema, faulty, True, pa.concat_tables(tables) if path is None else None)
+        return Report(number, schema, faulty, True, None if path else sink.getvalue())
     except Exception as error:
         return Report(number, None, error=error)
 
@@ -98,47 +84,34 @@ def compute(task: Task, number: int, part: Any, path: Path | None, loaded: Any =
 # ------------------------------------------------------------------------------------------------------- all parts
 
 
-def _here(task: Task, parts: list[tuple[int, Any, Path | None]], threads: int) -> Generator[Report, None, None]:
-    """Parts are loaded by this thread and computed by others; with one thread everything happens in this one."""
-    if threads == 1:
-        for number, part, path in parts:
-            yield compute(task, number, part, path)
-        return
+def _in_threads(task: Any, parts: deque[Part], threads: int) -> Generator[Report, None, None]:
+    """Parts are loaded by this thread and computed by others."""
     stop = threading.Event()
     running: set[Future[Report]] = set()
     with ThreadPoolExecutor(threads) as pool:
         try:
-            for number, part, path in parts:
-                loaded = None
-                with contextlib.suppress(Exception):  # it cannot be loaded, which `compute` finds out again and reports
-                    loaded = task.load(part)
-                running.add(pool.submit(compute, task, number, part, path, loaded, stop))
-                while len(running) > threads:
-                    done, running = wait(running, return_when=FIRST_COMPLETED)
-                    yield from (future.result() for future in done)
-            while running:
+            while parts or running:
+                while parts and len(running) <= threads:
+                    number, part, path = parts.popleft()
+                    running.add(pool.submit(compute, task, number, part, path, task.load(part), stop))
                 done, running = wait(running, return_when=FIRST_COMPLETED)
                 yield from (future.result() for future in done)
         finally:
             stop.set()
-            pool.shutdown(wait=True, cancel_futures=True)
+            pool.shutdown(cancel_futures=True)
 
 
-def _over(ray: Any, task: Task, parts: list[tuple[int, Any, Path | None]],
-          retries: int) -> Generator[Report, None, None]:
+def _on_cluster(ray: Any, task: Any, parts: deque[Part], retries: int) -> Generator[Report, None, None]:
     """Keeps two tasks for each core of the cluster: one that runs and one that waits."""
-    shipped = ray.put(task)
-    remote = ray.remote(max_retries=retries, num_cpus=1)(compute)
-    waiting = iter(parts)
+    shipped, remote = ray.put(task), ray.remote(max_retries=retries, num_cpus=1)(compute)
     running: dict[Any, tuple[int, Any]] = {}
     try:
-        while True:
-            room = 2 * max(1, int(ray.cluster_resources().get("CPU", 1))) - len(running)
-            for number, part, path in itertools.islice(waiting, room):
+        while parts or running:
+            most = 2 * max(1, int(ray.cluster_resources().get("CPU", 1)))
+            while parts and len(running) < most:
+                number, part, path = parts.popleft()
                 running[remote.remote(shipped, number, part, path)] = number, part
-            if not running:
-                return
-            (done,), _ = ray.wait(list(running), num_returns=1)
+            (done,), _ = ray.wait(list(running))
             number, part = running.pop(done)
             try:
                 yield ray.get(done)
@@ -152,24 +125,20 @@ def _over(ray: Any, task: Task, parts: list[tuple[int, Any, Path | None]],
                 ray.cancel(reference, force=True)
 
 
-@contextlib.contextmanager
-def cluster_named(cluster: str | None) -> Iterator[Any]:
-    """Ray, connected to the cluster with that address, to a cluster on the cores of this machine, or to the cluster of this
-    program; None means this process."""
-    wanted = cluster or os.environ.get(RAY_ADDRESS)
-    ray = sys.modules.get("ray")
+def _cluster_named(cluster: str | None, stack: contextlib.ExitStack) -> Any:
+    """Ray, connected to the cluster with that address, to a cluster on the cores of this machine, or to the cluster of
+    this program; None means this process. A connection ends with the stack."""
+    wanted, ray = cluster or os.environ.get("RAY_ADDRESS"), sys.modules.get("ray")
     if ray is None and wanted:
         try:
-            import ray  # type: ignore[import-not-found, import-untyped, unused-ignore, no-redef]
+            ray = importlib.import_module("ray")
         except ImportError as error:
             raise ImportError(f"cluster is {wanted!r}, which needs Ray: pip install ray") from error
     connected = ray is not None and ray.is_initialized()
     if connected and cluster is not None:
         raise ValueError(f"cluster is {cluster!r}, but this program is connected to a Ray cluster; leave it out")
-    if connected or not wanted:
-        yield ray if connected else None
-        return
-    assert ray is not None
+    if connected or ray is None or not wanted:
+        return ray if connected else None
     try:
         host, _, port = wanted.removeprefix("ray://").rpartition(":")
         if host and port.isdigit():  # Ray itself waits some minutes if nobody listens
@@ -178,149 +147,136 @@ def cluster_named(cluster: str | None) -> Iterator[Any]:
                  include_dashboard=False if cluster == "local" else None)
     except (OSError, ValueError) as error:
         raise ConnectionError(f"there is no Ray cluster at {wanted!r}: {error}") from error
-    try:
-        yield ray
-    finally:
-        ray.shutdown()
+    stack.callback(ray.shutdown)
+    return ray
 
 
-@contextlib.contextmanager
-def _shown(wanted: bool | Callable[[int, int], object], rows: int) -> Iterator[Callable[[int], None]]:
-    """A function that receives the number of further finished rows, and reports it to `progress` or shows it by tqdm."""
-    done = 0
-    bar = progress_bar(rows, unit="row", unit_scale=True) if wanted is True else None
+def run(task: Any, parts: Sequence[Any], paths: Sequence[Path | None], *, cluster: str | None, threads: int,
+        retries: int, progress: Progress) -> Generator[Report, None, None]:
+    """Reports of all parts, in the order in which they end. The first error ends the work, and so does Ctrl-C; the files
+    that exist by then stay.
 
-    def add(more: int) -> None:
-        nonlocal done
-        done += more
-        if bar is not None:
-            bar.update(more)
-        if callable(wanted):
-            wanted(done, rows)
-
-    with contextlib.closing(bar) if bar is not None else contextlib.nullcontext():
-        yield add
-
-
-def run(task: Task, parts: Sequence[Any], paths: Sequence[Path | None], *, cluster: str | None, threads: int,
-        retries: int, progress: bool | Callable[[int, int], object]) -> Generator[Report, None, None]:
-    """Reports of all parts, in the order in which they end. The first error ends the work; so does Ctrl-C. What is
-    written by then stays."""
-    there = {number for number, path in enumerate(paths) if path is not None and path.exists()}
-    missing = [(number, parts[number], path) for number, path in enumerate(paths) if number not in there]
-    schema = None
-    with _shown(progress, sum(part.rows for part in parts)) as add:
-        for number in sorted(there):
-            add(parts[number].rows)
-            schema = schema or stored([paths[number]]).schema  # type: ignore[list-item]
-            yield Report(number, schema)
-        with cluster_named(cluster) as ray, contextlib.closing(
-                _here(task, missing, threads) if ray is None else _over(ray, task, missing, retries)) as reports:
-            for report in reports:
-                if report.error is not None:
-                    raise report.error
-                schema = schema or report.schema
-                if report.schema != schema:
-                    before, after = (", ".join(f"{field.name} ({field.type})" for field in of)
-                                     for of in (schema, report.schema))
-                    raise ValueError(f"results differ from part to part: {before} and {after}")
-                add(parts[report.number].rows)
-                yield report
+    Every worker receives the task once. A part has a number of `rows`. `task.said(part)` is its name, `task.load(part)`
+    its input, which is loaded in the order of the parts, and `task.tables(part, loaded)` yields its results in pieces,
+    each with its number of rows without a result. Errors of a task name the row.
+    """
+    numbered = list(zip(range(len(parts)), parts, paths))
+    there = [path is not None and path.exists() for path in paths]
+    missing = deque(itertools.compress(numbered, [not written for written in there]))
+    rows, done, schema = sum(part.rows for part in parts), 0, None
+    with contextlib.ExitStack() as stack:
+        if progress is True:
+            bar = stack.enter_context(progress_bar(rows, unit="row", unit_scale=True))
+            progress = lambda done, rows: bar.update(done - bar.n)
+        ray = _cluster_named(cluster, stack)
+        new = (_on_cluster(ray, task, missing, retries) if ray else _in_threads(task, missing, threads) if threads > 1
+               else (compute(task, *one) for one in missing))
+        stack.enter_context(contextlib.closing(new))
+        for report in itertools.chain((compute(task, *one) for one in itertools.compress(numbered, there)), new):
+            if report.error is not None:
+                raise report.error
+            schema = schema or report.schema
+            if report.schema != schema:
+                before, after = (", ".join(f"{field.name} ({field.type})" for field in of)
+                                 for of in (schema, report.schema))
+                raise ValueError(f"results differ from part to part: {before} and {after}")
+            done += parts[report.number].rows
+            if progress:
+                progress(done, rows)
+            yield report
 
 
 # ------------------------------------------------------------------------------------------------------- files
 
 
-class Output:
-    """Destination of the parts of a job: files in a folder, or in a temporary folder beside the file into which they are joined.
+def _identity(value: Any) -> str | Unknown:
+    try:
+        return digest(value)
+    except Unknown as error:
+        return error
 
-    A folder says in `_axode.json` what it holds, and whether that is all. One process works in it at a time. `job` is
-    everything that its results depend on.
+
+class Output:
+    """Destination of the parts of a job: files in a folder, or in a temporary folder beside the file into which they
+    are joined.
+
+    The file `_axode.json` in the folder says which job it is, and whether it is complete. One process works in the
+    folder at a time. `job` is everything that its results depend on.
     """
 
     def __init__(self, target: str | os.PathLike[str], job: Mapping[str, Any], parts: int, overwrite: bool):
         self.target, self.overwrite = Path(target), overwrite
         self.is_file = self.target.suffix == ".parquet"
         self.folder = self.target.with_name(self.target.name + ".parts") if self.is_file else self.target
-        self.identity: dict[str, str | None] = dict.fromkeys(job)
-        self.unknown: dict[str, str] = {}
-        for name, value in job.items():
-            try:
-                self.identity[name] = digest(value)
-            except Unknown as error:
-                self.unknown[name] = str(error)
+        self.identity = {name: _identity(value) for name, value in job.items()}
         width, suffix = max(6, len(str(parts))), ".arrow" if self.is_file else ".parquet"
         self.paths = [self.folder / f"part-{number:0{width}}{suffix}" for number in range(parts)]
         if not self.target.parent.is_dir():
             raise FileNotFoundError(f"{self.target.parent}: there is no such folder")
-        if self.is_file and self.target.exists() and not overwrite:
-            raise FileExistsError(f"{self.target} exists; overwrite=True replaces it")
-        if self.is_file and self.target.is_dir() or not self.is_file and self.target.is_file():
-            raise FileExistsError(f"{self.target} is a {'folder' if self.is_file else 'file'}; a name that ends in .parquet "
-                                  "is one of a file, others are of folders")
+        if self.target.is_dir() if self.is_file else self.target.is_file():
+            raise FileExistsError(f"{self.target} is a {'folder' if self.is_file else 'file'}; "
+                                  "a name that ends in .parquet is one of a file, others are of folders")
+        self._refuse_result(self.is_file and self.target.exists() and not overwrite)
 
-    @contextlib.contextmanager
-    def held(self) -> Iterator[None]:
-        """The folder is there and this process alone works in it."""
+    def _refuse_result(self, exists: bool) -> None:
+        if exists:
+            raise FileExistsError(f"{self.target} exists; overwrite=True replaces it")
+
+    def write(self, task: Any, parts: Sequence[Any], **how: Any) -> list[Report]:
+        """Computes the parts that are missing, with the arguments of `run`, and joins all if one file is wanted."""
         self.folder.mkdir(exist_ok=True)
         lock = os.open(self.folder, os.O_RDONLY)
         try:
             fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
             self._begin()
-            yield
+            try:
+                reports = list(run(task, parts, self.paths, **how))
+            finally:
+                if not any(path.exists() for path in self.paths):  # there is nothing to go on with
+                    self._clear(MANIFEST, ".")
+                    self.folder.rmdir()
+            self._finish()
+            return reports
         except BlockingIOError:
             raise FileExistsError(f"{self.target}: another process is writing to it") from None
         finally:
             os.close(lock)
 
     def _begin(self) -> None:
+        """FileExistsError unless the folder is empty or has some parts of this job, or may be overwritten."""
         manifest = self.folder / MANIFEST
-        if not manifest.exists() and any(not file.name.startswith(f".{MANIFEST}") for file in self.folder.iterdir()):
-            raise FileExistsError(f"{self.folder} is not empty and was not written by axode.distributed")
-        if manifest.exists() and not self.overwrite:
-            self._check_same(json.loads(manifest.read_text(encoding="utf-8")))
-        elif manifest.exists():
+        if not manifest.exists():
+            if any(not file.name.startswith(f".{MANIFEST}") for file in self.folder.iterdir()):
+                raise FileExistsError(f"{self.folder} is not empty and was not written by axode.distributed")
+        elif self.overwrite:
             self._say({})  # of no job, so that nothing is taken for what it is not if this is ended here
             self._clear("part-", ".")
+        else:
+            before = json.loads(manifest.read_text(encoding="utf-8"))
+            self._refuse_result(before.get("complete"))
+            for name, value in self.identity.items():
+                if isinstance(value, Unknown) or before.get(name) != value:
+                    what = (f"a job that cannot be compared with this one: {name} {value}" if isinstance(value, Unknown)
+                            else f"another job: {name} differs")
+                    raise FileExistsError(f"{self.folder} holds parts of {what}; overwrite=True starts it again")
         self._say({**self.identity, "complete": False})
 
-    def _check_same(self, before: dict[str, Any]) -> None:
-        """FileExistsError unless the parts that are there are known to be those of this job, and some are missing."""
-        if before.get("complete"):
-            raise FileExistsError(f"{self.target} exists and is complete; overwrite=True replaces it")
-        for name, value in self.identity.items():
-            if name not in self.unknown and before.get(name) != value:
-                raise FileExistsError(f"{self.folder} holds parts of another job: {name} differs; overwrite=True starts it again")
-        for name, why in self.unknown.items():
-            raise FileExistsError(f"{self.folder} holds parts of a job that cannot be compared with this one: "
-                                  f"{name} {why}; overwrite=True starts it again")
+    def _finish(self) -> None:
+        self._clear(".")
+        if not self.is_file:
+            return self._say({**self.identity, "complete": True})
+        data = stored(self.paths)
+        with replacing(self.target, self.folder) as temporary, parquet_file(temporary, data.schema) as writer:
+            for batch in data.to_batches(batch_size=ROWS, batch_readahead=1, fragment_readahead=1):
+                writer.write_batch(batch)
+        self._clear("part-", MANIFEST)
+        self.folder.rmdir()
 
     def _clear(self, *beginnings: str) -> None:
         for file in self.folder.iterdir():
             if file.name.startswith(beginnings):
                 file.unlink()
 
-    def _say(self, what: dict[str, Any]) -> None:
+    def _say(self, what: Mapping[str, Any]) -> None:
         with replacing(self.folder / MANIFEST) as temporary:
-            temporary.write_text(json.dumps(what, indent=1), encoding="utf-8")
-
-    def write(self, reports: Iterator[Report]) -> list[Report]:
-        """Takes the reports of all parts, and makes one file of the parts if one is wanted."""
-        found = []
-        try:
-            found = list(reports)
-        finally:
-            if not found and not any(path.exists() for path in self.paths):  # there is nothing to go on with
-                self._clear(MANIFEST, ".")
-                self.folder.rmdir()
-        self._clear(".")
-        if not self.is_file:
-            self._say({**self.identity, "complete": True})
-            return found
-        parts = stored(self.paths)
-        with replacing(self.target, self.folder) as temporary, parquet_file(temporary, parts.schema) as writer:
-            for batch in parts.to_batches(batch_size=ROWS, batch_readahead=1, fragment_readahead=1):
-                writer.write_batch(batch)
-        self._clear("part-", MANIFEST)
-        self.folder.rmdir()
-        return found
+            temporary.write_text(json.dumps(what, indent=1, default=str), encoding="utf-8")

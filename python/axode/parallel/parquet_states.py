@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import difflib
 import inspect
 import os
@@ -18,6 +19,7 @@ import axode
 
 from .._axode import Model, name_here
 from ..errors import StatesError
+from ..support import signatures
 
 try:
     import pyarrow as pa  # type: ignore[import-not-found, import-untyped, unused-ignore]
@@ -42,62 +44,52 @@ RESULT_NAMES = {"inverse_dynamics": "tau", "forward_dynamics": "a"}
 
 
 class RowError(Exception):
-    """A row of a table that is refused, and why."""
+    """The number of a row that is refused, why, and the StatesError that refuses it, if there is one."""
 
-    def __init__(self, row: int, why: str, cause: StatesError | None = None):
-        super().__init__(row, why, cause)
-        self.row, self.why, self.cause = row, why, cause
-
-    def located(self, where: str, first: int = 0) -> Exception:
-        """The error to raise, which names the row, counted from the first row of the table."""
-        row = first + self.row
-        text = f"{where}row {row}: {self.why}"
-        return ValueError(text) if self.cause is None else type(self.cause)(text, [row], self.cause.result)
+    def located(self, where: str = "", first: int = 0) -> Exception:
+        """The error to raise, if the table begins at row `first`."""
+        row, why, *cause = self.args
+        text = f"{where}row {first + row}: {why}"
+        return type(cause[0])(text, [first + row], cause[0].result) if cause else ValueError(text)
 
 
 # ------------------------------------------------------------------------------------------------- columns and arrays
 
 
-def numbers(column: Any, name: str, expected: int | None = None, meaning: str = "") -> tuple[Array, Array]:
-    """The numbers in a column, (N, ...), NaN where it is null, and which rows have nulls. Unless lists of a length are
-    expected, a column without numbers is returned as it is."""
-    column = column.combine_chunks() if isinstance(column, pa.ChunkedArray) else column
+def numbers(column: Any, name: str, expected: int | None = None, rule: str = "in other rows it has") -> Any:
+    """The numbers in a column of a table, (N, ...), NaN where it is null. If no lists of an `expected` length are
+    required, a column without numbers is returned as it is."""
+    column = column.combine_chunks()
     shape: tuple[int, ...] = ()
     if pa.types.is_null(column.type):  # pandas writes columns without rows or values so
-        column = pa.nulls(len(column), pa.float64() if expected is None else pa.list_(pa.float64()))
+        column = column.cast(pa.list_(pa.float64()) if expected else pa.float64())
     if isinstance(column.type, pa.FixedShapeTensorType):
         shape, column = tuple(column.type.shape), column.storage
     elif hasattr(column.type, "value_type") and not pa.types.is_dictionary(column.type):
-        lengths = np.asarray(pc.list_value_length(column).fill_null(-1), dtype=np.int64)
-        longest = column.type.list_size if pa.types.is_fixed_size_list(column.type) else int(lengths.max(initial=0))
-        shape = (longest if expected is None else expected,)
+        lengths = np.asarray(pc.list_value_length(column).fill_null(-1))
+        shape = (expected or getattr(column.type, "list_size", lengths.max(initial=0)),)
         if (wrong := (lengths >= 0) & (lengths != shape[0])).any():
             row = int(np.argmax(wrong))
-            rule = meaning if expected is not None else f"in other rows it has {shape[0]}"
-            raise RowError(row, f'column "{name}" has {lengths[row]} numbers; {rule}')
-    values = column.flatten() if shape else column
-    missing = np.asarray(column.is_null(), dtype=bool)
+            raise RowError(row, f'column "{name}" has {lengths[row]} numbers; {rule} {shape[0]}')
+    if shape and column.null_count:
+        column = pc.coalesce(column, pa.scalar([None] * int(np.prod(shape)), column.type))
+    values = pc.list_flatten(column) if shape else column
     is_number = pa.types.is_floating(values.type) or pa.types.is_integer(values.type)
-    if not is_number or (expected is not None and not shape):
-        if shape or expected is not None:
-            raise ValueError(f'column "{name}" holds {column.type}; expected lists of numbers')
-        return np.asarray(column.to_numpy(zero_copy_only=False)), missing
-    flat = values.to_numpy(zero_copy_only=False).astype(np.float64, copy=False)
-    if not missing.any() and not values.null_count:
-        return flat.reshape(len(column), *shape), missing
-    if not shape:
-        return flat, missing
-    out = np.full((len(column), *shape), np.nan)
-    out[~missing] = flat.reshape(-1, *shape)
-    missing[~missing] = np.asarray(values.is_null(), dtype=bool).reshape(-1, int(np.prod(shape))).any(axis=1)
-    return out, missing
+    if (shape or expected) and not (shape and is_number):
+        raise ValueError(f'column "{name}" holds {column.type}; expected lists of numbers')
+    flat = values.to_numpy(zero_copy_only=False)
+    return flat.astype(np.float64, copy=False).reshape(len(column), *shape) if is_number else flat
+
+
+def headings(m: Model, what: str) -> list[str]:
+    """The columns of a part of a state, one for each of its numbers."""
+    names = m.coordinate_names if what == "q" else m.velocity_names if what in OF_VELOCITIES else []
+    return [f"{what} {name}" for name in names]
 
 
 def columns_of(m: Model, what: str, there: Sequence[str]) -> list[str]:
-    """The column of a part of a state, or its columns as `axode simulate` writes them. ValueError if there are none."""
-    if what in there:
-        return [what]
-    wanted = headings(m, what)
+    """The column of a part of a state, or its columns as `axode simulate` writes them. ValueError if one is missing."""
+    wanted = [what] if what in there else headings(m, what)
     missing = [name for name in wanted if name not in there]
     if len(missing) == len(wanted):
         others = f', nor columns "{wanted[0]}", ..., "{wanted[-1]}"' if len(wanted) > 1 else ""
@@ -107,28 +99,8 @@ def columns_of(m: Model, what: str, there: Sequence[str]) -> list[str]:
     return wanted
 
 
-def headings(m: Model, what: str) -> list[str]:
-    """The columns of a part of a state, one for each of its numbers."""
-    names = m.coordinate_names if what == "q" else m.velocity_names if what in OF_VELOCITIES else []
-    return [f"{what} {name}" for name in names]
-
-
-def part_of_state(table: Any, m: Model, what: str) -> tuple[Array, Array]:
-    """The numbers of all states in a table, and which rows have nulls."""
-    names = columns_of(m, what, table.column_names)
-    if names == [what]:
-        expected = len(headings(m, what)) or None
-        return numbers(table.column(what), what, expected, f'model "{m.name}" takes {expected}')
-    columns = [numbers(table.column(name), name) for name in names]
-    for name, (x, _) in zip(names, columns):
-        if x.ndim != 1 or x.dtype != np.float64:
-            raise ValueError(f'column "{name}" holds {table.column(name).type}; expected numbers')
-    return np.stack([x for x, _ in columns], axis=1), np.any([missing for _, missing in columns], axis=0)
-
-
 def as_column(name: str, x: Any, rows: int, dtype: str = "float64") -> Any:
-    """Numbers (N,) as they are, (N, k) as lists of k, and (N, k, l, ...) as tensors, which are lists to other
-    readers."""
+    """Numbers (N,) as they are, (N, k) as lists of k, and (N, k, l, ...) as tensors, which are lists to other readers."""
     array = np.asarray(x)
     if array.shape[:1] != (rows,):
         raise ValueError(f'"{name}" has shape {array.shape}; expected ({rows}, ...), an entry for each state')
@@ -136,13 +108,13 @@ def as_column(name: str, x: Any, rows: int, dtype: str = "float64") -> Any:
         array = array.astype(dtype, copy=False)
     if array.ndim == 1:
         return pa.array(array)
-    if 0 in array.shape[1:]:
-        raise ValueError(f'"{name}" has no numbers: its shape is {array.shape[1:]} for each state')
-    width = int(np.prod(array.shape[1:]))
-    lists = pa.FixedSizeListArray.from_arrays(pa.array(np.ascontiguousarray(array).reshape(-1)), width)
+    shape = array.shape[1:]
+    if 0 in shape:
+        raise ValueError(f'"{name}" has no numbers: its shape is {shape} for each state')
+    lists = pa.FixedSizeListArray.from_arrays(pa.array(array.ravel()), int(np.prod(shape)))
     if array.ndim == 2:
         return lists
-    return pa.ExtensionArray.from_storage(pa.fixed_shape_tensor(lists.type.value_type, array.shape[1:]), lists)
+    return pa.ExtensionArray.from_storage(pa.fixed_shape_tensor(lists.type.value_type, shape), lists)
 
 
 def named_results(result: Any, name: str) -> dict[str, Any]:
@@ -150,8 +122,7 @@ def named_results(result: Any, name: str) -> dict[str, Any]:
     if isinstance(result, Mapping):
         return {str(key): value for key, value in result.items()}
     if isinstance(result, tuple):
-        fields = getattr(result, "_fields", range(len(result)))
-        return {f"{name}.{field}": value for field, value in zip(fields, result)}
+        return {f"{name}.{field}": x for field, x in zip(getattr(result, "_fields", range(len(result))), result)}
     return {name: result}
 
 
@@ -174,8 +145,7 @@ def _known_name(function: str | Callable[..., Any]) -> str | None:
     """The name of a function of this package; KeyError with the nearest one for other names."""
     known = functions()
     if not isinstance(function, str):
-        name = getattr(function, "__name__", "")
-        return name if name in known and getattr(axode, name) is function else None
+        return next((name for name in known if getattr(axode, name) is function), None)
     if function in known:
         return function
     near = [name for name in (name_here(function), *difflib.get_close_matches(function, known, n=1)) if name in known]
@@ -185,9 +155,9 @@ def _known_name(function: str | Callable[..., Any]) -> str | None:
 class TableFunction:
     """A function of states as one of tables of pyarrow: states in, results out, row by row.
 
-    It is what `map_states` calls, and what `ray.data.Dataset.map_batches` takes with batch_format="pyarrow".
-    The arguments are those of `map_states`. A table with a state that cannot be computed is a ValueError or a
-    StatesError, which names the row.
+    `map_states` calls it, and `ray.data.Dataset.map_batches` takes it with batch_format="pyarrow". The arguments are
+    those of `map_states`. A table with a state that cannot be computed is a ValueError or a StatesError, which names
+    the row.
 
     >>> import pyarrow as pa
     >>> torques = axode.distributed.TableFunction(arm, "gravity_torques")
@@ -205,34 +175,35 @@ class TableFunction:
             raise TypeError(f"m is {m!r:.60}; expected an axode.Model")
         if m.nq == 0:
             raise ValueError(f'model "{m.name}" has no coordinates; there are no states of it')
-        self.m, self.dtype, self.faulty = m, dtype, faulty
+        self.m, self.dtype, self.faulty, self.arguments = m, dtype, faulty, dict(arguments or {})
         self.known = _known_name(function)
         self.function = self.known or function
         self.name = self.known or str(getattr(function, "__name__", "result"))
-        self.arguments = dict(arguments or {})
         self.takes = self._parameters()
         self.keep = keep if keep is None or keep == "all" else list(keep)
         if self.known and set(self.takes) <= OF_VELOCITIES | {"q"} and not self.known.startswith("rollout"):
             self._call({what: np.empty((0, len(headings(m, what)))) for what in self.takes})  # refuses wrong arguments
 
+    @property
+    def _callee(self) -> Any:
+        return getattr(axode, self.known) if self.known else self.function
+
+    def _call(self, given: Mapping[str, Any]) -> dict[str, Any]:
+        return named_results(self._callee(self.m, **given, **self.arguments), RESULT_NAMES.get(self.name, self.name))
+
     def _parameters(self) -> list[str]:
         """The parameters that a column is for: those without a default and without an argument."""
-        callee: Any = getattr(axode, self.known) if self.known else self.function
-        parameters = list(inspect.signature(callee).parameters.values())[1:]
-        names = [x.name for x in parameters]
-        for name in self.arguments:
-            if name not in names or name == "threads":
-                near = difflib.get_close_matches(name, names, n=1)
-                raise TypeError(f"{self.name} has no argument {name!r}"
-                                + (f"; did you mean {near[0]!r}?" if near else ""))
+        parameters = [x for x in inspect.signature(self._callee).parameters.values() if x.name != "threads"][1:]
         takes = [x.name for x in parameters if x.default is x.empty and x.name not in self.arguments
                  and x.kind in (x.POSITIONAL_OR_KEYWORD, x.KEYWORD_ONLY)]
+        if wrong := signatures.wrong_names(self.name, parameters, [], {**self.arguments, **dict.fromkeys(takes)}):
+            raise TypeError(wrong)
         if self.known and (missing := [name for name in takes if name not in OF_STATES]):
             raise TypeError(f"{self.name} needs an argument {missing[0]!r}")
         return takes
 
     def columns(self, there: Sequence[str]) -> tuple[list[str], list[str]]:
-        """The columns that are read for the function, and those that are carried over. ValueError if one is missing."""
+        """The columns that the function takes, and those that are carried over. ValueError if one is missing."""
         taken = [name for what in self.takes for name in columns_of(self.m, what, there)]
         if self.keep is None:
             parts = {*OF_STATES, *(name for what in OF_STATES for name in headings(self.m, what))}
@@ -247,70 +218,74 @@ class TableFunction:
         try:
             return pa.concat_tables([piece for piece, _ in self.pieces(table)])
         except RowError as error:
-            raise error.located("") from error.cause
+            raise error.located() from error.__cause__
 
     def pieces(self, table: Any) -> Iterator[tuple[Any, int]]:
         """Yields consecutive tables of results of limited size, each with its number of states without a result."""
         kept = self.columns(table.column_names)[1]
         given, bad = self._states(table)
         step = max(len(bad), 1)
-        if self.known and len(bad) > 1:
-            one, _ = self._results({name: x[:1] for name, x in given.items()}, bad[:1], 0)
+        if self.known and step > 1:
+            one, _ = self._results(given, bad, slice(1))
             step = max(1, min(step, BYTES // max(sum(np.asarray(x).nbytes for x in one.values()), 1)))
-        for start in range(0, max(table.num_rows, 1), step):
-            rows = slice(start, start + step)
-            results, without = self._results({name: x[rows] for name, x in given.items()}, bad[rows], start)
+        for start in range(0, max(len(bad), 1), step):
+            results, without = self._results(given, bad, slice(start, start + step))
             columns = {name: table.column(name).slice(start, step) for name in kept}
             for name, x in results.items():
                 if name in columns:
                     raise ValueError(f'the result "{name}" and a column that is kept have the same name; '
                                      "choose the columns by `keep`")
-                columns[name] = as_column(name, x, len(bad[rows]), self.dtype)
+                columns[name] = as_column(name, x, len(without), self.dtype)
             yield pa.table(columns), int(without.sum())
 
     def _states(self, table: Any) -> tuple[dict[str, Array], Array]:
-        """The numbers that the function is given, and which rows have nulls or NaN: these become a neutral state at
-        rest."""
+        """The arguments of the function, and which rows have a null, NaN or infinity."""
         given, bad = {}, np.zeros(table.num_rows, dtype=bool)
         for what in self.takes:
-            x, missing = part_of_state(table, self.m, what)
-            wrong = missing.copy()
+            names, expected = columns_of(self.m, what, table.column_names), len(headings(self.m, what)) or None
+            if names == [what]:
+                rule = (f'model "{self.m.name}" takes',) if expected else ()
+                x = numbers(table.column(what), what, expected, *rule)
+            else:
+                columns = [numbers(table.column(name), name) for name in names]
+                for name, x in zip(names, columns):
+                    if x.ndim != 1 or x.dtype != np.float64:
+                        raise ValueError(f'column "{name}" holds {table.column(name).type}; expected numbers')
+                x = np.stack(columns, axis=1)
+            wrong = np.any([np.asarray(table.column(name).is_null()) for name in names], axis=0)
             if x.dtype == np.float64:
-                wrong |= ~np.isfinite(x.reshape(len(x), int(np.prod(x.shape[1:])))).all(axis=1)
+                wrong |= ~np.isfinite(x).all(axis=tuple(range(1, x.ndim)))
             if wrong.any() and self.faulty == "refuse":
                 row = int(np.argmax(wrong))
-                value = "null" if missing[row] else next(str(y) for y in np.ravel(x[row]) if not np.isfinite(y))
-                raise RowError(row, f"{what} has {value} in it; expected finite numbers")
-            if wrong.any():
-                x = np.where(wrong.reshape(-1, *[1] * (x.ndim - 1)), self.m.neutral() if what == "q" else 0.0, x)
+                entries = np.ravel(np.array([table.column(name)[row].as_py() for name in names], dtype=object))
+                value = next(y for y in entries if y is None or not np.isfinite(y))
+                raise RowError(row, f"{what} has {'null' if value is None else value} in it; expected finite numbers")
             given[what], bad = x, bad | wrong
         return given, bad
 
-    def _call(self, given: Mapping[str, Any]) -> dict[str, Any]:
-        function: Any = getattr(axode, self.known) if self.known else self.function
-        return named_results(function(self.m, **given, **self.arguments), RESULT_NAMES.get(self.name, self.name))
-
-    def _results(self, given: dict[str, Array], bad: Array, first: int) -> tuple[dict[str, Any], Array]:
-        """Results of all states, and which have none: their rows are NaN, or the first of them is a RowError."""
-        good = np.flatnonzero(~bad)
+    def _results(self, given: dict[str, Array], bad: Array, rows: slice) -> tuple[dict[str, Any], Array]:
+        """Results of some rows, and which of them have none: these are NaN, or the first of them is a RowError."""
+        without = bad[rows].copy()
+        good = np.flatnonzero(~without)
+        first = rows.start or 0
         try:
-            some = self._call({name: x[good] for name, x in given.items()} if bad.any() else given)
+            some = self._call({name: x[rows][good] if without.any() else x[rows] for name, x in given.items()})
         except StatesError as error:
             if self.faulty == "refuse":
-                raise RowError(first + error.states[0], re.sub(r"^states? [^:]*: ", "", str(error)), error) from error
-            bad = bad.copy()
-            bad[good[error.states]] = True
-            return self._results(given, bad, first)
+                why = re.sub(r"^states? [^:]*: ", "", str(error))
+                raise RowError(first + error.states[0], why, error) from error
+            bad[first + good[error.states]] = True
+            return self._results(given, bad, rows)
         except ValueError as error:
             if self.known and (at := re.match(r"state (\d+): ", str(error))):
                 raise RowError(first + int(good[int(at[1])]), str(error)[at.end():]) from error
             raise
-        if not bad.any():
-            return some, bad
-        results = {name: np.full((len(bad), *np.shape(x)[1:]), np.nan) for name, x in some.items()}
+        if not without.any():
+            return some, without
+        results = {name: np.full((len(without), *np.shape(x)[1:]), np.nan) for name, x in some.items()}
         for name, x in some.items():
             results[name][good] = x
-        return results, bad
+        return results, without
 
 
 # ------------------------------------------------------------------------------------------------- files by parts
@@ -326,79 +301,66 @@ class Slice(NamedTuple):
     rows: int
 
 
-def _open(file: str) -> Any:
-    return pq.ParquetFile(file, buffer_size=1 << 22)
-
-
-def unreadable(file: str, error: Exception) -> Exception:
-    if isinstance(error, (FileNotFoundError, PermissionError)):
-        return error
-    return ValueError(f"{file}: it cannot be read as Parquet: {' '.join(str(error).split()) or 'it is cut short'}")
-
-
 def files_in(states: str | os.PathLike[str] | Sequence[str | os.PathLike[str]]) -> list[str]:
     """Parquet files by their names: one, a list, or all in a folder and below it in the order of their paths."""
+    if not isinstance(states, os.PathLike) and not states:
+        expected = "the name of a file or folder" if isinstance(states, str) else "at least one file"
+        raise ValueError(f"states is empty; expected {expected}")
     if not isinstance(states, (str, os.PathLike)):
-        if not states:
-            raise ValueError("states is empty; expected at least one file")
         return [file for one in states for file in files_in(one)]
-    if not os.fspath(states):
-        raise ValueError("states is empty; expected the name of a file or folder")
     path = Path(states)
     if not path.exists():
         raise FileNotFoundError(f"{path}: there is no such file or folder")
-    found = [path] if not path.is_dir() else [
-        file for file in sorted(path.rglob("*.parquet"))
-        if not any(part.startswith((".", "_")) for part in file.relative_to(path).parts)]
+    below = sorted(path.rglob("*.parquet")) if path.is_dir() else [path]
+    found = [str(file) for file in below
+             if not any(part.startswith((".", "_")) for part in file.relative_to(path).parts)]
     if not found:
         raise FileNotFoundError(f"{path}: there are no files *.parquet in this folder")
-    return [str(file) for file in found]
+    return found
 
 
-#: The row group that this thread reads: its key, the batches to come, the rows that were read last, and the number of
-#  the first.
-_reading = threading.local()
-
-
-def read(part: Slice, columns: list[str]) -> Any:
-    """The rows of a part. Parts of one row group that a thread reads in their order are read once."""
-    key = (part.file, part.group, tuple(columns))
+@contextlib.contextmanager
+def _unreadable_is_named(file: str) -> Iterator[None]:
     try:
-        if getattr(_reading, "key", None) != key or _reading.row > part.start:
-            opened = _open(part.file)
-            _reading.table, _reading.row = opened.schema_arrow.empty_table().select(columns), 0
-            groups = [part.group] if part.rows else []
-            _reading.batches = opened.iter_batches(batch_size=ROWS, row_groups=groups, columns=columns)
-            _reading.key = key
-        while _reading.row + _reading.table.num_rows < part.start + part.rows:
-            skip = min(part.start - _reading.row, _reading.table.num_rows)
-            following = pa.Table.from_batches([next(_reading.batches)]).select(columns)
-            _reading.table = pa.concat_tables([_reading.table.slice(skip), following])
-            _reading.row += skip
-        return _reading.table.slice(part.start - _reading.row, part.rows)
+        yield
+    except (FileNotFoundError, PermissionError):
+        raise
     except (pa.ArrowException, OSError, StopIteration) as error:
-        stop_reading()
-        raise unreadable(part.file, error) from error
+        why = " ".join(str(error).split()) or "it is cut short"
+        raise ValueError(f"{file}: it cannot be read as Parquet: {why}") from error
 
 
-def stop_reading() -> None:
-    vars(_reading).clear()
-
-
-def slices(file: str, rows_per_part: int, use: Callable[[Any], object]) -> list[Slice]:
-    """The parts of a file, whose schema is shown to `use`."""
-    try:
-        opened = _open(file)
-    except (pa.ArrowException, OSError) as error:
-        raise unreadable(file, error) from error
-    try:
-        use(opened.schema_arrow)
-    except ValueError as error:
-        raise ValueError(f"{file}: {error}") from error
+def slices(file: str, rows_per_part: int) -> tuple[Any, list[Slice]]:
+    """The schema of a file, and its parts."""
+    with _unreadable_is_named(file):
+        opened = pq.ParquetFile(file)
     parts, first = [], 0
     for group in range(opened.num_row_groups):
         rows = opened.metadata.row_group(group).num_rows
         parts += [Slice(file, group, start, first + start, min(rows_per_part, rows - start))
                   for start in range(0, rows, rows_per_part)]
         first += rows
-    return parts
+    return opened.schema_arrow, parts
+
+
+#: The row group that this thread reads: its key, the batches to come, and the number of the first row in them.
+reading = threading.local()
+
+
+def read(part: Slice, columns: list[str], rows_per_part: int) -> Any:
+    """The rows of a part. A row group whose parts a thread reads in their order is read once."""
+    with _unreadable_is_named(part.file):
+        key = (part.file, os.stat(part.file).st_mtime_ns, part.group, columns, rows_per_part)
+        if vars(reading).pop("key", None) != key or reading.row > part.start:  # without a key after an error
+            opened = pq.ParquetFile(part.file, buffer_size=1 << 22)
+            groups = [part.group] if part.rows else []
+            reading.batches, reading.row = opened.iter_batches(rows_per_part, groups, columns), 0
+            reading.empty = opened.schema_arrow.empty_table()
+        found = []
+        while reading.row < part.start + part.rows:
+            batch = next(reading.batches)  # does not cross the end of a part
+            if reading.row >= part.start:
+                found.append(pa.Table.from_batches([batch]))
+            reading.row += batch.num_rows
+        reading.key = key
+        return pa.concat_tables([table.select(columns) for table in (reading.empty, *found)])

@@ -130,6 +130,20 @@ def test_a_folder_is_read_in_the_order_of_its_paths(tmp_path):
                 axode.gravity_torques(ARM, np.concatenate([parts[3]["q"], parts[2]["q"]])))
 
 
+def test_parts_are_read_in_any_order_and_from_the_file_that_is_there(tmp_path):
+    """A worker keeps a row group open between its parts, also from one job to the next."""
+    for N in (100, 90):
+        state = states(ARM, N, seed=N)
+        file = str(write(tmp_path / "in.parquet", ARM, state, row_group_size=60))
+        schema, parts = parquet_states.slices(file, 25)
+        assert [part.rows for part in parts] == [25, 25, 10, *([25, 15] if N == 100 else [25, 5])]
+        for k in (2, 3, 0, 1, 4, 4, 2, 1):
+            table = parquet_states.read(parts[k], ["t", "q"], 25)
+            rows = slice(parts[k].first, parts[k].first + parts[k].rows)
+            assert table.column_names == ["t", "q"] and np.array_equal(table["t"], state["t"][rows])
+            assert same(parquet_states.numbers(table["q"], "q"), state["q"][rows])
+
+
 @pytest.mark.parametrize("layout", ["lists", "lists of any length", "coordinates"])
 @pytest.mark.parametrize("output", ["out.parquet", "out"])
 def test_no_states_make_a_file_without_rows(layout, output, tmp_path):
@@ -183,7 +197,7 @@ def test_states_that_cannot_be_computed_are_named(tmp_path):
     state["q"][777, :4] *= 1.1
     write(tmp_path / "quaternion.parquet", HUMANOID, state)
     with pytest.raises(ValueError, match=r'quaternion.parquet: row 777: q: the quaternion of joint "free_base" has norm 1.1'):
-        distributed.map_states(HUMANOID, "poses", tmp_path / "quaternion.parquet", tmp_path / "out", rows_per_part=400)
+        distributed.map_states(HUMANOID, "poses", tmp_path / "quaternion.parquet", tmp_path / "poses", rows_per_part=400)
     state = states(ARM, 1000)
     state["v"][[600, 900]] = 1e200
     write(tmp_path / "fast.parquet", ARM, state)
