@@ -31,8 +31,8 @@ PARTS = 256
 
 class Written(NamedTuple):
     """Summary of the files that `map_states` or `sweep` wrote: the number of `rows` and of `parts`, the number of parts
-    that this call `computed` (an interrupted call before may have computed the others), and the number of `faulty` rows,
-    which are NaN, among them.
+    that this call `computed` (an interrupted call before may have computed the others), and the number of `faulty`
+    rows, which are NaN, among them.
 
     >>> axode.distributed.Written(rows=10, parts=1, computed=1, faulty=0).rows
     10
@@ -55,11 +55,11 @@ def map_states(m: Model, function: str | Callable[..., Any],
                rows_per_part: int = parquet_states.ROWS, progress: Progress = False) -> Written:
     """Computes a function of the states in Parquet files and writes Parquet files with the same rows in the same order.
 
-    function: name of a function of this package that takes N states, such as "inverse_dynamics"; or a function of yours,
-        (m, q, v, ...), whose parameters without a default are names of columns, and which returns (N, ...) or a dict of
-        such arrays.
-    states: a file, a list of files or a folder. A column `q` holds lists of nq numbers, `v`, `a` and `tau` of nv, of any
-        real type; or each coordinate has a column, `q A1`, `q A2`, ..., as `axode simulate --output` names them.
+    function: name of a function of this package that takes N states, such as "inverse_dynamics"; or a function of
+        yours, (m, q, v, ...), whose parameters without a default are names of columns, and which returns (N, ...) or a
+        dict of such arrays.
+    states: a file, a list of files or a folder. A column `q` holds lists of nq numbers, `v`, `a` and `tau` of nv, of
+        any real type; or each coordinate has a column, `q A1`, `q A2`, ..., as `axode simulate --output` names them.
     output: a file if it ends in .parquet, otherwise a folder. Its columns are those of `keep` and the result: numbers,
         lists, or tensors (lists to other readers) if there are several axes. The result of inverse_dynamics is `tau`,
         that of forward_dynamics `a`; others have the name of the function.
@@ -69,10 +69,10 @@ def map_states(m: Model, function: str | Callable[..., Any],
     faulty: a null, NaN or infinity, a singular mass matrix or an overflow is an error that names file and row; with
         "nan" the results of this row are NaN.
     overwrite: whether existing results are removed and everything is computed anew. Otherwise an interrupted job
-        continues: parts are files that appear when they are complete, and only missing ones are computed. The job is the
-        same if the model, the states, the arguments, and the function with the values that it is bound to are the same.
-        Global variables and functions that it calls are not compared. A function with a value that cannot be compared,
-        such as an open file, is not continued.
+        continues: parts are files that appear when they are complete, and only missing ones are computed. The job is
+        the same if the model, the states, the arguments, and the function with the values that it is bound to are the
+        same. Global variables and functions that it calls are not compared. A function with a value that cannot be
+        compared, such as an open file, is not continued.
     cluster: "local" starts Ray on the cores of this machine, an address connects to a cluster; both end with the call.
         If left out, the cluster to which this program is connected or that of $RAY_ADDRESS is used, or else this
         process. Workers see the files under the same names.
@@ -180,10 +180,10 @@ def sweep(m: Any, function: Callable[..., Any], points: Mapping[str, Sequence[An
         dict of numbers, words and arrays with the same names at every point. A number that is returned alone is called
         `result`.
     points: a dict with the same number of values for each name, such as `grid(...)` or {"seed": range(1000)}.
-    output: a Parquet file or folder as in `map_states`, which is continued in the same way. If left out, the columns are
-        returned as arrays.
-    threads: of this process. Use more than 1 if the function is long in axode or numpy, which let other threads run, and
-        a cluster, for example "local", if it is long in Python.
+    output: a Parquet file or folder as in `map_states`, which is continued in the same way. If left out, the columns
+        are returned as arrays.
+    threads: of this process. Use more than 1 if the function is long in axode or numpy, which let other threads run,
+        and a cluster, for example "local", if it is long in Python.
     points_per_part: points that a worker computes before it writes them; if left out, there are 256 parts.
     overwrite, cluster, retries, progress: as in `map_states`.
 
@@ -233,7 +233,8 @@ class _SweepTask:
             raise ValueError("points is empty; expected at least one value under each name")
         self.points_per_part = -(-N // PARTS) if points_per_part is None else points_per_part
         _at_least_one("points_per_part", self.points_per_part)
-        self.parts = [_Points(start, min(self.points_per_part, N - start)) for start in range(0, N, self.points_per_part)]
+        starts = range(0, N, self.points_per_part)
+        self.parts = [_Points(start, min(self.points_per_part, N - start)) for start in starts]
         self.columns = {name: _column(name, values) for name, values in self.points.items()}
 
     def said(self, part: _Points) -> str:
@@ -300,7 +301,7 @@ def _write(task: Any, job: Mapping[str, Any], output: str | os.PathLike[str], ov
 
 
 def _check_apart(output: Path, states: str | os.PathLike[str] | Sequence[str | os.PathLike[str]]) -> None:
-    """Raises ValueError if the output and the states contain each other: a continued job would read its output as states."""
+    """ValueError if output and states contain each other: a continued job would read its output as states."""
     for one in [states] if isinstance(states, (str, os.PathLike)) else states:
         folder, target = Path(one).resolve(), output.resolve()
         if folder == target or folder in target.parents or target in folder.parents:

@@ -84,8 +84,11 @@ def compute(task: Any, number: int, part: Any, path: Path | None, loaded: Any = 
 # ------------------------------------------------------------------------------------------------------- all parts
 
 
-def _in_threads(task: Any, parts: deque[Part], threads: int) -> Generator[Report, None, None]:
-    """Parts are loaded by this thread and computed by others."""
+def _in_process(task: Any, parts: deque[Part], threads: int) -> Generator[Report, None, None]:
+    """Parts are loaded by this thread and computed by others; with one thread everything happens in this one."""
+    if threads == 1:
+        yield from (compute(task, *one) for one in parts)
+        return
     stop = threading.Event()
     running: set[Future[Report]] = set()
     with ThreadPoolExecutor(threads) as pool:
@@ -129,16 +132,16 @@ def _cluster_named(cluster: str | None, stack: contextlib.ExitStack) -> Any:
     """Ray, connected to the cluster with that address, to a cluster on the cores of this machine, or to the cluster of
     this program; None means this process. A connection ends with the stack."""
     wanted, ray = cluster or os.environ.get("RAY_ADDRESS"), sys.modules.get("ray")
-    if ray is None and wanted:
-        try:
-            ray = importlib.import_module("ray")
-        except ImportError as error:
-            raise ImportError(f"cluster is {wanted!r}, which needs Ray: pip install ray") from error
-    connected = ray is not None and ray.is_initialized()
-    if connected and cluster is not None:
-        raise ValueError(f"cluster is {cluster!r}, but this program is connected to a Ray cluster; leave it out")
-    if connected or ray is None or not wanted:
-        return ray if connected else None
+    if ray is not None and ray.is_initialized():
+        if cluster is not None:
+            raise ValueError(f"cluster is {cluster!r}, but this program is connected to a Ray cluster; leave it out")
+        return ray
+    if not wanted:
+        return None
+    try:
+        ray = importlib.import_module("ray")
+    except ImportError as error:
+        raise ImportError(f"cluster is {wanted!r}, which needs Ray: pip install ray") from error
     try:
         host, _, port = wanted.removeprefix("ray://").rpartition(":")
         if host and port.isdigit():  # Ray itself waits some minutes if nobody listens
@@ -153,8 +156,8 @@ def _cluster_named(cluster: str | None, stack: contextlib.ExitStack) -> Any:
 
 def run(task: Any, parts: Sequence[Any], paths: Sequence[Path | None], *, cluster: str | None, threads: int,
         retries: int, progress: Progress) -> Generator[Report, None, None]:
-    """Reports of all parts, in the order in which they end. The first error ends the work, and so does Ctrl-C; the files
-    that exist by then stay.
+    """Reports of all parts, in the order in which they end. The first error ends the work, and so does Ctrl-C; the
+    files that exist by then stay.
 
     Every worker receives the task once. A part has a number of `rows`. `task.said(part)` is its name, `task.load(part)`
     its input, which is loaded in the order of the parts, and `task.tables(part, loaded)` yields its results in pieces,
@@ -162,17 +165,17 @@ def run(task: Any, parts: Sequence[Any], paths: Sequence[Path | None], *, cluste
     """
     numbered = list(zip(range(len(parts)), parts, paths))
     there = [path is not None and path.exists() for path in paths]
-    missing = deque(itertools.compress(numbered, [not written for written in there]))
+    written = deque(itertools.compress(numbered, there))
+    missing = deque(itertools.compress(numbered, [not exists for exists in there]))
     rows, done, schema = sum(part.rows for part in parts), 0, None
     with contextlib.ExitStack() as stack:
         if progress is True:
             bar = stack.enter_context(progress_bar(rows, unit="row", unit_scale=True))
             progress = lambda done, rows: bar.update(done - bar.n)
         ray = _cluster_named(cluster, stack)
-        new = (_on_cluster(ray, task, missing, retries) if ray else _in_threads(task, missing, threads) if threads > 1
-               else (compute(task, *one) for one in missing))
+        new = _on_cluster(ray, task, missing, retries) if ray else _in_process(task, missing, threads)
         stack.enter_context(contextlib.closing(new))
-        for report in itertools.chain((compute(task, *one) for one in itertools.compress(numbered, there)), new):
+        for report in itertools.chain(_in_process(task, written, 1), new):
             if report.error is not None:
                 raise report.error
             schema = schema or report.schema

@@ -56,9 +56,9 @@ class RowError(Exception):
 # ------------------------------------------------------------------------------------------------- columns and arrays
 
 
-def numbers(column: Any, name: str, expected: int | None = None, rule: str = "in other rows it has") -> Any:
-    """The numbers in a column of a table, (N, ...), NaN where it is null. If no lists of an `expected` length are
-    required, a column without numbers is returned as it is."""
+def numbers(column: Any, name: str, expected: int | None = None, taker: str = "") -> Any:
+    """The numbers in a column of a table, (N, ...), NaN where it is null. If the `taker` expects no lists of a length,
+    a column without numbers is returned as it is."""
     column = column.combine_chunks()
     shape: tuple[int, ...] = ()
     if pa.types.is_null(column.type):  # pandas writes columns without rows or values so
@@ -70,6 +70,7 @@ def numbers(column: Any, name: str, expected: int | None = None, rule: str = "in
         shape = (expected or getattr(column.type, "list_size", lengths.max(initial=0)),)
         if (wrong := (lengths >= 0) & (lengths != shape[0])).any():
             row = int(np.argmax(wrong))
+            rule = f"{taker} takes" if expected else "in other rows it has"
             raise RowError(row, f'column "{name}" has {lengths[row]} numbers; {rule} {shape[0]}')
     if shape and column.null_count:
         column = pc.coalesce(column, pa.scalar([None] * int(np.prod(shape)), column.type))
@@ -100,7 +101,7 @@ def columns_of(m: Model, what: str, there: Sequence[str]) -> list[str]:
 
 
 def as_column(name: str, x: Any, rows: int, dtype: str = "float64") -> Any:
-    """Numbers (N,) as they are, (N, k) as lists of k, and (N, k, l, ...) as tensors, which are lists to other readers."""
+    """Numbers (N,) as they are, (N, k) as lists of k, and (N, k, l, ...) as tensors (lists to other readers)."""
     array = np.asarray(x)
     if array.shape[:1] != (rows,):
         raise ValueError(f'"{name}" has shape {array.shape}; expected ({rows}, ...), an entry for each state')
@@ -131,14 +132,10 @@ def named_results(result: Any, name: str) -> dict[str, Any]:
 
 def functions() -> list[str]:
     """The names of the functions of this package that take many states."""
-    found = []
-    for name in axode.__all__:
-        function = getattr(axode, name)
-        if callable(function) and not inspect.isclass(function):
-            parameters = list(inspect.signature(function).parameters)
-            if parameters[:2] == ["m", "q"] and "threads" in parameters:
-                found.append(name)
-    return found
+    there = {name: getattr(axode, name) for name in axode.__all__}
+    parameters = {name: list(inspect.signature(function).parameters) for name, function in there.items()
+                  if callable(function) and not inspect.isclass(function)}
+    return [name for name, names in parameters.items() if names[:2] == ["m", "q"] and "threads" in names]
 
 
 def _known_name(function: str | Callable[..., Any]) -> str | None:
@@ -244,8 +241,7 @@ class TableFunction:
         for what in self.takes:
             names, expected = columns_of(self.m, what, table.column_names), len(headings(self.m, what)) or None
             if names == [what]:
-                rule = (f'model "{self.m.name}" takes',) if expected else ()
-                x = numbers(table.column(what), what, expected, *rule)
+                x = numbers(table.column(what), what, expected, f'model "{self.m.name}"')
             else:
                 columns = [numbers(table.column(name), name) for name in names]
                 for name, x in zip(names, columns):
