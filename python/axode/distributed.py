@@ -55,34 +55,38 @@ def map_states(m: Model, function: str | Callable[..., Any],
                rows_per_part: int = parquet_states.ROWS, progress: Progress = False) -> Written:
     """Computes a function of the states in Parquet files and writes Parquet files with the same rows in the same order.
 
-    function: name of a function of this package that takes N states, such as "inverse_dynamics"; or a function of
-        yours, (m, q, v, ...), whose parameters without a default are names of columns, and which returns (N, ...) or a
-        dict of such arrays.
-    states: a file, a list of files or a folder. A column `q` holds lists of nq numbers, `v`, `a` and `tau` of nv, of
-        any real type; or each coordinate has a column, `q A1`, `q A2`, ..., as `axode simulate --output` names them.
-    output: a file if it ends in .parquet, otherwise a folder. Its columns are those of `keep` and the result: numbers,
-        lists, or tensors (lists to other readers) if there are several axes. The result of inverse_dynamics is `tau`,
-        that of forward_dynamics `a`; others have the name of the function.
-    arguments: other arguments of the function, such as {"frame": "flange"}, the same for all states.
-    keep: columns to copy, or "all"; if left out, those that are not part of a state, such as a time or a number.
+    function: name of a function of this package that takes N states, such as "inverse_dynamics"; or a function of yours,
+        (m, q, v, ...), whose parameters without a default are names of columns, and which returns (N, ...) or a dict of
+        such arrays.
+    states: a file, a list of files or a folder of files. A column `q` holds lists of nq numbers, and `v`, `a` and
+        `tau` hold lists of nv numbers; or each coordinate has a column, `q A1`, `q A2`, ..., as `axode simulate
+        --output` names them. The numbers may have any real type.
+    output: a file if the name ends in .parquet, otherwise a folder of files. Their columns are those of `keep` and
+        the result. The result is a column of numbers, of lists or, for several axes, of tensors (other readers see
+        lists). The result of inverse_dynamics is called `tau`, that of forward_dynamics `a`; others have the name of
+        the function.
+    arguments: further arguments of the function, such as {"frame": "flange"}, which are the same for all states.
+    keep: the columns to carry over, or "all"; if left out, all columns that are not part of a state, such as a time
+        or an index.
     dtype: type of the results in the files; they are computed in float64.
-    faulty: a null, NaN or infinity, a singular mass matrix or an overflow is an error that names file and row; with
-        "nan" the results of this row are NaN.
-    overwrite: whether existing results are removed and everything is computed anew. Otherwise an interrupted job
-        continues: parts are files that appear when they are complete, and only missing ones are computed. The job is
-        the same if the model, the states, the arguments, and the function with the values that it is bound to are the
-        same. Global variables and functions that it calls are not compared. A function with a value that cannot be
-        compared, such as an open file, is not continued.
-    cluster: "local" starts Ray on the cores of this machine, an address connects to a cluster; both end with the call.
-        If left out, the cluster to which this program is connected or that of $RAY_ADDRESS is used, or else this
-        process. Workers see the files under the same names.
-    threads: of this process; all cores if left out, or one for a function of yours.
-    retries: how often Ray computes a part again whose worker was lost.
+    faulty: a row with a null, NaN or infinity, a singular mass matrix or an overflow. By default it ends the work
+        with an error that names the file and the row; with "nan", the results of this row are NaN.
+    overwrite: whether existing output is removed and everything is computed again. Otherwise a job that was
+        interrupted is continued: each part is a file that appears only when it is complete, and only the missing
+        parts are computed. The job is the same if the model, the states, the arguments, and the function with the
+        values to which it is bound are the same. Global variables and the functions that it calls are not compared. A
+        function with a value that cannot be compared, such as an open file, is not continued.
+    cluster: "local" starts Ray on the cores of this machine, and an address connects to a cluster; both end with the
+        call. If it is left out, the cluster to which this program is connected is used, or that of $RAY_ADDRESS, and
+        otherwise this process. The workers of a cluster must see the files under the same names.
+    threads: number of threads of this process; if left out, all cores, or one for a function of yours.
+    retries: how often Ray computes a part again if its worker was lost.
     rows_per_part: states in a part.
     progress: whether a bar is shown, which needs tqdm; or a function (rows done, rows).
 
-    Memory is bounded: each core works on one part. ValueError for wrong files, KeyError for an unknown function,
-    TypeError for its arguments, FileExistsError for an existing output. Ctrl-C ends it.
+    Memory is bounded: each core works on one part at a time. ValueError for wrong contents of the files, KeyError for
+    an unknown function, TypeError for wrong arguments of the function, FileExistsError if the output exists already.
+    Ctrl-C ends the call.
 
     >>> import pyarrow as pa, pyarrow.parquet as pq, tempfile
     >>> folder = tempfile.mkdtemp()
@@ -148,7 +152,7 @@ class _StatesTask:
 
 
 def grid(**axes: Iterable[Any]) -> dict[str, list[Any]]:
-    """All combinations of the values along each axis, the last of which changes first, as points of `sweep`.
+    """All combinations of the values along each axis, as points of `sweep`; the last axis changes first.
 
     >>> axode.distributed.grid(mass=[1, 2], speed=[0.1, 0.2, 0.3])
     {'mass': [1, 1, 1, 2, 2, 2], 'speed': [0.1, 0.2, 0.3, 0.1, 0.2, 0.3]}
@@ -176,8 +180,8 @@ def sweep(m: Any, function: Callable[..., Any], points: Mapping[str, Sequence[An
     """Computes a function of a model at many points, of a grid or of seeds for Monte Carlo, and writes a row for each
     point.
 
-    function: takes m, a model or anything else, and the values of a point under their names. It returns a number, or a
-        dict of numbers, words and arrays with the same names at every point. A number that is returned alone is called
+    function: receives m, a model or any other object, and the numbers of a point under their names. It returns a
+        number, or a dict of numbers, words and arrays with the same keys for every point. A single number is called
         `result`.
     points: a dict with the same number of values for each name, such as `grid(...)` or {"seed": range(1000)}.
     output: a Parquet file or folder as in `map_states`, which is continued in the same way. If left out, the columns
@@ -187,8 +191,8 @@ def sweep(m: Any, function: Callable[..., Any], points: Mapping[str, Sequence[An
     points_per_part: points that a worker computes before it writes them; if left out, there are 256 parts.
     overwrite, cluster, retries, progress: as in `map_states`.
 
-    Draw random numbers from the seed alone, `np.random.default_rng(seed)`: then it does not matter who computes which
-    point. Numbers are float64. RuntimeError, with the point, if the function fails.
+    Draw random numbers from the seed only, `np.random.default_rng(seed)`; then results do not depend on the worker
+    that computes a point. Numbers are float64. RuntimeError, with the point, if the function fails.
 
     >>> def holding_torque(m, seed):
     ...     drawn = m.parameters * np.random.default_rng(seed).normal(1, 0.01, m.parameters.shape)

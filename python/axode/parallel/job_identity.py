@@ -24,9 +24,9 @@ class Unknown(Exception):
 
 
 def digest(value: Any) -> str:
-    """SHA-256 of a value. A function counts with its code, its defaults and the values that it is bound to, an object with its
-    state and the code of its class; compiled functions, compiled classes and modules count with their names. Global variables and
-    the functions that are called by name do not count.
+    """SHA-256 of a value. The digest of a function depends on its code, its defaults and the values to which it is
+    bound; that of an object on its state and the code of its class; that of a compiled function, a compiled class or
+    a module on its name. Global variables and the functions that are called by name do not count.
 
     Unknown if the value holds something whose state Python cannot read, such as a lock or an open file.
     """
@@ -41,7 +41,7 @@ class _Digests:
 
     def __init__(self) -> None:
         self.known: dict[int, tuple[bytes, Any]] = {}  # the value stays alive, and its id its own
-        self.begun: dict[int, int] = {}  # how many values each of those around the present one is a part of
+        self.begun: dict[int, int] = {}  # depth at which each value around the present one began
 
     def of(self, value: Any) -> bytes:
         if type(value) in PLAIN:
