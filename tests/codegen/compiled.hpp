@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "tests/apps/run_command.hpp"
+#include "tests/support/run_program.hpp"
 
 namespace axode::test {
 

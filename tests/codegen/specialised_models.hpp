@@ -8,9 +8,9 @@
 
 #include "axode/codegen.hpp"
 #include "axode/model/building/builder.hpp"
-#include "tests/apps/run_command.hpp"
 #include "tests/laws/law.hpp"
 #include "tests/support/random_states.hpp"
+#include "tests/support/run_program.hpp"
 
 /// What tests of specialised models have in common.
 namespace axode::test {

@@ -8,7 +8,9 @@ add_test(NAME Guards.Kinds COMMAND ${AXODE_PYTHON} ${guards}/kinds.py ${PROJECT_
 add_test(NAME Guards.Versions COMMAND ${AXODE_PYTHON} ${guards}/versions.py ${PROJECT_SOURCE_DIR})
 add_test(NAME Guards.Messages COMMAND ${AXODE_PYTHON} ${guards}/messages.py ${PROJECT_SOURCE_DIR}
                                       ${PROJECT_BINARY_DIR}/messages.txt)
-set_tests_properties(Guards.IncludeFloors Guards.CleanTree Guards.Kinds Guards.Versions Guards.Messages PROPERTIES LABELS guards)
+add_test(NAME Guards.Mutants COMMAND ${AXODE_PYTHON} ${PROJECT_SOURCE_DIR}/tools/mutants.py --check)
+set_tests_properties(Guards.IncludeFloors Guards.CleanTree Guards.Kinds Guards.Versions Guards.Messages Guards.Mutants
+                     PROPERTIES LABELS guards)
 
 # Code for one instruction set stays out of programs that run without it. (Unoptimised code inlines too little.)
 if(CMAKE_BUILD_TYPE STREQUAL Release AND NOT AXODE_NATIVE)
