@@ -29,6 +29,7 @@ NB_MODULE(_axode, module) {
   add_table(module);
   nb::module_ lie = module.def_submodule("lie", "See axode.lie.");
   add_lie(lie);
+  add_cayley(lie);
   add_rigid_body(lie);
   add_model(module);
   add_files(module);

@@ -11,8 +11,6 @@
 namespace axode::test {
 namespace {
 
-constexpr double bound = 1e-13;  // normwise, relative to the reference
-
 Vec3<> vector_at(const std::vector<double>& x, std::size_t k) { return {x[k], x[k + 1], x[k + 2]}; }
 Screw<> screw_of(const std::vector<double>& x) { return {vector_at(x, 0), vector_at(x, 3)}; }
 
@@ -52,7 +50,7 @@ template <class Error> void expect_below_bound(const Error& error) {
   double largest = 0;
   for (const Case& c : all) {
     const double e = error(c);
-    EXPECT_LE(e, bound) << "at X = " << testing::PrintToString(as_span(to_eigen(c.X)));
+    EXPECT_LE(e, reference_bound) << "at X = " << testing::PrintToString(as_span(to_eigen(c.X)));
     largest = std::max(largest, e);
   }
   testing::Test::RecordProperty("largest_error", testing::PrintToString(largest));

@@ -20,6 +20,9 @@ struct ScalarNames {
 /// A few hundred roundings.
 template <class T> inline constexpr T tolerance = T(500) * std::numeric_limits<T>::epsilon();
 
+/// The largest error to reference values of more digits, normwise and relative to the reference.
+inline constexpr double reference_bound = 1e-13;
+
 /// By a loop, because expressions of matrices take longer to compile than what is tested.
 template <class Matrix> auto norm_of_entries(const Matrix& x) {
   typename Matrix::Scalar squares(0);

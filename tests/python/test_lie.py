@@ -55,6 +55,7 @@ def along(matrices, vectors):
 M = random_inertia()
 E = R[:, :, 0]
 QUATERNION = lie.quaternion(R)
+CAY = lie.cay(X)
 POSITIVE = 0.1 + np.abs(U)
 ITEMS = {  # of every argument of every function; words are the same for all
     "exp": (X,), "log": (C,), "exp_SO3": (XI,), "log_SO3": (R,), "inverse": (C,), "rotation_to": (E,),
@@ -63,6 +64,10 @@ ITEMS = {  # of every argument of every function; words are the same for all
     "from_scalar_first": (QUATERNION,), "skew": (XI,), "from_skew": (lie.skew(XI),), "hat": (X,),
     "from_hat": (lie.hat(X),), "Ad": (C,), "ad": (X,), "dexp": (X,), "dexp_inv": (X,), "ddexp": (X, U),
     "ddexp_inv": (X, U), "dexp_SO3": (XI,), "dexp_inv_SO3": (XI,), "ddexp_SO3": (XI, E), "ddexp_inv_SO3": (XI, E),
+    "cay": (X,), "cay_inv": (CAY,), "cay_SO3": (XI,), "cay_inv_SO3": (CAY[:, :3, :3],), "cay_quaternion": (XI,),
+    "dcay": (X,), "dcay_inv": (X,), "ddcay": (X, U), "ddcay_inv": (X, U), "dcay_SO3": (XI,), "dcay_inv_SO3": (XI,),
+    "ddcay_SO3": (XI, E), "ddcay_inv_SO3": (XI, E), "cay_of_ad": (X,), "cay_of_ad_inv": (CAY,), "dcay_of_ad": (X,),
+    "dcay_inv_of_ad": (X,), "ddcay_of_ad": (X, U), "ddcay_inv_of_ad": (X, U),
     "screw": (E, XI, XI[:, 0], XI[:, 1]), "screw_axis": (U,), "pluecker": (U,), "reciprocal_product": (X, U),
     "exchange_halves": (X,), "inertia": (U[:, 0], XI, M[:, :3, :3]), "transform_inertia": (C, M),
     "box_inertia": (POSITIVE[:, 0], POSITIVE[:, 1:4]), "sphere_inertia": (POSITIVE[:, 0], POSITIVE[:, 1]),
@@ -89,6 +94,12 @@ def rate(f, x, u, h=1e-6):
     return (f(x + h * u) - f(x - h * u)) / (2 * h)
 
 
+def cayley(A):
+    """(1 - A/2)^-1 (1 + A/2)."""
+    one = np.eye(A.shape[-1])
+    return np.linalg.solve(one - A / 2, one + A / 2)
+
+
 AWAY = np.linalg.norm(XI, axis=1) < np.pi - 1e-9  # at pi either direction is right
 UNIT = np.broadcast_to(np.eye(6), (N, 6, 6))
 #: (what a function gives, what it is, to which part), one of each: C++ tests hold the laws.
@@ -108,6 +119,23 @@ IS = {
     "dexp_inv_SO3": lambda: (lie.dexp_inv_SO3(XI), lie.dexp_inv(X)[:, :3, :3], 1e-14),
     "ddexp_SO3": lambda: (lie.ddexp_SO3(XI, E), rate(lie.dexp_SO3, XI, E), 1e-8),
     "ddexp_inv_SO3": lambda: (lie.ddexp_inv_SO3(XI, E), rate(lie.dexp_inv_SO3, XI, E), 1e-8),
+    "cay": lambda: (CAY, of_each(cayley, lie.hat(X)), 1e-14), "cay_inv": lambda: (lie.cay_inv(CAY), X, 1e-13),
+    "cay_SO3": lambda: (lie.cay_SO3(XI), CAY[:, :3, :3], 1e-14), "cay_inv_SO3": lambda: (lie.cay_inv_SO3(lie.cay_SO3(XI)), XI, 1e-14),
+    "cay_quaternion": lambda: (lie.rotation(lie.cay_quaternion(XI)), lie.cay_SO3(XI), 1e-14),
+    "dcay": lambda: (lie.hat(along(lie.dcay(X), U)), rate(lie.cay, X, U) @ lie.inverse(CAY), 1e-8),
+    "dcay_inv": lambda: (lie.dcay_inv(X) @ lie.dcay(X), UNIT, 1e-13),
+    "ddcay": lambda: (lie.ddcay(X, U), rate(lie.dcay, X, U), 1e-8),
+    "ddcay_inv": lambda: (lie.ddcay_inv(X, U), rate(lie.dcay_inv, X, U), 1e-8),
+    "dcay_SO3": lambda: (lie.dcay_SO3(XI), lie.dcay(X)[:, :3, :3], 1e-14),
+    "dcay_inv_SO3": lambda: (lie.dcay_inv_SO3(XI), lie.dcay_inv(X)[:, :3, :3], 1e-14),
+    "ddcay_SO3": lambda: (lie.ddcay_SO3(XI, E), rate(lie.dcay_SO3, XI, E), 1e-8),
+    "ddcay_inv_SO3": lambda: (lie.ddcay_inv_SO3(XI, E), rate(lie.dcay_inv_SO3, XI, E), 1e-8),
+    "cay_of_ad": lambda: (lie.Ad(lie.cay_of_ad(X)), of_each(cayley, lie.ad(X)), 1e-13),
+    "cay_of_ad_inv": lambda: (lie.cay_of_ad(lie.cay_of_ad_inv(CAY)), CAY, 1e-13),
+    "dcay_of_ad": lambda: (lie.hat(along(lie.dcay_of_ad(X), U)), rate(lie.cay_of_ad, X, U) @ lie.inverse(lie.cay_of_ad(X)), 1e-8),
+    "dcay_inv_of_ad": lambda: (lie.dcay_inv_of_ad(X) @ lie.dcay_of_ad(X), UNIT, 1e-13),
+    "ddcay_of_ad": lambda: (lie.ddcay_of_ad(X, U), rate(lie.dcay_of_ad, X, U), 1e-8),
+    "ddcay_inv_of_ad": lambda: (lie.ddcay_inv_of_ad(X, U), rate(lie.dcay_inv_of_ad, X, U), 1e-8),
     "rotation": lambda: (lie.rotation(QUATERNION), R, 1e-14),
     "quaternion": lambda: (lie.rotation(-lie.quaternion(R)) * (lie.quaternion(R)[:, 3:, None] >= 0), R, 1e-14),
     "quaternion_product": lambda: (lie.rotation(lie.quaternion_product(QUATERNION, QUATERNION[::-1])), R @ R[::-1], 1e-14),
@@ -294,6 +322,8 @@ def test_more_axes_than_an_array_can_have_are_refused():
 OVERFLOWING = [[1e200, 1e200, 0], [1e200, -1e200, 0], [0, 0, 1]]
 WRONG = {
     "no rotation": (lambda: lie.log_SO3(2 * np.eye(3)), "R: expected a rotation"),
+    "half a turn": (lambda: lie.cay_inv_SO3(np.diag([1, -1, -1.0])), "R turns by half a turn"),
+    "a pose of half a turn": (lambda: lie.cay_inv(np.diag([1, -1, -1, 1.0])), "C turns by half a turn"),
     "a reflection": (lambda: lie.quaternion(np.diag([1, 1, -1.0])), "R: expected a rotation"),
     "what overflows": (lambda: lie.log_SO3(OVERFLOWING), "R: expected a rotation"),
     "a pose that overflows": (lambda: lie.log(np.pad(OVERFLOWING, (0, 1)) + np.diag([0, 0, 0, 1])),

@@ -5,6 +5,7 @@
 namespace axode::python {
 
 void add_lie(nanobind::module_& lie);
+void add_cayley(nanobind::module_& lie);
 void add_rigid_body(nanobind::module_& lie);
 void add_model(nanobind::module_& module);
 void add_kinematics(nanobind::module_& module);
