@@ -2,8 +2,23 @@
 
 #include <algorithm>
 #include <stdexcept>
+#include <string>
 
 namespace axode {
+
+std::vector<int> driven(const Model& model, std::span<const int> drives) {
+  if (!drives.empty()) {
+    for (const int c : drives)
+      if (c < 0 || c >= model.nv())
+        throw std::invalid_argument("drives holds " + std::to_string(c) + "; velocities are 0 to " +
+                                    std::to_string(model.nv() - 1));
+    return {drives.begin(), drives.end()};
+  }
+  std::vector<int> all;
+  for (int c = 0; c < model.nv(); ++c)
+    if (model.loops().driven[static_cast<std::size_t>(c)]) all.push_back(c);
+  return all;
+}
 
 void check_closed(LoopSystem<double>& system, Numbers<double> q, Numbers<double> v) {
   const Loops& loops = system.model().loops();

@@ -18,6 +18,10 @@ LoopSystem<T>& checked(const Model& model, LoopWorkspace<T>& workspace, Numbers<
   return checked(model, workspace, q);
 }
 
+/// The velocities with drives: the given ones or, if there are none, those of all joints that are not
+/// passive. Throws std::invalid_argument for a velocity that does not exist.
+std::vector<int> driven(const Model& model, std::span<const int> drives);
+
 /// The largest residual of a loop, rad and m, with which a motion may start.
 inline constexpr double closed_enough = 1e-6;
 /// Throws std::invalid_argument, with the loop and its residual, if q leaves a loop open or v does not keep

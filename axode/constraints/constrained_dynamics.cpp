@@ -28,20 +28,6 @@ template <class T> class Multipliers {
   std::vector<T> own_;
 };
 
-std::vector<int> driven(const Model& model, std::span<const int> drives) {
-  if (!drives.empty()) {
-    for (const int c : drives)
-      if (c < 0 || c >= model.nv())
-        throw std::invalid_argument("drives holds " + std::to_string(c) + "; velocities are 0 to " +
-                                    std::to_string(model.nv() - 1));
-    return {drives.begin(), drives.end()};
-  }
-  std::vector<int> all;
-  for (int c = 0; c < model.nv(); ++c)
-    if (model.loops().driven[static_cast<std::size_t>(c)]) all.push_back(c);
-  return all;
-}
-
 /// M a + h of the tree; the system has this motion afterwards.
 template <class T>
 Eigen::VectorX<T> tree_forces(LoopSystem<T>& system, Numbers<T> q, Numbers<T> v, Numbers<T> a,

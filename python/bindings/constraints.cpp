@@ -19,16 +19,7 @@
 #include "python/bindings/support/text.hpp"
 
 namespace axode::python {
-namespace {
 
-using namespace nb::literals;
-
-/// f(workspace, k) for every state k.
-template <class F> void each_closed(const States& states, const F& f) {
-  states.each<LoopWorkspace<>>(loop_cost(states.model()), f);
-}
-
-/// Velocities by the names of joints or by numbers.
 std::vector<int> velocities(const Model& m, nb::handle given, const char* argument) {
   std::vector<int> found;
   if (given.is_none()) return found;
@@ -51,6 +42,15 @@ std::vector<int> velocities(const Model& m, nb::handle given, const char* argume
     }
   }
   return found;
+}
+
+namespace {
+
+using namespace nb::literals;
+
+/// f(workspace, k) for every state k.
+template <class F> void each_closed(const States& states, const F& f) {
+  states.each<LoopWorkspace<>>(loop_cost(states.model()), f);
 }
 
 /// λ at (q, v) under tau.

@@ -14,32 +14,6 @@ using namespace nb::literals;
 
 namespace {
 
-nb::object inverse_dynamics_rates_of(const BoundModel& m, ArrayLike q, ArrayLike v, ArrayLike a,
-                                     nb::args more, LoadList loads, bool joint_losses, int threads) {
-  const States states(m, q, threads);
-  std::vector<Items> rates{states.velocities("v", v), states.velocities("a", a)};
-  for (std::size_t k = 0; k < more.size(); ++k) {
-    const nb::object given = more[k];
-    const std::string name = "derivative " + std::to_string(k + 1) + " of a";
-    rates.push_back(states.velocities(name.c_str(), {given.ptr()}));
-  }
-  const AppliedLoads applied(states, loads, joint_losses);
-  const int order = static_cast<int>(rates.size()) - 2;
-  const Shape shape{order + 1, m->nv()};
-  const NewArray out =
-      each_item(states, (order + 1) * (order + 1) * linear_cost(*m), shape,
-                [&](Workspace<>&, std::size_t k, std::span<double> tau) {
-                  std::vector<double> motion;
-                  for (const Items& rate : rates) motion.insert(motion.end(), rate[k].begin(), rate[k].end());
-                  applied.with(k, [&](const Loads<double>& now) {
-                    InverseDynamicsRates<>(*m, order).evaluate(states.q(k), motion, tau, now);
-                  });
-                });
-  nb::list parts;
-  for (int k = 0; k <= order; ++k) parts.append(nb::cast(out.part(k, 1)));
-  return nb::tuple(parts);
-}
-
 nb::object motion_vjp_of(const BoundModel& m, ArrayLike q, ArrayLike v, ArrayLike a, FrameName frame,
                          ArrayLike w, Representation representation, ArrayLike offset, int threads) {
   const States states(m, q, threads);
@@ -372,25 +346,6 @@ w has the weights of X, V and dV in its rows, (3, 6) or (N, 3, 6).
 >>> q, v, a, w = np.full(7, 0.3), np.ones(7), np.zeros(7), np.arange(18.0).reshape(3, 6)
 >>> d = axode.motion_derivatives(arm, q, v, a, "flange", "hybrid")
 >>> np.allclose(axode.motion_vjp(arm, q, v, a, "flange", w, "hybrid").a, w[2] @ d.V_v)
-True
-)");
-  module.def(
-      "inverse_dynamics_rates", &inverse_dynamics_rates_of, "m"_a, "q"_a, "v"_a, "a"_a, "more"_a,
-      "loads"_a = nb::none(), "joint_losses"_a = false, "threads"_a = 1,
-      nb::sig("def inverse_dynamics_rates(m: Model, q: numpy.typing.ArrayLike, v: numpy.typing.ArrayLike, "
-              "a: numpy.typing.ArrayLike, *more: numpy.typing.ArrayLike, "
-              "loads: collections.abc.Sequence[axode.Load] | None = None, joint_losses: bool = False, "
-              "threads: int = 1) -> tuple[numpy.typing.NDArray[numpy.float64], ...]"),
-      R"(
-(tau, tau', tau'', ...): the drive forces of a motion and their time derivatives, (nv,) or (N, nv) each.
-
-`more` are jerk, snap, ..., the derivatives of a; each gives one more result. Loads are constant in the representation in
-which they are given. O(n k^2) for k results.
-
->>> q, v, a, jerk = np.full(7, 0.3), np.ones(7), np.zeros(7), np.ones(7)
->>> tau, rate = axode.inverse_dynamics_rates(arm, q, v, a, jerk)
->>> d = axode.inverse_dynamics_derivatives(arm, q, v, a)
->>> np.allclose(rate, d.q @ v + d.v @ a + d.a @ jerk)
 True
 )");
   module.def(

@@ -181,7 +181,7 @@ array([0.1, 0.2, 0.3, 0.9])
 )");
 }
 
-void add_matrices(nb::module_& lie) {
+void add_linear_maps(nb::module_& lie) {
   add<Vec3<>>(
       lie, "skew", {"a"}, [](const Vec3<>& a) { return skew(a); }, R"(
 The matrix of b -> a x b: (..., 3) to (..., 3, 3).
@@ -405,7 +405,7 @@ array([4., 5., 6., 1., 2., 3.])
 void add_lie(nb::module_& lie) {
   add_groups(lie);
   add_quaternions(lie);
-  add_matrices(lie);
+  add_linear_maps(lie);
   add_screws(lie);
 }
 

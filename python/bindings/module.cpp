@@ -38,6 +38,7 @@ NB_MODULE(_axode, module) {
   add_dynamics(module);
   add_momentum(module);
   add_derivatives(module);
+  add_rates(module);
   add_constraints(module);
   add_integration(module);
   add_prescribed_motion(module);

@@ -6,6 +6,7 @@
 
 #include "axode/model/configuration.hpp"
 #include "python/bindings/support/bindings.hpp"
+#include "python/bindings/support/conversions.hpp"
 #include "python/bindings/support/long_call.hpp"
 #include "python/bindings/support/one_state.hpp"
 

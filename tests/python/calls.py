@@ -78,6 +78,11 @@ CALLS |= {
         m, q, axode.body_momenta(m, q, v, "spatial"), a)[1],
     "inverse_dynamics_rates": lambda m, q, v, a: in_one(axode.inverse_dynamics_rates(
         m, q, v, a, v, v * a, loads=load_on(m, q)), q),
+    "second_order_inverse_dynamics": lambda m, q, v, a: in_one(axode.second_order_inverse_dynamics(
+        m, q, v, a, v, v * a, loads=load_on(m, q)), q),
+    "forward_dynamics_rates": lambda m, q, v, a: axode.forward_dynamics_rates(m, q, v, np.stack([a, v], axis=-2), load_on(m, q)),
+    "inverse_kinematics_rates": lambda m, q, v, a: axode.inverse_kinematics_rates(
+        m, q, axode.twist_derivatives(m, q, rates(v, a), tool(m)), tool(m)),
     "rollout": lambda m, q, v, a: axode.rollout(m, q, v, steps(a), 1e-4)[1],
     "rollout_derivatives": lambda m, q, v, a: np.concatenate(axode.rollout_derivatives(m, q, v, steps(a), 1e-4), axis=-1),
     "rollout_jvp": lambda m, q, v, a: in_one(axode.rollout_jvp(m, q, v, steps(a), 1e-4, v, a, np.stack([v, a], axis=-2)), q),

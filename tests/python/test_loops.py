@@ -260,3 +260,25 @@ def test_trees_have_none():
     q, v = axode.assemble(arm, arm.random(), np.ones(7))
     assert v.tolist() == [1] * 7
     assert axode.loop_mobility(arm, q).degrees_of_freedom == 7
+
+
+def test_forces_of_a_platform_and_their_rates_follow_from_the_motion_of_the_platform():
+    m = axode.load(axode.robots / "gough.toml")
+    random = np.random.default_rng(2)
+    q, V = m.neutral(), random.uniform(-0.5, 0.5, (4, 6))
+    rates = axode.inverse_kinematics_rates(m, q, V, "platform")
+    assert np.allclose(axode.twist_derivatives(m, q, rates, "platform"), V)
+    tau, dtau, ddtau = axode.inverse_dynamics_rates(m, q, *rates)
+    np.testing.assert_allclose(tau, axode.inverse_dynamics(m, q, rates[0], rates[1]), atol=1e-10 * np.abs(tau).max())
+
+    def forces_at(t):
+        there, _ = axode.assemble(m, m.integrate(q, t * rates[0] + t**2 / 2 * rates[1]))
+        v, a = axode.inverse_kinematics_rates(m, there, [V[0] + t * V[1] + t**2 / 2 * V[2], V[1] + t * V[2] + t**2 / 2 * V[3]], "platform")
+        return axode.inverse_dynamics(m, there, v, a)
+    after, before = forces_at(1e-4), forces_at(-1e-4)
+    np.testing.assert_allclose((after - before) / 2e-4, dtau, atol=1e-6 * np.abs(dtau).max())
+    np.testing.assert_allclose((after - 2 * tau + before) / 1e-8, ddtau, atol=1e-3 * np.abs(ddtau).max())
+    with pytest.raises(ValueError, match="row 1 does not keep loop"):
+        axode.inverse_dynamics_rates(m, q, rates[0], 0 * rates[1])
+    with pytest.raises(ValueError, match="the joints cannot produce row 0 of V"):
+        axode.inverse_kinematics_rates(m, q, V, "lower leg 1")

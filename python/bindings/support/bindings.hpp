@@ -13,6 +13,7 @@ void add_system_matrices(nanobind::module_& closed_form);
 void add_dynamics(nanobind::module_& module);
 void add_momentum(nanobind::module_& module);
 void add_derivatives(nanobind::module_& module);
+void add_rates(nanobind::module_& module);
 void add_constraints(nanobind::module_& module);
 void add_integration(nanobind::module_& module);
 void add_prescribed_motion(nanobind::module_& module);

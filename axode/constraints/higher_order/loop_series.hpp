@@ -1,0 +1,47 @@
+#pragma once
+#include <Eigen/Core>
+#include <vector>
+
+#include "axode/constraints/loops/loop_table.hpp"
+#include "axode/kinematics/higher_order/motion_series.hpp"
+#include "axode/scalar/taylor.hpp"
+
+namespace axode {
+
+/// The rows A of the loops and their time derivatives A', A'', ... along a motion of the spanning tree, by
+/// power series: MotionSeries has those of the joint screws, and the wrenches of a loop joint are computed on
+/// series of its two frames.
+class LoopSeries {
+ public:
+  static constexpr int largest_order = 7;
+
+  /// Prepares the derivatives of A up to an order of at most largest_order.
+  LoopSeries(const Model& model, int order);
+
+  int order() const { return motion_.order(); }
+
+  /// Computes A to A^(order) from q and v, v', ... (order + 1 rows of nv, of which the last has no effect).
+  void run(const double* q, const double* rates) noexcept;
+
+  /// A^(k), loops().rows × nv.
+  const Eigen::MatrixXd& derivative(int k) const { return A_[static_cast<std::size_t>(k)]; }
+  /// (A v)^(k) without its term A v^(k): what v^(k) has to compensate.
+  Eigen::VectorXd known_terms(const double* rates, int k) const;
+
+ private:
+  using Series = Taylor<double, largest_order + 1>;
+
+  /// The series of a screw or of a frame about the common point O of a loop; `shift` is the origin of the
+  /// root minus O.
+  Screw<Series> about(const Vec3<>& shift, const Screw<>* X) const;
+  SE3<Series> frame_series(const Loop::End& end, const Vec3<>& shift);
+
+  Model model_;
+  LoopTable table_;
+  MotionSeries<double> motion_;
+  PoseSeries<double> pose_;
+  std::vector<Vec3<>> origin_;  ///< of each root body, at its index; 0 for the ground
+  std::vector<Eigen::MatrixXd> A_;
+};
+
+}  // namespace axode
