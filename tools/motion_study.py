@@ -134,6 +134,49 @@ def free_top(page):
     page.table("free top", ["method", "step", "steps", "evaluations", "attitude, rad", "energy", "angular momentum"], rows)
 
 
+# ---- Cayley's map ----------------------------------------------------------------------------------------------------
+def satellite():
+    b = axode.Builder("satellite", gravity=(0, 0, 0))
+    b.body("hub", joint="free", mass=5, com=[0.1, 0, 0], inertia=[1, 2, 2.5])
+    for k, point in enumerate(np.eye(3)):
+        b.body(f"arm {k + 1}", on="hub", joint={"kind": "spherical", "point": list(point)}, mass=1 + k / 2,
+               com=list(1.5 * point), inertia=[0.2, 0.3, 0.25])
+    return b.build()
+
+
+def cayley(page):
+    free = satellite()
+    motions = [("heavy top, 150 rad/s", heavy_top_model(), [0, 150, -4.61538], 0.25, 1024),
+               ("satellite, 2 rad/s", free, 2 * np.sin(3.0 * np.arange(free.nv) + 1), 1, 128)]
+    rows = []
+    for name, m, v, until, steps in motions:
+        progress("Cayley:", name)
+        exact = axode.simulate(m, m.neutral(), v, until, rtol=1e-13, atol=1e-14).q[-1]
+        for method in ("rk4", "midpoint", "suzuki4", "generalized_alpha"):
+            of_both = []
+            for coordinates in ("exponential", "cayley"):
+                found = [axode.simulate(m, m.neutral(), v, until, method=method, step=until / n, local_coordinates=coordinates)
+                         for n in (steps, 2 * steps)]
+                errors = [np.linalg.norm(m.difference(exact, motion.q[-1])) for motion in found]
+                of_both.append((number(errors[0]), f"{np.log2(errors[0] / errors[1]):.2f}", found[0].evaluations))
+            (of_exp, order_of_exp, calls), (of_cay, order_of_cay, calls_of_cay) = of_both
+            rows.append([name, f"`{method}`", steps, of_exp, of_cay, order_of_exp, order_of_cay, calls, calls_of_cay])
+    progress("Cayley: reconstruction")
+
+    def twist(t):
+        return np.array([np.sin(2 * t), 1 + t, np.cos(3 * t), t, 0.5, -t])
+    exact = axode.reconstruct(np.eye(4), twist, np.linspace(0, 1, 4001))[-1]
+
+    def end(method, n):
+        found = axode.reconstruct(np.eye(4), twist, np.linspace(0, 1, n + 1), method=method)[-1]
+        return np.linalg.norm(axode.lie.log(axode.lie.inverse(exact) @ found))
+    errors = {method: (end(method, 32), end(method, 64)) for method in ("munthe_kaas", "cayley")}
+    orders = [f"{np.log2(coarse / fine):.2f}" for coarse, fine in errors.values()]
+    rows.append(["a pose from its twist", "`reconstruct`", 32, *(number(coarse) for coarse, _ in errors.values()), *orders, 128, 128])
+    page.table("Cayley", ["motion", "method", "steps", "error with exp", "with cay", "order with exp", "with cay",
+                          "evaluations with exp", "with cay"], rows)
+
+
 # ---- chain -----------------------------------------------------------------------------------------------------------
 STARTS, SHORT, LONG = 20, 20, 100
 CHAIN = {"dopri5": LONG, "rk4": LONG, "rk4_momenta": LONG, "midpoint": LONG, "generalized_alpha": LONG, "suzuki4": SHORT,
@@ -502,7 +545,7 @@ def falling_top_beside_mujoco(page):
     page.table("falling top", ["step", "`rk4`: rad, m", "`rk4_momenta`: rad, m", "MuJoCo's RK4: rad, m"], rows)
 
 
-SECTIONS = {section.__name__: section for section in (heavy_top, free_top, chain, humanoid, loops, absolute, rolling, cost)}
+SECTIONS = {section.__name__: section for section in (heavy_top, free_top, cayley, chain, humanoid, loops, absolute, rolling, cost)}
 
 
 def main():

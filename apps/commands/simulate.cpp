@@ -32,7 +32,8 @@ namespace {
 
 struct Options {
   ModelOptions mechanism;
-  std::string state, target, method = "dopri5", coordinates = "relative", format = "table";
+  std::string state, target, method = "dopri5", coordinates = "relative", local_coordinates = "exponential",
+                             format = "table";
   std::vector<double> gains;
   double until = 1, relative = 1e-8, absolute = 1e-10, spectral_radius = 0.8;
   std::optional<double> step;
@@ -60,6 +61,9 @@ euler project onto the constraints after each step. Further methods for absolute
 rattle_suzuki4 and rattle_kahan_li6 (of second, fourth and sixth order; symplectic, or symmetric if there
 are rolling contacts), half_explicit (third order), generalized_alpha and generalized_alpha_index3.
 Results are always joint coordinates.
+
+--local-coordinates are those of a step: exponential, or cayley, with which methods keep their orders and
+those of second order err more where a body turns fast.
 
 With --pd a controller drives all joints, except passive joints and free joints on the ground, towards the
 q and v of --target by tau = KP (q_target - q) + KD (v_target - v); the difference of rotations is a
@@ -157,6 +161,7 @@ Trajectory motion_of(const Model& model, const State& state, const Drive& drive,
   };
   const Method method = choose("--method", options.method, methods);
   acting.coordinates = choose("--coordinates", options.coordinates, coordinate_kinds);
+  acting.local_coordinates = choose("--local-coordinates", options.local_coordinates, local_coordinate_kinds);
   if (options.step) check_step(*options.step);
   if (!method.adapts && !options.step)
     throw UsageError("--step is missing; " + options.method + " takes fixed steps");
@@ -449,6 +454,10 @@ void add_simulate(CLI::App& app, int& exit_code) {
       ->type_name("METHOD");
   simulate->add_option("--coordinates", options->coordinates, "In which coordinates; relative if left out")
       ->type_name(words(coordinate_kinds));
+  simulate
+      ->add_option("--local-coordinates", options->local_coordinates,
+                   "Coordinates of a step on the group; exponential if left out")
+      ->type_name(words(local_coordinate_kinds));
   simulate->add_option("--step", options->step, "Length of a step, s; of the first one with dopri5")
       ->type_name("NUMBER");
   simulate->add_option("--rtol", options->relative, "Relative tolerance; 1e-8 if left out")

@@ -1,5 +1,7 @@
 #include "apps/quantities/quantities.hpp"
 #include "apps/shell/commands.hpp"
+#include "axode/constraints/check_loops.hpp"
+#include "axode/constraints/higher_order/constrained_rates.hpp"
 #include "axode/derivatives/rates.hpp"
 #include "axode/dynamics.hpp"
 #include "axode/eigen.hpp"
@@ -235,8 +237,13 @@ Answer inverse_dynamics_rates_answer(const Question& ask) {
   std::vector<double> rates, tau(3 * ask.state.v.size());
   for (const auto* row : {&ask.state.v, &ask.state.a, &ask.state.jerk, &ask.state.snap})
     rates.insert(rates.end(), row->begin(), row->end());
-  InverseDynamicsRates<> forces(ask.model, 2);
-  forces.evaluate(ask.state.q, rates, tau, ask.loads());
+  if (ask.model.loops().empty()) {
+    InverseDynamicsRates<>(ask.model, 2).evaluate(ask.state.q, rates, tau, ask.loads());
+  } else {
+    LoopWorkspace<> workspace(ask.model);
+    check_driven(inverse_dynamics_rates(ask.model, workspace, ask.state.q, rates, tau, {}, ask.loads()),
+                 "make this motion");
+  }
   Answer answer{"drive forces and their first and second time derivatives", Json::array(),
                 Table({"joint", "tau", "tau'", "tau\""})};
   const std::vector<std::string> names = velocity_names(ask.model);

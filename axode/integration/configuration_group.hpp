@@ -1,4 +1,8 @@
 #pragma once
+#include <array>
+
+#include "axode/integration/local_coordinates.hpp"
+#include "axode/lie/cayley.hpp"
 #include "axode/lie/twist.hpp"
 #include "axode/model/tree.hpp"
 
@@ -9,9 +13,14 @@ namespace axode {
 /// the joints; S is the scalar of the tree. For joints of one velocity brackets vanish and ⊕ is +. Arguments
 /// are vectors of any kind, or pointers to their first numbers; results may share the memory of arguments.
 /// O(n).
+///
+/// q ⊕ x is q exp x, or q cay x with LocalCoordinates::cayley; the maps of velocities, accelerations and
+/// momenta belong to it. They are written for exp below.
 template <class T, class S = T> class ConfigurationGroup {
  public:
-  explicit ConfigurationGroup(const Tree<S>& tree) : tree_(&tree) {
+  explicit ConfigurationGroup(const Tree<S>& tree,
+                              LocalCoordinates coordinates = LocalCoordinates::exponential)
+      : tree_(&tree), by_exp_(coordinates == LocalCoordinates::exponential) {
     for (int i = 1; i <= tree->n; ++i)
       if (tree->first_screw[i + 1] - tree->first_screw[i] > 1) commutes_ = false;
   }
@@ -22,7 +31,14 @@ template <class T, class S = T> class ConfigurationGroup {
   void move(const auto& q, const auto& x, auto&& out) const noexcept {
     each_own_joint([&]<class Joint>(const Joint& joint, int i) {
       T* const to = first(out) + tree()->iq[i];
-      joint.integrate(first(q) + tree()->iq[i], first(x) + tree()->iv[i], to);
+      const T* by = first(x) + tree()->iv[i];
+      std::array<T, Joint::nv> canonical;
+      if constexpr (Joint::nv > 1)
+        if (!by_exp_) {
+          put(joint, log_cay(screw(joint, by)), canonical.data());
+          by = canonical.data();
+        }
+      joint.integrate(first(q) + tree()->iq[i], by, to);
       if constexpr (Joint::nq > Joint::nv) {
         const T scale = T(0.5) * (T(3) - (to[0] * to[0] + to[1] * to[1] + to[2] * to[2] + to[3] * to[3]));
         for (int k = 0; k < 4; ++k) to[k] = scale * to[k];
@@ -35,6 +51,16 @@ template <class T, class S = T> class ConfigurationGroup {
       joint.difference(first(q0) + tree()->iq[i], first(q1) + tree()->iq[i], first(out) + tree()->iv[i]);
     });
   }
+  /// q ⊕ x ⊕ x, which is q ⊕ 2x in exponential coordinates. Overwrites x.
+  void move_twice(const auto& q, auto& x, auto& out) const noexcept {
+    if (by_exp_) {
+      for (int c = 0; c < tree()->nv; ++c) first(x)[c] *= T(2);
+      move(q, x, out);
+    } else {
+      move(q, x, out);
+      move(out, x, out);
+    }
+  }
   /// x, with zeros for joints of one velocity.
   void noncommuting(const auto& x, auto&& out) const noexcept {
     each_block(first(x), first(x), first(out), [](const Screw<T>& X, const Screw<T>&) { return X; });
@@ -46,7 +72,8 @@ template <class T, class S = T> class ConfigurationGroup {
   /// dexp_{-x} y: the velocity of q ⊕ x if x' = y.
   void velocity(const auto& x, const auto& y, auto&& out) const noexcept {
     each_block(
-        first(x), first(y), first(out), [](const Screw<T>& X, const Screw<T>& Y) { return dexp(-X, Y); },
+        first(x), first(y), first(out),
+        [this](const Screw<T>& X, const Screw<T>& Y) { return by_exp_ ? dexp(-X, Y) : dcay(-X, Y); },
         first(y));
   }
   /// dexp_{-x} z + (D_{-y} dexp)_{-x} y: the acceleration of q ⊕ x if x' = y and y' = z.
@@ -58,14 +85,15 @@ template <class T, class S = T> class ConfigurationGroup {
       } else {
         const Screw<T> X = screw(joint, first(x) + c), Y = screw(joint, first(y) + c),
                        Z = screw(joint, first(z) + c);
-        put(joint, dexp(-X, Z) + ddexp(-X, -Y, Y), first(out) + c);
+        put(joint, by_exp_ ? dexp(-X, Z) + ddexp(-X, -Y, Y) : dcay(-X, Z) + ddcay(-X, -Y, Y), first(out) + c);
       }
     });
   }
   /// dexp⁻¹_{-x} y: the x' with which q ⊕ x has the velocity y.
   void rate(const auto& x, const auto& y, auto&& out) const noexcept {
     each_block(
-        first(x), first(y), first(out), [](const Screw<T>& X, const Screw<T>& Y) { return dexp_inv(-X, Y); },
+        first(x), first(y), first(out),
+        [this](const Screw<T>& X, const Screw<T>& Y) { return by_exp_ ? dexp_inv(-X, Y) : dcay_inv(-X, Y); },
         first(y));
   }
 
@@ -78,14 +106,21 @@ template <class T, class S = T> class ConfigurationGroup {
   /// Ad_{exp x}ᵀ p: the momentum p at q, expressed at q ⊕ x.
   void Ad_transpose(const auto& x, const auto& p, auto&& out) const noexcept {
     each_dual_block(
-        first(x), first(p), first(out), [](const Screw<T>& X, const Screw<T>& P) { return Ad(exp(-X), P); },
+        first(x), first(p), first(out),
+        [this](const Screw<T>& X, const Screw<T>& P) { return Ad(by_exp_ ? exp(-X) : cay(-X), P); },
         first(p));
   }
   /// dexp_xᵀ p.
   void dexp_transpose(const auto& x, const auto& p, auto&& out) const noexcept {
-    each_dual_block(
-        first(x), first(p), first(out), [](const Screw<T>& X, const Screw<T>& P) { return dexp(-X, P); },
-        first(p));
+    if (by_exp_) {
+      each_dual_block(
+          first(x), first(p), first(out), [](const Screw<T>& X, const Screw<T>& P) { return dexp(-X, P); },
+          first(p));
+    } else {
+      each_block(
+          first(x), first(p), first(out),
+          [](const Screw<T>& X, const Screw<T>& P) { return dcay_transpose(X, P); }, first(p));
+    }
   }
   [[deprecated("use ad_transpose()")]] void cobracket(const auto& x, const auto& p, auto&& out) const {
     ad_transpose(x, p, out);
@@ -145,7 +180,7 @@ template <class T, class S = T> class ConfigurationGroup {
   }
 
   const Tree<S>* tree_;
-  bool commutes_ = true;
+  bool by_exp_, commutes_ = true;
 };
 
 }  // namespace axode

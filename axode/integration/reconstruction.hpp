@@ -1,4 +1,5 @@
 #pragma once
+#include <array>
 #include <concepts>
 #include <cstddef>
 #include <span>
@@ -6,7 +7,9 @@
 #include <string>
 #include <vector>
 
+#include "axode/integration/local_coordinates.hpp"
 #include "axode/integration/tableau.hpp"
+#include "axode/lie/cayley.hpp"
 #include "axode/lie/twist.hpp"
 
 /// Kinematic reconstruction: the motion C(t) of a body from its twist, by C' = C V^b or C' = V^s C (eq. Vbs).
@@ -39,40 +42,47 @@ template <class X> X sum(const std::vector<double>& weights, double h, const std
   for (std::size_t j = 0; j < weights.size(); ++j) out = out + (h * weights[j]) * x[j];
   return out;
 }
-/// C displaced by a screw, body-fixed or spatial.
-template <PoseRate Rep> SE3<> moved(const SE3<>& C, const Screw<>& X) {
-  return std::same_as<Rep, BodyFixed> ? C * exp(X) : exp(X) * C;
+/// C displaced by D, body-fixed or spatial.
+template <PoseRate Rep> SE3<> moved(const SE3<>& C, const SE3<>& D) {
+  return std::same_as<Rep, BodyFixed> ? C * D : D * C;
 }
 
 }  // namespace reconstruction
 
 /// Munthe-Kaas' method: a step is C exp(X), or exp(X) C, where X' = dexp_{-X}⁻¹ V^b, or dexp_X⁻¹ V^s (eq.
-/// Vdexp), is solved with the order of the tableau.
+/// Vdexp), is solved with the order of the tableau; or the same with Cayley's map.
 template <PoseRate Rep, std::invocable<double> F>
 std::vector<SE3<>> reconstruct(const SE3<>& C0, const F& twist, std::span<const double> times,
-                               const Tableau& method = runge_kutta(4)) {
+                               const Tableau& method = runge_kutta(4),
+                               LocalCoordinates coordinates = LocalCoordinates::exponential) {
   check(method);
+  const bool by_exp = coordinates == LocalCoordinates::exponential;
   std::vector<Screw<>> K(method.b.size());
   return reconstruction::in_steps(C0, times, [&](const SE3<>& C, double t, double h) {
     for (std::size_t i = 0; i < K.size(); ++i) {
       const Screw<> X = reconstruction::sum(method.a[i], h, K);
       const Twist<Rep> V = twist(t + method.c[i] * h);
-      K[i] = dexp_inv(std::same_as<Rep, BodyFixed> ? -X : X, Screw<>{V.w, V.v});
+      const Screw<> Y = std::same_as<Rep, BodyFixed> ? -X : X, Z{V.w, V.v};
+      K[i] = by_exp ? dexp_inv(Y, Z) : dcay_inv(Y, Z);
     }
-    return reconstruction::moved<Rep>(C, reconstruction::sum(method.b, h, K));
+    const Screw<> X = reconstruction::sum(method.b, h, K);
+    return reconstruction::moved<Rep>(C, by_exp ? exp(X) : cay(X));
   });
 }
+
+/// The Gauss-Legendre points of a step, as parts of it.
+inline constexpr std::array<double, 2> magnus_points{0.5 - 0.28867513459481287, 0.5 + 0.28867513459481287};
 
 /// Magnus' series to fourth order, from the twists at the two Gauss-Legendre points of each step: X = h (V_1
 /// + V_2) / 2 ± √3/12 h² [V_1, V_2], + for body-fixed twists.
 template <PoseRate Rep, std::invocable<double> F>
 std::vector<SE3<>> reconstruct_magnus(const SE3<>& C0, const F& twist, std::span<const double> times) {
-  constexpr double root = 0.28867513459481287;  // √3/6
+  constexpr double root = magnus_points[1] - 0.5;  // √3/6
   return reconstruction::in_steps(C0, times, [&](const SE3<>& C, double t, double h) {
-    const Twist<Rep> V_1 = twist(t + (0.5 - root) * h), V_2 = twist(t + (0.5 + root) * h);
+    const Twist<Rep> V_1 = twist(t + magnus_points[0] * h), V_2 = twist(t + magnus_points[1] * h);
     const Screw<> X_1{V_1.w, V_1.v}, X_2{V_2.w, V_2.v};
     const double turn = (std::same_as<Rep, BodyFixed> ? 0.5 : -0.5) * root * h * h;
-    return reconstruction::moved<Rep>(C, (h / 2) * (X_1 + X_2) + turn * ad(X_1, X_2));
+    return reconstruction::moved<Rep>(C, exp((h / 2) * (X_1 + X_2) + turn * ad(X_1, X_2)));
   });
 }
 

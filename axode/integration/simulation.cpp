@@ -144,6 +144,12 @@ void check_absolute(const SimulationOptions& options, const char* scheme) {
   if (options.coordinates == Coordinates::relative)
     throw std::invalid_argument(std::string(scheme) + " needs absolute coordinates, and these are relative");
 }
+void check_exponential(const SimulationOptions& options, const char* scheme) {
+  if (options.local_coordinates != LocalCoordinates::exponential)
+    throw std::invalid_argument(std::string(scheme) +
+                                " in absolute coordinates steps in exponential local coordinates, and these "
+                                "are Cayley's; use an explicit method or relative coordinates");
+}
 void check_relative(const SimulationOptions& options, const char* scheme) {
   if (options.coordinates != Coordinates::relative)
     throw std::invalid_argument(std::string(scheme) +
@@ -197,6 +203,7 @@ Trajectory simulate_stiff(const Model& model, Span q, Span v, double until, doub
     throw std::invalid_argument("spectral radius is " + std::to_string(rho) + "; expected 0 to 1");
   if (options.coordinates != Coordinates::relative) {
     check_no_motions(model, options, "absolute coordinates");
+    check_exponential(options, "generalised-alpha");
     AbsoluteSimulationRun run(model, q, v, until, options);
     if (run.done()) return std::move(run.trajectory);
     ConstrainedAlpha<AbsoluteSimulationRun> scheme(run, rho, stabilized, run.q, run.v, run.a, run.lambda);
@@ -224,6 +231,7 @@ Trajectory simulate_rattle(const Model& model, Span q, Span v, double until, dou
   check_step(step);
   check_absolute(options, "RATTLE");
   check_no_motions(model, options, "absolute coordinates");
+  check_exponential(options, "RATTLE");
   check_smooth(model, options);
   AbsoluteSimulationRun run(model, q, v, until, options);
   if (run.done()) return std::move(run.trajectory);
@@ -237,6 +245,7 @@ Trajectory simulate_half_explicit(const Model& model, Span q, Span v, double unt
   check_step(step);
   check_absolute(options, "the half-explicit method");
   check_no_motions(model, options, "absolute coordinates");
+  check_exponential(options, "the half-explicit method");
   AbsoluteSimulationRun run(model, q, v, until, options);
   if (run.done()) return std::move(run.trajectory);
   HalfExplicit scheme(run, run.q, run.v);
@@ -279,8 +288,8 @@ Trajectory simulate_momenta(const Model& model, Span q, Span v, double until, do
   MomentumSimulationRun run(model, q, v, until, options);
   if (run.done()) return std::move(run.trajectory);
   FloatingBases& bases = run.bases();
-  MuntheKaas scheme(model.tree<double>(), method);
-  const ConfigurationGroup<double> group(model.tree<double>());
+  MuntheKaas scheme(model.tree<double>(), method, options.local_coordinates);
+  const ConfigurationGroup<double> group = run.group();
   Vector q_1, v_1, y;
   run.initial_state(q_1, v_1, y);
   Vector q_i, p = y, v_i, dp = y, dy = y;

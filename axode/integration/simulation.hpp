@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "axode/constraints/prescribed/prescribed_motion.hpp"
+#include "axode/integration/local_coordinates.hpp"
 #include "axode/integration/tableau.hpp"
 #include "axode/integration/trajectory.hpp"
 #include "axode/recursion/loads.hpp"
@@ -27,6 +28,8 @@ enum class Coordinates {
 
 struct SimulationOptions {
   Coordinates coordinates = Coordinates::relative;
+  /// The coordinates of a step. Cayley's are for explicit methods and, in relative coordinates, for all.
+  LocalCoordinates local_coordinates = LocalCoordinates::exponential;
   /// Writes the drive forces tau (nv) at a time and state. Without it tau is 0. The springs of the model act
   /// in addition.
   std::function<void(double t, std::span<const double> q, std::span<const double> v, std::span<double> tau)>

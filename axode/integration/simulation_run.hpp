@@ -88,6 +88,8 @@ class SimulationRun {
     return loops_ ? std::min(t_1, loops_->motions().next_jump(now())) : t_1;
   }
   const Tree<double>& tree() const { return model_.tree<double>(); }
+  LocalCoordinates local_coordinates() const { return options_.local_coordinates; }
+  ConfigurationGroup<double> group() const { return ConfigurationGroup<double>(tree(), local_coordinates()); }
   /// tau of drives and springs at a state.
   Failure joint_forces(double t, Span q_t, Span v_t, Span& tau);
   /// The inertia that springs, dampers and, by differences, the drive add to each velocity in an implicit

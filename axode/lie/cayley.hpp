@@ -66,6 +66,11 @@ template <class T> constexpr Screw<T> cay_inv(const SE3<T>& C) {
   const Vec3<T> w = cay_inv_SO3(C.R);
   return {w, C.r - T(0.5) * cross(w, C.r)};
 }
+/// log(cay(X)), the canonical coordinates of the same pose, from its quaternion and with their accuracy.
+template <class T> constexpr Screw<T> log_cay(const Screw<T>& X) {
+  const Vec3<T> w = log_quaternion(cay_quaternion(X.w));
+  return {w, dexp_inv(w, cayley_solve(X.w, X.v))};
+}
 /// dcay_X Z, the right-trivialised differential: (d/dt cay X) (cay X)⁻¹ = dcay_X X' (D14.5). For C = cay X,
 /// V^s = dcay_X X' and V^b = dcay_{-X} X'.
 template <class T> constexpr Screw<T> dcay(const Screw<T>& X, const Screw<T>& Z) {

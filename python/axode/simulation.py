@@ -27,6 +27,7 @@ def simulate(m: Model, q: ArrayLike, v: ArrayLike, until: float, *,
                              "suzuki4", "kahan_li6", "rk4_momenta", "rattle", "rattle_suzuki4", "rattle_kahan_li6",
                              "half_explicit"] = "dopri5",
              coordinates: Literal["relative", "absolute", "absolute_SO3xR3"] = "relative",
+             local_coordinates: Literal["exponential", "cayley"] = "exponential",
              step: float | None = None, rtol: float = 1e-8, atol: float = 1e-10, spectral_radius: float = 0.8,
              tau: ArrayLike | Callable[[float, Array, Array], ArrayLike] | Sampled | PD | ComputedTorque | None = None,
              loads: Sequence[Load] | Callable[[float, Array, Array], Sequence[Load]] | None = None,
@@ -50,6 +51,8 @@ def simulate(m: Model, q: ArrayLike, v: ArrayLike, until: float, *,
         "rattle", "rattle_suzuki4" and "rattle_kahan_li6" (of second, fourth and sixth order, no events; symplectic, or with
         with rolling contacts only symmetric), "half_explicit" (third order), "generalized_alpha" (stabilised, index 2) and
         "generalized_alpha_index3".
+    local_coordinates: those of a step on the group. With "cayley" every method keeps its order; those of second order err
+        more where a body turns fast (docs/integration.md). In absolute coordinates only explicit methods take it.
     tau: drive forces, (nv,) for constant ones; one of `axode.drives`; or a function (t, q, v) -> (nv,), called for each
         evaluation. Springs, dampers and stops of the mechanism act besides, see `spring_forces`.
     loads: wrenches on frames, constant in their representations, or a function (t, q, v) -> such wrenches, called for each
@@ -82,8 +85,9 @@ def simulate(m: Model, q: ArrayLike, v: ArrayLike, until: float, *,
         def report(t: float) -> None:
             bar.update(t - bar.n)
     try:
-        motion = _axode.simulate_motion(m, q, v, float(until), method, coordinates, step, rtol, atol, spectral_radius,
-                                        tau, loads, joint_losses, times, list(events or []), motions, report)
+        motion = _axode.simulate_motion(m, q, v, float(until), method, coordinates, local_coordinates, step, rtol, atol,
+                                        spectral_radius, tau, loads, joint_losses, times, list(events or []), motions,
+                                        report)
     finally:
         if bar is not None:
             bar.close()
@@ -160,12 +164,15 @@ def rollout(m: Model | Specialised, q: ArrayLike, v: ArrayLike,
 
 
 def reconstruct(C0: ArrayLike, twist: ArrayLike | Callable[[float], ArrayLike], times: ArrayLike,
-                representation: Literal["body", "spatial"] = "body", order: int = 4) -> Array:
+                representation: Literal["body", "spatial"] = "body", order: int = 4,
+                method: Literal["munthe_kaas", "cayley", "magnus", "apart"] = "munthe_kaas") -> Array:
     """The poses (N, 4, 4) of a body at `times` (N,), from the pose C0 (4, 4) at the first and its twist.
 
     twist: (6,) where it is constant; a function t -> (6,); or (N, 6), its values at the times, between which cubics
         are laid. Angular before linear; "body" is C^-1 C', "spatial" C' C^-1 (eqs. Vbs, Vdexp).
     order: of Munthe-Kaas' method on SE(3), 1 to 5; a step lies between any two times.
+    method: "munthe_kaas", "cayley" (the same with Cayley's map), "magnus" (Magnus' series, of order 4, two twists a step)
+        or "apart" (rotation and position separately, on SO(3) x R^3, for comparison).
 
     >>> screw = np.array([0, 0, np.pi / 2, 0, 0, 0.1])
     >>> axode.reconstruct(np.eye(4), screw, [0.0, 1.0])[-1].round(6)
@@ -177,12 +184,12 @@ def reconstruct(C0: ArrayLike, twist: ArrayLike | Callable[[float], ArrayLike], 
     t = np.asarray(times, dtype=np.float64)
     if t.ndim != 1:
         raise ValueError(f"times: expected shape (N,), got {t.shape}")
-    at = t[:-1, None] + np.diff(t)[:, None] * _axode.stage_times(order)[None, :]
+    at = t[:-1, None] + np.diff(t)[:, None] * _axode.stage_times(order, method)[None, :]
     if callable(twist):
         V = np.array([np.asarray(twist(float(x)), dtype=np.float64) for x in at.ravel()]).reshape(-1, 6)
     else:
         V = _sampled(np.asarray(twist, dtype=np.float64), t, at.ravel())
-    return np.asarray(_axode.reconstruct_poses(C0, V.reshape(*at.shape, 6), t, representation, order))
+    return np.asarray(_axode.reconstruct_poses(C0, V.reshape(*at.shape, 6), t, representation, order, method))
 
 
 def _sampled(given: Array, t: Array, at: Array) -> Array:

@@ -1,5 +1,6 @@
 #include "axode/dynamics/closed_form/closed_form.hpp"
 
+#include "axode/kinematics/higher_order/product_of_exponentials.hpp"
 #include "python/bindings/support/bindings.hpp"
 #include "python/bindings/support/choice.hpp"
 #include "python/bindings/support/conversions.hpp"
@@ -22,6 +23,16 @@ Array mass_matrix_of(const BoundModel& m, ArrayLike q, Representation representa
     return with_representation(
         representation, [&](auto rep) { return closed_form::mass_matrix<decltype(rep)>(m, state.q()); });
   }));
+}
+
+/// The poses of the ground and of all bodies that f(m, q) computes.
+Array poses_of_bodies(const BoundModel& m, ArrayLike q, const auto& f) {
+  const States state = one_state(m, q);
+  check_configuration(*m, state.q());
+  const std::vector<SE3<>> C = f(*m, state.q().data());
+  NewArray out({m->n_bodies() + 1, 4, 4});
+  for (std::size_t i = 0; i < C.size(); ++i) write(C[i], out.data() + 16 * i);
+  return out.array();
 }
 
 /// f(q, v, a, loads).
@@ -78,6 +89,28 @@ Array christoffel_of(const BoundModel& m, ArrayLike q) {
 }  // namespace
 
 void add_closed_form(nb::module_& module) {
+  module.def(
+      "poses_by_body_screws",
+      [](const BoundModel& m, ArrayLike q) { return poses_of_bodies(m, q, &poses_by_body_screws<double>); },
+      "m"_a, "q"_a, R"(
+C_i = B_1 exp(X_1 q_1) ... B_i exp(X_i q_i) of the ground and all bodies, (n_bodies + 1, 4, 4); q (nq,); m (eq. POEX).
+
+>>> q = arm.random()
+>>> np.allclose(axode.closed_form.poses_by_body_screws(arm, q), axode.poses(arm, q)[:arm.n_bodies + 1])
+True
+)");
+  module.def(
+      "poses_by_spatial_screws",
+      [](const BoundModel& m, ArrayLike q) {
+        return poses_of_bodies(m, q, &poses_by_spatial_screws<double>);
+      },
+      "m"_a, "q"_a, R"(
+C_i = exp(Y_1 q_1) ... exp(Y_i q_i) A_i of the ground and all bodies, (n_bodies + 1, 4, 4); q (nq,); m (eq. POEY).
+
+>>> q = arm.random()
+>>> np.allclose(axode.closed_form.poses_by_spatial_screws(arm, q), axode.poses(arm, q)[:arm.n_bodies + 1])
+True
+)");
   module.def("inertia_matrix", &inertia_matrix_of, "m"_a, "q"_a, "representation"_a = "body", R"(
 M = diag(M_1, ..., M_n), (6n, 6n), the inertia matrices of the moving bodies at q (nq,); kg m^2, kg m, kg.
 

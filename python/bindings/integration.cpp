@@ -125,10 +125,10 @@ void check_drive(const BoundModel& m, const BoundDrive& drive) {
 }
 
 BoundTrajectory simulate_of(const BoundModel& m, ArrayLike q, ArrayLike v, double until, nb::handle method,
-                            nb::handle coordinates, nb::handle step, double rtol, double atol,
-                            double spectral_radius, nb::handle tau, nb::handle loads, bool joint_losses,
-                            nb::handle times, nb::handle given_events, nb::handle motions,
-                            nb::handle progress) {
+                            nb::handle coordinates, nb::handle local_coordinates, nb::handle step,
+                            double rtol, double atol, double spectral_radius, nb::handle tau,
+                            nb::handle loads, bool joint_losses, nb::handle times, nb::handle given_events,
+                            nb::handle motions, nb::handle progress) {
   const States states = one_state(m, q);
   const Items velocities = states.velocities("v", v);
   const nb::list events = nb::borrow<nb::list>(given_events);
@@ -211,6 +211,7 @@ BoundTrajectory simulate_of(const BoundModel& m, ArrayLike q, ArrayLike v, doubl
     throw nb::value_error(
         ("step: method '" + text_of(method) + "' takes fixed steps; expected their length in s").c_str());
   options.coordinates = chosen("coordinates", coordinates, coordinate_kinds);
+  options.local_coordinates = chosen("local_coordinates", local_coordinates, local_coordinate_kinds);
 
   const double length = step.is_none() ? 0.0 : number("step", step);
   if (!step.is_none()) check_step(length);
@@ -337,12 +338,26 @@ std::tuple<Array, Array> driven_rollout_of(const BoundModel& m, ArrayLike q, Arr
   return motions_of(states, compiled, {velocities.all(), {}, &drive.drive, K, step, joint_losses});
 }
 
+enum class Reconstruction { munthe_kaas, cayley, magnus, apart };
+constexpr std::array<std::pair<std::string_view, Reconstruction>, 4> reconstructions{
+    {{"munthe_kaas", Reconstruction::munthe_kaas},
+     {"cayley", Reconstruction::cayley},
+     {"magnus", Reconstruction::magnus},
+     {"apart", Reconstruction::apart}}};
+
+/// Times at which a method of reconstruction reads the twist, as parts of a step.
+std::vector<double> stage_times(int order, nb::handle method) {
+  if (chosen("method", method, reconstructions) != Reconstruction::magnus) return runge_kutta(order).c;
+  if (order != 4) throw nb::value_error("order: Magnus' method is of order 4");
+  return {magnus_points.begin(), magnus_points.end()};
+}
+
 Array reconstruct_of(ArrayLike C0, ArrayLike twists, ArrayLike times, Representation representation,
-                     int order) {
+                     int order, nb::handle given_method) {
   const Numbers start("C0", C0), V("twist", twists), t("times", times);
   if (start.axes() != 2 || !start.ends_with({4, 4})) start.wrong_shape("(4, 4), a pose");
-  const Tableau& method = runge_kutta(order);
-  const std::size_t stages = method.b.size(), N = static_cast<std::size_t>(t.size());
+  const Reconstruction way = chosen("method", given_method, reconstructions);
+  const std::size_t stages = stage_times(order, given_method).size(), N = static_cast<std::size_t>(t.size());
   const Shape expected{static_cast<nb::ssize_t>(N > 0 ? N - 1 : 0), static_cast<nb::ssize_t>(stages), 6};
   if (V.axes() != 3 || !V.ends_with(expected)) V.wrong_shape(expected.text());
   std::size_t asked = 0;
@@ -352,13 +367,20 @@ Array reconstruct_of(ArrayLike C0, ArrayLike twists, ArrayLike times, Representa
   };
   const std::span<const double> at(t.data(), N);
   const SE3<> C = pose_from("C0", start.data());
+  const auto by = [&]<class Rep>(Rep rep) {
+    const auto twist = [&](double) { return next(rep); };
+    if (way == Reconstruction::magnus) return reconstruct_magnus<Rep>(C, twist, at);
+    const Tableau& method = runge_kutta(order);
+    if (way == Reconstruction::apart) return reconstruct_apart<Rep>(C, twist, at, method);
+    return reconstruct<Rep>(
+        C, twist, at, method,
+        way == Reconstruction::cayley ? LocalCoordinates::cayley : LocalCoordinates::exponential);
+  };
   std::vector<SE3<>> found;
   if (representation == Representation::body)
-    found = reconstruct<BodyFixed>(
-        C, [&](double) { return next(BodyFixed{}); }, at, method);
+    found = by(BodyFixed{});
   else if (representation == Representation::spatial)
-    found = reconstruct<Spatial>(
-        C, [&](double) { return next(Spatial{}); }, at, method);
+    found = by(Spatial{});
   else
     throw nb::value_error("representation must be 'body' or 'spatial' to integrate a twist to a pose");
   NewArray out({static_cast<nb::ssize_t>(N), 4, 4});
@@ -484,23 +506,19 @@ Its to_parquet (with pyarrow) and to_csv write files. ModuleNotFoundError where 
                (x.motion.complete ? ")" : ", " + x.motion.stop_reason + ")");
       });
   module.def("simulate_motion", &simulate_of, "m"_a, "q"_a, "v"_a, "until"_a, "method"_a, "coordinates"_a,
-             "step"_a.none(), "rtol"_a, "atol"_a, "spectral_radius"_a, "tau"_a.none(), "loads"_a.none(),
-             "joint_losses"_a, "times"_a.none(), "events"_a, "motions"_a.none(), "progress"_a.none(),
-             "See axode.simulate.");
+             "local_coordinates"_a, "step"_a.none(), "rtol"_a, "atol"_a, "spectral_radius"_a, "tau"_a.none(),
+             "loads"_a.none(), "joint_losses"_a, "times"_a.none(), "events"_a, "motions"_a.none(),
+             "progress"_a.none(), "See axode.simulate.");
   module.def("rollout_under", &rollout_of, "m"_a, "q"_a, "v"_a, "tau"_a, "step"_a, "compiled"_a = nb::none(),
              nb::kw_only(), "threads"_a = 1, "joint_losses"_a = false, "See axode.rollout.");
   module.def("rollout_driven", &driven_rollout_of, "m"_a, "q"_a, "v"_a, "drive"_a, "steps"_a, "step"_a,
              "compiled"_a = nb::none(), nb::kw_only(), "threads"_a = 1, "joint_losses"_a = false,
              "See axode.rollout.");
   module.def("reconstruct_poses", &reconstruct_of, "C0"_a, "twists"_a, "times"_a, "representation"_a,
-             "order"_a, "See axode.reconstruct.");
+             "order"_a, "method"_a, "See axode.reconstruct.");
   module.def(
-      "stage_times",
-      [](int order) {
-        const Tableau& method = runge_kutta(order);
-        return to_array(method.c);
-      },
-      "order"_a, "Stage times of a method as parts of a step, from 0 to 1.");
+      "stage_times", [](int order, nb::handle method) { return to_array(stage_times(order, method)); },
+      "order"_a, "method"_a, "Stage times of a method as parts of a step, from 0 to 1.");
 }
 
 }  // namespace axode::python

@@ -520,6 +520,12 @@ TEST(AbsoluteCoordinates, SchemesSayWhatTheyDoNotTake) {
       "a conserving scheme needs relative coordinates; in absolute coordinates use rattle");
   expect_refused([&] { return simulate_rattle(model, at.q, at.v, 1, 0.1, 3, in(Coordinates::absolute)); },
                  "order");
+  const auto by_cayley = with(LocalCoordinates::cayley, in(Coordinates::absolute));
+  expect_refused(run(by_cayley), "RATTLE in absolute coordinates steps in exponential local coordinates");
+  expect_refused([&] { return simulate_stiff(model, at.q, at.v, 1, 0.1, 0.8, by_cayley); },
+                 "generalised-alpha in absolute coordinates");
+  expect_refused([&] { return simulate_half_explicit(model, at.q, at.v, 1, 0.1, by_cayley); },
+                 "the half-explicit method in absolute coordinates");
 }
 
 }  // namespace

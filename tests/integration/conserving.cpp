@@ -24,30 +24,82 @@ double dot(const Numbers& x, const Numbers& y) {
 
 TEST(ConfigurationGroup, HasDualsOfItsMaps) {
   const Model model = test_tree();
-  const ConfigurationGroup<double> group(model.tree<double>());
-  Random<double> random(3);
-  const auto numbers = [&] {
-    Numbers x(static_cast<std::size_t>(model.nv()));
-    for (double& x_k : x) x_k = random.number(-2, 2);
-    return x;
-  };
-  const Numbers x = numbers(), y = numbers(), p = numbers();
-  Numbers back(x), of_p(p.size()), of_y(p.size()), carried(p.size());
-  for (double& x_k : back) x_k = -x_k;
-  group.ad_transpose(x.data(), p.data(), of_p.data()), group.bracket(x.data(), y.data(), of_y.data());
-  EXPECT_NEAR(dot(of_p, y), dot(p, of_y), 1e-13);
-  group.dexp_transpose(x.data(), p.data(), of_p.data()), group.velocity(back.data(), y.data(), of_y.data());
-  EXPECT_NEAR(dot(of_p, y), dot(p, of_y), 1e-13);
-  group.Ad_transpose(x.data(), p.data(), carried.data());  // dexp_x = Ad_{exp x} dexp_{-x}
-  group.dexp_transpose(back.data(), carried.data(), carried.data());
-  for (std::size_t k = 0; k < p.size(); ++k) EXPECT_NEAR(carried[k], of_p[k], 1e-13);
+  for (const LocalCoordinates coordinates : both_local_coordinates) {
+    const ConfigurationGroup<double> group(model.tree<double>(), coordinates);
+    Random<double> random(3);
+    const auto numbers = [&] {
+      Numbers x(static_cast<std::size_t>(model.nv()));
+      for (double& x_k : x) x_k = random.number(-2, 2);
+      return x;
+    };
+    const Numbers x = numbers(), y = numbers(), p = numbers();
+    Numbers back(x), of_p(p.size()), of_y(p.size()), carried(p.size());
+    for (double& x_k : back) x_k = -x_k;
+    group.ad_transpose(x.data(), p.data(), of_p.data()), group.bracket(x.data(), y.data(), of_y.data());
+    EXPECT_NEAR(dot(of_p, y), dot(p, of_y), 1e-13);
+    group.dexp_transpose(x.data(), p.data(), of_p.data()), group.velocity(back.data(), y.data(), of_y.data());
+    EXPECT_NEAR(dot(of_p, y), dot(p, of_y), 1e-13);
+    group.Ad_transpose(x.data(), p.data(), carried.data());  // dexp_x = Ad_{exp x} dexp_{-x}
+    group.dexp_transpose(back.data(), carried.data(), carried.data());
+    for (std::size_t k = 0; k < p.size(); ++k) EXPECT_NEAR(carried[k], of_p[k], 1e-13);
+  }
+}
+
+TEST(ConfigurationGroup, HasTheVelocitiesAndAccelerationsOfItsCoordinates) {
+  const Model model = test_tree();
+  const State<double> at = test_state(model);
+  for (const LocalCoordinates coordinates : both_local_coordinates) {
+    const ConfigurationGroup<double> group(model.tree<double>(), coordinates);
+    Random<double> random(4);
+    const Numbers x = random_numbers(random, model.nv()), y = random_numbers(random, model.nv()),
+                  z = random_numbers(random, model.nv());
+    const auto along = [&](const Numbers& from, const Numbers& by, double t) {
+      Numbers out(from);
+      for (std::size_t c = 0; c < out.size(); ++c) out[c] += t * by[c];
+      return out;
+    };
+    const double h = 1e-4;
+    const auto difference_of = [&](const auto& f) {
+      const Numbers after = f(h), before = f(-h), later = f(2 * h), earlier = f(-2 * h);
+      Numbers out(after);
+      for (std::size_t c = 0; c < out.size(); ++c)
+        out[c] = (8 * (after[c] - before[c]) - (later[c] - earlier[c])) / (12 * h);
+      return out;
+    };
+    Numbers q(at.q), velocity(x), acceleration(x), back(x);
+    group.move(at.q, x, q);
+    group.velocity(x, y, velocity);
+    group.acceleration(x, y, z, acceleration);
+    group.rate(x, velocity, back);
+    const Numbers of_places = difference_of([&](double t) {
+      Numbers there(at.q), out(x);
+      group.move(at.q, along(x, y, t), there);
+      group.difference(q, there, out);
+      return out;
+    });
+    const Numbers of_velocities = difference_of([&](double t) {
+      Numbers out(x);
+      group.velocity(along(x, y, t), along(y, z, t), out);
+      return out;
+    });
+    for (std::size_t c = 0; c < x.size(); ++c) {
+      EXPECT_NEAR(velocity[c], of_places[c], 1e-9);
+      EXPECT_NEAR(acceleration[c], of_velocities[c], 1e-9);
+      EXPECT_NEAR(back[c], y[c], 1e-12);
+    }
+    Numbers twice(at.q), step(x), whole(at.q);
+    group.move_twice(at.q, step, twice);
+    group.move(q, x, whole);
+    EXPECT_LE(apart(model, twice, whole), 1e-13);
+  }
 }
 
 TEST(ConservingSchemes, HaveTheirOrdersOnTheGroup) {
   const Model model = test_tree();
   const State<double> at = test_state(model);
-  const SimulationOptions options = driven_and_damped();
-  const Trajectory exact = simulate(model, at.q, at.v, 0.5, {.relative = 1e-13, .absolute = 1e-13}, options);
+  const SimulationOptions exponential = driven_and_damped();
+  const Trajectory exact =
+      simulate(model, at.q, at.v, 0.5, {.relative = 1e-13, .absolute = 1e-13}, exponential);
   const auto order_of = [&](const auto& run, int n) {
     const auto error = [&](int steps) {
       const Trajectory motion = run(0.5 / steps);
@@ -56,18 +108,21 @@ TEST(ConservingSchemes, HaveTheirOrdersOnTheGroup) {
     };
     return std::log2(error(n) / error(2 * n));
   };
-  for (const int order : {2, 4, 6})
-    EXPECT_NEAR(
-        order_of([&](double h) { return simulate_symplectic(model, at.q, at.v, 0.5, h, order, options); },
-                 order == 2 ? 100 : 20),
-        order, 0.25);
-  for (const int order : {1, 2, 3, 4})
-    EXPECT_NEAR(order_of(
-                    [&](double h) {
-                      return simulate_momenta(model, at.q, at.v, 0.5, h, runge_kutta(order), options);
-                    },
-                    order == 1 ? 1000 : 80),
-                order, 0.25);
+  for (const LocalCoordinates coordinates : both_local_coordinates) {
+    const SimulationOptions options = with(coordinates, exponential);
+    for (const int order : {2, 4, 6})
+      EXPECT_NEAR(
+          order_of([&](double h) { return simulate_symplectic(model, at.q, at.v, 0.5, h, order, options); },
+                   order == 2 ? 100 : 20),
+          order, 0.25);
+    for (const int order : {1, 2, 3, 4})
+      EXPECT_NEAR(order_of(
+                      [&](double h) {
+                        return simulate_momenta(model, at.q, at.v, 0.5, h, runge_kutta(order), options);
+                      },
+                      order == 1 ? 1000 : 80),
+                  order, 0.25);
+  }
 }
 
 TEST(ConservingSchemes, AgreeWithTheDynamicsOfAnyTree) {
@@ -153,12 +208,15 @@ TEST(ConservingSchemes, AreSymplecticOnJointsWithSeveralVelocities) {
   const Model model = test_tree();
   const State<double> at = test_state(model);
   const double h = 0.02;
-  for (const int order : {2, 4, 6}) {
-    SCOPED_TRACE(order);
-    EXPECT_LE(symplectic_error(model, at,
-                               [&](Span q, Span v) { return simulate_symplectic(model, q, v, h, h, order); }),
-              1e-8);
-  }
+  for (const LocalCoordinates coordinates : both_local_coordinates)
+    for (const int order : {2, 4, 6}) {
+      SCOPED_TRACE(order);
+      EXPECT_LE(symplectic_error(model, at,
+                                 [&](Span q, Span v) {
+                                   return simulate_symplectic(model, q, v, h, h, order, with(coordinates));
+                                 }),
+                1e-8);
+    }
   EXPECT_GT(
       symplectic_error(model, at,
                        [&](Span q, Span v) { return simulate_momenta(model, q, v, h, h, runge_kutta(2)); }),
@@ -168,9 +226,11 @@ TEST(ConservingSchemes, AreSymplecticOnJointsWithSeveralVelocities) {
 TEST(ConservingSchemes, GoBackTheWayTheyCame) {
   const Model model = test_tree();
   const State<double> at = test_state(model);
-  for (const int order : {2, 4, 6})
-    expect_way_back(model, at.q, at.v, 1e-11, 0.1,
-                    [&](Span q, Span v) { return simulate_symplectic(model, q, v, 0.4, 0.01, order); });
+  for (const LocalCoordinates coordinates : both_local_coordinates)
+    for (const int order : {2, 4, 6})
+      expect_way_back(model, at.q, at.v, 1e-11, 0.1, [&](Span q, Span v) {
+        return simulate_symplectic(model, q, v, 0.4, 0.01, order, with(coordinates));
+      });
 }
 
 /// The largest change of the momentum of all bodies about the inertial origin, from that at t = 0 and what `gained` says,

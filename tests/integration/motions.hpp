@@ -63,6 +63,14 @@ void expect_way_back(const Model& model, const Numbers& q, const Numbers& v, dou
   EXPECT_GT(apart(model, q, last_q(there)), away);
 }
 
+inline constexpr LocalCoordinates both_local_coordinates[]{LocalCoordinates::exponential,
+                                                           LocalCoordinates::cayley};
+/// The options with other coordinates of steps.
+inline SimulationOptions with(LocalCoordinates coordinates, SimulationOptions options = {}) {
+  options.local_coordinates = coordinates;
+  return options;
+}
+
 /// A mechanism with loops in motion.
 struct Closed {
   Model model;

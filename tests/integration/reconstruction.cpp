@@ -39,6 +39,10 @@ template <class Rep> void expect_orders() {
         order_of([&](const auto& t) { return reconstruct<Rep>(start, turning<Rep>, t, runge_kutta(order)); },
                  n, exact),
         order, near);
+    const auto by_cayley = [&](const auto& t) {
+      return reconstruct<Rep>(start, turning<Rep>, t, runge_kutta(order), LocalCoordinates::cayley);
+    };
+    EXPECT_NEAR(order_of(by_cayley, n, exact), order, near);
     EXPECT_NEAR(
         order_of(
             [&](const auto& t) { return reconstruct_apart<Rep>(start, turning<Rep>, t, runge_kutta(order)); },

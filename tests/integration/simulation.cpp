@@ -23,17 +23,18 @@ TEST(Simulation, HasTheOrdersOfItsMethodsOnTheGroup) {
   const Trajectory exact =
       simulate(model, at.q, at.v, until, {.relative = 1e-13, .absolute = 1e-13}, options);
   ASSERT_TRUE(exact.complete) << exact.stop_reason;
-  for (int order = 1; order <= 5; ++order) {
-    SCOPED_TRACE(order);
-    const int n = order == 1 ? 400 : order == 5 ? 40 : 80;
-    const auto error = [&](int steps) {
-      const Trajectory motion =
-          simulate_fixed(model, at.q, at.v, until, until / steps, runge_kutta(order), options);
-      EXPECT_EQ(motion.steps, static_cast<std::size_t>(steps));
-      return apart(model, last_q(exact), last_q(motion));
-    };
-    EXPECT_NEAR(std::log2(error(n) / error(2 * n)), order, order == 5 ? 0.9 : 0.35);
-  }
+  for (const LocalCoordinates coordinates : both_local_coordinates)
+    for (int order = 1; order <= 5; ++order) {
+      SCOPED_TRACE(order);
+      const int n = order == 1 ? 400 : order == 5 ? 40 : 80;
+      const auto error = [&](int steps) {
+        const Trajectory motion = simulate_fixed(model, at.q, at.v, until, until / steps, runge_kutta(order),
+                                                 with(coordinates, options));
+        EXPECT_EQ(motion.steps, static_cast<std::size_t>(steps));
+        return apart(model, last_q(exact), last_q(motion));
+      };
+      EXPECT_NEAR(std::log2(error(n) / error(2 * n)), order, order == 5 ? 0.9 : 0.35);
+    }
 }
 
 TEST(Simulation, OfStiffSystemsIsOfSecondOrderOnTheGroup) {
@@ -41,14 +42,38 @@ TEST(Simulation, OfStiffSystemsIsOfSecondOrderOnTheGroup) {
   const State<double> at = test_state(model);
   const SimulationOptions options = driven_and_damped();
   const Trajectory exact = simulate(model, at.q, at.v, 0.5, {.relative = 1e-12, .absolute = 1e-12}, options);
-  for (const double rho : {1.0, 0.8, 0.3}) {
-    SCOPED_TRACE(rho);
-    const auto error = [&](int steps) {
-      const Trajectory motion = simulate_stiff(model, at.q, at.v, 0.5, 0.5 / steps, rho, options);
-      EXPECT_TRUE(motion.complete) << motion.stop_reason;
-      return apart(model, last_q(exact), last_q(motion));
-    };
-    EXPECT_NEAR(std::log2(error(100) / error(200)), 2, 0.15);
+  for (const LocalCoordinates coordinates : both_local_coordinates)
+    for (const double rho : {1.0, 0.8, 0.3}) {
+      SCOPED_TRACE(rho);
+      const auto error = [&](int steps) {
+        const Trajectory motion =
+            simulate_stiff(model, at.q, at.v, 0.5, 0.5 / steps, rho, with(coordinates, options));
+        EXPECT_TRUE(motion.complete) << motion.stop_reason;
+        return apart(model, last_q(exact), last_q(motion));
+      };
+      EXPECT_NEAR(std::log2(error(100) / error(200)), 2, 0.15);
+    }
+}
+
+/// A body that turns about a fixed axis turns exactly with exp. A step by cay of an explicit method turns it by
+/// 2 atan(h ω/2). The midpoint rule (D14.9) reads v (1 + (h v/4)²) = ω there, and turns it by 4 atan(h v/4).
+TEST(Simulation, WithCayleysMapErrsInATurnAboutAFixedAxis) {
+  Description description{.name = "rotor", .gravity = {}, .bodies = {}, .frames = {}};
+  description.bodies.push_back({.name = "rotor",
+                                .joint = {.kind = JointKind::spherical},
+                                .inertia = MassProperties{.mass = 1, .Theta = {1, 1, 2}}});
+  const Model model = ModelBuilder(description).build();
+  const Numbers q{0, 0, 0, 1}, w{0, 0, 3};
+  const double h = 0.1;
+  double v = w[2];
+  for (int iteration = 0; iteration < 30; ++iteration) v = w[2] / (1 + h * v / 4 * (h * v / 4));
+  for (const LocalCoordinates coordinates : both_local_coordinates) {
+    const bool by_exp = coordinates == LocalCoordinates::exponential;
+    const auto turn = [&](const Trajectory& motion) { return difference(model, q, last_q(motion))[2]; };
+    EXPECT_NEAR(turn(simulate_fixed(model, q, w, 1, h, runge_kutta(1), with(coordinates))),
+                by_exp ? 3 : 20 * std::atan(h * w[2] / 2), 1e-12);
+    EXPECT_NEAR(turn(simulate_symplectic(model, q, w, 1, h, 2, with(coordinates))),
+                by_exp ? 3 : 40 * std::atan(h * v / 4), 1e-12);
   }
 }
 

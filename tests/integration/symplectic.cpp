@@ -97,9 +97,11 @@ void expect_the_form_kept(const MovingMechanism& mechanism, double tolerance) {
   };
   for (const int order : {2, 4}) {
     SCOPED_TRACE(order);
-    EXPECT_LT(
-        error([&](const Model& m, Span q, Span v) { return simulate_symplectic(m, q, v, h, h, order); }),
-        tolerance);
+    for (const LocalCoordinates coordinates : both_local_coordinates)
+      EXPECT_LT(error([&](const Model& m, Span q, Span v) {
+                  return simulate_symplectic(m, q, v, h, h, order, with(coordinates));
+                }),
+                tolerance);
     for (const Coordinates kind : {Coordinates::absolute, Coordinates::absolute_SO3xR3}) {
       SimulationOptions options;
       options.coordinates = kind;

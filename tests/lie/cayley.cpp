@@ -137,6 +137,7 @@ TYPED_TEST(Cayley, InvertsByTheSignAndByItsInverse) {
     EXPECT_LE(distance(cay_of_ad(X) * cay_of_ad(-X), SE3<T>{}), this->tolerance);
     EXPECT_LE(relative_error(cay_inv(cay(X)), X), this->tolerance);
     EXPECT_LE(relative_error(cay_of_ad_inv(cay_of_ad(X)), X), this->tolerance);
+    EXPECT_LE(relative_error(log_cay(X), log(cay(X))), this->tolerance);
   }
 }
 

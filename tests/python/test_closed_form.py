@@ -80,7 +80,8 @@ CALLS = {
     "system_twist": ("q", "v"), "system_acceleration": ("q", "v", "a"), "joint_velocities": ("q", "V"),
     "joint_accelerations": ("q", "V", "dV"), "inertia_matrix": ("q",), "projection_equations": ("q", "v", "a"),
     "momentum_balance": ("q", "v", "a"), "mass_matrix": ("q",), "coriolis_matrix": ("q", "v"),
-    "lagrange_equations": ("q", "v", "a"), "christoffel": ("q",),
+    "lagrange_equations": ("q", "v", "a"), "christoffel": ("q",), "poses_by_body_screws": ("q",),
+    "poses_by_spatial_screws": ("q",),
 }
 
 

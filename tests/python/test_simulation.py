@@ -300,6 +300,8 @@ def test_reconstruction(representation):
     np.testing.assert_allclose(middle, twisting(times[100]), atol=1e-3)
     sampled = axode.reconstruct(C0, np.array([twisting(t) for t in times]), times, representation)
     np.testing.assert_allclose(sampled, C, atol=1e-8)
+    for method in ("cayley", "magnus", "apart"):
+        np.testing.assert_allclose(axode.reconstruct(C0, twisting, times, representation, method=method), C, atol=1e-8)
     low = axode.reconstruct(C0, twisting, times, representation, order=1)
     assert 1e-4 < np.max(np.abs(low[-1] - C[-1])) < 0.1
 
@@ -307,6 +309,10 @@ def test_reconstruction(representation):
 def test_reconstruction_refuses():
     with pytest.raises(ValueError, match="order is 7"):
         axode.reconstruct(np.eye(4), twisting, [0, 1], order=7)
+    with pytest.raises(ValueError, match="Magnus' method is of order 4"):
+        axode.reconstruct(np.eye(4), twisting, [0, 1], order=3, method="magnus")
+    with pytest.raises(ValueError, match="method is 'euler'; expected one of 'munthe_kaas'"):
+        axode.reconstruct(np.eye(4), twisting, [0, 1], method="euler")
     with pytest.raises(ValueError, match="'body' or 'spatial'"):
         axode.reconstruct(np.eye(4), twisting, [0, 1], "hybrid")
     with pytest.raises(ValueError, match=r"times\[1\]"):
@@ -314,3 +320,21 @@ def test_reconstruction_refuses():
     with pytest.raises(ValueError, match="twist: expected shape"):
         axode.reconstruct(np.eye(4), np.zeros((3, 6)), [0, 1])
     assert axode.reconstruct(np.eye(4), np.zeros(6), []).shape == (0, 4, 4)
+
+
+@pytest.mark.parametrize("method", ["rk4", "midpoint", "generalized_alpha", "rk4_momenta"])
+def test_steps_by_cayley_s_map_lead_to_the_same_motion(method):
+    m = HUMANOID
+    q, v = m.random(seed=1), np.random.default_rng(1).normal(size=m.nv)
+    ends = [axode.simulate(m, q, v, 0.02, method=method, step=1e-3, local_coordinates=coordinates).q[-1]
+            for coordinates in ("exponential", "cayley")]
+    apart = np.linalg.norm(m.difference(*ends))
+    assert 0 < apart < 1e-3
+
+
+def test_local_coordinates_are_named_and_have_their_limits():
+    with pytest.raises(ValueError, match="local_coordinates is 'polar'; expected one of 'exponential', 'cayley'"):
+        axode.simulate(ARM, *REST, 0.1, local_coordinates="polar")
+    with pytest.raises(ValueError, match="RATTLE in absolute coordinates steps in exponential local coordinates"):
+        axode.simulate(ARM, *REST, 0.1, method="rattle", step=1e-3, coordinates="absolute",
+                       local_coordinates="cayley")

@@ -27,7 +27,7 @@ template <class System> class ClosedMidpoint {
         f(model.nv()),
         system_(&system),
         model_(model),
-        group_(model_.tree<double>()),
+        group_(model_.tree<double>(), system.local_coordinates()),
         ends_(model_),
         middle_(model_),
         R_(model.loops().residuals, model.nv()),
@@ -66,7 +66,7 @@ template <class System> class ClosedMidpoint {
       r_ -= momenta_;
       const double scale = system_->velocity_scale(v, h);
       const double residual = system_->norm().of_forces(r_);
-      advance(h, q0, q);
+      group_.move_twice(q0, y_, q);
       ends.update_kinematics(q.data());
       ends.residual(q.data(), rhs_.data());
       rhs_ /= h;
@@ -81,7 +81,7 @@ template <class System> class ClosedMidpoint {
     }
     p += h * f;
     group_.Ad_transpose(y_, p, p);
-    advance(h, q0, q);
+    group_.move_twice(q0, y_, q);
     return {};
   }
 

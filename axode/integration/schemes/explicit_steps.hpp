@@ -34,7 +34,7 @@ Failure take_until(Run& run, double t_1, StepEnd& end, const Attempt& attempt, c
 
 /// The function that attempts a step of an explicit method.
 template <class Run, class Scheme> Attempt attempts(Run& run, Scheme& scheme) {
-  return [&, group = ConfigurationGroup<double>(run.tree())](double t_1, StepEnd& end) {
+  return [&, group = run.group()](double t_1, StepEnd& end) {
     const double t = run.now();
     Failure failure;
     const auto accelerate = [&](double t_i, auto q_i, auto v_i, auto a_i) {
@@ -53,7 +53,7 @@ template <class Run, class Scheme> Attempt attempts(Run& run, Scheme& scheme) {
 
 /// Takes steps of one length until a time.
 template <class Run> void take_steps(Run& run, double until, double step, const Tableau& method) {
-  MuntheKaas scheme(run.tree(), method);
+  MuntheKaas scheme(run.tree(), method, run.local_coordinates());
   const Attempt attempt = attempts(run, scheme);
   StepEnd end;
   each_step(run, until, step, [&](double t_1) { return take_until(run, t_1, end, attempt, [] {}); });
@@ -80,7 +80,7 @@ inline constexpr double too_weak = 1e-6, shortened = 0.85;
 /// Takes adaptive steps with Dormand's and Prince's method.
 template <class Run> void take_adapted_steps(Run& run, double until, const Tolerances& tolerances) {
   const Tableau& method = runge_kutta(5);
-  MuntheKaas scheme(run.tree(), method);
+  MuntheKaas scheme(run.tree(), method, run.local_coordinates());
   const auto to_array = [](const auto& x) {
     return Eigen::Map<const Eigen::ArrayXd>(x.data(), static_cast<Eigen::Index>(x.size()));
   };

@@ -48,7 +48,7 @@ template <class System> class GeneralizedAlpha {
         v(tree->nv),
         a(a_0),
         system_(&system),
-        group_(tree),
+        group_(tree, system.local_coordinates()),
         matrix_(system, tree),
         means_(spectral_radius),
         mean_0_(a_0),

@@ -12,7 +12,7 @@ namespace axode {
 
 /// One step of the midpoint rule on the group for (q, p) (D8.5): with y = h v / 2 and q_m = q_0 ⊕ y,
 ///   p⁻ = Ad_{exp y}ᵀ p_0,   p⁺ = p⁻ + h f(t_m, q_m, v),   M(q_m) v = dexp_yᵀ (p_0 + p⁺) / 2,
-///   q_1 = q_0 ⊕ 2 y,        p_1 = Ad_{exp y}ᵀ p⁺.
+///   q_1 = q_m ⊕ y,        p_1 = Ad_{exp y}ᵀ p⁺.
 /// It is symmetric and of second order, and symplectic if f = ∂L/∂q, because it follows from the discrete
 /// Lagrangian h L(q_m, v). (With M(q_m) v = (p⁻ + p⁺)/2 it would not be, if joints have several velocities.)
 /// Forces that depend on v enter by d'Alembert's discrete principle.
@@ -35,7 +35,7 @@ template <class System> class Midpoint {
         v(tree->nv),
         f(tree->nv),
         system_(&system),
-        group_(tree),
+        group_(tree, system.local_coordinates()),
         matrix_(system, tree),
         y_(tree->nv),
         momenta_(tree->nv),
@@ -76,8 +76,7 @@ template <class System> class Midpoint {
         group_.Ad_transpose(y_, p0, p);
         p += h * f;
         group_.Ad_transpose(y_, p, p);
-        y_ *= 2;
-        group_.move(q0, y_, q);
+        group_.move_twice(q0, y_, q);
         return {};
       }
       before = residual;

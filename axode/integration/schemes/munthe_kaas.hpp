@@ -11,18 +11,20 @@ namespace axode {
 /// One step of an explicit Runge-Kutta-Munthe-Kaas method on (q, y), with q on its group and y = v or
 /// momenta, for numbers T on a tree of S:
 ///   θ_i = h Σ a_ij K_j,  Y_i = y + h Σ a_ij L_j,
-///   (V_i, L_i) = (v, y')(t + c_i h, q ⊕ θ_i, Y_i),  K_i = dexp⁻¹_{-θ_i} V_i.
+///   (V_i, L_i) = (v, y')(t + c_i h, q ⊕ θ_i, Y_i),  K_i = dexp⁻¹_{-θ_i} V_i,
+/// or dcay⁻¹ in the coordinates of Cayley.
 /// With one stage it is Euler's method; if y = v it is semi-implicit: q moves with the new v.
 template <class T = double, class S = T> class MuntheKaas {
  public:
   using Vector = std::vector<T>;
 
-  MuntheKaas(const Tree<S>& tree, const Tableau& method)
+  MuntheKaas(const Tree<S>& tree, const Tableau& method,
+             LocalCoordinates coordinates = LocalCoordinates::exponential)
       : theta(static_cast<std::size_t>(tree->nv)),
         y(theta.size()),
         error_theta(theta.size()),
         error_y(theta.size()),
-        group_(tree),
+        group_(tree, coordinates),
         method_(&method),
         K_(method.b.size() * theta.size()),
         L_(K_.size()),
@@ -97,6 +99,6 @@ template <class T = double, class S = T> class MuntheKaas {
   const Tableau* method_;
   Vector K_, L_, q_;
 };
-template <class S> MuntheKaas(const Tree<S>&, const Tableau&) -> MuntheKaas<S, S>;
+template <class S, class... More> MuntheKaas(const Tree<S>&, const Tableau&, More...) -> MuntheKaas<S, S>;
 
 }  // namespace axode

@@ -13,12 +13,13 @@ namespace axode {
 /// = q_0 ⊕ x and a change δa changes x by c_x δa and v by c_v δa,
 ///   J = M + c_v ∂r/∂v + c_x ∂r/∂q dexp_{-x}.
 /// A System has residual_derivatives(q, v, a, dr), the derivatives of ID; is_driven(); drive(t, q, v), which
-/// is τ; norm() and velocity_scale(v, h), see SimulationRun.
+/// is τ; norm(), local_coordinates() and velocity_scale(v, h), see SimulationRun.
 template <class System> class StepMatrix {
  public:
   using Vector = Eigen::VectorXd;
 
-  StepMatrix(System& system, const Tree<double>& tree) : system_(&system), group_(tree), q_(tree->nq) {}
+  StepMatrix(System& system, const Tree<double>& tree)
+      : system_(&system), group_(tree, system.local_coordinates()), q_(tree->nq) {}
 
   /// Without the derivatives of the drive.
   void compute(const Vector& x, const Vector& q, const Vector& v, const Vector& a, double c_x, double c_v) {
