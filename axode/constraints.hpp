@@ -5,6 +5,8 @@
 #include "axode/constraints/constrained_dynamics.hpp"
 #include "axode/constraints/constrained_operational_space.hpp"
 #include "axode/constraints/equilibrium.hpp"
+#include "axode/constraints/higher_order/constrained_rates.hpp"
+#include "axode/constraints/higher_order/inverse_kinematics_rates.hpp"
 #include "axode/constraints/independent/independent_equations.hpp"
 #include "axode/constraints/independent/independent_linearization.hpp"
 #include "axode/constraints/loops.hpp"

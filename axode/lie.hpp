@@ -1,4 +1,5 @@
 #pragma once
+#include "axode/lie/cayley.hpp"
 #include "axode/lie/inertia.hpp"
 #include "axode/lie/quaternion.hpp"
 #include "axode/lie/representation_change.hpp"

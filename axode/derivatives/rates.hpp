@@ -15,7 +15,8 @@ template <class T> class ForceSeries;
 /// does not allocate; an object is for one thread. See (D3.9) to (D3.11) of docs/derivations.
 template <class T = double> class InverseDynamicsRates {
  public:
-  /// Prepares the derivatives of τ up to an order. Throws std::invalid_argument if it is negative.
+  /// Prepares the derivatives of τ up to an order. Throws std::invalid_argument if it is negative, and for a
+  /// model with loops, which inverse_dynamics_rates() counts.
   InverseDynamicsRates(const Model& model, int order);
   ~InverseDynamicsRates();
   InverseDynamicsRates(InverseDynamicsRates&&) noexcept;

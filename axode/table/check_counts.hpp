@@ -23,9 +23,9 @@ void check_counts(std::string_view function, const Counts& counts, const Model& 
 inline void check_counts(const Words& row, const Model& model, Way way) {
   check_counts(row.name, row.counts, model, way);
 }
-template <OtherId id> void check_counts(const Model& model) {
+template <OtherId id> void check_counts(const Model& model, Way way = Way::whole) {
   constexpr const Other& other = other_functions[id.index];
-  check_counts(other.name, other.counts, model, Way::whole);
+  check_counts(other.name, other.counts, model, way);
 }
 
 /// check_counts() for a call with a workspace, which costs two comparisons. A workspace for the cut tree is

@@ -10,7 +10,12 @@ struct Other {
   Counts counts;
 };
 inline constexpr auto other_functions = std::to_array<Other>({
-    {"inverse_dynamics_rates", table::of_derivatives_of_forces},
+    {"inverse_dynamics_rates", table::of_forces},
+    {"inverse_kinematics_rates",
+     {.loops = counted,
+      .passive_joints = of_the_tree(),
+      .springs = of_the_tree(),
+      .joint_losses = of_the_tree()}},
     {"forward_dynamics_rates", table::of_derivatives_of_accelerations},
     {"linearize",
      {.loops = refused("independent_linearization counts them"),
