@@ -7,6 +7,7 @@
 #include "axode/constraints/equilibrium.hpp"
 #include "axode/constraints/higher_order/constrained_rates.hpp"
 #include "axode/constraints/higher_order/inverse_kinematics_rates.hpp"
+#include "axode/constraints/higher_order/local_mobility.hpp"
 #include "axode/constraints/independent/independent_equations.hpp"
 #include "axode/constraints/independent/independent_linearization.hpp"
 #include "axode/constraints/loops.hpp"

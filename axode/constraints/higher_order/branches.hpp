@@ -1,0 +1,16 @@
+#pragma once
+#include <vector>
+
+#include "axode/constraints/higher_order/closure.hpp"
+#include "axode/constraints/higher_order/germs.hpp"
+
+namespace axode::higher_order {
+
+/// The branches that germs of the closure belong to, each once, traced by closed points. All lengths are in
+/// characteristic lengths.
+std::vector<MotionBranch> branches(const Closure& closure, const std::vector<Germ>& germs);
+
+/// Whether a closed point near q lies on a branch, to second order.
+bool lies_on(const MotionBranch& branch, const Eigen::VectorXd& x);
+
+}  // namespace axode::higher_order

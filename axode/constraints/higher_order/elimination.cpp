@@ -1,0 +1,56 @@
+#include "axode/constraints/higher_order/elimination.hpp"
+
+#include <algorithm>
+
+#include "axode/constraints/higher_order/decompositions.hpp"
+
+namespace axode::higher_order {
+
+Elimination eliminate(PolynomialRings& rings, const Equations& phi, const Eigen::MatrixXd& A, int K) {
+  const SingularValues svd = singular_values(A);
+  Elimination out;
+  out.singular_values = svd.s;
+  const double largest = svd.s.size() > 0 ? svd.s[0] : 0;
+  out.rank = svd.rank(rank_tolerance * std::max(1.0, largest));
+  const Eigen::Index d = A.cols() - out.rank;
+  if (d == 0) return out;
+  const PolynomialRing& ring = rings.at(static_cast<int>(d), K);
+  out.ring = &ring;
+  out.z = ring.linear(svd.V.rightCols(d));
+  const Eigen::MatrixXd pseudo_inverse = svd.V.leftCols(out.rank) *
+                                         svd.s.head(out.rank).cwiseInverse().asDiagonal() *
+                                         svd.U.leftCols(out.rank).transpose();
+  if (out.rank > 0)
+    for (int k = 2; k <= K; ++k) {
+      const Eigen::MatrixXd r = phi(ring, out.z, k);
+      out.z.middleCols(ring.begin(k), ring.count(k)) -=
+          pseudo_inverse * r.middleCols(ring.begin(k), ring.count(k));
+    }
+  out.left = svd.U.rightCols(A.rows() - out.rank);
+  out.g = ring.zero(out.left.cols());
+  if (out.left.cols() > 0) out.g = out.left.transpose() * phi(ring, out.z, K);
+  out.g.leftCols(ring.begin(std::min(2, K + 1))).setZero();
+  return out;
+}
+
+std::vector<Form> independent_forms(const PolynomialRing& ring, const Eigen::MatrixXd& g) {
+  std::vector<Form> out;
+  Eigen::MatrixXd rest = g, combination = Eigen::MatrixXd::Identity(g.rows(), g.rows());
+  const double scale = std::max(1.0, g.size() > 0 ? g.cwiseAbs().maxCoeff() : 0.0);
+  for (int k = 1; k <= ring.degree() && rest.rows() > 0; ++k) {
+    const SingularValues svd = singular_values(rest.middleCols(ring.begin(k), ring.count(k)));
+    const int rank = svd.rank(rank_tolerance * scale);
+    const Eigen::MatrixXd mixed = svd.U.transpose() * rest;
+    combination *= svd.U;
+    for (int c = 0; c < rank; ++c) {
+      out.push_back({k, mixed.row(c) / svd.s[c], combination.col(c) / svd.s[c]});
+      out.back().p.head(ring.begin(k)).setZero();
+    }
+    rest = mixed.bottomRows(mixed.rows() - rank);
+    combination = Eigen::MatrixXd(combination.rightCols(rest.rows()));
+    rest.leftCols(ring.begin(k + 1)).setZero();
+  }
+  return out;
+}
+
+}  // namespace axode::higher_order

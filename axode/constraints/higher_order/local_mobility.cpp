@@ -1,0 +1,292 @@
+#include "axode/constraints/higher_order/local_mobility.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <random>
+#include <set>
+#include <stdexcept>
+
+#include "axode/constraints/check_loops.hpp"
+#include "axode/constraints/higher_order/branches.hpp"
+#include "axode/constraints/higher_order/closure.hpp"
+#include "axode/constraints/higher_order/closure_series.hpp"
+#include "axode/constraints/higher_order/directions.hpp"
+#include "axode/model/configuration.hpp"
+
+namespace axode {
+namespace higher_order {
+namespace {
+
+constexpr int highest_order = 20;
+/// The open part of a loop, in rad and characteristic lengths, which is neglected.
+constexpr double negligible_gap = 1e-8;
+
+int default_order(int d) {
+  if (d <= 1) return 10;
+  if (d == 2) return 9;
+  return d <= 4 ? 7 : 5;
+}
+
+void check_order(int order) {
+  if (order != 0 && (order < 2 || order > highest_order))
+    throw std::invalid_argument("order is " + std::to_string(order) + "; expected 2 to " +
+                                std::to_string(highest_order) + ", or 0 for the default");
+}
+
+void check_closed_at(const Model& model, std::span<const double> q, double length) {
+  LoopWorkspace<double> workspace(model);
+  std::vector<double> r(static_cast<std::size_t>(model.loops().residuals));
+  loop_residual<double>(model, workspace, q, r);
+  for (const LoopRows& loop : model.loops().all) {
+    double squares = 0;
+    for (int k = 0; k < loop.residuals; ++k)
+      squares += std::pow(r[static_cast<std::size_t>(loop.first_residual + k)], 2);
+    const double open = std::sqrt(squares), gap = negligible_gap * std::max(1.0, length);
+    if (!(open <= gap))
+      throw std::invalid_argument("loop \"" + loop.name + "\" is open by " + to_text(open) +
+                                  " (rad and m) at q; at most " + to_text(gap) +
+                                  " can be neglected: close it with assemble");
+  }
+}
+
+/// The dimensions of the kinematic tangent cones of order 1 ... K (D13.14).
+std::vector<int> mobility_by_order(PolynomialRings& rings, const PolynomialRing& ring,
+                                   const std::vector<Form>& rows, int K) {
+  const int d = ring.variables();
+  std::vector<int> out{d};
+  for (int k = 2; k <= K; ++k) {
+    std::vector<Form> known;
+    std::ranges::copy_if(rows, std::back_inserter(known), [&](const Form& row) { return row.degree <= k; });
+    if (known.empty() || d == 1) {
+      out.push_back(known.empty() ? d : 0);
+      continue;
+    }
+    if (out.back() == 0) {
+      out.push_back(0);
+      continue;
+    }
+    std::vector<Direction> found = common_zeros(ring, known);
+    std::ranges::stable_sort(found, std::greater{}, &Direction::dimension);
+    const auto reached = std::ranges::find_if(
+        found, [&](const Direction& at) { return arc_exists(rings, ring, rows, at.e, k); });
+    out.push_back(reached == found.end() ? 0 : reached->dimension);
+  }
+  return out;
+}
+
+MobilityProbe probe(const Closure& closure, const Eigen::MatrixXd& kernel,
+                    const std::vector<MotionBranch>& branches) {
+  constexpr double size = 0.04;
+  MobilityProbe out;
+  out.starts = 60;
+  std::mt19937_64 random(9);
+  std::normal_distribution<double> normal;
+  const Eigen::MatrixXd none(0, closure.size());
+  for (int k = 0; k < out.starts; ++k) {
+    Eigen::VectorXd u(kernel.cols());
+    for (double& entry : u) entry = normal(random);
+    Eigen::VectorXd x = size * (kernel * u.normalized());
+    const double residual = closure.close(x, none, Eigen::VectorXd(0));
+    if (!(residual < 1e-13 && x.norm() > 0.1 * size && x.norm() < 2 * size)) continue;
+    ++out.closed;
+    if (std::ranges::none_of(branches, [&](const MotionBranch& branch) { return lies_on(branch, x); }))
+      ++out.missed;
+  }
+  return out;
+}
+
+/// What the branches and the orders together say.
+void judge(LocalMobility& found) {
+  std::set<int> dimensions;
+  bool all_close = true, all_settled = true, singular = true;
+  for (const MotionBranch& branch : found.branches) {
+    all_close = all_close && branch.closes;
+    all_settled = all_settled && branch.settled;
+    if (!branch.closes) continue;
+    dimensions.insert(branch.dimension);
+    found.cusp = found.cusp || branch.cusp();
+    found.shaky = found.shaky || branch.differential_mobility_beside > branch.dimension;
+    singular = singular && branch.differential_mobility_beside < found.differential_mobility;
+  }
+  const auto moving =
+      std::ranges::count_if(found.branches, [](const MotionBranch& branch) { return branch.closes; });
+  found.local_mobility = dimensions.empty() ? 0 : *dimensions.rbegin();
+  found.branch_point = moving > 1;
+  found.kinematotropic = dimensions.size() > 1;
+  found.kinematic_singularity = moving > 0 && singular;
+  const std::vector<int>& orders = found.mobility_by_order;
+  found.settled_at_order = static_cast<int>(orders.size());
+  while (found.settled_at_order > 1 &&
+         orders[static_cast<std::size_t>(found.settled_at_order) - 2] == orders.back())
+    --found.settled_at_order;
+  if (found.branches.empty() && found.probe.missed == 0 && found.differential_mobility > 0) {
+    found.shaky = true;
+    const auto zero = std::ranges::find(orders, 0);
+    if (zero != orders.end()) found.rigid_at_order = static_cast<int>(zero - orders.begin()) + 1;
+  }
+  const bool explained = found.differential_mobility == 0 || found.rigid_at_order > 0 ||
+                         (moving > 0 && (orders.back() == found.local_mobility || found.cusp));
+  found.settled = explained && all_close && all_settled && found.probe.missed == 0;
+  found.decided_by_rank = found.rank == found.equations || found.differential_mobility == 0 ||
+                          (found.rigid_at_order > 0 && found.differential_mobility <= 2);
+}
+
+/// From characteristic lengths to m.
+void in_units(MotionBranch& branch, const Eigen::VectorXd& unit) {
+  branch.T = branch.T * unit.asDiagonal();
+  if (branch.II.size() > 0) branch.II = branch.II * unit.asDiagonal();
+  if (branch.series.size() > 0) branch.series = unit.asDiagonal() * branch.series;
+  for (BranchPoint& point : branch.points) point.x = unit.cwiseProduct(point.x);
+}
+
+/// Follows the elimination of the closure, if anything is free, into orders and branches.
+void follow(PolynomialRings& rings, const Closure& closure, const Elimination& left, LocalMobility& found) {
+  const int orders = found.differential_mobility <= 2 ? found.order : std::min(found.order, 6);
+  const PolynomialRing& ring = *left.ring;
+  const std::vector<Form> rows = independent_forms(ring, left.g);
+  for (const Form& row : rows)
+    found.conditions.push_back({row.degree, closure.loops_of_equations(left.left * row.combination)});
+  found.mobility_by_order = mobility_by_order(rings, ring, rows, orders);
+  std::vector<Germ> all = germs(rings, ring, left.g);
+  for (Germ& germ : all) germ.z = ring.substitute(left.z, *germ.ring, germ.z);
+  found.branches = branches(closure, all);
+  found.probe = probe(closure, left.z.middleCols(1, ring.variables()), found.branches);
+}
+
+/// The analysis of a closure, which may be repeated with another order.
+class Analysis {
+ public:
+  explicit Analysis(const Closure& closure)
+      : closure_(closure),
+        A_(closure.jacobian(Eigen::VectorXd::Zero(closure.size()))),
+        phi_([&closure](const PolynomialRing& ring, const Eigen::MatrixXd& x, int degree) {
+          return closure.log_series(ring, x, degree);
+        }) {
+    PolynomialRings rings;
+    rank_ = eliminate(rings, phi_, A_, 1).rank;
+  }
+  int differential_mobility() const { return closure_.size() - rank_; }
+
+  LocalMobility run(int order) const {
+    PolynomialRings rings;
+    const Elimination left = eliminate(rings, phi_, A_, order);
+    LocalMobility found;
+    found.coordinates = closure_.coordinates();
+    found.outside = closure_.outside();
+    found.length = closure_.length();
+    found.order = order;
+    found.equations = closure_.rows();
+    found.rank = left.rank;
+    found.differential_mobility = differential_mobility();
+    if (left.rank > 0) found.smallest_kept = left.singular_values[left.rank - 1];
+    if (left.rank < left.singular_values.size()) found.largest_dropped = left.singular_values[left.rank];
+    found.mobility_by_order.assign(1, 0);
+    if (left.ring) follow(rings, closure_, left, found);
+    judge(found);
+    return found;
+  }
+
+ private:
+  const Closure& closure_;
+  Eigen::MatrixXd A_;
+  Equations phi_;
+  int rank_ = 0;
+};
+
+}  // namespace
+}  // namespace higher_order
+
+LocalMobility local_mobility(const Model& model, std::span<const double> q,
+                             const LocalMobilityOptions& options) {
+  using namespace higher_order;
+  check_configuration(model, q);
+  check_order(options.order);
+  if (!(options.length >= 0 && std::isfinite(options.length)))
+    throw std::invalid_argument("length is " + to_text(options.length) +
+                                "; expected a positive number of m, or 0 for the default");
+  const Closure closure(model, q, options.length);
+  check_closed_at(model, q, closure.length());
+  const Analysis analysis(closure);
+  const int d = analysis.differential_mobility();
+  const auto too_large = [&](int order, double most) { return PolynomialRing::products(d, order) > most; };
+  int order = options.order > 0 ? options.order : default_order(d);
+  if (too_large(order, PolynomialRing::most_products))
+    throw std::invalid_argument("order " + std::to_string(order) + " is too high for the " +
+                                std::to_string(d) + " velocities that the loops leave; choose a lower one");
+  LocalMobility found = analysis.run(order);
+  constexpr int raises = 2, step = 2;
+  constexpr double affordable = 5e4;
+  for (int k = 0; k < raises && options.order == 0 && !found.settled; ++k) {
+    order += step;
+    if (too_large(order, affordable)) break;
+    found = analysis.run(order);
+  }
+  for (const LoopRows& loop : model.loops().all) found.loops.push_back(loop.name);
+  for (MotionBranch& branch : found.branches) in_units(branch, closure.unit());
+  return found;
+}
+
+std::vector<std::string> mobility_words(const Model& model, const LocalMobility& found) {
+  std::vector<std::string> out;
+  if (found.differential_mobility == 0) out.emplace_back("rigid");
+  if (found.branch_point) out.emplace_back("branch point");
+  if (found.cusp) out.emplace_back("cusp");
+  if (found.kinematotropic) out.emplace_back("kinematotropic");
+  if (found.kinematic_singularity) out.emplace_back("kinematic singularity");
+  if (found.shaky) out.emplace_back("shaky");
+  if (found.rigid_at_order > 0) out.push_back("rigid at order " + std::to_string(found.rigid_at_order));
+  if (out.empty() && found.settled) out.emplace_back("regular");
+  std::set<std::string> dead, idle;
+  const auto collect = [&](const std::vector<int>& coordinates, std::set<std::string>& names) {
+    for (const int c : coordinates) {
+      const ClosureCoordinate& coordinate = found.coordinates[static_cast<std::size_t>(c)];
+      if (coordinate.velocity >= 0 && model.loops().driven[static_cast<std::size_t>(coordinate.velocity)])
+        names.insert(coordinate.name);
+    }
+  };
+  for (const MotionBranch& branch : found.branches) {
+    if (!branch.closes) continue;
+    collect(branch.dead, dead);
+    collect(branch.idle, idle);
+  }
+  for (const std::string& name : dead) out.push_back("dead point of " + name);
+  for (const std::string& name : idle) out.push_back("idle drive of " + name);
+  if (!found.settled) out.push_back("not settled up to order " + std::to_string(found.order));
+  return out;
+}
+
+std::vector<ClosureCoordinate> closure_coordinates(const Model& model) {
+  return higher_order::walks(model, neutral(model)).coordinates;
+}
+
+std::vector<Eigen::MatrixXd> closure_derivatives(const Model& model, std::span<const double> q,
+                                                 const Eigen::Ref<const Eigen::MatrixXd>& derivatives) {
+  check_configuration(model, q);
+  const higher_order::Walks walks = higher_order::walks(model, q);
+  const auto n = static_cast<Eigen::Index>(walks.coordinates.size()), K = derivatives.cols();
+  if (derivatives.rows() != n || K < 1 || K > higher_order::highest_order)
+    throw std::invalid_argument("derivatives is " + std::to_string(derivatives.rows()) + " x " +
+                                std::to_string(K) + "; expected " + std::to_string(n) +
+                                " rows (closure_coordinates) and 1 to " +
+                                std::to_string(higher_order::highest_order) + " columns");
+  if (!derivatives.allFinite()) throw std::invalid_argument("derivatives has entries that are not finite");
+  const higher_order::PolynomialRing line(1, static_cast<int>(K));
+  Eigen::MatrixXd x = line.zero(n);
+  double factorial = 1;
+  for (Eigen::Index k = 1; k <= K; ++k) {
+    factorial *= static_cast<double>(k);
+    x.col(k) = derivatives.col(k - 1) / factorial;
+  }
+  std::vector<Eigen::MatrixXd> out;
+  for (const std::vector<higher_order::PassedJoint>& loop : walks.loops) {
+    out.emplace_back(higher_order::twist_series(line, loop, x, line.degree()).rightCols(K));
+    factorial = 1;
+    for (Eigen::Index k = 1; k < K; ++k) {
+      factorial *= static_cast<double>(k);
+      out.back().col(k) *= factorial;
+    }
+  }
+  return out;
+}
+
+}  // namespace axode
