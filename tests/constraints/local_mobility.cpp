@@ -229,7 +229,6 @@ TEST(LocalMobility, FindsTheCuspOfConnellyAndServatius) {
   EXPECT_NEAR(difference * difference, 4 * L * c * y * y * y, 1e-10);
 }
 
-/// The three-dimensional branch of the 3-UPU is that of translations.
 TEST(LocalMobility, SaysWhichLoopsMove) {
   const LocalMobility found = found_at_zero(four_bars(2));
   std::vector<std::vector<int>> loops;
@@ -260,6 +259,17 @@ TEST(LocalMobility, SaysThatTooFewOrdersDoNotSettle) {
   const LocalMobility found = local_mobility(model, neutral(model), {.order = 4});
   EXPECT_FALSE(found.settled);
   EXPECT_EQ(mobility_words(model, found).back(), "not settled up to order 4");
+}
+
+/// A millimetre beside a branch point, series converge within about a millimetre only.
+TEST(LocalMobility, IsRegularNearASingularity) {
+  const Model model = planar({{0, 0, 0}, {1, 0, 0}, {3, 1e-3, 0}, {2, 0, 0}}).model();
+  const LocalMobility found = local_mobility(model, neutral(model));
+  EXPECT_EQ(mobility_words(model, found).front(), "regular");
+  ASSERT_EQ(found.branches.size(), 1U);
+  EXPECT_TRUE(found.branches[0].closes);
+  EXPECT_EQ(found.probe.missed, 0);
+  EXPECT_GT(found.branches[0].II.norm(), 100);
 }
 
 TEST(LocalMobility, RefusesWhatItCannotAnswer) {

@@ -15,6 +15,7 @@ namespace {
 constexpr double closed = 1e-12;     // residuals of points that count as closed
 constexpr double off_branch = 0.05;  // distance from a branch, relative to the square of that from q
 constexpr double at_rest = 1e-7, moved = 1e-5;
+constexpr double ordinary = 10;  // coefficients far from singularities are smaller
 
 double raised(double x, int power) { return std::pow(x, power); }
 
@@ -64,6 +65,16 @@ MotionBranch curve(const PolynomialRing& line, Eigen::MatrixXd z) {
   return out;
 }
 
+/// The reach of a germ z(w), from the largest coefficient of each degree.
+double reach_of_germ(const PolynomialRing& ring, const Eigen::MatrixXd& z) {
+  double out = 1;
+  for (int k = 2; k <= ring.degree(); ++k) {
+    const double size = z.middleCols(ring.begin(k), ring.count(k)).colwise().norm().maxCoeff();
+    if (size > ordinary) out = std::min(out, std::pow(ordinary / size, 1.0 / (k - 1)));
+  }
+  return out;
+}
+
 /// The point of a curve at a parameter; with `terms` terms of the series beyond the constant only.
 Eigen::VectorXd point_at(const MotionBranch& branch, double parameter, Eigen::Index terms) {
   Eigen::VectorXd x = Eigen::VectorXd::Zero(branch.series.rows());
@@ -98,8 +109,9 @@ BranchPoint closed_point(const Closure& closure, const MotionBranch& branch, con
 void trace_curve(const Closure& closure, MotionBranch& branch) {
   const Eigen::Index K = branch.series.cols() - 1;
   const bool cusp = branch.cusp();
+  const double range = reach(branch);
   for (Eigen::Index k = 1; k < K; ++k) {
-    const double step = cusp ? 0.4 : 0.04, far = closure.residual(point_at(branch, step, k)).norm(),
+    const double step = range * (cusp ? 0.4 : 0.04), far = closure.residual(point_at(branch, step, k)).norm(),
                  near = closure.residual(point_at(branch, step / 2, k)).norm();
     branch.residual_orders.push_back(near > 1e-13 ? std::log2(far / near)
                                                   : std::numeric_limits<double>::infinity());
@@ -108,7 +120,7 @@ void trace_curve(const Closure& closure, MotionBranch& branch) {
   const std::array<double, 4> of_line{0.02, 0.04, 0.08, 0.15}, of_cusp{0.1, 0.2, 0.3, 0.4};
   for (const double sign : {1.0, -1.0})
     for (const double step : cusp ? of_cusp : of_line) {
-      const double parameter = sign * step;
+      const double parameter = sign * range * step;
       const Eigen::VectorXd guess = point_at(branch, parameter, K);
       BranchPoint point = closed_point(closure, branch, Eigen::VectorXd::Constant(1, parameter), guess);
       const bool there = point.residual < closed && (point.x - guess).norm() < 0.5 * guess.norm();
@@ -124,9 +136,9 @@ void trace_curve(const Closure& closure, MotionBranch& branch) {
 /// errors of orders 2, 4 and 6 (Romberg). `difference` makes one from two points and h.
 template <class Difference>
 Eigen::VectorXd extrapolated(const Closure& closure, const Eigen::MatrixXd& T, const Eigen::VectorXd& c,
-                             const Difference& difference) {
+                             double range, const Difference& difference) {
   constexpr int levels = 4;
-  double h = 0.08;
+  double h = 0.08 * range;
   std::array<Eigen::VectorXd, levels> table;
   for (std::size_t l = 0; l < levels; ++l, h /= 2) {
     std::array<Eigen::VectorXd, 2> ends{h * (T.transpose() * c), -h * (T.transpose() * c)};
@@ -168,15 +180,16 @@ Eigen::MatrixXd tangent_space(const Closure& closure, const Germ& germ) {
   const Eigen::MatrixXd first = germ.z.middleCols(1, D);
   if (singular_values(first).rank(coefficient_tolerance) == D)
     return canonical_basis(orthonormal_rows(first.transpose()));
+  const double range = reach_of_germ(*germ.ring, germ.z);
   std::mt19937_64 random(3);
   std::normal_distribution<double> normal;
   Eigen::VectorXd w(D);
   for (double& entry : w) entry = normal(random);
   const Eigen::MatrixXd beside =
-      orthonormal_rows(germ.ring->gradient(germ.z, 0.02 * w.normalized()).transpose());
+      orthonormal_rows(germ.ring->gradient(germ.z, 0.02 * range * w.normalized()).transpose());
   Eigen::MatrixXd rows(D, beside.cols());
   for (Eigen::Index k = 0; k < D; ++k)
-    rows.row(k) = extrapolated(closure, beside, Eigen::VectorXd::Unit(D, k),
+    rows.row(k) = extrapolated(closure, beside, Eigen::VectorXd::Unit(D, k), range,
                                [](const Eigen::VectorXd& a, const Eigen::VectorXd& b, double h) {
                                  return Eigen::VectorXd((a - b) / (2 * h));
                                });
@@ -184,13 +197,14 @@ Eigen::MatrixXd tangent_space(const Closure& closure, const Germ& germ) {
 }
 
 /// II_ab by the polar form of second derivatives along lines (D13.13).
-Eigen::MatrixXd second_form(const Closure& closure, const Eigen::MatrixXd& T) {
+Eigen::MatrixXd second_form(const Closure& closure, const Eigen::MatrixXd& T, double range) {
   const Eigen::Index D = T.rows();
   Eigen::MatrixXd II(D * D, T.cols());
   const auto along = [&](const Eigen::VectorXd& c) {
-    return extrapolated(closure, T, c, [](const Eigen::VectorXd& a, const Eigen::VectorXd& b, double h) {
-      return Eigen::VectorXd((a + b) / (h * h));
-    });
+    return extrapolated(closure, T, c, range,
+                        [](const Eigen::VectorXd& a, const Eigen::VectorXd& b, double h) {
+                          return Eigen::VectorXd((a + b) / (h * h));
+                        });
   };
   for (Eigen::Index a = 0; a < D; ++a) II.row(a * D + a) = along(Eigen::VectorXd::Unit(D, a)).transpose();
   for (Eigen::Index a = 0; a < D; ++a)
@@ -206,7 +220,8 @@ MotionBranch surface(const Closure& closure, const Germ& germ) {
   MotionBranch out;
   out.dimension = germ.ring->variables();
   out.T = tangent_space(closure, germ);
-  out.II = second_form(closure, out.T);
+  const double range = reach_of_germ(*germ.ring, germ.z);
+  out.II = second_form(closure, out.T, range);
   out.closes = true;
   std::mt19937_64 random(5);
   std::normal_distribution<double> normal;
@@ -215,9 +230,10 @@ MotionBranch surface(const Closure& closure, const Germ& germ) {
     Eigen::VectorXd c(out.dimension);
     for (double& entry : c) entry = normal(random);
     for (const double step : {0.02, 0.1}) {
-      const Eigen::VectorXd tau = step * c.normalized(), guess = nearest(out, out.T.transpose() * tau, false);
+      const Eigen::VectorXd tau = range * step * c.normalized(),
+                            guess = nearest(out, out.T.transpose() * tau, false);
       BranchPoint point = closed_point(closure, out, tau, guess);
-      if (point.residual < closed && (point.x - guess).norm() < 5 * step * step) {
+      if (point.residual < closed && (point.x - guess).norm() < 5 * range * step * step) {
         out.points.push_back(std::move(point));
       } else if (step < 0.1) {
         out.closes = false;
@@ -235,11 +251,12 @@ void look_beside(const Closure& closure, MotionBranch& branch) {
   const double largest = svd.s.size() > 0 ? svd.s[0] : 0;
   branch.differential_mobility_beside =
       closure.size() - svd.rank(coefficient_tolerance * std::max(1.0, largest));
+  const double bound = moved * reach(branch);
   std::vector<char> moves(static_cast<std::size_t>(closure.size()), 1);
   for (int c = 0; c < closure.size(); ++c) {
     if (branch.T.col(c).norm() > at_rest) continue;
     const bool moves_beside = std::ranges::any_of(
-        branch.points, [&](const BranchPoint& point) { return std::abs(point.x[c]) > moved; });
+        branch.points, [&](const BranchPoint& point) { return std::abs(point.x[c]) > bound; });
     (moves_beside ? branch.dead : branch.idle).push_back(c);
     moves[static_cast<std::size_t>(c)] = moves_beside;
   }
@@ -265,6 +282,13 @@ bool within(const MotionBranch& line, const MotionBranch& surface) {
 }
 
 }  // namespace
+
+double reach(const MotionBranch& branch) {
+  if (branch.dimension == 1)
+    return reach_of_germ(PolynomialRing(1, static_cast<int>(branch.series.cols()) - 1), branch.series);
+  const double size = branch.II.rowwise().norm().maxCoeff();
+  return size > ordinary ? ordinary / size : 1;
+}
 
 bool lies_on(const MotionBranch& branch, const Eigen::VectorXd& x) {
   const double distance =

@@ -30,16 +30,24 @@ Elimination eliminate(PolynomialRings& rings, const Equations& phi, const Eigen:
   out.g = ring.zero(out.left.cols());
   if (out.left.cols() > 0) out.g = out.left.transpose() * phi(ring, out.z, K);
   out.g.leftCols(ring.begin(std::min(2, K + 1))).setZero();
+  double largest_yet = 1;
+  for (int k = 0; k <= K; ++k) {
+    for (const Eigen::MatrixXd* p : {&out.z, &out.g})
+      if (p->rows() > 0)
+        largest_yet =
+            std::max(largest_yet, p->middleCols(ring.begin(k), ring.count(k)).cwiseAbs().maxCoeff());
+    out.scale.push_back(largest_yet);
+  }
   return out;
 }
 
-std::vector<Form> independent_forms(const PolynomialRing& ring, const Eigen::MatrixXd& g) {
+std::vector<Form> independent_forms(const PolynomialRing& ring, const Eigen::MatrixXd& g,
+                                    const std::vector<double>& scale) {
   std::vector<Form> out;
   Eigen::MatrixXd rest = g, combination = Eigen::MatrixXd::Identity(g.rows(), g.rows());
-  const double scale = std::max(1.0, g.size() > 0 ? g.cwiseAbs().maxCoeff() : 0.0);
   for (int k = 1; k <= ring.degree() && rest.rows() > 0; ++k) {
     const SingularValues svd = singular_values(rest.middleCols(ring.begin(k), ring.count(k)));
-    const int rank = svd.rank(rank_tolerance * scale);
+    const int rank = svd.rank(rank_tolerance * scale[static_cast<std::size_t>(k)]);
     const Eigen::MatrixXd mixed = svd.U.transpose() * rest;
     combination *= svd.U;
     for (int c = 0; c < rank; ++c) {

@@ -22,6 +22,9 @@ struct Elimination {
   const PolynomialRing* ring = nullptr;  ///< in the coordinates u of the kernel; null if the kernel is {0}
   Eigen::MatrixXd z;                     ///< z(u), which solves the equations of the range
   Eigen::MatrixXd left;                  ///< a basis of the left null space of the derivative
+  /// For each degree, the largest coefficient of z and g up to that degree, and at least 1. Coefficients grow
+  /// near a singularity, and their rounding errors with them.
+  std::vector<double> scale;
   Eigen::MatrixXd g;  ///< the remaining equations g(u) = 0, whose terms begin with degree 2
 };
 
@@ -36,7 +39,8 @@ struct Form {
 };
 
 /// Combines the rows of g so that their terms of lowest degree are linearly independent in each degree
-/// (D13.10). Rows that vanish up to degree K are left out.
-std::vector<Form> independent_forms(const PolynomialRing& ring, const Eigen::MatrixXd& g);
+/// (D13.10). Rows that vanish up to degree K are left out. `scale` is that of the elimination.
+std::vector<Form> independent_forms(const PolynomialRing& ring, const Eigen::MatrixXd& g,
+                                    const std::vector<double>& scale);
 
 }  // namespace axode::higher_order

@@ -50,7 +50,7 @@ std::vector<Germ> solve(PolynomialRings& rings, const Equations& equations, cons
                         int depth) {
   const Elimination left = eliminate(rings, equations, A, K);
   if (!left.ring) return {};
-  std::vector<Germ> found = germs(rings, *left.ring, left.g, depth + 1);
+  std::vector<Germ> found = germs(rings, *left.ring, left.g, left.scale, depth + 1);
   for (Germ& germ : found) germ.z = left.ring->substitute(left.z, *germ.ring, germ.z);
   return found;
 }
@@ -122,10 +122,10 @@ std::vector<Germ> blown_up(PolynomialRings& rings, const PolynomialRing& ring, c
 }  // namespace
 
 std::vector<Germ> germs(PolynomialRings& rings, const PolynomialRing& ring, const Eigen::MatrixXd& g,
-                        int depth) {
+                        const std::vector<double>& scale, int depth) {
   constexpr int enough = 3;  // orders in which a further equation would have appeared
   const int d = ring.variables();
-  const std::vector<Form> rows = independent_forms(ring, g);
+  const std::vector<Form> rows = independent_forms(ring, g, scale);
   if (rows.empty())
     return {{&ring, ring.linear(Eigen::MatrixXd::Identity(d, d)), g.rows() == 0 || ring.degree() >= enough,
              false}};

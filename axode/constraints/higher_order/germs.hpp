@@ -14,8 +14,8 @@ struct Germ {
   bool multiple = false;                 ///< whether the equations hold doubly along the germ
 };
 
-/// The real germs of {g = 0} at 0, by elimination, blow-ups (D13.11) and deflation (D13.12) in turn.
+/// The real germs of {g = 0} at 0, for an elimination with g and `scale`, by elimination, blow-ups (D13.11) and deflation (D13.12) in turn.
 std::vector<Germ> germs(PolynomialRings& rings, const PolynomialRing& ring, const Eigen::MatrixXd& g,
-                        int depth = 0);
+                        const std::vector<double>& scale, int depth = 0);
 
 }  // namespace axode::higher_order

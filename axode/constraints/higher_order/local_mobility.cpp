@@ -76,7 +76,8 @@ std::vector<int> mobility_by_order(PolynomialRings& rings, const PolynomialRing&
 
 MobilityProbe probe(const Closure& closure, const Eigen::MatrixXd& kernel,
                     const std::vector<MotionBranch>& branches) {
-  constexpr double size = 0.04;
+  double size = 0.04;
+  for (const MotionBranch& branch : branches) size = std::min(size, 0.04 * reach(branch));
   MobilityProbe out;
   out.starts = 60;
   std::mt19937_64 random(9);
@@ -143,11 +144,11 @@ void in_units(MotionBranch& branch, const Eigen::VectorXd& unit) {
 void follow(PolynomialRings& rings, const Closure& closure, const Elimination& left, LocalMobility& found) {
   const int orders = found.differential_mobility <= 2 ? found.order : std::min(found.order, 6);
   const PolynomialRing& ring = *left.ring;
-  const std::vector<Form> rows = independent_forms(ring, left.g);
+  const std::vector<Form> rows = independent_forms(ring, left.g, left.scale);
   for (const Form& row : rows)
     found.conditions.push_back({row.degree, closure.loops_of_equations(left.left * row.combination)});
   found.mobility_by_order = mobility_by_order(rings, ring, rows, orders);
-  std::vector<Germ> all = germs(rings, ring, left.g);
+  std::vector<Germ> all = germs(rings, ring, left.g, left.scale);
   for (Germ& germ : all) germ.z = ring.substitute(left.z, *germ.ring, germ.z);
   found.branches = branches(closure, all);
   found.probe = probe(closure, left.z.middleCols(1, ring.variables()), found.branches);
@@ -227,6 +228,7 @@ LocalMobility local_mobility(const Model& model, std::span<const double> q,
 }
 
 std::vector<std::string> mobility_words(const Model& model, const LocalMobility& found) {
+  if (found.coordinates.empty()) return {"no loops"};
   std::vector<std::string> out;
   if (found.differential_mobility == 0) out.emplace_back("rigid");
   if (found.branch_point) out.emplace_back("branch point");
