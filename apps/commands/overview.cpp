@@ -30,6 +30,7 @@ const std::vector<Task>& tasks() {
         {"axode simulate four_bar.toml --until 2 --output run.csv", "the motion from a state"},
         {"axode plot run.csv --output run.svg", "a chart of it"},
         {"axode linearize double_pendulum.toml", "small motions: frequencies and modes"},
+        {"axode mobility bricard.toml", "what loops can do at a configuration"},
         {"axode map mass_matrix arm7.toml in.parquet out.parquet", "many states, by way of Python"}}},
       {"Go further",
        {{"axode codegen arm7.toml --output arm7.c", "C code of this one mechanism"},

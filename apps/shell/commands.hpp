@@ -39,6 +39,7 @@ void add_check(CLI::App& app, int& exit_code);
 void add_convert(CLI::App& app, int& exit_code);
 void add_eval(CLI::App& app, int& exit_code);
 void add_linearize(CLI::App& app, int& exit_code);
+void add_mobility(CLI::App& app, int& exit_code);
 void add_simulate(CLI::App& app, int& exit_code);
 void add_plot(CLI::App& app, int& exit_code);
 void add_view(CLI::App& app, int& exit_code);

@@ -82,6 +82,7 @@ int run(int argc, char** argv) {
   add_convert(app, exit_code);
   add_eval(app, exit_code);
   add_linearize(app, exit_code);
+  add_mobility(app, exit_code);
   add_simulate(app, exit_code);
   add_plot(app, exit_code);
   add_view(app, exit_code);

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <functional>
 #include <limits>
 #include <random>
 
@@ -16,8 +15,6 @@ constexpr double closed = 1e-12;     // residuals of points that count as closed
 constexpr double off_branch = 0.05;  // distance from a branch, relative to the square of that from q
 constexpr double at_rest = 1e-7, moved = 1e-5;
 constexpr double ordinary = 10;  // coefficients far from singularities are smaller
-
-double raised(double x, int power) { return std::pow(x, power); }
 
 /// The coefficients of t(ζ), the inverse of ζ(t) = Σ c_k t^k with c_0 = 0.
 Eigen::RowVectorXd reversed(const PolynomialRing& line, const Eigen::RowVectorXd& c) {
@@ -100,7 +97,7 @@ BranchPoint closed_point(const Closure& closure, const MotionBranch& branch, con
                          const Eigen::VectorXd& guess) {
   BranchPoint point{parameter, guess, {}, 0};
   Eigen::VectorXd target = parameter;
-  if (branch.dimension == 1) target[0] = raised(parameter[0], branch.power);
+  if (branch.dimension == 1) target[0] = std::pow(parameter[0], branch.power);
   point.residual = closure.close(point.x, branch.T, target);
   point.q = closure.configuration(point.x);
   return point;
