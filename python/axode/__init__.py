@@ -39,6 +39,8 @@ from ._axode import (
     centroidal_momentum_matrix,
     centroidal_momentum_matrix_rate,
     christoffel,
+    closure_coordinates,
+    closure_derivatives,
     constraint_wrenches,
     coriolis_derivatives,
     coriolis_matrix,
@@ -96,6 +98,7 @@ from ._axode import (
     kinetic_energy_regressor,
     linearize,
     load_powers,
+    local_mobility,
     loop_bias,
     loop_hessian_product,
     loop_jacobian,
@@ -143,6 +146,7 @@ from .builder import Builder
 from .errors import AssemblyError, Fault, ModelError, NotFiniteError, SimulationError, SingularError, StatesError
 from .files import check, load
 from .records import (
+    BranchPoint,
     DynamicsAtTime,
     Equilibrium,
     ForwardDynamicsDerivatives,
@@ -154,8 +158,10 @@ from .records import (
     KinematicMotion,
     Linearization,
     Load,
+    LocalMobility,
     LoopMobility,
     MomentumFormDerivatives,
+    MotionBranch,
     MotionChange,
     MotionDerivatives,
     RedundantRow,
@@ -205,7 +211,8 @@ __all__ = [
     "jacobian_geometry_derivatives", "linearize", "equilibrium",
     # closed loops
     "loop_residual", "loop_jacobian", "loop_bias", "loop_residual_jacobian", "loop_hessian_product", "assemble",
-    "loop_mobility", "impact", "constraint_wrenches", "independent_equations", "independent_linearization",
+    "loop_mobility", "local_mobility", "closure_coordinates", "closure_derivatives", "impact", "constraint_wrenches",
+    "independent_equations", "independent_linearization",
     "loop_multipliers", "loop_multiplier_derivatives", "joint_state",
     # prescribed motions
     "forward_dynamics_at", "kinematic_motion",
@@ -217,8 +224,8 @@ __all__ = [
     "Load", "Target", "InverseKinematics", "InverseDynamicsDerivatives", "ForwardDynamicsDerivatives",
     "InverseDynamicsHessian", "ForwardDynamicsHessian", "StateDerivatives", "MotionDerivatives", "MotionChange",
     "MomentumFormDerivatives", "Linearization", "Equilibrium", "DynamicsAtTime", "KinematicMotion", "RolloutDerivatives",
-    "RolloutGradient", "JointState", "LoopMobility",
-    "RedundantRow", "AssemblyError", "Fault", "ModelError", "NotFiniteError", "SimulationError", "SingularError", "StatesError",
+    "RolloutGradient", "JointState", "LoopMobility", "RedundantRow", "LocalMobility", "MotionBranch", "BranchPoint",
+    "AssemblyError", "Fault", "ModelError", "NotFiniteError", "SimulationError", "SingularError", "StatesError",
     # modules
     "lie", "closed_form", "codegen", "convert", "drives", "identification", "calibration", "table",
 ]

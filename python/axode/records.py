@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike, NDArray
 from .support import signatures
 
 __all__ = ["Equilibrium", "ForwardDynamicsDerivatives", "ForwardDynamicsHessian", "IndependentEquations", "IndependentLinearization", "InverseDynamicsDerivatives",
-           "InverseDynamicsHessian", "InverseKinematics", "JointState", "Linearization", "Load", "LoopMobility", "RedundantRow",
+           "InverseDynamicsHessian", "InverseKinematics", "JointState", "Linearization", "Load", "LocalMobility", "LoopMobility", "MotionBranch", "BranchPoint", "RedundantRow",
            "MomentumFormDerivatives", "MotionChange", "MotionDerivatives", "RolloutDerivatives", "RolloutGradient",
            "StateDerivatives", "Target"]
 
@@ -93,6 +93,86 @@ class LoopMobility(NamedTuple):
     mobility: Literal["regular", "branches", "shaky"]
     kernel: NDArray[np.float64]
     indeterminate: list[int]
+
+
+class BranchPoint(NamedTuple):
+    """A point of a `MotionBranch` near q that Newton's method has closed.
+
+    `parameter` (dimension,), the coordinates `x` (n,) in rad and m, the configuration `q` (nq,), and the residual of the loops
+    in rad and characteristic lengths.
+    """
+
+    parameter: NDArray[np.float64]
+    x: NDArray[np.float64]
+    q: NDArray[np.float64]
+    residual: float
+
+
+class MotionBranch(NamedTuple):
+    """A branch of the configuration space at q: x of the n coordinates of `LocalMobility`, in rad and m.
+
+    Products and norms divide lengths by the characteristic length. `T` (D, n) has orthonormal rows that span the tangents at q,
+    and x = T^T tau + sum of tau_a tau_b II[a, b] / 2 + ... with T II = 0. For D = 1 the columns of `series` (n, orders + 1) are
+    the coefficients of s = T x, and II is the curvature. At a cusp (`power` above 1) they belong to zeta with zeta^power = T x,
+    and II is None.
+
+    `dead` joints have no velocity at q and move beside q; `idle` joints rest along the branch. `loops` are those in which
+    something moves. `settled`: enough orders were left to exclude that a higher one ends the branch. `closes`: points on both
+    sides of q were closed. `multiple`: the equations hold doubly along the branch. `residual_orders`: the measured orders of
+    the residual of the series cut after 1, 2, ... terms.
+    """
+
+    dimension: int
+    power: int
+    T: NDArray[np.float64]
+    II: NDArray[np.float64] | None
+    series: NDArray[np.float64] | None
+    settled: bool
+    closes: bool
+    multiple: bool
+    differential_mobility_beside: int
+    dead: list[str]
+    idle: list[str]
+    loops: list[str]
+    points: list[BranchPoint]
+    residual_orders: NDArray[np.float64]
+
+
+class LocalMobility(NamedTuple):
+    """Mobility of higher order of a mechanism with loops at a configuration.
+
+    `words` name what was found. `mobility_by_order` has the dimensions of the kinematic tangent cones of order 1, 2, ...;
+    `local_mobility` is the largest dimension of a branch, and `rigid_at_order` the first order with mobility 0 if nothing
+    moves, else 0. The n `coordinates` are joints in loops, with their index among `velocities` of the model, and loop joints
+    (-1); velocities `outside` are in no loop, and each adds 1 to every mobility. `conditions` are pairs (degree, loops): what
+    is left after the elimination of all that the loops determine to first order.
+
+    The loops give `equations` of this `rank`; `smallest_kept` and `largest_dropped` are the singular values on either side of
+    it. `decided_by_rank`: ranks and roots alone decide; otherwise points are the evidence. `probe` counts random starts near
+    q, the closed points to which they led, and those of them on no branch.
+    """
+
+    words: list[str]
+    local_mobility: int
+    differential_mobility: int
+    mobility_by_order: list[int]
+    settled: bool
+    settled_at_order: int
+    rigid_at_order: int
+    branches: list[MotionBranch]
+    conditions: list[tuple[int, list[str]]]
+    coordinates: list[str]
+    velocities: list[int]
+    outside: list[int]
+    loops: list[str]
+    order: int
+    length: float
+    equations: int
+    rank: int
+    smallest_kept: float
+    largest_dropped: float
+    decided_by_rank: bool
+    probe: tuple[int, int, int]
 
 
 class IndependentEquations(NamedTuple):
