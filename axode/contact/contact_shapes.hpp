@@ -1,0 +1,73 @@
+#pragma once
+#include <array>
+#include <memory>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "axode/contact/convex/convex_shape.hpp"
+#include "axode/model/model.hpp"
+
+namespace axode {
+
+/// A collision shape of a model, at the body that carries it.
+struct ContactShape {
+  std::string name;  ///< name of the shape, or `hand shape 2` for the second shape of the body `hand`
+  ShapeKind kind{};
+  int frame = 0;           ///< frame of the model on which the shape was described; a fixed body is a frame
+  int body = 0;            ///< body that the shape moves with; 0 is the ground
+  SE3<> pose;              ///< pose in the internal frame of that body, see Tree
+  ConvexShape convex;      ///< the body, unless the shape is a plane
+  Vec3<> half;             ///< half edges of a box or semi-axes of an ellipsoid, m
+  double radius = 0;       ///< radius of a sphere, capsule or cylinder, m
+  double half_length = 0;  ///< half the length of a cylinder, or of a capsule without its half balls, m
+  ContactProperties surface;  ///< friction of the mechanism is filled in
+};
+
+/// How two surfaces behave against each other.
+struct SurfacePair {
+  double friction = 0;          ///< coefficient of sliding friction
+  double spin_friction = 0;     ///< moment of drilling friction divided by the normal force, m
+  double rolling_friction = 0;  ///< moment of rolling friction divided by the normal force, m
+  double restitution = 0;       ///< 0 to 1
+};
+
+/// The collision shapes of a model: those of the ground first, then those of the bodies in the order of the
+/// description. Copies are cheap and share the data.
+class ContactShapes {
+ public:
+  /// Throws std::invalid_argument with a sentence for a shape without a size, a mesh, and for two planes that
+  /// move against each other. Allocates.
+  explicit ContactShapes(const Model& model);
+
+  int size() const { return static_cast<int>(data_->shapes.size()); }
+  const ContactShape& operator[](int i) const { return data_->shapes[static_cast<std::size_t>(i)]; }
+
+  /// Pairs of shapes (i, j), i < j, that may touch, in ascending order. Shapes on one body, on two moving
+  /// bodies that a joint or a loop joint connects, and on bodies of an ignored pair do not touch. Rods connect
+  /// no bodies in this sense.
+  std::span<const std::array<int, 2>> pairs() const { return data_->pairs; }
+  bool may_touch(int i, int j) const {
+    return data_->may_touch[static_cast<std::size_t>(i) * data_->shapes.size() +
+                            static_cast<std::size_t>(j)] != 0;
+  }
+
+  /// The geometric mean of the frictions of two shapes and the larger restitution.
+  SurfacePair surface(int i, int j) const;
+
+  /// Gap below which a contact is considered, m, and the speed of approach below which nothing bounces, m/s.
+  double margin() const { return data_->margin; }
+  double threshold() const { return data_->threshold; }
+
+ private:
+  struct Data {
+    std::vector<ContactShape> shapes;
+    std::vector<Hull> hulls;
+    std::vector<std::array<int, 2>> pairs;
+    std::vector<char> may_touch;  ///< size × size
+    double margin = 0, threshold = 0;
+  };
+  std::shared_ptr<const Data> data_;
+};
+
+}  // namespace axode
