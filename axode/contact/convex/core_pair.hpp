@@ -1,0 +1,73 @@
+#pragma once
+#include <array>
+#include <limits>
+
+#include "axode/contact/convex/support.hpp"
+
+/// The difference B - A of two cores, and what is known of its point of least norm.
+namespace axode::convex {
+
+inline constexpr double infinity = std::numeric_limits<double>::infinity();
+inline constexpr double epsilon = std::numeric_limits<double>::epsilon();
+
+/// A point w = b - a of the difference of the cores, with the branches on which a and b lie.
+struct Vertex {
+  Vec3<> w, a;
+  int branch_a = 0, branch_b = 0;
+};
+
+/// At most four vertices with convex weights.
+struct Simplex {
+  int count = 0;
+  std::array<Vertex, 4> vertex;
+  std::array<double, 4> weight;
+
+  void add(const Vertex& v, double w) noexcept {
+    vertex[count] = v;
+    weight[count++] = w;
+  }
+  void remove(int k) noexcept {
+    for (--count; k < count; ++k) {
+      vertex[k] = vertex[k + 1];
+      weight[k] = weight[k + 1];
+    }
+  }
+  /// Σ weight w + shift.
+  Vec3<> point(const Vec3<>& shift = {}) const noexcept {
+    Vec3<> x = shift;
+    for (int i = 0; i < count; ++i) x += weight[i] * vertex[i].w;
+    return x;
+  }
+};
+
+/// A unit normal n with its bound s(n), and a simplex whose point should be s n (D10.3).
+struct Candidate {
+  Vec3<> n{};
+  double s = -infinity;
+  double residual = infinity;  ///< length of the difference of the point of the simplex and s n, m
+  Simplex simplex = {};
+  bool inside = false;  ///< whether the simplex contains the origin, so that the cores overlap
+};
+
+/// Two cores in the frame of A. B has the axes R and the origin r there.
+struct CorePair {
+  const ConvexShape &a, &b;
+  SO3<> R, R_inverse;
+  Vec3<> r;
+  int hint_a, hint_b;  ///< hull vertices from which the next support branch is sought
+  bool curved;         ///< whether a core is a cylinder or an ellipsoid
+  double rounding;     ///< rounding error of s(n), m
+  double step;         ///< the least shift of a proximal step, m
+
+  Vec3<> to_b(const Vec3<>& n) const noexcept { return R_inverse * n; }
+  /// The vertex of B - A with the least n·w, so that s(n) = n·w (D10.1).
+  Vertex support(const Vec3<>& n) noexcept {
+    const Vec3<> m = to_b(-n);
+    hint_a = support_branch(a, n, hint_a);
+    hint_b = support_branch(b, m, hint_b);
+    const Vec3<> point_a = branch_point(a, hint_a, n);
+    return {r + R * branch_point(b, hint_b, m) - point_a, point_a, hint_a, hint_b};
+  }
+};
+
+}  // namespace axode::convex

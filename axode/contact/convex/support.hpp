@@ -1,0 +1,86 @@
+#pragma once
+#include <array>
+#include <cmath>
+
+#include "axode/contact/convex/convex_shape.hpp"
+
+/// Support functions of cores, h(n) = max of n·x over the core. They consist of smooth branches: a vertex, the
+/// rim of a cap, or the whole surface of an ellipsoid.
+namespace axode::convex {
+
+inline Vec3<> unit(const Vec3<>& a) { return (1 / norm(a)) * a; }
+/// A unit vector that is perpendicular to the unit vector n.
+inline Vec3<> perpendicular(const Vec3<>& n) {
+  return unit(std::abs(n.x) < 0.6 ? Vec3<>{0, -n.z, n.y} : Vec3<>{-n.y, n.x, 0});
+}
+
+/// One of the 27 sectors of directions, about the vertices, edge centres and face centres of a cube.
+inline int sector(const Vec3<>& n) {
+  const auto third = [](double x) { return (x > -0.38) + (x > 0.38); };
+  return third(n.x) + 3 * third(n.y) + 9 * third(n.z);
+}
+
+/// The point of the core on one branch of its support function, at the unit normal n in the axes of the shape.
+inline Vec3<> branch_point(const ConvexShape& shape, int branch, const Vec3<>& n) {
+  const Vec3<>& h = shape.size;
+  switch (shape.core) {
+    case ConvexShape::Core::box:
+      return {branch & 1 ? -h.x : h.x, branch & 2 ? -h.y : h.y, branch & 4 ? -h.z : h.z};
+    case ConvexShape::Core::hull: return shape.hull->vertices[branch];
+    case ConvexShape::Core::cylinder: {
+      const double rho = std::sqrt(n.x * n.x + n.y * n.y), scale = rho > 0 ? h.x / rho : 0;
+      return {scale * n.x, scale * n.y, branch != 0 ? -h.z : h.z};
+    }
+    case ConvexShape::Core::ellipsoid: break;
+  }
+  const Vec3<> q{h.x * n.x, h.y * n.y, h.z * n.z};
+  return (1 / norm(q)) * Vec3<>{h.x * q.x, h.y * q.y, h.z * q.z} - shape.radius * n;
+}
+
+/// The branch of the support function at the unit normal n. A hull is climbed over neighbours from the vertex
+/// `hint`, or from the start of the sector of n if that is higher.
+inline int support_branch(const ConvexShape& shape, const Vec3<>& n, int hint) {
+  const Vec3<>& h = shape.size;
+  switch (shape.core) {
+    case ConvexShape::Core::box:
+      return int(h.x > 0 && n.x < 0) | int(h.y > 0 && n.y < 0) << 1 | int(h.z > 0 && n.z < 0) << 2;
+    case ConvexShape::Core::cylinder: return h.z > 0 && n.z < 0;
+    case ConvexShape::Core::ellipsoid: return 0;
+    case ConvexShape::Core::hull: break;
+  }
+  const Hull& hull = *shape.hull;
+  const int start = hull.start[sector(n)];
+  if (dot(n, hull.vertices[start]) > dot(n, hull.vertices[hint])) hint = start;
+  double best = dot(n, hull.vertices[hint]);
+  for (int last = -1; last != hint;) {
+    last = hint;
+    for (int k = hull.first_neighbour[last]; k < hull.first_neighbour[last + 1]; ++k) {
+      const int neighbour = hull.neighbours[k];
+      const double height = dot(n, hull.vertices[neighbour]);
+      if (height > best) {
+        best = height;
+        hint = neighbour;
+      }
+    }
+  }
+  return hint;
+}
+
+/// The second derivative of the support function of the core at the unit normal n, as a matrix in the tangents
+/// u and v: the entries uu, uv, vv. It is the inverse of the curvature of the surface.
+inline std::array<double, 3> support_hessian(const ConvexShape& shape, const Vec3<>& n, const Vec3<>& u,
+                                             const Vec3<>& v) {
+  const Vec3<>& h = shape.size;
+  if (shape.core == ConvexShape::Core::cylinder) {
+    const double rho2 = n.x * n.x + n.y * n.y, scale = h.x / (rho2 * std::sqrt(rho2));
+    const double eu = n.x * u.y - n.y * u.x, ev = n.x * v.y - n.y * v.x;
+    return {scale * eu * eu, scale * eu * ev, scale * ev * ev};
+  }
+  if (shape.core != ConvexShape::Core::ellipsoid) return {};
+  const auto stretch = [&](const Vec3<>& a) { return Vec3<>{h.x * a.x, h.y * a.y, h.z * a.z}; };
+  const Vec3<> p = stretch(n), pu = stretch(u), pv = stretch(v);
+  const double q = norm(p), gu = dot(p, pu) / q, gv = dot(p, pv) / q, r = shape.radius;
+  return {(dot(pu, pu) - gu * gu) / q - r, (dot(pu, pv) - gu * gv) / q, (dot(pv, pv) - gv * gv) / q - r};
+}
+
+}  // namespace axode::convex
