@@ -5,6 +5,7 @@
 
 #include "axode/contact/contact_point.hpp"
 #include "axode/contact/contact_shapes.hpp"
+#include "axode/contact/pairs/broad_phase.hpp"
 
 namespace axode {
 
@@ -17,7 +18,7 @@ class ContactFinder {
 
   /// Finds the points with a gap below `margin` (m), in ascending order of their pairs of shapes. `C` has the
   /// pose of the internal frame of every body in the inertial frame, as BodyPoses gives them: n_bodies + 1
-  /// entries, entry 0 for the ground. Returns false if there are more points than the capacity; then the
+  /// entries, entry 0 for the ground, all finite. Returns false if there are more points than the capacity; then the
   /// points that fit are there. Allocates nothing.
   [[nodiscard]] bool find(std::span<const SE3<>> C, double margin) noexcept;
 
@@ -27,6 +28,8 @@ class ContactFinder {
 
  private:
   ContactShapes shapes_;
+  BroadPhase broad_phase_;
+  std::vector<SE3<>> poses_;  ///< of the shapes in the inertial frame
   std::vector<ContactPoint> points_;
   std::size_t count_ = 0;
 };

@@ -41,16 +41,13 @@ class ContactShapes {
   explicit ContactShapes(const Model& model);
 
   int size() const { return static_cast<int>(data_->shapes.size()); }
-  const ContactShape& operator[](int i) const { return data_->shapes[static_cast<std::size_t>(i)]; }
+  const ContactShape& operator[](int i) const { return data_->shapes[i]; }
 
   /// Pairs of shapes (i, j), i < j, that may touch, in ascending order. Shapes on one body, on two moving
   /// bodies that a joint or a loop joint connects, and on bodies of an ignored pair do not touch. Rods connect
   /// no bodies in this sense.
   std::span<const std::array<int, 2>> pairs() const { return data_->pairs; }
-  bool may_touch(int i, int j) const {
-    return data_->may_touch[static_cast<std::size_t>(i) * data_->shapes.size() +
-                            static_cast<std::size_t>(j)] != 0;
-  }
+  bool may_touch(int i, int j) const { return data_->may_touch[i * data_->shapes.size() + j] != 0; }
 
   /// The geometric mean of the frictions of two shapes and the larger restitution.
   SurfacePair surface(int i, int j) const;

@@ -1,0 +1,147 @@
+#include "axode/contact/contact_shapes.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+
+#include "axode/model/shape_kinds.hpp"
+
+namespace axode {
+namespace {
+
+[[noreturn]] void refuse(const std::string& shape, const std::string& why) {
+  throw std::invalid_argument("shape \"" + shape + "\" " + why);
+}
+
+/// The sizes of a shape in the description, which must be positive.
+void check_sizes(const ShapeDescription& it, const std::string& name) {
+  const ShapeTraits& kind = traits(it.kind);
+  const auto need_positive = [&](std::string_view what, double x) {
+    if (!(x > 0))
+      refuse(name, "touches nothing: its " + std::string(what) + " is " + to_text(x) +
+                       " m; the sizes of a collision shape must be positive");
+  };
+  if (!kind.size.empty()) need_positive(kind.size, std::min({it.size.x, it.size.y, it.size.z}));
+  if (kind.radius) need_positive("radius", it.radius);
+  if (kind.length && it.kind != ShapeKind::capsule) need_positive("length", it.length);
+  if (kind.length && !(it.length >= 0))
+    refuse(name, "has the length " + to_text(it.length) + " m; it must not be negative");
+}
+
+ConvexShape convex(const ContactShape& shape) {
+  switch (shape.kind) {
+    case ShapeKind::box: return box_shape(shape.half);
+    case ShapeKind::sphere: return sphere_shape(shape.radius);
+    case ShapeKind::cylinder: return cylinder_shape(shape.radius, shape.half_length);
+    case ShapeKind::capsule: return capsule_shape(shape.radius, shape.half_length);
+    case ShapeKind::ellipsoid: return ellipsoid_shape(shape.half);
+    case ShapeKind::mesh:
+    case ShapeKind::plane: break;
+  }
+  return {};
+}
+
+/// Compiles the shapes of a model.
+struct Compilation {
+  const Model& model;
+  const ContactDescription common;
+  std::vector<ContactShape> shapes = {};
+
+  void add(const ShapeDescription& it, const std::string& body, int number) {
+    if (it.role != ShapeDescription::Role::collision) return;
+    const int frame = model.frame_index(body);
+    ContactShape shape{.name = it.name.empty() ? body + " shape " + std::to_string(number) : it.name,
+                       .kind = it.kind,
+                       .frame = frame,
+                       .body = model.frame(frame).body,
+                       .pose = model.tree<double>().frame_offset[frame] * it.pose,
+                       .surface = it.contact};
+    if (it.kind == ShapeKind::mesh)
+      refuse(shape.name, "of body \"" + body + "\" is the mesh \"" + it.file +
+                             "\", which cannot touch; describe it by boxes, spheres, capsules, cylinders or "
+                             "ellipsoids, or make it a visual shape");
+    check_sizes(it, shape.name);
+    const double half = it.kind == ShapeKind::box ? 0.5 : 1;
+    shape.half = half * it.size;
+    shape.radius = it.radius;
+    shape.half_length = it.length / 2;
+    shape.convex = convex(shape);
+    if (!shape.surface.friction) shape.surface.friction = common.friction;
+    shapes.push_back(std::move(shape));
+  }
+
+  void add_all() {
+    const Description& d = model.description();
+    int number = 0;
+    for (const ShapeDescription& it : d.shapes) add(it, "ground", ++number);
+    for (const BodyDescription& body : d.bodies) {
+      number = 0;
+      for (const ShapeDescription& it : body.shapes) add(it, body.name, ++number);
+    }
+  }
+
+  int body_of(const std::string& frame) const { return model.frame(model.frame_index(frame)).body; }
+
+  /// Whether pairs of bodies may touch, n_bodies + 1 rows of as many columns.
+  std::vector<char> bodies_that_may_touch() const {
+    const std::size_t n = static_cast<std::size_t>(model.n_bodies()) + 1;
+    std::vector<char> may(n * n, 1);
+    const auto exclude = [&](int i, int j) {
+      may[i * n + j] = 0;
+      may[j * n + i] = 0;
+    };
+    const auto joined = [&](int i, int j) {
+      if (i > 0 && j > 0) exclude(i, j);
+    };
+    for (std::size_t i = 0; i < n; ++i) may[i * n + i] = 0;
+    for (const BodyDescription& body : model.description().bodies)
+      joined(body_of(body.name), body_of(body.predecessor));
+    for (const LoopDescription& loop : model.description().loops)
+      if (loop.kind != LoopKind::rod) joined(body_of(loop.between[0]), body_of(loop.between[1]));
+    return may;
+  }
+};
+
+}  // namespace
+
+ContactShapes::ContactShapes(const Model& model) {
+  Compilation compilation{model, model.description().contact.value_or(ContactDescription{})};
+  compilation.add_all();
+  Data data;
+  data.shapes = std::move(compilation.shapes);
+  data.margin = compilation.common.margin;
+  data.threshold = compilation.common.threshold;
+
+  std::vector<std::array<int, 2>> ignored;
+  for (const auto& [one, other] : compilation.common.ignored)
+    ignored.push_back({model.frame_index(one), model.frame_index(other)});
+  const std::vector<char> bodies = compilation.bodies_that_may_touch();
+  const std::size_t n_bodies = static_cast<std::size_t>(model.n_bodies()) + 1, n = data.shapes.size();
+  const auto may_touch = [&](const ContactShape& a, const ContactShape& b) {
+    const std::size_t i = static_cast<std::size_t>(a.body), j = static_cast<std::size_t>(b.body);
+    return bodies[i * n_bodies + j] != 0 && std::ranges::none_of(ignored, [&](const auto& pair) {
+             return (pair[0] == a.frame && pair[1] == b.frame) || (pair[0] == b.frame && pair[1] == a.frame);
+           });
+  };
+  data.may_touch.resize(n * n);
+  for (std::size_t i = 0; i < n; ++i)
+    for (std::size_t j = i + 1; j < n; ++j) {
+      const ContactShape &a = data.shapes[i], &b = data.shapes[j];
+      if (!may_touch(a, b)) continue;
+      if (a.kind == ShapeKind::plane && b.kind == ShapeKind::plane)
+        refuse(a.name, "and shape \"" + b.name +
+                           "\" are planes that move against each other, and two half-spaces cannot be kept "
+                           "apart; name their bodies in `ignored`");
+      data.pairs.push_back({static_cast<int>(i), static_cast<int>(j)});
+      data.may_touch[i * n + j] = data.may_touch[j * n + i] = 1;
+    }
+  data_ = std::make_shared<const Data>(std::move(data));
+}
+
+SurfacePair ContactShapes::surface(int i, int j) const {
+  const ContactProperties &a = (*this)[i].surface, &b = (*this)[j].surface;
+  return {std::sqrt(*a.friction * *b.friction), std::sqrt(a.spin_friction * b.spin_friction),
+          std::sqrt(a.rolling_friction * b.rolling_friction), std::max(a.restitution, b.restitution)};
+}
+
+}  // namespace axode

@@ -1,0 +1,45 @@
+#pragma once
+#include <cstddef>
+#include <span>
+
+#include "axode/contact/contact_point.hpp"
+
+namespace axode {
+
+/// Receives the contact points of pairs of shapes, in memory that the caller provides.
+class PointList {
+ public:
+  PointList(std::span<ContactPoint> memory, double margin) : memory_(memory), margin_(margin) {}
+
+  /// Selects the pair of shapes whose points follow. If `flipped`, the normals that add() receives point from b
+  /// to a.
+  void select(int a, int b, bool flipped) noexcept {
+    a_ = a;
+    b_ = b;
+    flipped_ = flipped;
+  }
+  double margin() const noexcept { return margin_; }
+
+  /// Adds a point if its gap is below the margin. `feature` distinguishes the points of the pair, below 2^24.
+  void add(const Vec3<>& point, const Vec3<>& n, double gap, std::uint32_t feature) noexcept {
+    if (!(gap < margin_)) return;
+    if (count_ == memory_.size()) {
+      complete_ = false;
+      return;
+    }
+    const std::uint64_t key = std::uint64_t(a_) << 44 | std::uint64_t(b_) << 24 | feature;
+    memory_[count_++] = {a_, b_, point, flipped_ ? -n : n, gap, key};
+  }
+  std::size_t count() const noexcept { return count_; }
+  /// Whether every point found room.
+  bool complete() const noexcept { return complete_; }
+
+ private:
+  std::span<ContactPoint> memory_;
+  double margin_;
+  std::size_t count_ = 0;
+  bool complete_ = true, flipped_ = false;
+  int a_ = 0, b_ = 0;
+};
+
+}  // namespace axode
