@@ -14,6 +14,14 @@ inline Vec3<> perpendicular(const Vec3<>& n) {
   return unit(std::abs(n.x) < 0.6 ? Vec3<>{0, -n.z, n.y} : Vec3<>{-n.y, n.x, 0});
 }
 
+/// The unit vector in the direction of the part of n that is perpendicular to the unit vector `axis`, or
+/// `otherwise` if n is along the axis. It is perpendicular to the axis to rounding.
+inline Vec3<> across(const Vec3<>& axis, const Vec3<>& n, const Vec3<>& otherwise) {
+  const Vec3<> side = cross(axis, n);
+  const double sine = norm(side);
+  return sine > 1e-12 ? cross((1 / sine) * side, axis) : otherwise;
+}
+
 /// One of the 27 sectors of directions, about the vertices, edge centres and face centres of a cube.
 inline int sector(const Vec3<>& n) {
   const auto third = [](double x) { return (x > -0.38) + (x > 0.38); };
@@ -64,6 +72,11 @@ inline int support_branch(const ConvexShape& shape, const Vec3<>& n, int hint) {
     }
   }
   return hint;
+}
+
+/// A point of the body, its ball included, that is farthest along the unit vector n in the axes of the shape.
+inline Vec3<> support_point(const ConvexShape& shape, const Vec3<>& n) {
+  return branch_point(shape, support_branch(shape, n, 0), n) + shape.radius * n;
 }
 
 /// The second derivative of the support function of the core at the unit normal n, as a matrix in the tangents

@@ -95,7 +95,8 @@ double clip_segments(const Feature& a, const Feature& b, const FacingFeatures& f
   const auto parameter = [&](const Vec3<>& p) { return dot(u, p - a.point[0]) / length2; };
   const double t_0 = parameter(b.point[0]), t_1 = parameter(b.point[1]);
   const double low = std::max(0.0, std::min(t_0, t_1)), high = std::min(1.0, std::max(t_0, t_1));
-  if (!(high > low) || !(std::abs(t_1 - t_0) > 1e-3) || !(length2 > 0)) return infinity;
+  const double shorter = std::sqrt(std::min(dot(edge_a, edge_a), dot(edge_b, edge_b)));
+  if (!((high - low) * std::sqrt(length2) > 1e-3 * shorter)) return infinity;
   double least = infinity;
   std::uint32_t edges = 0;
   for (const double t : {low, high}) {

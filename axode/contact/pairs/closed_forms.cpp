@@ -24,19 +24,12 @@ void touch_plane(const SE3<>& plane, const ContactShape& shape, const SE3<>& pos
           for (const double z : {-shape.half.z, shape.half.z}) add(pose * Vec3<>{x, y, z});
       break;
     case ShapeKind::cylinder: {
-      const Vec3<> down = dot(n, axis) * axis - n;
-      const double tilt = norm(down);
-      const Vec3<> d = shape.radius * (tilt > 1e-12 ? (1 / tilt) * down : pose.R.x), e = cross(axis, d);
+      const Vec3<> d = shape.radius * convex::across(axis, -n, pose.R.x), e = cross(axis, d);
       for (const double end : {-shape.half_length, shape.half_length})
         for (const Vec3<>& rim : {d, e, -d, -e}) add(pose.r + end * axis + rim);
       break;
     }
-    case ShapeKind::ellipsoid: {
-      const Vec3<>& h = shape.half;
-      const Vec3<> m{h.x * dot(pose.R.x, n), h.y * dot(pose.R.y, n), h.z * dot(pose.R.z, n)};
-      add(pose * ((-1 / norm(m)) * Vec3<>{h.x * m.x, h.y * m.y, h.z * m.z}));
-      break;
-    }
+    case ShapeKind::ellipsoid: add(pose * convex::support_point(shape.convex, transpose(pose.R) * -n)); break;
     case ShapeKind::mesh:
       for (const Vec3<>& v : shape.convex.hull->vertices) add(pose * v);
       break;

@@ -46,9 +46,7 @@ void cylinder_face(const ContactShape& shape, const SE3<>& pose, const Vec3<>& n
   constexpr int rim_points = 8;
   const Vec3<>& axis = pose.R.z;
   const double along = dot(axis, n), sign = along < 0 ? -1 : 1;
-  const Vec3<> across = n - along * axis;
-  const double rho = norm(across);
-  const Vec3<> d = shape.radius * (rho > 1e-12 ? (1 / rho) * across : pose.R.x);
+  const Vec3<> d = shape.radius * convex::across(axis, n, pose.R.x);
   const Vec3<> half = shape.half_length * axis;
   if (std::abs(along) < std::numbers::sqrt2 / 2) {
     out.id = 2;
