@@ -46,4 +46,10 @@ class Unsaid {
   std::vector<Fault> faults_;
 };
 
+/// Whether a shape has friction or restitution of its own.
+inline bool has_surface(const ShapeDescription& shape) {
+  const ContactProperties& it = shape.contact;
+  return it.friction || it.spin_friction != 0 || it.rolling_friction != 0 || it.restitution != 0;
+}
+
 }  // namespace axode::io

@@ -251,6 +251,7 @@ void XmlReader::read_geometry(const XMLElement& e, ShapeDescription shape, const
   for (const XMLElement* given : children(*geometry)) {
     const auto kind = std::ranges::find(shape_kinds, std::string_view(given->Name()), &ShapeTraits::name);
     if (kind == shape_kinds.end()) continue;
+    if (kind->kind == ShapeKind::plane && !format_.values_are_elements) continue;  // URDF has none
     inspect(*given, owner);
     if (read_dimensions(*given, *kind, owner, shape)) shapes.push_back(shape);
   }
@@ -264,6 +265,12 @@ bool XmlReader::read_dimensions(const XMLElement& e, const ShapeTraits& kind, co
     shape.file = format_.values_are_elements ? required_text(e, "uri", owner) : name(e, "filename", owner);
     shape.scale = vector(e, "scale", owner, lenient_severity()).value_or(Vec3<>{1, 1, 1});
     return !shape.file.empty();
+  }
+  if (kind.kind == ShapeKind::plane) {
+    const Vec3<> normal = vector(e, "normal", owner, lenient_severity()).value_or(Vec3<>{0, 0, 1});
+    const double length = norm(normal);
+    if (length > 0) shape.pose.R = shape.pose.R * rotation_to((1 / length) * normal);
+    return length > 0;
   }
   bool complete = true;
   const auto is_there = [&](const std::string& key) {

@@ -18,7 +18,7 @@ Array = NDArray[np.float64]
 UNLIMITED = 1e10  # MuJoCo's largest number
 KINDS = {"mjJNT_FREE": "free", "mjJNT_BALL": "spherical", "mjJNT_SLIDE": "prismatic", "mjJNT_HINGE": "revolute"}
 SHAPES = {"mjGEOM_SPHERE": "sphere", "mjGEOM_CAPSULE": "capsule", "mjGEOM_ELLIPSOID": "ellipsoid",
-          "mjGEOM_CYLINDER": "cylinder", "mjGEOM_BOX": "box", "mjGEOM_MESH": "mesh"}
+          "mjGEOM_CYLINDER": "cylinder", "mjGEOM_BOX": "box", "mjGEOM_MESH": "mesh", "mjGEOM_PLANE": "plane"}
 #: Geoms of higher groups are not drawn unless one asks.
 VISIBLE_GROUPS = 3
 
@@ -275,8 +275,15 @@ class _Reader:
             if shape is not None and (not touches or m.geom_group[g] < VISIBLE_GROUPS):
                 found.append({"role": "visual", **shape})
             if shape is not None and touches:
-                found.append({"role": "collision", **shape})
+                found.append({"role": "collision", **shape, **self._friction(g)})
         return found
+
+    def _friction(self, g: int) -> dict[str, float]:
+        """The frictions that the dimension of the contacts of a geom lets act."""
+        sliding, spinning, rolling = map(float, self.m.geom_friction[g])
+        rows = int(self.m.geom_condim[g])
+        return {"friction": sliding if rows > 1 else 0.0, **({"spin_friction": spinning} if rows > 3 else {}),
+                **({"rolling_friction": rolling} if rows > 4 else {})}
 
     def _shape(self, g: int, kind: str) -> dict[str, Any] | None:
         m, size = self.m, self.m.geom_size[g]
@@ -296,7 +303,7 @@ class _Reader:
             shape["file"] = m.paths[m.mesh_pathadr[mesh]:].split(b"\0")[0].decode()
             shape["scale"] = _position(m.mesh_scale[mesh])
             C = C @ lie.inverse(_matrix(m.mesh_pos[mesh], m.mesh_quat[mesh]))  # which MuJoCo moved to its centre
-        else:
+        elif kind != "plane":
             shape["radius"] = float(size[0])
             if kind != "sphere":
                 shape["length"] = float(2 * size[1])

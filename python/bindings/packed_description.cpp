@@ -18,7 +18,7 @@ auto fields(Like<Source> auto& s) { return std::tie(s.file, s.line); }
 auto fields(Like<Fault> auto& f) { return std::tie(f.severity, f.rule, f.element, f.message, f.source); }
 auto fields(Like<Dof> auto& d) {
   return std::tie(d.lower, d.upper, d.velocity, d.effort, d.damping, d.friction, d.armature, d.stiffness,
-                  d.rest, d.stop_stiffness, d.stop_damping);
+                  d.rest, d.stop_stiffness, d.stop_damping, d.hard_stops, d.restitution);
 }
 auto fields(Like<Coupling> auto& c) { return std::tie(c.leader, c.ratio, c.offset); }
 auto fields(Like<JointDescription> auto& j) {
@@ -29,8 +29,12 @@ auto fields(Like<InConstructionFrame> auto& g) { return std::tie(g.A); }
 auto fields(Like<InBodyFrame> auto& g) { return std::tie(g.B); }
 auto fields(Like<InJointFrames> auto& g) { return std::tie(g.S_prev, g.S_self); }
 auto fields(Like<MassProperties> auto& m) { return std::tie(m.mass, m.com, m.Theta, m.in, m.about, m.axes); }
+auto fields(Like<ContactProperties> auto& c) {
+  return std::tie(c.friction, c.spin_friction, c.rolling_friction, c.restitution);
+}
 auto fields(Like<ShapeDescription> auto& s) {
-  return std::tie(s.role, s.name, s.kind, s.pose, s.size, s.radius, s.length, s.file, s.scale, s.color);
+  return std::tie(s.role, s.name, s.kind, s.pose, s.size, s.radius, s.length, s.file, s.scale, s.color,
+                  s.contact);
 }
 auto fields(Like<BodyDescription> auto& b) {
   return std::tie(b.name, b.predecessor, b.joint, b.geometry, b.inertia, b.shapes, b.source);
@@ -49,9 +53,12 @@ auto fields(Like<MotionDescription> auto& m) {
                   m.end, m.coefficients, m.times, m.values, m.source);
 }
 auto fields(Like<InitialStateDescription> auto& s) { return std::tie(s.q, s.v, s.source); }
+auto fields(Like<ContactDescription> auto& c) {
+  return std::tie(c.friction, c.margin, c.threshold, c.ignored, c.source);
+}
 auto fields(Like<Description> auto& d) {
   return std::tie(d.name, d.gravity, d.bodies, d.frames, d.shapes, d.springs, d.loops, d.couplings, d.motions,
-                  d.state, d.source, d.warnings);
+                  d.state, d.contact, d.source, d.warnings);
 }
 
 template <class T> struct Packing {

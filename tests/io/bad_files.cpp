@@ -107,7 +107,8 @@ TEST(BadFiles, ThoseThatAreOnlyDoubtfulAreLoadedWithTheSameFaultsAsWarnings) {
                                        "version_in_words.sdf",
                                        "limits_crossed.sdf",
                                        "mimic_of_unknown_joint.sdf",
-                                       "shape_without_size.sdf"};
+                                       "shape_without_size.sdf",
+                                       "collision_sphere_of_radius_0.toml"};
   for (const auto& entry : std::filesystem::directory_iterator(bad_folder())) {
     const std::string name = entry.path().filename().string();
     if (name == "expected.tsv") continue;

@@ -43,6 +43,10 @@ void expect_same_shapes(const std::vector<ShapeDescription>& one,
     EXPECT_EQ(one[k].name, other[k].name);
     EXPECT_EQ(one[k].file, other[k].file);
     EXPECT_EQ(one[k].color, other[k].color);
+    EXPECT_EQ(one[k].contact.friction, other[k].contact.friction);
+    EXPECT_EQ(one[k].contact.spin_friction, other[k].contact.spin_friction);
+    EXPECT_EQ(one[k].contact.rolling_friction, other[k].contact.rolling_friction);
+    EXPECT_EQ(one[k].contact.restitution, other[k].contact.restitution);
     EXPECT_EQ(one[k].radius, other[k].radius);
     EXPECT_EQ(one[k].length, other[k].length);
     EXPECT_EQ(norm(one[k].size - other[k].size), 0);
@@ -255,6 +259,28 @@ TEST(RoundTrip, ExamplesAndGoodFiles) {
   EXPECT_GE(count, 6);
 }
 
+TEST(RoundTrip, ContactIsReadAndWritten) {
+  const Model model = load(std::filesystem::path(AXODE_SOURCE_DIR) / "tests/data/good/contact.toml");
+  const Description& d = model.description();
+  ASSERT_TRUE(d.contact);
+  EXPECT_EQ(d.contact->friction, 0.4);
+  EXPECT_EQ(d.contact->margin, 0.005);
+  EXPECT_EQ(d.contact->threshold, 0.02);
+  EXPECT_THAT(d.contact->ignored, testing::ElementsAre(std::array<std::string, 2>{"puck", "ground"}));
+  EXPECT_EQ(d.shapes[0].kind, ShapeKind::plane);
+  EXPECT_EQ(d.shapes[0].contact.friction, 0.0);
+  EXPECT_EQ(d.bodies[0].shapes[0].contact.spin_friction, 0.002);
+  EXPECT_FALSE(d.bodies[1].shapes[0].contact.friction);
+  EXPECT_TRUE(d.bodies[0].joint.dof[0].hard_stops);
+  EXPECT_EQ(d.bodies[0].joint.dof[0].restitution, 0.3);
+  const Model again = read_back(test::drawing_of(model));
+  expect_same_shapes(d, again.description());
+  EXPECT_TRUE(again.description().bodies[0].joint.dof[0].hard_stops);
+  EXPECT_EQ(again.description().bodies[0].joint.dof[0].restitution, 0.3);
+  EXPECT_EQ(again.description().contact->ignored, d.contact->ignored);
+  EXPECT_EQ(again.description().contact->margin, 0.005);
+}
+
 TEST(RoundTrip, AHumanoidWithAFreeBase) {
   const auto file = std::filesystem::path(AXODE_SOURCE_DIR) / "examples/robots/humanoid.urdf";
   const Model model = load(file, Base::free);
@@ -286,6 +312,28 @@ TEST(Writers, AStrictUrdfNamesEverythingItCannotSayAndWritesNothing) {
     EXPECT_THAT(error.what(), Not(HasSubstr("cardan")));
   }
   EXPECT_EQ(out.str(), "");
+}
+
+TEST(Writers, ContactThatAFormatCannotSayIsLeftOutByName) {
+  const Model model = load(std::filesystem::path(AXODE_SOURCE_DIR) / "tests/data/good/contact.toml");
+  const auto left_out = [](const std::vector<Fault>& faults) {
+    std::string all;
+    for (const Fault& fault : faults) all += fault.element + ": " + fault.message + "\n";
+    return all;
+  };
+  std::ostringstream urdf, mjcf;
+  const std::string by_urdf = left_out(write_urdf(model, urdf)), by_mjcf = left_out(write_mjcf(model, mjcf));
+  for (const char* part : {"the ground: has a shape that is a plane",
+                           "body \"finger\": has a shape with friction or restitution",
+                           "joint \"finger_joint\": has hard stops", "contact: has friction"})
+    EXPECT_THAT(by_urdf, HasSubstr(part));
+  for (const char* part : {"body \"finger\": has a shape with the restitution 0.25",
+                           "joint \"finger_joint\": has hard stops", "contact: has a margin and a threshold",
+                           "contact: ignores bodies \"puck\" and \"ground\""})
+    EXPECT_THAT(by_mjcf, HasSubstr(part));
+  for (const char* part : {"type=\"plane\" size=\"0 0 1\"", "friction=\"0 0 0\"",
+                           "friction=\"0.9 0.002 0.001\" condim=\"6\"", "friction=\"0.4 0 0\""})
+    EXPECT_THAT(mjcf.str(), HasSubstr(part));
 }
 
 TEST(Writers, WhatAUrdfCannotSayIsLeftOutWithAWarningAndTheRestIsWritten) {

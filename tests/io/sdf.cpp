@@ -372,20 +372,26 @@ TEST(Sdf, ShapesAreKept) {
                shape("<capsule><radius>1</radius><length>2</length></capsule>") +
                shape("<ellipsoid><radii>1 2 3</radii></ellipsoid>") +
                shape("<mesh><uri>model://a/b.stl</uri><scale>1 2 3</scale></mesh>") +
-               "<collision name='c'><geometry><plane><normal>0 0 1</normal></plane></geometry></collision>") +
+               "<collision name='c'><geometry><plane><normal>0 2 0</normal><size>1 1</size></plane></geometry>"
+               "<surface><friction><ode><mu>0.7</mu></ode></friction>"
+               "<bounce><restitution_coefficient>0.2</restitution_coefficient></bounce></surface></collision>"
+               "<collision name='d'><geometry><polyline/></geometry></collision>") +
       link("b")));
   const std::vector<ShapeDescription>& shapes = model.description().bodies[0].shapes;
   std::vector<ShapeKind> kinds;
   for (const ShapeDescription& s : shapes) kinds.push_back(s.kind);
   EXPECT_THAT(kinds, ElementsAre(ShapeKind::box, ShapeKind::sphere, ShapeKind::cylinder, ShapeKind::capsule,
-                                 ShapeKind::ellipsoid, ShapeKind::mesh));
+                                 ShapeKind::ellipsoid, ShapeKind::mesh, ShapeKind::plane));
   EXPECT_EQ(norm(shapes[0].pose.r - Vec3<>{-1, 0, 1}), 0);
   EXPECT_THAT(*shapes[1].color, ElementsAre(0.1, 0.2, 0.3, 0.5));
   EXPECT_EQ(shapes[3].length, 2);
   EXPECT_EQ(norm(shapes[4].size - Vec3<>{1, 2, 3}), 0);
   EXPECT_EQ(shapes[5].file, "model://a/b.stl");
   EXPECT_EQ(shapes[5].scale.z, 3);
-  EXPECT_THAT(messages(model), ElementsAre(HasSubstr("<plane>")));
+  EXPECT_NEAR(norm(shapes[6].pose.R.z - Vec3<>{0, 1, 0}), 0, 1e-15);
+  EXPECT_EQ(*shapes[6].contact.friction, 0.7);
+  EXPECT_EQ(shapes[6].contact.restitution, 0.2);
+  EXPECT_THAT(messages(model), ElementsAre(HasSubstr("<polyline>")));
 }
 
 TEST(Sdf, WhatIsNotUnderstoodIsNamedOnce) {

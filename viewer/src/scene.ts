@@ -41,7 +41,7 @@ export interface Shape {
   pose: Pose;
   role: "visual" | "collision";
   name: string;
-  kind: "box" | "sphere" | "cylinder" | "capsule" | "ellipsoid" | "mesh" | "hull";
+  kind: "box" | "sphere" | "cylinder" | "capsule" | "ellipsoid" | "mesh" | "hull" | "plane";
   size: Vec3;
   radius: number;
   length: number;

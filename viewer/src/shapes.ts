@@ -41,6 +41,9 @@ function solidsFor(count: number): typeof fine {
   return count <= MANY ? fine : drawsOnProcessor() ? coarsest : coarse;
 }
 
+/** Length of the square that is drawn of a plane, m. */
+const PLANE = 10;
+
 const hulls = new WeakMap<Shape, BufferGeometry>();
 
 /** The convex hull of balls about points, with the normals of the balls, so that its edges look round. */
@@ -88,6 +91,8 @@ function pieces(shape: Shape, meshes: readonly Part[][], solid: typeof fine): { 
       return [scaled(tube, r, r, l), scaled(dome, r, r, r, l / 2), scaled(dome, r, -r, -r, -l / 2)];
     case "hull":
       return [scaled(hull(shape), 1, 1, 1)];
+    case "plane":
+      return [scaled(box, PLANE, PLANE, PLANE / 1000, -PLANE / 2000)];
     case "mesh":
       return (meshes[shape.mesh] ?? []).map(({ geometry, material, pose }) => ({
         geometry,
@@ -165,6 +170,7 @@ export function reach(scene: Scene, poses: readonly Matrix4[], meshes: readonly 
   const points: Vector3[] = [];
   const corner = new Vector3();
   for (const shape of scene.shapes) {
+    if (shape.kind === "plane") continue; // it has no end
     const pose = poses[shape.body].clone().multiply(matrixOf(shape.pose));
     for (const { geometry, local } of pieces(shape, meshes, coarse)) {
       if (!geometry.boundingBox) geometry.computeBoundingBox();

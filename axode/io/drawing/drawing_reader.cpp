@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "axode/io.hpp"
+#include "axode/io/drawing/drawing_contact.hpp"
 #include "axode/io/drawing/drawing_loops.hpp"
 #include "axode/io/drawing/drawing_motion.hpp"
 #include "axode/model/building/placement.hpp"
@@ -42,8 +43,8 @@ Way read_geometry(Table& table, BodyDescription& body) {
   return Way::construction;
 }
 
-constexpr std::array<std::string_view, 8> dof_keys{"limits",   "velocity", "effort", "damping",
-                                                   "friction", "armature", "spring", "stop"};
+constexpr std::array<std::string_view, 9> dof_keys{"limits",   "velocity", "effort", "damping",    "friction",
+                                                   "armature", "spring",   "stop",   "restitution"};
 
 /// Reads the table of a spring or of stops, which has the key `stiffness` and one other key.
 void read_elastic(Table& table, std::string_view what, double& stiffness, std::string_view key,
@@ -55,6 +56,17 @@ void read_elastic(Table& table, std::string_view what, double& stiffness, std::s
   stiffness = inner->number("stiffness").value_or(0);
   other = inner->number(key).value_or(0);
   inner->finish();
+}
+
+/// Reads the stops of a joint, which are elastic or hard.
+void read_stops(Table& table, Dof& dof) {
+  constexpr std::array<std::string_view, 1> hard{"hard"};
+  const toml::Value* stop = table.look("stop");
+  if (stop != nullptr && stop->text() != nullptr)
+    dof.hard_stops = table.choice("stop", hard).has_value();
+  else
+    read_elastic(table, "stop", dof.stop_stiffness, "damping", dof.stop_damping);
+  dof.restitution = table.number("restitution").value_or(0);
 }
 
 Dof read_dof(Table& table) {
@@ -69,7 +81,7 @@ Dof read_dof(Table& table) {
   dof.friction = table.number("friction").value_or(0);
   dof.armature = table.number("armature").value_or(0);
   read_elastic(table, "spring", dof.stiffness, "rest", dof.rest);
-  read_elastic(table, "stop", dof.stop_stiffness, "damping", dof.stop_damping);
+  read_stops(table, dof);
   return dof;
 }
 
@@ -270,6 +282,7 @@ std::optional<ShapeDescription> read_shape(Table& table, const std::string& owne
   }
   shape.pose = table.pose();
   shape.color = table.color("color");
+  read_surface(table, shape);
   if (given_kind) {
     const ShapeTraits& kind = traits(shape.kind = *given_kind);
     const std::string a_kind = "a " + std::string(kind.name);
@@ -380,6 +393,7 @@ void read_top(Table& top, Description& description) {
   read_all(top, "coupling", read_coupling, description.couplings);
   read_all(top, "motion", read_motion, description.motions);
   read_state(top, description.state);
+  read_contact(top, description);
   top.finish();
 }
 

@@ -83,20 +83,42 @@ std::optional<Vec3<>> Table::direction(std::string_view key) {
   return Vec3<>{k == 0 ? sign : 0, k == 1 ? sign : 0, k == 2 ? sign : 0};
 }
 
+std::optional<std::array<std::string, 2>> Table::two_names(const toml::Value& value) {
+  const auto* array = value.array();
+  std::array<std::string, 2> names;
+  if (array == nullptr || array->size() != 2) return std::nullopt;
+  for (std::size_t k = 0; k < 2; ++k) {
+    const std::string* name = (*array)[k]->text();
+    if (name == nullptr || !printable(*name) || name->empty()) return std::nullopt;
+    names[k] = *name;
+  }
+  return names;
+}
+
 std::optional<std::array<std::string, 2>> Table::pair_of_names(std::string_view key, std::string_view need) {
   const toml::Value* node = take(key);
   if (node == nullptr) return std::nullopt;
-  const auto* array = node->array();
-  std::array<std::string, 2> names;
-  bool good = array != nullptr && array->size() == 2;
-  for (std::size_t k = 0; good && k < 2; ++k) {
-    const std::string* name = (*array)[k]->text();
-    good = name != nullptr && printable(*name) && !name->empty();
-    if (good) names[k] = *name;
+  auto names = two_names(*node);
+  if (!names) wrong(key, *node, need);
+  return names;
+}
+
+std::vector<std::array<std::string, 2>> Table::pairs_of_names(std::string_view key, std::string_view need) {
+  const toml::Value* node = take(key);
+  if (node == nullptr) return {};
+  std::vector<std::array<std::string, 2>> pairs;
+  if (node->array() == nullptr) {
+    wrong(key, *node, need);
+    return pairs;
   }
-  if (good) return names;
-  wrong(key, *node, need);
-  return std::nullopt;
+  for (const toml::Value* entry : *node->array()) {
+    if (auto names = two_names(*entry))
+      pairs.push_back(std::move(*names));
+    else
+      error(Rule::wrong_value, std::string(key) + " holds " + shown(*entry) + "; " + std::string(need),
+            entry);
+  }
+  return pairs;
 }
 
 std::vector<std::pair<std::string, double>> Table::named_numbers(std::string_view key) {

@@ -133,6 +133,8 @@ class Table {
   }
   /// An array of two names.
   std::optional<std::array<std::string, 2>> pair_of_names(std::string_view key, std::string_view need);
+  /// An array of arrays of two names; empty if the key is absent.
+  std::vector<std::array<std::string, 2>> pairs_of_names(std::string_view key, std::string_view need);
   /// All keys of a table, with the number of each.
   std::vector<std::pair<std::string, double>> named_numbers(std::string_view key);
   /// The numbers of an array of any length. Its numbers are finite.
@@ -174,6 +176,7 @@ class Table {
     }
     return Found::good;
   }
+  static std::optional<std::array<std::string, 2>> two_names(const toml::Value& value);
   bool finite(std::string_view key, const toml::Value& at, double x, bool may_be_infinite) const;
 
   Notes notes_;

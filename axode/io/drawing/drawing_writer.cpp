@@ -82,6 +82,7 @@ class DrawingWriter {
     for (const CouplingDescription& coupling : d.couplings) write(coupling);
     for (const MotionDescription& motion : d.motions) write(motion);
     if (d.state) write(*d.state);
+    if (d.contact) write(*d.contact);
   }
 
  private:
@@ -114,6 +115,24 @@ class DrawingWriter {
     if (const auto& c = shape.color)
       line("color",
            "[" + text((*c)[0]) + ", " + text((*c)[1]) + ", " + text((*c)[2]) + ", " + text((*c)[3]) + "]");
+    if (shape.role == ShapeDescription::Role::collision) write(shape.contact);
+  }
+
+  void write(const ContactProperties& contact) {
+    if (contact.friction) line("friction", text(*contact.friction));
+    if (contact.spin_friction != 0) line("spin_friction", text(contact.spin_friction));
+    if (contact.rolling_friction != 0) line("rolling_friction", text(contact.rolling_friction));
+    if (contact.restitution != 0) line("restitution", text(contact.restitution));
+  }
+  void write(const ContactDescription& contact) {
+    out_ << "\n[contact]\n";
+    line("friction", text(contact.friction));
+    line("margin", text(contact.margin));
+    line("threshold", text(contact.threshold));
+    if (contact.ignored.empty()) return;
+    std::string pairs;
+    for (const auto& pair : contact.ignored) pairs += (pairs.empty() ? "" : ", ") + both(pair);
+    line("ignored", "[" + pairs + "]");
   }
 
   void write(const SE3<>& pose) {
@@ -182,6 +201,8 @@ class DrawingWriter {
       all.emplace_back("spring", pair(dof.stiffness, "rest", dof.rest));
     if (dof.stop_stiffness != 0 || dof.stop_damping != 0)
       all.emplace_back("stop", pair(dof.stop_stiffness, "damping", dof.stop_damping));
+    if (dof.hard_stops) all.emplace_back("stop", text("hard"));
+    if (dof.restitution != 0) all.emplace_back("restitution", text(dof.restitution));
     return all;
   }
 

@@ -9,6 +9,7 @@
 #include "axode/model/building/placement.hpp"
 #include "axode/model/joint_kinds.hpp"
 #include "axode/model/loops.hpp"
+#include "axode/model/shape_kinds.hpp"
 
 namespace axode::io::mjcf {
 namespace {
@@ -44,7 +45,8 @@ std::vector<Dof> said(const JointDescription& joint) {
       });
   for (std::size_t k = 0; k < all.size(); ++k) {
     Dof& dof = all[k];
-    dof.stop_stiffness = dof.stop_damping = 0;
+    dof.stop_stiffness = dof.stop_damping = dof.restitution = 0;
+    dof.hard_stops = false;
     dof.velocity = std::numeric_limits<double>::infinity();
     if (!(dof.effort > 0) || (all.size() > 1 && !planar)) dof.effort = dof.velocity;
     if (all.size() == 1) continue;
@@ -68,6 +70,7 @@ void joint_unsaid(const JointDescription& joint, const std::string& element, con
   };
   const std::string several = joint.dof.size() > 1 ? " in degrees of freedom that differ" : "";
   check(&Dof::stop_stiffness, "has elastic stops");
+  if (std::ranges::any_of(joint.dof, &Dof::hard_stops)) unsaid.leave_out(element, "has hard stops", source);
   check(&Dof::velocity, "has a largest velocity");
   check(&Dof::effort, "has a largest force that is 0 or of several degrees of freedom");
   check(&Dof::lower, "has a lower limit and several degrees of freedom");
@@ -80,15 +83,54 @@ void joint_unsaid(const JointDescription& joint, const std::string& element, con
                              : "is " + std::string(to_string(joint.kind)) + " and has a spring");
 }
 
-void shapes_unsaid(const std::vector<ShapeDescription>& shapes, const std::string& owner,
+void shapes_unsaid(const std::vector<ShapeDescription>& shapes, const std::string& owner, bool on_ground,
                    const Source& source, Unsaid& unsaid) {
-  for (const ShapeDescription& shape : shapes)
-    if (!has_words_for(shape))
+  for (const ShapeDescription& shape : shapes) {
+    if (shape.contact.restitution != 0)
+      unsaid.leave_out(owner, "has a shape with the restitution " + to_text(shape.contact.restitution),
+                       source);
+    if (has_words_for(shape, on_ground)) continue;
+    if (shape.kind == ShapeKind::plane)
+      unsaid.leave_out(owner, "has a plane, which MuJoCo knows on the world alone", source);
+    else
       unsaid.leave_out(owner, "has a mesh of " + shape.file + ", which MuJoCo does not open", source);
+  }
 }
 
-bool has_words_for(const ShapeDescription& shape) {
+void contact_unsaid(const std::optional<ContactDescription>& contact, Unsaid& unsaid) {
+  if (!contact) return;
+  unsaid.leave_out("contact", "has a margin and a threshold", contact->source);
+  for (const auto& [one, other] : contact->ignored)
+    unsaid.leave_out("contact", "ignores bodies \"" + one + "\" and \"" + other + '"', contact->source);
+}
+
+bool has_words_for(const ShapeDescription& shape, bool on_ground) {
+  if (shape.kind == ShapeKind::plane) return on_ground;
   return shape.kind != ShapeKind::mesh || opens(shape.file);
+}
+
+std::string size_text(const ShapeDescription& shape) {
+  const bool ball =
+      shape.kind == ShapeKind::sphere || (shape.kind == ShapeKind::capsule && shape.length == 0);
+  const auto with = [](std::string_view type, const std::string& size) {
+    return attribute("type", std::string(type)) + attribute("size", size);
+  };
+  if (ball) return with("sphere", text(shape.radius));
+  if (shape.kind == ShapeKind::box) return with("box", text(0.5 * shape.size));
+  if (shape.kind == ShapeKind::ellipsoid) return with("ellipsoid", text(shape.size));
+  if (shape.kind == ShapeKind::plane) return with("plane", "0 0 1");  // without bounds; the last draws a grid
+  return with(to_string(shape.kind), text(shape.radius) + " " + text(0.5 * shape.length));
+}
+
+std::string friction_text(const ShapeDescription& shape, const std::optional<ContactDescription>& contact) {
+  const ContactProperties& it = shape.contact;
+  const bool rolling = it.rolling_friction != 0, spinning = it.spin_friction != 0;
+  if (shape.role == ShapeDescription::Role::visual) return "";
+  const double sliding = it.friction.value_or(contact.value_or(ContactDescription{}).friction);
+  const std::string rows = rolling ? attribute("condim", "6") : spinning ? attribute("condim", "4") : "";
+  return attribute("friction",
+                   text(sliding) + " " + text(it.spin_friction) + " " + text(it.rolling_friction)) +
+         rows;
 }
 
 std::string attribute(const char* name, const std::string& value) {

@@ -1,4 +1,5 @@
 #pragma once
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -22,12 +23,18 @@ bool in_mjcf(LoopKind kind);
 /// but the two slides of a planar joint share losses, armature and effort; a ball or free joint has one set
 /// of numbers for all. Numbers that MJCF cannot express are 0 or infinite.
 std::vector<Dof> said(const JointDescription& joint);
-bool has_words_for(const ShapeDescription& shape);
+/// Whether MJCF can express a shape of the ground or of a body.
+bool has_words_for(const ShapeDescription& shape, bool on_ground);
+/// The attributes of a geom for the size of a shape that is no mesh, with its type, and for its friction.
+/// Coefficients of sliding friction that the shape does not have are those of `contact`.
+std::string size_text(const ShapeDescription& shape);
+std::string friction_text(const ShapeDescription& shape, const std::optional<ContactDescription>& contact);
 
 /// These add the properties of a joint and of shapes that MJCF cannot express to `unsaid`.
 void joint_unsaid(const JointDescription& joint, const std::string& element, const Source& source,
                   Unsaid& unsaid);
-void shapes_unsaid(const std::vector<ShapeDescription>& shapes, const std::string& owner,
+void shapes_unsaid(const std::vector<ShapeDescription>& shapes, const std::string& owner, bool on_ground,
                    const Source& source, Unsaid& unsaid);
+void contact_unsaid(const std::optional<ContactDescription>& contact, Unsaid& unsaid);
 
 }  // namespace axode::io::mjcf

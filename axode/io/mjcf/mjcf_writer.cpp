@@ -18,7 +18,8 @@ namespace axode {
 namespace {
 
 using io::mjcf::attribute, io::mjcf::has_words_for, io::mjcf::inertial_element, io::mjcf::pose_text,
-    io::mjcf::unless_zero, io::mjcf::in_mjcf, io::mjcf::joint_unsaid, io::mjcf::said, io::mjcf::shapes_unsaid;
+    io::mjcf::unless_zero, io::mjcf::in_mjcf, io::mjcf::joint_unsaid, io::mjcf::said, io::mjcf::shapes_unsaid,
+    io::mjcf::contact_unsaid, io::mjcf::size_text, io::mjcf::friction_text;
 using io::xml::text;
 
 /// The largest limit that is written. MuJoCo treats larger numbers as errors.
@@ -76,7 +77,7 @@ class MjcfWriter {
     if (has_passive_joints()) write_motors();
 
     std::ostringstream bodies;
-    write_shapes(bodies, "    ", d_.shapes);
+    write_shapes(bodies, "    ", d_.shapes, /*on_ground=*/true);
     write_sites(bodies, "    ", "ground");
     for (const int i : roots_) write_tree(bodies, i);
 
@@ -170,7 +171,8 @@ class MjcfWriter {
   void find_faults() {
     unsaid_.leave_out_motions(d_);
     const std::vector<char> has_mass = with_mass();
-    shapes_unsaid(d_.shapes, "the ground", d_.source, unsaid_);
+    shapes_unsaid(d_.shapes, "the ground", true, d_.source, unsaid_);
+    contact_unsaid(d_.contact, unsaid_);
     for (const int i : order_.order) {
       const BodyDescription& body = d_.bodies[i];
       const JointDescription& joint = body.joint;
@@ -189,7 +191,7 @@ class MjcfWriter {
         unsaid_.refuse(its_body, "has an inertia that no density can produce; MuJoCo refuses it",
                        body.source);
       joint_unsaid(joint, element, source, unsaid_);
-      shapes_unsaid(body.shapes, its_body, body.source, unsaid_);
+      shapes_unsaid(body.shapes, its_body, false, body.source, unsaid_);
     }
     if (has_passive_joints() &&
         std::ranges::none_of(d_.bodies, [&](const BodyDescription& body) { return has_drive(body.joint); }))
@@ -246,7 +248,7 @@ class MjcfWriter {
         << ">\n";
     for (const Moves& it : inherited_[i]) write_joint(out, inner, d_.bodies[it.body].joint, it.frame);
     if (body.inertia) out << inner << inertial_element(*body.inertia, at_[i].A);
-    write_shapes(out, inner, body.shapes);
+    write_shapes(out, inner, body.shapes, false);
     write_sites(out, inner, body.name);
   }
 
@@ -281,26 +283,17 @@ class MjcfWriter {
 
   // ---------------------------------------------------------------- shapes and frames
 
-  void write_shapes(std::ostream& out, const std::string& indent,
-                    const std::vector<ShapeDescription>& shapes) {
+  void write_shapes(std::ostream& out, const std::string& indent, const std::vector<ShapeDescription>& shapes,
+                    bool on_ground) {
     for (const ShapeDescription& shape : shapes) {
-      if (!has_words_for(shape)) continue;
-      const bool mesh = shape.kind == ShapeKind::mesh;
-      const bool ball =
-          shape.kind == ShapeKind::sphere || (shape.kind == ShapeKind::capsule && shape.length == 0);
+      if (!has_words_for(shape, on_ground)) continue;
       out << indent << "<geom";
       if (!shape.name.empty()) out << attribute("name", text(geom_names_.free(shape.name)));
-      out << attribute("type", ball ? "sphere" : std::string(to_string(shape.kind)));
-      if (mesh) {
-        out << attribute("mesh", text(asset(shape)));
-      } else if (shape.kind == ShapeKind::box) {
-        out << attribute("size", text(0.5 * shape.size));
-      } else if (shape.kind == ShapeKind::ellipsoid) {
-        out << attribute("size", text(shape.size));
-      } else {
-        out << attribute("size", text(shape.radius) + (ball ? "" : " " + text(0.5 * shape.length)));
-      }
-      out << pose_text(shape.pose);
+      if (shape.kind == ShapeKind::mesh)
+        out << attribute("type", "mesh") << attribute("mesh", text(asset(shape)));
+      else
+        out << size_text(shape);
+      out << pose_text(shape.pose) << friction_text(shape, d_.contact);
       if (const auto& c = shape.color)
         out << attribute("rgba",
                          text((*c)[0]) + " " + text((*c)[1]) + " " + text((*c)[2]) + " " + text((*c)[3]));

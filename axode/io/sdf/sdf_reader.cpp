@@ -18,7 +18,7 @@ constexpr double infinity = std::numeric_limits<double>::infinity();
 constexpr std::size_t longest_path = 1000;
 
 std::span<const Grammar> sdf_grammar() {
-  static const std::array<Grammar, 22> all{{
+  static const std::array<Grammar, 27> all{{
       {"sdf", {"version"}, {}, {"world", "model"}},
       {"world", {"name"}, {"gravity"}, {"model", "frame", "joint", "include"}},
       {"model",
@@ -30,8 +30,13 @@ std::span<const Grammar> sdf_grammar() {
       {"inertial", {"auto"}, {"mass", "pose", "inertia"}},
       {"inertia", {}, {"ixx", "ixy", "ixz", "iyy", "iyz", "izz"}},
       {"visual", {"name"}, {"pose", "geometry", "material", "transparency"}},
-      {"collision", {"name"}, {"pose", "geometry"}},
-      {"geometry", {}, {"box", "sphere", "cylinder", "capsule", "ellipsoid", "mesh", "empty"}},
+      {"collision", {"name"}, {"pose", "geometry", "surface"}},
+      {"surface", {}, {"friction", "bounce"}},
+      {"friction", {}, {"ode"}},
+      {"ode", {}, {"mu"}},
+      {"bounce", {}, {"restitution_coefficient"}},
+      {"geometry", {}, {"box", "sphere", "cylinder", "capsule", "ellipsoid", "plane", "mesh", "empty"}},
+      {"plane", {}, {"normal", "size"}},
       {"box", {}, {"size"}},
       {"sphere", {}, {"radius"}},
       {"cylinder", {}, {"radius", "length"}},
@@ -342,8 +347,20 @@ class SdfReader : SdfMechanism {
     inspect(e, owner);
     const Pose given = pose(e, owner);
     ShapeDescription shape{.role = role, .pose = given.X, .color = read_color(e, owner)};
+    if (role == ShapeDescription::Role::collision) read_surface(e, owner, shape.contact);
     read_geometry(e, std::move(shape), owner, link.body.shapes);
     link.shape_frames.resize(link.body.shapes.size(), given.relative_to);
+  }
+
+  /// Reads the coefficients of friction and restitution of a collision element.
+  void read_surface(const XMLElement& e, const std::string& owner, ContactProperties& contact) {
+    const XMLElement* surface = child_of(e, "surface", owner);
+    if (surface == nullptr) return;
+    const XMLElement* friction = child_of(*surface, "friction", owner);
+    const XMLElement* ode = friction == nullptr ? nullptr : child_of(*friction, "ode", owner);
+    if (ode != nullptr && value(*ode, "mu")) contact.friction = scalar(*ode, "mu", owner, 0);
+    if (const XMLElement* bounce = child_of(*surface, "bounce", owner))
+      contact.restitution = scalar(*bounce, "restitution_coefficient", owner, 0);
   }
 
   std::optional<std::array<double, 4>> read_color(const XMLElement& e, const std::string& owner) {

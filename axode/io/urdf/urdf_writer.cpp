@@ -56,9 +56,14 @@ void find_unsaid(const Description& d, io::Unsaid& unsaid) {
                      d.source);
   const auto shapes = [&](const std::vector<ShapeDescription>& all, const std::string& owner,
                           const Source& source) {
-    for (const ShapeDescription& shape : all)
+    for (const ShapeDescription& shape : all) {
+      const std::string article = shape.kind == ShapeKind::ellipsoid ? "an " : "a ";
       if (!traits(shape.kind).in_urdf)
-        unsaid.leave_out(owner, "has a shape that is an " + std::string(to_string(shape.kind)), source);
+        unsaid.leave_out(owner, "has a shape that is " + article + std::string(to_string(shape.kind)),
+                         source);
+      else if (io::has_surface(shape))
+        unsaid.leave_out(owner, "has a shape with friction or restitution", source);
+    }
   };
   shapes(d.shapes, "the ground", d.source);
   for (const BodyDescription& body : d.bodies) {
@@ -75,6 +80,8 @@ void find_unsaid(const Description& d, io::Unsaid& unsaid) {
       unsaid.leave_out(element, "has a spring", source);
     if (std::ranges::any_of(joint.dof, [](const Dof& dof) { return dof.stop_stiffness != 0; }))
       unsaid.leave_out(element, "has elastic stops", source);
+    if (std::ranges::any_of(joint.dof, [](const Dof& dof) { return dof.hard_stops; }))
+      unsaid.leave_out(element, "has hard stops", source);
     const bool closed = !(d.loops.empty() && d.couplings.empty());
     if (closed && joint.kind != JointKind::free && is_passive(joint, d))
       unsaid.leave_out(element, "is passive", source);
@@ -95,6 +102,9 @@ void find_unsaid(const Description& d, io::Unsaid& unsaid) {
         "is one of the coordinates of " + std::to_string(d.couplings[k].terms.size()) + " joints",
         d.couplings[k].source);
   unsaid.leave_out_motions(d);
+  if (d.contact)
+    unsaid.leave_out("contact", "has friction, a margin, a threshold and ignored pairs of bodies",
+                     d.contact->source);
 }
 
 class UrdfWriter {

@@ -88,6 +88,10 @@ void mount(LoopDescription& loop, const Mount& at) {
     loop.between[k] = at.place(loop.between[k]);
   }
 }
+void mount(ContactDescription& contact, const Mount& at) {
+  for (auto& pair : contact.ignored)
+    for (std::string& body : pair) body = at.place(body);
+}
 void mount(CouplingDescription& coupling, const Mount& at) {
   for (auto& [joint, factor] : coupling.terms) joint = at.renamed(joint);
 }
@@ -107,6 +111,18 @@ template <class Part> void mount_all(std::vector<Part>& parts, const Mount& at, 
     mount(part, at);
     into.push_back(std::move(part));
   }
+}
+
+/// Adds the ignored pairs of a mounted mechanism. The other numbers are those of the first mechanism that has
+/// some.
+void mount_contact(std::optional<ContactDescription>& contact, const Mount& at,
+                   std::optional<ContactDescription>& into) {
+  if (!contact) return;
+  mount(*contact, at);
+  if (into)
+    into->ignored.insert(into->ignored.end(), contact->ignored.begin(), contact->ignored.end());
+  else
+    into = std::move(contact);
 }
 
 /// Names loops and couplings that have no name, because the default names depend on how many precede.
@@ -188,6 +204,7 @@ Model append(const Model& model, std::string_view frame, const Model& other, std
   mount_all(mounted.couplings, at, description.couplings);
   mount_all(mounted.motions, at, description.motions);
   if (mounted.state) mount(*mounted.state, at, description.state);
+  mount_contact(mounted.contact, at, description.contact);
   description.warnings.insert(description.warnings.end(), mounted.warnings.begin(), mounted.warnings.end());
   return built(std::move(description));
 }

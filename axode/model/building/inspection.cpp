@@ -50,6 +50,7 @@ class Inspection {
     couplings();
     if (!description_.motions.empty()) motions();
     if (description_.state) state(*description_.state);
+    if (description_.contact) contact(*description_.contact);
     return std::move(faults_.all);
   }
 
@@ -75,6 +76,20 @@ class Inspection {
     names.insert(names.end(), taken_.begin(), taken_.end());
     std::ranges::sort(names);
     return nearest(name, names, [](std::string_view n) { return n; });
+  }
+
+  void contact(const ContactDescription& it) {
+    const FaultySubject at{faults_, "contact", it.source};
+    check_contact(at, it);
+    for (const auto& pair : it.ignored) {
+      for (const std::string& name : pair)
+        if (name != "ground" && !bodies_.contains(name))
+          at.error(Rule::unknown_frame_body,
+                   "ignores body " + quoted(name) + ", which is not described" + nearest_body(name, ""));
+      if (pair[0] == pair[1])
+        at.error(Rule::wrong_value,
+                 "ignores " + quoted(pair[0]) + " and itself; shapes on one body do not touch anyway");
+    }
   }
 
   void names() {

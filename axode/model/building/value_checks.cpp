@@ -48,16 +48,27 @@ void angle_limits(const FaultySubject& at, const Dof& dof) {
                                            in_radians(dof.lower) + " and " + in_radians(dof.upper) + " rad");
 }
 
-void not_negative(const FaultySubject& at, std::initializer_list<std::pair<const char*, double>> values) {
+void not_negative(const FaultySubject& at, std::initializer_list<std::pair<std::string, double>> values) {
   for (const auto& [what, value] : values)
     if (value < 0)
-      at.error(Rule::negative_value,
-               std::string(what) + " is " + to_text(value) + "; it must not be negative");
+      at.error(Rule::negative_value, what + " is " + to_text(value) + "; it must not be negative");
+}
+
+void is_restitution(const FaultySubject& at, const std::string& what, double value) {
+  if (value < 0 || value > 1)
+    at.error(Rule::wrong_value, what + " is " + to_text(value) + "; it must be between 0 and 1");
 }
 
 /// Checks that a joint can have its spring and stops.
 void springs(const FaultySubject& at, const JointDescription& joint, const Dof& dof) {
-  const bool stops = dof.stop_stiffness != 0 || dof.stop_damping != 0;
+  const bool elastic = dof.stop_stiffness != 0 || dof.stop_damping != 0;
+  const bool stops = elastic || dof.hard_stops;
+  if (elastic && dof.hard_stops)
+    at.error(Rule::wrong_value, "has stops that are hard and elastic; choose one of both");
+  if (dof.restitution != 0 && !dof.hard_stops)
+    at.error(Rule::wrong_value,
+             "has a restitution of " + to_text(dof.restitution) + " but no hard stops; only these have one");
+  is_restitution(at, "restitution of the stops", dof.restitution);
   const int velocities = with_subgroup(traits(joint.kind).subgroup, 0.0, [](const auto& s) { return s.nv; });
   const std::string a_kind =
       "a " + std::string(to_string(joint.kind)) + " joint has several velocities that move together";
@@ -108,7 +119,8 @@ bool check_numbers(const BodyDescription& body, FaultCollector& faults) {
     need(!std::isnan(dof.velocity) && !std::isnan(dof.effort), in_joint, "a limit");
     need(finite(dof.damping) && finite(dof.friction) && finite(dof.armature), in_joint,
          "damping, friction or armature");
-    need(finite(dof.stiffness) && finite(dof.rest) && finite(dof.stop_stiffness) && finite(dof.stop_damping),
+    need(finite(dof.stiffness) && finite(dof.rest) && finite(dof.stop_stiffness) &&
+             finite(dof.stop_damping) && finite(dof.restitution),
          in_joint, "a spring or stop");
   }
   if (joint.coupling)
@@ -146,7 +158,16 @@ bool check_shape(const FaultySubject& at, const ShapeDescription& it) {
   need(finite(it.radius) && finite(it.length), "size");
   need(finite(it.scale), "scale");
   for (const double x : it.color.value_or(std::array<double, 4>{})) need(finite(x), "color");
+  const ContactProperties& contact = it.contact;
+  need(finite(contact.friction.value_or(0)) && finite(contact.spin_friction) &&
+           finite(contact.rolling_friction),
+       "friction");
+  need(finite(contact.restitution), "restitution");
   if (!good) return false;
+  not_negative(at, {{"the friction" + of_it, contact.friction.value_or(0)},
+                    {"the friction against spinning" + of_it, contact.spin_friction},
+                    {"the friction against rolling" + of_it, contact.rolling_friction}});
+  is_restitution(at, "the restitution" + of_it, contact.restitution);
   const auto positive = [&](std::string_view what, double x, bool may_be_zero = false) {
     if (x < 0 || (x == 0 && !may_be_zero))
       at.report_lenient(Rule::wrong_value,
@@ -332,6 +353,13 @@ void check_joint_state(const FaultySubject& at, const char* what, const JointDes
   if (!(std::abs(norm - 1) <= rotation_tolerance))
     at.error(Rule::not_a_rotation, says + " has a quaternion of norm " + to_text(norm) +
                                        "; it must be 1 to 1e-6, and its order is x, y, z, w");
+}
+
+void check_contact(const FaultySubject& at, const ContactDescription& contact) {
+  if (!finite(contact.friction) || !finite(contact.margin) || !finite(contact.threshold))
+    return at.error(Rule::non_finite_number, "friction, margin or threshold is not finite");
+  not_negative(
+      at, {{"friction", contact.friction}, {"margin", contact.margin}, {"threshold", contact.threshold}});
 }
 
 }  // namespace axode

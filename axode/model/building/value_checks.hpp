@@ -49,7 +49,7 @@ struct FaultySubject {
 bool check_pose(const FaultySubject& at, const std::string& what, const SE3<>& C);
 bool check_shape(const FaultySubject& at, const ShapeDescription& shape);
 bool check_numbers(const BodyDescription& body, FaultCollector& faults);
-/// These check elements whose numbers are finite, except that loops, springs and motions may have any
+/// These check elements whose numbers are finite, except that loops, springs, motions and contact may have any
 /// numbers.
 void check_joint(const BodyDescription& body, FaultCollector& faults);
 void check_inertia(const BodyDescription& body, FaultCollector& faults);
@@ -59,5 +59,6 @@ void check_motion(const FaultySubject& at, const MotionDescription& motion);
 /// Checks the coordinates or velocities of a joint in an initial state, where they are called `what`.
 void check_joint_state(const FaultySubject& at, const char* what, const JointDescription& joint,
                        std::span<const double> numbers, bool positions);
+void check_contact(const FaultySubject& at, const ContactDescription& contact);
 
 }  // namespace axode
