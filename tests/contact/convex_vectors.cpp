@@ -10,8 +10,6 @@
 namespace axode::test {
 namespace {
 
-constexpr double infinity = std::numeric_limits<double>::infinity();
-
 /// The shapes and pairs of one file.
 struct ConvexPairs {
   std::vector<Hull> hulls;

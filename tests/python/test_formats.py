@@ -441,6 +441,9 @@ def test_loops_are_written_as_points_that_meet():
 
 # ---------------------------------------------------------------- shapes
 
+#: The friction of collision shapes that have none of their own.
+FRICTION = 0.6
+
 SHAPES = [{"kind": "box", "size": [1, 2, 3], "name": "crate", "color": [1, 0.5, 0.25, 1], "position": [1, 2, 3],
            "rpy": [0.1, 0.2, 0.3]},
           {"kind": "sphere", "radius": 0.5, "role": "collision", "color": [0, 0, 0, 1]},
@@ -470,11 +473,12 @@ def assert_same_shapes(one, other):
         return [*d.get("shape", []), *d["body"][0]["shape"]]
     assert len(rows(one)) == len(rows(other))
     for x, y in zip(rows(one), rows(other)):
-        assert x.keys() - {"name", "rotation"} == y.keys() - {"name", "rotation"}
+        assert x.keys() - {"name", "rotation", "friction"} == y.keys() - {"name", "rotation", "friction"}
+        assert x.get("friction", FRICTION) == y.get("friction", FRICTION)
         for key, value in x.items():
             if key in ("kind", "role", "file"):
                 assert y[key] == value
-            elif key != "name":
+            elif key not in ("name", "friction"):
                 assert close(y.get(key, np.eye(3)), value, 1e-12)
 
 
@@ -487,6 +491,16 @@ def test_shapes_come_back(tmp_path):
     tetrahedron(tmp_path / "tetrahedron.stl")
     (tmp_path / "m.xml").write_text(axode.mjcf(m))
     assert_same_shapes(m, axode.load("m.xml"))
+
+
+def test_planes_and_friction_of_geoms_are_read():
+    there = compiled('<mujoco><worldbody><geom type="plane" size="0 0 1" zaxis="0 1 0" friction="0.8"/>'
+                     '<body name="b"><freejoint/><geom size="0.1" friction="0.5 0.02 0.01" condim="4"/></body></worldbody></mujoco>')
+    m = convert.model_from_mujoco(there).to_dict()
+    plane, ball = m["shape"][-1], m["body"][0]["shape"][-1]
+    assert (plane["kind"], plane["role"], plane["friction"]) == ("plane", "collision", 0.8)
+    assert close(np.array(plane["rotation"])[:, 2], [0, 1, 0])
+    assert (ball["friction"], ball["spin_friction"], ball.get("rolling_friction", 0)) == (0.5, 0.02, 0)
 
 
 def test_what_touches_and_is_seen_is_both():
