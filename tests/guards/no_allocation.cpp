@@ -3,6 +3,7 @@
 #include <cerrno>
 #include <cstdlib>
 
+#include "tests/contact/two_shapes.hpp"
 #include "tests/laws/law.hpp"
 #include "tests/support/functions.hpp"
 
@@ -168,6 +169,32 @@ TEST_P(NoAllocationBeside, InFactorsFormsInTwistsAndSpatialMomentaAndLinearSyste
       counted([&] { return linearize(model, workspace, at.q, at.v, at.tau, {A, B}, loads); });
     });
   });
+}
+
+TEST(NoAllocation, InContactPointsAndDistances) {
+  Random<double> random(1);
+  std::vector<ShapeDescription> all{collision_shape(ShapeKind::plane, {}, 0, 0)};
+  for (const ShapeKind kind : bounded_kinds)
+    for (int k = 0; k < 4; ++k) all.push_back(random_collision_shape(random, kind));
+  const Model model = free_bodies(all);
+  ContactFinder finder{ContactShapes(model)};
+  Distances distances(model);
+  std::vector<double> J(distances.shapes().pairs().size() * static_cast<std::size_t>(model.nv()));
+  std::size_t touching = 0;
+  for (int seed = 1; seed <= 20; ++seed) {
+    const std::vector<double> q = random_configurations(model, static_cast<std::uint64_t>(seed), 1);
+    WithScratch<double, BodyPoses<double>> poses(model.topology());
+    poses->run(model.tree<double>(), q.data());
+    const std::span<const SE3<>> C(&(*poses)[0], static_cast<std::size_t>(model.n_bodies()) + 1);
+    EXPECT_EQ(memory_operations([&] { touching += finder.find(C, 0.01) ? finder.points().size() : 0; }), 0);
+    EXPECT_EQ(memory_operations([&] { static_cast<void>(distances.evaluate(q)); }), 0);
+    EXPECT_EQ(memory_operations([&] {
+                distances.jacobian(
+                    std::span(J).first(distances.found().size() * static_cast<std::size_t>(model.nv())));
+              }),
+              0);
+  }
+  EXPECT_GT(touching, 100U);
 }
 
 }  // namespace
