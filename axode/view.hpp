@@ -1,5 +1,6 @@
 #pragma once
 #include "axode/view/mesh_file.hpp"
+#include "axode/view/mesh_hull.hpp"
 #include "axode/view/scene.hpp"
 
-/// Pages for a browser that show mechanisms and their motions.
+/// Pages for a browser that show mechanisms and their motions; files of meshes, and their hulls for contacts.

@@ -37,9 +37,11 @@ install(FILES ${PROJECT_BINARY_DIR}/axode-config.cmake ${PROJECT_BINARY_DIR}/axo
 
 # Who links to static libraries needs their private dependencies as well.
 set(PKG_CONFIG_IO_REQUIRES "Requires: axode tinyxml2")
+set(PKG_CONFIG_VIEW_REQUIRES "Requires: axode tinyxml2 qhull_r")
 set(PKG_CONFIG_BATCH_REQUIRES "Requires: axode tbb")
 if(BUILD_SHARED_LIBS)
   set(PKG_CONFIG_IO_REQUIRES "Requires: axode")
+  set(PKG_CONFIG_VIEW_REQUIRES "Requires: axode")
   set(PKG_CONFIG_BATCH_REQUIRES "Requires: axode")
 endif()
 cmake_path(RELATIVE_PATH CMAKE_INSTALL_FULL_INCLUDEDIR BASE_DIRECTORY

@@ -1,6 +1,6 @@
 # The library: axode::axode (standard library and Eigen's headers only), axode::io (the readers and writers of files),
 # axode::batch (many states at once; oneTBB), axode::codegen (C source for one mechanism, and functions compiled from it) and
-# axode::view (pages for a browser). Sources lie beside their
+# axode::view (pages for a browser, and hulls of meshes). Sources lie beside their
 # headers in axode/<floor>/. axode::axode is two archives: libaxode, which is enough for double, and libaxode_float.
 
 find_package(tinyxml2 REQUIRED)
@@ -200,12 +200,13 @@ target_link_libraries(axode_files PRIVATE tinyxml2::tinyxml2)
 target_link_libraries(axode_io PUBLIC $<BUILD_INTERFACE:axode_core> $<INSTALL_INTERFACE:axode::axode> PRIVATE tinyxml2::tinyxml2)
 
 find_package(nlohmann_json REQUIRED)
+find_package(Qhull REQUIRED)
 axode_add_library(axode_view view)
 file(GLOB_RECURSE sources CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/axode/view/*.cpp)
 target_sources(axode_view PRIVATE ${sources})
 target_link_libraries(
   axode_view PUBLIC $<BUILD_INTERFACE:axode_core> $<INSTALL_INTERFACE:axode::axode>
-  PRIVATE tinyxml2::tinyxml2 $<BUILD_INTERFACE:nlohmann_json::nlohmann_json>)
+  PRIVATE tinyxml2::tinyxml2 Qhull::qhull_r $<BUILD_INTERFACE:nlohmann_json::nlohmann_json>)
 
 # For a build beside this one that takes the libraries as they are, see AXODE_LIBRARIES.
 export(TARGETS axode_core axode_float axode_axode axode_batch axode_codegen axode_io axode_view NAMESPACE axode:: FILE ${PROJECT_BINARY_DIR}/axode-built.cmake)

@@ -6,7 +6,7 @@ set -eu
 packages="
   g++ clang-14 clang-format-14 clang-tidy-14 libclang-rt-14-dev llvm-14
   cmake ninja-build make pkg-config ccache
-  libeigen3-dev libtbb-dev libtinyxml2-dev libcli11-dev libfmt-dev nlohmann-json3-dev libzip-dev
+  libeigen3-dev libtbb-dev libtinyxml2-dev libcli11-dev libfmt-dev nlohmann-json3-dev libzip-dev libqhull-dev
   libgtest-dev libgmock-dev libbenchmark-dev libsdformat-dev
   gnuplot-nox mandoc zsh fish
   python3 python3-dev python3-venv doxygen"

@@ -44,10 +44,30 @@ ConvexShape convex(const ContactShape& shape) {
 /// Compiles the shapes of a model.
 struct Compilation {
   const Model& model;
+  const MeshHulls& mesh_hulls;
   const ContactDescription common;
   std::vector<ContactShape> shapes = {};
+  std::vector<std::unique_ptr<const Hull>> hulls = {};
 
-  void add(const ShapeDescription& it, const std::string& body, int number) {
+  /// The hull of a mesh, about an inner point to which the pose of the shape moves.
+  ConvexShape hull_of(const ShapeDescription& it, const std::string& body, const Source& source,
+                      ContactShape& shape) {
+    const std::string mesh = "of body \"" + body + "\" is the mesh \"" + it.file + "\"";
+    if (!mesh_hulls)
+      refuse(shape.name, mesh +
+                             ", whose hull is not known; describe it by boxes, spheres, capsules, cylinders "
+                             "or ellipsoids, or give hull_of_mesh to ContactShapes");
+    try {
+      MeshHull found = mesh_hulls(it, source);
+      shape.pose = shape.pose * SE3<>{{}, found.origin};
+      hulls.push_back(std::make_unique<const Hull>(std::move(found.hull)));
+    } catch (const std::invalid_argument& error) {
+      refuse(shape.name, mesh + ", which has no hull: " + error.what());
+    }
+    return hull_shape(*hulls.back());
+  }
+
+  void add(const ShapeDescription& it, const std::string& body, const Source& source, int number) {
     if (it.role != ShapeDescription::Role::collision) return;
     const int frame = model.frame_index(body);
     ContactShape shape{.name = it.name.empty() ? body + " shape " + std::to_string(number) : it.name,
@@ -56,16 +76,12 @@ struct Compilation {
                        .body = model.frame(frame).body,
                        .pose = model.tree<double>().frame_offset[frame] * it.pose,
                        .surface = it.contact};
-    if (it.kind == ShapeKind::mesh)
-      refuse(shape.name, "of body \"" + body + "\" is the mesh \"" + it.file +
-                             "\", which cannot touch; describe it by boxes, spheres, capsules, cylinders or "
-                             "ellipsoids, or make it a visual shape");
     check_sizes(it, shape.name);
     const double half = it.kind == ShapeKind::box ? 0.5 : 1;
     shape.half = half * it.size;
     shape.radius = it.radius;
     shape.half_length = it.length / 2;
-    shape.convex = convex(shape);
+    shape.convex = it.kind == ShapeKind::mesh ? hull_of(it, body, source, shape) : convex(shape);
     if (!shape.surface.friction) shape.surface.friction = common.friction;
     shapes.push_back(std::move(shape));
   }
@@ -73,10 +89,11 @@ struct Compilation {
   void add_all() {
     const Description& d = model.description();
     int number = 0;
-    for (const ShapeDescription& it : d.shapes) add(it, "ground", ++number);
+    for (const ShapeDescription& it : d.shapes) add(it, "ground", d.source, ++number);
     for (const BodyDescription& body : d.bodies) {
       number = 0;
-      for (const ShapeDescription& it : body.shapes) add(it, body.name, ++number);
+      const Source& source = body.source.file.empty() ? d.source : body.source;
+      for (const ShapeDescription& it : body.shapes) add(it, body.name, source, ++number);
     }
   }
 
@@ -104,11 +121,12 @@ struct Compilation {
 
 }  // namespace
 
-ContactShapes::ContactShapes(const Model& model) {
-  Compilation compilation{model, model.description().contact.value_or(ContactDescription{})};
+ContactShapes::ContactShapes(const Model& model, const MeshHulls& hulls) {
+  Compilation compilation{model, hulls, model.description().contact.value_or(ContactDescription{})};
   compilation.add_all();
   Data data;
   data.shapes = std::move(compilation.shapes);
+  data.hulls = std::move(compilation.hulls);
   data.margin = compilation.common.margin;
   data.threshold = compilation.common.threshold;
 

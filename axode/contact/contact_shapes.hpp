@@ -1,5 +1,6 @@
 #pragma once
 #include <array>
+#include <functional>
 #include <memory>
 #include <span>
 #include <string>
@@ -14,13 +15,13 @@ namespace axode {
 struct ContactShape {
   std::string name;  ///< name of the shape, or `hand shape 2` for the second shape of the body `hand`
   ShapeKind kind{};
-  int frame = 0;           ///< frame of the model on which the shape was described; a fixed body is a frame
-  int body = 0;            ///< body that the shape moves with; 0 is the ground
-  SE3<> pose;              ///< pose in the internal frame of that body, see Tree
-  ConvexShape convex;      ///< the body, unless the shape is a plane
-  Vec3<> half;             ///< half edges of a box or semi-axes of an ellipsoid, m
-  double radius = 0;       ///< radius of a sphere, capsule or cylinder, m
-  double half_length = 0;  ///< half the length of a cylinder, or of a capsule without its half balls, m
+  int frame = 0;  ///< frame of the model on which the shape was described; a fixed body is a frame
+  int body = 0;   ///< body that the shape moves with; 0 is the ground
+  SE3<> pose;     ///< pose in the internal frame of that body, see Tree; that of the hull's origin for a mesh
+  ConvexShape convex;         ///< the body, unless the shape is a plane
+  Vec3<> half;                ///< half edges of a box or semi-axes of an ellipsoid, m
+  double radius = 0;          ///< radius of a sphere, capsule or cylinder, m
+  double half_length = 0;     ///< half the length of a cylinder, or of a capsule without its half balls, m
   ContactProperties surface;  ///< friction of the mechanism is filled in
 };
 
@@ -32,13 +33,23 @@ struct SurfacePair {
   double restitution = 0;       ///< 0 to 1
 };
 
+/// The convex hull of a mesh. Its vertices are about `origin`, a point inside, in the frame of the shape, m.
+struct MeshHull {
+  Hull hull;
+  Vec3<> origin;
+};
+/// Gives the hull of the mesh of a shape, whose file is referenced from a source. Throws std::invalid_argument
+/// with a sentence if there is none. hull_of_mesh() of axode/view.hpp reads files.
+using MeshHulls = std::function<MeshHull(const ShapeDescription&, const Source&)>;
+
 /// The collision shapes of a model: those of the ground first, then those of the bodies in the order of the
 /// description. Copies are cheap and share the data.
 class ContactShapes {
  public:
-  /// Throws std::invalid_argument with a sentence for a shape without a size, a mesh, and for two planes that
-  /// move against each other. Allocates.
-  explicit ContactShapes(const Model& model);
+  /// Meshes touch with their convex hulls, and are refused if `hulls` is empty. Throws std::invalid_argument with
+  /// a sentence for a mesh without a hull, for a shape without a size, and for two planes that move against each
+  /// other. Allocates.
+  explicit ContactShapes(const Model& model, const MeshHulls& hulls = {});
 
   int size() const { return static_cast<int>(data_->shapes.size()); }
   const ContactShape& operator[](int i) const { return data_->shapes[i]; }
@@ -59,7 +70,7 @@ class ContactShapes {
  private:
   struct Data {
     std::vector<ContactShape> shapes;
-    std::vector<Hull> hulls;
+    std::vector<std::unique_ptr<const Hull>> hulls;
     std::vector<std::array<int, 2>> pairs;
     std::vector<char> may_touch;  ///< size × size
     double margin = 0, threshold = 0;

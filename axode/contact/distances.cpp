@@ -14,8 +14,7 @@
 namespace axode {
 namespace {
 
-std::vector<std::array<int, 2>> all_pairs(const Model& model) {
-  const ContactShapes shapes(model);
+std::vector<std::array<int, 2>> all_pairs(const ContactShapes& shapes) {
   return {shapes.pairs().begin(), shapes.pairs().end()};
 }
 
@@ -54,10 +53,12 @@ bool far_apart(const ContactShape& a, const SE3<>& A, const ContactShape& b, con
 
 }  // namespace
 
-Distances::Distances(const Model& model) : Distances(model, all_pairs(model)) {}
+Distances::Distances(const Model& model) : Distances(model, ContactShapes(model)) {}
+Distances::Distances(const Model& model, ContactShapes shapes)
+    : Distances(model, shapes, all_pairs(shapes)) {}
 
-Distances::Distances(const Model& model, std::vector<std::array<int, 2>> pairs)
-    : model_(model), shapes_(model), pairs_(std::move(pairs)), poses_(model.topology()) {
+Distances::Distances(const Model& model, ContactShapes shapes, std::vector<std::array<int, 2>> pairs)
+    : model_(model), shapes_(std::move(shapes)), pairs_(std::move(pairs)), poses_(model.topology()) {
   for (const auto& [i, j] : pairs_) {
     for (const int k : {i, j})
       if (k < 0 || k >= shapes_.size())

@@ -28,10 +28,12 @@ struct ShapeDistance {
 /// depends on an earlier call.
 class Distances {
  public:
-  /// For the given pairs of shapes, or for all that may touch. Throws std::invalid_argument for a shape that
-  /// does not exist, a pair of one shape and a pair of planes. Allocates.
+  /// For the given pairs of shapes, or for all that may touch. `shapes` are those of the model. Throws
+  /// std::invalid_argument for a shape that does not exist, a pair of one shape and a pair of planes, and what
+  /// ContactShapes refuses. Allocates.
   explicit Distances(const Model& model);
-  Distances(const Model& model, std::vector<std::array<int, 2>> pairs);
+  Distances(const Model& model, ContactShapes shapes);
+  Distances(const Model& model, ContactShapes shapes, std::vector<std::array<int, 2>> pairs);
   Distances(const Distances&) = delete;
   Distances& operator=(const Distances&) = delete;
 

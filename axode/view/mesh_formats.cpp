@@ -66,17 +66,20 @@ std::string fault_of_coordinate(std::string_view word) {
   return "one of its coordinates is " + (word.empty() ? "missing" : shown(word)) + ", no finite number";
 }
 
+constexpr std::size_t stl_head = 84, stl_triangle = 50,
+                      stl_normal = 12;  // bytes of the parts of a binary STL
+
 std::string fault_of_binary_stl(std::string_view bytes) {
-  constexpr std::size_t head = 84, triangle = 50, normal = 12;
-  if (bytes.size() < head) return "it has " + std::to_string(bytes.size()) + " bytes, too few for an STL";
-  const std::uint64_t count = number_at<std::uint32_t>(bytes, head - 4), needed = head + triangle * count;
+  if (bytes.size() < stl_head) return "it has " + std::to_string(bytes.size()) + " bytes, too few for an STL";
+  const std::uint64_t count = number_at<std::uint32_t>(bytes, stl_head - 4),
+                      needed = stl_head + stl_triangle * count;
   if (count == 0) return "it has no triangles";
   if (bytes.size() < needed)
     return "it says that it has " + std::to_string(count) + " triangles, which take " +
            std::to_string(needed) + " bytes, and has " + std::to_string(bytes.size());
   for (std::uint64_t k = 0; k < count; ++k)
     for (std::size_t c = 0; c < 9; ++c)
-      if (!std::isfinite(number_at<float>(bytes, head + triangle * k + normal + 4 * c)))
+      if (!std::isfinite(number_at<float>(bytes, stl_head + stl_triangle * k + stl_normal + 4 * c)))
         return "a vertex of triangle " + std::to_string(k) + " is not finite";
   return "";
 }
@@ -100,13 +103,39 @@ bool is_vertex(std::string_view word, std::int64_t vertices) {
   return index && *index != 0 && *index >= -vertices && *index <= vertices;
 }
 
+/// Some binary files begin with "solid", as text files do, and only the zero bytes tell them apart.
+bool is_text_stl(std::string_view bytes) {
+  return bytes.starts_with("solid") && bytes.substr(0, 1024).find('\0') == std::string_view::npos;
+}
+
+/// The three coordinates in the next words of a text.
+Vec3<> vertex_in(std::string_view& text) {
+  const auto next = [&] { return number_in<double>(next_word(text)).value_or(0); };
+  const double x = next(), y = next(), z = next();
+  return {x, y, z};
+}
+
 }  // namespace
 
 std::string fault_of_stl(std::string_view bytes) {
-  // Some binary files begin with "solid", as text files do, and only the zero bytes tell them apart.
-  const bool is_text =
-      bytes.starts_with("solid") && bytes.substr(0, 1024).find('\0') == std::string_view::npos;
-  return is_text ? fault_of_text_stl(bytes) : fault_of_binary_stl(bytes);
+  return is_text_stl(bytes) ? fault_of_text_stl(bytes) : fault_of_binary_stl(bytes);
+}
+
+std::vector<Vec3<>> vertices_of_stl(std::string_view bytes) {
+  std::vector<Vec3<>> all;
+  if (is_text_stl(bytes)) {
+    for (std::string_view word = next_word(bytes); !word.empty(); word = next_word(bytes))
+      if (word == "vertex") all.push_back(vertex_in(bytes));
+    return all;
+  }
+  const std::size_t triangles = number_at<std::uint32_t>(bytes, stl_head - 4);
+  for (std::size_t k = 0; k < triangles; ++k)
+    for (std::size_t corner = 0; corner < 3; ++corner) {
+      const std::size_t at = stl_head + stl_triangle * k + stl_normal + 12 * corner;
+      const auto x = [&](std::size_t c) { return double{number_at<float>(bytes, at + 4 * c)}; };
+      all.push_back({x(0), x(1), x(2)});
+    }
+  return all;
 }
 
 std::string fault_of_obj(std::string_view bytes) {
@@ -129,6 +158,15 @@ std::string fault_of_obj(std::string_view bytes) {
     }
   }
   return faces > 0 ? "" : "it has no faces";
+}
+
+std::vector<Vec3<>> vertices_of_obj(std::string_view bytes) {
+  std::vector<Vec3<>> all;
+  while (!bytes.empty()) {
+    std::string_view line = next_line(bytes);
+    if (next_word(line) == "v") all.push_back(vertex_in(line));
+  }
+  return all;
 }
 
 namespace {

@@ -239,7 +239,7 @@ TEST(ContactShapes, RefuseWhatCannotTouch) {
   mesh.file = "part.stl";
   EXPECT_EQ(refusal(plane, ball), "");
   EXPECT_THAT(refusal(plane, plane), HasSubstr("are planes that move against each other"));
-  EXPECT_THAT(refusal(ball, mesh), HasSubstr("is the mesh \"part.stl\""));
+  EXPECT_THAT(refusal(ball, mesh), HasSubstr("is the mesh \"part.stl\", whose hull is not known"));
   EXPECT_THAT(refusal(ball, collision_shape(ShapeKind::sphere, {}, 0, 0)), HasSubstr("its radius is 0 m"));
   EXPECT_THAT(refusal(ball, collision_shape(ShapeKind::ellipsoid, {1, 0, 1}, 0, 0)),
               HasSubstr("its semi_axes is 0 m"));

@@ -95,6 +95,7 @@ TEST(Distances, HaveTheJacobianOfTheirDifferences) {
 TEST(Distances, RefuseWrongPairsAndArguments) {
   const Model model = free_bodies(
       {collision_shape(ShapeKind::plane, {}, 0, 0), collision_shape(ShapeKind::sphere, {}, 1, 0)});
+  const ContactShapes shapes(model);
   const auto refusal = [](const auto& f) -> std::string {
     try {
       f();
@@ -104,9 +105,9 @@ TEST(Distances, RefuseWrongPairsAndArguments) {
     return "";
   };
   using Pairs = std::vector<std::array<int, 2>>;
-  EXPECT_THAT(refusal([&] { Distances(model, Pairs{{0, 2}}); }), HasSubstr("there is no shape 2"));
-  EXPECT_THAT(refusal([&] { Distances(model, Pairs{{1, 1}}); }), HasSubstr("paired with itself"));
-  Distances distances(model, {{1, 0}});
+  EXPECT_THAT(refusal([&] { Distances(model, shapes, Pairs{{0, 2}}); }), HasSubstr("there is no shape 2"));
+  EXPECT_THAT(refusal([&] { Distances(model, shapes, Pairs{{1, 1}}); }), HasSubstr("paired with itself"));
+  Distances distances(model, shapes, {{1, 0}});
   std::vector<double> q = neutral(model), J(1);
   EXPECT_EQ(distances.evaluate(q)[0].distance, -1);
   EXPECT_EQ(distances.evaluate(q)[0].normal.z, -1);

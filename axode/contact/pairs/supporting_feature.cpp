@@ -26,14 +26,14 @@ void box_face(const Vec3<>& h, const SE3<>& pose, const Vec3<>& n, Feature& out)
   out.add(center - u + w);
 }
 
-void hull_face(const Hull& hull, const SE3<>& pose, const Vec3<>& n, Feature& out) noexcept {
+void hull_face(const ConvexShape& shape, const SE3<>& pose, const Vec3<>& n, Feature& out) noexcept {
+  const Hull& hull = *shape.hull;
   const Vec3<> m = transpose(pose.R) * n;
-  const auto begin = hull.vertices.begin();
-  const auto farthest =
-      std::ranges::max_element(hull.vertices, {}, [&](const Vec3<>& v) { return dot(m, v); });
-  const auto vertex = farthest - begin;
-  int best = hull.faces[hull.first_face[vertex]];
-  for (int k = hull.first_face[vertex]; k < hull.first_face[vertex + 1]; ++k)
+  const int vertex = convex::support_branch(shape, m, 0);
+  const int begin = hull.first_face[vertex], end = hull.first_face[vertex + 1];
+  if (begin == end) return;
+  int best = hull.faces[begin];
+  for (int k = begin; k < end; ++k)
     if (dot(hull.normals[hull.faces[k]], m) > dot(hull.normals[best], m)) best = hull.faces[k];
   out.normal = pose.R * hull.normals[best];
   out.id = static_cast<std::uint32_t>(best % 64);
@@ -69,7 +69,7 @@ Feature supporting_feature(const ContactShape& shape, const SE3<>& pose, const V
   Feature out;
   switch (shape.kind) {
     case ShapeKind::box: box_face(shape.half, pose, n, out); break;
-    case ShapeKind::mesh: hull_face(*shape.convex.hull, pose, n, out); break;
+    case ShapeKind::mesh: hull_face(shape.convex, pose, n, out); break;
     case ShapeKind::cylinder: cylinder_face(shape, pose, n, out); break;
     case ShapeKind::capsule:
       out.add(pose.r - shape.half_length * pose.R.z);
