@@ -375,6 +375,7 @@ const std::vector<Quantity>& quantities() {
           {row.name, row.purpose, [name = row.name](const Question& ask) { return answer(ask, name); }});
     for (Quantity& other : other_quantities()) list.push_back(std::move(other));
     for (Quantity& other : loop_quantities()) list.push_back(std::move(other));
+    for (Quantity& other : contact_quantities()) list.push_back(std::move(other));
     return list;
   }();
   return all;

@@ -47,6 +47,8 @@ const std::vector<Quantity>& quantities();
 std::vector<Quantity> other_quantities();
 /// Quantities of closed loops.
 std::vector<Quantity> loop_quantities();
+/// Quantities of collision shapes.
+std::vector<Quantity> contact_quantities();
 
 /// The frames that the question names, or all but the inertial frame.
 std::vector<int> frames_of(const Question& ask);

@@ -2,7 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <set>
 #include <stdexcept>
+#include <utility>
 
 #include "axode/model/shape_kinds.hpp"
 
@@ -99,23 +101,17 @@ struct Compilation {
 
   int body_of(const std::string& frame) const { return model.frame(model.frame_index(frame)).body; }
 
-  /// Whether pairs of bodies may touch, n_bodies + 1 rows of as many columns.
-  std::vector<char> bodies_that_may_touch() const {
-    const std::size_t n = static_cast<std::size_t>(model.n_bodies()) + 1;
-    std::vector<char> may(n * n, 1);
-    const auto exclude = [&](int i, int j) {
-      may[i * n + j] = 0;
-      may[j * n + i] = 0;
+  /// The pairs of moving bodies that a joint or a loop joint connects, the smaller index first.
+  std::set<std::pair<int, int>> joined_bodies() const {
+    std::set<std::pair<int, int>> joined;
+    const auto join = [&](const std::string& one, const std::string& other) {
+      const auto pair = std::minmax({body_of(one), body_of(other)});
+      if (pair.first > 0 && pair.first != pair.second) joined.insert(pair);
     };
-    const auto joined = [&](int i, int j) {
-      if (i > 0 && j > 0) exclude(i, j);
-    };
-    for (std::size_t i = 0; i < n; ++i) may[i * n + i] = 0;
-    for (const BodyDescription& body : model.description().bodies)
-      joined(body_of(body.name), body_of(body.predecessor));
+    for (const BodyDescription& body : model.description().bodies) join(body.name, body.predecessor);
     for (const LoopDescription& loop : model.description().loops)
-      if (loop.kind != LoopKind::rod) joined(body_of(loop.between[0]), body_of(loop.between[1]));
-    return may;
+      if (loop.kind != LoopKind::rod) join(loop.between[0], loop.between[1]);
+    return joined;
   }
 };
 
@@ -133,13 +129,13 @@ ContactShapes::ContactShapes(const Model& model, const MeshHulls& hulls) {
   std::vector<std::array<int, 2>> ignored;
   for (const auto& [one, other] : compilation.common.ignored)
     ignored.push_back({model.frame_index(one), model.frame_index(other)});
-  const std::vector<char> bodies = compilation.bodies_that_may_touch();
-  const std::size_t n_bodies = static_cast<std::size_t>(model.n_bodies()) + 1, n = data.shapes.size();
+  const std::set<std::pair<int, int>> joined = compilation.joined_bodies();
+  const std::size_t n = data.shapes.size();
   const auto may_touch = [&](const ContactShape& a, const ContactShape& b) {
-    const std::size_t i = static_cast<std::size_t>(a.body), j = static_cast<std::size_t>(b.body);
-    return bodies[i * n_bodies + j] != 0 && std::ranges::none_of(ignored, [&](const auto& pair) {
-             return (pair[0] == a.frame && pair[1] == b.frame) || (pair[0] == b.frame && pair[1] == a.frame);
-           });
+    if (a.body == b.body || joined.contains(std::minmax({a.body, b.body}))) return false;
+    return std::ranges::none_of(ignored, [&](const auto& pair) {
+      return (pair[0] == a.frame && pair[1] == b.frame) || (pair[0] == b.frame && pair[1] == a.frame);
+    });
   };
   data.may_touch.resize(n * n);
   for (std::size_t i = 0; i < n; ++i)

@@ -45,6 +45,7 @@ from ._axode import (
     coriolis_derivatives,
     coriolis_matrix,
     coriolis_vector,
+    distances,
     drawing,
     elastic_energy,
     equilibrium,
@@ -167,6 +168,7 @@ from .records import (
     RedundantRow,
     RolloutDerivatives,
     RolloutGradient,
+    ShapeDistance,
     StateDerivatives,
     Target,
 )
@@ -216,6 +218,8 @@ __all__ = [
     "loop_multipliers", "loop_multiplier_derivatives", "joint_state",
     # prescribed motions
     "forward_dynamics_at", "kinematic_motion",
+    # collision shapes
+    "distances",
     # motion in time
     "simulate", "rollout", "rollout_derivatives", "rollout_jvp", "rollout_vjp", "reconstruct", "Trajectory",
     # in a browser
@@ -225,7 +229,7 @@ __all__ = [
     "InverseDynamicsHessian", "ForwardDynamicsHessian", "StateDerivatives", "MotionDerivatives", "MotionChange",
     "MomentumFormDerivatives", "Linearization", "Equilibrium", "DynamicsAtTime", "KinematicMotion", "RolloutDerivatives",
     "RolloutGradient", "JointState", "LoopMobility", "RedundantRow", "LocalMobility", "MotionBranch", "BranchPoint",
-    "AssemblyError", "Fault", "ModelError", "NotFiniteError", "SimulationError", "SingularError", "StatesError",
+    "ShapeDistance", "AssemblyError", "Fault", "ModelError", "NotFiniteError", "SimulationError", "SingularError", "StatesError",
     # modules
     "lie", "closed_form", "codegen", "convert", "drives", "identification", "calibration", "table",
 ]

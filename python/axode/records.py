@@ -175,6 +175,25 @@ class LocalMobility(NamedTuple):
     probe: tuple[int, int, int]
 
 
+class ShapeDistance(NamedTuple):
+    """Signed distance of the collision shapes `a` and `b` (m), negative in overlap, with the normal from a to b.
+
+    `point_a` and `point_b` are the nearest points, in the inertial frame. The true distance is at least `distance`, and at most `residual`
+    more; if the shapes overlap, this is certain where `proved` is true. `jacobian` (nv,) is the rate of the distance for a unit of
+    each velocity; it is exact if the nearest points are unique.
+    """
+
+    a: str
+    b: str
+    distance: float
+    normal: NDArray[np.float64]
+    point_a: NDArray[np.float64]
+    point_b: NDArray[np.float64]
+    residual: float
+    proved: bool
+    jacobian: NDArray[np.float64]
+
+
 class IndependentEquations(NamedTuple):
     """Equations of motion in independent velocities y: M y' + h = N^T tau, v = N y, a = N y' + c.
 

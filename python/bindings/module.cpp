@@ -41,6 +41,7 @@ NB_MODULE(_axode, module) {
   add_rates(module);
   add_constraints(module);
   add_mobility(module);
+  add_contact(module);
   add_integration(module);
   add_prescribed_motion(module);
   add_sensitivities(module);

@@ -271,6 +271,20 @@ TEST(Eval, TheTableNamesEveryJointAndSaysInWhichAxes) {
     EXPECT_THAT(outcome.out, testing::HasSubstr(said));
 }
 
+TEST(Eval, DistancesHaveNearestPointsCertificatesAndJacobians) {
+  const std::string file = AXODE_SOURCE_DIR "/tests/data/good/contact.toml";
+  const Json out = eval(file, {{"q", {{"finger_joint", 0.1}}}}, {"--want", "distances"});
+  const Json& found = out["results"]["distances"];
+  ASSERT_EQ(found.size(), 2U);  // the table ignores the puck
+  EXPECT_EQ(found[0]["a"], "table");
+  EXPECT_NEAR(found[0]["distance"].get<double>(), -0.02, 1e-15);
+  EXPECT_EQ(found[1]["b"], "puck shape 1");
+  EXPECT_NEAR(found[1]["distance"].get<double>(), 0.16, 1e-15);
+  EXPECT_NEAR(found[1]["point_b"][2].get<double>(), 0.02, 1e-15);
+  EXPECT_LT(found[1]["residual"].get<double>(), 1e-15);
+  EXPECT_LT(difference(found[1]["jacobian"].get<Numbers>(), {1, 0, 0, 0}), 1e-14);
+}
+
 TEST(Eval, EveryJsonResultSaysWhatItIs) {
   const Json out =
       eval(robot("arm7.toml"), Json::object(), {"--want", "poses,twists,accelerations,joint_wrenches"});
