@@ -81,7 +81,9 @@ class QhullRun {
 MeshHull hull_of_mesh(const ShapeDescription& shape, const Source& referenced_from) {
   const std::vector<Vec3<>> points = vertices_of(shape, referenced_from);
   QhullRun run(points);
-  if (run.failed()) throw std::invalid_argument("its vertices lie in a plane, or are fewer than four");
+  if (run.failed())
+    throw std::invalid_argument("the vertices of \"" + shape.file +
+                                "\" lie in a plane, or are fewer than four");
   std::vector<std::array<int, 3>> triangles = run.triangles(points);
 
   // Vertices are numbered anew, because most points of a mesh are none of its hull.

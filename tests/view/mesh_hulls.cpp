@@ -135,7 +135,7 @@ TEST(MeshHull, IsRefusedInOneSentence) {
   EXPECT_THAT(refusal(mesh_of(folder.file("none.stl"))), HasSubstr("there is no file"));
   EXPECT_THAT(refusal(mesh_of(folder.write("flat.stl", stl_of(flat)))), HasSubstr("lie in a plane"));
   EXPECT_THAT(refusal(mesh_of(folder.write("two.stl", stl_of({{0, 0, 0}, {1, 0, 0}, {0, 1, 0}})))),
-              HasSubstr("lie in a plane, or are fewer than four"));
+              HasSubstr("two.stl\" lie in a plane, or are fewer than four"));
   const std::string scene =
       "<COLLADA><library_geometries><geometry id='g'><mesh><source id='s'><float_array id='f' "
       "count='3'>0 1 2</float_array></source></mesh></geometry></library_geometries></COLLADA>";
