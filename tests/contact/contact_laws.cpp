@@ -151,6 +151,46 @@ TEST(FlatContact, OfTwoBoxesIsThatOfABoxAndAPlane) {
   }
 }
 
+/// The prism of a polygon with n corners at distance 0.2 m, 0.2 m high, about the origin.
+MeshHull prism(int n) {
+  std::vector<Vec3<>> vertices;
+  std::vector<std::array<int, 3>> triangles;
+  for (int k = 0; k < n; ++k) {
+    const double angle = 2 * std::acos(-1.0) * k / n;
+    for (const double z : {-0.1, 0.1}) vertices.push_back({0.2 * std::cos(angle), 0.2 * std::sin(angle), z});
+    const int low = 2 * k, next = 2 * ((k + 1) % n);
+    triangles.push_back({low, next, next + 1});
+    triangles.push_back({low, next + 1, low + 1});
+    if (k == 0 || k == n - 1) continue;
+    triangles.push_back({0, next, low});
+    triangles.push_back({1, low + 1, next + 1});
+  }
+  return {make_hull(std::move(vertices), triangles), {}};
+}
+
+TEST(FlatContact, OfAHullWithManyVerticesHasItsOutermostOnes) {
+  for (const int n : {8, 16, 64}) {
+    SCOPED_TRACE(n);
+    ShapeDescription mesh = collision_shape(ShapeKind::mesh, {}, 0, 0);
+    const Model model = free_bodies({collision_shape(ShapeKind::plane, {}, 0, 0), mesh});
+    ContactFinder finder(ContactShapes(model, [&](const auto&, const auto&) { return prism(n); }));
+    const double tilt = 0.01;
+    const std::array<SE3<>, 3> C{SE3<>{}, SE3<>{}, SE3<>{exp_SO3(Vec3<>{0, tilt, 0}), {0, 0, 0.1}}};
+    ASSERT_TRUE(finder.find(C, 0.01));
+    EXPECT_EQ(finder.points().size(), n <= 16 ? static_cast<std::size_t>(n) : 8U);
+    double least = 1;
+    Vec3<> low{1, 1, 0}, high{-1, -1, 0};
+    for (const ContactPoint& p : finder.points()) {
+      least = std::min(least, p.gap);
+      low = {std::min(low.x, p.point.x), std::min(low.y, p.point.y), 0};
+      high = {std::max(high.x, p.point.x), std::max(high.y, p.point.y), 0};
+    }
+    EXPECT_NEAR(least, 0.1 - 0.2 * std::sin(tilt) - 0.1 * std::cos(tilt), 1e-15);
+    EXPECT_LT(std::max(low.x, low.y), -0.197);
+    EXPECT_GT(std::min(high.x, high.y), 0.197);
+  }
+}
+
 TEST(ContactFinder, SaysThatItsCapacityIsExceeded) {
   ContactFinder finder(ContactShapes(free_bodies({collision_shape(ShapeKind::plane, {}, 0, 0),
                                                   collision_shape(ShapeKind::box, {1, 1, 1}, 0, 0)})),

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 namespace axode {
 namespace {
@@ -43,9 +44,12 @@ Vec3<> half_extent(const ContactShape& shape, const SO3<>& R) noexcept {
 }  // namespace
 
 BroadPhase::BroadPhase(const ContactShapes& shapes) {
-  for (int i = 0; i < shapes.size(); ++i)
-    (shapes[i].kind == ShapeKind::plane ? planes_ : bounded_).push_back(i);
-  boxes_.resize(shapes.size());
+  for (int i = 0; i < shapes.size(); ++i) {
+    if (shapes[i].kind == ShapeKind::plane)
+      planes_.push_back(i);
+    else
+      boxes_.push_back({.shape = i, .low = {}, .high = {}});
+  }
   found_.reserve(shapes.pairs().size());
 }
 
@@ -55,35 +59,28 @@ std::span<const std::array<int, 2>> BroadPhase::near(const ContactShapes& shapes
   const auto add = [&](int i, int j) {
     if (shapes.may_touch(i, j)) found_.push_back({std::min(i, j), std::max(i, j)});
   };
-  for (const int i : bounded_) {
-    const Vec3<> half = half_extent(shapes[i], poses[i].R);
-    boxes_[i] = {poses[i].r - half, poses[i].r + half};
-    if (std::isnan(boxes_[i].low.x))
-      boxes_[i].low.x = -std::numeric_limits<double>::infinity();  // has an order
+  for (Box& box : boxes_) {
+    const SE3<>& pose = poses[box.shape];
+    const Vec3<> half = half_extent(shapes[box.shape], pose.R);
+    box.low = pose.r - half;
+    box.high = pose.r + half;
+    if (std::isnan(box.low.x)) box.low.x = -std::numeric_limits<double>::infinity();  // has an order
   }
   for (const int plane : planes_) {
     const Vec3<>& n = poses[plane].R.z;
-    for (const int i : bounded_) {
-      const Vec3<> center = 0.5 * (boxes_[i].low + boxes_[i].high), half = boxes_[i].high - center;
+    for (const Box& box : boxes_) {
+      const Vec3<> center = 0.5 * (box.low + box.high), half = box.high - center;
       const double reach = half.x * std::abs(n.x) + half.y * std::abs(n.y) + half.z * std::abs(n.z);
-      if (dot(n, center - poses[plane].r) - reach < margin) add(plane, i);
+      if (dot(n, center - poses[plane].r) - reach < margin) add(plane, box.shape);
     }
   }
-  std::ranges::sort(bounded_, [&](int i, int j) {
-    const double x = boxes_[i].low.x, y = boxes_[j].low.x;
-    return x < y || (x == y && i < j);
-  });
-  for (std::size_t k = 0; k < bounded_.size(); ++k) {
-    const Box& a = boxes_[bounded_[k]];
-    const auto apart = [&](double one, double other) { return !(other - one < margin); };
-    for (std::size_t l = k + 1; l < bounded_.size(); ++l) {
-      const Box& b = boxes_[bounded_[l]];
-      if (apart(a.high.x, b.low.x)) break;
-      if (apart(a.high.y, b.low.y) || apart(b.high.y, a.low.y)) continue;
-      if (apart(a.high.z, b.low.z) || apart(b.high.z, a.low.z)) continue;
-      add(bounded_[k], bounded_[l]);
+  std::ranges::sort(boxes_, {}, [](const Box& box) { return std::pair(box.low.x, box.shape); });
+  for (auto a = boxes_.begin(); a != boxes_.end(); ++a)
+    for (auto b = a + 1; b != boxes_.end() && b->low.x - a->high.x < margin; ++b) {
+      const double y = std::max(b->low.y - a->high.y, a->low.y - b->high.y);
+      const double z = std::max(b->low.z - a->high.z, a->low.z - b->high.z);
+      if (std::max(y, z) < margin) add(a->shape, b->shape);
     }
-  }
   std::ranges::sort(found_);
   return found_;
 }

@@ -22,10 +22,11 @@ class BroadPhase {
 
  private:
   struct Box {
+    int shape;
     Vec3<> low, high;
   };
-  std::vector<int> planes_, bounded_;  ///< shapes; those with a bounding box in the order of their low x
-  std::vector<Box> boxes_;
+  std::vector<int> planes_;
+  std::vector<Box> boxes_;  ///< of all other shapes, in the order of their low x
   std::vector<std::array<int, 2>> found_;
 };
 

@@ -3,10 +3,55 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
+#include <numbers>
+#include <utility>
 
 #include "axode/contact/convex/support.hpp"
 
 namespace axode {
+
+namespace {
+
+/// The vertices of a hull that are within the margin of a plane: all of them or, if there are many, the deepest
+/// one and those that are farthest along eight directions in the plane.
+void touch_plane_by_hull(const SE3<>& plane, const Hull& hull, const SE3<>& pose, PointList& out) noexcept {
+  constexpr int directions = 8;
+  struct Farthest {
+    double along = -std::numeric_limits<double>::infinity();
+    int vertex = -1;
+    void update(double x, int i) noexcept {
+      if (x > along) *this = {x, i};
+    }
+  };
+  const SE3<> C = inverse(plane) * pose;
+  std::array<Farthest, directions + 1> chosen;
+  int near = 0;
+  for (int i = 0; i < std::ssize(hull.vertices); ++i) {
+    const Vec3<> p = C * hull.vertices[i];
+    if (!(p.z < out.margin())) continue;
+    ++near;
+    const double diagonal = std::numbers::sqrt2 / 2;
+    chosen[0].update(-p.z, i);
+    int k = 1;
+    for (const double x : {p.x, p.y, diagonal * (p.x + p.y), diagonal * (p.x - p.y)})
+      for (const double along : {x, -x}) chosen[k++].update(along, i);
+  }
+  const auto add = [&](int i) {
+    const Vec3<> p = pose * hull.vertices[i];
+    out.add(p, plane.R.z, dot(plane.R.z, p - plane.r), static_cast<std::uint32_t>(i));
+  };
+  if (near <= 2 * directions) {
+    for (int i = 0; i < std::ssize(hull.vertices); ++i) add(i);
+    return;
+  }
+  std::ranges::sort(chosen, {}, &Farthest::vertex);
+  int last = -1;
+  for (const Farthest& it : chosen)
+    if (it.vertex != std::exchange(last, it.vertex)) add(it.vertex);
+}
+
+}  // namespace
 
 void touch_plane(const SE3<>& plane, const ContactShape& shape, const SE3<>& pose, PointList& out) noexcept {
   const Vec3<>&n = plane.R.z, &axis = pose.R.z;
@@ -30,9 +75,7 @@ void touch_plane(const SE3<>& plane, const ContactShape& shape, const SE3<>& pos
       break;
     }
     case ShapeKind::ellipsoid: add(pose * convex::support_point(shape.convex, transpose(pose.R) * -n)); break;
-    case ShapeKind::mesh:
-      for (const Vec3<>& v : shape.convex.hull->vertices) add(pose * v);
-      break;
+    case ShapeKind::mesh: touch_plane_by_hull(plane, *shape.convex.hull, pose, out); break;
     case ShapeKind::plane: break;
   }
 }
