@@ -140,9 +140,23 @@ bool cap_faces(const ConvexShape& shape, const Vec3<>& n) noexcept {
 
 void close_residual(CorePair& pair, Candidate& c) noexcept {
   c.residual = norm(c.simplex.point() - c.s * c.n);
+  const auto improve = [&](bool freeze_a, bool freeze_b) {
+    if (c.residual > pair.rounding) c = Newton(pair, c, freeze_a, freeze_b).run();
+  };
   if (pair.curved || c.residual > pair.rounding) c = Newton(pair, c, false, false).run();
-  const bool a = cap_faces(pair.a, c.n), b = cap_faces(pair.b, pair.to_b(c.n));
-  if (c.residual > pair.rounding && (a || b)) c = Newton(pair, c, a, b).run();
+  constexpr int most_rounds = 4;
+  for (int round = 0; round < most_rounds && c.residual > pair.rounding; ++round) {
+    const bool a = cap_faces(pair.a, c.n), b = cap_faces(pair.b, pair.to_b(c.n));
+    if (!a && !b) return;
+    const double before = c.residual;
+    improve(a, b);
+    improve(false, false);
+    if (a && b) {  // the point of one cap may lie on the rim of the other
+      improve(true, false);
+      improve(false, true);
+    }
+    if (!(c.residual < before / 2)) return;
+  }
 }
 
 }  // namespace axode::convex
