@@ -1,0 +1,295 @@
+#include "axode/contact/law/contact_system.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace axode {
+namespace {
+
+std::size_t index(int k) { return static_cast<std::size_t>(k); }
+
+}  // namespace
+
+ContactFrame contact_frame(const Vec3<>& n) noexcept {
+  const double s = n.z >= 0 ? 1 : -1, c = -1 / (s + n.z), b = n.x * n.y * c;
+  return {n, {1 + s * n.x * n.x * c, s * b, -s * n.x}, {b, s + n.y * n.y * c, -n.y}};
+}
+
+ContactSystem::ContactSystem(const Model& model, int contact_rows, std::size_t capacity)
+    : model_(model), contact_rows_(contact_rows), loops_(model), problem_(model.nv()) {
+  const Topology& topology = *tree().operator->();
+  const std::size_t nv = index(model.nv()), bodies = index(model.n_bodies()) + 1;
+  for (int i = 1; i <= model.n_bodies(); ++i) {
+    const Joint& joint = model.joint(i);
+    if (joint.leader || joint.nv != 1) continue;
+    const Dof& dof = joint.dof[0];
+    for (const auto& [limit, side] : {std::pair{dof.lower, 1.0}, std::pair{dof.upper, -1.0}})
+      if (dof.hard_stops && std::isfinite(limit))
+        stops_.push_back({joint.iq, joint.iv, limit, side, dof.restitution});
+    if (dof.friction > 0) dry_.push_back({joint.iv, dof.friction});
+  }
+  root_body_.resize(bodies);
+  for (int i = 1; i <= model.n_bodies(); ++i)
+    root_body_[index(i)] = topology.parent[i] == 0 ? i : root_body_[index(topology.parent[i])];
+  eliminated_at_.resize(nv);
+  for (int c = 0; c < model.nv(); ++c) eliminated_at_[index(c)] = body_of_velocity(topology, c);
+  for (int i = 0; i <= model.n_bodies(); ++i)
+    for (int t = topology.ties.begin[i]; t < topology.ties.begin[i + 1]; ++t)
+      if (topology.ties.up[t] < 0) eliminated_at_[index(topology.ties.velocity[t])] = i;
+  const std::size_t loop_rows = index(model.loops().rows);
+  const std::size_t blocks = capacity + stops_.size() + dry_.size() + loop_rows;
+  problem_.reserve(blocks);
+  J_.reserve(blocks * LawBlock::most_rows * nv);
+  root_.resize(nv);
+  unit_.resize(nv);
+  A_.resize(loop_rows * nv);
+  residual_.resize(index(model.loops().residuals));
+  room_.reserve(capacity + stops_.size() + loop_rows);
+  active_.reserve(stops_.size());
+  V_.resize(bodies);
+  Pi_.resize(bodies);
+  path_.reserve(bodies);
+  support_.reserve(nv);
+  place_.resize(nv);
+}
+
+void ContactSystem::poses(const double* q, SE3<>* C) noexcept {
+  loops_.update_kinematics(q);
+  C[0] = {};
+  for (int i = 1; i <= model_.n_bodies(); ++i) {
+    const SE3<>& link = loops_.link(i).C;
+    C[i] = {link.R, loops_.root_origins()[root_body_[index(i)]] + link.r};
+  }
+}
+
+Solvability ContactSystem::set(const double* q, std::span<const Contact> contacts, double h,
+                               double stop_margin) {
+  problem_.clear();
+  J_.clear();
+  room_.clear();
+  active_.clear();
+  ends_of_path_ = {-1, -1};
+  n_contacts_ = contacts.size();
+  loops_.update_kinematics(q);
+  const Solvability verdict = loops_.factorize();
+  if (!verdict.ok()) return verdict;
+  for (int i = 0; i <= model_.n_bodies(); ++i)
+    loops_.bodies().each_pivot(
+        tree(), i, [&](int c, const double&, const double& D) { root_[index(c)] = 1 / std::sqrt(D); });
+  for (const Contact& contact : contacts) {
+    add_contact(contact);
+    room_.push_back(contact.gap);
+  }
+  for (std::size_t k = 0; k < stops_.size(); ++k) {
+    const JointStop& stop = stops_[k];
+    const double room = stop.side * (q[stop.coordinate] - stop.limit);
+    if (!(room < stop_margin)) continue;
+    add_unit_row(ContactLaw::stop, stop.velocity, stop.side, 0);
+    room_.push_back(room);
+    active_.push_back(static_cast<int>(k));
+  }
+  for (const DryJoint& dry : dry_) add_unit_row(ContactLaw::dry_friction, dry.velocity, 1, h * dry.force);
+  first_loop_row_ = problem_.rows();
+  if (!model_.loops().empty()) add_loops(q);
+  return verdict;
+}
+
+void ContactSystem::find_path(int a, int b) {
+  if (ends_of_path_ == std::array{a, b}) return;
+  ends_of_path_ = {a, b};
+  const Topology& topology = *tree().operator->();
+  const Topology::Ties& ties = topology.ties;
+  path_.clear();
+  support_.clear();
+  const auto add = [&](int c) { support_.push_back(c); };
+  for (int i = a, j = b; i > 0 || j > 0;) {
+    const int k = std::max(i, j);
+    path_.push_back({k, (j == k ? 1 : 0) - (i == k ? 1 : 0)});
+    if (i == k) i = topology.parent[k];
+    if (j == k) j = topology.parent[k];
+    if (ties.own[k] < 0)
+      for (int s = 0; s < topology.first_screw[k + 1] - topology.first_screw[k]; ++s) add(topology.iv[k] + s);
+    for (int t = ties.begin[k]; t < ties.begin[k + 1]; ++t)
+      if (ties.up[t] < 0) add(ties.velocity[t]);
+  }
+  for (int t = ties.begin[0]; t < ties.begin[1]; ++t) add(ties.velocity[t]);
+  std::ranges::sort(support_);
+  for (std::size_t k = 0; k < support_.size(); ++k) place_[index(support_[k])] = static_cast<int>(k);
+}
+
+void ContactSystem::pull_row(int a, int b, const Wrench<Spatial>& on_a, const Wrench<Spatial>& on_b,
+                             const double* x, double* Y) noexcept {
+  auto& bodies = loops_.bodies();
+  const Topology::Ties& ties = tree()->ties;
+  const auto at_rest = [&](int i) {
+    bodies.W[i] = {};
+    for (int t = ties.begin[i]; t < ties.begin[i + 1]; ++t) bodies.u_tie[t] = 0;
+  };
+  at_rest(0);
+  for (const PathBody& on_path : path_) at_rest(on_path.body);
+  bodies.W[a] += on_a;
+  bodies.W[b] -= on_b;
+  for (const PathBody& on_path : path_) bodies.backward_step(tree(), on_path.body, x);
+  bodies.backward_step_at_ground(tree(), x);
+  const auto put = [&](int c, const double& u, const double&) { Y[place_[index(c)]] = root_[index(c)] * u; };
+  for (const PathBody& on_path : path_) bodies.each_pivot(tree(), on_path.body, put);
+  bodies.each_pivot(tree(), 0, put);
+}
+
+double* ContactSystem::add_block(ContactLaw law, int rows, double bound, double*& Y) {
+  const std::size_t size = support_.size() * index(rows), first = J_.size();
+  J_.resize(first + size, 0.0);
+  Y = problem_.add(law, rows, support_, bound);
+  return J_.data() + first;
+}
+
+Wrench<Spatial> ContactSystem::at_root(int body, const Vec3<>& point,
+                                       const Wrench<Spatial>& W) const noexcept {
+  const Vec3<> O = body > 0 ? loops_.root_origins()[root_body_[index(body)]] : Vec3<>{};
+  return {W.m + cross(point - O, W.f), W.f};
+}
+
+void ContactSystem::add_contact(const Contact& contact) {
+  const Topology& topology = *tree().operator->();
+  find_path(contact.a, contact.b);
+  double* Y = nullptr;
+  double* J = add_block(ContactLaw::contact, contact_rows_, 0, Y);
+  const auto& [n, t1, t2] = contact_frame(contact.normal);
+  const Vec3<> o;
+  const std::array<Wrench<Spatial>, LawBlock::most_rows> rows{
+      Wrench<Spatial>{o, n}, {o, t1}, {o, t2}, {n, o}, {t1, o}, {t2, o}};
+  const SurfacePair& surface = contact.surface;
+  const std::array<double, LawBlock::most_rows> factors{1,
+                                                        surface.friction,
+                                                        surface.friction,
+                                                        surface.spin_friction,
+                                                        surface.rolling_friction,
+                                                        surface.rolling_friction};
+  const std::size_t width = support_.size(), first = problem_.c.size() - index(contact_rows_);
+  for (std::size_t k = 0; k < index(contact_rows_); ++k, J += width, Y += width) {
+    problem_.c[first + k] = factors[k];
+    const Wrench<Spatial> on_a = at_root(contact.a, contact.point, rows[k]);
+    const Wrench<Spatial> on_b = at_root(contact.b, contact.point, rows[k]);
+    for (const auto& [i, side] : path_) {
+      if (side == 0) continue;
+      for (int s = topology.first_screw[i]; s < topology.first_screw[i + 1]; ++s) {
+        const int c = topology.iv[i] + s - topology.first_screw[i];
+        J[place_[index(c)]] += side * ((side > 0 ? on_b : on_a) | loops_.bodies().S[s]);
+      }
+    }
+    pull_row(contact.a, contact.b, on_a, on_b, unit_.data(), Y);
+  }
+}
+
+void ContactSystem::add_unit_row(ContactLaw law, int velocity, double side, double bound) {
+  find_path(0, eliminated_at_[index(velocity)]);
+  double* Y = nullptr;
+  add_block(law, 1, bound, Y)[place_[index(velocity)]] = side;
+  unit_[index(velocity)] = side;
+  pull_row(0, 0, {}, {}, unit_.data(), Y);
+  unit_[index(velocity)] = 0;
+}
+
+void ContactSystem::add_loops(const double* q) {
+  loops_.make_rows(ConstraintLevel::velocity);
+  loops_.factorize_rows();
+  loops_.write(A_.data());
+  loops_.residual(q, residual_.data());
+  ends_of_path_ = {-1, -1};
+  for (const LoopPath& path : loops_.table().paths)
+    for (int k = 0; k < path.rows.count; ++k) {
+      const int row = path.rows.first + k;
+      support_ = path.velocities;
+      double* Y = nullptr;
+      double* J = add_block(ContactLaw::loop, 1, 0, Y);
+      for (const int c : support_) {
+        *J++ = A_[index(row) * index(model_.nv()) + index(c)];
+        *Y++ = loops_.Y()(c, row);
+      }
+      room_.push_back(k < path.residuals.count ? residual_[index(path.residuals.first + k)] : 0);
+    }
+}
+
+void ContactSystem::pull(const double* p, double* x) noexcept {
+  auto& bodies = loops_.bodies();
+  bodies.backward_sweep(tree(), p);
+  const auto put = [&](int c, const double& u, const double&) { x[c] = root_[index(c)] * u; };
+  for (int i = 0; i <= tree()->n; ++i) bodies.each_pivot(tree(), i, put);
+}
+
+void ContactSystem::push(const double* x, double* v) noexcept {
+  auto& bodies = loops_.bodies();
+  const auto put = [&](int c, double& u, const double& D) { u = root_[index(c)] * D * x[c]; };
+  for (int i = 0; i <= tree()->n; ++i) bodies.each_pivot(tree(), i, put);
+  bodies.forward_sweep(tree(), v);
+}
+
+void ContactSystem::times(const double* v, double* u) const noexcept {
+  for (const VelocityProblem::Block& b : problem_.blocks()) {
+    const double* J = J_.data() + b.columns;
+    const std::span<const int> at = problem_.support(b);
+    for (int k = 0; k < b.rows; ++k) {
+      double sum = 0;
+      for (const int c : at) sum += *J++ * v[c];
+      u[b.first + k] = sum;
+    }
+  }
+}
+
+void ContactSystem::add_transposed_times(const double* lambda, double* p) const noexcept {
+  for (const VelocityProblem::Block& b : problem_.blocks()) {
+    const double* J = J_.data() + b.columns;
+    const std::span<const int> at = problem_.support(b);
+    for (int k = 0; k < b.rows; ++k)
+      for (const int c : at) p[c] += *J++ * lambda[b.first + k];
+  }
+}
+
+void ContactSystem::write(double* J) const noexcept {
+  const std::size_t nv = index(model_.nv());
+  std::fill_n(J, index(problem_.rows()) * nv, 0.0);
+  for (const VelocityProblem::Block& b : problem_.blocks()) {
+    const double* entry = J_.data() + b.columns;
+    for (int k = 0; k < b.rows; ++k)
+      for (const int c : problem_.support(b)) J[index(b.first + k) * nv + index(c)] = *entry++;
+  }
+}
+
+void ContactSystem::momenta(const double* v, double* p) noexcept {
+  const Topology& topology = *tree().operator->();
+  const Twist<Spatial>* const S = loops_.bodies().S;
+  const auto each_screw = [&](int i, const auto& f) {
+    for (int s = topology.first_screw[i]; s < topology.first_screw[i + 1]; ++s)
+      f(topology.iv[i] + s - topology.first_screw[i], S[s]);
+  };
+  V_[0] = {};
+  for (int i = 1; i <= topology.n; ++i) {
+    Twist<Spatial>& V = V_[index(i)];
+    V = V_[index(topology.parent[i])];
+    each_screw(i, [&](int c, const Twist<Spatial>& S_c) { V += v[c] * S_c; });
+    Pi_[index(i)] = transform(loops_.link(i).C, tree().M[i]) * V;
+  }
+  sum_subtrees(topology, Pi_.data());
+  for (int c = 0; c < topology.nv; ++c) p[c] = tree().armature[index(c)] * v[c];
+  for (int i = 1; i <= topology.n; ++i)
+    each_screw(i, [&](int c, const Twist<Spatial>& S_c) { p[c] += Pi_[index(i)] | S_c; });
+}
+
+Wrench<Spatial> ContactSystem::on_ground(std::span<const Contact> contacts,
+                                         const double* lambda) const noexcept {
+  Wrench<Spatial> sum{};
+  for (const Contact& contact : contacts) {
+    const auto& [n, t1, t2] = contact_frame(contact.normal);
+    const Vec3<> f = lambda[0] * n + lambda[1] * t1 + lambda[2] * t2;
+    Vec3<> m;
+    if (contact_rows_ > 3) m += lambda[3] * n;
+    if (contact_rows_ > 4) m += lambda[4] * t1 + lambda[5] * t2;
+    const Wrench<Spatial> W{m + cross(contact.point, f), f};
+    if (contact.b == 0) sum += W;
+    if (contact.a == 0) sum -= W;
+    lambda += contact_rows_;
+  }
+  return sum;
+}
+
+}  // namespace axode

@@ -1,0 +1,31 @@
+#pragma once
+#include <Eigen/Core>
+#include <vector>
+
+namespace axode {
+
+/// Factorises a dense matrix in its own memory by Gauss' elimination with row pivots, in blocks of columns.
+/// Nothing is allocated after reserve() for matrices up to that size, except blocks of large products.
+class DenseFactor {
+ public:
+  using Matrix = Eigen::MatrixXd;
+
+  void reserve(Eigen::Index n);
+  /// The n × n matrix, to be filled before factorize().
+  Eigen::Map<Matrix> matrix(Eigen::Index n) noexcept { return {memory_.data(), n, n}; }
+  void factorize(Eigen::Index n) noexcept;
+  /// The same for a symmetric positive definite matrix, of which the lower half is read: Cholesky's factor.
+  /// A pivot that is not positive leaves NaN.
+  void factorize_symmetric(Eigen::Index n) noexcept;
+  /// x := A⁻¹ x.
+  void solve(Eigen::Index n, double* x) const noexcept;
+
+ private:
+  void factorize_panel(Eigen::Map<Matrix>& A, Eigen::Index first, Eigen::Index count) noexcept;
+
+  std::vector<double> memory_;
+  std::vector<Eigen::Index> pivot_;
+  bool symmetric_ = false;
+};
+
+}  // namespace axode

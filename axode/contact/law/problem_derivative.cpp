@@ -1,0 +1,78 @@
+#include "axode/contact/law/problem_derivative.hpp"
+
+#include <cmath>
+
+#include "axode/recursion/least_squares.hpp"
+
+namespace axode {
+namespace {
+
+/// Part of the largest pivot below which a row counts as redundant.
+constexpr double rank_part = 1e-11;
+constexpr double same_motion = 1e-7;
+constexpr double kink_part = 1e-10;
+
+/// Whether z is within rounding of the boundary between two branches, for numbers of a given size.
+bool near_kink(const LawBlock& b, const double* z, double size) {
+  const double tiny = kink_part * size;
+  if (b.law == ContactLaw::loop) return false;
+  if (b.law == ContactLaw::dry_friction) return std::abs(std::abs(z[0]) - b.bound) < tiny;
+  if (std::abs(z[0]) < tiny) return true;
+  if (b.law == ContactLaw::stop || z[0] < 0) return false;
+  double sum = 0;
+  for (int k = 1; k < b.rows; ++k) sum += z[k] * z[k];
+  return sum > 0 && std::abs(std::sqrt(sum) - z[0]) < tiny;
+}
+
+}  // namespace
+
+ProblemDerivative differentiate(const VelocityProblem& p, const double* lambda,
+                                const Eigen::Ref<const Eigen::MatrixXd>& dx,
+                                const Eigen::Ref<const Eigen::MatrixXd>& du) {
+  const Eigen::Index m = p.rows(), nv = p.nv(), k = dx.cols();
+  ProblemDerivative out;
+  out.motion = dx;
+  out.multipliers.setZero(m, k);
+  if (m == 0) return out;
+  Eigen::MatrixXd Y = Eigen::MatrixXd::Zero(nv, m), G(m, m);
+  for (const VelocityProblem::Block& b : p.blocks()) {
+    const auto columns = p.columns(b);
+    const auto at = p.support(b);
+    for (int i = 0; i < b.width; ++i)
+      Y.row(at[static_cast<std::size_t>(i)]).segment(b.first, b.rows) = columns.row(i);
+  }
+  p.delassus(G);
+  const Eigen::Map<const Eigen::VectorXd> l(lambda, m), d2(p.squared_scales().data(), m), r(p.r.data(), m);
+  const Eigen::VectorXd x = p.w + Y * l, z = l - (Y.transpose() * x + r).cwiseQuotient(d2);
+  const double size = x.norm() + p.w.norm();
+  Eigen::MatrixXd Z = Eigen::MatrixXd::Zero(m, m);
+  for (const VelocityProblem::Block& b : p.blocks()) {
+    with_rows(b, [&](auto n) {
+      LawMatrix<n()> Z_b;
+      static_cast<void>(differentiate<n()>(b, z.data() + b.first, Z_b));
+      Z.block<n(), n()>(b.first, b.first) = Z_b;
+    });
+    if (near_kink(b, z.data() + b.first, size / std::sqrt(d2[b.first]))) out.at_kink = true;
+  }
+  const Eigen::MatrixXd ZD = Z * d2.cwiseInverse().asDiagonal();
+  const Eigen::MatrixXd A = Eigen::MatrixXd::Identity(m, m) - Z + ZD * G;
+  const Eigen::MatrixXd b = -ZD * (Y.transpose() * dx + du);
+  const Eigen::VectorXd d = d2.cwiseSqrt();
+  const auto solve = [&](const Eigen::VectorXd& weight) -> Eigen::MatrixXd {
+    const Eigen::VectorXd inverse = weight.cwiseInverse();
+    const Eigen::MatrixXd scaled = d.asDiagonal() * A * inverse.asDiagonal();
+    return inverse.asDiagonal() * least_squares(scaled, d.asDiagonal() * b, rank_part);
+  };
+  out.multipliers = solve(d);
+  out.motion += Y * out.multipliers;
+  const double left = (d.asDiagonal() * (A * out.multipliers - b)).norm();
+  // Another metric chooses another share of the load; a unique motion is the same.
+  Eigen::VectorXd other = d;
+  for (Eigen::Index row = 0; row < m; ++row) other[row] *= 1 + 0.5 * std::sin(static_cast<double>(row));
+  const Eigen::MatrixXd motion = dx + Y * solve(other);
+  out.unique = (motion - out.motion).norm() <= same_motion * (out.motion.norm() + dx.norm()) &&
+               left <= same_motion * (d.asDiagonal() * b).norm();
+  return out;
+}
+
+}  // namespace axode

@@ -1,0 +1,138 @@
+#include "axode/contact/law/velocity_problem.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace axode {
+
+void VelocityProblem::reserve(std::size_t blocks) {
+  const std::size_t rows = blocks * LawBlock::most_rows, width = static_cast<std::size_t>(nv());
+  blocks_.reserve(blocks);
+  supports_.reserve(blocks * width);
+  Y_.reserve(rows * width);
+  for (std::vector<double>* x : {&r, &c, &d2_}) x->reserve(rows);
+}
+
+void VelocityProblem::clear() noexcept {
+  blocks_.clear();
+  supports_.clear();
+  Y_.clear();
+  for (std::vector<double>* x : {&r, &c, &d2_}) x->clear();
+}
+
+double* VelocityProblem::add(ContactLaw law, int rows, std::span<const int> support, double bound) {
+  Block b;
+  b.law = law;
+  b.first = this->rows();
+  b.rows = rows;
+  b.bound = bound;
+  const bool repeated = !blocks_.empty() && std::ranges::equal(support, this->support(blocks_.back()));
+  b.support = repeated ? blocks_.back().support : supports_.size();
+  b.width = static_cast<int>(support.size());
+  b.columns = Y_.size();
+  if (!repeated) supports_.insert(supports_.end(), support.begin(), support.end());
+  const std::size_t m = r.size() + static_cast<std::size_t>(rows);
+  Y_.resize(Y_.size() + support.size() * static_cast<std::size_t>(rows));
+  r.resize(m, 0.0);
+  c.resize(m, 1.0);
+  d2_.resize(m, 0.0);
+  blocks_.push_back(b);
+  return Y_.data() + b.columns;
+}
+
+void VelocityProblem::finish() noexcept {
+  double greatest = 1e-300;
+  for (const Block& b : blocks_) {
+    Eigen::Map<Eigen::MatrixXd> Y(Y_.data() + b.columns, b.width, b.rows);
+    double normal = 0, largest = 0;
+    for (int k = 0; k < b.rows; ++k) {
+      const std::size_t row = static_cast<std::size_t>(b.first + k);
+      Y.col(k) *= c[row];
+      r[row] *= c[row];
+      const double G = Y.col(k).squaredNorm();
+      if (k == 0) normal = G;
+      largest = std::max(largest, G);
+    }
+    std::fill_n(d2_.begin() + b.first, b.rows, std::max(normal, largest / 2));
+    greatest = std::max(greatest, std::max(normal, largest / 2));
+  }
+  // A row of a loop that repeats a joint of the tree is rounding: it moves nothing and is left out.
+  constexpr double rounding = 1e-20, least = 1e-12;
+  for (const Block& b : blocks_) {
+    const std::size_t row = static_cast<std::size_t>(b.first);
+    if (b.law != ContactLaw::loop || d2_[row] > rounding * greatest) continue;
+    std::fill_n(Y_.begin() + static_cast<std::ptrdiff_t>(b.columns), b.width, 0.0);
+    r[row] = 0;
+  }
+  for (double& x : d2_) x = std::max(x, least * greatest);
+}
+
+void VelocityProblem::add_product(double factor, const double* lambda, double* x) const noexcept {
+  for (const Block& b : blocks_) {
+    const int* const at = supports_.data() + b.support;
+    const double* Y = Y_.data() + b.columns;
+    for (int k = 0; k < b.rows; ++k, Y += b.width) {
+      const double l = factor * lambda[b.first + k];
+      for (int i = 0; i < b.width; ++i) x[at[i]] += l * Y[i];
+    }
+  }
+}
+
+void VelocityProblem::add_transposed(const double* x, double* u) const noexcept {
+  for (const Block& b : blocks_) {
+    const int* const at = supports_.data() + b.support;
+    const double* Y = Y_.data() + b.columns;
+    for (int k = 0; k < b.rows; ++k, Y += b.width) {
+      double sum = 0;
+      for (int i = 0; i < b.width; ++i) sum += Y[i] * x[at[i]];
+      u[b.first + k] += sum;
+    }
+  }
+}
+
+void VelocityProblem::delassus(Eigen::Ref<Eigen::MatrixXd> G) const noexcept {
+  for (const Block& a : blocks_)
+    for (const Block& b : blocks_) {
+      if (b.first < a.first) continue;
+      const int *i = supports_.data() + a.support, *j = supports_.data() + b.support;
+      const auto A = columns(a), B = columns(b);
+      auto G_ab = G.block(a.first, b.first, a.rows, b.rows);
+      G_ab.setZero();
+      for (int m = 0, n = 0; m < a.width && n < b.width;) {
+        if (i[m] < j[n]) {
+          ++m;
+        } else if (j[n] < i[m]) {
+          ++n;
+        } else {
+          for (int k = 0; k < b.rows; ++k)
+            for (int l = 0; l < a.rows; ++l) G_ab(l, k) += A(m, l) * B(n, k);
+          ++m;
+          ++n;
+        }
+      }
+      if (a.first != b.first) G.block(b.first, a.first, b.rows, a.rows) = G_ab.transpose();
+    }
+}
+
+double certificate(const VelocityProblem& p, const double* lambda, double* scratch) noexcept {
+  const int m = p.rows(), nv = p.nv();
+  double *const u = scratch, *const z = scratch + m;
+  Eigen::Map<Eigen::VectorXd> x(scratch + 2 * m, nv);
+  x.setZero();
+  p.add_product(1, lambda, x.data());
+  const double size = p.w.norm() + x.norm();
+  x += p.w;
+  std::copy_n(p.r.data(), m, u);
+  p.add_transposed(x.data(), u);
+  const std::vector<double>& d2 = p.squared_scales();
+  for (int k = 0; k < m; ++k) z[k] = lambda[k] - u[k] / d2[static_cast<std::size_t>(k)];
+  double sum = 0;
+  for (const VelocityProblem::Block& b : p.blocks()) {
+    resolve(b, z + b.first, u + b.first);
+    for (int k = b.first; k < b.first + b.rows; ++k)
+      sum += d2[static_cast<std::size_t>(k)] * (lambda[k] - u[k]) * (lambda[k] - u[k]);
+  }
+  return std::sqrt(sum) / (size + 1e-300);
+}
+
+}  // namespace axode

@@ -1,0 +1,77 @@
+#pragma once
+#include <span>
+#include <vector>
+
+#include "axode/contact/law/contact_law.hpp"
+
+namespace axode {
+
+/// The problem of velocities (D11.5): u = Yᵀ (w + Y λ) + r obeys the laws of its blocks together with λ.
+///
+/// M = Lᵀ D L and x = D^½ L v are the velocities measured by the masses, |x|² = vᵀ M v: w are those without
+/// impulses, and Y = D^-½ L⁻ᵀ Jᵀ. A column of Y is stored for the velocities that its block can move.
+///
+/// Rows are given in physical units together with a factor c of each row, the coefficient of friction of
+/// friction rows and otherwise 1. finish() multiplies the rows by c. Multipliers x of this problem belong to
+/// impulses λ = c x.
+class VelocityProblem {
+ public:
+  using Vector = Eigen::VectorXd;
+  using Columns = Eigen::Map<const Eigen::MatrixXd>;
+
+  struct Block : LawBlock {
+    std::size_t support = 0;  ///< its first entry in supports_
+    int width = 0;            ///< number of velocities that it moves
+    std::size_t columns = 0;  ///< the first entry of its part of Y, width × rows, column by column
+  };
+
+  /// A problem without blocks for a mechanism with nv velocities.
+  explicit VelocityProblem(int nv) : w(Vector::Zero(nv)) {}
+
+  /// Allocates for a number of blocks of 6 rows each of which moves all velocities.
+  void reserve(std::size_t blocks);
+  /// Removes all blocks. The memory stays.
+  void clear() noexcept;
+  /// Appends a block and returns its part of Y, support.size() × rows, column by column. The part, and the
+  /// entries of r and c, are the caller's to fill before the next call. Allocates where more is needed than
+  /// was reserved. `support` has ascending velocities.
+  double* add(ContactLaw law, int rows, std::span<const int> support, double bound = 0);
+  /// Multiplies rows by c, and computes the scales d² of the rows: G_NN or half of the largest diagonal of
+  /// the Delassus operator in a contact, whichever is larger, and the diagonal elsewhere (D11.6).
+  void finish() noexcept;
+
+  int nv() const { return static_cast<int>(w.size()); }
+  int rows() const { return static_cast<int>(r.size()); }
+  std::span<const Block> blocks() const { return blocks_; }
+  std::span<const int> support(const Block& b) const {
+    return std::span(supports_).subspan(b.support, static_cast<std::size_t>(b.width));
+  }
+  /// The part of Y of a block, width × rows.
+  template <int rows = Eigen::Dynamic> auto columns(const Block& b) const {
+    return Eigen::Map<const Eigen::Matrix<double, Eigen::Dynamic, rows>>(Y_.data() + b.columns, b.width,
+                                                                         b.rows);
+  }
+  const std::vector<double>& squared_scales() const { return d2_; }
+
+  /// x += factor Y λ.
+  void add_product(double factor, const double* lambda, double* x) const noexcept;
+  /// u += Yᵀ x.
+  void add_transposed(const double* x, double* u) const noexcept;
+  /// The Delassus operator Yᵀ Y (rows × rows), in the scaled rows.
+  void delassus(Eigen::Ref<Eigen::MatrixXd> G) const noexcept;
+
+  Vector w;               ///< nv
+  std::vector<double> r;  ///< an entry for each row
+  std::vector<double> c;  ///< an entry for each row
+
+ private:
+  std::vector<Block> blocks_;
+  std::vector<int> supports_;
+  std::vector<double> Y_, d2_;
+};
+
+/// How far λ (in scaled rows) is from the laws, as a part of the motion; both are measured by the masses
+/// (D11.7). 1e-12 is rounding. NaN if a number is not finite. `scratch` has 2 rows() + nv() numbers.
+double certificate(const VelocityProblem& problem, const double* lambda, double* scratch) noexcept;
+
+}  // namespace axode

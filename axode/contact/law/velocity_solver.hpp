@@ -1,0 +1,91 @@
+#pragma once
+#include "axode/contact/law/dense_factor.hpp"
+#include "axode/contact/law/velocity_problem.hpp"
+
+namespace axode {
+
+/// The result of a VelocitySolver: how exactly the law holds, and what it took.
+struct [[nodiscard]] VelocitySolution {
+  double certificate = 0;  ///< see certificate()
+  int factorizations = 0;  ///< matrices that were factorised
+  int restarts = 0;        ///< further starts that were needed
+  bool holds(double tolerance) const { return certificate <= tolerance; }
+};
+
+/// Solves a VelocityProblem: proximal steps on the resolvent, each by Newton's method (D11.8), and Newton's
+/// method on the law itself near the solution (D11.9). The unknowns are velocities or, if there are fewer
+/// rows than velocities, multipliers. If Newton's method fails, it starts again from 0, and then from the
+/// results of alternating directions. The best multipliers are returned with their certificate; they are
+/// never those of another law.
+///
+/// Dense: O(nv³) or O(rows³) for each factorisation. Symmetric matrices are factorised by Cholesky's method
+/// while no contact slides.
+class VelocitySolver {
+ public:
+  /// Allocates for problems with nv velocities and up to a number of rows.
+  void reserve(int nv, int rows);
+
+  /// Improves λ, in the scaled rows of the problem, from its given value until the certificate is at most
+  /// `tolerance`. Requires reserve(). Allocates nothing.
+  VelocitySolution solve(const VelocityProblem& problem, double* lambda, double tolerance = 1e-12) noexcept;
+
+ private:
+  using Vector = Eigen::Map<Eigen::VectorXd>;
+
+  void begin(const VelocityProblem& problem) noexcept;
+  double certify(const double* lambda) noexcept;
+  /// Resolves z_ of all blocks into `lambda`.
+  void resolve_all(double* lambda) const noexcept;
+  /// u_ = Yᵀ (w + Y λ) + r, and t_ = Y λ.
+  void compute_velocities(const double* lambda) noexcept;
+
+  /// Newton's method with proximal steps. `failures` is the number of proximal steps that may fail. Improves
+  /// λ and returns its certificate.
+  double newton(double* lambda, double tolerance, int failures) noexcept;
+  /// A proximal step from lambda_0_: returns the norm of what is left, writes λ to resolved_ and the number
+  /// of iterations to `iterations`.
+  double proximal_step(double goal, int& iterations) noexcept;
+  double multiplier_residual(const Vector& lambda) noexcept;
+  double velocity_residual(const Vector& x, Vector& f) noexcept;
+  template <class Residual>
+  bool search(const Vector& from, const Vector& direction, Vector& to, double& norm,
+              const Residual& residual) noexcept;
+  double polish(double* lambda, double tolerance) noexcept;
+
+  /// Makes the matrices B of the blocks at z_: Z/R, or (1 - (1 - kept) Z)⁻¹ Z/R if kept > 0, which also
+  /// multiplies residual_ by that inverse. Returns whether all of them are symmetric.
+  bool make_matrices(double kept) noexcept;
+  /// Factorises 1 + Y B Yᵀ.
+  void factorize_with(bool symmetric) noexcept;
+  void factorize_velocities(double kept) noexcept;
+  /// Factorises 1 - Z + kept Z + Z R⁻¹ Yᵀ Y, or 1 + Z R⁻¹ Yᵀ Y if kept = 0.
+  void factorize_multipliers(double kept) noexcept;
+  void subtract_products() noexcept;
+
+  /// Alternating directions from λ = 0, on the cones with the drift of De Saxcé, or on the laws themselves.
+  void alternate(double* lambda, bool on_laws) noexcept;
+  void apply_delassus(const Vector& a, Vector& out) noexcept;
+  double largest_eigenvalue() noexcept;
+  void factorize_shifted(double s) noexcept;
+  void solve_shifted(double s, Vector& a) noexcept;
+
+  const VelocityProblem* problem_ = nullptr;
+  int rows_ = 0;
+  bool by_multipliers_ = false;
+  double size_ = 0;  ///< |w|
+  int factorizations_ = 0;
+  DenseFactor factor_;
+  std::vector<double> memory_;    ///< of the vectors below
+  std::vector<double> G_memory_;  ///< Yᵀ Y if multipliers are the unknowns
+  std::vector<double> matrices_;  ///< the matrix B of each block
+  std::vector<double> group_;     ///< Y B Yᵀ of blocks that move the same velocities
+  std::vector<double> columns_;   ///< Y B of one block
+  // Vectors with an entry for each row, and for each velocity.
+  Vector u_{nullptr, 0}, b_{nullptr, 0}, z_{nullptr, 0}, R_{nullptr, 0}, resolved_{nullptr, 0},
+      lambda_0_{nullptr, 0}, lambda_{nullptr, 0}, trial_{nullptr, 0}, step_{nullptr, 0}, best_{nullptr, 0},
+      start_{nullptr, 0}, y_{nullptr, 0}, y_before_{nullptr, 0}, dual_{nullptr, 0}, residual_{nullptr, 0};
+  Vector x_{nullptr, 0}, f_{nullptr, 0}, t_{nullptr, 0}, x_trial_{nullptr, 0}, f_trial_{nullptr, 0},
+      dx_{nullptr, 0};
+};
+
+}  // namespace axode
