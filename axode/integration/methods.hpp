@@ -48,13 +48,16 @@ template <bool stabilized> Trajectory simulate_stiff(const MotionRequest& x) {
 inline Trajectory simulate_momenta(const MotionRequest& x) {
   return axode::simulate_momenta(x.model, x.q, x.v, x.until, x.step, runge_kutta(4), x.options);
 }
+inline Trajectory simulate_contact(const MotionRequest& x) {
+  return axode::simulate_contact(x.model, x.q, x.v, x.until, x.step, x.options);
+}
 inline Trajectory simulate_half_explicit(const MotionRequest& x) {
   return axode::simulate_half_explicit(x.model, x.q, x.v, x.until, x.step, x.options);
 }
 
 }  // namespace detail
 
-inline constexpr std::array<std::pair<std::string_view, Method>, 13> methods{
+inline constexpr std::array<std::pair<std::string_view, Method>, 14> methods{
     {{"dopri5", {true, detail::simulate_adapting}},
      {"rk4", {false, detail::simulate_explicit<4>}},
      {"euler", {false, detail::simulate_explicit<1>}},
@@ -66,6 +69,7 @@ inline constexpr std::array<std::pair<std::string_view, Method>, 13> methods{
      {"rattle", {false, detail::simulate_rattle<2>}},
      {"rattle_suzuki4", {false, detail::simulate_rattle<4>}},
      {"rattle_kahan_li6", {false, detail::simulate_rattle<6>}},
+     {"contact", {false, detail::simulate_contact}},
      {"half_explicit", {false, detail::simulate_half_explicit}},
      {"generalized_alpha_index3", {false, detail::simulate_stiff<false>}}}};
 

@@ -104,6 +104,16 @@ Trajectory simulate_symplectic(const Model& model, std::span<const double> q, st
                                double until, double step, int order = 2,
                                const SimulationOptions& options = {});
 
+/// Integrates with contact of the collision shapes of the model and of the ground, hard stops, and, with
+/// joint_losses, damping and dry friction of joints; loops are closed at the ends of steps. Contact obeys
+/// Signorini's condition and Coulomb's law exactly, see ContactLaw, and the trajectory has a certificate for
+/// each step. The step has impulses at both of its ends, with the midpoint rule for the free motion in
+/// between (D11.12). It is of second order while nothing begins to touch or to part, and of first order
+/// through impacts. Momenta of what floats freely are exact to rounding. Throws as simulate_fixed(), for
+/// absolute coordinates, and as ContactShapes.
+Trajectory simulate_contact(const Model& model, std::span<const double> q, std::span<const double> v,
+                            double until, double step, const SimulationOptions& options = {});
+
 template <class... Arguments>
 [[deprecated("use simulate_symplectic()")]] Trajectory simulate_conserving(Arguments&&... arguments) {
   return simulate_symplectic(std::forward<Arguments>(arguments)...);

@@ -72,6 +72,9 @@ class Trajectory {
   /// J.
   std::vector<double> body_energies;
 
+  /// With contact, for each step: how exactly the laws of contact hold, see certificate(); rounding is 1e-12.
+  std::vector<double> certificates;
+
  private:
   std::size_t nq() const { return static_cast<std::size_t>(model_.nq()); }
   std::size_t nv() const { return static_cast<std::size_t>(model_.nv()); }

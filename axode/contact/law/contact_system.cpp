@@ -15,7 +15,7 @@ ContactFrame contact_frame(const Vec3<>& n) noexcept {
   return {n, {1 + s * n.x * n.x * c, s * b, -s * n.x}, {b, s + n.y * n.y * c, -n.y}};
 }
 
-ContactSystem::ContactSystem(const Model& model, int contact_rows, std::size_t capacity)
+ContactSystem::ContactSystem(const Model& model, int contact_rows, std::size_t capacity, bool dry_friction)
     : model_(model), contact_rows_(contact_rows), loops_(model), problem_(model.nv()) {
   const Topology& topology = *tree().operator->();
   const std::size_t nv = index(model.nv()), bodies = index(model.n_bodies()) + 1;
@@ -26,7 +26,7 @@ ContactSystem::ContactSystem(const Model& model, int contact_rows, std::size_t c
     for (const auto& [limit, side] : {std::pair{dof.lower, 1.0}, std::pair{dof.upper, -1.0}})
       if (dof.hard_stops && std::isfinite(limit))
         stops_.push_back({joint.iq, joint.iv, limit, side, dof.restitution});
-    if (dof.friction > 0) dry_.push_back({joint.iv, dof.friction});
+    if (dry_friction && dof.friction > 0) dry_.push_back({joint.iv, dof.friction});
   }
   root_body_.resize(bodies);
   for (int i = 1; i <= model.n_bodies(); ++i)
@@ -44,6 +44,8 @@ ContactSystem::ContactSystem(const Model& model, int contact_rows, std::size_t c
   unit_.resize(nv);
   A_.resize(loop_rows * nv);
   residual_.resize(index(model.loops().residuals));
+  for (const LoopPath& path : loops_.table().paths)
+    for (int k = 0; k < path.rows.count; ++k) residual_rows_.push_back(k < path.residuals.count ? 1 : 0);
   room_.reserve(capacity + stops_.size() + loop_rows);
   active_.reserve(stops_.size());
   V_.resize(bodies);
@@ -194,7 +196,9 @@ void ContactSystem::add_loops(const double* q) {
   loops_.make_rows(ConstraintLevel::velocity);
   loops_.factorize_rows();
   loops_.write(A_.data());
-  loops_.residual(q, residual_.data());
+  const std::size_t first = room_.size();
+  room_.resize(first + index(model_.loops().rows));
+  loop_openings(q, room_.data() + first);
   ends_of_path_ = {-1, -1};
   for (const LoopPath& path : loops_.table().paths)
     for (int k = 0; k < path.rows.count; ++k) {
@@ -206,7 +210,6 @@ void ContactSystem::add_loops(const double* q) {
         *J++ = A_[index(row) * index(model_.nv()) + index(c)];
         *Y++ = loops_.Y()(c, row);
       }
-      room_.push_back(k < path.residuals.count ? residual_[index(path.residuals.first + k)] : 0);
     }
 }
 
@@ -262,17 +265,51 @@ void ContactSystem::momenta(const double* v, double* p) noexcept {
     for (int s = topology.first_screw[i]; s < topology.first_screw[i + 1]; ++s)
       f(topology.iv[i] + s - topology.first_screw[i], S[s]);
   };
-  V_[0] = {};
-  for (int i = 1; i <= topology.n; ++i) {
-    Twist<Spatial>& V = V_[index(i)];
-    V = V_[index(topology.parent[i])];
-    each_screw(i, [&](int c, const Twist<Spatial>& S_c) { V += v[c] * S_c; });
-    Pi_[index(i)] = transform(loops_.link(i).C, tree().M[i]) * V;
-  }
+  move_bodies(v);
+  for (int i = 1; i <= topology.n; ++i)
+    Pi_[index(i)] = transform(loops_.link(i).C, tree().M[i]) * V_[index(i)];
   sum_subtrees(topology, Pi_.data());
   for (int c = 0; c < topology.nv; ++c) p[c] = tree().armature[index(c)] * v[c];
   for (int i = 1; i <= topology.n; ++i)
     each_screw(i, [&](int c, const Twist<Spatial>& S_c) { p[c] += Pi_[index(i)] | S_c; });
+}
+
+void ContactSystem::move_bodies(const double* v) noexcept {
+  const Topology& topology = *tree().operator->();
+  V_[0] = {};
+  for (int i = 1; i <= topology.n; ++i) {
+    Twist<Spatial>& V = V_[index(i)];
+    V = V_[index(topology.parent[i])];
+    for (int s = topology.first_screw[i]; s < topology.first_screw[i + 1]; ++s)
+      V += v[topology.iv[i] + s - topology.first_screw[i]] * loops_.bodies().S[s];
+  }
+}
+
+void ContactSystem::contact_velocity(const Contact& contact, double* u) const noexcept {
+  const auto velocity = [&](int body) {
+    const Vec3<> O = body > 0 ? loops_.root_origins()[root_body_[index(body)]] : Vec3<>{};
+    return V_[index(body)].v + cross(V_[index(body)].w, contact.point - O);
+  };
+  const Vec3<> at_point = velocity(contact.b) - velocity(contact.a);
+  const Vec3<> turning = V_[index(contact.b)].w - V_[index(contact.a)].w;
+  const auto& [n, t1, t2] = contact_frame(contact.normal);
+  const std::array<double, LawBlock::most_rows> rows{dot(n, at_point), dot(t1, at_point), dot(t2, at_point),
+                                                     dot(n, turning),  dot(t1, turning),  dot(t2, turning)};
+  std::copy_n(rows.begin(), contact_rows_, u);
+}
+
+double ContactSystem::speed(int body, double distance) const noexcept {
+  if (body == 0) return 0;
+  const Twist<Spatial>& V = V_[index(body)];
+  return norm(V.v + cross(V.w, loops_.link(body).C.r)) + distance * norm(V.w);
+}
+
+void ContactSystem::loop_openings(const double* q, double* openings) noexcept {
+  loops_.residual(q, residual_.data());
+  for (const LoopPath& path : loops_.table().paths)
+    for (int k = 0; k < path.rows.count; ++k)
+      openings[path.rows.first + k] =
+          k < path.residuals.count ? residual_[index(path.residuals.first + k)] : 0;
 }
 
 Wrench<Spatial> ContactSystem::on_ground(std::span<const Contact> contacts,

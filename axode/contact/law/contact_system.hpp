@@ -50,8 +50,10 @@ class ContactSystem {
  public:
   /// `contact_rows` is the number of rows of each contact: 3, 4 with drilling friction, or 6 with rolling
   /// friction. `capacity` is the number of contacts for which memory is reserved. Stops are the hard stops of
-  /// the model at finite limits; dry joints are its joints of one velocity with friction.
-  explicit ContactSystem(const Model& model, int contact_rows = 3, std::size_t capacity = 64);
+  /// the model at finite limits; dry joints are its joints of one velocity with friction, unless dry_friction
+  /// is false.
+  explicit ContactSystem(const Model& model, int contact_rows = 3, std::size_t capacity = 64,
+                         bool dry_friction = true);
 
   const Model& model() const { return model_; }
   int contact_rows() const { return contact_rows_; }
@@ -59,7 +61,17 @@ class ContactSystem {
   std::span<const DryJoint> dry_joints() const { return dry_; }
 
   /// Computes the poses of the internal frames of all bodies at q, n_bodies + 1 entries, for a ContactFinder.
+  /// It moves the kinematics to q, and the rows and factors of an earlier set() are no longer valid.
   void poses(const double* q, SE3<>* C) noexcept;
+  /// The velocities of the rows of a contact (contact_rows() numbers) for velocities v, at the q of the last
+  /// poses() or set(), after move_bodies(v).
+  void move_bodies(const double* v) noexcept;
+  void contact_velocity(const Contact& contact, double* u) const noexcept;
+  /// The largest speed of points of a body up to a distance from its origin, m/s, after move_bodies().
+  double speed(int body, double distance) const noexcept;
+  /// What is open of each row of the loops (0 for rows without a residual), at the q of the last poses() or
+  /// set().
+  void loop_openings(const double* q, double* openings) noexcept;
 
   /// Factorises the mass matrix and makes all rows at q; of the stops only those with less room than
   /// `stop_margin`. After this problem() has the rows, with r and w equal to 0 and dry bounds equal to the
@@ -74,6 +86,10 @@ class ContactSystem {
   std::span<const int> active_stops() const { return active_; }  ///< indices of stops()
   /// The first row after those of contacts, stops and dry joints: that of the loops.
   int first_loop_row() const { return first_loop_row_; }
+  /// Whether a row of the loops has a residual, so that its opening has a rate.
+  bool has_residual(std::size_t row) const {
+    return residual_rows_[row - static_cast<std::size_t>(first_loop_row_)] != 0;
+  }
   /// The gap of each contact, and then of each active stop; of the loops what is open, by row.
   std::span<const double> room() const { return room_; }
 
@@ -122,6 +138,7 @@ class ContactSystem {
   VelocityProblem problem_;
   std::vector<double> J_;  ///< laid out as Y
   std::vector<double> root_, room_, unit_, residual_, A_;
+  std::vector<char> residual_rows_;  ///< whether each row of the loops has a residual
   std::vector<Twist<Spatial>> V_;
   std::vector<Momentum<Spatial>> Pi_;
   std::vector<int> root_body_;        ///< the root of each body

@@ -11,6 +11,7 @@ void VelocityProblem::reserve(std::size_t blocks) {
   supports_.reserve(blocks * width);
   Y_.reserve(rows * width);
   for (std::vector<double>* x : {&r, &c, &d2_}) x->reserve(rows);
+  moves_.reserve(rows);
 }
 
 void VelocityProblem::clear() noexcept {
@@ -18,6 +19,7 @@ void VelocityProblem::clear() noexcept {
   supports_.clear();
   Y_.clear();
   for (std::vector<double>* x : {&r, &c, &d2_}) x->clear();
+  moves_.clear();
 }
 
 double* VelocityProblem::add(ContactLaw law, int rows, std::span<const int> support, double bound) {
@@ -36,12 +38,14 @@ double* VelocityProblem::add(ContactLaw law, int rows, std::span<const int> supp
   r.resize(m, 0.0);
   c.resize(m, 1.0);
   d2_.resize(m, 0.0);
+  moves_.resize(m, 1);
   blocks_.push_back(b);
   return Y_.data() + b.columns;
 }
 
 void VelocityProblem::finish() noexcept {
   double greatest = 1e-300;
+  std::ranges::fill(moves_, 1);
   for (const Block& b : blocks_) {
     Eigen::Map<Eigen::MatrixXd> Y(Y_.data() + b.columns, b.width, b.rows);
     double normal = 0, largest = 0;
@@ -63,6 +67,7 @@ void VelocityProblem::finish() noexcept {
     if (b.law != ContactLaw::loop || d2_[row] > rounding * greatest) continue;
     std::fill_n(Y_.begin() + static_cast<std::ptrdiff_t>(b.columns), b.width, 0.0);
     r[row] = 0;
+    moves_[row] = 0;
   }
   for (double& x : d2_) x = std::max(x, least * greatest);
 }

@@ -52,6 +52,8 @@ class VelocityProblem {
                                                                          b.rows);
   }
   const std::vector<double>& squared_scales() const { return d2_; }
+  /// Whether a row of a loop moves masses, after finish(); otherwise its r must be 0.
+  bool moves(std::size_t row) const { return moves_[row] != 0; }
 
   /// x += factor Y λ.
   void add_product(double factor, const double* lambda, double* x) const noexcept;
@@ -68,6 +70,7 @@ class VelocityProblem {
   std::vector<Block> blocks_;
   std::vector<int> supports_;
   std::vector<double> Y_, d2_;
+  std::vector<char> moves_;
 };
 
 /// How far λ (in scaled rows) is from the laws, as a part of the motion; both are measured by the masses

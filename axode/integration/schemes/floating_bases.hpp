@@ -19,18 +19,30 @@ namespace axode {
 class FloatingBases {
  public:
   FloatingBases(const Model& model, const double* q, const double* v, bool wrenches)
-      : tree_(&model.tree<double>()), kernel_(model.topology()), gravity_(size((*tree_)->n + 1), tree_->g) {
+      : tree_(&model.tree<double>()),
+        kernel_(model.topology()),
+        momenta_(model.topology()),
+        gravity_(size((*tree_)->n + 1), tree_->g) {
     kernel_->run(*tree_, q);
-    WithScratch<double, SubtreeMomenta<double>> momenta(model.topology());
-    momenta->run(*kernel_, v);
     each_root(model.topology(), [&](int i) {
       const double mass = kernel_->M[i].m;
       if ((*tree_)->kind[i] != Subgroup::free || !moves_freely(i) || is_connected(model, i) || !(mass > 0))
         return;
-      const Vec3<> u = (1 / mass) * momenta->Pi[i].p;
-      roots_.push_back({i, !wrenches, center(i), wrenches ? Vec3<>{} : u});
+      roots_.push_back({i, !wrenches, {}, {}});
       gravity_[size(i)] = {};
     });
+    restart(0, q, v, wrenches);
+  }
+  /// Lets the moving frames coincide with the inertial frame at time t and state q, v.
+  void restart(double t, const double* q, const double* v, bool wrenches) {
+    begin_ = t;
+    kernel_->run(*tree_, q);
+    momenta_->run(*kernel_, v);
+    for (Root& root : roots_) {
+      root.constant = !wrenches;
+      root.center = center(root.body);
+      root.u = wrenches ? Vec3<>{} : (1 / kernel_->M[root.body].m) * momenta_->Pi[root.body].p;
+    }
   }
   /// Gravity for each root: 0 for floating bases.
   std::span<const Vec3<>> gravity() const { return gravity_; }
@@ -83,7 +95,7 @@ class FloatingBases {
   struct Root {
     int body;
     bool constant;
-    Vec3<> center, u;  ///< at t = 0
+    Vec3<> center, u;  ///< when the frames coincide
   };
   static std::size_t size(int n) { return static_cast<std::size_t>(n); }
   int first(const Root& root) const { return (*tree_)->iv[root.body]; }
@@ -122,7 +134,8 @@ class FloatingBases {
     r[1] += d.y;
     r[2] += d.z;
   }
-  void add(double sign, double t, double* q, double* v) const {
+  void add(double sign, double time, double* q, double* v) const {
+    const double t = time - begin_;
     for (const Root& root : roots_) {
       const Vec3<> u = transpose(pose(root, q).R) * (root.u + t * tree_->g);
       double* const linear = v + first(root) + 3;
@@ -143,6 +156,8 @@ class FloatingBases {
 
   const Tree<double>* tree_;
   WithScratch<double, SpatialTree<double>> kernel_;
+  WithScratch<double, SubtreeMomenta<double>> momenta_;
+  double begin_ = 0;  ///< when the frames coincide, s
   std::vector<Vec3<>> gravity_;
   std::vector<Root> roots_;
 };

@@ -1,0 +1,74 @@
+#pragma once
+#include "axode/integration/momenta/momentum_simulation_run.hpp"
+#include "axode/integration/schemes/midpoint.hpp"
+#include "axode/model/finite.hpp"
+
+namespace axode {
+
+/// A motion with contact between the impulses of contacts, stops, dry joints and loops: the free motion of
+/// the tree. The options must not have joint losses; damping is added here, and dry friction belongs to the
+/// impulses.
+class ContactSimulationRun : public MomentumSimulationRun {
+ public:
+  ContactSimulationRun(const Model& model, Span q_0, Span v_0, double until, const SimulationOptions& options,
+                       bool damping)
+      : MomentumSimulationRun(model, q_0, v_0, until, options),
+        damping_(damping),
+        midpoint_(*this, model.tree<double>()),
+        q_0_(model.nq()),
+        p_(model.nv()),
+        y_(model.nv()) {}
+
+  /// Moves freely from (q_0, v_0) at time t over h by the midpoint rule (D8.5). A floating base keeps its
+  /// momentum, or the sum of its momentum and that of gravity, to rounding. The state is given at the end and
+  /// in the middle of the step, with the velocities of the middle for its whole length.
+  Failure fly(double t, double h, const Vector& q_0, const Vector& v_0) {
+    FloatingBases& bases = this->bases();
+    bases.restart(t, q_0.data(), v_0.data(), is_loaded());
+    q_0_ = q_0;
+    midpoint_.v = v_0;
+    bases.to_moving_frame(t, q_0_.data(), midpoint_.v.data());
+    if (!finite(q_0_) || !finite(midpoint_.v)) return not_finite(t, "the state is", as_span(v_0));
+    momenta(model_, workspace_, Span(as_span(q_0_)), as_span(midpoint_.v), as_span(p_));
+    y_ = p_;
+    bases.begin(q_0_.data(), y_.data());
+    bases.to_momenta(q_0_.data(), y_.data(), p_.data());
+    if (Failure failure = midpoint_.run(t, h, q_0_, p_)) return failure;
+    q_end = midpoint_.q;
+    p_ = midpoint_.p;
+    bases.advance(midpoint_.q_middle.data(), h, pushes_bases(), midpoint_.f.data(), y_.data());
+    bases.restore_centers(q_end.data());
+    bases.to_momenta(q_end.data(), y_.data(), p_.data());
+    if (Failure failure = velocity(t + h, q_end, p_, v_end)) return failure;
+    bases.from_moving_frame(t + h, q_end.data(), v_end.data());
+    q_middle = midpoint_.q_middle;
+    v_middle = midpoint_.v;
+    bases.from_moving_frame(t + h / 2, q_middle.data(), v_middle.data());
+    return {};
+  }
+
+  /// The partials of MomentumSimulationRun with the damping of the joints.
+  Failure partials(double t, const Vector& q_t, const Vector& v_t, Vector& p, Vector& f) {
+    if (Failure failure = MomentumSimulationRun::partials(t, q_t, v_t, p, f)) return failure;
+    if (damping_)
+      for (Eigen::Index c = 0; c < v_t.size(); ++c)
+        f[c] -= tree().damping[static_cast<std::size_t>(c)] * v_t[c];
+    return {};
+  }
+
+  /// Appends the end of a step; without accelerations they are those of the free motion.
+  Failure take_contact(double t, const Vector& q_t, const Vector& v_t, const Vector& a_t) {
+    Span tau;
+    if (Failure failure = joint_forces(t, as_span(q_t), as_span(v_t), tau)) return failure;
+    return record(t, {q_t, v_t, a_t});
+  }
+
+  Vector q_end, v_end, q_middle, v_middle;  ///< after fly()
+
+ private:
+  bool damping_;
+  Midpoint<ContactSimulationRun> midpoint_;
+  Vector q_0_, p_, y_;
+};
+
+}  // namespace axode

@@ -1,0 +1,386 @@
+#include "axode/integration/momenta/contact_step.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace axode {
+namespace {
+
+constexpr double accepted = 1e-9;
+/// Gaps up to this size are closed, m or rad.
+constexpr double closed = 1e-12;
+/// Overlaps beyond this size are parted, m.
+constexpr double overlap = 1e-10;
+
+std::size_t index(Eigen::Index k) { return static_cast<std::size_t>(k); }
+
+int rows_of(const ContactShapes& shapes) {
+  int rows = 3;
+  for (int i = 0; i < shapes.size(); ++i) {
+    const ContactProperties& surface = shapes[i].surface;
+    if (surface.rolling_friction > 0) return 6;
+    if (surface.spin_friction > 0) rows = 4;
+  }
+  return rows;
+}
+
+}  // namespace
+
+ContactStep::ContactStep(ContactSimulationRun& run, const Model& model, bool dry_friction)
+    : q(model.nq()),
+      v(model.nv()),
+      run_(&run),
+      model_(model),
+      group_(model_.tree<double>()),
+      finder_(ContactShapes(model)),
+      start_(model, rows_of(finder_.shapes()), 16, dry_friction),
+      end_(model, rows_of(finder_.shapes()), 16, dry_friction),
+      C_(index(model.n_bodies()) + 1),
+      v_after_(model.nv()),
+      change_(model.nv()) {
+  const ContactShapes& shapes = finder_.shapes();
+  for (int i = 0; i < shapes.size(); ++i)
+    reach_of_shape_.push_back(norm(shapes[i].pose.r) + norm(shapes[i].half) + shapes[i].radius +
+                              shapes[i].half_length);
+}
+
+Failure ContactStep::run(double t, double h, const Vector& q_0, const Vector& v_0) {
+  constexpr int most_parts = 16;
+  for (int parts = 1; parts <= most_parts; parts *= 4) {
+    Vector q_part = q_0, v_part = v_0;
+    double worst = 0;
+    bool any = false;
+    for (int k = 0; k < parts; ++k) {
+      if (Failure failure = attempt(t + k * h / parts, h / parts, q_part, v_part)) return failure;
+      worst = std::max(worst, certificate);
+      any = any || touched;
+      q_part = q;
+      v_part = v;
+    }
+    certificate = worst;
+    touched = any;
+    if (worst <= accepted) break;
+  }
+  return {};
+}
+
+/// How far a point of a shape moves in the step, at most and about, m.
+double ContactStep::reach(double h, const Vector& v_0) {
+  const ContactShapes& shapes = finder_.shapes();
+  start_.system.move_bodies(v_0.data());
+  double fastest = 0;
+  for (int i = 0; i < shapes.size(); ++i)
+    fastest = std::max(fastest, start_.system.speed(shapes[i].body, reach_of_shape_[index(i)]));
+  return 1.5 * h * (2 * fastest + h * norm(model_.gravity()));
+}
+
+Failure ContactStep::find(const Vector& q_t, double margin, std::vector<Contact>& contacts, double t) {
+  end_.system.poses(q_t.data(), C_.data());
+  if (!finder_.find(C_, margin)) return {t, "there are more points of contact than there is memory for"};
+  contacts.clear();
+  const ContactShapes& shapes = finder_.shapes();
+  for (const ContactPoint& point : finder_.points())
+    contacts.push_back({.a = shapes[point.a].body,
+                        .b = shapes[point.b].body,
+                        .point = point.point,
+                        .normal = point.normal,
+                        .gap = point.gap,
+                        .surface = shapes.surface(point.a, point.b),
+                        .key = point.key});
+  return {};
+}
+
+const Contact* ContactStep::with_key(const std::vector<Contact>& contacts, std::uint64_t key,
+                                     std::size_t hint) {
+  if (hint < contacts.size() && contacts[hint].key == key) return &contacts[hint];
+  const auto found = std::ranges::find(contacts, key, &Contact::key);
+  return found == contacts.end() ? nullptr : &*found;
+}
+
+Failure ContactStep::attempt(double t, double h, const Vector& q_0, const Vector& v_0) {
+  certificate = 0;
+  touched = false;
+  start_.system.poses(q_0.data(), C_.data());
+  const double margin = finder_.shapes().margin() + reach(h, v_0);
+  if (Failure failure = find(q_0, margin, start_.contacts, t)) return failure;
+  if (Failure failure = run_->checked(t, start_.system.set(q_0.data(), start_.contacts, h / 2)))
+    return failure;
+  if (start_.rows() == 0) {
+    if (Failure failure = run_->fly(t, h, q_0, v_0)) return failure;
+    q = run_->q_end;
+    v = run_->v_end;
+    return {};
+  }
+  if (Failure failure = move(t, h, q_0, v_0, margin)) return failure;
+  if (Failure failure = land(t, h)) return failure;
+  remember();
+  return separate(t, h);
+}
+
+void ContactStep::recall(End& end, std::size_t which) {
+  const std::size_t width = index(end.system.contact_rows());
+  // Stops, dry joints and loops keep their multipliers if their number is the same.
+  const std::size_t old = end.lambda.size(), fresh = end.rows();
+  std::vector<double> lambda(fresh, 0.0);
+  const std::size_t others = fresh - end.contacts.size() * width;
+  if (old >= others)
+    std::copy(end.lambda.end() - static_cast<std::ptrdiff_t>(others), end.lambda.end(),
+              lambda.end() - static_cast<std::ptrdiff_t>(others));
+  for (std::size_t k = 0; k < end.contacts.size(); ++k)
+    for (const Remembered& known : remembered_)
+      if (known.key == end.contacts[k].key)
+        std::copy_n(known.lambda[which].begin(), width,
+                    lambda.begin() + static_cast<std::ptrdiff_t>(k * width));
+  end.lambda = std::move(lambda);
+}
+
+void ContactStep::remember() {
+  const std::size_t width = index(start_.system.contact_rows());
+  remembered_.clear();
+  for (std::size_t k = 0; k < start_.contacts.size(); ++k) {
+    Remembered known{start_.contacts[k].key, {}};
+    std::copy_n(start_.lambda.begin() + static_cast<std::ptrdiff_t>(k * width), width,
+                known.lambda[0].begin());
+    if (const Contact* same = with_key(end_.contacts, known.key, k))
+      std::copy_n(end_.lambda.begin() + (same - end_.contacts.data()) * static_cast<std::ptrdiff_t>(width),
+                  width, known.lambda[1].begin());
+    remembered_.push_back(known);
+  }
+}
+
+double ContactStep::solve(End& end) {
+  const VelocityProblem& problem = end.system.problem();
+  solver_.reserve(problem.nv(), problem.rows());
+  return solver_.solve(problem, end.lambda.data(), 1e-13).certificate;
+}
+
+/// v_after = v + M⁻¹ Jᵀ λ, and the velocities of the rows after it.
+void ContactStep::apply(End& end, const Vector& v_before, Vector& v_after) {
+  end.x.setZero();
+  end.system.problem().add_product(1, end.lambda.data(), end.x.data());
+  end.system.push(end.x.data(), v_after.data());
+  v_after += v_before;
+  end.system.times(v_after.data(), end.u_after.data());
+}
+
+Failure ContactStep::move(double t, double h, const Vector& q_0, const Vector& v_0, double margin) {
+  constexpr int most = 25, first_fixed = 2;
+  constexpr double rounding = 1e-13;
+  VelocityProblem& problem = start_.system.problem();
+  ContactSystem& system = start_.system;
+  start_.u.resize(start_.rows());
+  start_.u_after.resize(start_.rows());
+  slip_.resize(start_.rows());
+  openings_.assign(start_.rows(), 0.0);
+  slides_.assign(start_.contacts.size(), 0);
+  system.times(v_0.data(), start_.u.data());
+  const double threshold = finder_.shapes().threshold();
+  bounces_.clear();
+  for (std::size_t k = 0; k < start_.contacts.size() + system.active_stops().size(); ++k) {
+    const double e = k < start_.contacts.size() ? start_.contacts[k].surface.restitution
+                                                : system.stops()[k - start_.contacts.size()].restitution;
+    const double u = start_.u[index(problem.blocks()[k].first)];
+    bounces_.push_back(e > 0 && u < -threshold && system.room()[k] + h * u <= 0);
+  }
+  // The free velocities of the middle, about: the size of the problem, and the point of its linearisation.
+  system.momenta(v_0.data(), start_.x.data());
+  system.bias_forces(q_0.data(), Vector::Zero(v_0.size()).eval().data(), {}, start_.v.data());
+  start_.x -= h / 2 * start_.v;
+  system.pull(start_.x.data(), problem.w.data());
+  problem.finish();
+  recall(start_, 0);
+  std::vector<double> before;
+  double least = std::numeric_limits<double>::infinity();
+  for (int k = 0; k < most; ++k) {
+    apply(start_, v_0, v_after_);
+    if (Failure failure = run_->fly(t, h, q_0, v_after_)) return failure;
+    if (Failure failure = find(run_->q_middle, margin, middle_, t)) return failure;
+    end_.system.move_bodies(run_->v_middle.data());
+    for (std::size_t c = 0; c < start_.contacts.size(); ++c) {
+      const std::size_t row = index(problem.blocks()[c].first);
+      const Contact* same = with_key(middle_, start_.contacts[c].key, c);
+      end_.system.contact_velocity(same ? *same : start_.contacts[c], &slip_[row]);
+    }
+    if (Failure failure = find(run_->q_end, margin, found_, t + h)) return failure;
+    set_r_of_start(h, k < first_fixed);
+    before = start_.lambda;
+    certificate = solve(start_);
+    change_.setZero();
+    problem.add_product(1, start_.lambda.data(), change_.data());
+    const double size = problem.w.norm() + change_.norm();
+    problem.add_product(-1, before.data(), change_.data());
+    const double change = change_.norm();
+    if (k >= first_fixed && (change <= rounding * size || (change >= 0.5 * least && change <= 1e-9 * size))) {
+      start_.lambda = before;  // those of the last free motion
+      return {};
+    }
+    least = std::min(least, change);
+  }
+  apply(start_, v_0, v_after_);
+  if (Failure failure = run_->fly(t, h, q_0, v_after_)) return failure;
+  return find(run_->q_end, margin, found_, t + h);
+}
+
+void ContactStep::set_r_of_start(double h, bool choose) {
+  ContactSystem& system = start_.system;
+  VelocityProblem& problem = system.problem();
+  // Velocities of the rows as the linear problem has them.
+  start_.x = problem.w;
+  problem.add_product(1, start_.lambda.data(), start_.x.data());
+  system.push(start_.x.data(), start_.v.data());
+  std::vector<double>& u = start_.u_after;
+  system.times(start_.v.data(), u.data());
+  const auto set = [&](std::size_t row, double r) { problem.r[row] = problem.c[row] * r; };
+  const std::size_t n = start_.contacts.size();
+  for (std::size_t k = 0; k < n; ++k) {
+    const Contact& contact = start_.contacts[k];
+    const LawBlock& b = problem.blocks()[k];
+    const std::size_t row = index(b.first);
+    const Contact* same = with_key(found_, contact.key, k);
+    const double gap = same ? same->gap : contact.gap + h * slip_[row];
+    set(row, (gap - std::min(contact.gap, 0.0)) / h - u[row]);
+    double before = 0, change = 0;
+    for (std::size_t i = row + 1; i < row + index(b.rows); ++i) {
+      before += std::pow(problem.c[i] * start_.u[i], 2);
+      change += std::pow(problem.c[i] * (slip_[i] - start_.u[i]), 2);
+    }
+    if (choose) slides_[k] = start_.lambda[row] > 0 && change < before / 4;
+    for (std::size_t i = row + 1; i < row + index(b.rows); ++i)
+      set(i, slip_[i] - u[i] + (slides_[k] ? start_.u[i] : 0));
+  }
+  const auto blocks = problem.blocks();
+  for (std::size_t k = 0; k < system.active_stops().size(); ++k) {
+    const JointStop& stop = system.stops()[index(system.active_stops()[k])];
+    const std::size_t row = index(blocks[n + k].first);
+    const double room = stop.side * (run_->q_end[stop.coordinate] - stop.limit);
+    set(row, (room - std::min(system.room()[n + k], 0.0)) / h - u[row]);
+  }
+  const std::size_t first = index(system.first_loop_row());
+  for (std::size_t k = first - system.dry_joints().size(); k < first; ++k)
+    set(k, run_->v_middle[system.dry_joints()[k + system.dry_joints().size() - first].velocity] - u[k]);
+  end_.system.loop_openings(run_->q_end.data(), openings_.data());
+  for (std::size_t k = first; k < problem.r.size(); ++k)
+    if (problem.moves(k)) set(k, openings_[k - first] / h - (system.has_residual(k) ? u[k] : 0));
+}
+
+/// Leaves in end_.contacts those contacts that are closed, or that an impulse has just closed.
+void ContactStep::select_active() {
+  end_.contacts.clear();
+  for (std::size_t k = 0; k < found_.size(); ++k) {
+    const Contact* same = with_key(start_.contacts, found_[k].key, k);
+    const bool pressed = same && start_.lambda[index(start_.system.contact_rows()) *
+                                               static_cast<std::size_t>(same - start_.contacts.data())] > 0;
+    if (pressed || found_[k].gap <= closed) end_.contacts.push_back(found_[k]);
+  }
+}
+
+Failure ContactStep::land(double t, double h) {
+  select_active();
+  q = run_->q_end;
+  v = run_->v_end;
+  constexpr double near_stop = 1e-9;
+  if (Failure failure = run_->checked(t + h, end_.system.set(q.data(), end_.contacts, h / 2, near_stop)))
+    return failure;
+  touched = std::ranges::any_of(start_.lambda, [](double x) { return x != 0; });
+  VelocityProblem& problem = end_.system.problem();
+  if (problem.rows() == 0) return {};
+  end_.u.resize(end_.rows());
+  end_.u_after.resize(end_.rows());
+  end_.system.times(v.data(), end_.u.data());
+  end_.system.momenta(v.data(), end_.x.data());
+  end_.system.pull(end_.x.data(), problem.w.data());
+  problem.finish();
+  recall(end_, 1);
+  const double before = certificate;
+  const bool any_bounces = std::ranges::any_of(bounces_, [](char x) { return x != 0; });
+  for (double bounciness = 1; bounciness >= 0; bounciness -= 0.25) {
+    set_r_of_end(bounciness);
+    certificate = std::max(before, solve(end_));
+    apply(end_, run_->v_end, v);
+    constexpr double rounding = 1e-12;
+    if (!any_bounces || work() <= rounding * problem.w.squaredNorm()) break;
+  }
+  touched = true;
+  return {};
+}
+
+void ContactStep::set_r_of_end(double bounciness) {
+  VelocityProblem& problem = end_.system.problem();
+  std::ranges::fill(problem.r, 0.0);
+  const auto set = [&](std::size_t row, double r) { problem.r[row] = problem.c[row] * r; };
+  for (std::size_t k = 0; k < end_.contacts.size(); ++k) {
+    const Contact& contact = end_.contacts[k];
+    const LawBlock& b = problem.blocks()[k];
+    const std::size_t row = index(b.first);
+    const Contact* same = with_key(start_.contacts, contact.key, k);
+    if (!same) continue;
+    const std::size_t at = static_cast<std::size_t>(same - start_.contacts.data());
+    const std::size_t row_0 = at * index(b.rows);
+    if (bounces_[at]) set(row, bounciness * contact.surface.restitution * start_.u[row_0]);
+    if (!slides_[at]) continue;
+    const Contact* in_middle = with_key(middle_, contact.key, k);
+    const ContactFrame from = contact_frame(in_middle ? in_middle->normal : same->normal);
+    const ContactFrame to = contact_frame(contact.normal);
+    const auto turn = [&](std::size_t first) {
+      const Vec3<> slip = slip_[row_0 + first] * from.t1 + slip_[row_0 + first + 1] * from.t2;
+      set(row + first, dot(slip, to.t1));
+      set(row + first + 1, dot(slip, to.t2));
+    };
+    turn(1);
+    if (b.rows > 3) set(row + 3, slip_[row_0 + 3]);
+    if (b.rows > 4) turn(4);
+  }
+  const std::size_t n = end_.contacts.size(), n_0 = start_.contacts.size();
+  for (std::size_t k = 0; k < end_.system.active_stops().size(); ++k) {
+    const std::size_t stop = index(end_.system.active_stops()[k]);
+    const double e = end_.system.stops()[stop].restitution;
+    if (bounces_[n_0 + stop])
+      set(index(problem.blocks()[n + k].first),
+          bounciness * e * start_.u[index(start_.system.problem().blocks()[n_0 + stop].first)]);
+  }
+}
+
+/// The work of all impulses of the step, each by the mean of the velocities before and after it.
+double ContactStep::work() const {
+  double sum = 0;
+  std::vector<double> u_after(start_.rows());
+  start_.system.times(v_after_.data(), u_after.data());
+  for (std::size_t k = 0; k < start_.rows(); ++k)
+    sum += start_.system.problem().c[k] * start_.lambda[k] * (start_.u[k] + u_after[k]) / 2;
+  for (std::size_t k = 0; k < end_.rows(); ++k)
+    sum += end_.system.problem().c[k] * end_.lambda[k] * (end_.u[k] + end_.u_after[k]) / 2;
+  return sum;
+}
+
+Failure ContactStep::separate(double t, double h) {
+  const bool overlaps =
+      std::ranges::any_of(found_, [](const Contact& contact) { return contact.gap < -overlap; });
+  if (!overlaps) return {};
+  for (Contact& contact : found_) contact.surface = {};
+  if (Failure failure = run_->checked(t + h, end_.system.set(q.data(), found_, h))) return failure;
+  VelocityProblem& problem = end_.system.problem();
+  const double most = 5 * finder_.shapes().threshold() * h;
+  problem.w.setZero();
+  for (std::size_t k = 0; k < problem.blocks().size(); ++k) {
+    const LawBlock& b = problem.blocks()[k];
+    std::fill_n(problem.c.begin() + b.first + 1, b.rows - 1, 0.0);
+    if (b.law == ContactLaw::dry_friction) continue;
+    const std::size_t row = index(b.first);
+    const std::size_t unilateral = found_.size() + end_.system.active_stops().size();
+    problem.r[row] = k < unilateral ? std::max(end_.system.room()[k], -most) : 0;
+  }
+  end_.system.loop_openings(q.data(), openings_.data());
+  const std::size_t first = index(end_.system.first_loop_row());
+  for (std::size_t row = first; row < problem.r.size(); ++row) problem.r[row] = openings_[row - first];
+  problem.finish();
+  std::vector<double> lambda(problem.r.size(), 0.0);
+  solver_.reserve(problem.nv(), problem.rows());
+  if (!solver_.solve(problem, lambda.data()).holds(accepted)) return {};
+  end_.x.setZero();
+  problem.add_product(1, lambda.data(), end_.x.data());
+  end_.system.push(end_.x.data(), end_.v.data());
+  group_.move(q, end_.v, q);
+  return {};
+}
+
+}  // namespace axode

@@ -1,0 +1,98 @@
+#pragma once
+#include "axode/dynamics/inverse_dynamics.hpp"
+#include "axode/dynamics/momentum/momentum.hpp"
+#include "axode/eigen.hpp"
+#include "axode/integration/schemes/floating_bases.hpp"
+#include "axode/integration/schemes/phase_space.hpp"
+#include "axode/integration/simulation_run.hpp"
+#include "axode/model/finite.hpp"
+
+namespace axode {
+
+/// A motion in (q, p), with floating bases relative to their centres of mass.
+class MomentumSimulationRun : public SimulationRun {
+ public:
+  MomentumSimulationRun(const Model& model, Span q_0, Span v_0, double until,
+                        const SimulationOptions& options)
+      : SimulationRun(model, q_0, v_0, until, options),
+        phase_space_(model),
+        bases_(model, q_0.data(), v_0.data(), is_loaded()),
+        p_(model.nv()) {}
+
+  FloatingBases& bases() { return bases_; }
+  /// q, v and p = M v at the start, relative to the frames of the bases.
+  void initial_state(Vector& q_0, Vector& v_0, Vector& p_0) {
+    q_0 = q;
+    v_0 = v;
+    p_0.resize(v.size());
+    bases_.to_moving_frame(0, q_0.data(), v_0.data());
+    momenta(model_, workspace_, Span(as_span(q_0)), as_span(v_0), as_span(p_0));
+  }
+
+  /// p = M v and f = τ + ∂L/∂q.
+  Failure partials(double t, const Vector& q_t, const Vector& v_t, Vector& p, Vector& f) {
+    q_t_ = q_t;
+    v_t_ = v_t;
+    bases_.from_moving_frame(t, q_t_.data(), v_t_.data());
+    Span tau;
+    if (Failure failure = joint_forces(t, as_span(q_t_), as_span(v_t_), tau)) return failure;
+    pushes_bases_ = is_loaded() || bases_.driven_by(tau.data());
+    phase_space_.partials(q_t_.data(), v_t.data(), bases_.gravity(), tau, loads(), p.data(), f.data());
+    return {};
+  }
+  Failure factorize(double t, const Vector& q_t) { return checked(t, phase_space_.factorize(q_t.data())); }
+  void solve(Vector& x) { phase_space_.solve(x.data()); }
+  /// v of a state (q, p).
+  Failure velocity(double t, const Vector& q_t, const Vector& p, Vector& v_t) {
+    if (Failure failure = factorize(t, q_t)) return failure;
+    v_t = p;
+    solve(v_t);
+    return finite(v_t) ? Failure{} : not_finite(t, "the state is", as_span(v_t));
+  }
+  /// v, and f = p' - ad_vᵀ p.
+  Failure rates(double t, const Vector& q_t, const Vector& p, Vector& v_t, Vector& f) {
+    if (Failure failure = velocity(t, q_t, p, v_t)) return failure;
+    if (Failure failure = partials(t, q_t, v_t, p_, f)) return failure;
+    if (!loops_) return {};
+    return checked(t, loops_->add_constraint_forces(as_span(q_t_), as_span(v_t_), as_span(forces_), loads(),
+                                                    as_span(f)));
+  }
+  Failure checked(double t, const Solvability& found) const {
+    return found.ok() ? Failure{} : Failure{t, to_string(model_, found)};
+  }
+  /// Projects p onto momenta that keep the loops closed, and q onto closed loops.
+  Failure close(double t, const Vector& q_t, Vector& p) {
+    return !loops_ || loops_->close_momenta(as_span(q_t), as_span(p)) ? Failure{} : Failure{t, open};
+  }
+  Failure close_places(double t, Vector& q_t) {
+    return !loops_ || loops_->close_places(as_span(q_t)) ? Failure{} : Failure{t, open};
+  }
+  /// Whether a load or drive acted on a base in the last evaluation.
+  bool pushes_bases() const { return pushes_bases_; }
+  /// Appends the end of a step.
+  Failure take_momenta(double t, const Vector& q_t, const Vector& p) {
+    Vector q_1 = q_t, v_1, a_1(p.size());
+    if (Failure failure = velocity(t, q_t, p, v_1)) return failure;
+    bases_.from_moving_frame(t, q_1.data(), v_1.data());
+    if (loops_) return take_closed(t, as_span(q_1), as_span(v_1));
+    Span tau;  // M is factorised at q_1: a = M⁻¹ (τ - h)
+    if (Failure failure = joint_forces(t, as_span(q_1), as_span(v_1), tau)) return failure;
+    const Vector none = Vector::Zero(p.size());
+    inverse_dynamics(model_, workspace_, Span(as_span(q_1)), as_span(v_1), as_span(none), as_span(a_1),
+                     loads());
+    a_1 = as_eigen(tau) - a_1;
+    solve(a_1);
+    if (!finite(a_1)) return {t, "accelerations are not finite"};
+    return record(t, {q_1, v_1, a_1});
+  }
+
+ protected:
+  bool is_loaded() const { return !options_.loads.empty() || options_.computed_loads; }
+
+  PhaseSpace phase_space_;
+  FloatingBases bases_;
+  Vector q_t_, v_t_, p_;
+  bool pushes_bases_ = false;
+};
+
+}  // namespace axode

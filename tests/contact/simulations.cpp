@@ -1,0 +1,233 @@
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "axode/dynamics/momentum/energy.hpp"
+#include "axode/dynamics/momentum/momentum.hpp"
+#include "axode/integration/simulation.hpp"
+#include "tests/contact/reference_contacts.hpp"
+#include "tests/support/random_loops.hpp"
+
+/// Motions with contact whose results are known.
+namespace axode::test {
+namespace {
+
+constexpr double g = 9.81;
+
+ShapeDescription touching(ShapeKind kind, const ContactProperties& surface, double size = 0) {
+  ShapeDescription shape{.role = ShapeDescription::Role::collision, .kind = kind};
+  shape.radius = size;
+  shape.size = {2 * size, 2 * size, 2 * size};
+  shape.contact = surface;
+  return shape;
+}
+
+/// A floor that may lean about y, and free bodies on it.
+struct Scene {
+  Description description;
+
+  explicit Scene(const ContactProperties& floor, double angle = 0) {
+    ShapeDescription plane = touching(ShapeKind::plane, floor);
+    plane.name = "floor";
+    plane.pose.R = {{std::cos(angle), 0, -std::sin(angle)}, {0, 1, 0}, {std::sin(angle), 0, std::cos(angle)}};
+    description.shapes.push_back(plane);
+    description.contact = ContactDescription{.threshold = 0.01};
+  }
+  Scene& add(const std::string& name, ShapeKind kind, double size, const ContactProperties& surface) {
+    BodyDescription body{.name = name};
+    body.joint = {.kind = JointKind::free};
+    const double I = (kind == ShapeKind::sphere ? 0.4 : 2.0 / 3) * size * size;
+    body.inertia = MassProperties{.mass = 1, .Theta = {I, I, I, 0, 0, 0}};
+    body.shapes.push_back(touching(kind, surface, size));
+    description.bodies.push_back(body);
+    return *this;
+  }
+  Model build() const { return ModelBuilder(description).build(); }
+};
+std::vector<double> at(const Vec3<>& r, double angle = 0) {
+  return {0, std::sin(angle / 2), 0, std::cos(angle / 2), r.x, r.y, r.z};
+}
+std::vector<double> last(const Trajectory& motion, bool velocity) {
+  const std::size_t k = motion.size() - 1;
+  return to_vector(velocity ? motion.v(k) : motion.q(k));
+}
+double energy_at(const Model& model, const Trajectory& motion, std::size_t k) {
+  Workspace<> workspace(model, cut_tree);
+  return kinetic_energy<double>(model, workspace, motion.q(k), motion.v(k)) +
+         potential_energy<double>(model, workspace, motion.q(k));
+}
+
+TEST(ContactSimulation, APlasticImpactEndsAtRest) {
+  const Model model = Scene({.friction = 0.5}).add("ball", ShapeKind::sphere, 0.1, {.friction = 0.5}).build();
+  for (const double step : {1e-2, 3e-3, 1e-3}) {
+    const Trajectory motion = simulate_contact(model, at({0, 0, 0.3}), std::vector<double>(6), 0.5, step);
+    ASSERT_TRUE(motion.complete) << motion.stop_reason;
+    double least = 1, fastest = 0;
+    for (std::size_t k = 0; k < motion.size(); ++k) {
+      least = std::min(least, motion.q(k)[6]);
+      fastest = std::max(fastest, motion.v(k)[5]);
+    }
+    EXPECT_GE(least, 0.1 - 1e-12) << "no overlap";
+    EXPECT_LE(fastest, 1e-12) << "no rebound";
+    EXPECT_NEAR(last(motion, false)[6], 0.1, 1e-12);
+    EXPECT_LE(largest(last(motion, true)), 1e-12);
+    EXPECT_LE(std::ranges::max(motion.certificates), 1e-9);
+  }
+}
+
+TEST(ContactSimulation, ABallBouncesToTheHeightsOfItsRestitution) {
+  const double e = 0.8, height = 0.5;
+  const Model model = Scene({.restitution = e}).add("ball", ShapeKind::sphere, 0.1, {.friction = 0}).build();
+  const Trajectory motion =
+      simulate_contact(model, at({0, 0, 0.1 + height}), std::vector<double>(6), 1.2, 2e-4);
+  ASSERT_TRUE(motion.complete) << motion.stop_reason;
+  std::vector<double> tops;
+  double made = 0;
+  for (std::size_t k = 1; k + 1 < motion.size(); ++k) {
+    const auto z = [&](std::size_t i) { return motion.q(i)[6]; };
+    if (z(k) > z(k - 1) && z(k) >= z(k + 1)) tops.push_back(z(k) - 0.1);
+    made = std::max(made, energy_at(model, motion, k) - energy_at(model, motion, k - 1));
+  }
+  ASSERT_GE(tops.size(), 2u);
+  EXPECT_NEAR(tops[0], e * e * height, 4e-3 * height);
+  EXPECT_NEAR(tops[1], std::pow(e, 4) * height, 6e-3 * height);
+  EXPECT_LE(made, 1e-12) << "an impact makes no energy";
+}
+
+/// A box slides down an incline with g (sin α - μ cos α), and does not move below the angle of friction.
+TEST(ContactSimulation, ABoxOnAnInclineSticksOrSlidesByTheLaw) {
+  const double angle = 20 * std::acos(-1.0) / 180, half = 0.1, until = 1;
+  for (const double mu : {std::tan(angle) * (1 + 1e-9), 0.3}) {
+    const Model model =
+        Scene({.friction = mu}, angle).add("box", ShapeKind::box, half, {.friction = mu}).build();
+    const Vec3<> n{std::sin(angle), 0, std::cos(angle)}, down{std::cos(angle), 0, -std::sin(angle)};
+    const Trajectory motion =
+        simulate_contact(model, at(half * n, angle), std::vector<double>(6), until, 1e-2);
+    ASSERT_TRUE(motion.complete) << motion.stop_reason;
+    const std::vector<double> q = last(motion, false);
+    const Vec3<> r{q[4], q[5], q[6]};
+    const double way = g * std::max(0.0, std::sin(angle) - mu * std::cos(angle)) * until * until / 2;
+    EXPECT_NEAR(dot(r, down), way, 1e-12);
+    EXPECT_NEAR(dot(r, n), half, 1e-12);
+    EXPECT_LE(std::ranges::max(motion.certificates), 1e-9);
+  }
+}
+
+TEST(ContactSimulation, ABowlingBallRollsWithFiveSeventhsOfItsSpeed) {
+  const Model model = Scene({.friction = 0.3}).add("ball", ShapeKind::sphere, 0.1, {.friction = 0.3}).build();
+  const Trajectory motion =
+      simulate_contact(model, at({0, 0, 0.1}), std::vector<double>{0, 0, 0, 2, 0, 0}, 1, 1e-2);
+  ASSERT_TRUE(motion.complete) << motion.stop_reason;
+  Workspace<> workspace(model);
+  const Momentum<Spatial> Pi =
+      spatial_momentum<double>(model, workspace, motion.q(motion.size() - 1), motion.v(motion.size() - 1));
+  EXPECT_NEAR(Pi.p.x, 2 * 5.0 / 7, 1e-12);
+  EXPECT_NEAR(last(motion, false)[6], 0.1, 1e-12);
+}
+
+/// Ten boxes on each other, the top one a thousand times as heavy, do not move.
+TEST(ContactSimulation, AStackStands) {
+  const double half = 0.1;
+  Scene scene({.friction = 0.5});
+  std::vector<double> q;
+  for (int k = 0; k < 10; ++k) {
+    scene.add("box " + std::to_string(k), ShapeKind::box, half, {.friction = 0.5});
+    for (const double x : at({0, 0, half * (2 * k + 1)})) q.push_back(x);
+  }
+  scene.description.bodies.back().inertia->mass = 1000;
+  const Model model = scene.build();
+  const Trajectory motion = simulate_contact(model, q, std::vector<double>(60), 0.1, 5e-3);
+  ASSERT_TRUE(motion.complete) << motion.stop_reason;
+  const std::vector<double> end = last(motion, false);
+  for (std::size_t k = 0; k < q.size(); ++k) EXPECT_NEAR(end[k], q[k], 1e-11);
+  EXPECT_LE(std::ranges::max(motion.certificates), 1e-9);
+}
+
+/// A mechanism that floats freely, under gravity and with hard stops that it meets, keeps the momentum about
+/// its centre of mass.
+TEST(ContactSimulation, AFloatingTreeKeepsItsMomentum) {
+  int stopped = 0;
+  for (std::uint64_t seed = 1; seed <= 8; ++seed) {
+    Random<double> random(seed);
+    Description description = random_description(
+        random,
+        {.most_bodies = 6, .couplings = false, .always_mass = true, .one_free_root = true, .springs = 0});
+    for (BodyDescription& body : description.bodies)
+      for (Dof& dof : body.joint.dof) {
+        dof.armature = dof.damping = dof.friction = 0;
+        if (dof.lower < dof.upper && body.joint.dof.size() == 1 && body.joint.kind == JointKind::revolute) {
+          dof.lower = -0.3;
+          dof.upper = 0.3;
+          dof.hard_stops = true;
+        }
+      }
+    const Model model = ModelBuilder(description).build();
+    if (model.n_bodies() < 2) continue;
+    const std::vector<double> q = neutral(model), v = random_numbers(random, model.nv());
+    const Trajectory motion = simulate_contact(model, q, v, 0.5, 5e-3);
+    ASSERT_TRUE(motion.complete) << motion.stop_reason;
+    if (std::ranges::any_of(motion.certificates, [](double x) { return x > 0; })) ++stopped;
+    Workspace<> workspace(model);
+    const auto momentum = [&](std::size_t k) {
+      return centroidal_momentum<double>(model, workspace, motion.q(k), motion.v(k));
+    };
+    const auto first = momentum(0), end = momentum(motion.size() - 1);
+    const double size = 1 + norm(first.l) + norm(first.p);
+    EXPECT_LE(norm(end.l - first.l), 1e-11 * size) << "seed " << seed;
+    const Vec3<> gained = 0.5 * model.total_mass() * model.gravity();
+    EXPECT_LE(norm(end.p - first.p - gained), 1e-11 * (size + norm(gained))) << "seed " << seed;
+  }
+  EXPECT_GE(stopped, 2) << "mechanisms that met their stops";
+}
+
+TEST(ContactSimulation, LoopsAreClosedAtTheEndsOfSteps) {
+  int loops = 0;
+  for (std::uint64_t seed = 1; seed <= 12; ++seed) {
+    Random<double> random(seed);
+    const ClosedMechanism mechanism =
+        closed_mechanism(random, {.most_bodies = 6, .couplings = false, .springs = 0});
+    const Model& model = mechanism.model;
+    bool rolls = false;
+    for (const LoopRows& loop : model.loops().all) rolls = rolls || loop.rows != loop.residuals;
+    if (rolls || model.loops().empty()) continue;
+    ++loops;
+    const Trajectory motion = simulate_contact(model, mechanism.state.q, mechanism.state.v, 0.02, 2e-3);
+    ASSERT_TRUE(motion.complete) << motion.stop_reason;
+    LoopWorkspace<> workspace(model);
+    std::vector<double> r(static_cast<std::size_t>(model.loops().residuals));
+    for (std::size_t k = 0; k < motion.size(); ++k) {
+      loop_residual<double>(model, workspace, motion.q(k), r);
+      EXPECT_LE(largest(r), 1e-11) << "seed " << seed << ", step " << k;
+    }
+  }
+  EXPECT_GE(loops, 2);
+}
+
+/// Where a body begins inside the floor, it comes out slowly and does not jump.
+TEST(ContactSimulation, AnOverlapPartsSlowly) {
+  const Model model = Scene({.friction = 0.5}).add("ball", ShapeKind::sphere, 0.1, {.friction = 0.5}).build();
+  const Trajectory motion = simulate_contact(model, at({0, 0, 0.09}), std::vector<double>(6), 0.5, 1e-2);
+  ASSERT_TRUE(motion.complete) << motion.stop_reason;
+  for (std::size_t k = 1; k < motion.size(); ++k) {
+    EXPECT_LE(motion.q(k)[6] - motion.q(k - 1)[6], 5 * 0.01 * 1e-2 * (1 + 1e-9));
+    EXPECT_LE(std::abs(motion.v(k)[5]), 1e-12);
+  }
+  EXPECT_NEAR(last(motion, false)[6], 0.1, 1e-9);
+}
+
+TEST(ContactSimulation, AStopReflectsByItsRestitution) {
+  Description description{.gravity = {}};
+  BodyDescription body{.name = "block"};
+  body.joint = {.kind = JointKind::prismatic, .axis = {1, 0, 0}};
+  body.inertia = MassProperties{.mass = 2, .Theta = {1, 1, 1, 0, 0, 0}};
+  body.joint.dof = {Dof{.upper = 0.5, .hard_stops = true, .restitution = 0.6}};
+  description.bodies.push_back(body);
+  const Model model = ModelBuilder(description).build();
+  const Trajectory motion = simulate_contact(model, std::vector<double>{0}, std::vector<double>{1}, 1, 1e-2);
+  ASSERT_TRUE(motion.complete) << motion.stop_reason;
+  EXPECT_NEAR(last(motion, true)[0], -0.6, 1e-12);
+}
+
+}  // namespace
+}  // namespace axode::test
