@@ -38,7 +38,7 @@ struct Options {
   double until = 1, relative = 1e-8, absolute = 1e-10, spectral_radius = 0.8;
   std::optional<double> step;
   int samples = 0;
-  bool joint_losses = false, kinematic = false;
+  bool joint_losses = false, kinematic = false, contact = false;
   Assembling assembling;
   std::vector<std::string> outputs;
   std::string plot;
@@ -64,6 +64,10 @@ Results are always joint coordinates.
 
 --local-coordinates are those of a step: exponential, or cayley, with which methods keep their orders and
 those of second order err more where a body turns fast.
+
+--contact, or METHOD contact, takes fixed steps in which collision shapes touch with Coulomb's friction, and
+hard stops stop. The largest certificate of a step says how exactly the laws of contact hold: 1e-12 is
+rounding.
 
 With --pd a controller drives all joints, except passive joints and free joints on the ground, towards the
 q and v of --target by tau = KP (q_target - q) + KD (v_target - v); the difference of rotations is a
@@ -159,12 +163,13 @@ Trajectory motion_of(const Model& model, const State& state, const Drive& drive,
     progress.tell(t);
     return interrupted == 0;
   };
-  const Method method = choose("--method", options.method, methods);
+  const Method method = choose("--method", options.contact ? "contact" : options.method, methods);
   acting.coordinates = choose("--coordinates", options.coordinates, coordinate_kinds);
   acting.local_coordinates = choose("--local-coordinates", options.local_coordinates, local_coordinate_kinds);
   if (options.step) check_step(*options.step);
   if (!method.adapts && !options.step)
-    throw UsageError("--step is missing; " + options.method + " takes fixed steps");
+    throw UsageError("--step is missing; " + (options.contact ? "contact" : options.method) +
+                     " takes fixed steps");
   return method.simulate({model,
                           state.q,
                           state.v,
@@ -253,12 +258,13 @@ Json as_json(const Trajectory& motion, const Rows& rows, const Options& options)
     return all;
   };
   Json json{{"model", model.name()},
-            {"method", options.method},
+            {"method", options.contact ? "contact" : options.method},
             {"computed_in", options.coordinates},
             {"coordinates", coordinate_names(model)},
             {"velocities", velocity_names(model)},
             {"steps", motion.steps},
             {"evaluations", motion.evaluations},
+            {"certificates", motion.certificates},
             {"complete", motion.complete},
             {"stopped", motion.stop_reason},
             {"t", list(rows.t)},
@@ -340,6 +346,8 @@ void print(const Trajectory& motion, const Rows& rows) {
       "off the start\n",
       significant(motion.t().back()), motion.steps, motion.evaluations, significant(rows.energy[0]),
       significant(rows.energy[end]), significant((rows.energy.array() - rows.energy[0]).abs().maxCoeff(), 2));
+  if (!motion.certificates.empty())
+    fmt::print("largest certificate of contact {}\n", significant(std::ranges::max(motion.certificates), 2));
   if (rests(rows))
     fmt::print("{}\n", in(Ink::heading,
                           "nothing moves: the mechanism is at rest, in equilibrium; begin elsewhere by "
@@ -483,6 +491,8 @@ void add_simulate(CLI::App& app, int& exit_code) {
   simulate->add_flag("--kinematic", options->kinematic,
                      "Without dynamics, if motions of the drawing use up the mobility");
   simulate->add_flag("--joint-losses", options->joint_losses, "Count damping and friction of the joints");
+  simulate->add_flag("--contact", options->contact,
+                     "Let collision shapes and hard stops act; the same as --method contact");
   simulate->add_option("--output", options->outputs, "Write a .json, .csv or .npz; may be given again")
       ->type_name("FILE")
       ->allow_extra_args(false);

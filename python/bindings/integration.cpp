@@ -433,6 +433,9 @@ A motion, from `simulate`: at the ends of its steps, or at the times that were a
       .def_prop_ro(
           "evaluations", [](const BoundTrajectory& x) { return x.motion.evaluations; }, "Of accelerations.")
       .def_prop_ro(
+          "certificates", [](const BoundTrajectory& x) { return to_array(x.motion.certificates); },
+          "How exactly the laws of contact hold in each step, 1e-12 being rounding; empty without contact.")
+      .def_prop_ro(
           "position_residuals",
           [](const BoundTrajectory& x) { return to_array(x.motion.position_residuals); },
           "Largest position residual of joints and loops at the end of each step, rad and m; empty unless "
