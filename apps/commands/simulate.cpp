@@ -24,8 +24,10 @@
 #include "axode/dynamics.hpp"
 #include "axode/eigen.hpp"
 #include "axode/integration.hpp"
+#include "axode/integration/momenta/simulate_contact.hpp"
 #include "axode/model/building/placement.hpp"
 #include "axode/model/configuration.hpp"
+#include "axode/view/mesh_hull.hpp"
 
 namespace axode::command {
 namespace {
@@ -170,6 +172,9 @@ Trajectory motion_of(const Model& model, const State& state, const Drive& drive,
   if (!method.adapts && !options.step)
     throw UsageError("--step is missing; " + (options.contact ? "contact" : options.method) +
                      " takes fixed steps");
+  if (options.contact || options.method == "contact")
+    return simulate_contact(model, ContactShapes(model, hull_of_mesh), state.q, state.v, options.until,
+                            *options.step, acting);
   return method.simulate({model,
                           state.q,
                           state.v,

@@ -6,7 +6,7 @@
 #include <string>
 
 #include "axode/integration/absolute_simulation_run.hpp"
-#include "axode/integration/momenta/contact_step.hpp"
+#include "axode/integration/momenta/momentum_simulation_run.hpp"
 #include "axode/integration/schemes/closed_midpoint.hpp"
 #include "axode/integration/schemes/constrained_alpha.hpp"
 #include "axode/integration/schemes/explicit_steps.hpp"
@@ -187,26 +187,6 @@ Trajectory simulate_symplectic(const Model& model, Span q, Span v, double until,
     take(Midpoint<MomentumSimulationRun>(run, model.tree<double>()));
   else
     take(ClosedMidpoint<MomentumSimulationRun>(run, model));
-  return std::move(run.trajectory);
-}
-
-Trajectory simulate_contact(const Model& model, Span q, Span v, double until, double step,
-                            const SimulationOptions& options) {
-  check_step(step);
-  check_relative(options, "contact");
-  SimulationOptions free = options;  // losses of joints belong to the step with contact
-  free.joint_losses = false;
-  ContactSimulationRun run(model, q, v, until, free, options.joint_losses);
-  if (run.done()) return std::move(run.trajectory);
-  ContactStep scheme(run, model, options.joint_losses);
-  each_step(run, until, step, [&](double t_1) {
-    const double h = t_1 - run.now();
-    const Vector v_0 = run.v;
-    if (Failure failure = scheme.run(run.now(), h, run.q, run.v)) return failure;
-    run.trajectory.certificates.push_back(scheme.certificate);
-    const bool is_free = !scheme.touched && model.loops().empty();
-    return run.take_contact(t_1, scheme.q, scheme.v, is_free ? Vector() : Vector((scheme.v - v_0) / h));
-  });
   return std::move(run.trajectory);
 }
 

@@ -11,6 +11,8 @@
 #include "axode/batch.hpp"
 #include "axode/batch/portions.hpp"
 #include "axode/dynamics.hpp"
+#include "axode/integration/momenta/simulate_contact.hpp"
+#include "axode/view/mesh_hull.hpp"
 #include "python/bindings/drives.hpp"
 #include "python/bindings/states/prescribed_motion.hpp"
 #include "python/bindings/states/specialised.hpp"
@@ -228,9 +230,17 @@ BoundTrajectory simulate_of(const BoundModel& m, ArrayLike q, ArrayLike v, doubl
     return throttle.should_continue(0);
   };
   const std::span<const double> q_0 = states.q(0), v_0 = velocities[0];
+  const bool contact = text_of(method) == "contact";
   BoundTrajectory found{
-      way.simulate(
-          {*m, q_0, v_0, until, length, {.relative = rtol, .absolute = atol}, spectral_radius, options}),
+      contact ? simulate_contact(*m, ContactShapes(*m, hull_of_mesh), q_0, v_0, until, length, options)
+              : way.simulate({*m,
+                              q_0,
+                              v_0,
+                              until,
+                              length,
+                              {.relative = rtol, .absolute = atol},
+                              spectral_radius,
+                              options}),
       {}};
   call.end();
   if (sample_times)

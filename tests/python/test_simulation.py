@@ -338,3 +338,32 @@ def test_local_coordinates_are_named_and_have_their_limits():
     with pytest.raises(ValueError, match="RATTLE in absolute coordinates steps in exponential local coordinates"):
         axode.simulate(ARM, *REST, 0.1, method="rattle", step=1e-3, coordinates="absolute",
                        local_coordinates="cayley")
+
+
+FALLING = """format = "axode drawing 1"
+name = "ball"
+[[shape]]
+kind = "plane"
+role = "collision"
+[[body]]
+name = "ball"
+joint = { kind = "free" }
+mass = 1
+inertia = [0.01, 0.01, 0.01]
+[[body.shape]]
+kind = "sphere"
+radius = 0.1
+role = "collision"
+"""
+
+
+def test_what_falls_on_a_floor_stays_there(tmp_path):
+    file = tmp_path / "ball.toml"
+    file.write_text(FALLING)
+    ball = axode.load(file)
+    start = np.array([0, 0, 0, 1, 0, 0, 0.3])
+    motion = axode.simulate(ball, start, np.zeros(6), 0.5, step=1e-3, contact=True)
+    assert abs(motion.q[-1, 6] - 0.1) < 1e-12 and np.abs(motion.v[-1]).max() < 1e-12
+    assert len(motion.certificates) == motion.steps and motion.certificates.max() < 1e-9
+    through = axode.simulate(ball, start, np.zeros(6), 0.5, step=1e-3, method="midpoint")
+    assert through.q[-1, 6] < 0 and len(through.certificates) == 0

@@ -57,8 +57,9 @@ void VelocityProblem::finish() noexcept {
       if (k == 0) normal = G;
       largest = std::max(largest, G);
     }
-    std::fill_n(d2_.begin() + b.first, b.rows, std::max(normal, largest / 2));
-    greatest = std::max(greatest, std::max(normal, largest / 2));
+    const double d2 = std::max(normal, largest / 2);
+    std::fill_n(d2_.begin() + b.first, b.rows, d2);
+    greatest = std::max(greatest, d2);
   }
   // A row of a loop that repeats a joint of the tree is rounding: it moves nothing and is left out.
   constexpr double rounding = 1e-20, least = 1e-12;

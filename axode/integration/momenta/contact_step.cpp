@@ -26,13 +26,14 @@ int rows_of(const ContactShapes& shapes) {
 
 }  // namespace
 
-ContactStep::ContactStep(ContactSimulationRun& run, const Model& model, bool dry_friction)
+ContactStep::ContactStep(ContactSimulationRun& run, const Model& model, ContactShapes touching,
+                         bool dry_friction)
     : q(model.nq()),
       v(model.nv()),
       run_(&run),
       model_(model),
       group_(model_.tree<double>()),
-      finder_(ContactShapes(model)),
+      finder_(std::move(touching)),
       start_(model, rows_of(finder_.shapes()), 16, dry_friction),
       end_(model, rows_of(finder_.shapes()), 16, dry_friction),
       C_(index(model.n_bodies()) + 1),
@@ -40,8 +41,7 @@ ContactStep::ContactStep(ContactSimulationRun& run, const Model& model, bool dry
       change_(model.nv()) {
   const ContactShapes& shapes = finder_.shapes();
   for (int i = 0; i < shapes.size(); ++i)
-    reach_of_shape_.push_back(norm(shapes[i].pose.r) + norm(shapes[i].half) + shapes[i].radius +
-                              shapes[i].half_length);
+    reach_of_shape_.push_back(norm(shapes[i].pose.r) + shapes[i].convex.extent);
 }
 
 Failure ContactStep::run(double t, double h, const Vector& q_0, const Vector& v_0) {

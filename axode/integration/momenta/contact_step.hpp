@@ -16,7 +16,7 @@ class ContactStep {
   using Vector = Eigen::VectorXd;
 
   /// `dry_friction` says whether the dry friction of joints acts.
-  ContactStep(ContactSimulationRun& run, const Model& model, bool dry_friction);
+  ContactStep(ContactSimulationRun& run, const Model& model, ContactShapes shapes, bool dry_friction);
 
   /// Steps from (q_0, v_0) at time t over h. A step whose certificate is above 1e-9 is repeated in up to 16
   /// parts. Sets the public members.

@@ -1,0 +1,37 @@
+#include "axode/integration/momenta/simulate_contact.hpp"
+
+#include <stdexcept>
+
+#include "axode/integration/momenta/contact_step.hpp"
+#include "axode/integration/schemes/explicit_steps.hpp"
+
+namespace axode {
+
+Trajectory simulate_contact(const Model& model, const ContactShapes& shapes, std::span<const double> q,
+                            std::span<const double> v, double until, double step,
+                            const SimulationOptions& options) {
+  check_step(step);
+  if (options.coordinates != Coordinates::relative)
+    throw std::invalid_argument("contact needs relative coordinates, and these are absolute");
+  SimulationOptions free = options;  // losses of joints belong to the step with contact
+  free.joint_losses = false;
+  ContactSimulationRun run(model, q, v, until, free, options.joint_losses);
+  if (run.done()) return std::move(run.trajectory);
+  ContactStep scheme(run, model, shapes, options.joint_losses);
+  each_step(run, until, step, [&](double t_1) {
+    const double h = t_1 - run.now();
+    const Eigen::VectorXd v_0 = run.v;
+    if (Failure failure = scheme.run(run.now(), h, run.q, run.v)) return failure;
+    run.trajectory.certificates.push_back(scheme.certificate);
+    if (!scheme.touched && model.loops().empty()) return run.take_contact(t_1, scheme.q, scheme.v, {});
+    return run.take_contact(t_1, scheme.q, scheme.v, (scheme.v - v_0) / h);
+  });
+  return std::move(run.trajectory);
+}
+
+Trajectory simulate_contact(const Model& model, std::span<const double> q, std::span<const double> v,
+                            double until, double step, const SimulationOptions& options) {
+  return simulate_contact(model, ContactShapes(model), q, v, until, step, options);
+}
+
+}  // namespace axode
