@@ -1,5 +1,5 @@
-// Contact with friction: a box slides down an incline by Coulomb's law. The certificate of each step says how exactly the law
-// of contact holds.
+// Contact with friction: a box slides down an incline by Coulomb's law. The certificate of each step says how
+// exactly the law of contact holds.
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
@@ -26,6 +26,7 @@ rpy = [0, 0.35, 0]
 name = "box"
 joint = { kind = "free" }
 mass = 2
+com = [0, 0, 0]
 inertia = [0.01, 0.01, 0.01]
 
 [[body.shape]]

@@ -349,6 +349,7 @@ role = "collision"
 name = "ball"
 joint = { kind = "free" }
 mass = 1
+com = [0, 0, 0]
 inertia = [0.01, 0.01, 0.01]
 [[body.shape]]
 kind = "sphere"
