@@ -1,91 +1,72 @@
 #pragma once
-#include <gtest/gtest.h>
+#include <string>
+#include <vector>
 
-#include "axode/contact/law/contact_dynamics.hpp"
+#include "axode/contact.hpp"
 #include "axode/io.hpp"
-#include "tests/support/comparison.hpp"
-#include "tests/support/shared_files.hpp"
+#include "axode/model/shape_kinds.hpp"
 #include "tests/support/vectors.hpp"
 
-/// Mechanisms in contact with reference values, from every file of `contact/` in the folder of vectors.
+/// Mechanisms with shapes and reference values of contact, from the folder `contact` of the vectors.
 namespace axode::test {
 
-inline std::vector<double> to_vector(std::span<const double> x) { return {x.begin(), x.end()}; }
-
-inline std::filesystem::path contact_folder() { return vectors_folder() / "contact"; }
-inline const std::string no_case = "none";
-inline std::vector<std::string> contact_cases() {
+/// Names of the files of a folder of the vectors without their ending; `none` if there are none.
+inline std::vector<std::string> vector_files(const char* folder) {
   std::vector<std::string> names;
-  for (const auto& file : files_ending_in(contact_folder(), ".json")) names.push_back(file.stem().string());
-  return names.empty() ? std::vector{no_case} : names;
+  for (const auto& file : files_ending_in(vectors_folder() / folder, ".json"))
+    names.push_back(file.stem().string());
+  return names.empty() ? std::vector<std::string>{"none"} : names;
 }
-inline std::string case_name(const testing::TestParamInfo<std::string>& name) { return name.param; }
 
+/// One file: its mechanism with the shapes on it, its margin and its threshold.
 struct ContactCase {
   Json file;
-  Description description;
-  double threshold, margin;
+  Model model;
 
   explicit ContactCase(const std::string& name)
-      : file(read_json(contact_folder() / (name + ".json"))),
-        description(read_drawing_text(file.at("model").text(), name)),
-        threshold(number(file.at("threshold"))),
-        margin(number(file.at("margin"))) {
-    for (BodyDescription& body : description.bodies) {
-      Dof dof;
-      each("stops", [&](const Json& stop) {
-        if (stop.at("joint").text() != body.name + "_joint") return;
-        (number(stop.at("side")) > 0 ? dof.lower : dof.upper) = number(stop.at("limit"));
-        dof.hard_stops = true;
-      });
-      each("dry", [&](const Json& dry) {
-        if (dry.at("joint").text() == body.name + "_joint") dof.friction = number(dry.at("force"));
-      });
-      if (body.joint.kind == JointKind::revolute) body.joint.dof = {dof};
-    }
-  }
-  Model build() const { return ModelBuilder(description).build(); }
-  /// f(entry) for the entries of a list that may be absent.
-  template <class F> void each(const char* list, const F& f) const {
-    if (!file.contains(list)) return;
-    for (const Json& entry : file.at(list)) f(entry);
-  }
-  static double number_or(const Json& entry, const char* key, double otherwise) {
-    return entry.contains(key) ? number(entry.at(key)) : otherwise;
-  }
-  const Json& shape(const std::string& name) const {
-    for (const Json& shape : file.at("shapes"))
-      if (shape.at("name").text() == name) return shape;
+      : file(read_json(vectors_folder() / "contact" / (name + ".json"))), model(build(file)) {}
+
+  /// The shape of the model with a name of the file.
+  static int shape_index(const ContactShapes& shapes, const std::string& name) {
+    for (int i = 0; i < shapes.size(); ++i)
+      if (shapes[i].name == name) return i;
     throw std::runtime_error("no shape " + name);
   }
-  int contact_rows() const {
-    for (const Json& shape : file.at("shapes"))
-      if (number_or(shape, "rolling_friction", 0) > 0) return 6;
-    return 3;
-  }
-  /// The contacts of a state as the file lists them.
-  std::vector<Contact> contacts(const Model& model, const Json& state) const {
-    std::vector<Contact> out;
-    for (const Json& c : state.at("contacts")) {
-      const Json &a = shape(c.at("a").text()), &b = shape(c.at("b").text());
-      const auto body = [&](const Json& shape) {
-        const std::string name = shape.at("body").text();
-        return name == "ground" ? 0 : model.body_index(name);
-      };
-      const std::vector<double> mu = numbers(c.at("friction"));
-      Contact contact{.a = body(a),
-                      .b = body(b),
-                      .point = vec3(c.at("point")),
-                      .normal = vec3(c.at("normal")),
-                      .gap = number(c.at("gap"))};
-      contact.surface = {
-          .friction = mu[0],
-          .spin_friction = mu.size() > 2 ? mu[2] : 0,
-          .rolling_friction = mu.size() > 4 ? mu[4] : 0,
-          .restitution = std::max(number_or(a, "restitution", 0), number_or(b, "restitution", 0))};
-      out.push_back(contact);
-    }
+
+  static ShapeDescription shape(const Json& json) {
+    ShapeDescription out{.role = ShapeDescription::Role::collision, .name = json.at("name")};
+    const std::string kind = json.at("kind");
+    for (const ShapeTraits& traits : shape_kinds)
+      if (traits.name == kind) out.kind = traits.kind;
+    const auto value = [&](const char* key) { return json.contains(key) ? number(json.at(key)) : 0; };
+    if (json.contains("size")) out.size = vec3(json.at("size"));
+    out.radius = value("radius");
+    out.length = value("length");
+    if (json.contains("position")) out.pose.r = vec3(json.at("position"));
+    if (json.contains("rotation")) out.pose.R = so3(json.at("rotation"));
+    out.contact = {.friction = number(json.at("friction")),
+                   .spin_friction = value("spin_friction"),
+                   .rolling_friction = value("rolling_friction"),
+                   .restitution = value("restitution")};
     return out;
+  }
+
+ private:
+  static Model build(const Json& file) {
+    Description d = read_drawing_text(file.at("model").text(), "model");
+    for (const Json& json : file.at("shapes")) {
+      const std::string body = json.at("body");
+      std::vector<ShapeDescription>* shapes = &d.shapes;
+      for (BodyDescription& candidate : d.bodies)
+        if (candidate.name == body) shapes = &candidate.shapes;
+      shapes->push_back(shape(json));
+    }
+    ContactDescription contact{.margin = number(file.at("margin")),
+                               .threshold = number(file.at("threshold"))};
+    if (file.contains("ignore"))
+      for (const Json& pair : file.at("ignore")) contact.ignored.push_back({pair.at(0), pair.at(1)});
+    d.contact = contact;
+    return ModelBuilder(std::move(d)).build();
   }
 };
 

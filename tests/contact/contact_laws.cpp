@@ -1,264 +1,288 @@
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include <algorithm>
-#include <cmath>
+#include <set>
 
-#include "axode/contact/law/contact_dynamics.hpp"
-#include "axode/dynamics/momentum/momentum.hpp"
-#include "axode/kinematics/twists.hpp"
-#include "tests/contact/contact_case.hpp"
-#include "tests/support/random_loops.hpp"
-#include "tests/support/refused_arguments.hpp"
+#include "axode/contact/convex/support.hpp"
+#include "axode/model/shape_kinds.hpp"
+#include "tests/contact/two_shapes.hpp"
+#include "tests/laws/law.hpp"
 
-/// Laws of velocities under contact, for random trees and loops with random contacts.
+/// Laws of contact points, over all kinds of shapes and random poses.
 namespace axode::test {
 namespace {
 
-struct ContactTrial {
-  ClosedMechanism mechanism;
-  std::vector<Contact> contacts;
-  double h = 1e-2;
-};
+using ::testing::HasSubstr;
 
-Vec3<> random_vector(Random<double>& random, double size) {
-  const std::vector<double> x = random_numbers(random, 3, size);
-  return {x[0], x[1], x[2]};
+std::string name_of_kind(ShapeKind kind) { return std::string(to_string(kind)); }
+
+class KindPairs : public testing::TestWithParam<std::pair<ShapeKind, ShapeKind>> {};
+std::vector<std::pair<ShapeKind, ShapeKind>> kind_pairs() {
+  std::vector<std::pair<ShapeKind, ShapeKind>> all;
+  for (const ShapeKind a : bounded_kinds)
+    for (const ShapeKind b : bounded_kinds) all.emplace_back(a, b);
+  return all;
+}
+INSTANTIATE_TEST_SUITE_P(Contact, KindPairs, testing::ValuesIn(kind_pairs()), [](const auto& pair) {
+  return name_of_kind(pair.param.first) + "_" + name_of_kind(pair.param.second);
+});
+
+/// The distance of a point from a body.
+double distance_from(const ConvexShape& body, const SE3<>& pose, const Vec3<>& point) {
+  return convex_distance(body, pose, sphere_shape(0), SE3<>{{}, point}).distance;
 }
 
-/// A mechanism with loops and couplings, and contacts of any two bodies.
-ContactTrial random_trial(std::uint64_t seed, int contacts = 4) {
-  Random<double> random(seed);
-  ContactTrial trial{closed_mechanism(random, {.most_bodies = 8, .friction = seed % 2 == 0}), {}};
-  const Model& model = trial.mechanism.model;
-  const auto body = [&] {
-    const double x = (random_numbers(random, 1)[0] + 1) / 2;
-    return std::min(static_cast<int>(x * (model.n_bodies() + 1)), model.n_bodies());
+TEST_P(KindPairs, TheLeastGapIsTheDistanceAndPointsAreBetweenTheSurfaces) {
+  const auto [kind_a, kind_b] = GetParam();
+  const bool boxes = kind_a == ShapeKind::box && kind_b == ShapeKind::box;
+  const auto has_side = [](ShapeKind kind) {
+    return kind == ShapeKind::cylinder || kind == ShapeKind::capsule;
   };
-  while (static_cast<int>(trial.contacts.size()) < contacts) {
-    Contact contact{.a = body(), .b = body(), .point = random_vector(random, 1)};
-    const Vec3<> n = random_vector(random, 1);
-    if (contact.a == contact.b || norm(n) < 0.1) continue;
-    contact.normal = (1 / norm(n)) * n;
-    const std::vector<double> mu = random_numbers(random, 3);
-    contact.surface = {.friction = std::abs(mu[0]) / 2,
-                       .spin_friction = std::abs(mu[1]) / 20,
-                       .rolling_friction = std::abs(mu[2]) / 20};
-    trial.contacts.push_back(contact);
-  }
-  return trial;
-}
-
-ContactStatus solve(ContactDynamics& dynamics, const ContactTrial& trial) {
-  const auto& [q, v, a, wrenches] = trial.mechanism.state;
-  return dynamics.solve(q, v, trial.mechanism.tau, trial.contacts, {.h = trial.h});
-}
-
-/// f(trial, dynamics, status) for random mechanisms, solved.
-template <class F> void each_trial(int rows, const F& f) {
-  for (std::uint64_t seed = 1; seed <= 30; ++seed) {
-    SCOPED_TRACE("seed " + std::to_string(seed));
-    const ContactTrial trial = random_trial(seed);
-    ContactDynamics dynamics(trial.mechanism.model, rows);
-    const ContactStatus status = solve(dynamics, trial);
-    ASSERT_TRUE(status.mass_matrix.ok());
-    f(trial, dynamics, status);
-  }
-}
-
-TEST(ContactLaws, RowsAreRelativeVelocitiesOfThePoint) {
-  Comparison rows("J v", 1e-12);
-  each_trial(6, [&](const ContactTrial& trial, ContactDynamics& dynamics, const ContactStatus&) {
-    const Model& model = trial.mechanism.model;
-    Workspace<> workspace(model, cut_tree);
-    std::vector<Twist<Spatial>> V(static_cast<std::size_t>(model.n_frames()));
-    const std::vector<double>&q = trial.mechanism.state.q, &v = trial.mechanism.state.v;
-    twists<Spatial, double>(model, workspace, q, v, V);
-    std::vector<double> u(static_cast<std::size_t>(dynamics.system().problem().rows())), expected;
-    dynamics.system().times(v.data(), u.data());
-    for (const Contact& c : trial.contacts) {
-      const Twist<Spatial> X = V[static_cast<std::size_t>(c.b)] - V[static_cast<std::size_t>(c.a)];
-      const Vec3<> at_point = X.v + cross(X.w, c.point);
-      const auto& [n, t1, t2] = contact_frame(c.normal);
-      for (const Vec3<>& e : {n, t1, t2}) expected.push_back(dot(e, at_point));
-      for (const Vec3<>& e : {n, t1, t2}) expected.push_back(dot(e, X.w));
+  const bool sides = has_side(kind_a) && has_side(kind_b);
+  for_seeds(100, [&, kind_a = kind_a, kind_b = kind_b](std::uint64_t seed) {
+    Random<double> random(seed);
+    TwoShapes pair(random_collision_shape(random, kind_a), random_collision_shape(random, kind_b));
+    const double size = pair.size(), margin = 0.01;
+    const SE3<> A = random.pose();
+    SE3<> B{random.rotation(), A.r + 2 * size * random.direction()};
+    const ConvexDistance apart = pair.distance(A, B);
+    const double gap = std::array{0.02, 0.005, 1e-5, 0.0, -1e-5, -0.01}[seed % 6];
+    B.r += (gap - apart.distance) * apart.normal;
+    const ConvexDistance d = pair.distance(A, B);
+    const std::span<const ContactPoint> points = pair.find(A, B, margin);
+    if (d.distance > margin) {
+      EXPECT_EQ(points.size(), 0U);
+      return;
     }
-    u.resize(expected.size());
-    rows.expect_equal(u, expected, 1);
+    ASSERT_GE(points.size(), 1U);
+    const double tolerance = (boxes ? 2e-6 : 2e-8) * size;
+    double least = margin;
+    std::set<std::uint64_t> keys;
+    for (const ContactPoint& p : points) {
+      least = std::min(least, p.gap);
+      EXPECT_TRUE(keys.insert(p.key).second) << "a key occurs twice";
+      EXPECT_EQ(p.a, 0);
+      EXPECT_EQ(p.b, 1);
+      EXPECT_NEAR(norm(p.normal), 1, 1e-14);
+      EXPECT_GT(p.gap, d.distance - (sides ? 1e-3 : tolerance));
+      if (sides) continue;  // lines that lie beside each other across the normal, see clip()
+      EXPECT_LT(distance_from(pair.shapes[0].convex, A, p.point - p.gap / 2 * p.normal), tolerance);
+      EXPECT_LT(distance_from(pair.shapes[1].convex, B, p.point + p.gap / 2 * p.normal), tolerance);
+    }
+    EXPECT_NEAR(least, d.distance, tolerance);
   });
 }
 
-TEST(ContactLaws, YIsTheResponseOfTheMassMatrix) {
-  Comparison responses("J M^-1 p", 1e-8), velocities("velocity", 1e-8);
-  each_trial(3, [&](const ContactTrial& trial, ContactDynamics& dynamics, const ContactStatus&) {
-    const Model& model = trial.mechanism.model;
-    Workspace<> workspace(model, cut_tree);
-    const std::vector<double>& q = trial.mechanism.state.q;
-    VelocityProblem& problem = dynamics.system().problem();
-    const std::size_t m = problem.r.size(), nv = static_cast<std::size_t>(model.nv());
-    const std::vector<double>& p = trial.mechanism.state.a;
-    std::vector<double> v(nv), x(nv), direct(m), by_Y(m);
-    ASSERT_TRUE(from_momenta<double>(model, workspace, q, p, v).ok());
-    dynamics.system().times(v.data(), direct.data());
-    dynamics.system().pull(p.data(), x.data());
-    problem.add_transposed(x.data(), by_Y.data());
-    for (std::size_t k = 0; k < m; ++k) direct[k] *= problem.c[k];
-    responses.expect_equal(by_Y, direct);
-    // v⁺ = free velocity + M⁻¹ Jᵀ λ
-    ASSERT_TRUE(from_momenta<double>(model, workspace, q, dynamics.generalized_impulse(), v).ok());
-    for (std::size_t c = 0; c < nv; ++c) v[c] += dynamics.free_velocity()[c];
-    velocities.expect_equal(to_vector(dynamics.velocity()), v, 1);
+TEST_P(KindPairs, AMotionOfBothBodiesMovesThePointsAndKeepsTheKeys) {
+  const auto [kind_a, kind_b] = GetParam();
+  for_seeds(30, [&, kind_a = kind_a, kind_b = kind_b](std::uint64_t seed) {
+    Random<double> random(seed);
+    TwoShapes pair(random_collision_shape(random, kind_a), random_collision_shape(random, kind_b));
+    const SE3<> A = random.pose(), motion = random.pose();
+    SE3<> B{random.rotation(), A.r + 2 * pair.size() * random.direction()};
+    const ConvexDistance apart = pair.distance(A, B);
+    B.r += (-1e-3 - apart.distance) * apart.normal;
+    const auto here = pair.find(A, B, 0.01);
+    const std::vector<ContactPoint> before(here.begin(), here.end());
+    const auto after = pair.find(motion * A, motion * B, 0.01);
+    ASSERT_EQ(after.size(), before.size());
+    for (std::size_t k = 0; k < before.size(); ++k) {
+      EXPECT_EQ(after[k].key, before[k].key);
+      EXPECT_NEAR(after[k].gap, before[k].gap, 1e-9);
+      EXPECT_LT(norm(after[k].point - motion * before[k].point), 1e-7);
+    }
   });
 }
 
-TEST(ContactLaws, HoldToTheCertificate) {
-  for (const int rows : {3, 4, 6})
-    each_trial(rows, [&](const ContactTrial&, ContactDynamics&, const ContactStatus& status) {
-      EXPECT_LE(status.solution.certificate, 1e-9);
+/// A shape that lies on the upper face of a large box with a tilt about the y-axis.
+std::vector<ContactPoint> on_a_table(const ShapeDescription& shape, double height, const SO3<>& R,
+                                     double tilt) {
+  TwoShapes pair(collision_shape(ShapeKind::box, {4, 4, 0.5}, 0, 0), shape);
+  const SO3<> turned = exp_SO3(Vec3<>{0, tilt, 0}) * R;
+  const auto points = pair.find({{}, {0, 0, -0.25}}, {turned, {0.1, 0.2, height}}, 0.01);
+  return {points.begin(), points.end()};
+}
+
+TEST(FlatContact, KeepsItsPointsAndKeysUnderSmallTilts) {
+  struct Lying {
+    ShapeDescription shape;
+    double height;
+    SO3<> R;
+    std::size_t points;
+  };
+  const SO3<> down = exp_SO3(Vec3<>{0, std::acos(0.0), 0});
+  const SO3<> turned = exp_SO3(Vec3<>{0, 0, 0.3});
+  for (const Lying& it : {Lying{collision_shape(ShapeKind::box, {0.4, 0.3, 0.2}, 0, 0), 0.1, turned, 4},
+                          Lying{collision_shape(ShapeKind::cylinder, {}, 0.2, 0.4), 0.2, down, 2},
+                          Lying{collision_shape(ShapeKind::capsule, {}, 0.1, 0.4), 0.1, down, 2},
+                          Lying{collision_shape(ShapeKind::cylinder, {}, 0.2, 0.4), 0.2, {}, 8}}) {
+    SCOPED_TRACE(name_of_kind(it.shape.kind));
+    const bool standing = it.points == 8;  // whose points turn with the lowest one
+    std::set<std::uint64_t> keys;
+    for (const ContactPoint& p : on_a_table(it.shape, it.height, it.R, 0)) keys.insert(p.key);
+    EXPECT_EQ(keys.size(), it.points);
+    for (const double tilt : {1e-15, 1e-12, 1e-9, 1e-6, 1e-4, 1e-3}) {
+      SCOPED_TRACE(tilt);
+      const std::vector<ContactPoint> points = on_a_table(it.shape, it.height, it.R, tilt);
+      EXPECT_EQ(points.size(), it.points);
+      for (const ContactPoint& p : points) {
+        EXPECT_NEAR(p.gap, -(p.point.x - 0.1) * tilt, 1e-6 + 1e-2 * tilt);
+        EXPECT_TRUE(standing || keys.contains(p.key));
+      }
+    }
+    EXPECT_LT(on_a_table(it.shape, it.height, it.R, 0.2).size(), it.points);
+  }
+}
+
+TEST(FlatContact, OfTwoBoxesIsThatOfABoxAndAPlane) {
+  const ShapeDescription box = collision_shape(ShapeKind::box, {0.4, 0.3, 0.2}, 0, 0);
+  const SE3<> pose{exp_SO3(Vec3<>{0.01, 0.02, 0.5}), {0.1, 0.2, 0.105}};
+  TwoShapes on_box(collision_shape(ShapeKind::box, {4, 4, 0.5}, 0, 0), box);
+  TwoShapes on_plane(collision_shape(ShapeKind::plane, {}, 0, 0), box);
+  const auto boxes = on_box.find({{}, {0, 0, -0.25}}, pose, 0.01);
+  const auto plane = on_plane.find({}, pose, 0.01);
+  ASSERT_EQ(boxes.size(), plane.size());
+  for (const ContactPoint& p : plane) {
+    const auto same = std::ranges::find_if(boxes, [&](const ContactPoint& q) {
+      return norm(q.point + 0.5 * q.gap * q.normal - p.point) < 1e-13;
     });
-}
-
-TEST(ContactLaws, LoopsStayClosed) {
-  Comparison rates("A v", 1e-9);
-  each_trial(3, [&](const ContactTrial& trial, ContactDynamics& dynamics, const ContactStatus&) {
-    const Model& model = trial.mechanism.model;
-    LoopWorkspace<> loops(model);
-    const std::size_t m = static_cast<std::size_t>(model.loops().rows),
-                      nv = static_cast<std::size_t>(model.nv());
-    std::vector<double> A(m * nv);
-    loop_jacobian<double>(model, loops, trial.mechanism.state.q, A);
-    const Eigen::Map<const Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>> rows(
-        A.data(), static_cast<Eigen::Index>(m), static_cast<Eigen::Index>(nv));
-    const Eigen::VectorXd u =
-        rows * Eigen::Map<const Eigen::VectorXd>(dynamics.velocity().data(), static_cast<Eigen::Index>(nv));
-    rates.expect_equal(u, Eigen::VectorXd(Eigen::VectorXd::Zero(u.size())), 1);
-  });
-}
-
-/// Where nothing bounces, the impulses take energy from the free motion: λᵀ J v⁺ ≤ 0, and more than this is
-/// lost.
-TEST(ContactLaws, ImpulsesMakeNoEnergy) {
-  each_trial(6, [&](const ContactTrial& trial, ContactDynamics& dynamics, const ContactStatus&) {
-    const Model& model = trial.mechanism.model;
-    Workspace<> workspace(model, cut_tree);
-    const auto energy = [&](std::span<const double> v) {
-      std::vector<double> p(v.size());
-      momenta<double>(model, workspace, trial.mechanism.state.q, v, p);
-      double sum = 0;
-      for (std::size_t c = 0; c < v.size(); ++c) sum += p[c] * v[c] / 2;
-      return sum;
-    };
-    const double before = energy(dynamics.free_velocity());
-    EXPECT_LE(energy(dynamics.velocity()), before * (1 + 1e-9));
-  });
-}
-
-TEST(ContactLaws, DoNotDependOnTheOrderOfContacts) {
-  Comparison velocities("velocity", 1e-7);
-  each_trial(3, [&](const ContactTrial& trial, ContactDynamics& dynamics, const ContactStatus& status) {
-    if (!status.holds(1e-12)) return;
-    ContactTrial permuted = trial;
-    std::ranges::reverse(permuted.contacts);
-    ContactDynamics other(trial.mechanism.model);
-    if (!solve(other, permuted).holds(1e-12)) return;
-    velocities.expect_equal(to_vector(other.velocity()), to_vector(dynamics.velocity()), 1);
-  });
-}
-
-/// A contact seen from its other body is the same contact.
-TEST(ContactLaws, ActionIsReaction) {
-  Comparison velocities("velocity", 1e-7);
-  each_trial(3, [&](const ContactTrial& trial, ContactDynamics& dynamics, const ContactStatus& status) {
-    if (!status.holds(1e-12)) return;
-    ContactTrial exchanged = trial;
-    for (Contact& c : exchanged.contacts) {
-      std::swap(c.a, c.b);
-      c.normal = -c.normal;
-    }
-    ContactDynamics other(trial.mechanism.model);
-    if (!solve(other, exchanged).holds(1e-12)) return;
-    velocities.expect_equal(to_vector(other.velocity()), to_vector(dynamics.velocity()), 1);
-  });
-}
-
-/// A slider that meets its hard stop, and a block that meets a wall there, move alike.
-TEST(ContactLaws, AStopIsAContact) {
-  const auto slider = [](bool stop) {
-    Description description;
-    BodyDescription body{.name = "block"};
-    body.joint = {.kind = JointKind::prismatic, .axis = {1, 0, 0}};
-    body.inertia = MassProperties{.mass = 2, .Theta = {1, 1, 1, 0, 0, 0}};
-    Dof dof;
-    if (stop) dof = {.upper = 0.5, .hard_stops = true, .restitution = 0.6};
-    body.joint.dof = {dof};
-    description.bodies.push_back(body);
-    return ModelBuilder(description).build();
-  };
-  for (const double speed : {0.02, 0.3, 7.0}) {
-    const std::vector<double> q{0.4999}, v{speed}, tau{3};
-    ContactDynamics by_stop(slider(true)), by_contact(slider(false));
-    EXPECT_TRUE(by_stop.solve(q, v, tau, {}, {.h = 1e-2}).holds());
-    const Contact wall{.a = 0,
-                       .b = 1,
-                       .point = {0.5, 0, 0},
-                       .normal = {-1, 0, 0},
-                       .gap = 0.5 - q[0],
-                       .surface = {.restitution = 0.6}};
-    EXPECT_TRUE(by_contact.solve(q, v, tau, std::span(&wall, 1), {.h = 1e-2}).holds());
-    EXPECT_NEAR(by_stop.velocity()[0], by_contact.velocity()[0], 1e-12 * (1 + speed));
-    if (speed == 7.0) {
-      EXPECT_NEAR(by_stop.velocity()[0], -0.6 * speed, 1e-12);
-    }
+    ASSERT_NE(same, boxes.end());
+    EXPECT_NEAR(same->gap, p.gap, 1e-14);
   }
 }
 
-TEST(ContactDynamics, RefusesWhatIsNoContact) {
-  const ContactTrial trial = random_trial(3, 1);
-  ContactDynamics dynamics(trial.mechanism.model);
-  const auto message = [&](auto&& change) -> std::string {
-    ContactTrial wrong = trial;
-    change(wrong.contacts[0]);
-    try {
-      static_cast<void>(solve(dynamics, wrong));
-    } catch (const std::invalid_argument& e) {
-      return e.what();
-    }
-    return "nothing was thrown";
-  };
-  EXPECT_THAT(message([](Contact& c) { c.surface.friction = -0.5; }), testing::HasSubstr("not negative"));
-  EXPECT_THAT(message([](Contact& c) { c.surface.restitution = 1.5; }),
-              testing::HasSubstr("between 0 and 1"));
-  EXPECT_THAT(message([](Contact& c) { c.normal = {1, 1, 0}; }), testing::HasSubstr("unit vector"));
-  EXPECT_THAT(message([](Contact& c) { c.a = c.b; }), testing::HasSubstr("itself"));
-  EXPECT_THAT(message([](Contact& c) { c.b = 1000; }), testing::HasSubstr("body 1000"));
-  EXPECT_THAT(message([](Contact& c) { c.gap = std::nan(""); }), testing::HasSubstr("not finite"));
+/// The prism of a polygon with n corners at distance 0.2 m, 0.2 m high, about the origin.
+MeshHull prism(int n) {
+  std::vector<Vec3<>> vertices;
+  std::vector<std::array<int, 3>> triangles;
+  for (int k = 0; k < n; ++k) {
+    const double angle = 2 * std::acos(-1.0) * k / n;
+    for (const double z : {-0.1, 0.1}) vertices.push_back({0.2 * std::cos(angle), 0.2 * std::sin(angle), z});
+    const int low = 2 * k, next = 2 * ((k + 1) % n);
+    triangles.push_back({low, next, next + 1});
+    triangles.push_back({low, next + 1, low + 1});
+    if (k == 0 || k == n - 1) continue;
+    triangles.push_back({0, next, low});
+    triangles.push_back({1, low + 1, next + 1});
+  }
+  return {make_hull(std::move(vertices), triangles), {}};
 }
 
-/// ∂v⁺/∂r and ∂v⁺/∂c against differences.
-TEST(ContactDynamics, HasDerivativesByGapVelocityAndFriction) {
-  const Model model = [] {
-    Description description;
-    BodyDescription body{.name = "ball"};
-    body.joint = {.kind = JointKind::free};
-    body.inertia = MassProperties{.mass = 2, .Theta = {0.2, 0.3, 0.25, 0, 0, 0}};
-    description.bodies.push_back(body);
-    return ModelBuilder(description).build();
-  }();
-  const std::vector<double> q{0, 0, 0, 1, 0, 0, 0.3}, v{0.1, 0.2, 0.5, 1, 0.4, -0.1}, tau(6);
-  const auto velocity = [&](double mu, double gap) {
-    const Contact contact{
-        .a = 0, .b = 1, .point = {0.01, 0, 0}, .normal = {0, 0, 1}, .gap = gap, .surface = {.friction = mu}};
-    ContactDynamics dynamics(model);
-    EXPECT_TRUE(dynamics.solve(q, v, tau, std::span(&contact, 1), {.h = 1e-2}).holds(1e-12));
-    return std::pair{Eigen::VectorXd(Eigen::Map<const Eigen::VectorXd>(dynamics.velocity().data(), 6)),
-                     std::pair{dynamics.derivative_by_r(), dynamics.derivative_by_friction()}};
+TEST(FlatContact, OfAHullWithManyVerticesHasItsOutermostOnes) {
+  for (const int n : {8, 16, 64}) {
+    SCOPED_TRACE(n);
+    ShapeDescription mesh = collision_shape(ShapeKind::mesh, {}, 0, 0);
+    const Model model = free_bodies({collision_shape(ShapeKind::plane, {}, 0, 0), mesh});
+    ContactFinder finder(ContactShapes(model, [&](const auto&, const auto&) { return prism(n); }));
+    const double tilt = 0.01;
+    const std::array<SE3<>, 3> C{SE3<>{}, SE3<>{}, SE3<>{exp_SO3(Vec3<>{0, tilt, 0}), {0, 0, 0.1}}};
+    ASSERT_TRUE(finder.find(C, 0.01));
+    EXPECT_EQ(finder.points().size(), n <= 16 ? static_cast<std::size_t>(n) : 8U);
+    double least = 1;
+    Vec3<> low{1, 1, 0}, high{-1, -1, 0};
+    for (const ContactPoint& p : finder.points()) {
+      least = std::min(least, p.gap);
+      low = {std::min(low.x, p.point.x), std::min(low.y, p.point.y), 0};
+      high = {std::max(high.x, p.point.x), std::max(high.y, p.point.y), 0};
+    }
+    EXPECT_NEAR(least, 0.1 - 0.2 * std::sin(tilt) - 0.1 * std::cos(tilt), 1e-15);
+    EXPECT_LT(std::max(low.x, low.y), -0.197);
+    EXPECT_GT(std::min(high.x, high.y), 0.197);
+  }
+}
+
+TEST(ContactFinder, SaysThatItsCapacityIsExceeded) {
+  ContactFinder finder(ContactShapes(free_bodies({collision_shape(ShapeKind::plane, {}, 0, 0),
+                                                  collision_shape(ShapeKind::box, {1, 1, 1}, 0, 0)})),
+                       3);
+  const std::array<SE3<>, 3> C{SE3<>{}, SE3<>{}, SE3<>{{}, {0, 0, 0.5}}};
+  EXPECT_FALSE(finder.find(C, 0.01));
+  EXPECT_EQ(finder.points().size(), 3U);
+}
+
+TEST(ContactFinder, FindsWhatAllPairsByThemselvesHave) {
+  for_seeds(20, [](std::uint64_t seed) {
+    Random<double> random(seed);
+    std::vector<ShapeDescription> shapes{collision_shape(ShapeKind::plane, {}, 0, 0)};
+    for (int k = 0; k < 30; ++k)
+      shapes.push_back(random_collision_shape(random, bounded_kinds[static_cast<std::size_t>(k) % 5]));
+    const ContactShapes all(free_bodies(shapes));
+    std::vector<SE3<>> C(all.size() + 1);
+    for (int k = 1; k < all.size(); ++k) C[k + 1] = {random.rotation(), 1.5 * random.vector()};
+    ContactFinder finder(all, 10000);
+    ASSERT_TRUE(finder.find(C, 0.01));
+    std::set<std::pair<int, int>> touching, found;
+    for (const ContactPoint& p : finder.points()) found.emplace(std::min(p.a, p.b), std::max(p.a, p.b));
+    for (const auto& [i, j] : all.pairs()) {
+      if (i == 0) {
+        const Vec3<> down = transpose(C[j + 1].R) * Vec3<>{0, 0, -1};
+        const Vec3<> lowest = C[j + 1] * (all[j].pose * convex::support_point(all[j].convex, down));
+        if (lowest.z < 0.01) touching.emplace(i, j);
+      } else if (convex_distance(all[i].convex, C[i + 1], all[j].convex, C[j + 1]).distance < 0.01) {
+        touching.emplace(i, j);
+      }
+    }
+    EXPECT_EQ(found, touching);
+  });
+}
+
+TEST(ContactShapes, LeaveOutPairsThatDoNotTouch) {
+  const ShapeDescription ball = collision_shape(ShapeKind::sphere, {}, 0.1, 0);
+  const MassProperties matter{.mass = 1, .com = {}, .Theta = {1, 1, 1, 0, 0, 0}};
+  const auto body = [&](const char* name, const char* on, JointKind kind) {
+    return BodyDescription{
+        .name = name, .predecessor = on, .joint = {.kind = kind}, .inertia = matter, .shapes = {ball}};
   };
-  const auto [by_r, by_friction] = velocity(0.3, 1e-5).second;
-  const double e = 1e-6;
-  const Eigen::VectorXd friction = (velocity(0.3 + e, 1e-5).first - velocity(0.3 - e, 1e-5).first) / (2 * e);
-  EXPECT_LE((by_friction.col(1) + by_friction.col(2) - friction).norm(), 1e-8);
-  EXPECT_GT(friction.norm(), 1e-3);
-  const Eigen::VectorXd gap = (velocity(0.3, 1.1e-5).first - velocity(0.3, 0.9e-5).first) / 0.2e-5;
-  EXPECT_LE((by_r.col(0) / 1e-2 - gap).norm(), 1e-7 * gap.norm());
+  Description d;
+  d.shapes = {ball, ball};
+  d.bodies = {body("arm", "ground", JointKind::revolute), body("hand", "arm", JointKind::universal),
+              body("ring", "hand", JointKind::fixed),     body("stand", "ground", JointKind::fixed),
+              body("tool", "ground", JointKind::free),    body("cap", "ground", JointKind::free)};
+  d.loops = {{.between = {"tool", "cap"}, .kind = LoopKind::spherical}};
+  d.contact = ContactDescription{.ignored = {{"ring", "tool"}, {"ground", "cap"}}};
+  const ContactShapes shapes(ModelBuilder(d).build());
+  ASSERT_EQ(shapes.size(), 8);
+  EXPECT_EQ(shapes[2].name, "arm shape 1");
+  std::set<std::string> pairs;
+  const std::vector<std::string> names{"g1", "g2", "arm", "hand", "ring", "stand", "tool", "cap"};
+  for (const auto& [i, j] : shapes.pairs()) pairs.insert(names[i] + " " + names[j]);
+  const std::set<std::string> expected{"g1 arm",     "g2 arm",     "g1 hand",   "g2 hand",   "g1 ring",
+                                       "g2 ring",    "g1 tool",    "g2 tool",   "arm stand", "hand stand",
+                                       "ring stand", "stand tool", "stand cap", "arm tool",  "arm cap",
+                                       "hand tool",  "hand cap",   "ring cap"};
+  EXPECT_EQ(pairs, expected);
+}
+
+TEST(ContactShapes, CombineSurfaces) {
+  ShapeDescription one = collision_shape(ShapeKind::sphere, {}, 1, 0), other = one;
+  one.contact = {.friction = 0.9, .spin_friction = 0.04, .rolling_friction = 0.01, .restitution = 0.2};
+  other.contact = {.friction = {}, .spin_friction = 0.01, .rolling_friction = 0, .restitution = 0.5};
+  const SurfacePair pair = ContactShapes(free_bodies({one, other})).surface(0, 1);
+  EXPECT_DOUBLE_EQ(pair.friction, std::sqrt(0.9 * 0.6));
+  EXPECT_DOUBLE_EQ(pair.spin_friction, 0.02);
+  EXPECT_EQ(pair.rolling_friction, 0);
+  EXPECT_EQ(pair.restitution, 0.5);
+}
+
+TEST(ContactShapes, RefuseWhatCannotTouch) {
+  const auto refusal = [](const ShapeDescription& one, const ShapeDescription& other) -> std::string {
+    try {
+      ContactShapes shapes(free_bodies({one, other}));
+    } catch (const std::invalid_argument& error) {
+      return error.what();
+    }
+    return "";
+  };
+  const ShapeDescription plane = collision_shape(ShapeKind::plane, {}, 0, 0);
+  const ShapeDescription ball = collision_shape(ShapeKind::sphere, {}, 1, 0);
+  ShapeDescription mesh = collision_shape(ShapeKind::mesh, {}, 0, 0);
+  mesh.file = "part.stl";
+  EXPECT_EQ(refusal(plane, ball), "");
+  EXPECT_THAT(refusal(plane, plane), HasSubstr("are planes that move against each other"));
+  EXPECT_THAT(refusal(ball, mesh), HasSubstr("is the mesh \"part.stl\", whose hull is not known"));
+  EXPECT_THAT(refusal(ball, collision_shape(ShapeKind::sphere, {}, 0, 0)), HasSubstr("its radius is 0 m"));
+  EXPECT_THAT(refusal(ball, collision_shape(ShapeKind::ellipsoid, {1, 0, 1}, 0, 0)),
+              HasSubstr("its semi_axes is 0 m"));
 }
 
 }  // namespace

@@ -2,7 +2,7 @@
 #include <cmath>
 
 #include "axode/dynamics/mass_matrix/mass_matrix.hpp"
-#include "tests/contact/contact_case.hpp"
+#include "tests/contact/reference_contacts.hpp"
 
 /// The velocity problems of every file of contacts: rows, impulses, velocities and derivatives.
 namespace axode::test {
@@ -26,7 +26,7 @@ class ContactStates : public testing::TestWithParam<std::string> {
   }
   /// check(dynamics, state, status) for every state of the file, solved.
   template <class Check> void each_state(const Check& check) const {
-    const ContactCase reference(GetParam());
+    const ReferenceContacts reference(GetParam());
     const Model model = reference.build();
     ContactDynamics dynamics(model, reference.contact_rows());
     for (const Json& state : reference.file.at("states")) {
@@ -131,7 +131,7 @@ TEST(Certificate, MeasuresHowFarImpulsesAreFromTheLaw) {
         Figure{"two_boxes", "upper falls", 1.34219056019, 0.0572956543768}}) {
     if (!std::filesystem::exists(contact_folder() / (std::string(file) + ".json")))
       GTEST_SKIP() << missing(contact_folder(), "AXODE_VECTORS");
-    const ContactCase reference(file);
+    const ReferenceContacts reference(file);
     const Model model = reference.build();
     ContactDynamics dynamics(model, reference.contact_rows());
     for (const Json& state : reference.file.at("states")) {
