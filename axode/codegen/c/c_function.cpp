@@ -17,7 +17,8 @@ class CEmitter : public Emitter {
       : Emitter(recording, precision), sine_cosine_(std::move(sine_cosine)) {}
 
  protected:
-  /// Length of an array of angles: whole registers, so that no angle is left to a loop of its own.
+  /// Length of an array for this number of angles. Arrays fill whole registers, so that the compiler needs no
+  /// separate loop for remaining angles.
   virtual int room(std::size_t angles) const {
     const int n = static_cast<int>(angles);
     return n <= 2 ? 2 : n <= 4 ? 4 : (n + 7) / 8 * 8;
@@ -72,7 +73,7 @@ class CEmitter : public Emitter {
   }
 
   std::string sine_cosine_;
-  int turned_ = 0;  ///< slots that arrays of turns have taken
+  int turned_ = 0;  ///< slots that the arrays of sines and cosines have taken so far
 };
 
 /// C for a state in each lane of a vector, with the types and functions of c_lanes().
@@ -99,7 +100,7 @@ class LanesEmitter final : public CEmitter {
     return "((axode_mask)" + text + ')';
   }
   int room(std::size_t angles) const override { return static_cast<int>(angles); }
-  /// A number that has lanes even if it is a constant.
+  /// The text of a number in lanes, even if the number is a constant.
   std::string spread(int k) { return is_literal(node(k)) ? "axode_all(" + text(k) + ')' : text(k); }
   std::string expression(const Tape::Node& x) override {
     switch (x.operation) {

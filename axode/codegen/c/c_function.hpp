@@ -7,7 +7,7 @@
 
 namespace axode::codegen {
 
-/// `text` with every @KEY@ replaced.
+/// Returns `text` with every @KEY@ replaced by its value.
 std::string filled(std::string text, std::initializer_list<std::pair<const char*, std::string>> values);
 
 /// How numbers are written.
@@ -27,20 +27,20 @@ std::string c_signature(const Recording& recording, const std::string& name, con
 
 struct Definition {
   std::string text;
-  int scratch = 0;  ///< numbers that the function keeps in an array
+  int scratch = 0;  ///< length of the array of numbers that the parts of the function exchange
 };
 /// The definition of a function in C. `sine_cosine` is the name of the function for n angles at once. A long
 /// function is cut into parts, so that compilers take time in proportion to its length. Numbers that one part
-/// hands to another lie in an array.
+/// computes and a later part uses lie in an array.
 Definition c_definition(const Recording& recording, const std::string& name, const std::string& sine_cosine,
                         const Precision& precision);
 /// The definition for a state in each lane of a vector (types axode_lanes and axode_mask). `_lanes` is added
-/// to the name `sine_cosine`. The function is `static`, returns a mask instead of a doubt, and its last
-/// argument is the array of numbers that it keeps.
+/// to the name `sine_cosine`. The function is `static`, returns a mask (the lanes whose mass matrix may be
+/// singular), and its last argument is the array of numbers that its parts exchange.
 Definition lanes_definition(const Recording& recording, const std::string& name,
                             const std::string& sine_cosine, const Precision& precision);
 
-/// Whether the function takes roots or angles, for which it needs <math.h>.
+/// Whether the function computes square roots or angles, which need <math.h>.
 bool calls_math_library(const Recording& recording);
 
 }  // namespace axode::codegen

@@ -28,7 +28,7 @@ std::string repeated(int n, const std::function<std::string(int)>& text) {
 }
 std::string row(int l) { return "r" + std::to_string(l); }
 
-/// Transposes n rows of n lanes by n log2 n shuffles: row l becomes lane l of every row.
+/// C code that transposes n rows of n lanes by n log2 n shuffles: row l becomes lane l of every row.
 std::string transposition(int n) {
   std::string text;
   for (int s = 1; s < n; s *= 2) {
@@ -41,8 +41,8 @@ std::string transposition(int n) {
   }
   return text;
 }
-/// Transposes blocks of as many numbers as there are lanes; number k of state l is memory[l * n + k]. The
-/// last block overlaps the one before if the numbers do not fill it.
+/// C code that transposes blocks of as many numbers as there are lanes; number k of state l is memory[l * n +
+/// k]. The last block overlaps the one before if the numbers do not fill it.
 std::string turned(int n, const char* load, const char* store, const char* one_by_one) {
   const auto each = [&](const char* statement) {
     return repeated(n, [&](int l) {

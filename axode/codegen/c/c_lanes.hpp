@@ -14,7 +14,8 @@ std::string c_lanes(const Precision& precision, int lanes, bool with_math_librar
 struct StatesFunction {
   std::string name;
   std::vector<int> arguments;  ///< length of each argument
-  int results, scratch;        ///< number of results; of numbers that the function for lanes keeps
+  int results, scratch;        ///< number of results, and length of the memory `scratch` of the function for
+                               ///< lanes
   bool returns_singularity;
 };
 /// The definitions of NAME_states and NAME_scratch.

@@ -36,7 +36,7 @@ inline constexpr auto recorded_functions = [] {
   return names;
 }();
 
-/// The callers of the functions, which decide on their signatures.
+/// The caller for which functions are generated; it determines their signatures.
 enum class Abi {
   plain,   ///< C or C++: the functions have the declarations below
   casadi,  ///< CasADi: see casadi_source.hpp
@@ -56,7 +56,8 @@ struct Options {
 struct Source {
   struct Cost {
     std::string name;
-    Operations operations;  ///< operations of one call; sine and cosine of an angle are two `angles`
+    Operations operations;  ///< operations of one call; the sine and the cosine of one angle count as two
+                            ///< `angles`
   };
   std::string text;
   std::vector<Cost> functions;
@@ -65,8 +66,9 @@ struct Source {
 /// Whether a name has only ASCII letters, digits and underscores, and does not begin with a digit.
 bool is_identifier(std::string_view name);
 
-/// Generates functions of a model, with the units, frames, coordinates and results of their namesakes in the
-/// library. PREFIX stands for the prefix, NAME for a frame's name as an identifier and T for double or float:
+/// Generates functions of a model, Each function has the units, frames, coordinates and results of the
+/// library's function of the same name. PREFIX stands for the prefix, NAME for a frame's name as an
+/// identifier and T for double or float:
 ///
 ///     void PREFIX_inverse_dynamics(const T *q, const T *v, const T *a, T *tau)
 ///     int  PREFIX_forward_dynamics(const T *q, const T *v, const T *tau, T *a)

@@ -6,8 +6,8 @@
 namespace axode::codegen {
 namespace {
 
-/// CUDA for a thread, whose state is one of n side by side. Sines are computed one by one, and the statements
-/// are in the order that needs the fewest registers.
+/// CUDA for one thread, which computes one of n states that lie side by side in memory. Sines are computed
+/// one by one, and the statements are in the order that needs the fewest registers.
 class CudaEmitter final : public Emitter {
  public:
   CudaEmitter(const Recording& recording, const Precision& precision)
@@ -21,7 +21,7 @@ class CudaEmitter final : public Emitter {
   std::string entry(const std::string& array, std::size_t k) const override {
     return "axode_at<" + std::to_string(k) + ">(" + array + ", n)";
   }
-  /// An argument is read into a constant where a part needs it first.
+  /// Reads an argument into a constant, at the place where a part first needs it.
   std::string read_argument(const Tape::Node& x, std::size_t k) override {
     const std::string& array = recording_.arguments[x.a];
     const std::string name = array + std::to_string(x.b);
@@ -29,10 +29,11 @@ class CudaEmitter final : public Emitter {
     loaded_in_[k] = now_;
     return name;
   }
-  /// A thread keeps in far memory what one part hands on to the next.
+  /// Parts of a function on a GPU are long, because the numbers that one part keeps for the next lie in slow
+  /// memory.
   std::size_t longest_part() const override { return 1500; }
   int stages_of_a_turn() const override { return 0; }
-  /// The sine and the cosine of an angle are one step.
+  /// One step computes both the sine and the cosine of an angle.
   void add_turn(std::size_t k) override {
     const int x = node(k).a;
     if (turn_of_[x] < 0) {
@@ -45,7 +46,7 @@ class CudaEmitter final : public Emitter {
   }
   void write_turn(std::size_t turn) override {
     const int k = turns_[turn].angles[0];
-    const std::string x = text(k);  // may write a statement of its own
+    const std::string x = text(k);  // text() may also write a statement
     body() += filled("  @T@ sine@K@, cosine@K@;\n  @CALL@(@X@, &sine@K@, &cosine@K@);\n",
                      {{"T", type()}, {"K", std::to_string(k)}, {"CALL", function("sincos")}, {"X", x}});
     for (const std::size_t made : turns_[turn].made) keep(made);
@@ -68,7 +69,8 @@ class CudaEmitter final : public Emitter {
     for (const int s : order_for_few_registers(operands, lasting)) ordered.push_back(steps_[s]);
     steps_ = ordered;
   }
-  /// Writes the results that depend on nothing, most of them zeros; several neighbours in a loop.
+  /// Writes the constant results, most of which are zeros. Three or more equal neighbours are written by a
+  /// loop.
   void begin_statements() override {
     const std::vector<Trace>& results = recording_.results;
     std::size_t end = 0;
@@ -90,8 +92,8 @@ class CudaEmitter final : public Emitter {
     }
   }
 
-  std::vector<int> turn_of_;    ///< by angle: its turn
-  std::vector<int> loaded_in_;  ///< by argument: the part that has read it last
+  std::vector<int> turn_of_;    ///< for each angle (by node): the index of its turn, or -1
+  std::vector<int> loaded_in_;  ///< for each entry of the arguments: the last part that has read it
 };
 
 }  // namespace

@@ -9,7 +9,7 @@ namespace axode::codegen {
 /// it.
 extern const char* const cuda_entries;
 
-/// The device function for a thread, whose state is one of n that lie side by side.
+/// The device function for one thread, which computes one of n states that lie side by side in memory.
 Definition cuda_definition(const Recording& recording, const std::string& name, const Precision& precision);
 /// The kernel `NAME_states(..., int n)` that calls the function NAME for n states, a thread for each.
 std::string cuda_kernel(const Recording& recording, const std::string& name, const Precision& precision);

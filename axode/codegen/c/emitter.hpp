@@ -9,8 +9,9 @@
 namespace axode::codegen {
 
 /// Writes the statements of one function in a walk over its tape, in the order in which the numbers were
-/// recorded. Everything that depends on sines comes after them: stage k has the statements that need sines of
-/// stage k - 1. Subclasses know the language, and how sines and cosines are computed.
+/// recorded. Numbers that depend on sines or cosines are written after these: stage k has the statements that
+/// need sines or cosines of stage k - 1. Subclasses define the language, and how sines and cosines are
+/// computed.
 class Emitter {
  public:
   using enum Tape::Operation;
@@ -46,7 +47,7 @@ class Emitter {
  protected:
   struct Step {
     enum Kind { define, turn, result } kind;
-    std::size_t index;  ///< of a node, of a turn, or of a result
+    std::size_t index;  ///< index of a node, of a turn or of a result, depending on `kind`
     int part = 0;
   };
   /// Sines and cosines that one step computes.
@@ -56,20 +57,22 @@ class Emitter {
   };
   struct Number {
     bool needed = false;
-    bool stays_in_sum = false;  ///< one sum alone needs it, where product and sum may become one instruction
+    bool stays_in_sum = false;  ///< whether only one sum uses it, and is written together with it, so that
+                                ///< compilers can fuse product and sum
     int stage = 0;
-    std::string text;               ///< its name, or how it is computed
+    std::string text;               ///< name of its variable, or the expression that computes it
     int part = -1;                  ///< the part that defines it
-    int last_part = -1, slot = -1;  ///< the last part that uses it, and where it is kept until then
+    int last_part = -1, slot = -1;  ///< the last part that uses it, and the slot of the array that keeps it
+                                    ///< until then
   };
-  /// A function of its own, if there are several; the last one is the function itself.
+  /// One of the functions into which a long function is cut. The last one is the function itself.
   struct Part {
     std::string text;
     std::vector<char> reads;  ///< whether it reads each of the arguments
     bool writes_results = false, keeps = false;
   };
 
-  // The language.
+  // The following functions define the language.
   virtual std::string type() const { return precision_.type(); }
   virtual std::string type_of_conditions() const { return "int"; }
   virtual std::string head(const std::string& name) const {
@@ -104,7 +107,7 @@ class Emitter {
       case both: return text(x.a) + " & " + text(x.b);
       case either: return text(x.a) + " | " + text(x.b);
       case negation: return '!' + text(x.a);
-      default: return {};  // has a name already
+      default: return {};  // its text is known already
     }
   }
 
@@ -112,10 +115,10 @@ class Emitter {
   /// Statements in a part. Compilers take more time for each of them the longer the part is.
   virtual std::size_t longest_part() const { return 500; }
   virtual int stages_of_a_turn() const { return 1; }
-  /// Enters the sine or cosine of node k, which the walk has reached, into a turn.
+  /// Adds the sine or cosine of node k, which the walk has reached, to a turn.
   virtual void add_turn(std::size_t k) = 0;
   virtual void write_turn(std::size_t turn) = 0;
-  /// Slots that turns need besides those of numbers.
+  /// Number of slots that turns need, in addition to the slots of numbers.
   virtual int slots_of_turns() const { return 0; }
   virtual void arrange_steps() {}
   virtual void begin_statements() {}
@@ -146,7 +149,7 @@ class Emitter {
     body() +=
         "  " + kept(x.slot) + " = " + (is_condition(node(k)) ? condition_as_number(x.text) : x.text) + ";\n";
   }
-  /// A number or a condition where it is used.
+  /// The text of a number or a condition in an expression that uses it.
   virtual std::string text(int k) {
     const Tape::Node& x = node(k);
     const Number& number = numbers_[k];
@@ -164,12 +167,12 @@ class Emitter {
     return (factor == 1 ? "" : factor == -1 ? "-" : precision_.literal(factor) + " * ") + text(k);
   }
 
-  /// The numbers with a name that a step makes.
+  /// The numbers to which a step gives names.
   std::vector<std::size_t> made_by(const Step& step) const {
     if (step.kind == Step::define) return {step.index};
     return step.kind == Step::turn ? turns_[step.index].made : std::vector<std::size_t>{};
   }
-  /// Calls use(k) for each number with a name that a step needs.
+  /// Calls use(k) for each named number that a step uses.
   template <class Use> void each_use(const Step& step, const Use& use) const {
     if (step.kind == Step::result) return each_named(recording_.results[step.index].node(), use);
     if (step.kind == Step::turn)
@@ -204,7 +207,8 @@ class Emitter {
       if (is_turned(node(k))) stage += stages_of_a_turn();
       stages = std::max(stages, stage + 1);
     }
-    std::vector<std::vector<std::size_t>> results(numbers_.size());  // by the node that they are multiples of
+    std::vector<std::vector<std::size_t>> results(numbers_.size());  // for each node: the results that are
+                                                                     // multiples of it
     for (std::size_t r = 0; r < recording_.results.size(); ++r) {
       const int k = recording_.results[r].node();
       results[k].push_back(r);
@@ -225,12 +229,13 @@ class Emitter {
         else if (x.operation != input && !number.stays_in_sum)
           steps_.push_back({Step::define, k});
         for (const std::size_t r : results[k])
-          steps_.push_back({Step::result, r});  // then k need not be kept
+          steps_.push_back({Step::result, r});  // written at once, so that k need not be kept for it
       }
     }
   }
 
-  /// Decides which part defines each number, the last one that uses it, and where it is kept in between.
+  /// Cuts the steps into parts. Determines for each number the part that defines it, the last part that uses
+  /// it, and the slot that keeps it in between.
   void cut() {
     const std::size_t count = std::max(n_parts(), 1),
                       balanced = std::max<std::size_t>((steps_.size() + count - 1) / count, 1);
@@ -291,7 +296,7 @@ class Emitter {
     const Tape::Node& x = node(k);
     std::string& name = numbers_[k].text;
     name = 't' + std::to_string(++temporaries_);
-    const std::string value = expression(x);  // may write statements of its own
+    const std::string value = expression(x);  // expression() may also write statements
     body() +=
         "  const " + (is_condition(x) ? type_of_conditions() : type()) + ' ' + name + " = " + value + ";\n";
     keep(k);

@@ -13,9 +13,10 @@ namespace axode::codegen {
 ///     const long NAME_scratch
 ///
 /// States are contiguous. As many states as a register holds, but at most `lanes` (a power of 2), are
-/// computed at once; 1 uses no such registers. `scratch` has NAME_scratch numbers and begins at a cache line.
-/// If it is null, states are computed one by one, which may differ by rounding. `maybe_singular` receives the
-/// return value of the function for each state. Angles may have any size. Jacobians are written column by column.
+/// computed at once; with lanes = 1 no vector registers are used. `scratch` has NAME_scratch numbers and
+/// begins at a cache line. If it is null, states are computed one by one, which may differ by rounding.
+/// `maybe_singular` receives the return value of the function for each state. Angles may have any size.
+/// Jacobians are written column by column.
 Source states_source(const Model& model, std::span<const Function> functions, bool single_precision,
                      int lanes);
 

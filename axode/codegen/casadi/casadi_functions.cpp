@@ -102,7 +102,8 @@ class Accelerations {
   static void subtract(Numbers& x, const Numbers& y) {
     for (std::size_t k = 0; k < x.size(); ++k) x[k] -= y[k];
   }
-  /// The recording with the fewest operations of make(composition, state, solution) for all solutions.
+  /// Of the recordings made by make(composition, state, solution), one for each way to solve with M, returns
+  /// the one with the fewest operations.
   template <class Make> Recording shortest(const Make& make) const {
     Recording best;
     for (const Recording& solution : solutions_) {
@@ -112,7 +113,7 @@ class Accelerations {
     }
     return best;
   }
-  /// Columns of a by q, v and tau.
+  /// The derivatives of the accelerations a by q, v and tau, as contiguous columns.
   Numbers by_state(Composition& on, const State& at, const Recording& solution) const {
     Numbers columns = on(forces_jacobian_, {at.q, at.v, at.a});
     const std::size_t nv = at.v.size(), moving = at.q.size() + nv;
@@ -121,7 +122,7 @@ class Accelerations {
       for (std::size_t r = 0; r < nv; ++r) rest[r] = c < moving ? -columns[c * nv + r] : T(c - moving == r);
       std::ranges::copy(on(solution, {at.q, rest}), columns.begin() + static_cast<std::ptrdiff_t>(c * nv));
     }
-    // M⁻¹ is symmetric. Keep the half that each solution finds first, on its way to the leaves.
+    // M⁻¹ is symmetric. Keeps the half that each solution computes first, on its way to the leaves.
     for (std::size_t c = 0; c < nv; ++c)
       for (std::size_t r = c + 1; r < nv; ++r)
         columns[(moving + c) * nv + r] = columns[(moving + r) * nv + c];
@@ -261,7 +262,8 @@ class Family {
       std::size_t column = 0;
       for (const CasadiInput& input : inputs_) {
         const int rows = out.pattern.rows * out.pattern.columns;
-        std::vector<std::vector<int>> block;  // by column: the place of each entry of the output
+        std::vector<std::vector<int>> block;  // for each column: the result that is each entry of the output,
+                                              // or -1
         for (int c = 0; c < input.pattern.rows; ++c) {
           block.emplace_back(rows, -1);
           for (std::size_t k = 0; k < out.pattern.entries.size(); ++k)
@@ -302,7 +304,8 @@ class Family {
     }
     return all;
   }
-  /// Derivatives by the inputs, by the outputs (0), and by the weights (the transposed Jacobian).
+  /// The derivatives of the gradients by the inputs, by the outputs (they are 0), and by the weights (the
+  /// transposed Jacobian).
   std::vector<CasadiOutput> second_derivatives() {
     Recording& H = recordings_[hessian];
     for (int i = 0; i < n_; ++i)

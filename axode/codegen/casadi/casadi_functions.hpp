@@ -25,7 +25,7 @@ struct CasadiOutput {
   std::string name;
   Pattern pattern;
   std::size_t recording = 0;
-  std::vector<int> results{};  ///< the result that each entry is
+  std::vector<int> results{};  ///< for each entry of the pattern: the index of the result
 };
 /// A function that CasADi calls. Arguments of its recordings are its inputs of equal names.
 struct CasadiFunction {
@@ -43,10 +43,10 @@ struct CasadiFamily {
   std::optional<CasadiInverse> inverse;
 };
 
-/// Makes the functions for CasADi. The coordinates are nq independent numbers there, and quaternions are
-/// divided by their norm. Derivatives of forward dynamics are computed from those of inverse dynamics, T(q,
-/// v, a) = tau, derivatives of the inverse mass matrix from those of M, and all others by differentiation of
-/// recordings. `frames` are the names of frames as identifiers.
+/// Makes the functions for CasADi. In CasADi the nq coordinates are independent numbers; hence quaternions
+/// are divided by their norm. Derivatives of forward dynamics are computed from those of inverse dynamics,
+/// T(q, v, a) = tau, derivatives of the inverse mass matrix from those of M, and all others by
+/// differentiation of recordings. `frames` are the names of frames as identifiers.
 CasadiFamily casadi_family(const Model& model, const Function& function, const std::string& name,
                            std::span<const std::string> frames);
 

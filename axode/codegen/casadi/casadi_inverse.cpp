@@ -152,7 +152,7 @@ Operations CasadiInverse::operations(Kind kind) const {
   const auto size = [](const std::vector<int>& numbers) { return static_cast<long>(numbers.size()); };
   const long n = static_cast<long>(nv_), nq = static_cast<long>(nq_), A = size(entries_),
              M = size(masses_[jacobian].places);
-  long both = 0;  // products, and sums, of the products of matrices
+  long both = 0;  // the number of products in the products of matrices, which is also that of sums
   switch (kind) {
     case tangent: both = (size(masses_[tangent].places) + A) * n; break;
     case adjoint: both = 2 * A * n; break;

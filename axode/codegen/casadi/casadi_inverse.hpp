@@ -18,14 +18,16 @@ class CasadiInverse {
   enum Kind : std::size_t { tangent, adjoint, jacobian };
   static constexpr std::size_t kinds = 3;
 
-  /// A function with nv x nv results: the derivative of M in a direction, the gradient with weights B, or the
-  /// derivatives by each coordinate. Only the entries `places` are results of the recording.
+  /// A function of M with nv x nv results: its derivative in a direction, its gradient with weights B, or its
+  /// derivatives by each coordinate. Only the entries `places` are results of the recording; the others are
+  /// 0.
   struct Part {
     Recording recording;
     std::vector<int> places;
   };
 
-  /// The function for A computes its `entries`, r + nv c. `weights` is the name of their weights.
+  /// `entries` are the indices r + nv c of the entries (r, c) that the function for A computes. `weights` is
+  /// the name of their weights.
   CasadiInverse(int nq, int nv, std::vector<int> entries, std::string weights,
                 std::array<Part, kinds> masses);
 
@@ -50,8 +52,9 @@ class CasadiInverse {
   std::vector<int> entries_;
   std::string weights_;
   std::array<Part, kinds> masses_;
-  std::vector<int> begin_;  ///< where the results for M by coordinate k begin
-  std::vector<int> by_q_;   ///< k n + e for each entry e of n whose derivative by q_k may not be 0
+  std::vector<int> begin_;  ///< for each coordinate q_k: where its results begin among those of ∂M/∂q
+  std::vector<int> by_q_;   ///< the non-zero entries of ∂A/∂q: k n + e, with n entries of A, if the
+                            ///< derivative of entry e by q_k may not be 0
 };
 
 }  // namespace axode::codegen

@@ -54,7 +54,7 @@ constexpr const char* foot = R"(#undef AXODE_EXPORT
 #endif
 )";
 
-/// The functions by which CasADi inspects a function.
+/// The functions that CasADi calls to inspect a function: its inputs, outputs, patterns and memory.
 constexpr const char* questions = R"(AXODE_EXPORT casadi_int @F@_n_in(void) { return @N_IN@; }
 AXODE_EXPORT casadi_int @F@_n_out(void) { return @N_OUT@; }
 AXODE_EXPORT const char *@F@_name_in(casadi_int i) {
@@ -94,8 +94,8 @@ template <class Items, class Word> std::string words(const Items& items, const W
 }
 
 /// A pattern in CasADi's format: rows, columns, begins of columns, and the row of each entry; or rows,
-/// columns, 1 for a dense matrix. Matrices of several states stand side by side, or, for derivatives by all
-/// states, along the diagonal.
+/// columns, 1 for a dense matrix. Matrices of several states stand side by side, or along the diagonal if
+/// they are derivatives by all states.
 std::vector<int> compressed(const Pattern& pattern, int states, bool diagonal) {
   const int down = diagonal ? pattern.rows : 0;
   std::vector<int> numbers{pattern.rows + (states - 1) * down, states * pattern.columns};

@@ -6,8 +6,8 @@
 
 namespace axode::codegen {
 
-/// C source of external functions of CasADi, `casadi.external(NAME, LIBRARY)`, which needs no other file.
-/// With the names of c_source, for each function
+/// C source of external functions of CasADi, `casadi.external(NAME, LIBRARY)`, which needs no other file. The
+/// names are those of c_source(). For each function there are
 ///
 ///     int NAME(const casadi_real **arg, casadi_real **res, casadi_int *iw, casadi_real *w, int mem)
 ///     casadi_int NAME_n_in(void), NAME_n_out(void)

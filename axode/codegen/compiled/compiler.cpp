@@ -126,7 +126,9 @@ std::optional<Finished> run_program(const std::vector<std::string>& command,
       exit_code(process, 0);
       return std::nullopt;
     }
-    if (ready == 0) code = exit_code(process, WNOHANG);  // its children may go on, with the pipe open
+    if (ready == 0)
+      code = exit_code(process, WNOHANG);  // the program may have ended although its children
+                                           // still hold the pipe open
     if (ready <= 0) continue;
     std::array<char, 1024> text;
     const ssize_t n = read(reader.number(), text.data(), text.size());

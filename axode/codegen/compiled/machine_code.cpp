@@ -25,7 +25,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::size_t digits = 32;  // length of a digest; one is appended to each library in the cache
+constexpr std::size_t digits = 32;  // length of a digest; each library in the cache ends with the digest of
+                                    // its contents
 
 /// Hash of a text, 128 bits as 32 hexadecimal digits. It is not safe against intended collisions.
 std::string digest(std::string_view text) {
@@ -71,7 +72,7 @@ fs::path cache_folder() {
   if (home != nullptr && *home == '/') return fs::path(home) / ".cache" / "axode";
   return {};
 }
-/// Whether only this user can write to a file or folder. Code is loaded from no other place.
+/// Whether only this user can write to a file or folder. Code is loaded only from such places.
 bool is_ours(const fs::path& file) {
   struct stat status {};
   return !file.empty() && lstat(file.c_str(), &status) == 0 && !S_ISLNK(status.st_mode) &&
@@ -240,14 +241,14 @@ MachineCode::MachineCode(const std::string& source, const std::vector<std::strin
     std::this_thread::sleep_for(std::chrono::milliseconds(20));
   }
   library_ = opened_from_cache(file_);
-  if (library_) return;  // another process was first
+  if (library_) return;  // another process has compiled it in the meantime
   const auto work = std::make_shared<WorkFolder>(folder, key);
   collect_abandoned(folder, work->path(), key, lock);
   compile_in(work);
   std::error_code failed;
   fs::rename(work->path() / "model.so", file_, failed);
   if (failed)
-    file_ = work->path() / "model.so";  // the next process compiles again
+    file_ = work->path() / "model.so";  // the cache cannot be written: the next process will compile again
   else
     folder_ = nullptr;
 }

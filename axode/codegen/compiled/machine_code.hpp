@@ -22,8 +22,8 @@ class MachineCode {
   /// The address of a symbol. Throws std::runtime_error if there is none of that name.
   void* address(const std::string& name) const;
 
-  /// The shared library, for other programs that load it. Without a cache it is removed with the last
-  /// MachineCode.
+  /// The path of the shared library, for other programs that load it. If there is no cache, the file is
+  /// removed with the last MachineCode that refers to it.
   const std::filesystem::path& file() const { return file_; }
 
  private:

@@ -26,7 +26,7 @@ template <class T> struct Specialised<T>::Code {
     Function function;
     const catalog::Function<T>* row;
     void (*call)(long count, const T* const* arguments, T* result, T* scratch, unsigned char* maybe_singular);
-    std::size_t scratch;  ///< length of the array `scratch`
+    std::size_t scratch;  ///< length of the memory `scratch` of the function
   };
   codegen::MachineCode library;
   std::vector<Entry> entries;

@@ -33,8 +33,8 @@ class CompilationEnded : public std::runtime_error {
 /// All other functions of the library need no compiler.
 template <class T = double> class Specialised {
  public:
-  /// Throws std::invalid_argument if codegen::c_source() does and for other numbers of lanes, and
-  /// std::runtime_error if there is no compiler or it fails.
+  /// Throws std::invalid_argument for arguments that codegen::c_source() refuses and if `lanes` is not 1, 2,
+  /// 4, 8 or 16, and std::runtime_error if there is no compiler or it fails.
   Specialised(const Model& model, std::span<const codegen::Function> functions,
               SpecialisedOptions options = {});
   Specialised(const Model& model, std::initializer_list<codegen::Function> functions,
@@ -48,7 +48,7 @@ template <class T = double> class Specialised {
   batch::Outcome run(const codegen::Function& function, const catalog::Arguments<T>& given, std::span<T> out,
                      int threads, const batch::Monitor& monitor) const;
 
-  /// The forward dynamics that rollouts call.
+  /// The compiled forward dynamics, which rollouts call.
   batch::CompiledDynamics<T> compiled_dynamics() const;
 
  private:
@@ -61,11 +61,11 @@ template <class T = double> class Specialised {
 namespace batch {
 
 /// Computes a function that the model was specialised for in N states, which are contiguous as in
-/// axode/batch.hpp. Checks, threads and the monitor are those of a Model. The library's own function decides
-/// on states whose mass matrix may be singular. Results differ from the library's by rounding. The result of
-/// a state depends neither on its index nor on the number of threads, but a single state is computed without
-/// lanes and may differ by rounding. Also throws std::invalid_argument for a function that the model was
-/// specialised without, and for loads.
+/// axode/batch.hpp. Arguments are checked, and threads and the monitor are used, as in batch::run() for a
+/// Model. States whose mass matrix may be singular are computed by the library's own function, which decides.
+/// Results differ from the library's by rounding. The result of a state depends neither on its index nor on
+/// the number of threads, but a single state is computed without lanes and may differ by rounding. Also
+/// throws std::invalid_argument for a function that was not among those of the constructor, and for loads.
 template <class T>
 Outcome run(const Specialised<T>& model, const codegen::Function& function,
             const catalog::Arguments<std::type_identity_t<T>>& given, std::type_identity_t<std::span<T>> out,
@@ -74,8 +74,8 @@ Outcome run(const Specialised<T>& model, const codegen::Function& function,
 }
 
 /// Integrates N motions of a model that was specialised with forward_dynamics, see axode/batch.hpp. Motions
-/// with coupled joints are computed in lanes as well. Springs act, and with joint_losses damping and dry
-/// friction. Steps with friction are computed by the library's own functions.
+/// with coupled joints are computed in lanes as well. Springs act; damping and dry friction act with
+/// joint_losses. Steps with friction are computed by the library's own functions.
 template <class T>
 Outcome rollout(const Specialised<T>& model, Numbers<T> q, Numbers<T> v, Numbers<T> tau, double step,
                 std::type_identity_t<std::span<T>> q_out, std::type_identity_t<std::span<T>> v_out,

@@ -131,7 +131,8 @@ Numbers Composition::gradient(const Numbers& x, const Numbers& w, std::size_t ar
 }
 
 Numbers Composition::jacobian(const Numbers& x, std::size_t arguments) const {
-  const Recording made{.nodes = tape_.nodes(), .results = x};  // as it is now: each column adds to the tape
+  const Recording made{.nodes = tape_.nodes(), .results = x};  // a copy of the tape, because each column adds
+                                                               // nodes to it
   const std::vector<char> need = needed(made);
   std::vector<Numbers> direction;
   for (std::size_t i = 0; i < arguments; ++i) direction.emplace_back(inputs_[i].size());

@@ -19,7 +19,8 @@ class Composition {
   Numbers argument(const std::string& name, int n);
   /// Adds the arguments of a function.
   std::vector<Numbers> arguments_of(const Recording& f);
-  /// The results of a function. Its doubt is added to that of the composition.
+  /// The results of the function f with these arguments. If the mass matrix of f may be singular, so may that
+  /// of the composition.
   Numbers operator()(const Recording& f, std::span<const Numbers> arguments);
   Numbers operator()(const Recording& f, std::initializer_list<Numbers> arguments) {
     return (*this)(f, std::span(arguments.begin(), arguments.size()));
@@ -27,16 +28,18 @@ class Composition {
   /// The derivative of x in a direction. Entry k of `direction` is the direction of argument k; arguments
   /// without an entry do not change.
   Numbers along(const Numbers& x, std::span<const Numbers> direction) const;
-  /// The gradient of w x by the first arguments, contiguous.
+  /// The gradient of Σ w_k x_k by the first `arguments` arguments, contiguous.
   Numbers gradient(const Numbers& x, const Numbers& w, std::size_t arguments) const;
-  /// The derivatives of x by the first arguments: contiguous columns, one for each of their entries.
+  /// The derivatives of x by the first `arguments` arguments: contiguous columns, one for each entry of these
+  /// arguments.
   Numbers jacobian(const Numbers& x, std::size_t arguments) const;
 
   /// The recording of these results under the name `result`; the composition is empty afterwards.
   Recording with(const std::string& result, Numbers results);
 
  private:
-  /// The derivatives of the results of a recording on this tape, of which only some nodes are needed.
+  /// The derivatives of the results of a recording on this tape in a direction. Only the nodes with need[k]
+  /// are differentiated.
   Numbers along(const Recording& made, const std::vector<char>& need,
                 std::span<const Numbers> direction) const;
   /// The node of an entry of an argument.
@@ -49,7 +52,8 @@ class Composition {
 
 /// The derivatives of a function by all its arguments x: contiguous columns, one for each entry of x.
 Recording jacobian_of(const Recording& f);
-/// The derivative of the results in a direction, with additional arguments fwd_q, ... for q, ...
+/// The derivative of the results of f in a direction. The direction of an argument q is an additional
+/// argument fwd_q.
 Recording tangent_of(const Recording& f);
 /// Additional arguments with a weight for each result.
 struct Weights {
@@ -58,9 +62,9 @@ struct Weights {
   /// Adds the arguments to a composition and returns their entries.
   Composition::Numbers on(Composition& composition) const;
 };
-/// The gradient of w f by all arguments, contiguous.
+/// The gradient of Σ w_k f_k by all arguments of f, contiguous.
 Recording adjoint_of(const Recording& f, const Weights& weights);
-/// The second derivatives of w f by all arguments as a square matrix.
+/// The second derivatives of Σ w_k f_k by all arguments of f, a square matrix.
 Recording hessian_of(const Recording& f, const Weights& weights);
 
 }  // namespace axode::codegen

@@ -44,7 +44,7 @@ class SingularityTest {
   Trace::Condition maybe_singular_;
 };
 
-/// A function of a tree that is recorded.
+/// A function of a tree while it is recorded.
 struct Traced {
   Composition on;
   Tree<T> constants;
@@ -53,9 +53,10 @@ struct Traced {
   Traced(const Tree<double>& tree, std::string_view name) : constants(cast<T>(tree)), result(name) {}
   Numbers argument(std::string_view name, int n) { return on.argument(std::string(name), n); }
   Recording with(Numbers results) { return on.with(result, std::move(results)); }
-  /// For results that are wrong if `doubt` is true.
+  /// The recording of results that are wrong if `maybe_singular` is true.
   Recording with(Numbers results, const Trace::Condition& maybe_singular) {
-    if (maybe_singular.is_constant() && maybe_singular.constant())  // a joint moves no mass at any q
+    if (maybe_singular.is_constant() && maybe_singular.constant())  // a joint moves no mass in any
+                                                                    // configuration
       std::ranges::fill(results, T(std::numeric_limits<double>::quiet_NaN()));
     Recording recording = with(std::move(results));
     recording.returns_singularity = true;
@@ -89,7 +90,7 @@ template <bool factors> struct Solver {
     if constexpr (factors) {
       std::fill_n(H, tree->nv * tree->nv, T(0));
       bodies.run(*constants, q, constants->armature.data(), H);
-      axode::factorize(*constants, zero, H, check);  // Doubt has inertia scales of its own
+      axode::factorize(*constants, zero, H, check);  // SingularityTest has inertia scales of its own
     } else {
       bodies.links.run(*constants, q);
       bodies.factorize(*constants, constants->armature.data(), check);
@@ -131,12 +132,14 @@ template <bool factors> struct Solver {
   }
 };
 
-/// Whether the factors of the mass matrix are exact to rounding. On long paths they lose digits.
+/// Whether the factors of the mass matrix are exact to rounding. They are not on long paths, where they lose
+/// digits.
 bool factors_are_exact(const Tree<double>& tree) {
   return tree->depth <= FastInverseMassMatrix<double>::longest_path;
 }
 
-/// Records a row of the table that has a kernel, whose results are numbers for velocities.
+/// Records a row of the table that has a kernel, with one result for each velocity or for each pair of
+/// velocities.
 template <catalog::Id id, class By> Recording record_row(const Tree<double>& tree, double small) {
   constexpr const catalog::Words& row = id.words();
   Traced traced(tree, row.together);
@@ -188,8 +191,9 @@ template <class By> Recording solution(const Tree<double>& tree) {
   return traced.with(std::move(x), by->maybe_singular);
 }
 
-/// The twist of a frame for a unit of each velocity. Joint screws are computed on the path from the frame to
-/// the ground if the axes are the frame's, and from the poses of the bodies if they are inertial.
+/// The Jacobian of a frame: one column for each velocity. Joint screws are computed on the path from the
+/// frame to the ground if Rep has the axes of the frame, and from the poses of the bodies if Rep has inertial
+/// axes.
 template <class Rep> std::vector<Twist<Rep, T>> columns(Traced& traced, const Numbers& q, int frame) {
   const Tree<T>& tree = traced.constants;
   std::vector<Twist<Rep, T>> J(tree->nv);
@@ -244,7 +248,8 @@ Recording poses(const Tree<double>& tree, int first, int last) {
 using Articulated = Solver<false>;
 using Factorized = Solver<true>;
 
-/// The functions that record a row of the table, with either solver if the row solves with M.
+/// The function that records a row of the table. A row that solves with M has one for each of the two
+/// solvers.
 struct Recorder {
   using Of = Recording (*)(const Tree<double>&, double small);
   Of by_bodies = nullptr, by_factors = nullptr;

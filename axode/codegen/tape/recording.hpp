@@ -10,7 +10,8 @@ namespace axode::codegen {
 
 /// A function as a list of operations that compute its results from its arguments.
 struct Recording {
-  std::vector<std::string> arguments;  ///< names of the arrays; their index is Tape::Node::a of an input
+  std::vector<std::string> arguments;  ///< names of the arrays; Tape::Node::a of an input node is an index
+                                       ///< into them
   std::vector<int> lengths;            ///< length of each argument
   std::string result;                  ///< the name of the array of results
   std::vector<Tape::Node> nodes;
@@ -30,7 +31,7 @@ std::vector<Recording> record_solutions(const Model& model);
 /// The number of operations that the results need.
 Operations operations(const Recording& recording);
 
-/// Determines for each node whether the results or the doubt depend on it.
+/// Determines for each node whether the results, or the condition `maybe_singular`, depend on it.
 std::vector<char> needed(const Recording& recording);
 
 /// The nodes from which a node is computed. Unused entries are 0, the node of the number 1.

@@ -51,7 +51,8 @@ class Ordering {
     }
   };
 
-  /// Number of results whose life ends with a statement, less 1 if its own result is used later.
+  /// The number of results that are used by statement k for the last time, less 1 if the result of k itself
+  /// is used later.
   int freed(int k) const {
     int count = 0;
     for (const int from : operands_[k]) count += uses_left_[from] == 1;

@@ -23,8 +23,8 @@ void snap(SE3<>& C) {
   snap(C.r);
 }
 
-/// The part of an inertia, in the frame of a joint, that acts on the predecessor alike for every joint
-/// coordinate.
+/// The part of an inertia, in the frame of a joint, whose effect on the predecessor does not depend on the
+/// joint coordinate.
 Inertia<> share_of_predecessor(Subgroup kind, const Inertia<>& M) {
   const double Theta = M.Theta.yy;
   switch (kind) {
