@@ -40,8 +40,8 @@ struct [[nodiscard]] Outcome {
 };
 
 /// Computes a function of the table in N states. Arguments and results of the states are contiguous; several
-/// results of a state are in the order of the catalogue, and settings are common to all states. Arguments
-/// have the names of the function's own:
+/// results of one state are in the order of the catalogue, and settings are common to all states. Each
+/// argument has the name that it has in the function for one state:
 ///
 ///
 ///     std::vector<double> tau(N * nv);
@@ -58,9 +58,9 @@ Outcome run(const Model& model, catalog::Id function,
 /// which are constant in each step; q_out and v_out receive (K + 1) states for each motion, beginning with
 /// the given one. If a motion cannot continue, its later states are NaN. Loops, in double precision only, are
 /// closed again after each step; throws std::invalid_argument if they are open at first. With joint_losses
-/// damping and dry friction act as in simulate_fixed(), friction in double precision only and on one motion
-/// at a time.
-/// `compiled` replaces the library's forward dynamics if it is not empty.
+/// damping and dry friction act as in simulate_fixed(), friction in double precision only; motions with
+/// friction are computed one at a time. `compiled` replaces the library's forward dynamics if it is not
+/// empty.
 template <class T>
 Outcome rollout(const Model& model, std::span<const T> q, Numbers<T> v, Numbers<T> tau, double step,
                 std::type_identity_t<std::span<T>> q_out, std::type_identity_t<std::span<T>> v_out,

@@ -13,8 +13,9 @@
 #include "axode/recursion/solvability.hpp"
 #include "axode/table/check_counts.hpp"
 
-/// The functions of a state as values: each has a row with its arguments, its result and how it is called.
-/// The command and the Python package are made from these rows, and the tests of laws run over them.
+/// The functions of a state as rows of a table: a row has the arguments and the result of a function, and
+/// pointers by which it is called. The command and the Python package are made from these rows, and the tests
+/// of laws run over them.
 namespace axode::catalog {
 
 /// All arguments that a function can have. A function reads only those of its row.
@@ -50,7 +51,7 @@ template <class T> const std::span<const T>& numbers(const Arguments<T>& given, 
   return given.*member_of<T>(input);
 }
 
-/// The numbers of which the entries consist, one after the other.
+/// The numbers of which the entries consist, one after the other, as a span on the memory of the entries.
 template <class T, class E> std::span<T> as_numbers(std::span<E> entries) {
   static_assert(sizeof(E) % sizeof(T) == 0);
   return {reinterpret_cast<T*>(entries.data()), entries.size() * (sizeof(E) / sizeof(T))};

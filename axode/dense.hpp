@@ -13,7 +13,7 @@ template <class T> using Matrix6X = Eigen::Matrix<T, 6, Eigen::Dynamic>;
 
 namespace detail {
 
-/// The columns of a matrix as the twists that they are.
+/// The columns of a matrix as a span of twists, on the memory of the matrix.
 template <class Rep, class T> std::span<Twist<Rep, T>> twists_of(Matrix6X<T>& matrix) {
   static_assert(sizeof(Twist<Rep, T>) == 6 * sizeof(T));
   return {reinterpret_cast<Twist<Rep, T>*>(matrix.data()), static_cast<std::size_t>(matrix.cols())};
@@ -58,7 +58,7 @@ Matrix6X<T> relative_jacobian(const Model& model, Workspace<T>& workspace, Numbe
   return J;
 }
 
-/// The drive forces tau, nv entries.
+/// The drive forces tau by inverse dynamics, nv entries (N m for angles, N for lengths).
 template <RecursionChoice Rep = Fast, class T>
 Eigen::VectorX<T> inverse_dynamics(const Model& model, Workspace<T>& workspace, Numbers<T> q, Numbers<T> v,
                                    Numbers<T> a, const std::type_identity_t<Loads<T>>& loads = {}) {
@@ -66,13 +66,13 @@ Eigen::VectorX<T> inverse_dynamics(const Model& model, Workspace<T>& workspace, 
   inverse_dynamics<Rep>(model, workspace, q, v, a, as_span(tau), loads);
   return tau;
 }
-/// M(q), nv × nv.
+/// The mass matrix M(q), nv × nv.
 template <RecursionChoice Rep = Fast, class T>
 Eigen::MatrixX<T> mass_matrix(const Model& model, Workspace<T>& workspace, Numbers<T> q) {
   return detail::row_by_row<T>(model.nv(), model.nv(),
                                [&](std::span<T> M) { mass_matrix<Rep>(model, workspace, q, M); });
 }
-/// Y with Y π = M a + C v + g, nv × 10 n_bodies.
+/// The regressor Y(q, v, a), nv × 10 n_bodies, with Y π = M a + C v + g for the inertial parameters π.
 template <class T>
 Eigen::MatrixX<T> regressor(const Model& model, Workspace<T>& workspace, Numbers<T> q, Numbers<T> v,
                             Numbers<T> a) {

@@ -17,6 +17,6 @@
 #include "axode/dynamics/springs.hpp"
 #include "axode/kinematics.hpp"
 
-/// Forces from motion, and motion from forces. Conventions as in axode/kinematics.hpp: T is the scalar of the
-/// workspace, Rep the representation in which the recursion runs. If results do not depend on Rep, it is Fast
-/// by default, which takes the least time.
+/// Forces from motion, and motion from forces. The conventions are those of axode/kinematics.hpp. T is the
+/// scalar of the workspace, and Rep is the representation in which the recursion runs. If the results do not
+/// depend on Rep, its default is Fast, the choice that takes the least time.

@@ -7,9 +7,9 @@
 
 #include "axode/lie.hpp"
 
-/// Eigen's vectors and matrices of the quantities of this library, and back. Six-vectors are angular part
-/// first; the order of other libraries (linear part first) has functions of its own. Nothing is normalised or
-/// projected.
+/// Conversion of the quantities of this library to vectors and matrices of Eigen, and back. Six-vectors have
+/// the angular part first; separate functions convert to the order of other libraries, the linear part first.
+/// Nothing is normalised or projected.
 namespace axode {
 
 template <class T> using Vector6 = Eigen::Matrix<T, 6, 1>;
@@ -38,7 +38,7 @@ template <class T> Eigen::Matrix3<T> to_eigen(const Sym3<T>& A) {
 template <class T> Eigen::Matrix3<T> to_eigen(const SO3<T>& R) {
   return Eigen::Matrix3<T>{{R.x.x, R.y.x, R.z.x}, {R.x.y, R.y.y, R.z.y}, {R.x.z, R.y.z, R.z.z}};
 }
-/// x y z w, as in Eigen::Quaternion::coeffs().
+/// The components x y z w, as in Eigen::Quaternion::coeffs().
 template <class T> Eigen::Vector4<T> to_eigen(const Quaternion<T>& a) { return {a.x, a.y, a.z, a.w}; }
 /// The 4×4 matrix [[R, r], [0, 1]].
 template <class T> Eigen::Matrix4<T> to_eigen(const SE3<T>& C) {
@@ -67,8 +67,8 @@ template <class T> Matrix6<T> to_eigen(const Inertia<T>& M) {
 
 namespace detail {
 
-/// A matrix with its shape fixed. The wrong shape does not compile, or throws where sizes are known at run
-/// time only.
+/// The matrix as an expression of fixed shape. A wrong shape does not compile; if the sizes of the matrix are
+/// known only at run time, it throws std::invalid_argument.
 template <int Rows, int Cols, class Derived>
 Eigen::Matrix<typename Derived::Scalar, Rows, Cols> shaped(const Eigen::MatrixBase<Derived>& matrix) {
   constexpr auto fits = [](int size, int wanted) {
@@ -134,19 +134,19 @@ template <class T> struct FromEigen<Inertia<T>> {
 
 }  // namespace detail
 
-/// The quantity in an Eigen vector or matrix, e.g. from_eigen<SE3<double>>(matrix). Of matrices with
-/// structure (symmetric, inertia, pose) the entries above the diagonal are read; nothing is checked but the
-/// shape.
+/// The quantity in an Eigen vector or matrix, e.g. from_eigen<SE3<double>>(matrix). Only the shape is
+/// checked. Of a symmetric matrix and of an inertia, the entries above the diagonal are read and those below
+/// it are ignored; of a pose, the last row is ignored.
 template <class Result, class Derived> Result from_eigen(const Eigen::MatrixBase<Derived>& matrix) {
   using From = detail::FromEigen<Result>;
   return From::read(detail::shaped<From::rows, From::cols>(matrix));
 }
-/// a of ã.
+/// The vector a of a skew matrix ã.
 template <class Derived> Vec3<typename Derived::Scalar> from_skew(const Eigen::MatrixBase<Derived>& matrix) {
   const auto A = detail::shaped<3, 3>(matrix);
   return {A(2, 1), A(0, 2), A(1, 0)};
 }
-/// X of X̂.
+/// The screw X of a matrix X̂.
 template <class Derived> Screw<typename Derived::Scalar> from_hat(const Eigen::MatrixBase<Derived>& matrix) {
   const auto A = detail::shaped<4, 4>(matrix);
   return {{A(2, 1), A(0, 2), A(1, 0)}, {A(0, 3), A(1, 3), A(2, 3)}};
@@ -202,7 +202,8 @@ template <class Derived> auto exchange_halves(const Eigen::MatrixBase<Derived>& 
   exchanged << matrix.template bottomRows<3>(), matrix.template topRows<3>();
   return exchanged;
 }
-/// The linear part before the angular one, the order of Pinocchio and of ROS messages.
+/// The six components of a screw with the linear part before the angular one, the order of Pinocchio and of
+/// ROS messages.
 template <class T> Vector6<T> linear_first(const Screw<T>& X) { return exchange_halves(to_eigen(X)); }
 template <template <class, class> class Kind, class Rep, class T>
   requires is_screw_kind<Kind> Vector6<T> linear_first(const Kind<Rep, T>& x) {
@@ -217,7 +218,7 @@ template <class Result, class Derived>
 Result from_linear_first(const Eigen::MatrixBase<Derived>& components) {
   return from_eigen<Result>(exchange_halves(detail::shaped<6, 1>(components)));
 }
-/// w x y z, the order of MuJoCo.
+/// The components w x y z, the order of MuJoCo.
 template <class T> Eigen::Vector4<T> scalar_first(const Quaternion<T>& a) { return {a.w, a.x, a.y, a.z}; }
 /// A quaternion from its components in the order w x y z.
 template <class Derived>

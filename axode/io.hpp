@@ -10,7 +10,7 @@
 /// Reading and writing mechanisms: drawings (docs/drawing-format.md) and the formats of docs/formats.md.
 namespace axode {
 
-/// How the base of a mechanism is joined to the ground, which may differ from its file.
+/// The joint between the base of a mechanism and the ground, which may differ from that in the file.
 enum class Base {
   /// As the file says. The root link of a URDF is fixed to the ground; a link of an SDF file to which no
   /// joint leads is free.
@@ -44,8 +44,8 @@ std::vector<Fault> check(const std::filesystem::path& file, Base base = Base::as
 Description read_drawing_text(std::string_view text, const std::string& file_name,
                               Strictness strictness = Strictness::lenient);
 /// Reads the text of a URDF, like read_drawing_text(). Loops are closed by elements `loop_joint` with name
-/// and type. They hold `link1` and `link2` with link, xyz and rpy of a frame whose z is the axis of the
-/// joint.
+/// and type. Such an element holds the elements `link1` and `link2`, each with the attributes link, xyz and
+/// rpy of a frame whose z is the axis of the joint.
 Description read_urdf_text(std::string_view text, const std::string& file_name,
                            Strictness strictness = Strictness::lenient);
 /// Reads the text of an SDF file, like read_drawing_text().
@@ -65,11 +65,11 @@ std::vector<Fault> write_urdf(const Model& model, std::ostream& out,
 
 /// Writes the mechanism as MJCF and returns a warning for each thing that MJCF cannot express and that is
 /// left out, such as velocity limits, elastic stops and most kinds of loops. A planar joint becomes two
-/// slides and a hinge, a universal or cylindrical joint two joints of one body, and a revolute loop two pairs
-/// of points that coincide. If some joints of a mechanism with loops are passive, the others get motors.
-/// Throws ModelError, and writes nothing, if the mechanism has something that MuJoCo refuses (helical joints,
-/// free joints on moving bodies, moving bodies without mass, inertias that no density can produce), or if the
-/// writer is strict and something would be left out.
+/// slides and a hinge, a universal or cylindrical joint becomes two joints of one body, and a revolute loop
+/// two pairs of points that coincide. If some joints of a mechanism with loops are passive, the others get
+/// motors. Throws ModelError, and writes nothing, if the mechanism has something that MuJoCo refuses (helical
+/// joints, free joints on moving bodies, moving bodies without mass, inertias that no density can produce),
+/// or if the writer is strict and something would be left out.
 std::vector<Fault> write_mjcf(const Model& model, std::ostream& out,
                               Strictness strictness = Strictness::lenient);
 

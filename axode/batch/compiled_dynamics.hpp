@@ -9,7 +9,8 @@ namespace axode::batch {
 template <class S> struct CompiledDynamics {
   void (*call)(long count, const S* const* q_v_tau, S* a, S* scratch,
                unsigned char* maybe_singular) = nullptr;
-  std::size_t scratch = 0;  ///< length of `scratch` for several states at once
+  std::size_t scratch = 0;  ///< length (in numbers) of the memory `scratch` that a call for several states
+                            ///< needs
 };
 
 }  // namespace axode::batch

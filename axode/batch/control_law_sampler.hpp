@@ -8,12 +8,13 @@
 namespace axode::batch {
 
 /// Evaluates a drive of axode/integration/drives.hpp for motions in lanes: the reference and the feedforward
-/// once for all motions.
+/// are evaluated once for all motions.
 template <class S> class ControlLawSampler {
  public:
   ControlLawSampler(const Model& model, const Drive& drive);
 
-  /// Whether the drive is one of axode/integration/drives.hpp and has its feedforward, if any, from samples.
+  /// Whether the drive is one of axode/integration/drives.hpp and its feedforward, if it has one, is given by
+  /// samples.
   bool known() const { return known_; }
   /// The law at the stages of steps begin to end - 1. It is valid until the next call.
   const ControlLaw<S>& law(const Tableau& method, double step, std::size_t begin, std::size_t end);

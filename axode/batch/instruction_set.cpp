@@ -22,7 +22,7 @@ bool processor_has(InstructionSet set) {
   return true;
 }
 
-/// AXODE_INSTRUCTION_SET, or else the last one.
+/// The instruction set that AXODE_INSTRUCTION_SET names, or the last one if the variable is not set.
 InstructionSet best_allowed() {
   const char* allowed = std::getenv("AXODE_INSTRUCTION_SET");
   if (allowed == nullptr) return InstructionSet::avx512;

@@ -1,6 +1,6 @@
-// This file is compiled once for each instruction set. It must not contain a function that code for another
-// processor has as well: every template is instantiated with Batch<AXODE_T, AXODE_LANES>, which no other
-// instruction set uses.
+// This file is compiled once for each instruction set. It must not contain a function that is also compiled
+// for another processor, because the linker keeps one copy only. Hence every template is instantiated with
+// Batch<AXODE_T, AXODE_LANES>, which no other instruction set uses.
 #include "axode/batch/kernels.hpp"
 
 #include <algorithm>
@@ -53,7 +53,7 @@ struct ByBodies {
   void inverse(const Tree<S>& tree, Number* matrix) { bodies.inverse(tree, columns, u, matrix); }
 };
 
-/// The number of results of a row whose results are numbers for velocities.
+/// The number of results of a row that has one result for each velocity, or one for each pair of velocities.
 template <Id id> std::size_t results(const Topology& topology) {
   constexpr std::size_t several = id.words().symbols.size(), axes = id.words().shape.size();
   std::size_t n = several;
@@ -61,7 +61,7 @@ template <Id id> std::size_t results(const Topology& topology) {
   return n;
 }
 
-/// Arguments and results of a row in lanes, and its kernel.
+/// Memory for the arguments and the results of a row in lanes, and the kernel of the row.
 template <Id id> struct RowBuffers {
   catalog::Read<Number> given;
   Number* x[catalog::inputs_of_numbers.size()] = {};
@@ -88,7 +88,7 @@ template <Id id> struct RowBuffers {
   }
 };
 
-/// Coordinates and a matrix in lanes, and the algorithm that computes it.
+/// Memory for the coordinates and a matrix in lanes, and the algorithm that computes the matrix.
 template <class Algorithm> struct MatrixBuffers {
   Number *q, *out;
   Algorithm by;
@@ -333,7 +333,8 @@ class Rollout {
   MuntheKaas<Number, S> scheme_;
   ConfigurationGroup<Number, S> group_;
   WithScratch<Number, Dynamics> dynamics_;
-  unsigned singular_lanes_ = 0;  ///< lanes for which the compiled function returned a doubt
+  unsigned singular_lanes_ = 0;  ///< lanes for which the compiled function reported that the mass matrix may
+                                 ///< be singular
 };
 void* make_rollout(const Tree<S>& tree, const Tableau& method) { return new Rollout(tree, method); }
 unsigned run_rollout(void* rollout, const Motions<S>& of, std::ptrdiff_t k, std::ptrdiff_t end) noexcept {

@@ -10,8 +10,9 @@
 
 namespace axode::batch {
 
-/// A row of the table on exactly `lanes` states, with an arena of bytes(tree). Arguments and results of the
-/// states are contiguous. Returns a bit for each lane whose mass matrix may be singular.
+/// The kernel of a row of the table, for exactly `lanes` states at once. It needs an arena of bytes(tree)
+/// bytes. Arguments and results of the states are contiguous. Returns a bit for each lane whose mass matrix
+/// may be singular.
 template <class S> struct LaneKernel {
   std::size_t (*bytes)(const Tree<S>&) = nullptr;
   unsigned (*call)(const Tree<S>&, Arena, const catalog::Read<S>& given, S* out) noexcept = nullptr;
@@ -36,15 +37,15 @@ template <class S> struct CompiledCall {
   unsigned char* maybe_singular;
 };
 
-/// At most as many motions of K steps as there are lanes. The states of a motion are contiguous, and so are
-/// its forces.
+/// Arguments and results of RolloutKernel::run: at most as many motions of K steps as there are lanes. The
+/// states of one motion are contiguous, and so are its forces.
 template <class S> struct Motions {
   const S* tau;              ///< forces, K nv for each motion; not used if there is a law
   const ControlLaw<S>* law;  ///< the law of the drive, or null
   S *q, *v;                  ///< states, (K + 1) nq and (K + 1) nv for each motion
   std::ptrdiff_t K, count;
   double step;
-  bool damped;                      ///< whether the damping of joints acts
+  bool damped;                      ///< whether damping in the joints acts
   const CompiledCall<S>* compiled;  ///< replaces the library's forward dynamics unless it is null
 };
 /// Explicit integration methods on motions in lanes. make() allocates an integrator, and remove() deletes it.
@@ -56,15 +57,15 @@ template <class S> struct RolloutKernel {
   void (*remove)(void*) noexcept;
 };
 
-/// The kernels for one instruction set: rows that have lanes, in the order of the table, and rollouts, which
-/// take models without coupled joints or compiled dynamics.
+/// The kernels for one instruction set: those of the rows that have lanes, in the order of the table, and the
+/// rollouts. Rollouts take a model without coupled joints, or compiled dynamics.
 template <class S> struct Kernels {
   int lanes;
   std::array<LaneKernel<S>, catalog::functions_of_state.size()> rows;
   RolloutKernel<S> rollout;
 };
 
-/// Tags of instruction sets.
+/// Tags: one type for each instruction set.
 struct sse2;
 struct avx2;
 struct avx512;

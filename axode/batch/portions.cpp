@@ -55,8 +55,8 @@ std::size_t in_portions(std::size_t N, std::size_t group, int threads, const Mon
   if (tasks < 2) {
     run();
   } else {
-    // Tasks synchronise by `next` and `finished`: ThreadSanitizer does not see the locks of the thread
-    // library.
+    // The tasks synchronise by the atomics `next` and `finished`. ThreadSanitizer would report a race,
+    // because it does not see the locks inside the thread library.
     const auto task = [&](std::size_t) __attribute__((no_sanitize("thread"))) {
       if (next.load() < groups) run();
       ++finished;

@@ -18,17 +18,19 @@ class MonitorThrottle {
   using Clock = std::chrono::steady_clock;
   const Monitor& monitor_;
   std::size_t of_;
-  int calls_ = 0, calls_between_checks_ = 1;  ///< checks of the clock, which cost more than some states
+  int calls_ = 0, calls_between_checks_ = 1;  ///< calls since the last check of the clock, and calls between
+                                              ///< two checks; a check costs more than some states
   Clock::time_point last_check_ = Clock::now(), last_call_ = last_check_;
 };
 
 /// Work on `count` states, beginning with `first`.
 using Work = std::function<void(std::size_t first, std::size_t count)>;
 
-/// Does work on N states in groups of `group` states; the last group may be smaller. As many tasks as there
-/// are cores to use take portions of the groups, and each has a Work of its own. They run in the caller's TBB
-/// arena, whose threads are awake. If the monitor returns false, the call ends after the current groups.
-/// Returns n if the first n states are done; some later ones may be done as well.
+/// Processes N states in groups of `group` states; the last group may be smaller. There is one task for each
+/// core to be used. Each task takes portions of the groups, one after the other, and has a Work of its own.
+/// The tasks run in the caller's TBB arena, whose threads are awake already. If the monitor returns false,
+/// the call ends after the current groups. Returns n if the first n states are done; some later ones may be
+/// done as well.
 std::size_t in_portions(std::size_t N, std::size_t group, int threads, const Monitor& monitor,
                         const std::function<Work()>& make_work);
 

@@ -29,7 +29,7 @@ namespace {
 
 template <class S> void none(std::span<S> x) { std::ranges::fill(x, std::numeric_limits<S>::quiet_NaN()); }
 
-/// The joint losses that act on all motions.
+/// The joint losses (damping and dry friction) of a model, and which of them act.
 struct Losses {
   bool damping, friction;
 };

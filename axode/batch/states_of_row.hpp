@@ -9,8 +9,9 @@
 
 namespace axode::batch {
 
-/// The checked arguments and the results of a row in N states, with a verdict on each state. The library's
-/// function for one state computes the states that kernels find maybe_singular.
+/// The checked arguments and the results of a row in N states, with a verdict on each state. If a kernel
+/// reports that a mass matrix may be singular, the library's function for one state computes this state and
+/// decides.
 template <class S> class StatesOfRow {
  public:
   enum Verdict : unsigned char { solved, maybe_singular, singular, not_finite };
@@ -57,7 +58,8 @@ template <class S> class StatesOfRow {
     return verdicts_.empty() ? &only_verdict_ : &verdicts_[first];
   }
 
-  /// Solves maybe_singular states one by one, and checks that the results of the other states are finite.
+  /// Computes the states that may be singular with the library's function for one state, and checks that the
+  /// results of the other states are finite.
   void settle(std::optional<Workspace<S>>& workspace, std::size_t first, std::size_t states) {
     for (std::size_t k = first; row_.may_fail && k < first + states; ++k) {
       unsigned char& verdict = *verdicts(k);

@@ -25,10 +25,10 @@ using G = Arguments<T>;
 using Out = std::span<T>;
 
 constexpr bool fast = std::same_as<Rep, Fast>;
-/// The representation for functions that are left out for Fast.
+/// The representation of functions that have no row for Fast; for Fast it is a placeholder.
 using R4 = std::conditional_t<fast, BodyFixed, Rep>;
 
-/// The entries of which numbers consist.
+/// The result numbers `out` as a span of entries E, such as twists or poses.
 template <class E> std::span<E> as(Out out) {
   static_assert(sizeof(E) % sizeof(T) == 0);
   return {reinterpret_cast<E*>(out.data()), out.size() / (sizeof(E) / sizeof(T))};
@@ -38,7 +38,8 @@ template <class E> void put(const E& result, Out out) { as<E>(out)[0] = result; 
 /// Part k of n results, one after the other.
 Out part(Out out, std::size_t k, std::size_t n) { return out.subspan(k * (out.size() / n), out.size() / n); }
 
-/// Calls a function object. The verdict is the one that it returns, or a good one if it returns none.
+/// The pointer of a row that calls the function object F. If F returns no Solvability, the verdict is
+/// "solved".
 template <class F, class Scratch> constexpr auto call(const F&) {
   static_assert(std::is_empty_v<F>);
   return [](const Model& m, Scratch& w, const G& g, Out out) -> Solvability {
@@ -51,8 +52,8 @@ template <class F, class Scratch> constexpr auto call(const F&) {
   };
 }
 
-/// A row with its calls. A row that counts loops is called for these with a LoopWorkspace, by the same
-/// function object unless another one is given.
+/// Makes a row with its calls. A row that counts loops is called with a LoopWorkspace if the mechanism has
+/// loops, by the function object L, which is F unless another one is given.
 template <Id id, class F, class L = F> Function<T> row(const F& of_tree, const L& = {}) {
   constexpr const Words& words = id.words();
   constexpr bool counts_loops = words.counts.loops.word == Word::counted;
@@ -67,7 +68,7 @@ template <Id id, class F, class L = F> Function<T> row(const F& of_tree, const L
   return made;
 }
 
-/// Results as the struct in which a function takes several of them.
+/// The n parts of a result. They convert to the struct by which a function receives several results.
 template <class E, std::size_t n> struct Several {
   Out out;
   template <class S> operator S() const {  // NOLINT(google-explicit-constructor): an argument becomes it
@@ -76,7 +77,7 @@ template <class E, std::size_t n> struct Several {
   }
 };
 
-/// The type of a row's entries. Without a choice of representation they are hybrid.
+/// The type of a row's entries. If the row has no choice of representation, they are hybrid.
 template <Entry entry, class In> auto type_of() {
   if constexpr (entry == number) return std::type_identity<T>();
   if constexpr (entry == vector) return std::type_identity<Vec3<T>>();
@@ -153,7 +154,8 @@ std::vector<Function<T>> make() {
                                  auto out) { inverse_dynamics<Rep>(m, w, g.q, g.v, g.a, out, g.loads); },
                               [](auto& m, auto& w, auto& g, auto out) {
                                 const T left = inverse_dynamics(m, w, g.q, g.v, g.a, out, {}, {}, g.loads);
-                                // In single precision it cannot be distinguished from rounding.
+                                // In single precision the remainder cannot be distinguished from rounding
+                                // errors.
                                 if constexpr (std::same_as<T, double>)
                                   check_driven(left, "make these accelerations");
                               }),
@@ -170,7 +172,7 @@ std::vector<Function<T>> make() {
           },
           [](auto& m, auto& w, auto& g, auto out) {
             const T left = joint_wrenches<R4>(m, w, g.q, g.v, g.a, as<Wrench<R4, T>>(out), {}, g.loads, g.at);
-            // In single precision it cannot be distinguished from rounding.
+            // In single precision the remainder cannot be distinguished from rounding errors.
             if constexpr (std::same_as<T, double>) check_driven(left, "make these accelerations");
           }),
       in_order<"mass_matrix">([](auto&&... x) { return mass_matrix<Rep>(x...); }),
