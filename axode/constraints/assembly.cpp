@@ -44,7 +44,7 @@ class Assembly {
     Vector r = residual_of(result_.q);
     const double enough = options_.tolerance * size();
     double damping = 1e-4;
-    int slow = 0;  // consecutive steps that hardly reduced the residual
+    int slow = 0;  // number of consecutive steps that hardly reduced the residual
     const auto closed = [&] { return std::isfinite(r.norm()) && r.norm() <= enough; };
     const auto closed_to_rounding = [&] { return r.norm() <= std::max(1e3 * enough, rounding()); };
     for (; !closed(); ++result_.iterations) {
@@ -74,14 +74,14 @@ class Assembly {
     }
     return AssemblyStatus::closed;
   }
-  /// -Rᵀ (R Rᵀ + small)⁻¹ r.
+  /// The damped least-squares step -Rᵀ (R Rᵀ + small)⁻¹ r.
   static Vector least(const Matrix& R, const Vector& r, double small) {
     Matrix S = R * R.transpose();
     S.diagonal().array() += small;
     return -R.transpose() * S.ldlt().solve(r);
   }
   /// The damped step that closes the loops to first order, at most half a radian or metre. The constant part
-  /// of the damping keeps redundant rows from contributing.
+  /// of the damping prevents that redundant rows contribute to the step.
   static Vector step(const Matrix& R, const Vector& r, double damping) {
     const Vector x = least(R, r, damping * r.norm() + 1e-12 * R.squaredNorm());
     const double largest = x.cwiseAbs().maxCoeff();
@@ -89,14 +89,14 @@ class Assembly {
   }
   static std::vector<double> as_numbers(const Vector& x) { return {x.begin(), x.end()}; }
 
-  /// r(q); updates the kinematics of the system.
+  /// Computes the residual r(q), and updates the kinematics of the system to q.
   Vector residual_of(const std::vector<double>& q) {
     Vector r(model_.loops().residuals);
     system_.update_kinematics(q.data());
     system_.residual(q.data(), r.data());
     return r;
   }
-  /// R or A at the present kinematics, with zero columns for held velocities.
+  /// The matrix R or A of a level at the present kinematics. Columns of held velocities are 0.
   Matrix rows(ConstraintLevel level) {
     LoopSystem<double>::RowByRow R(system_.size(level), model_.nv());
     system_.make_rows(level);
@@ -136,8 +136,8 @@ class Assembly {
                                       : largest_term(model_.loops().couplings[k - table.joints.size()]));
     return 4 * std::numeric_limits<double>::epsilon() * sum;
   }
-  /// The largest term in the residual of a loop: a coordinate, a distance of a body from the origin of its
-  /// root or of the root from the inertial origin, or such a distance times an angle.
+  /// The largest term in the residual of a loop: a coordinate, the distance of a body from the origin of its
+  /// root, the distance of the root from the inertial origin, or one of these distances times an angle.
   double largest_term(const LoopCoupling& coupling) const {
     double largest = std::abs(coupling.offset);
     for (const LoopCoupling::Term& term : coupling.terms)

@@ -18,10 +18,12 @@ struct AssemblyOptions {
 
 enum class AssemblyStatus {
   closed,
-  open,             ///< no small step from this guess closes the loops further
-  singular_guess,   ///< no velocity closes the loops to first order: the guess is stretched, folded or held
+  open,             ///< no small step reduces the residual any more
+  singular_guess,   ///< no velocity closes the loops to first order, because a chain is stretched or folded,
+                    ///< or velocities are held
   iteration_limit,  ///< the iterations were used up, or the monitor ended the search
-  singular,         ///< the loops are closed, but the mass matrix that velocities need is singular
+  singular,         ///< the loops are closed, but the mass matrix is singular, so that no velocities were
+                    ///< found
 };
 std::string_view to_string(AssemblyStatus status);
 

@@ -5,7 +5,7 @@
 #include "axode/constraints/loops.hpp"
 #include "axode/kinematics/check_arguments.hpp"
 
-/// The checks that the functions of this floor make before they compute.
+/// Checks of the arguments of functions for mechanisms with loops.
 namespace axode {
 
 template <class T> LoopSystem<T>& checked(const Model& model, LoopWorkspace<T>& workspace, Numbers<T> q) {
@@ -32,7 +32,8 @@ std::vector<double> acceleration_residual(LoopSystem<double>& system, Numbers<do
 /// Throws std::invalid_argument, with the loop, if |A a + γ| is more than a thousandth of 1 + |a| + |v|², or
 /// with the fault of q or v if that is the cause. It follows force() at (q, v, a).
 void check_accelerations(LoopSystem<double>& system, Numbers<double> q, Numbers<double> v, Numbers<double> a);
-/// Throws std::invalid_argument if inverse_dynamics leaves more than 1e-8 of the required forces to no drive.
+/// Throws std::invalid_argument if `left`, the part of the required forces that no drive can produce, is more
+/// than 1e-8. `task` completes the message "the drives cannot ...".
 void check_driven(double left, const char* task);
 
 inline void check_rows(const char* name, std::size_t size, int rows, const char* meaning, int columns = 1) {

@@ -108,7 +108,7 @@ Solvability forward_dynamics_derivatives(const Model& model, LoopWorkspace<T>& w
 
 namespace {
 
-/// The matrices of the derivatives by q, v and tau, in this order.
+/// Memory for the matrices of the derivatives by q, v and tau.
 template <class T> class Matrices {
  public:
   Matrices(const Model& model, LoopWorkspace<T>& workspace, Numbers<T> q, Numbers<T> v, Numbers<T> tau,

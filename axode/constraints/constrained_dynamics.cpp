@@ -38,19 +38,20 @@ Eigen::VectorX<T> tree_forces(LoopSystem<T>& system, Numbers<T> q, Numbers<T> v,
   system.force(q.data(), v.data(), a.data(), loads, need.data());
   return need;
 }
-/// M a + h of the tree; throws if the accelerations do not keep the loops closed.
+/// Computes the forces M a + h of the spanning tree. Throws if the accelerations do not keep the loops
+/// closed.
 template <class T>
 Eigen::VectorX<T> closed_forces(LoopSystem<T>& system, Numbers<T> q, Numbers<T> v, Numbers<T> a,
                                 const Loads<T>& loads) {
   Eigen::VectorX<T> need = tree_forces(system, q, v, a, loads);
-  if constexpr (std::same_as<T, double>)  // in single precision they are rounding
+  if constexpr (std::same_as<T, double>)  // in single precision this difference is rounding
     check_accelerations(system, q, v, a);
   return need;
 }
 
-/// The least drive forces of the velocities `drives` that have, with forces of the loops, the same effect as
-/// the forces `need` on the tree (D7.10), at the present kinematics of the system. Makes the rows of the
-/// system.
+/// The least drive forces at the velocities `drives` that, together with forces of the loops, have the same
+/// effect as the forces `need` on the tree (D7.10). They are computed at the present kinematics of the
+/// system, whose rows are computed too.
 template <class T> struct DriveForces {
   using Vector = Eigen::VectorX<T>;
   using Matrix = Eigen::MatrixX<T>;
@@ -76,11 +77,11 @@ template <class T> struct DriveForces {
   }
 
   IndependentRows<T> rows;
-  Vector tau, by_loops;  ///< nv; their sum is `need`
+  Vector tau, by_loops;  ///< nv numbers each; their sum is `need`
   T missing;             ///< the part of |need| that neither drives nor loops produce
 };
 
-/// It follows force() and make_rows().
+/// Computes joint wrenches from the multipliers. Must be called after force() and make_rows().
 template <class Rep, class T>
 void write_joint_wrenches(const Model& model, LoopSystem<T>& system, Numbers<T> lambda, WrenchPoint at,
                           std::span<Wrench<Rep, T>> W) {

@@ -32,8 +32,8 @@ namespace {
 using Matrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
 using Vector = Eigen::VectorXd;
 
-/// A configuration, the unbalanced forces r and ∂r/∂q; with loops both are projected on an orthonormal basis
-/// N of the velocities that the loops allow.
+/// A configuration with its unbalanced forces r and ∂r/∂q. If there are loops, r and ∂r/∂q are projected on
+/// an orthonormal basis N of the velocities that the loops allow.
 struct Iterate {
   std::vector<double> q;
   Vector r;
@@ -77,7 +77,7 @@ class Statics {
   }
 
  private:
-  /// Subtracts the forces of the loops: r - Aᵀ λ remains.
+  /// Subtracts the forces of the loops from the unbalanced forces: r - Aᵀ λ remains.
   void close(Iterate& at) {
     const Eigen::Index nv = model_.nv(), m = model_.loops().rows;
     Vector lambda(m), forces(nv);
@@ -102,7 +102,8 @@ class Statics {
   Matrix by_v_, by_a_;
 };
 
-/// -(∂r/∂q)⁺ r, at most 1 in each direction. Directions that change r by rounding only are left out.
+/// The step -(∂r/∂q)⁺ r of Newton's method, at most 1 rad or m in each direction. Directions that change r by
+/// rounding only are left out.
 Vector newton_step(const Iterate& at) {
   Vector step = -least_squares(at.dr_dq, at.r, 1e-10);
   if (at.N.rows() > 0) step = Vector(at.N * step);
@@ -117,8 +118,8 @@ bool closed(const Model& model, std::vector<double>& q) {
   return found.status == AssemblyStatus::closed;
 }
 
-/// Moves along the step, or along the longest of its halves that reduces the residual; returns whether there
-/// is one.
+/// Moves along the step; the step is halved until it reduces the residual. Returns false if no part of the
+/// step does.
 bool improve(const Model& model, Statics& statics, const Vector& step, Iterate& at, Iterate& next) {
   constexpr int most_halves = 40;
   constexpr double decrease = 1e-4;

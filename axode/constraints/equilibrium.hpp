@@ -8,8 +8,8 @@
 namespace axode {
 
 struct EquilibriumOptions {
-  double tolerance = 1e-9;  ///< on the norm of the unbalanced forces, N m and N
-  int iterations = 100;     ///< upper limit
+  double tolerance = 1e-9;  ///< bound on the norm of the unbalanced forces, N m and N
+  int iterations = 100;     ///< largest number of iterations
 };
 
 enum class EquilibriumStatus {
@@ -30,12 +30,12 @@ struct EquilibriumResult {
 /// Finds a configuration near q0 in which the system stays at rest under the drive forces tau, which are 0 if
 /// tau is empty: the inverse dynamics at v = 0 and a = 0 equals tau plus the forces of springs, stops (`LE`)
 /// and loops, and the loops are closed. Newton's method on the configuration manifold with the exact ∂τ/∂q,
-/// along the velocities that the loops allow. If ∂τ/∂q is singular, the least step is taken; a step is at
-/// most 1 rad or m for each velocity, closed by assemble(), and halved until it is an improvement. Equilibria
-/// may be stable or unstable; limits are ignored, and so are damping and Coulomb friction, with which a whole
-/// range of configurations would be at rest. O(n³) for each iteration; allocates. Throws
-/// std::invalid_argument for wrong sizes, quaternions that are not of unit norm, a load on a frame that does
-/// not exist and numbers that are not finite.
+/// along the velocities that the loops allow. If ∂τ/∂q is singular, the least step is taken. A step is at
+/// most 1 rad or m for each velocity; loops are closed after it by assemble(), and it is halved until the
+/// residual decreases. Equilibria may be stable or unstable; limits are ignored, and so are damping and
+/// Coulomb friction: friction would hold a whole range of configurations at rest. O(n³) for each iteration;
+/// allocates. Throws std::invalid_argument for wrong sizes, quaternions that are not of unit norm, a load on
+/// a frame that does not exist and numbers that are not finite.
 [[nodiscard]] EquilibriumResult equilibrium(const Model& model, std::span<const double> q0,
                                             std::span<const double> tau = {}, const Loads<>& loads = {},
                                             const EquilibriumOptions& options = {});

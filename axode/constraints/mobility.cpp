@@ -19,7 +19,7 @@ std::string text(const Vec3<>& a) {
   return out += ')';
 }
 
-/// A wrench about O in words; O is a point in the inertial frame.
+/// Describes a wrench about the point O of the inertial frame in words.
 std::string in_words(const Wrench<Spatial>& W, const Vec3<>& O) {
   const double f = norm(W.f), m = norm(W.m);
   if (!(f > 1e-9 * m)) return "couple about " + text((1 / m) * W.m);
@@ -30,8 +30,8 @@ std::string in_words(const Wrench<Spatial>& W, const Vec3<>& O) {
   return words;
 }
 
-/// Whether velocities of the kernel belong to motions: for each dependency n the quadratic form n·γ(q, x) has
-/// to vanish.
+/// Whether the velocities x of the kernel belong to motions: this requires that the quadratic form n·γ(q, x)
+/// vanishes for each dependency n.
 Mobility second_order(LoopSystem<double>& system, std::span<const double> q, const Eigen::MatrixXd& kernel,
                       const Eigen::MatrixXd& dependencies) {
   const Eigen::Index f = kernel.cols();

@@ -8,34 +8,36 @@
 
 namespace axode {
 
-/// A redundant row of A: a stress that the loops can carry without external forces.
+/// A redundant row of A. It corresponds to a state of internal stress that the loops can carry without
+/// external forces.
 struct RedundantRow {
-  int row = 0;                 ///< its index in A
-  std::string loop;            ///< the name of its loop
+  int row = 0;                 ///< index of the row in A
+  std::string loop;            ///< name of the loop that has the row
   Eigen::VectorXd dependency;  ///< n (rows) with nᵀ A = 0 and n = 1 at this row
-  std::string wrench;          ///< the wrench of that stress in the loop, in words, in the inertial frame
+  std::string wrench;          ///< the wrench in the loop in this state of stress, described in words, in the
+                               ///< inertial frame
 };
 
 /// Whether the velocities that satisfy A v = 0 belong to finite motions.
 enum class Mobility {
-  regular,   ///< all of them do
-  branches,  ///< several motions meet here, and some velocities belong to none
-  shaky,     ///< none of them do: the mobility is infinitesimal
+  regular,   ///< all these velocities belong to finite motions
+  branches,  ///< several motions meet in this configuration, and some velocities belong to none of them
+  shaky,     ///< none of these velocities belongs to a finite motion: the mobility is infinitesimal
 };
 std::string_view to_string(Mobility mobility);
 
 struct LoopMobility {
-  int degrees_of_freedom = 0;  ///< nv - rank, for velocities; rolling contacts leave more for positions
+  int degrees_of_freedom = 0;  ///< nv - rank; the positions have more if there are rolling contacts
   int rank = 0;                ///< rank of A
   std::vector<RedundantRow> redundant;
-  std::vector<int> indeterminate;  ///< rows whose multipliers are not determined, by redundancy
+  std::vector<int> indeterminate;  ///< rows whose multipliers are indeterminate because of redundancy
   Mobility mobility{};
-  Eigen::MatrixXd kernel;  ///< nv × degrees_of_freedom: an orthonormal basis of A v = 0
+  Eigen::MatrixXd kernel;  ///< nv × degrees_of_freedom: an orthonormal basis of the velocities with A v = 0
 };
 
-/// Computes rank and degrees of freedom of a closed configuration. If q is not closed, redundancy by geometry
-/// may be missed: the numbers are those of the rows at q. Allocates; O(nv³). Throws std::invalid_argument for
-/// a wrong q.
+/// Computes rank and degrees of freedom of a closed configuration. The results are those of the rows at q: if
+/// q is not closed, redundancy that is due to the geometry may be missed. Allocates; O(nv³). Throws
+/// std::invalid_argument for a wrong q.
 [[nodiscard]] LoopMobility loop_mobility(const Model& model, std::span<const double> q);
 
 }  // namespace axode

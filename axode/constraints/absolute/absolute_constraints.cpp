@@ -8,7 +8,8 @@
 namespace axode {
 namespace {
 
-/// angle - counted, or 0 if the difference is within the rounding of angles of that size.
+/// The residual angle - counted of an angle, or 0 if the two differ by no more than the rounding of angles of
+/// that size.
 double angle_residual(double angle, double counted) {
   const double open = angle - counted;
   const double rounding = 4 * std::numeric_limits<double>::epsilon();
@@ -43,7 +44,7 @@ loops::LoopFrames<double> AbsoluteSystem::loop_frames(const LoopPath& path) cons
   return {about(O, C_[index(a.body)] * a.F), about(O, C_[index(b.body)] * b.F)};
 }
 
-/// The rows of a loop joint times the velocities of its bodies.
+/// Multiplies the rows of a loop joint with the velocities of its two bodies.
 template <class Joint>
 Six<double> AbsoluteSystem::loop_rates(const LoopPath& path, const Joint& joint) const {
   const auto& [a, b] = path.ends;
@@ -100,7 +101,7 @@ void AbsoluteSystem::velocity_residual(Span q, Span v, Vector& out) {
   for (const LoopCoupling& coupling : model_.loops().couplings)
     at[coupling.first_row] = coupled_rate(coupling, X_);
 }
-/// Σ factor q' of a coupling for relative motions of all joints.
+/// Computes Σ factor q' over the terms of a coupling, for the relative motions X of all joints.
 double AbsoluteSystem::coupled_rate(const LoopCoupling& coupling, const std::vector<BodyTwist>& X) const {
   double sum = 0;
   for (const LoopCoupling::Term& term : coupling.terms) {
@@ -197,8 +198,8 @@ void AbsoluteSystem::solve(Span r, Span rhs, Vector& x, Vector& lambda) {
   x.resize(index(nv()));
   lambda.resize(loop_rows + index(m));
 
-  // The bound velocities are known: with their sums K_i along the paths, Z_i = X_i - K_i is a motion that the
-  // joints allow.
+  // The velocities that the rows prescribe are known. If K_i is their sum along the path to body i, Z_i = X_i
+  // - K_i is a motion that the joints allow.
   on_[0] = {};
   for (int i = 1; i <= n_; ++i) {
     const double* const at = &rhs[index(6 * (i - 1))];

@@ -13,14 +13,14 @@ namespace {
 using BodyTwist = Twist<BodyFixed, double>;
 using BodyWrench = Wrench<BodyFixed, double>;
 
-/// The free direction of a joint with one velocity; -1 for other joints.
+/// The free direction of a joint that has one velocity; -1 for all other joints.
 int direction_along(const std::array<bool, 6>& free) {
   return std::ranges::count(free, true) == 1 ? static_cast<int>(std::ranges::find(free, true) - free.begin())
                                              : -1;
 }
 
-/// Whether the velocity of a joint along a direction is the rate of an angle that poses determine up to whole
-/// turns.
+/// Whether the velocity of a joint along a direction is the rate of an angle, which poses determine only up
+/// to whole turns.
 bool turns(const loops::SubgroupClosure& joint, std::size_t along) {
   return along == 2 && !joint.free[0] && joint.pitch == 0;
 }
@@ -142,13 +142,13 @@ void AbsoluteSystem::find_twists(Span v) {
   for (int i = 1; i <= n_; ++i) V_[index(i)] = twist(C_[index(i)], v, i);
 }
 
-// Joints, at any poses of their bodies.
+// The joints. The poses of their bodies need not be allowed by the joints.
 
-/// B⁻¹ C_p⁻¹ C_i, the pose of the joint frame on the body in that on the predecessor.
+/// The pose B⁻¹ C_p⁻¹ C_i of the joint frame on the body relative to the joint frame on the predecessor.
 SE3<> AbsoluteSystem::joint_pose(int i) const {
   return inverse(C_[index(parent(i))] * tree().B[index(i)]) * C_[index(i)];
 }
-/// V_i - Ad_{C_ip} V_p.
+/// The twist V_i - Ad_{C_ip} V_p of a body relative to its predecessor, in the frame of the body.
 BodyTwist AbsoluteSystem::joint_twist(int i) const {
   const int p = parent(i);
   if (p == 0) return V_[index(i)];
@@ -171,10 +171,10 @@ double AbsoluteSystem::angle(int i) const {
   joint_coordinates(i, near.data(), q_i.data());
   return q_i[0];
 }
-/// The coordinate whose velocity is c.
+/// The coordinate of a joint whose rate is the velocity c.
 double AbsoluteSystem::known_angle(int c) const { return angle(joint_of_[index(c)]); }
 
-/// The wrench of a drive force on a body whose joint has one velocity.
+/// The wrench by which the drive force tau of a joint with one velocity acts on the body.
 BodyWrench AbsoluteSystem::co_screw(int i, double tau) const {
   return co_screw(index(bound_[index(i)].along), tau);
 }

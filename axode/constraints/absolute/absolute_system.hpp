@@ -12,7 +12,8 @@ namespace axode {
 /// The group in which a body moves freely.
 enum class BodyGroup {
   SE3,     ///< q = (quaternion x y z w, position of the centre of mass), v = body-fixed twist there
-  SO3xR3,  ///< the same q; velocity of the centre of mass in inertial axes, angular velocity in body axes
+  SO3xR3,  ///< q as for SE3; v has the velocity of the centre of mass in inertial axes, and the angular one
+           ///< in body axes
 };
 
 /// The largest absolute value; NaN if any number is NaN.
@@ -23,21 +24,22 @@ inline double largest_of(std::span<const double> numbers) {
   return most;
 }
 
-/// A mechanism in absolute coordinates: every body moves freely, and every joint is a constraint between two
-/// bodies, as loops are.
+/// A mechanism in absolute coordinates: every body moves freely, and every joint, like every loop, is a
+/// constraint between two bodies.
 ///   M v' - ad_vᵀ M v = f + Bᵀ λ,   Φ(q) = 0,   B v = 0
-/// with a constant M. The residual of a joint is what remains of the relative pose of its bodies without the
-/// motion in the subgroup of the joint (D6.1).
+/// with a constant M. The residual of a joint is the relative pose of its bodies after the motion in the
+/// subgroup of the joint has been removed (D6.1).
 ///
-/// Coordinates are those of all bodies, relative to the centre of mass of the first body in the reference
-/// configuration, and one for every rotor. A rotor is bound to one velocity of a joint. Every velocity with
-/// armature has a rotor, so that M is constant; every angle of a revolute or planar joint has one as well,
-/// without inertia if there is no armature. The coordinate of such a rotor is the angle with its whole turns,
-/// which poses do not determine; the schemes integrate it like the coordinates of the bodies.
+/// The coordinates are those of all bodies, with positions relative to the centre of mass of the first body
+/// in the reference configuration, and one coordinate for every rotor. A rotor is bound to one velocity of a
+/// joint. Every velocity with armature has a rotor, so that M is constant; every angle of a revolute or
+/// planar joint has one as well, without inertia if there is no armature. The coordinate of such a rotor is
+/// the angle with its whole turns, which poses do not determine; the schemes integrate it like the
+/// coordinates of the bodies.
 ///
-/// Rows are six for each joint in the axes of the joint, where those of free directions are 0 unless a
-/// coupled joint binds its rate to that of its leader; one for each rotor, at the position level only if its
-/// velocity is the rate of a coordinate; and those of the loops.
+/// There are three kinds of rows. Each joint has six rows, in the axes of the joint; a row of a free
+/// direction is 0, unless a coupled joint binds its rate to that of its leader. Each rotor has one row; it
+/// has a position level only if its velocity is the rate of a coordinate. The rows of the loops come last.
 ///
 /// The multipliers of the tree joints are not unknowns: the free velocities are eliminated body by body, as
 /// in the articulated-body algorithm. O(n + m d + m² d + m³) for m rows of loops on paths of d joints.
@@ -61,26 +63,27 @@ class AbsoluteSystem {
   void from_joint_state(Span q_joints, Span v_joints, Vector& q, Vector& v);
   void to_joint_state(Span q, Span v, Vector& q_joints, Vector& v_joints);
   /// Sets q and v to poses and twists of all bodies in the user's frames, beginning with the ground. Rotors
-  /// move with their joints, with the angles nearest to the reference angles.
+  /// move with their joints; their angles are those nearest to the reference angles.
   void set_poses_and_twists(std::span<const SE3<>> C, std::span<const Twist<BodyFixed>> V, Vector& q,
                             Vector& v);
   /// Sets the coordinates that determine whole turns of angles and the signs of quaternions.
   void set_reference_angles(Span q_joints) { reference_q_.assign(q_joints.begin(), q_joints.end()); }
 
-  /// Φ(q) and B v at any q. With the rows of the velocity level Φ is 0 in those without a residual.
+  /// Computes the residuals Φ(q), and below B v, at any q. If the rows are those of the velocity level, Φ is
+  /// 0 in rows without a position level.
   void position_residual(Span q, Vector& out, ConstraintLevel level = ConstraintLevel::position);
   void velocity_residual(Span q, Span v, Vector& out);
-  /// Whether rows have no position level; and sets these rows, among all of the velocity level, to scale B v
-  /// at q.
+  /// Whether there are rows without a position level. set_nonholonomic_rates() sets these entries of `out`,
+  /// among all rows of the velocity level, to scale · (B v) at q.
   bool has_nonholonomic_rows() const {
     return rows(ConstraintLevel::velocity) > rows(ConstraintLevel::position);
   }
   void set_nonholonomic_rates(Span q, Span v, double scale, Vector& out);
-  /// f += Bᵀ λ at q.
+  /// Adds the constraint forces Bᵀ λ to f, with the rows B at q.
   void add_constraint_forces(Span q, Span lambda, Vector& f);
-  /// p = M v.
+  /// Computes the momentum p = M v.
   void momentum(Span v, Vector& p) const;
-  /// Kinetic energy and potential energy of gravity, J.
+  /// The kinetic energy plus the potential energy of gravity, J.
   double energy(Span q, Span v);
   /// Computes the forces f of gravity, loads and drives; tau are the drive forces of the joints.
   void forces(Span q, Span v, Span tau, const Loads<double>& loads, Vector& f);
@@ -89,16 +92,17 @@ class AbsoluteSystem {
   /// loops are closed at q, factorize_with_rank() decides in addition which rows of loops are redundant;
   /// solve() uses this rank from then on.
   Solvability factorize(Span q, ConstraintLevel level = ConstraintLevel::velocity);
-  /// factorize() with a resistance of the joints (nv of the model), as of springs and dampers in an implicit
-  /// step: a velocity c of the joints that changes by x_c adds a force of -resistance_c x_c. It acts like an
-  /// armature.
+  /// Factorises the system with a resistance of the joints (nv of the model), by which an implicit step
+  /// accounts for springs and dampers: a velocity c of the joints that changes by x_c adds a force of
+  /// -resistance_c x_c. It acts like an armature.
   Solvability factorize(Span q, Span resistance);
   Solvability factorize_with_rank(Span q);
-  /// Solves M x - Bᵀ λ = r and B x = rhs, with the least λ of redundant rows.
+  /// Solves M x - Bᵀ λ = r and B x = rhs, with the least λ if rows are redundant.
   void solve(Span r, Span rhs, Vector& x, Vector& lambda);
-  /// LoopSystem::weakest_row() of the last solve().
+  /// How far the rows were from redundant in the last solve(), see LoopSystem::weakest_row().
   double weakest_row() const { return loops_.weakest_row(); }
-  /// Computes the rhs of B v' = rhs with which (B v)' = 0 at (q, v), for the q of the last factorisation.
+  /// Computes the right side of B v' = rhs that is equivalent to (B v)' = 0, at v and at the q of the last
+  /// factorisation.
   void bias(Span v, Vector& rhs);
 
  private:
@@ -110,8 +114,8 @@ class AbsoluteSystem {
   };
   static std::size_t index(int k) { return static_cast<std::size_t>(k); }
   const Tree<double>& tree() const { return model_.tree<double>(); }
-  /// A rotor of a velocity of a joint. Rotors with a position come first: those of joints with one velocity
-  /// and of planar angles.
+  /// A rotor of a velocity of a joint. Rotors with a position level come first; they belong to joints with
+  /// one velocity and to the angles of planar joints.
   struct Rotor {
     int joint, velocity;
     std::size_t along;  ///< the direction of the joint
@@ -125,7 +129,8 @@ class AbsoluteSystem {
   static Tree<double> group_of(int n, int rotors, BodyGroup group);
   static Vec3<> angular(const double* x) { return {x[0], x[1], x[2]}; }
   static Vec3<> linear(const double* x) { return {x[3], x[4], x[5]}; }
-  /// X of the predecessor in the frame of a body with the relative pose D.
+  /// The motion X of the predecessor, expressed in the frame of a body whose pose relative to the predecessor
+  /// is D.
   static BodyTwist carried(const SE3<>& D, const BodyTwist& X) {
     return axode::twist<BodyFixed>(Ad_inv(D, screw(X)));
   }
@@ -145,7 +150,7 @@ class AbsoluteSystem {
   double angle(int i) const;
   double known_angle(int c) const;
   Solvability factorize(Span q, ConstraintLevel level, const double* armature);
-  /// Writes the rows of the joints and rotors for relative motions X of all joints.
+  /// Evaluates the rows of the joints and rotors for the relative motions X of all joints.
   template <class Motion> void bind(const Motion& X, Vector& rows) const;
   double rate(int i, const BodyTwist& X) const { return six(X.w, X.v)[index(bound_[index(i)].along)]; }
   BodyWrench co_screw(int i, double tau) const;

@@ -7,7 +7,8 @@
 
 namespace axode {
 
-/// Coordinates and velocities of the joints, and the part of a motion of bodies that they do not contain.
+/// Coordinates and velocities of the joints that fit a motion of the bodies best, and the residuals of this
+/// motion.
 struct JointState {
   std::vector<double> q, v;
   double position_residual = 0;  ///< the largest residual of a joint or loop, rad and m

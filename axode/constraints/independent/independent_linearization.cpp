@@ -18,7 +18,8 @@ namespace {
 using Matrix = Eigen::MatrixXd;
 using RowByRow = LoopSystem<double>::RowByRow;
 
-/// ∂(A v)/∂q, from the rows A a + γ of a motion with the accelerations v and no velocities.
+/// ∂(A v)/∂q. It is computed as the derivative of the rows A a + γ for a motion whose accelerations are v and
+/// whose velocities are 0.
 RowByRow velocity_rows_by_q(LoopSystem<double>& system, std::span<const double> q,
                             std::span<const double> v) {
   const Eigen::Index nv = system.model().nv(), m = system.model().loops().rows;

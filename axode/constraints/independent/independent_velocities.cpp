@@ -22,9 +22,9 @@ std::string names_of(const Model& model, std::span<const int> velocities) {
   return all;
 }
 
-/// The best conditioned rows of the kernel, by QR with column pivoting.
+/// Finds the best conditioned rows of the kernel by a QR decomposition with column pivoting.
 std::vector<int> best_of(const Matrix& kernel) {
-  if (kernel.cols() == 0) return {};  // a decomposition needs a column
+  if (kernel.cols() == 0) return {};  // the decomposition needs at least one column
   const Eigen::ColPivHouseholderQR<Matrix> qr(kernel.transpose());
   std::vector<int> found;
   for (Eigen::Index k = 0; k < kernel.cols(); ++k)

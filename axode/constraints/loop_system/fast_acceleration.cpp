@@ -1,9 +1,9 @@
 #include "axode/constraints/loop_system/loop_system.hpp"
 #include "axode/recursion/instantiate.hpp"
 
-/// Accelerations of mechanisms with loops by the fast articulated bodies (D4.12), about the origins of the
-/// bodies. Bodies at which loops end get their poses and motion about the origins of their roots as well, for
-/// the rows.
+/// Accelerations of mechanisms with loops by the fast articulated bodies (D4.12), with all quantities about
+/// the origins of the bodies. For the bodies at which loops end, poses and motion about the origins of their
+/// roots are computed as well, because the rows need them.
 namespace axode {
 
 template <class T>
@@ -61,7 +61,7 @@ bool LoopSystem<T>::accelerate_fast(const T* q, const T* v, const T* tau, const 
     each_register_of_rows<T>(count(table_.paths[k]),
                              [&](int row, auto n) { pull_rows_fast<n()>(table_.paths[k], at_[k], row); });
   multiply_rows();
-  for (const LoopPath& path : table_.paths) {  // rows that nearly vanish need the general elimination
+  for (const LoopPath& path : table_.paths) {  // if a row nearly vanishes, the general elimination is needed
     constexpr T least_part = T(1e-10);
     T most(0);
     for (const int c : path.velocities) most = std::max(most, root_[c] * root_[c]);
@@ -79,7 +79,7 @@ bool LoopSystem<T>::accelerate_fast(const T* q, const T* v, const T* tau, const 
   return true;
 }
 
-/// pull_rows() with the wrenches about the origin of each body on the path.
+/// Computes entries of Y as pull_rows() does, with the wrenches about the origin of each body on the path.
 template <class T>
 template <int n>
 void LoopSystem<T>::pull_rows_fast(const LoopPath& path, const State& at, int row) noexcept {

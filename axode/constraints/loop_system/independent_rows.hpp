@@ -7,16 +7,17 @@
 
 namespace axode {
 
-/// Independent rows of the loops, in the order of the loops, and the dependencies of the redundant rows on
-/// them, by the Gram-Schmidt process on the columns of Y, which do not depend on units. It is for reports and
-/// computations that need a rank; accelerations do not. Allocates; O(m² nv + nv³).
+/// Determines independent rows of the loops, in the order of the loops, and the dependencies of the redundant
+/// rows on them. It applies the Gram-Schmidt process to the columns of Y, which do not depend on units. It
+/// serves reports and computations that need a rank; accelerations are computed without it. Allocates; O(m²
+/// nv + nv³).
 template <class T> class IndependentRows {
  public:
   using Vector = Eigen::VectorX<T>;
   using Matrix = Eigen::MatrixX<T>;
 
-  /// Uses the present kinematics of the system. A row is redundant if its remainder without the rows before
-  /// it is less than `part` of its size.
+  /// Uses the present kinematics of the system. A row is redundant if less than `part` of its size remains
+  /// after its projection on the rows before it has been subtracted.
   IndependentRows(LoopSystem<T>& system, ConstraintLevel level,
                   T part = std::same_as<T, float> ? T(1e-4) : T(1e-8));
 

@@ -1,8 +1,8 @@
 #include "axode/constraints/loop_system/loop_system.hpp"
 #include "axode/recursion/instantiate.hpp"
 
-/// Derivatives of the rows of loops. The motion of the two bodies along a direction is that of (D6.10); the
-/// rows follow from the code of each type of loop joint on dual numbers.
+/// Derivatives of the rows of loops by q and v. The motion of the two bodies along a direction is that of
+/// (D6.10); the rows follow from the code of each type of loop joint on dual numbers.
 namespace axode {
 namespace {
 
@@ -20,7 +20,7 @@ void LoopSystem<T>::differentiate(const T* lambda, T* by_q, T* by_v, T* constrai
     const LoopPath& path = table_.paths[k];
     const State& at = at_[k];
     const Wrench<Spatial, T> F = wrench(k, lambda);
-    // About origin(k). Screws on the path to the first body are about another origin.
+    // Moves a screw to origin(k). Screws on the path to the first body may be about another origin.
     const auto about_O = [&](const auto& x, int body, int side) {
       const Vec3<T> from = side < 0 && body > 0 ? at.shift : Vec3<T>{};
       return Screw<T>{x.w, x.v - cross(x.w, from)};
@@ -37,8 +37,8 @@ void LoopSystem<T>::differentiate(const T* lambda, T* by_q, T* by_v, T* constrai
       const Screw<T> dV_v = V_q + ad(V_b, J), none{};
       const auto of = [&](std::size_t end, const Screw<T>& X) { return end == e ? X : none; };
 
-      // W and A a + γ if the bodies move along X, their twists change by dX, and the rates of the twists by
-      // ddX.
+      // The changes of W and of A a + γ if the bodies move along X, their twists change by dX, and the rates
+      // of their twists by ddX.
       const auto along = [&](const Screw<T>& X, const Screw<T>& dX, const Screw<T>& ddX,
                              loops::LoopWrenches<Lifted<T>>& W) {
         const loops::LoopFrames<Lifted<T>> frames{loops::lift(at.frames.a, of(0, X)),
@@ -63,7 +63,8 @@ void LoopSystem<T>::differentiate(const T* lambda, T* by_q, T* by_v, T* constrai
       for (const LoopColumn& of_k : path.columns) {
         const Screw<T> J_k = about_O(dynamics_->bodies.S[of_k.screw], of_k.body, of_k.side);
         T change = dF | twist(J_k);
-        if (of_k.side == c.side && c.body <= of_k.body) change += F | twist(ad(J, J_k));  // J_k moves along
+        if (of_k.side == c.side && c.body <= of_k.body)
+          change += F | twist(ad(J, J_k));  // the screw J_k is displaced too
         constraint_forces_by_q[of_k.velocity * nv + c.velocity] += of_k.side > 0 ? change : -change;
       }
     }

@@ -9,13 +9,16 @@
 namespace axode {
 namespace {
 
-/// Bounds of μ (D7.9). A residual r of the loops makes redundant rows |r| d large, and the part r² / μ of
-/// them would enter a step: hence μ = (1e4 |r|)². In a motion the loops are closed to no less than rounding,
-/// and where branches meet 1 / σ times the residual would become motion: hence the larger lower bound.
+/// Bounds of the filter μ (D7.9). If the loops have a residual r, redundant rows appear to have the size |r|
+/// d, and r² / μ of such a row would enter a step; hence μ = (1e4 |r|)². During a motion the loops are closed
+/// to rounding only. Near a configuration where branches of the motion meet, such a residual would become a
+/// motion that is 1 / σ times as large, where σ is the least singular value of the rows; hence the lower
+/// bound of μ is larger in motions.
 template <class T> constexpr bool is_float = std::same_as<T, float>;
 template <class T> constexpr T least_filter_in_motion = is_float<T> ? T(1e-4) : T(1e-9);
 template <class T> constexpr T most_filter = is_float<T> ? T(1e-4) : T(1e-6);
-/// Rows of which the other rows leave more than this part need no filter.
+/// A row needs no filter if more than this part of it remains after its projection on the other rows has been
+/// subtracted.
 template <class T> constexpr T sound_part = is_float<T> ? T(1e-2) : T(1e-3);
 template <class T> constexpr T converged = is_float<T> ? T(1e-5) : T(1e-12);
 constexpr int most_steps = 5;
@@ -29,8 +32,8 @@ template <class T> void LoopSystem<T>::set_filter(const T* q, const RowRank& ran
   filter_ = std::clamp(T(1e8) * open, least, most_filter<T>);
 }
 
-/// The column of Y of one row, by the general backward sweep: of the unit wrench on the bodies of a loop
-/// joint, or of the factors of a coupling.
+/// Computes the column of Y that belongs to one row, by the general backward sweep. It begins with the unit
+/// wrench on the two bodies of a loop joint, or with the factors of a coupling.
 template <class T>
 void LoopSystem<T>::pull_row(const LoopPath& path, int row, const Wrench<Spatial, T>& first,
                              const Wrench<Spatial, T>& second) noexcept {
@@ -53,8 +56,8 @@ void LoopSystem<T>::pull_row(const LoopPath& path, int row, const Wrench<Spatial
   bodies.each_pivot(tree(), 0, put);
 }
 
-/// n rows of a loop at once if no joints are coupled (D7.6): Y_c = Sᵀ F / √D and F -= U Sᵀ F / D for the
-/// wrenches F.
+/// Computes the columns of Y for n rows of a loop at once, if no joints are coupled (D7.6): Y_c = Sᵀ F / √D
+/// and F -= U Sᵀ F / D for the wrenches F.
 template <class T>
 template <int n>
 void LoopSystem<T>::pull_rows(const LoopPath& path, const State& at, int row) noexcept {
@@ -89,9 +92,9 @@ template <class T> void LoopSystem<T>::factorize_rows() noexcept {
   for (std::size_t k = 0; k < at_.size(); ++k) pull_loop(table_.paths[k], at_[k]);
   for (const LoopPath& path : table_.of_couplings()) pull_row(path, first(path), {}, {});
   multiply_rows();
-  // If the terms of a row cancel, for example because a loop repeats a joint of the tree, the row is
-  // rounding. Its size is therefore bounded below by its terms: those of the wrench on either end alone,
-  // moment and force apart, about the loop.
+  // If the terms of a row cancel, for example because a loop repeats a joint of the tree, only rounding
+  // errors remain. The size of a row is therefore bounded below by a part of its terms. The terms are those
+  // of the wrench on either end alone, with moment and force apart, about the origin of the loop.
   constexpr T least_part = T(1e-4);
   const Topology& topology = *tree().operator->();
   for (std::size_t k = 0; k < at_.size(); ++k) {
@@ -158,8 +161,8 @@ template <class T> void LoopSystem<T>::determine_rank(RowRank& rank) noexcept {
   rank.redundant.assign(index(size(ConstraintLevel::velocity)), 1);
   left_ = Y_;
   Eigen::Index found = 0;
-  // Rows with a residual come first: if a row of a rolling contact repeats one, only the latter corrects
-  // positions.
+  // Rows with a residual come first: if a row of a rolling contact depends on such a row, the row with a
+  // residual is kept, because only this one corrects positions.
   for (const bool with_residual : {true, false})
     for (; found < basis_.cols(); ++found) {
       // The row with the largest remainder is next: near singular configurations small remainders are
@@ -244,7 +247,7 @@ void LoopSystem<T>::solve_filtered_rows(const T* b, T* lambda, const RowRank& ra
   for (int n = 1;; ++n) {
     moved_.setZero();
     for (int k = 0; k < m; ++k) moved_ += step_[k] * G_.row(k).transpose();
-    rest += moved;  // G x + b
+    rest += moved;  // now the residual G x + b
     const T change = step.dot(moved), whole = x.dot(rest - given);
     if (n == most_steps || !(change > converged<T> * converged<T> * whole)) break;
     step = -rest;
@@ -254,6 +257,7 @@ void LoopSystem<T>::solve_filtered_rows(const T* b, T* lambda, const RowRank& ra
   }
 }
 
-// loop_system.cpp, which is compiled in one unit with this file, instantiates the members of LoopSystem.
+// The members of LoopSystem are instantiated in loop_system.cpp, which is compiled in one unit with this
+// file.
 
 }  // namespace axode

@@ -16,7 +16,7 @@ LoopSystem<T>::LoopSystem(const Model& of)
       entries_(of.loops().all.size()) {
   const int m = of.loops().rows, nv = of.nv();
   for (std::size_t k = 0; k < entries_.size(); ++k)
-    for (const LoopColumn& column : table_.paths[k].columns)  // entries of couplings are constant
+    for (const LoopColumn& column : table_.paths[k].columns)  // only the entries of couplings are constant
       entries_[k].resize(entries_[k].size() + index(table_.paths[k].rows.count), T(column.factor));
   const Eigen::Index room = RowCholesky<T>::room(m);
   Y_.setZero(nv, room);
@@ -180,7 +180,7 @@ template <class T> void LoopSystem<T>::make_rows(ConstraintLevel level) noexcept
 }
 
 template <class T> void LoopSystem<T>::make_wrenches(ConstraintLevel level) noexcept {
-  if (level != level_) Y_.setZero();  // its columns now belong to other rows
+  if (level != level_) Y_.setZero();  // the columns of Y now belong to other rows
   level_ = level;
   if (level == ConstraintLevel::velocity) {
     table_.each([&](std::size_t k, const auto& joint) { joint.wrenches(at_[k].frames, at_[k].W.data()); });
@@ -287,7 +287,7 @@ template <class T> void LoopSystem<T>::joint_wrenches(const T* lambda, Wrench<Sp
   }
   for (int i = n; i > 0; --i) {
     const int p = tree()->parent[i];
-    if (p > 0) W[p] += W[i];  // the wrenches of the loops on the whole subtree
+    if (p > 0) W[p] += W[i];  // W[i] becomes the sum of the loop wrenches on the subtree of body i
     W[i] = dynamics_->recursion.W[i] - W[i];
   }
 }

@@ -15,10 +15,10 @@
 
 namespace axode {
 
-/// The redundant rows of the loops, as LoopSystem::determine_rank() finds it at a closed configuration.
-/// Solutions with this rank give redundant rows multipliers of 0. An integration keeps the rank for a whole
-/// step, because rows that are redundant by geometry become independent as soon as the loops are a little
-/// open.
+/// The redundant rows of the loops, as LoopSystem::determine_rank() finds them at a closed configuration. In
+/// solutions with this rank, the multipliers of redundant rows are 0. An integration keeps the rank for a
+/// whole step, because rows that are redundant by geometry become independent as soon as the loops are a
+/// little open.
 struct RowRank {
   std::vector<char> redundant = {};  ///< whether each row of A is redundant; empty before determine_rank()
 };
@@ -31,7 +31,7 @@ template <class T> struct PrescribedRow {
 
 /// The level at which constraints are imposed.
 enum class ConstraintLevel {
-  position,  ///< the rows R that have a residual, r' = R v
+  position,  ///< the rows R, those that have a residual r, with r' = R v
   velocity,  ///< all rows A, A v = 0
 };
 
@@ -65,19 +65,20 @@ template <class T> class LoopSystem {
   /// Computes v after an impact of the loops, A v⁺ = -e A v, and the impulses (D7.12). With prescribed rows
   /// A v - s' takes the place of A v.
   Solvability impact(const T* q, const T* v, const T& e, T* v_after, T* impulses) noexcept;
-  /// impact() at the configuration of the last factorize(q) or determine_rank(q).
+  /// Computes an impact at the configuration of the last factorize(q) or determine_rank(q).
   Solvability impact(const T* v, const T& e, T* v_after, T* impulses, const RowRank& rank = {}) noexcept;
-  /// Computes the step x towards a closed configuration, r + R x = 0, that moves the masses least (D7.13).
+  /// Computes a step x towards a closed configuration, with r + R x = 0. Of all such steps it is the least
+  /// one in the norm of the mass matrix (D7.13).
   Solvability projection_step(const T* q, T* x, const RowRank& rank = {}) noexcept;
 
-  /// Decides which rows are redundant at a closed q, and leaves the rows A factorised there. Decides nothing
-  /// if the mass matrix of the tree is singular.
+  /// Determines which rows are redundant at a closed q. Afterwards the rows A are factorised at q. If the
+  /// mass matrix of the tree is singular, `rank` remains unchanged.
   Solvability determine_rank(const T* q, RowRank& rank) noexcept;
-  /// Decides it for rows A that are factorised already.
+  /// Determines which of the rows A are redundant; these must be factorised already.
   void determine_rank(RowRank& rank) noexcept;
 
-  /// Computes links, joint screws and loop ends at q, or for bodies that have the poses C about `origin`. The
-  /// joints need not allow these poses.
+  /// Computes links, joint screws and loop ends at q. The overload takes the poses C of the bodies about
+  /// `origin` instead, which the joints need not allow.
   void update_kinematics(const T* q) noexcept;
   void update_kinematics(const SE3<T>* C, const Vec3<T>& origin) noexcept;
   /// Updates the kinematics with the motion of all bodies, and computes the bias forces h (nv) of the tree.
@@ -90,10 +91,10 @@ template <class T> class LoopSystem {
   void velocity_residual(const T* v, T* out) const noexcept;
   /// Computes the wrenches and the entries of the rows of a level, A or R.
   void make_rows(ConstraintLevel level) noexcept;
-  void make_wrenches(ConstraintLevel level) noexcept;  ///< the wrenches alone
+  void make_wrenches(ConstraintLevel level) noexcept;  ///< computes the wrenches, but not the entries
   /// Writes the entries of the rows as a dense matrix, m × nv.
   void write(T* A) const noexcept;
-  /// out = A x and out += Aᵀ λ.
+  /// Computes out = A x; add_transposed_times() adds Aᵀ λ to out.
   void times(const T* x, T* out) const noexcept;
   void add_transposed_times(const T* lambda, T* out) const noexcept;
   /// Computes γ - s'' (D6.7) after move(), or for given twists and rates of the bodies about the origins of
@@ -102,20 +103,22 @@ template <class T> class LoopSystem {
     bias(dynamics_->recursion.motion.bodies.V, dynamics_->recursion.motion.bodies.dV, gamma);
   }
   void bias(const Twist<Spatial, T>* V, const TwistRate<Spatial, T>* dV, T* gamma) const noexcept;
-  /// out = A x (D6.6) for twists X of the bodies about the origins of their roots and joint rates x.
+  /// Computes out = A v (D6.6) from the twists X of the bodies about the origins of their roots, and from the
+  /// joint rates x.
   void rates(const Twist<Spatial, T>* X, const T* x, T* out) const noexcept;
-  /// Adds the wrenches W λ to `on`, by body and about the origins of the roots, and the forces of couplings
-  /// to tau (nv).
+  /// Adds the wrenches W λ of the loops to the wrenches `on` the bodies, which are about the origins of the
+  /// roots, and adds the forces of couplings to tau (nv).
   void add_wrenches(const T* lambda, Wrench<Spatial, T>* on, T* tau) const noexcept;
   /// Computes the wrenches that the joints transmit under multipliers λ, W[1] to W[n], each about the origin
-  /// of its root, in inertial axes. It follows force() and make_rows(ConstraintLevel::velocity).
+  /// of its root, in inertial axes. Must be called after force() and make_rows(ConstraintLevel::velocity).
   void joint_wrenches(const T* lambda, Wrench<Spatial, T>* W) noexcept;
 
   /// Adds the partial derivatives of A a + γ by q and v (m × nv), and of Aᵀ λ by q (nv × nv), [component,
-  /// direction], at the motion of force() and with the rows A made. See (D6.10) and (D6.11) of
-  /// docs/derivations.
+  /// direction], at the motion of the last force(), after make_rows(ConstraintLevel::velocity). See (D6.10)
+  /// and (D6.11) of docs/derivations.
   void differentiate(const T* lambda, T* by_q, T* by_v, T* constraint_forces_by_q) noexcept;
-  /// Computes the rate of Rᵀ λ (nv) as the bodies move with their twists; after move().
+  /// Computes the rate of Rᵀ λ (nv) for constant λ, as the bodies move with their twists. Must be called
+  /// after move().
   void differentiate_residuals(const T* lambda, T* rate) noexcept;
 
   /// Updates the kinematics, and factorises M and the rows A.
@@ -125,32 +128,32 @@ template <class T> class LoopSystem {
   Solvability factorize_with_armature(const T* armature) noexcept;
   /// Computes Y, G = Yᵀ Y and the sizes d of the rows (D7.7).
   void factorize_rows() noexcept;
-  /// Solves G λ = -b: the least λ if rows are redundant, and the least-squares one if they contradict each
-  /// other (D7.8).
+  /// Solves G λ = -b. If rows are redundant, λ is the least solution; if rows contradict each other, it is
+  /// the least-squares solution (D7.8).
   void solve_rows(const T* b, T* lambda, const RowRank& rank = {}) noexcept;
   /// Sets μ, the part of a row that solve_rows() ignores, by the residual of the loops at q (D7.9).
-  /// accelerate(), impact(q) and projection_step() do so themselves.
+  /// accelerate(), impact(q) and projection_step() call it themselves.
   void set_filter(const T* q, const RowRank& rank) noexcept;
-  /// The least pivot of a row in the last solve_rows(), relative to its size squared; 1 if all rows were far
-  /// from redundant. If it is near 0, branches of a motion meet, and accelerations are those of a mechanism
-  /// with more degrees of freedom.
+  /// The least pivot of a row in the last solve_rows(), relative to the square of the size of this row; 1 if
+  /// all rows were far from redundant. If it is near 0, branches of the motion meet, and accelerations are
+  /// those of a mechanism with more degrees of freedom.
   T weakest_row() const { return weakest_row_; }
-  /// b += A M⁻¹ x.
+  /// Adds A M⁻¹ x to b.
   void add_response(const T* x, T* b) noexcept;
-  /// Computes the accelerations a that forces τ (nv) add, M a - Aᵀ λ = τ with A a = 0, with the rows A
-  /// factorised (D7.14).
+  /// Computes the accelerations a that additional forces τ (nv) cause: M a - Aᵀ λ = τ with A a = 0 (D7.14).
+  /// The rows A must be factorised.
   void force_response(const T* tau, T* a) noexcept;
-  /// x := M⁻¹ x.
+  /// Replaces x by M⁻¹ x.
   void solve(T* x) noexcept { dynamics_->bodies.solve(tree(), x); }
 
-  /// The wrench W λ on the second body of loop joint k, about origin(k); -W λ acts on the first. After
-  /// make_rows().
+  /// The wrench W λ on the second body of loop joint k, about origin(k); -W λ acts on the first body. Must be
+  /// called after make_rows().
   Wrench<Spatial, T> wrench(std::size_t k, const T* lambda) const noexcept;
   Vec3<T> origin(std::size_t k) const noexcept;
   /// The origins of the roots in the inertial frame, at the index of each root body.
   const Vec3<T>* root_origins() const { return origin_; }
 
-  /// D^-½ L⁻ᵀ Aᵀ, nv × m, padded with zero columns to a whole block.
+  /// The matrix Y = D^-½ L⁻ᵀ Aᵀ, nv × m, padded with zero columns to a whole block.
   const RowByRow& Y() const { return Y_; }
   /// The size d of each row (D7.7).
   const Vector& scale() const { return scale_; }
@@ -161,9 +164,9 @@ template <class T> class LoopSystem {
 
  private:
   struct State {
-    loops::LoopFrames<T> frames;  ///< about origin(k)
-    Vec3<T> shift;                ///< from origin(k) to the origin of the first body's root
-    loops::LoopWrenches<T> W;     ///< on the second body for unit multipliers
+    loops::LoopFrames<T> frames;  ///< the frames of the joint on its two bodies, about origin(k)
+    Vec3<T> shift;                ///< vector from origin(k) to the origin of the first body's root
+    loops::LoopWrenches<T> W;     ///< wrenches on the second body for unit multipliers
   };
   const Tree<T>& tree() const { return model_.tree<T>(); }
   static std::size_t index(int k) { return static_cast<std::size_t>(k); }
@@ -176,14 +179,14 @@ template <class T> class LoopSystem {
   const std::vector<LoopTable::VelocityBlock>& blocks() const {
     return level_ == ConstraintLevel::velocity ? table_.row_blocks : table_.residual_blocks;
   }
-  /// accelerate() with the fast articulated bodies. Returns false, without a and λ, if velocities are coupled
-  /// or a pivot is too small for them.
+  /// Computes what accelerate() does, with the fast articulated bodies. Returns false, without a and λ, if
+  /// velocities are coupled or if a pivot is too small for the fast elimination.
   bool accelerate_fast(const T* q, const T* v, const T* tau, const Loads<T>& loads, T* a, T* lambda,
                        const RowRank& rank) noexcept;
   /// The motion of the two bodies of a loop joint about origin(k).
   loops::EndMotion<T> motion_of_ends(std::size_t k, const Twist<Spatial, T>* V,
                                      const TwistRate<Spatial, T>* dV) const noexcept;
-  /// f(row, velocity, entry) for the entries of the rows.
+  /// Calls f(row, velocity, entry) for the entries of the rows of the present level.
   template <class F> void each_entry(const F& f) const {
     for (std::size_t k = 0; k < entries_.size(); ++k) {
       const LoopPath& path = table_.paths[k];
@@ -192,23 +195,23 @@ template <class T> class LoopSystem {
         for (int r = 0; r < count(path); ++r) f(first(path) + r, column.velocity, *entry++);
     }
   }
-  void update_loops() noexcept;      ///< joint screws and loop ends
-  void update_loop_ends() noexcept;  ///< the frames of the loop joints alone
+  void update_loops() noexcept;      ///< updates joint screws and loop ends
+  void update_loop_ends() noexcept;  ///< updates only the frames of the loop joints
   void make_entries() noexcept;
   /// Factorises M and the rows of a level at the present kinematics.
   Solvability prepare(ConstraintLevel level, const T* q, const RowRank& rank) noexcept;
-  /// w = D^-½ L⁻ᵀ x.
+  /// Computes w = D^-½ L⁻ᵀ x.
   void pull(const T* x) noexcept;
-  /// x = L⁻¹ D^-½ (w + Y λ).
+  /// Computes x = L⁻¹ D^-½ (w + Y λ).
   void push(const T* lambda, T* x) noexcept;
-  /// b += Yᵀ w and w += Y λ.
+  /// Adds Yᵀ w to b; add_to_velocities() adds Y λ to w.
   void add_to_rows(T* b) const noexcept;
   void add_to_velocities(const T* lambda) noexcept;
-  /// f(row) for the redundant rows among those of the present level.
+  /// Calls f(row) for the redundant rows among those of the present level.
   template <class F> void each_redundant(const RowRank& rank, const F& f) const;
-  /// solve_rows() in one step. Returns false, without λ, unless every row is far from redundant.
+  /// Solves G λ = -b in one step. Returns false, without λ, unless every row is far from redundant.
   bool solve_sound_rows(const T* b, T* lambda, const RowRank& rank) noexcept;
-  /// solve_rows() by the proximal iteration (D7.8).
+  /// Solves G λ = -b by the proximal iteration (D7.8).
   void solve_filtered_rows(const T* b, T* lambda, const RowRank& rank) noexcept;
   /// Writes G + filter d² and the right side -b for the factorisation.
   void set_rows(const T* b, const T& filter, const RowRank& rank) noexcept;
@@ -216,7 +219,8 @@ template <class T> class LoopSystem {
   Wrench<Spatial, T> on_first(const State& at, const Wrench<Spatial, T>& W) const {
     return {W.m - cross(at.shift, W.f), W.f};
   }
-  /// Takes the wrenches of a loop on its two bodies to the ground: step(i, F) crosses the joint of body i.
+  /// Moves the wrenches of a loop on its two bodies along the paths to the ground. step(i, F) is called for
+  /// each body i on the way, and moves F across the joint of this body.
   template <class Wrenches, class Step>
   void propagate_to_root(const LoopPath& path, Wrenches& F_i, Wrenches& F_j,
                          const Step& step) const noexcept {
@@ -227,14 +231,14 @@ template <class T> class LoopSystem {
     F_j.f += F_i.f;
     for (int i = path.meeting; i > 0; i = parent[i]) step(i, F_j);
   }
-  /// Entries of Y for one row, for n rows of a loop, for n rows with the fast bodies, and for all rows of a
-  /// loop (D7.6).
+  /// Compute entries of Y: for one row, for n rows of a loop, for n rows with the fast articulated bodies,
+  /// and for all rows of a loop (D7.6).
   void pull_row(const LoopPath& path, int row, const Wrench<Spatial, T>& first,
                 const Wrench<Spatial, T>& second) noexcept;
   template <int n> void pull_rows(const LoopPath& path, const State& at, int row) noexcept;
   template <int n> void pull_rows_fast(const LoopPath& path, const State& at, int row) noexcept;
   void pull_loop(const LoopPath& path, const State& at) noexcept;
-  void multiply_rows() noexcept;  ///< Yᵀ Y, on and above the diagonal
+  void multiply_rows() noexcept;  ///< computes Yᵀ Y, on and above the diagonal
 
   /// Scratch of accelerate_fast(): the fast articulated bodies, and positions and velocities of the body
   /// origins relative to the origins of their roots.
@@ -261,10 +265,11 @@ template <class T> class LoopSystem {
   static constexpr T least_filter = std::same_as<T, float> ? T(1e-5) : T(1e-12);
   T filter_ = least_filter;  ///< μ (D7.9)
   T weakest_row_ = T(1);
-  std::vector<std::vector<T>> entries_;  ///< A by loops: a column of up to six rows for each LoopColumn
+  std::vector<std::vector<T>> entries_;  ///< entries of A or R for each loop: a column of up to six rows for
+                                         ///< each LoopColumn
   RowByRow Y_, G_;
   RowCholesky<T> factor_;
-  RowByRow left_;  ///< Y without its projection on the independent rows
+  RowByRow left_;  ///< Y minus its projection on the independent rows
   Eigen::RowVectorX<T> along_;
   Matrix basis_;
   Vector root_;  ///< D^-½ (nv)

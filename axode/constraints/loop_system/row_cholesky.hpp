@@ -5,8 +5,8 @@
 namespace axode {
 
 /// Factorisation Rᵀ D R of a symmetric positive matrix with some dozens of rows, R with a unit diagonal. Rows
-/// are stored in blocks of eight numbers, which is faster than Eigen's own for such sizes. A row has space
-/// for a right side, and is padded with zeros to a whole block.
+/// are stored in blocks of eight numbers, which is faster than Eigen's decomposition for such sizes. Each row
+/// has an additional column for a right side, and is padded with zeros to a whole block.
 template <class T> class RowCholesky {
  public:
   using Matrix = Eigen::Matrix<T, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
@@ -25,8 +25,8 @@ template <class T> class RowCholesky {
     R_.setZero(m, room(m));
     inverse_.resize(m);
   }
-  /// Before factorize(): the matrix on and above its diagonal, and a right side in column m. Afterwards: R
-  /// without its diagonal.
+  /// Memory of the factorisation. Before factorize() it has the matrix on and above the diagonal, and a right
+  /// side in column m; afterwards it has R without the diagonal.
   Matrix& matrix() { return R_; }
 
   /// Factorises the first m rows, and applies R⁻ᵀ to the right side. Returns false, and leaves no
@@ -47,7 +47,8 @@ template <class T> class RowCholesky {
   void factorize(Eigen::Index m) noexcept {
     factorize(m, [](Eigen::Index, const T&) { return true; });
   }
-  /// Solves for the right side given to factorize(), which is removed. x is as long as a row, room(m).
+  /// Computes the solution x for the right side that factorize() received, and removes this right side. x is
+  /// as long as a row, room(m).
   void solve_right_side(Eigen::Index m, Eigen::VectorX<T>& x) noexcept {
     for (Eigen::Index k = 0; k < m; ++k) {
       x[k] = R_(k, m);
@@ -55,7 +56,7 @@ template <class T> class RowCholesky {
     }
     solve_up(m, x);
   }
-  /// x := (Rᵀ D R)⁻¹ x, after solve_right_side() or without a right side.
+  /// Replaces x by (Rᵀ D R)⁻¹ x. A right side must have been removed by solve_right_side() before.
   void solve(Eigen::Index m, Eigen::VectorX<T>& x) const noexcept {
     for (Eigen::Index k = 0; k < m; ++k) {
       const T x_k = x[k];
@@ -67,8 +68,8 @@ template <class T> class RowCholesky {
   }
 
  private:
-  /// x := R⁻¹ x. Numbers of the same block are used one by one, the last found last, because loading a vector
-  /// that was just written number by number stalls.
+  /// Replaces x by R⁻¹ x. The numbers of the block of row k are used one by one, and the number that was
+  /// found last is used last: a vector load of numbers that were just written one by one would stall.
   void solve_up(Eigen::Index m, Eigen::VectorX<T>& x) const noexcept {
     for (Eigen::Index k = m; k-- > 0;) {
       const Eigen::Index next = block(k) + width;
@@ -81,7 +82,7 @@ template <class T> class RowCholesky {
   }
 
   Matrix R_;
-  Eigen::VectorX<T> inverse_;  ///< D⁻¹
+  Eigen::VectorX<T> inverse_;  ///< the diagonal of D⁻¹
 };
 
 }  // namespace axode

@@ -32,10 +32,10 @@ template <class T, int n> struct RowsInLanes {
     return F;
   }
 
-  /// A vector in all lanes.
+  /// The vector a, repeated in every lane.
   template <class Vector> static Vec3<Rows> all(const Vector& a) { return spread<Rows, T>(a); }
 
-  /// Moves the wrenches to a point from which the old one is at r.
+  /// Moves the wrenches to another point. r is the vector from this point to the old one.
   template <class Vector> void move(const Vector& r) { m += cross(all(r), f); }
   /// Eliminates a velocity with pivot D and u = Sᵀ F. Stores D^-½ u in y and subtracts x U from the wrenches,
   /// with x = D⁻¹ u, or with x = u if U contains D⁻¹ already. `root` is D^-½.
@@ -48,13 +48,14 @@ template <class T, int n> struct RowsInLanes {
   }
 };
 
-/// f(std::integral_constant<int, n>()) for a number n from 1 to most.
+/// Calls f(std::integral_constant<int, n>()) for a number n from 1 to `most` that is known at run time only.
 template <int most, class F> void with_number_of_rows(int n, const F& f) {
   if constexpr (most > 1)
     if (n < most) return with_number_of_rows<most - 1>(n, f);
   f(std::integral_constant<int, most>());
 }
-/// f(first, std::integral_constant<int, n>()) for the rows of a loop, as many together as one register holds.
+/// Calls f(first, std::integral_constant<int, n>()) for groups of n rows of a loop; a group has as many rows
+/// as one register holds, the last one the rest.
 template <class T, class F> void each_register_of_rows(int rows, const F& f) {
   constexpr int most = std::min(6, static_cast<int>(native_lanes<T>));
   for (int first = 0; first < rows; first += most)

@@ -9,8 +9,8 @@
 ///   residual(at, r)                r, which vanishes when the loop is closed
 ///   wrenches(at, W)                W on the second body for unit multipliers: A v = Wᵀ (V_j - V_i)
 /// These are optional, and the functions below have a default for each:
-///   residual_wrenches(at, R)       r' = Rᵀ (V_j - V_i); by default the first of W
-///   wrench_rates(at, m, dW)        W' of moving bodies; by default W on dual numbers
+///   residual_wrenches(at, R)       r' = Rᵀ (V_j - V_i); by default the first columns of W
+///   wrench_rates(at, m, dW)        W' of moving bodies; by default W evaluated on dual numbers
 ///   bias(at, W, m, gamma)          γ = Wᵀ (V'_j - V'_i) + W'ᵀ (V_j - V_i)
 /// Numbers of rows are the same in all representations. W λ acts on the second body and -W λ on the first.
 namespace axode::loops {
@@ -20,14 +20,15 @@ template <class T> using LoopWrenches = std::array<SpatialWrench<T>, 6>;
 
 /// The frames of a loop joint on its two bodies, relative to a common point O in inertial axes.
 template <class T> struct LoopFrames { SE3<T> a, b; };
-/// Spatial twists of the two bodies about O, and their rates without or with joint accelerations.
+/// Spatial twists of the two bodies about O, and their rates. The caller decides whether the rates include
+/// joint accelerations.
 template <class T> struct EndMotion { Screw<T> V_i, V_j, dV_i, dV_j; };
 
 template <class T> T power(const SpatialWrench<T>& W, const Screw<T>& X) {
   return dot(W.m, X.w) + dot(W.f, X.v);
 }
 template <class T> Vec3<T> velocity(const Screw<T>& V, const Vec3<T>& p) { return V.v + cross(V.w, p); }
-/// A force f at the point p, and its rate.
+/// The wrench of a force f at the point p; with the rates of p and f, the rate of this wrench.
 template <class T> SpatialWrench<T> force_at(const Vec3<T>& p, const Vec3<T>& f) { return {cross(p, f), f}; }
 template <class T>
 SpatialWrench<T> force_rate(const Vec3<T>& p, const Vec3<T>& dp, const Vec3<T>& f, const Vec3<T>& df) {

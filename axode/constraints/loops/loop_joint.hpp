@@ -12,7 +12,7 @@ namespace axode {
 /// The types of loop joints; loop_frames.hpp lists the members that a type must have.
 using LoopJoint = std::variant<loops::SubgroupClosure, loops::Universal, loops::Rod, loops::RollingContact>;
 
-/// The loop joint of a kind, with Loop::size.
+/// Makes the loop joint of a kind; `size` is Loop::size.
 constexpr LoopJoint loop_joint(LoopKind kind, double pitch, double size, bool wheel) {
   if (kind == LoopKind::universal) return loops::Universal{size};
   if (kind == LoopKind::rod) return loops::Rod{size};
@@ -20,7 +20,7 @@ constexpr LoopJoint loop_joint(LoopKind kind, double pitch, double size, bool wh
   return loops::SubgroupClosure{traits(kind).free, pitch};
 }
 
-/// Whether the numbers of rows in the table of kinds are those of the types.
+/// Whether the table of kinds has the numbers of rows that the types of loop joints have.
 constexpr bool loop_kinds_have_the_rows_of_their_types() {
   for (const LoopTraits& kind : loop_kinds) {
     const auto agrees = [&](const auto& joint) {

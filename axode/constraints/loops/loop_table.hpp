@@ -19,14 +19,15 @@ struct LoopTable {
 
   explicit LoopTable(const Model& model);
 
-  std::vector<LoopPath> paths;  ///< one for each joint, then one for each coupling
+  std::vector<LoopPath> paths;  ///< one path for each loop joint, then one for each coupling
   std::vector<LoopJoint> joints;
   std::vector<VelocityBlock> row_blocks, residual_blocks;  ///< for the rows A and for the rows R
-  std::vector<char> ends;                                  ///< n + 1: whether a loop joint ends at a body
+  std::vector<char> ends;                                  ///< whether a loop joint ends at each body, n + 1
+                                                           ///< entries
 
   std::span<const LoopPath> of_couplings() const { return std::span(paths).subspan(joints.size()); }
-  /// f(k, joint) for every loop joint, with its type. It is called in noexcept functions, which std::visit
-  /// may leave by an exception.
+  /// Calls f(k, joint) for every loop joint k, with `joint` in its own type. std::visit is not used, because
+  /// it may throw, and the callers are noexcept.
   template <class F> void each(const F& f) const {
     for (std::size_t k = 0; k < joints.size(); ++k) {
       const auto call = [&](const auto* joint) {

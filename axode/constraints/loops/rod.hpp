@@ -5,7 +5,7 @@ namespace axode::loops {
 
 /// A massless rod with ball joints at its ends, which are the origins of the two frames.
 struct Rod {
-  double length = 0;  ///< m
+  double length = 0;  ///< length of the rod, m
 
   static constexpr int rows() { return 1; }
   static constexpr int residuals() { return 1; }

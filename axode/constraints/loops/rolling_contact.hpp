@@ -4,10 +4,10 @@
 namespace axode::loops {
 
 /// A sphere or a wheel on the second body that rolls on a plane of the first. z of the first frame is the
-/// normal, z of the second the axis of the wheel. The row of the normal has a residual, the two tangential
-/// rows have none.
+/// normal of the plane, and z of the second frame is the axis of the wheel. The row of the normal has a
+/// residual, the two tangential rows have none.
 struct RollingContact {
-  double radius = 0;  ///< m
+  double radius = 0;  ///< radius of the sphere or wheel, m
   bool wheel = false;
 
   static constexpr int rows() { return 3; }
@@ -20,7 +20,8 @@ struct RollingContact {
     const Vec3<T> p = contact(at).p;
     for (const Vec3<T>* e : {&at.a.R.z, &at.a.R.x, &at.a.R.y}) *W++ = force_at(p, *e);
   }
-  /// The contact point moves along the rim and along the plane; d' is (D6.9).
+  /// The rates W' of the wrenches. The contact point moves along the rim and along the plane; the rate d' of
+  /// the direction to the centre is (D6.9).
   template <class T>
   void wrench_rates(const LoopFrames<T>& at, const EndMotion<T>& m, SpatialWrench<T>* dW) const {
     const Vec3<T>&n = at.a.R.z, &k = at.b.R.z;
@@ -37,7 +38,7 @@ struct RollingContact {
   }
 
  private:
-  /// The point of contact p, the direction d from there to the centre, and the vector y along d.
+  /// The point of contact p, the direction d from p to the centre, and the vector y, a multiple of d.
   template <class T> struct Contact { Vec3<T> d, p, y; };
   template <class T> Contact<T> contact(const LoopFrames<T>& at) const {
     const Vec3<T>&n = at.a.R.z, &k = at.b.R.z;

@@ -8,12 +8,14 @@
 
 namespace axode::loops {
 
-/// A loop joint that leaves a subgroup of SE(3) free, given by its free directions ω_x ω_y ω_z v_x v_y v_z in
-/// the frame of the joint, and by the pitch of a helical joint, whose v_z is bound to ω_z.
+/// A loop joint whose free motions form a subgroup of SE(3). The subgroup is given by its free directions ω_x
+/// ω_y ω_z v_x v_y v_z in the frame of the joint, and by the pitch of a helical joint, whose v_z is bound to
+/// ω_z.
 ///
-/// S spans the subalgebra of the joint, T the wrenches with Tᵀ S = 0. Of a relative pose D = g E the motion g
-/// in the subgroup is stripped off. The residual r = Tᵀ (log R_E; r_E) vanishes on the whole subgroup,
-/// however far the joint has moved; Tᵀ log D does not (it jumps at half a turn).
+/// S spans the subalgebra of the joint, and T spans the wrenches with Tᵀ S = 0. A relative pose is written as
+/// D = g E, and the motion g in the subgroup is removed from it. The residual r = Tᵀ (log R_E; r_E) vanishes
+/// on the whole subgroup, however far the joint has moved. Tᵀ log D would not be suitable, because it jumps
+/// at half a turn.
 struct SubgroupClosure {
   std::array<bool, 6> free{};
   double pitch = 0;  ///< m/rad, 0 unless the joint is helical
@@ -30,20 +32,21 @@ struct SubgroupClosure {
       ++W;
     }
   }
-  /// The wrenches are fixed to the second body, W' = -ad_{V_j}ᵀ W, so that γ is (D6.8).
+  /// Computes γ by (D6.8): the wrenches are fixed to the second body, and W' = -ad_{V_j}ᵀ W.
   template <class T>
   void bias(const LoopFrames<T>&, const SpatialWrench<T>* W, const EndMotion<T>& m, T* gamma) const {
     const Screw<T> Psi = m.dV_j - m.dV_i + ad(m.V_j, m.V_i);
     for (int k = 0, n = rows(); k < n; ++k) gamma[k] = power(W[k], Psi);
   }
 
-  /// E of D = g E (D6.1), with g in the subgroup, and E near the identity if the joint is nearly closed.
+  /// Computes E of D = g E (D6.1) with g in the subgroup. If the joint is nearly closed, E is near the
+  /// identity.
   template <class T> SE3<T> strip(const SE3<T>& D) const {
     T theta(0);
     SO3<T> turn{};
     if (free[0]) {
       turn = D.R;
-    } else if (free[2]) {  // R is a twist about z and a swing
+    } else if (free[2]) {  // the rotation is a twist about z and a swing
       theta = subgroup::turn_about_z(D.R);
       if (pitch != 0) theta = subgroup::nearest_turn(theta, D.r.z / T(pitch));
       turn = subgroup::turn(SO3<T>{}, sin(theta), cos(theta));
@@ -81,7 +84,7 @@ struct SubgroupClosure {
       N[n] = k;
       ++n;
     }
-    std::array<std::array<T, 3>, 3> NK{{{T(1)}, {T(0), T(1)}, {T(0), T(0), T(1)}}};  // columns
+    std::array<std::array<T, 3>, 3> NK{{{T(1)}, {T(0), T(1)}, {T(0), T(0), T(1)}}};  // columns of Nᵀ K
     for (std::size_t b = 0; b < n; ++b)
       for (std::size_t a = 0; a < n; ++a) NK[b][a] = K[b][N[a]];
     const auto column = [&](std::size_t b) { return Vec3<T>{NK[b][0], NK[b][1], NK[b][2]}; };

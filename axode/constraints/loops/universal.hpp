@@ -3,10 +3,10 @@
 
 namespace axode::loops {
 
-/// Two axes through one point, z of the two frames, with a constant angle: the rows of a ball joint and one
-/// couple.
+/// A universal joint: the axes z of the two frames intersect in one point, with a constant angle between
+/// them. It has the rows of a ball joint and one couple.
 struct Universal {
-  double cosine = 0;  ///< of the angle between the axes
+  double cosine = 0;  ///< cosine of the angle between the axes
   static constexpr SubgroupClosure ball{{true, true, true}};
 
   static constexpr int rows() { return 4; }
