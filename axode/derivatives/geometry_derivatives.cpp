@@ -11,7 +11,8 @@ template <class T> std::size_t parameters(const Model& model) {
   return static_cast<std::size_t>(model.n_bodies()) * 6;
 }
 
-/// f(i, u, screw) for all parameters that displace a place, with the screws in its frame. O(d).
+/// Calls f(i, u, screw) for all parameters that displace a place, with the screws in the frame of the place.
+/// O(d).
 template <class T, class F>
 void each_parameter(const Tree<T>& tree, const T* q, const Place<T>& place, const F& f) noexcept {
   SE3<T> E = tree.frame_offset[place.frame] * place.offset;  // the place in the internal frame of body i

@@ -4,8 +4,8 @@
 
 namespace axode {
 
-/// Receives ∂τ/∂q, ∂τ/∂v and ∂τ/∂a, nv × nv each, row by row, [component of τ, direction], and τ, unless
-/// empty. They must not overlap.
+/// Receives ∂τ/∂q, ∂τ/∂v and ∂τ/∂a, nv × nv numbers each, row by row, [component of τ, direction], and the
+/// forces τ. A span that is empty receives nothing. The spans must not overlap.
 template <class T> struct InverseDynamicsDerivatives {
   std::span<T> q, v, a, tau = {};
 };
@@ -13,10 +13,10 @@ template <class T> struct InverseDynamicsDerivatives {
 /// First derivatives of inverse dynamics at a state; ∂τ/∂a is M with armatures. Directions of q are those of
 /// q ⊕ ε e_k. The components of loads are constant in the representation in which they are given. With
 /// loads.joint_losses damping is part of ∂τ/∂v; Coulomb friction adds nothing, and has no derivative at v =
-/// 0. Units are those of τ per unit of the direction. O(n d) for n velocities on paths of d and the zeros of
-/// the matrices, no allocation. Throws std::invalid_argument for a wrong size, quaternions that are not of
-/// unit norm, a load on a frame that does not exist and results that overlap. See (D1.17) of
-/// docs/derivations.
+/// 0. Units are those of τ per unit of the direction. O(n d) for n velocities on paths of d velocities, and
+/// the time to write the zeros of the matrices; no allocation. Throws std::invalid_argument for a wrong size,
+/// quaternions that are not of unit norm, a load on a frame that does not exist and results that overlap. See
+/// (D1.17) of docs/derivations.
 template <class T>
 void inverse_dynamics_derivatives(const Model& model, Workspace<T>& workspace, Numbers<T> q, Numbers<T> v,
                                   Numbers<T> a,

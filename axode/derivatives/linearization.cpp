@@ -14,7 +14,7 @@
 namespace axode {
 namespace {
 
-/// out += x y of n × n matrices; y is sparse.
+/// Adds x y to out, for n × n matrices of which y is sparse.
 template <class T>
 void add_product(std::span<const T> x, std::span<const T> y, std::size_t n, std::span<T> out) {
   for (std::size_t j = 0; j < n; ++j)

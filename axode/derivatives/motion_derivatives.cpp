@@ -10,12 +10,12 @@
 namespace axode {
 namespace {
 
-/// A direction (dq, dv, da).
+/// Numbers with a derivative along one direction (dq, dv, da).
 template <class T> using Dual1 = Dual<T, 1>;
 template <class T> Vec3<Dual1<T>> with_derivative(const Vec3<T>& x, const Vec3<T>& dx) {
   return {{x.x, {dx.x}}, {x.y, {dx.y}}, {x.z, {dx.z}}};
 }
-/// C exp(ε X).
+/// The pose C exp(ε X) with its derivative by ε.
 template <class T> SE3<Dual1<T>> displaced(const SE3<T>& C, const Twist<BodyFixed, T>& X) {
   const auto column = [&](const Vec3<T>& e, const Vec3<T>& axis) {
     return with_derivative(e, C.R * cross(X.w, axis));
@@ -68,8 +68,8 @@ template <class T> struct MotionTo {
     for (int i = body; i > 0; i = tree->parent[i]) at.C = motion.bodies.link[i].C_pi * at.C;
   }
 
-  /// f(c, J, ∂V/∂q, ∂V'/∂q, ∂V'/∂v) for every joint screw J that moves the place, all body-fixed; a velocity
-  /// that several joints share occurs once for each.
+  /// Calls f(c, J, ∂V/∂q, ∂V'/∂q, ∂V'/∂v) for every joint screw J that moves the place, with body-fixed
+  /// quantities. If several joints share the velocity c, f is called once for each of them.
   template <class F> void each_column(const F& f) const noexcept {
     const auto& [link, V, dV] = motion.bodies;
     SE3<T> E = in_body();  // the place in the internal frame of body i

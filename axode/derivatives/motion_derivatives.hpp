@@ -7,7 +7,8 @@ namespace axode {
 /// Receives the derivatives of V and of V', the time derivative of its components, a column for each of nv
 /// directions. They must not overlap.
 template <class Rep, class T> struct MotionDerivatives {
-  std::span<Twist<Rep, T>> V_q, V_v;  ///< V_v = ∂V'/∂a is the Jacobian
+  std::span<Twist<Rep, T>> V_q, V_v;  ///< derivatives of V; V_v is the Jacobian of the place, and equal to
+                                      ///< ∂V'/∂a
   std::span<Twist<Rep, T>> dV_q, dV_v;
 };
 
@@ -20,7 +21,8 @@ void motion_derivatives(const Model& model, Workspace<T>& workspace, Numbers<T> 
                         const std::type_identity_t<Place<T>>& place,
                         const std::type_identity_t<MotionDerivatives<Rep, T>>& d);
 
-/// Changes of a place: of its pose by a displacement, C exp(ε X^), of its twist V and of V'.
+/// Changes of the motion of a place: the displacement X of its pose, C exp(ε X^), and the changes of the
+/// components of its twist V and of V'.
 template <class Rep, class T> struct MotionChange {
   Twist<BodyFixed, T> X;
   Twist<Rep, T> V, dV;
@@ -32,15 +34,15 @@ MotionChange<Rep, T> motion_jvp(const Model& model, Workspace<T>& workspace, Num
                                 Numbers<T> a, const std::type_identity_t<Place<T>>& place, Numbers<T> dq,
                                 Numbers<T> dv, Numbers<T> da);
 
-/// Weights of the components of a change.
+/// Weights of the components of a MotionChange: of the pose, of V and of V'.
 template <class Rep, class T> struct MotionWeights {
   Wrench<BodyFixed, T> X;
   Wrench<Rep, T> V, dV;
 };
 /// Receives the gradients with respect to q, v and a, nv entries each. They must not overlap.
 template <class T> struct MotionGradients { std::span<T> q, v, a; };
-/// The gradient of the weighted sum of the components of pose, V and V': the transposed matrices times the
-/// weights. O(n). For poses of several places, sum the results for each.
+/// Computes the gradient of the weighted sum of the components of pose, V and V': the transposed matrices
+/// times the weights. O(n). For poses of several places, sum the results for each.
 template <RecursionRepresentation Rep, class T>
 void motion_vjp(const Model& model, Workspace<T>& workspace, Numbers<T> q, Numbers<T> v, Numbers<T> a,
                 const std::type_identity_t<Place<T>>& place,

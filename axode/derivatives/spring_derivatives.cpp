@@ -8,7 +8,8 @@
 namespace axode {
 namespace {
 
-/// Adds the derivatives of the springs of one joint: add(component, direction, by q, by v).
+/// Adds the derivatives of the forces of the springs in one joint, by calls of add(component, direction, by
+/// q, by v).
 template <class T, class Add>
 void differentiate_joint(const Model& model, int i, const T* q, const T* v, const Add& add) noexcept {
   const Tree<T>& tree = model.tree<T>();
@@ -28,9 +29,9 @@ void differentiate_joint(const Model& model, int i, const T* q, const T* v, cons
   });
 }
 
-/// Adds the derivatives of a line. With columns r_k of the distance r and w_k of the rotations, τ_k = -f
-/// u·r_k; along direction j of the same end r_k changes by w_j × r_k or, if j is farther from the ground, by
-/// w_k × r_j.
+/// Adds the derivatives of the forces of a spring along a line between two points. With columns r_k of the
+/// distance r and w_k of the rotations, τ_k = -f u·r_k; along direction j of the same end r_k changes by w_j
+/// × r_k or, if j is farther from the ground, by w_k × r_j.
 template <class T, class Add>
 void differentiate_line(const Springs::Line& spring, const Tree<T>& tree, const T* q, const T* v,
                         SpringColumns<T>& columns, const Add& add) noexcept {

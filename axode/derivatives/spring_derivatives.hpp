@@ -3,8 +3,9 @@
 
 namespace axode {
 
-/// ∂/∂q and ∂/∂v of spring_forces(), nv × nv, [component, direction]; exact, second derivatives of the
-/// logarithms and the distances included. No allocation; O(nv²) for the zeros, O(depth²) for each line.
+/// Computes ∂/∂q and ∂/∂v of spring_forces(), nv × nv numbers each, [component, direction]. They are exact:
+/// second derivatives of the logarithms and of the distances are included. No allocation; O(nv²) to write the
+/// zeros, and O(depth²) for each spring between two points.
 template <class T>
 void spring_force_derivatives(const Model& model, Workspace<T>& workspace, Numbers<T> q, Numbers<T> v,
                               const std::type_identity_t<StateDerivatives<T>>& d);

@@ -37,7 +37,8 @@ void kinetic_energy_gradient(const Model& model, Workspace<T>& workspace, Number
   const Tree<T>& tree = model.tree<T>();
   EnergyGradient<T> s(arena);
   std::fill_n(s.zero, tree->nv, T(0));
-  // 2 T = v·τ, where τ are the forces of the accelerations v at rest without gravity.
+  // The kinetic energy is T = v·τ / 2, where τ are the forces for the accelerations v at rest, without
+  // gravity.
   s.vjp.run(tree, q.data(), s.zero, v.data(), v.data(), {}, {});
   for (std::size_t c = 0; c < gradient.q.size(); ++c) gradient.q[c] = T(0.5) * s.vjp.by_q[c];
   std::copy_n(s.vjp.by_a, gradient.v.size(), gradient.v.data());

@@ -3,11 +3,11 @@
 #include "axode/recursion/loads.hpp"
 
 /// Derivatives of the terms of the equations of motion M(q) a + C(q, v) v + g(q) = τ + Q(q, v), each term on
-/// its own: nv × nv, [component, direction]. No allocation; O(n d) and the zeros. Directions and loads are
-/// those of inverse_dynamics_derivatives().
+/// its own: nv × nv numbers, [component, direction]. No allocation; O(n d), and the time to write the zeros.
+/// Directions and loads are those of inverse_dynamics_derivatives().
 namespace axode {
 
-/// ∂g/∂q of the gravity forces.
+/// Computes ∂g/∂q of the gravity forces g(q).
 template <class T>
 void gravity_derivatives(const Model& model, Workspace<T>& workspace, Numbers<T> q,
                          std::type_identity_t<std::span<T>> dq);
@@ -15,18 +15,19 @@ void gravity_derivatives(const Model& model, Workspace<T>& workspace, Numbers<T>
 /// Receives ∂/∂q and ∂/∂v of a vector. They must not overlap.
 template <class T> struct StateDerivatives { std::span<T> q, v; };
 
-/// The derivatives of C(q, v) v.
+/// Computes the derivatives of C(q, v) v by q and v.
 template <class T>
 void coriolis_derivatives(const Model& model, Workspace<T>& workspace, Numbers<T> q, Numbers<T> v,
                           const std::type_identity_t<StateDerivatives<T>>& d);
-/// ∂Q/∂q and ∂Q/∂v of the generalised forces Q of the loads; ∂Q/∂v is 0 unless loads.joint_losses is set. The
-/// derivative of Q by one component of a load is a row of J, see jacobian(); that of the accelerations is a
-/// column of M⁻¹ Jᵀ, see impulse_response().
+/// Computes ∂Q/∂q and ∂Q/∂v of the generalised forces Q of the loads; ∂Q/∂v is 0 unless loads.joint_losses is
+/// set. The derivative of Q by one component of a load is a row of J, see jacobian(); that of the
+/// accelerations is a column of M⁻¹ Jᵀ, see impulse_response().
 template <class T>
 void generalized_load_derivatives(const Model& model, Workspace<T>& workspace, Numbers<T> q, Numbers<T> v,
                                   const Loads<T>& loads, const std::type_identity_t<StateDerivatives<T>>& d);
 
-/// ∂T/∂q and ∂T/∂v = M v of the kinetic energy: nv numbers each. O(n). See (D1.25) of docs/derivations.
+/// Computes ∂T/∂q and ∂T/∂v = M v of the kinetic energy T, nv numbers each. O(n). See (D1.25) of
+/// docs/derivations.
 template <class T>
 void kinetic_energy_gradient(const Model& model, Workspace<T>& workspace, Numbers<T> q, Numbers<T> v,
                              const std::type_identity_t<StateDerivatives<T>>& gradient);

@@ -6,10 +6,10 @@
 
 namespace axode {
 
-/// Accelerations at given forces, and then x := M⁻¹ x for matrices of nv columns, by the fast articulated
-/// bodies, or in hybrid representation if joints are coupled or M may be singular.
+/// Computes the accelerations at given forces, and afterwards M⁻¹ X for matrices X of nv columns. It uses the
+/// fast articulated bodies, or the hybrid representation if joints are coupled or M may be singular.
 template <class T> struct AccelerationsAndColumns {
-  /// On larger trees articulated bodies solve for columns faster than products with M⁻¹.
+  /// The largest number of velocities for which products with M⁻¹ are faster than articulated bodies.
   static constexpr int most_velocities = 100;
   FastForwardDynamics<T> fast;
   using Bodies = typename FastForwardDynamics<T>::Bodies;
@@ -42,8 +42,9 @@ template <class T> struct AccelerationsAndColumns {
       for (std::ptrdiff_t r = 0; r < nv; ++r) matrix[r * nv + c] = x[r];
     }
   }
-  /// Solves for a matrix with entries only where one velocity moves the other, given M⁻¹: products of M⁻¹
-  /// with the few entries of a column are faster except on large trees.
+  /// Replaces X by M⁻¹ X for a matrix X that has entries only for pairs of velocities on one path, given M⁻¹.
+  /// Products of M⁻¹ with the few entries of a column are faster than articulated bodies except on large
+  /// trees.
   void solve(const Tree<T>& tree, const T* M_inverse, T* matrix) noexcept {
     if (!is_fast || tree->nv > most_velocities) return solve(tree, matrix);
     using L = Lanes<T>;
@@ -54,7 +55,8 @@ template <class T> struct AccelerationsAndColumns {
       T* const columns_of = matrix + first;
       for (int r = 0; r < end; ++r)
         if (tree->velocity_end[r] > first) rows[n] = r, u[n++] = L::load(columns_of + r * nv, nv - first);
-      for (int r = 0; r < nv; r += 4) {  // rows of the result, so that no sum waits for itself
+      for (int r = 0; r < nv; r += 4) {  // four rows of the result at once, so that their sums do not wait
+                                         // for each other
         const int row[]{r, std::min(r + 1, nv - 1), std::min(r + 2, nv - 1), std::min(r + 3, nv - 1)};
         typename L::Number sum[4]{T(0), T(0), T(0), T(0)};
         for (int k = 0; k < n; ++k) {
@@ -65,7 +67,7 @@ template <class T> struct AccelerationsAndColumns {
       }
     }
   }
-  /// x := M⁻¹ x for one vector.
+  /// Replaces one vector y by M⁻¹ y.
   void solve_one(const Tree<T>& tree, T* y) noexcept {
     if (is_fast)
       fast.bodies.solve_one(tree, fast.motion, y);

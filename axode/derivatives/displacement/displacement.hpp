@@ -2,20 +2,20 @@
 #include "axode/lie/inertia.hpp"
 #include "axode/lie/mat3.hpp"
 
-/// Derivatives of body wrenches when a subtree is displaced along a screw J: the joint screw of a velocity, a
-/// unit screw at B_i for a geometric parameter, any screw for a base. All quantities are spatial: inertial
-/// axes, one point O for one tree.
+/// Derivatives of body wrenches when a subtree is displaced along a screw J: J is the joint screw of a
+/// velocity, or a unit screw at B_i for a geometric parameter, or any screw for a base. All quantities are
+/// spatial: they are in inertial axes and about one point O for each tree.
 ///
 /// In a frame that is displaced with the subtree only the motion of its base changes, by the velocity ψ' and
 /// the acceleration ψ''. This changes the wrench of a body of inertia M, twist V and momentum M V by M ψ'' +
-/// B ψ', where B X = M' X - ad_Xᵀ M V is the Coriolis force of a velocity, once for each of the two.
+/// B ψ', where B X = M' X - ad_Xᵀ M V is the Coriolis force of M for the pair of velocities V and X.
 namespace axode {
 
 /// An element of se(3) in inertial axes: a twist, its rate, a screw and its rates.
 template <class T> using Motion6 = Twist<Spatial, T>;
 
-/// The first two time derivatives ψ' and ψ'' of a screw J that is fixed to a body with V_p and V'_p. See
-/// (D1.4) of docs/derivations.
+/// The first two time derivatives ψ' and ψ'' of a screw J that is fixed to a body with the twist V_p and its
+/// rate V'_p. See (D1.4) of docs/derivations.
 template <class T> struct CarriedScrew {
   Motion6<T> first, second;
 
@@ -23,14 +23,15 @@ template <class T> struct CarriedScrew {
       : first(ad(V_p, J)), second(ad(dV_p, J) + ad(V_p, first)) {}
 };
 
-/// B = 2 [[D, 0], [-p~, 0]] of rigid bodies, each with its own twist: 12 numbers, which are summed over
-/// bodies. With the position r and the velocity r' of the mass, D = tr(E) 1 - E, E = ∫ r' rᵀ dm and p = ∫ r'
-/// dm: B X = 2 ∫ (r × (w × r'); w × r') dm. See (D1.9) to (D1.12) of docs/derivations.
+/// The Coriolis inertia B = 2 [[D, 0], [-p~, 0]] of rigid bodies, each with its own twist. It has 12 numbers,
+/// which can be summed over bodies. With the position r and the velocity r' of the mass, D = tr(E) 1 - E, E =
+/// ∫ r' rᵀ dm and p = ∫ r' dm: B X = 2 ∫ (r × (w × r'); w × r') dm. See (D1.9) to (D1.12) of
+/// docs/derivations.
 template <class T> struct CoriolisInertia {
   Mat3<T> D;
   Vec3<T> p;
 
-  /// B of one body with inertia M about O.
+  /// The Coriolis inertia of one body with the inertia M about O and the twist V.
   static constexpr CoriolisInertia of(const Inertia<T>& M, const Motion6<T>& V) {
     const Mat3<T> E = cross(V.w, matrix(binet_tensor(M.Theta))) + outer_product(V.v, M.h);
     return {
@@ -41,7 +42,7 @@ template <class T> struct CoriolisInertia {
     const Vec3<T> w = T(2) * X.w;
     return {D * w, cross(w, p)};
   }
-  /// The moment of Bᵀ X, which has no force.
+  /// The moment of the wrench Bᵀ X, whose force is 0.
   constexpr Vec3<T> transposed_times(const Motion6<T>& X) const {
     return T(2) * (transposed_times_(X.w) + cross(p, X.v));
   }

@@ -8,19 +8,20 @@
 
 namespace axode {
 
-/// ∂τ/∂q, ∂τ/∂v and ∂τ/∂a of inverse dynamics. Every joint screw is multiplied with all columns of its
-/// subtree: 67 products and sums for a pair, in all three matrices. See (D1.17) of docs/derivations.
+/// Computes ∂τ/∂q, ∂τ/∂v and ∂τ/∂a of inverse dynamics. Every joint screw is multiplied with all columns of
+/// its subtree. For each pair of a screw and a column, the entries of all three matrices take 67 products and
+/// sums. See (D1.17) of docs/derivations.
 template <class T> struct FirstOrder {
   using L = Lanes<T>;
   using Number = typename L::Number;
   static constexpr int results = 5;
 
   MovingScrews<T> screws;
-  Arrays<T> effect;  ///< ScrewEffects by column
+  Arrays<T> effect;  ///< the ScrewEffects of each column
   Arrays<T> line;    ///< products of one screw with the columns of its subtree
   BodyPoses<T> inertial;
-  LoadStiffness<T>* N;  ///< of the wrenches on each body, then on its subtree
-  Arrays<T> NtS;        ///< Nᵀ S by column
+  LoadStiffness<T>* N;  ///< load stiffness of the wrenches on each body, after compose() on its subtree
+  Arrays<T> NtS;        ///< Nᵀ S of each column
   T* own;
 
   explicit FirstOrder(Arena& arena)
@@ -32,7 +33,7 @@ template <class T> struct FirstOrder {
         NtS(arena, 6, arena.topology().n_screws),
         own(arena.per_velocity<T>()) {}
 
-  /// Computes the effects of all screws at a state.
+  /// Computes the ScrewEffects of all columns at a state.
   template <class Real>
   void run(const Tree<Real>& tree, const T* q, const T* v, const T* a, const Loads<T>& loads) noexcept {
     run(tree, q, v, a, loads, cast<T>(tree.g));
@@ -45,7 +46,7 @@ template <class T> struct FirstOrder {
       if (!loads.wrenches.empty()) load(tree, q, loads.wrenches);
     compose(*tree.operator->(), !loads.wrenches.empty());
   }
-  /// Computes the effects of all screws from moving, loaded bodies.
+  /// Computes the ScrewEffects of all columns from the bodies, whose motion and loads have been set.
   void compose(const Topology& topology, bool loaded) noexcept {
     screws.compose(topology);
     for (int c = 0; c < topology.n_screws; c += L::width) {
@@ -56,7 +57,7 @@ template <class T> struct FirstOrder {
     if (loaded) stiffen(topology);
   }
 
-  /// Computes τ of the state; it may share the memory of v or a.
+  /// Computes the forces τ of the state. The result may share the memory of v or a.
   template <class Real>
   void project(const Tree<Real>& tree, const T* v, const T* a, bool joint_losses, T* tau) const noexcept {
     joint_terms(tree, v, a, joint_losses, own);
@@ -69,7 +70,7 @@ template <class T> struct FirstOrder {
     }
   }
 
-  /// Writes nv × nv numbers each, [component, direction].
+  /// Writes the matrices, nv × nv numbers each, [component, direction].
   template <class Real>
   void write(const Tree<Real>& tree, const Loads<T>& loads, T* dq, T* dv, T* da) noexcept {
     const std::ptrdiff_t nv = tree->nv;
@@ -105,8 +106,8 @@ template <class T> struct FirstOrder {
     }
   }
 
-  /// by_q(component, direction, part of ∂τ/∂q) and by_v, entry by entry; entries of velocities that joints
-  /// share come in several parts.
+  /// Calls by_q(component, direction, part of ∂τ/∂q), and by_v in the same way with ∂τ/∂v, entry by entry. An
+  /// entry of a velocity that several joints share comes in several parts, which add up.
   template <class Real, class ByQ, class ByV>
   void each_entry(const Tree<Real>& tree, const Loads<T>& loads, const ByQ& by_q, const ByV& by_v) noexcept {
     for (int i = 1; i <= tree->n; ++i)
@@ -118,8 +119,8 @@ template <class T> struct FirstOrder {
       for (std::ptrdiff_t c = 0; c < tree->nv; ++c) by_v(c, c, T(tree.damping[static_cast<std::size_t>(c)]));
   }
 
-  /// f(given wrench, body, point, moment, force) for the wrenches on moving bodies, in inertial axes, with
-  /// the point relative to O.
+  /// Calls f(given wrench, body, point, moment, force) for each wrench on a moving body; the vectors are in
+  /// inertial axes, and the point is relative to O.
   template <class F>
   void each_load(const Tree<T>& tree, std::span<const AppliedWrench<T>> wrenches, const F& f) const noexcept {
     for (const AppliedWrench<T>& given : wrenches) {
@@ -146,7 +147,8 @@ template <class T> struct FirstOrder {
  private:
   /// Multiplies column l with the columns from `begin` on.
   void multiply(int l, int begin, int end, bool loaded) noexcept {
-    const Arrays<T> e = effect, n = NtS, out = line;  // local copies, which no result can overwrite
+    const Arrays<T> e = effect, n = NtS, out = line;  // local copies, so that the compiler knows that no
+                                                      // result overwrites them
     Number x[psi_1 + 3];
     for (int k = 0; k < 18; ++k) x[k] = Number(e.array(k)[l]);
     for (int k = psi_1; k < psi_1 + 3; ++k) x[k] = Number(e.array(k)[l]);
@@ -161,7 +163,7 @@ template <class T> struct FirstOrder {
     }
   }
 
-  /// The entries of the products of column l of body i, after multiply().
+  /// Calls by_q, by_v and by_a with the entries that follow from column l of body i, after multiply().
   template <class Real, class ByQ, class ByV, class ByA>
   void each_entry_of(const Tree<Real>& tree, int l, int i, const ByQ& by_q, const ByV& by_v,
                      const ByA& by_a) const noexcept {

@@ -11,7 +11,7 @@ namespace axode {
 /// Cost O(n k²). See (D3.9) to (D3.11) of docs/derivations.
 template <class T> class ForceSeries {
  public:
-  /// The order of the series of τ.
+  /// `order` is the order of the series of τ.
   ForceSeries(const Tree<T>& tree, int order)
       : order_(order),
         stride_(order + 1),
@@ -24,8 +24,8 @@ template <class T> class ForceSeries {
 
   int order() const { return order_; }
 
-  /// From q and v, v', v'', ... (order + 2 rows of nv) to τ, τ', ... (order + 1 rows of nv), which must not
-  /// overlap.
+  /// Computes τ, τ', ... (order + 1 rows of nv numbers) from q and `rates`, which are v, v', v'', ... (order
+  /// + 2 rows of nv numbers). They must not overlap.
   void run(const Tree<T>& tree, const T* q, const T* rates, const Loads<T>& loads, T* tau) noexcept {
     motion_.run_about_roots(tree, q, rates);
     for (int k = 0; k <= order_; ++k) W(0, k) = {};
@@ -60,7 +60,7 @@ template <class T> class ForceSeries {
  private:
   Wrench<Spatial, T>& W(int i, int k) { return W_[static_cast<std::size_t>(i * stride_ + k)]; }
 
-  /// The wrench that the motion of body i under gravity requires.
+  /// Sets the wrench of body i to the one that its motion under gravity requires.
   void set_inertial(const Tree<T>& tree, int i) noexcept {
     const auto V = [&](int k) {
       const Screw<T>& X = motion_.twist(i)[k];
@@ -79,7 +79,8 @@ template <class T> class ForceSeries {
       W(i, k) = {T(k + 1) * Pi.l - cross(M_[at(k)].h, tree.g), T(k + 1) * Pi.p - weight};
     }
   }
-  /// Subtracts the loads, which turn as their representations define.
+  /// Subtracts the loads from the wrenches. Whether a load turns with its body is defined by its
+  /// representation.
   void apply(const Tree<T>& tree, const T* q, std::span<const AppliedWrench<T>> wrenches) noexcept {
     for (int i = 1; i <= tree->n; ++i) {
       const int p = tree->parent[i];

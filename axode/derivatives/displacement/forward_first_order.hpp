@@ -4,7 +4,7 @@
 
 namespace axode {
 
-/// ∂a/∂q, ∂a/∂v and ∂a/∂τ of forward dynamics: -M⁻¹ times the derivatives of inverse dynamics at the
+/// Computes ∂a/∂q, ∂a/∂v and ∂a/∂τ of forward dynamics: -M⁻¹ times the derivatives of inverse dynamics at the
 /// accelerations a. See (D1.24) of docs/derivations.
 template <class T> struct ForwardFirstOrder {
   AccelerationsAndColumns<T> forward;

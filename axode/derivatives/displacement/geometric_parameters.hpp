@@ -6,7 +6,8 @@
 /// q_i).
 namespace axode {
 
-/// The frame at zero relative to the internal frame of body i, which the joint has moved.
+/// The pose of the frame that body i has while its joint is at zero, relative to the present internal frame
+/// of body i.
 template <class T> SE3<T> frame_at_zero(const Tree<T>& tree, int i, const T* q) noexcept {
   return with_subgroup(tree->kind[i], tree.pitch[i], [&](const auto& joint) {
     const T own = tree.ratio[i] * q[tree->iq[i]] + tree.offset[i];
@@ -14,8 +15,8 @@ template <class T> SE3<T> frame_at_zero(const Tree<T>& tree, int i, const T* q) 
     return inverse(moved) * tree.frame_offset[i];
   });
 }
-/// f(u, screw) for the six unit screws of a frame with the pose E, angular before linear, in the axes
-/// relative to which E is.
+/// Calls f(u, screw) for the six unit screws of a frame with the pose E, angular before linear. The screws
+/// are expressed in the frame relative to which E is given.
 template <class T, class F> void each_unit_screw(const SE3<T>& E, const F& f) noexcept {
   for (int u = 0; u < 6; ++u) {
     const auto one = [&](int k) { return T(u == k); };

@@ -2,7 +2,8 @@
 #include "axode/lie/mat3.hpp"
 #include "axode/lie/twist.hpp"
 
-/// A wrench with constant components in a representation may turn with the body on which it acts, or not.
+/// Derivatives of loads. A load is a wrench with constant components in a representation; this determines
+/// whether it turns with the body on which it acts.
 namespace axode {
 
 /// The change L(X) W of a load W on a body that is displaced along X, if W is constant in a representation;
@@ -31,14 +32,14 @@ constexpr Wrench<BodyFixed, T> turned_transposed(Representation representation, 
   return {};
 }
 
-/// N of wrenches that are constant in a representation: if a subtree is displaced along X, the wrench that
-/// balances them changes by N X in a frame that is displaced with it. N = [[A, -b~], [-f~, 0]], 15 numbers.
-/// See (D1.15) of docs/derivations.
+/// The stiffness matrix N of wrenches that are constant in a representation: if a subtree is displaced along
+/// X, the wrench that balances them changes by N X in a frame that is displaced with it. N = [[A, -b~], [-f~,
+/// 0]], 15 numbers. See (D1.15) of docs/derivations.
 template <class T> struct LoadStiffness {
   Mat3<T> A;
   Vec3<T> b, f;
 
-  /// N of a wrench at the point r, in inertial axes; it is 0 if the wrench is body-fixed.
+  /// The matrix N of one wrench at the point r, in inertial axes. It is 0 if the wrench is body-fixed.
   static constexpr LoadStiffness of(Representation representation, const Vec3<T>& r, const Vec3<T>& m,
                                     const Vec3<T>& f) {
     const auto minus = [](const Mat3<T>& X) { return T(-1) * X; };

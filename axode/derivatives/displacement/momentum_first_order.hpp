@@ -17,7 +17,7 @@ template <class T> struct MomentumEffects {
   static constexpr std::size_t size = 36;
   using Entries = std::array<T, size>;
 
-  /// M is the inertia and Π the momentum of the subtree of the joint.
+  /// Computes the quantities for a joint whose subtree has the inertia M and the momentum Π.
   static constexpr MomentumEffects of(const Inertia<T>& M, const Wrench<Spatial, T>& Pi, const Motion6<T>& S,
                                       const Motion6<T>& V_p, const Motion6<T>& V) {
     const auto times_M = [&](const Motion6<T>& X) {
@@ -39,7 +39,8 @@ template <class T> struct MomentumFirstOrder {
   using Number = typename L::Number;
 
   AccelerationsAndColumns<T> forward;
-  FirstOrder<T> terms;  ///< gravity and loads, at rest; then the tree with the rates v instead of V
+  FirstOrder<T> terms;  ///< first the derivatives of gravity and loads at rest, then the tree with the
+                        ///< accelerations v and no velocities
   Arrays<T> effect, line;
   T *v, *zero;
 
@@ -51,7 +52,7 @@ template <class T> struct MomentumFirstOrder {
         v(arena.per_velocity<T>()),
         zero(arena.per_velocity<T>()) {}
 
-  /// Writes nv × nv numbers each, [component, direction].
+  /// Writes the matrices, nv × nv numbers each, [component, direction].
   Solvability run(const Tree<T>& tree, const T* q, const T* p, const Loads<T>& loads, T* v_q, T* v_p, T* dp_q,
                   T* dp_p) noexcept {
     const std::ptrdiff_t nv = tree->nv, entries = nv * nv;
@@ -74,7 +75,8 @@ template <class T> struct MomentumFirstOrder {
     const auto subtract_from = [nv](T* matrix) {
       return [=](std::ptrdiff_t r, std::ptrdiff_t direction, const T& x) { matrix[direction * nv + r] -= x; };
     };
-    // Transposed, one row for each direction: F_v in the memory of p'_p, and -(Mv)_q in that of v_q.
+    // Intermediate results are transposed, with one row for each direction: F_v is in the memory of p'_p, and
+    // -(Mv)_q in that of v_q.
     terms.run(tree, q, zero, zero, loads);
     terms.each_entry(tree, loads, subtract_from(dp_q), subtract_from(dp_p));
     move(tree, q);
@@ -96,8 +98,8 @@ template <class T> struct MomentumFirstOrder {
       for (std::ptrdiff_t c = 0; c < r; ++c) std::swap(matrix[r * n + c], matrix[c * n + r]);
   }
 
-  /// Computes the effects of all screws. The recursion runs without velocities and with the accelerations v,
-  /// so that its V' and F are V and Π.
+  /// Computes the MomentumEffects of all joint screws. The recursion of `terms` runs with velocities 0 and
+  /// the accelerations v, so that its rates V' and wrenches F are the twists V and momenta Π of the motion.
   void move(const Tree<T>& tree, const T* q) noexcept {
     MovingScrews<T>& screws = terms.screws;
     screws.run(tree, q, zero, v, {});
@@ -134,7 +136,8 @@ template <class T> struct MomentumFirstOrder {
       }
   }
 
-  /// f(component, direction, part of the derivative) of (Mv)_q, F_q and F_v.
+  /// Calls f(component, direction, part of the derivative) for the entries of (Mv)_q, F_q and F_v, each with
+  /// its own function f.
   template <class MvByQ, class ByQ, class ByV>
   void each_entry(const Tree<T>& tree, const MvByQ& Mv_by_q, const ByQ& by_q, const ByV& by_v) noexcept {
     for (int i = 1; i <= tree->n; ++i)

@@ -39,7 +39,7 @@ template <class T> struct ScrewEffects {
   static constexpr std::size_t size = 42;
   using Entries = std::array<T, size>;
 
-  /// Takes V_p and V'_p of the predecessor, and V of the body.
+  /// Computes the effects of a screw S, with V_p and V'_p of the predecessor and V of the body.
   static constexpr ScrewEffects of(const MovingInertia<T>& moved, const Motion6<T>& S, const Motion6<T>& V_p,
                                    const Motion6<T>& dV_p, const Motion6<T>& V) {
     const CarriedScrew<T> psi(V_p, dV_p, S);
@@ -68,7 +68,8 @@ template <class T> void set6(const Arrays<T>& x, int i, const Motion6<T>& X) {
   x.set3(X.v, 3, i);
 }
 
-/// Sums n arrays of bodies over the subtree of each joint, and copies the sums to the columns of the joint.
+/// Sums n arrays with an entry for each body over the subtree of each joint, and copies the sums to the
+/// columns of the joint.
 template <class T>
 void sum_subtrees(const Topology& topology, int n, const Arrays<T>& of_bodies,
                   const Arrays<T>& of_columns) noexcept {
@@ -92,8 +93,8 @@ void sum_subtrees(const Topology& topology, int n, const Arrays<T>& of_bodies,
 
 /// The joint screws of a moving tree, and the quantities on which displacements along them depend, about the
 /// origins of the roots at this instant. A column is one joint screw; the columns of a subtree are adjacent.
-/// The screw of a coupled joint is for a unit velocity of its leader. About 650 products and sums for a
-/// hinge.
+/// The screw of a coupled joint is for a unit velocity of its leader. It takes about 650 products and sums
+/// for a hinge.
 template <class T> struct MovingScrews {
   using L = Lanes<T>;
   using Number = typename L::Number;
@@ -102,12 +103,14 @@ template <class T> struct MovingScrews {
   };
 
   FastPoses<T> poses;
-  Arrays<T> C, V, dV;     ///< by body: columns of R, then r; twists; rates with gravity
-  SpatialMotion* moving;  ///< V and dV by body
-  Arrays<T> moved;        ///< MovingInertia of each body, then of its subtree
+  Arrays<T> C, V, dV;     ///< for each body: its pose (columns of R, then r), its twist, and the rate of its
+                          ///< twist with gravity included
+  SpatialMotion* moving;  ///< V and dV of each body
+  Arrays<T> moved;        ///< MovingInertia of each body, after compose() of its subtree
   Arrays<T> S, V_p, dV_p,
-      V_i;            ///< by column: screw; twist and rate of the predecessor; twist of the body
-  Arrays<T> subtree;  ///< by column: MovingInertia of the subtree
+      V_i;            ///< for each column: the screw, the twist of the predecessor and its rate, and the
+                      ///< twist of the body
+  Arrays<T> subtree;  ///< for each column: MovingInertia of the subtree
 
   explicit MovingScrews(Arena& arena)
       : poses(arena),
@@ -122,7 +125,7 @@ template <class T> struct MovingScrews {
         V_i(arena, 6, arena.topology().n_screws),
         subtree(arena, static_cast<int>(MovingInertia<T>::size), arena.topology().n_screws) {}
 
-  /// Computes motion and inertia of each body.
+  /// Computes motion and inertia of each body, and the joint screws.
   template <class Real>
   void run(const Tree<Real>& tree, const T* q, const T* v, const T* a, const Vec3<T>& g) noexcept {
     moving[0] = {{}, {{}, -g}};
@@ -160,14 +163,14 @@ template <class T> struct MovingScrews {
     moved.set3(moved.get3(25, i) - W.f, 25, i);
   }
 
-  /// Sums over the subtrees.
+  /// Sums inertias and wrenches over the subtrees.
   void compose(const Topology& topology) noexcept {
     sum_subtrees(topology, static_cast<int>(MovingInertia<T>::size), moved, subtree);
   }
   /// The wrench that the joint of body i transmits, after compose().
   Wrench<Spatial, T> transmitted(int i) const { return {moved.get3(22, i), moved.get3(25, i)}; }
 
-  /// The effects of the columns from c on, after compose().
+  /// The ScrewEffects of the columns from c on, one in each lane, after compose().
   ScrewEffects<Number> effects(int c) const {
     return ScrewEffects<Number>::of(subtree_of_columns(c), load6(S, c), load6(V_p, c), load6(dV_p, c),
                                     load6(V_i, c));
@@ -186,8 +189,8 @@ template <class T> struct MovingScrews {
   Motion6<T> screw(int c) const { return {S.get3(0, c), S.get3(3, c)}; }
 
  private:
-  /// Stores a column, and adds S v and S a + [V_p, S v] to the motion; for several screws the sum equals
-  /// [V_i, S v].
+  /// Stores the column c with the screw S, and adds its parts S v and S a + [V_p, S v] to the motion of the
+  /// body. For a joint with several screws, the sum of the brackets equals [V_i, S v].
   void add(int c, const Motion6<T>& S_c, const SpatialMotion& p, const T& v, const T& a,
            SpatialMotion& next) noexcept {
     set6(S, c, S_c);

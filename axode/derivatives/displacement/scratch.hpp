@@ -18,8 +18,8 @@ template <class T> struct ForwardJvp {
   explicit ForwardJvp(Arena& arena)
       : forward(arena), jvp(arena), zero(arena.per_velocity<T>()), x(arena.per_velocity<T>()) {}
 
-  /// x = M⁻¹ (δτ - ∂τ/∂q δq - ∂τ/∂v δv) with the derivatives of inverse dynamics at the accelerations. See
-  /// (D1.24) of docs/derivations.
+  /// Computes x = M⁻¹ (δτ - ∂τ/∂q δq - ∂τ/∂v δv) with the derivatives of inverse dynamics at the
+  /// accelerations. See (D1.24) of docs/derivations.
   Solvability run(const Tree<T>& tree, const T* q, const T* v, const T* tau, const T* dq, const T* dv,
                   const T* dtau, const Loads<T>& loads) noexcept {
     const Solvability verdict = forward.run(tree, q, v, tau, loads);
@@ -61,7 +61,7 @@ template <class T> struct TermDerivatives {
 
   explicit TermDerivatives(Arena& arena) : state(arena), zero(arena.per_velocity<T>()) {}
 
-  /// Computes them at velocities v, or at rest. ∂/∂v is skipped if it has no memory.
+  /// Computes the derivatives at the velocities v, or at rest. ∂/∂v is skipped if its output is null.
   void run(const Tree<T>& tree, const T* q, const T* v, const Loads<T>& loads, const Vec3<T>& g, T* dq,
            T* dv) noexcept {
     std::fill_n(zero, tree->nv, T(0));
@@ -83,7 +83,8 @@ template <class T> struct EnergyGradient {
   explicit EnergyGradient(Arena& arena) : vjp(arena), zero(arena.per_velocity<T>()) {}
 };
 
-/// The joint screws of the bodies on the path of a place, in its frame, beginning with the last body.
+/// The joint screws of the bodies on the path to a place, in the frame of the place, beginning with the last
+/// body.
 template <class T> struct CarryingScrews {
   struct Column {
     int j, c;  ///< body and velocity
@@ -112,7 +113,7 @@ template <class T> struct SpringColumns {
   explicit SpringColumns(Arena& arena) : column(arena.per_screw<Column>()) {}
 };
 
-/// A Hessian for each component.
+/// Memory for the Hessian of each component of the accelerations.
 template <class T> struct HessiansOfAccelerations {
   ForwardSecondOrder<T> one;
   T* w;

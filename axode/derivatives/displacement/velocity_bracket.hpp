@@ -6,8 +6,9 @@
 
 namespace axode {
 
-/// -ad_v of every joint, added to the diagonal of rows of `width` numbers: column k of a joint is [S e_k, S
-/// v] in its own coordinates. The columns of S are unit vectors wherever the bracket is not 0.
+/// Adds -ad_v of every joint to the diagonal of a matrix, whose rows have `width` numbers. Column k of a
+/// joint is [S e_k, S v] in the coordinates of the joint. The columns of S are unit vectors wherever the
+/// bracket is not 0.
 template <class T> void subtract_ad(const Tree<T>& tree, const T* v, std::ptrdiff_t width, T* rows) {
   each_joint(tree, [&](const auto& joint, int i, bool coupled) {
     if (coupled) return;

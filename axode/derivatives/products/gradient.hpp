@@ -3,29 +3,29 @@
 
 namespace axode {
 
-/// The gradient of λ·τ of inverse dynamics with respect to (q, v, a), from two sweeps. The adjoint of the
-/// wrench of a body is the twist Λ that it would have if the joints moved with λ. Sums are over the subtree
-/// of a joint with the screw S; V and V' are those of the predecessor, and all quantities are in the axes of
-/// the body:
+/// Computes the gradient of λ·τ of inverse dynamics with respect to (q, v, a) by two sweeps. The adjoint of
+/// the wrench of a body is the twist Λ that it would have if the joints moved with λ. Sums are over the
+/// subtree of a joint with the screw S; V and V' are those of the predecessor, and all quantities are in the
+/// axes of the body:
 ///   A = Σ M Λ, H = Σ Bᵀ Λ (a pure moment), n = Σ Nᵀ Λ, F the transmitted wrench:
 ///   g = ad_Λᵀ F + ad_Vᵀ (H + ad_Vᵀ A) + ad_V'ᵀ A + n
 ///   ∂/∂q = S|g, ∂/∂v = S|(H + ad_{V_p + V_i}ᵀ A), ∂/∂a = S|A
-/// About 380 products and sums per hinge. See (D1.21) to (D1.23) of docs/derivations.
+/// It takes about 380 products and sums for a hinge. See (D1.21) to (D1.23) of docs/derivations.
 template <class G, class T> struct InverseDynamicsGradient {
   using Vector = typename G::Vector;
   using Factor = typename G::Factor;
   using Spread = typename G::Spread;
   using Matrix = typename G::Matrix;
   struct Motion {
-    Vector w, v;    ///< V
-    Vector dw, dv;  ///< V', gravity folded in
-    Vector Lw, Lv;  ///< Λ
+    Vector w, v;    ///< twists V
+    Vector dw, dv;  ///< rates V', gravity included
+    Vector Lw, Lv;  ///< adjoint twists Λ
   };
   struct Body {
     Matrix R;
     Vector r;
-    Vector m, f;      ///< F
-    Vector A_m, A_f;  ///< A
+    Vector m, f;      ///< transmitted wrench F
+    Vector A_m, A_f;  ///< the wrench A
     Vector H, n_m, n_f;
   };
   JointAngles<T> angles;
@@ -95,7 +95,8 @@ template <class G, class T> struct InverseDynamicsGradient {
     }
   }
 
-  /// Applies a load W on body i, and adds L(·)ᵀ of Λ for the representation in which the load is constant.
+  /// Applies a load W on body i. n is the gradient of L(X) W | Λ by X for the representation in which the
+  /// load is constant.
   void load(int i, const Wrench<BodyFixed, T>& W, const Wrench<BodyFixed, T>& n) noexcept {
     body[i].m -= Vector(W.m);
     body[i].f -= Vector(W.f);
@@ -103,7 +104,7 @@ template <class G, class T> struct InverseDynamicsGradient {
     body[i].n_f -= Vector(n.f);
   }
 
-  /// Adds the part of a body to the gradients.
+  /// Adds the contributions of a body to the gradients.
   template <class S>
   void backward(const Tree<S>& tree, const T* v, const T* a, const T* lambda, T* by_q, T* by_v,
                 T* by_a) noexcept {
@@ -144,8 +145,8 @@ template <class G, class T> struct InverseDynamicsGradient {
   }
   bool loaded = false;  ///< whether there are loads, so that n is not 0
 
-  /// g of the subtree of joint i, after backward(): the gradient with respect to a displacement before the
-  /// joint; the joint has the twist V_J.
+  /// The wrench g of the subtree of joint i, after backward(): the gradient with respect to a displacement
+  /// that comes before the joint, whose twist is V_J.
   template <class S>
   Wrench<BodyFixed, T> by_displacement(const Tree<S>& tree, int i, const Twist<BodyFixed, T>& V_J, const T* a,
                                        const T* lambda) const noexcept {

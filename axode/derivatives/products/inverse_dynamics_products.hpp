@@ -7,7 +7,7 @@
 
 namespace axode {
 
-/// δτ of inverse dynamics along (δq, δv, δa).
+/// Computes the derivative δτ of inverse dynamics along a direction (δq, δv, δa).
 template <class T> struct InverseDynamicsJvp {
   InverseDynamicsTangent<typename FastGeometry<T>::type, T> tangent;
   BodyPoses<T> C;
@@ -48,7 +48,7 @@ template <class T> struct InverseDynamicsJvp {
   }
 };
 
-/// The gradient of λ·τ of inverse dynamics.
+/// Computes the gradient of λ·τ of inverse dynamics.
 template <class T> struct InverseDynamicsVjp {
   InverseDynamicsGradient<typename FastGeometry<T>::type, T> gradient;
   BodyPoses<T> C;
@@ -81,7 +81,8 @@ template <class T> struct InverseDynamicsVjp {
     gradient.backward(tree, v, a, lambda, by_q, by_v, by_a);
   }
 
-  /// f(i, u, derivative) with respect to the geometric parameters of all bodies, after run().
+  /// Calls f(i, u, derivative) with the derivatives of λ·τ with respect to the geometric parameters of all
+  /// bodies, after run().
   template <class F>
   void each_parameter(const Tree<T>& tree, const T* q, const T* v, const T* a, const T* lambda,
                       const F& f) const noexcept {

@@ -8,8 +8,8 @@
 /// inverse_dynamics_derivatives().
 namespace axode {
 
-/// δτ = ∂τ/∂q dq + ∂τ/∂v dv + ∂τ/∂a da. About two and a half times inverse dynamics. See (D1.20) of
-/// docs/derivations.
+/// Computes δτ = ∂τ/∂q dq + ∂τ/∂v dv + ∂τ/∂a da of inverse dynamics. It takes about two and a half times as
+/// long as inverse dynamics. See (D1.20) of docs/derivations.
 template <class T>
 void inverse_dynamics_jvp(const Model& model, Workspace<T>& workspace, Numbers<T> q, Numbers<T> v,
                           Numbers<T> a, Numbers<T> dq, Numbers<T> dv, Numbers<T> da,
@@ -18,15 +18,16 @@ void inverse_dynamics_jvp(const Model& model, Workspace<T>& workspace, Numbers<T
 
 /// Receives the gradients of w·τ, nv entries each. They must not overlap.
 template <class T> struct InverseDynamicsGradients { std::span<T> q, v, a; };
-/// The gradient of w·τ, wᵀ times the three matrices. See (D1.22) of docs/derivations.
+/// Computes the gradient of w·τ of inverse dynamics: wᵀ times the three matrices ∂τ/∂q, ∂τ/∂v and ∂τ/∂a. See
+/// (D1.22) of docs/derivations.
 template <class T>
 void inverse_dynamics_vjp(const Model& model, Workspace<T>& workspace, Numbers<T> q, Numbers<T> v,
                           Numbers<T> a, Numbers<T> w,
                           const std::type_identity_t<InverseDynamicsGradients<T>>& gradient,
                           const std::type_identity_t<Loads<T>>& loads = {});
 
-/// δa = ∂a/∂q dq + ∂a/∂v dv + ∂a/∂τ dtau of forward dynamics. NaN if the status is not ok(). See (D1.24) of
-/// docs/derivations.
+/// Computes δa = ∂a/∂q dq + ∂a/∂v dv + ∂a/∂τ dtau of forward dynamics. NaN if the status is not ok(). See
+/// (D1.24) of docs/derivations.
 template <class T>
 Solvability forward_dynamics_jvp(const Model& model, Workspace<T>& workspace, Numbers<T> q, Numbers<T> v,
                                  Numbers<T> tau, Numbers<T> dq, Numbers<T> dv, Numbers<T> dtau,
@@ -35,7 +36,8 @@ Solvability forward_dynamics_jvp(const Model& model, Workspace<T>& workspace, Nu
 
 /// Receives the gradients of w·a, nv entries each. They must not overlap.
 template <class T> struct ForwardDynamicsGradients { std::span<T> q, v, tau; };
-/// The gradient of w·a. See (D1.24) of docs/derivations.
+/// Computes the gradient of w·a of forward dynamics with respect to q, v and τ. It is NaN if the status is
+/// not ok(). See (D1.24) of docs/derivations.
 template <class T>
 Solvability forward_dynamics_vjp(const Model& model, Workspace<T>& workspace, Numbers<T> q, Numbers<T> v,
                                  Numbers<T> tau, Numbers<T> w,

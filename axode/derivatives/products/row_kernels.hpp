@@ -12,7 +12,7 @@
 /// losses are ignored.
 ///
 /// By is the algorithm for accelerations, on the scalar By::T:
-///   accelerate(tree, q, v, tau, a) a = M⁻¹ (τ - h), and what the solutions need
+///   accelerate(tree, q, v, tau, a) a = M⁻¹ (τ - h); prepares for the functions below
 ///   solve_one(tree, x)             x := M⁻¹ x
 ///   solve(tree, X)                 X := M⁻¹ X for a matrix of nv columns, row by row
 ///   inverse(tree, X)               X := M⁻¹
@@ -88,7 +88,7 @@ template <class By> struct RowKernel<Id("forward_dynamics"), By> {
     by.accelerate(tree, x[Input::q], x[Input::v], x[Input::tau], a);
   }
 };
-/// ∂a/∂x = -M⁻¹ ∂τ/∂x at the accelerations of the state, and M⁻¹.
+/// Computes ∂a/∂x = -M⁻¹ ∂τ/∂x for x = q and v, at the accelerations of the state, and M⁻¹.
 template <class By> struct RowKernel<Id("forward_dynamics_derivatives"), By> {
   using T = typename By::T;
   RowKernel<Id("inverse_dynamics_derivatives"), By> inverse;
@@ -105,7 +105,8 @@ template <class By> struct RowKernel<Id("forward_dynamics_derivatives"), By> {
     by.inverse(tree, out + 2 * entries);
   }
 };
-/// M da = dτ - dID(q, v, a)[dq, dv, 0].
+/// Computes da from M da = dτ - dID(q, v, a)[dq, dv, 0], where dID is the directional derivative of inverse
+/// dynamics.
 template <class By> struct RowKernel<Id("forward_dynamics_jvp"), By> {
   using T = typename By::T;
   InverseDynamicsJvp<T> jvp;
@@ -121,7 +122,8 @@ template <class By> struct RowKernel<Id("forward_dynamics_jvp"), By> {
     by.solve_one(tree, da);
   }
 };
-/// μ = M⁻¹ w is the gradient by τ; the gradients by q and v are those of -μ·ID.
+/// Computes the gradients of w·a. The gradient by τ is μ = M⁻¹ w; those by q and v are the gradients of
+/// -μ·ID(q, v, a), where ID is inverse dynamics.
 template <class By> struct RowKernel<Id("forward_dynamics_vjp"), By> {
   using T = typename By::T;
   InverseDynamicsVjp<T> vjp;

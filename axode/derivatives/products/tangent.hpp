@@ -4,8 +4,8 @@
 namespace axode {
 
 /// Inverse dynamics and its derivative along one direction (δq, δv, δa): the tangent of the recursion on
-/// classical accelerations. For a hinge, with x' = Rᵀ x, δ(x') = (δx)' + x' × e_z δq. About 340 products and
-/// sums per hinge. See (D1.20) of docs/derivations.
+/// classical accelerations. For a hinge, with x' = Rᵀ x, δ(x') = (δx)' + x' × e_z δq. It takes about 340
+/// products and sums for a hinge. See (D1.20) of docs/derivations.
 template <class G, class T> struct InverseDynamicsTangent {
   using Vector = typename G::Vector;
   using Factor = typename G::Factor;
@@ -106,7 +106,7 @@ template <class G, class T> struct InverseDynamicsTangent {
     body[i].tangent_f -= Vector(dW.f);
   }
 
-  /// Adds the part of a body to δτ.
+  /// Adds the contributions of a body to δτ.
   template <class S> void backward(const Tree<S>& tree, const T* dq, T* dtau) noexcept {
     for (int i = tree->n; i > 0; --i) {
       const Body& b = body[i];

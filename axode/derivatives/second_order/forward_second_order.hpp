@@ -4,8 +4,8 @@
 
 namespace axode {
 
-/// The second derivatives of w·a of forward dynamics in blocks, the last one tauq. With a(q, v, τ), μ = -M⁻¹
-/// w, the blocks H of μ·τ at these accelerations, from `second`, and Q = H_aq:
+/// Computes the second derivatives of w·a of forward dynamics in four blocks qq, qv, vv and tauq. With a(q,
+/// v, τ), μ = -M⁻¹ w, the blocks H of μ·τ at these accelerations, from `second`, and Q = H_aq:
 ///   tauq = M⁻¹ Q    qq = H_qq + P + Pᵀ, P = -tauqᵀ ∂τ/∂q    qv = H_qv - tauqᵀ ∂τ/∂v    vv = H_vv.
 /// No matrix except the results is stored: products with ∂τ/∂q and ∂τ/∂v are added entry by entry. solve(x)
 /// computes x := M⁻¹ x for nv columns. See (D2.9) of docs/derivations.
@@ -18,7 +18,7 @@ void accelerations_from(SecondOrder<T>& second, const Tree<Real>& tree, const Lo
   for (T* const block : {H.qq, H.qv, H.vv, H.aq}) std::fill_n(block, nv * nv, T(0));
   second.add_to(topology, loaded, {nullptr, nullptr, nullptr, H.aq});
   solve(H.aq);
-  // Pᵀ and (Qᵀ ∂a/∂v)ᵀ, whose rows are sums of rows of tauq.
+  // Adds Pᵀ and (Qᵀ ∂a/∂v)ᵀ, whose rows are sums of rows of tauq.
   const auto subtract = [&](T* block, std::ptrdiff_t direction, std::ptrdiff_t component, const T& x) {
     const T* const from = H.aq + component * nv;
     T* const to = block + direction * nv;

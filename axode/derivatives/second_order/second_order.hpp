@@ -34,7 +34,7 @@ template <class T> struct ScrewCurvature {
   static constexpr std::size_t size = 42;
   using Entries = std::array<T, size>;
 
-  /// Takes Λ_p of the predecessor.
+  /// Computes the factors for the screw S; Lambda_p is the adjoint twist Λ of the predecessor.
   static constexpr ScrewCurvature of(const MovingInertia<T>& moved, const VirtualMomentum<T>& momentum,
                                      const Motion6<T>& S, const Motion6<T>& V_p, const Motion6<T>& Lambda_p) {
     const Motion6<T> chi = ad(Lambda_p, S), psi_1 = ad(V_p, S);
@@ -52,7 +52,7 @@ template <class T> struct ScrewCurvature {
 template <class T> struct HessianBlocks { T *qq, *qv, *vv, *aq; };
 
 /// The second partial derivatives of λ·τ of inverse dynamics, in O(n d): about 400 products and sums for a
-/// hinge, and 114 for each pair of a joint and one before it.
+/// hinge, and 114 for each pair of a joint and a joint before it on its path.
 template <class T> struct SecondOrder {
   using L = Lanes<T>;
   using Number = typename L::Number;
@@ -60,8 +60,10 @@ template <class T> struct SecondOrder {
 
   FirstOrder<T> first;
   Motion6<T>* Lambda;
-  Arrays<T> Lambdas, momenta;               ///< by body: Λ; VirtualMomentum of the body, then of its subtree
-  Arrays<T> Lambda_p, momentum, curvature;  ///< by column
+  Arrays<T> Lambdas, momenta;               ///< for each body: Λ, and VirtualMomentum of the body, later of
+                                            ///< its subtree
+  Arrays<T> Lambda_p, momentum, curvature;  ///< for each column: Λ of the predecessor, VirtualMomentum of the
+                                            ///< subtree, and ScrewCurvature
   Arrays<T> line;
   TwistToWrench<Spatial, T>* K;  ///< second derivatives of the power of the loads on Λ
 
@@ -91,7 +93,7 @@ template <class T> struct SecondOrder {
     first.compose(topology, loaded);
     compose(topology, loaded);
   }
-  /// Adds to the blocks that have memory.
+  /// Adds the second derivatives to the blocks of H; a block that is null is skipped.
   void add_to(const Topology& topology, bool loaded, const HessianBlocks<T>& H) noexcept {
     const std::ptrdiff_t nv = topology.nv;
     const auto add = [&](T* block, std::ptrdiff_t outer, std::ptrdiff_t inner, const T& x) {
@@ -191,7 +193,8 @@ template <class T> struct SecondOrder {
       }
   }
 
-  /// S_l|hat(A) S_k: within a joint there is one bracket less.
+  /// The term S_l|hat(A) S_k, which is subtracted for two columns of one joint: within a joint, one bracket
+  /// less occurs.
   T own_bracket(int l, int k) const {
     T sum(0);
     for (int c = 0; c < 6; ++c) sum += curvature.array(AS + c)[k] * first.screws.S.array(c)[l];
@@ -200,7 +203,7 @@ template <class T> struct SecondOrder {
   /// Multiplies column l with the columns from `begin` on.
   void multiply(int l, int begin, int end, bool loaded) noexcept {
     const Arrays<T> e = first.effect, d = curvature,
-                    out = line;  // local copies, which no result can overwrite
+                    out = line;  // local copies, so that the compiler knows that no result overwrites them
     Number S[6], psi_2[6], sigma[6], chi_l[6], psi_l[6];
     for (int k = 0; k < 6; ++k) {
       S[k] = Number(e.array(Part::S + k)[l]);

@@ -3,7 +3,7 @@
 #include "axode/fast/any_joint.hpp"
 #include "axode/recursion/inverse_dynamics.hpp"
 
-/// τ, τ' and τ'' of a motion by the recursions of Newton and Euler, differentiated twice (section 6.3).
+/// Computes τ, τ' and τ'' of a motion by the Newton-Euler recursion, differentiated twice (section 6.3).
 /// `rates` are the rows v, a, jerk and snap of nv numbers; the results are three rows of forces. O(n).
 /// ForceSeries computes the derivatives of any order, as power series in spatial representation.
 namespace axode {
@@ -13,7 +13,7 @@ namespace axode {
 template <class T> struct LoadRates {
   Wrench<BodyFixed, T> W[3];
 
-  /// Takes V and V' of the body.
+  /// Computes the rates of the load `on` a body with the twist V and its rate V'.
   LoadRates(const ResolvedLoad<T>& on, const Twist<BodyFixed, T>& V, const Twist<BodyFixed, T>& dV) {
     const Twist<BodyFixed, T> V_f = on.there(V), dV_f = on.there(dV);
     const auto L = [&](const Twist<BodyFixed, T>& X, const Wrench<BodyFixed, T>& F) {
@@ -26,7 +26,7 @@ template <class T> struct LoadRates {
   }
 };
 
-/// Forces of armatures and losses, and their first two time derivatives.
+/// Computes the forces of armatures and losses, and their first two time derivatives, into the rows of tau.
 template <class T> void drive_rates(const Tree<T>& tree, const T* rates, bool joint_losses, T* tau) noexcept {
   const int nv = tree->nv;
   joint_terms(tree, rates, rates + nv, joint_losses, tau);
@@ -38,8 +38,8 @@ template <class T> void drive_rates(const Tree<T>& tree, const T* rates, bool jo
 
 template <class Rep, class T> struct SecondOrderRecursion;
 
-/// Body-fixed twists: with S = X v the twist of a joint, Ad the inverse transformation to the body and U_k
-/// the k-th derivative of Ad V_p,
+/// The recursion in body-fixed twists: with S = X v the twist of a joint, Ad the inverse transformation to
+/// the body and U_k the k-th derivative of Ad V_p,
 ///   (Ad)' = -ad_S Ad,  V = U + S,  V' = U_1 + S',  ...;  (Adᵀ)' = -Adᵀ ad_Sᵀ.
 /// See (D3.1) to (D3.5) of docs/derivations.
 template <class T> struct SecondOrderRecursion<BodyFixed, T> {
@@ -120,9 +120,9 @@ template <class T> struct SecondOrderRecursion<BodyFixed, T> {
   }
 };
 
-/// Hybrid twists: inertial axes, so that derivatives are those of vectors. d is the origin of a body relative
-/// to that of its predecessor, d' = v - v_p; vectors fixed to a body rotate with it. See (D3.6) to (D3.8) of
-/// docs/derivations.
+/// The recursion in hybrid twists. The axes are inertial, so that derivatives of components are those of
+/// vectors. d is the origin of a body relative to that of its predecessor, d' = v - v_p; vectors fixed to a
+/// body rotate with it. See (D3.6) to (D3.8) of docs/derivations.
 template <class T> struct SecondOrderRecursion<Hybrid, T> {
   using V6 = Twist<Hybrid, T>;
   using W6 = Wrench<Hybrid, T>;

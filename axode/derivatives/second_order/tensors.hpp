@@ -7,9 +7,9 @@ namespace axode {
 /// derivative][inner derivative].
 template <class T> struct SecondDerivatives { T *qq, *qv, *vv, *aq; };
 
-/// The second partial derivatives of inverse dynamics. The derivatives by three columns on one path follow
-/// from the last one, d. With hat(W) X = -ad_Xᵀ W, B_S = B[M; S_d] and B_ψ = B[M; ψ'_d] + (change of B along
-/// S_d) of the subtree of d, the entries of all orders of l, j and d are sums of
+/// The second partial derivatives of inverse dynamics. The derivatives by three columns on one path are
+/// computed from the last of the three, d. With hat(W) X = -ad_Xᵀ W, B_S = B[M; S_d] and B_ψ = B[M; ψ'_d] +
+/// (change of B along S_d) of the subtree of d, the entries of all orders of l, j and d are sums of
 ///   u = -S_j|hat(U) S_l     b = S_j|B_S S_l     f = S_j|B_S ψ'_l    r = S_j|hat(R) S_l    p = S_j|hat(P) S_l
 ///   g = S_j|(B_S σ_l - hat(U) σ_l + B_ψ S_l)          h = -S_j|(hat(U) σ_l + hat(t) S_l) - ψ'_j|B_S S_l
 ///   G = S_j|(B_S ψ''_l - hat(U) ψ''_l + B_ψ ψ'_l)     H = -S_j|(hat(U) ψ''_l + hat(t) ψ'_l) - ψ'_j|B_S ψ'_l
@@ -20,12 +20,16 @@ template <class T> struct SecondOrderTensors {
   using Number = typename L::Number;
 
   FirstOrder<T> first;
-  Arrays<T> psi_1, B_S, B_psi;                         ///< by column
-  int* begin;                                          ///< by body: where its columns begin on its path
+  Arrays<T> psi_1, B_S, B_psi;                         ///< ψ', B_S and B_ψ of each column
+  int* begin;                                          ///< for each body: the index on its path at which its
+                                                       ///< columns begin
   int* velocity;                                       ///< velocities of the columns on the path of a body
-  Arrays<T> path_S, path_psi, path_psi_2, path_sigma;  ///< S, ψ', ψ'' and σ of these columns
-  Arrays<T> wrench;                                    ///< products of column d with them: Wrenches
-  Arrays<T> line;                                      ///< products of the wrenches with one column: Products
+  Arrays<T> path_S, path_psi, path_psi_2, path_sigma;  ///< S, ψ', ψ'' and σ of the columns on the path of a
+                                                       ///< body
+  Arrays<T> wrench;                                    ///< the products of column d with the columns of its
+                                                       ///< path, see Wrenches
+  Arrays<T> line;                                      ///< the products of the wrenches with one column of
+                                                       ///< the path, see Products
 
   explicit SecondOrderTensors(Arena& arena)
       : first(arena),
@@ -95,7 +99,8 @@ template <class T> struct SecondOrderTensors {
     store(CoriolisInertia<Number>::of(moved.M, S), B_S);
     store(of_psi, B_psi);
   }
-  /// Appends the columns of body i to those of the path of its predecessor, and returns their end.
+  /// Appends the columns of body i to those of the path of its predecessor, and returns the index after the
+  /// last of them.
   int extend_path(const Topology& topology, int i) noexcept {
     const int p = topology.parent[i];
     int e = begin[i] = p == 0 ? 0 : begin[p] + topology.first_screw[p + 1] - topology.first_screw[p];
@@ -144,12 +149,13 @@ template <class T> struct SecondOrderTensors {
       store(-U_psi - Wrench<Spatial, Number>{cross(psi.w, t), {}}, for_H);
     }
   }
-  /// Multiplies the wrenches of d with column j of the path, whose joint has the columns from begin_j to
-  /// end_j.
+  /// Multiplies the wrenches that belong to the last column d with column j of its path. The joint of j has
+  /// the columns from begin_j to end_j - 1.
   void multiply(int j, const Last& d, int begin_j, int end_j) noexcept {
     Number S[6], psi[6];
     for (int k = 0; k < 6; ++k) S[k] = Number(path_S.array(k)[j]), psi[k] = Number(path_psi.array(k)[j]);
-    const Arrays<T> W = wrench, out = line;  // local copies, which no result can overwrite
+    const Arrays<T> W = wrench, out = line;  // local copies, so that the compiler knows that no result
+                                             // overwrites them
     const auto product = [W](const Number(&mine)[6], int with, int c) {
       return W.template product<6>(mine, 6 * with, c);
     };
@@ -208,9 +214,9 @@ template <class T> struct SecondOrderTensors {
       out.aq[ld] += x(b, l) + x(u, l);
     }
   }
-  /// Column l of the path.
+  /// The screw of column l of the path.
   Motion6<T> screw(int l) const { return {path_S.get3(0, l), path_S.get3(3, l)}; }
-  /// Within a joint there is one bracket less.
+  /// Subtracts the terms by which columns of one joint differ: within a joint, one bracket less occurs.
   void put_brackets(std::ptrdiff_t nv, const Last& d, T* vv) noexcept {
     const Inertia<T> M = first.screws.subtree_of_column(d.c).M;
     for (int l = d.begin; l < d.end; ++l) {
