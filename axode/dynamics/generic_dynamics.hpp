@@ -16,15 +16,16 @@ namespace axode {
 /// header. For double and float the library has the functions of axode/dynamics.hpp.
 ///
 /// T needs + - * /, sqrt, sin, cos, `<`, `>`, select and a conversion from double; forward dynamics compares
-/// values only. The recursions run in the representation Rep, on which results do not depend. All functions
-/// are O(n) except mass_matrix, allocate nothing, and throw std::invalid_argument for an argument of a wrong
-/// size. The caller must make sure that quaternions in q have norm 1. The dynamics of a mechanism with loops
-/// are refused, and springs are left out.
+/// the values of numbers only, not their derivatives. The recursions run in the representation Rep, on which
+/// results do not depend. All functions except mass_matrix are O(n). They allocate nothing, and throw
+/// std::invalid_argument for an argument of a wrong size. The caller must make sure that quaternions in q
+/// have norm 1. The dynamics of a mechanism with loops are refused, and springs are left out.
 template <class T, RecursionRepresentation Rep = Hybrid> class GenericDynamics {
  public:
   explicit GenericDynamics(const Model& model) : GenericDynamics(model, cast<T>(model.tree<double>())) {}
-  /// Replaces the numbers of the model's tree, so that derivatives by inertias, armatures or gravity are
-  /// possible as well: change the TreeNumbers of cast<T>(model.tree<double>()) and make a Tree of them.
+  /// Takes `tree` instead of the tree of the model, for derivatives by inertias, armatures or gravity. To
+  /// make such a tree, change the TreeNumbers of cast<T>(model.tree<double>()) and construct a Tree from
+  /// them.
   GenericDynamics(const Model& model, Tree<T> tree)
       : model_(model),
         tree_(std::move(tree)),
@@ -34,7 +35,8 @@ template <class T, RecursionRepresentation Rep = Hybrid> class GenericDynamics {
 
   const Tree<T>& tree() const { return tree_; }
 
-  /// q ⊕ dv (nq): the configuration after every joint has moved along its left-trivialised direction dv (nv).
+  /// Computes q ⊕ dv (nq numbers): the configuration after every joint has moved along its left-trivialised
+  /// direction dv (nv numbers).
   void integrate(std::span<const T> q, std::span<const T> dv, std::span<T> moved) const {
     check("q", q, model_.nq(), "nq");
     check("dv", dv, model_.nv(), "nv");
@@ -58,7 +60,7 @@ template <class T, RecursionRepresentation Rep = Hybrid> class GenericDynamics {
   }
 
   /// The accelerations a (nv; rad/s², m/s²) for drive forces τ (nv), see forward_dynamics(). It fails if the
-  /// values of the mass matrix are those of a singular one.
+  /// mass matrix, with its values alone, is singular.
   Solvability forward_dynamics(std::span<const T> q, std::span<const T> v, std::span<const T> tau,
                                std::span<T> a, const Loads<T>& loads = {}) {
     check_counts("forward_dynamics");
@@ -68,7 +70,7 @@ template <class T, RecursionRepresentation Rep = Hybrid> class GenericDynamics {
     return forward_->run(tree_, q.data(), v.data(), tau.data(), loads, a.data());
   }
 
-  /// M(q), nv × nv, row by row, armatures included. O(n²).
+  /// The mass matrix M(q), nv × nv, row by row, armatures included. O(n²).
   void mass_matrix(std::span<const T> q, std::span<T> M) {
     check("q", q, model_.nq(), "nq");
     check("M", M, model_.nv() * model_.nv(), "nv * nv");

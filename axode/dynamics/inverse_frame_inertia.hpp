@@ -7,8 +7,8 @@
 
 namespace axode {
 
-/// J Y for the Jacobian J of a place and the response Y of the velocities to impulses on it: 36 entries, made
-/// symmetric.
+/// Computes J Y for the Jacobian J of a place and the response Y of the velocities to impulses on this place.
+/// The 36 entries are made symmetric, because rounding makes J Y slightly unsymmetric.
 template <class Rep, class T>
 void inverse_frame_inertia(std::span<const Twist<Rep, T>> J, std::span<const Twist<Rep, T>> Y,
                            T* Lambda_inverse) {

@@ -15,7 +15,8 @@ void joint_wrenches(const Model& model, Workspace<T>& workspace, Numbers<T> q, N
   const Tree<T>& tree = model.tree<T>();
   InverseDynamicsRecursion<Rep, T> recursion{arena};
   recursion.run(tree, q.data(), v.data(), a.data(), loads);
-  for (int i = 1; i <= tree->n; ++i) {  // the internal frame as a body on the frame of the result
+  for (int i = 1; i <= tree->n; ++i) {  // treat the internal frame as a body that is fixed to the frame of
+                                        // the result
     const SE3<T> offset = wrench_frame<T>(model, i, at);
     const Link<Rep, T> user = recursion.motion.bodies.link[i].child(offset);
     W[i - 1] = user.child(inverse(offset)).up(recursion.W[i]);

@@ -5,18 +5,18 @@
 #include "axode/kinematics/place.hpp"
 #include "axode/recursion/solvability.hpp"
 
-/// Response of a place on a mechanism to a wrench.
+/// The response of a place on a mechanism to a wrench or an impulse.
 namespace axode {
 
-/// M⁻¹ Jᵀ for a place. Y_c | W is the jump of velocity c under an impulse W at the place; nv columns. O(n)
-/// for each of the six components.
+/// Computes M⁻¹ Jᵀ for a place, as nv columns Y_c: Y_c | W is the jump of velocity c under an impulse W at
+/// the place. O(n) for each of the six components.
 template <RecursionRepresentation Rep = BodyFixed, class T>
 Solvability impulse_response(const Model& model, Workspace<T>& workspace, Numbers<T> q,
                              const std::type_identity_t<Place<T>>& place,
                              std::type_identity_t<std::span<Twist<Rep, T>>> Y);
 
-/// J M⁻¹ Jᵀ for a place, 36 entries, symmetric: it maps an impulse on the place to the jump of its twist. It
-/// is positive semi-definite; its rank is the number of directions in which the place can move.
+/// Computes J M⁻¹ Jᵀ for a place, 36 entries, symmetric: it maps an impulse on the place to the jump of its
+/// twist. It is positive semi-definite; its rank is the number of directions in which the place can move.
 template <RecursionRepresentation Rep = BodyFixed, class T>
 Solvability inverse_operational_space_inertia(const Model& model, Workspace<T>& workspace, Numbers<T> q,
                                               const std::type_identity_t<Place<T>>& place,
@@ -27,9 +27,10 @@ template <RecursionRepresentation Rep = BodyFixed, class... Arguments>
   return inverse_operational_space_inertia<Rep>(std::forward<Arguments>(arguments)...);
 }
 
-/// Λ = (J M⁻¹ Jᵀ)⁻¹ of a place, 36 entries: the inertia of the place against a wrench. If the place cannot
-/// move in all six directions (or nearly cannot: condition above 1e12 in double, 1e5 in float, after scaling
-/// to a unit diagonal), the result is NaN and Solvability has the number of directions.
+/// Computes the operational-space inertia Λ = (J M⁻¹ Jᵀ)⁻¹ of a place, 36 entries: the apparent inertia of
+/// the place against a wrench. If the place cannot move in all six directions (or nearly cannot: condition
+/// above 1e12 in double, 1e5 in float, after scaling to a unit diagonal), the result is NaN and Solvability
+/// has the number of directions.
 template <RecursionRepresentation Rep = BodyFixed, class T>
 Solvability operational_space_inertia(const Model& model, Workspace<T>& workspace, Numbers<T> q,
                                       const std::type_identity_t<Place<T>>& place,

@@ -15,8 +15,8 @@ template <class Rep, class T> struct BiasForces {
 
   explicit BiasForces(Arena& arena) : recursion(arena), zero(arena.per_velocity<T>()) {}
 
-  /// Bias forces at velocity v under gravity g and loads. Joint losses are those at v_losses. Without a
-  /// velocity the system is at rest.
+  /// Computes the bias forces at the velocities v under gravity g and loads; joint losses are those at the
+  /// velocities v_losses. If v is null, the system is at rest.
   void run(const Tree<T>& tree, const T* q, const T* v, const T* v_losses, const Loads<T>& loads,
            const Vec3<T>& g, T* tau) noexcept {
     for (int c = 0; c < tree->nv; ++c) zero[c] = T(0);
@@ -25,7 +25,7 @@ template <class Rep, class T> struct BiasForces {
   }
 };
 
-/// Memory for the response of a frame to impulses.
+/// Scratch memory for the response of a frame to impulses.
 template <class Rep, class T> struct FrameResponse {
   ArticulatedBodies<Rep, T> bodies;
   Twist<Rep, T>*J, *Y;

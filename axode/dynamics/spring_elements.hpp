@@ -8,8 +8,8 @@
 /// The force laws of springs, dampers and stops, for forces and their derivatives.
 namespace axode {
 
-/// Force of the spring and the stops on a joint of one velocity, its derivatives by position and velocity,
-/// and its energy.
+/// The force of the spring and the stops on a joint of one velocity, the derivatives of this force by
+/// position and velocity, and the energy.
 template <class T> struct ElasticForce { T f, by_p, by_dp, energy; };
 template <class T> ElasticForce<T> elastic_force(const Dof& dof, const T& p, const T& dp) noexcept {
   const T k = T(dof.stiffness), x = p - T(dof.rest);
@@ -42,7 +42,7 @@ template <class Joint, class T> struct ElasticLogarithm {
     for (int k = 0; k < joint.nv; ++k) dx[k] = components(dexp_inv(minus_X_, joint.column(k)));
   }
   T force(int k) const { return -product(Kx, dx[k]); }
-  /// The derivative of the force along velocity j.
+  /// The derivative of force k along velocity j.
   T by_q(const std::vector<Dof>& dof, int k, int j) const {
     Entries K_dx;
     for (int l = 0; l < joint_.nv; ++l) K_dx[l] = T(dof[l].stiffness) * dx[j][l];
@@ -64,8 +64,8 @@ template <class Joint, class T> struct ElasticLogarithm {
   Screw<T> minus_X_;
 };
 
-/// The line of a spring, in the internal frame of the body where the paths from both ends to the ground meet,
-/// so that no digits are lost far from the inertial origin.
+/// The line between the two ends of a spring. It is expressed in the internal frame of the body where the
+/// paths from both ends to the ground meet, so that no digits are lost far from the inertial origin.
 template <class T> struct SpringLine {
   std::array<Place<T>, 2> place;
   int meeting;

@@ -7,15 +7,15 @@
 ///
 /// A joint of one velocity has its own position p, also if it is coupled. The force of its spring is -k (p -
 /// rest), and beyond a limit that of the stop is -k δ max(0, 1 + d δ') for the depth δ (Hunt and Crossley),
-/// which is continuous and never pulls. For a joint of several velocities the motion from the drawn pose has
-/// the logarithm x; the energy is xᵀ K x / 2 and the force -dexp_{-x}⁻ᵀ K x. It jumps at half a turn, where
-/// the other way round becomes the shorter one; for planar and free joints the energy jumps as well. Between
-/// two points at distance l there is a tension k (l - rest) + d l' along the line; if the points coincide,
-/// the line has no direction, and there is no force.
+/// which is continuous and never pulls. For a joint of several velocities, let x be the logarithm of the
+/// motion from the drawn pose; the energy is xᵀ K x / 2 and the force is -dexp_{-x}⁻ᵀ K x. The force jumps at
+/// half a turn, where the shorter rotation changes its direction; for planar and free joints the energy jumps
+/// there as well. Between two points at distance l there is a tension k (l - rest) + d l' along the line; if
+/// the points coincide, the line has no direction, and there is no force.
 namespace axode {
 
-/// The generalised forces τ (nv; N m or N) of all springs, dampers and stops. O(n) for the joints and
-/// O(depth) for each line.
+/// The generalised forces τ (nv; N m or N) of all springs, dampers and stops. O(n) for the joints, and
+/// O(depth) for each spring between two points.
 template <class T>
 void spring_forces(const Model& model, Workspace<T>& workspace, Numbers<T> q, Numbers<T> v,
                    std::type_identity_t<std::span<T>> tau);

@@ -25,7 +25,7 @@ template <class Rep> MatrixXd jacobian(const Model& model, std::span<const doubl
   return system.A * system.X;
 }
 
-/// The 6×6 inertia matrix of a body with pose C.
+/// The 6×6 inertia matrix, in representation Rep, of a body with pose C.
 template <class Rep> Matrix6<double> inertia_matrix(const SE3<>& C, const Inertia<>& M) {
   if constexpr (std::same_as<Rep, Spatial>) return to_eigen(transform(C, M));
   if constexpr (std::same_as<Rep, Hybrid>) return to_eigen(transform(C.R, M));
@@ -37,7 +37,7 @@ template <class Rep> Matrix6<double> inertia_matrix(const SE3<>& C, const Inerti
   return M_i;
 }
 
-/// W_i^app of all bodies, gravity included, stacked.
+/// The applied wrenches W_i^app of all bodies, gravity included, stacked in one vector.
 template <class Rep>
 VectorXd applied_wrenches(const Model& model, const std::vector<SE3<>>& C, const Vec3<>& g,
                           const Loads<double>& loads) {
@@ -58,7 +58,7 @@ VectorXd applied_wrenches(const Model& model, const std::vector<SE3<>>& C, const
   return W;
 }
 
-/// The armature forces and, if they are asked for, the losses of the joints.
+/// The armature forces and, if joint_losses is set, the losses of the joints.
 VectorXd joint_forces(const Model& model, std::span<const double> v, std::span<const double> a,
                       const Loads<double>& loads) {
   const Tree<double>& tree = model.tree<double>();
@@ -189,7 +189,7 @@ std::vector<double> christoffel(const Model& model, std::span<const double> q) {
     const Vec3<>& h = M.h;
     Eigen::Matrix4d P;
     P << to_eigen(binet_tensor(M.Theta)), to_eigen(h), to_eigen(h).transpose(), M.m;
-    const auto J_hat = [&](int j) {  // Ĵ_lj, for a unit velocity of what moves joint j
+    const auto J_hat = [&](int j) {  // Ĵ_lj for a unit of the velocity that moves joint j
       const double ratio = model.joint(j).leader ? model.joint(j).leader->ratio : 1.0;
       return hat(ratio * Ad(inverse(C[l]) * C[j], model.body(j).X[0]));
     };

@@ -9,7 +9,7 @@ namespace {
 
 template <class T> Wrench<Spatial, T> per_second(const Momentum<Spatial, T>& Pi) { return {Pi.l, Pi.p}; }
 
-/// B in C = Jᵀ (M J' + B J) of one body, in which the forms differ.
+/// The matrix B of one body in C = Jᵀ (M J' + B J), by which the forms of C differ.
 template <class T>
 TwistToWrench<Spatial, T> body_term(CoriolisForm form, const Inertia<T>& M, const Twist<Spatial, T>& V) {
   switch (form) {
@@ -74,7 +74,7 @@ void christoffel(const Model& model, Workspace<T>& workspace, Numbers<T> q,
     for (int i = from; i > 0; i = tree->parent[i])
       s.each_screw(i, [&](int c, const Twist<Spatial, T>& J) { f(i, c, J); });
   };
-  for (int m = 1; m <= tree->n; ++m)  // the outermost of the three
+  for (int m = 1; m <= tree->n; ++m)  // m is the outermost of the three bodies
     each_on_path(m, [&](int b_i, int i, const Twist<Spatial, T>& J_i) {
       const Momentum<Spatial, T> Pi = s.M[m] * J_i;
       each_on_path(m, [&](int b_j, int j, const Twist<Spatial, T>& J_j) {

@@ -14,8 +14,8 @@ template <class T> Inertia<T> unit_inertia(int k) {
   return {is(0), {is(1), is(2), is(3)}, {is(4), is(5), is(6), is(7), is(8), is(9)}};
 }
 
-/// Calls f(i, V, V') for every body, in its frame and body-fixed, with the ground accelerated against
-/// gravity.
+/// Calls f(i, V, V') with the body-fixed twist of every body and its rate, with the ground accelerated
+/// against gravity.
 template <class T, class F> void each_body(const Tree<T>& tree, const PosesAndMotion<T>& at, F&& f) {
   for (int i = 1; i <= tree->n; ++i) {
     const Link<BodyFixed, T> user{tree.frame_offset[i]};

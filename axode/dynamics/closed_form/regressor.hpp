@@ -6,15 +6,16 @@
 /// damping, friction and loads are not included.
 namespace axode {
 
-/// Y with Y π = M a + C v + g, nv × 10 n_bodies entries, row by row; O(n d), and the size of Y to clear.
+/// The regressor Y of the drive forces, Y π = M a + C v + g: nv × 10 n_bodies entries, row by row. O(n d),
+/// and the time to clear Y.
 template <class T>
 void regressor(const Model& model, Workspace<T>& workspace, Numbers<T> q, Numbers<T> v, Numbers<T> a,
                std::type_identity_t<std::span<T>> Y);
-/// y with y π = kinetic energy of the bodies, J; 10 n_bodies entries, O(n).
+/// The row y for which y π is the kinetic energy of the bodies, J; 10 n_bodies entries, O(n).
 template <class T>
 void kinetic_energy_regressor(const Model& model, Workspace<T>& workspace, Numbers<T> q, Numbers<T> v,
                               std::type_identity_t<std::span<T>> y);
-/// y with y π = potential energy of gravity, J; 10 n_bodies entries, O(n).
+/// The row y for which y π is the potential energy of gravity, J; 10 n_bodies entries, O(n).
 template <class T>
 void potential_energy_regressor(const Model& model, Workspace<T>& workspace, Numbers<T> q,
                                 std::type_identity_t<std::span<T>> y);

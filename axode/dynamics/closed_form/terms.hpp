@@ -3,7 +3,8 @@
 #include "axode/kinematics/arguments.hpp"
 #include "axode/recursion/loads.hpp"
 
-/// The terms of M(q) a + C(q, v) v + g(q) = τ + Q, one by one. nv entries each, O(n).
+/// The terms of M(q) a + C(q, v) v + g(q) = τ + Q, each computed by a function of its own. Each result has nv
+/// entries; O(n).
 namespace axode {
 
 /// C(q, v) v: the drive forces of the motion without gravity, loads and accelerations.

@@ -7,7 +7,7 @@
 namespace axode {
 namespace {
 
-/// v_i = (SᵀS)⁻¹ Sᵀ (V_i - V_p) in the joint frame, where the columns of S are orthogonal.
+/// Computes v_i = (SᵀS)⁻¹ Sᵀ (V_i - V_p) in the joint frame, because there the columns of S are orthogonal.
 template <class Rep, class T>
 void velocities(const Tree<T>& tree, const T* q, const Twist<Rep, T>* V, StateForm<Rep, T>& at) noexcept {
   at.C.run(tree, q);
@@ -17,7 +17,7 @@ void velocities(const Tree<T>& tree, const T* q, const Twist<Rep, T>* V, StateFo
     at.V_s[i] = change<Spatial>(C_user, change<BodyFixed>(C_user, V[i - 1]));
   }
   each_joint(tree, [&](const auto& joint, int i, bool coupled) {
-    if (coupled) return;  // what its leader does
+    if (coupled) return;  // a coupled joint moves as its leader does
     const Twist<BodyFixed, T> X = Ad_inv(at.C[i], at.V_s[i] - at.V_s[tree->parent[i]]);
     for (int k = 0; k < joint.nv; ++k) {
       const Screw<T> S = joint.column(k);

@@ -5,9 +5,10 @@
 
 namespace axode {
 
-/// The state as (q, V), n + 6n unknowns: the rates of q and V that belong to the twists V of all bodies (in
-/// their own frames) and the drive forces. v and dV are the results, nv and n_bodies entries. If V does not
-/// belong to joint velocities, its part that the joints allow is used. O(n).
+/// The equations of motion for the state (q, V), where V are the twists of all bodies in their own frames (n
+/// + 6n unknowns). From q, V and the drive forces it computes the joint velocities v (nv entries), with which
+/// q changes, and the rates dV of the twists (n_bodies entries). If V does not belong to joint velocities,
+/// the part of V that the joints allow is used. O(n).
 template <RecursionRepresentation Rep = BodyFixed, class T>
 Solvability twist_form(const Model& model, Workspace<T>& workspace, Numbers<T> q,
                        std::type_identity_t<std::span<const Twist<Rep, T>>> V, Numbers<T> tau,

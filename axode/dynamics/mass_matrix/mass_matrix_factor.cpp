@@ -21,7 +21,8 @@ MassMatrixFactor<T>::MassMatrixFactor(const Model& model)
           tree.inertia_scale[s];
 }
 
-/// Entries of M are compared with √(M_rr M_cc).
+/// Throws for an M that is not symmetric, or that has an entry for velocities on different paths. Entries of
+/// M are compared with √(M_rr M_cc).
 template <class T> void MassMatrixFactor<T>::check(std::span<const T> M) const {
   const std::vector<int>& parent = model_.topology().velocity_parent;
   constexpr double rounding = std::same_as<T, double> ? 1e-9 : 1e-3;

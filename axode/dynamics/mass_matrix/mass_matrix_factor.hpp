@@ -7,18 +7,18 @@
 
 namespace axode {
 
-/// The factors M = LᵀDL with a unit lower triangular L, whose non-zero entries belong to velocities on one
-/// path, as those of M. The constructor allocates the memory. See (D4.7) and (D4.8) of docs/derivations.
+/// The factors of M = LᵀDL. L is lower triangular with a unit diagonal; as in M, only entries of velocities
+/// on one path are non-zero. The constructor allocates the memory. See (D4.7) and (D4.8) of docs/derivations.
 template <class T = double> class MassMatrixFactor {
  public:
   explicit MassMatrixFactor(const Model& model);
-  /// Factorises M, O(n d²), and nv² to check its entries. If the mass matrix is singular, the factors must
+  /// Factorises M. O(n d²), and O(nv²) to check its entries. If the mass matrix is singular, the factors must
   /// not be used. Throws std::invalid_argument for a wrong size, an M that is not symmetric, and a non-zero
   /// entry of velocities on different paths.
   Solvability factorize(std::type_identity_t<std::span<const T>> M);
-  /// x := M⁻¹ x, O(n d).
+  /// Replaces x by M⁻¹ x, O(n d).
   void solve(std::type_identity_t<std::span<T>> x) const;
-  /// M⁻¹, nv × nv entries, O(n² d).
+  /// Computes M⁻¹, nv × nv entries, O(n² d).
   void inverse(std::type_identity_t<std::span<T>> M_inverse) const;
   /// Entry (c, p) of L.
   T L(int c, int p) const { return c == p ? T(1) : c < p ? T(0) : H_[at(c, p)]; }
@@ -33,7 +33,7 @@ template <class T = double> class MassMatrixFactor {
 
   Model model_;
   int nv_;
-  std::vector<T> H_, inertia_scale_;  ///< inertia scale of each velocity
+  std::vector<T> H_, inertia_scale_;  ///< the factors, and the inertia scale of each velocity
 };
 
 }  // namespace axode

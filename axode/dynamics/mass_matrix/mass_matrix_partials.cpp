@@ -23,8 +23,8 @@ void mass_matrix_partials(const Model& model, Workspace<T>& workspace, Numbers<T
     dM[(c * nv + a) * nv + b] += x;
     dM[(c * nv + b) * nv + a] += x;
   };
-  // Bodies b_j < b_k are on the path of b_i, or b_j <= b_i on the path of b_k. Parts that move along with k
-  // do not change.
+  // Either b_j < b_k are on the path of b_i, or b_j <= b_i are on the path of b_k. Quantities that are
+  // displaced with k as a whole do not change.
   for (int b_i = 1; b_i <= tree->n; ++b_i)
     s.each_screw(b_i, [&](int i, const Twist<Spatial, T>& J_i) {
       const Momentum<Spatial, T> Pi = s.M[b_i] * J_i;
@@ -42,7 +42,7 @@ void mass_matrix_partials(const Model& model, Workspace<T>& workspace, Numbers<T
           for (int b_j = b_i; b_j > 0; b_j = tree->parent[b_j])
             s.each_screw(b_j, [&](int j, const Twist<Spatial, T>& J_j) {
               const T x = (Pi | ad(J_j, J_k)) + (dPi | J_j);
-              add(k, i, j, b_i == b_j ? T(0.5) * x : x);  // each pair of one joint comes twice
+              add(k, i, j, b_i == b_j ? T(0.5) * x : x);  // each pair of screws of one joint occurs twice
             });
         });
     });

@@ -4,15 +4,15 @@
 
 namespace axode {
 
-/// ∂M_ij/∂q_k at [(k nv + i) nv + j], nv³ entries, armature being constant, by screws: with J of the joint
-/// screws and M^c of composite bodies, ∂_k M_ij = [J_j, J_k]ᵀ M_i^c J_i for j < k <= i and [J_j, J_k]ᵀ M_k^c
-/// J_i + J_jᵀ M_k^c [J_i, J_k] for j <= i < k. O(n d²), and nv³ to clear. The direction of a multi-DOF
-/// joint's velocity k is q ⊕ e_k ε.
+/// The partial derivatives ∂M_ij/∂q_k at [(k nv + i) nv + j], nv³ entries; armatures are constant. With the
+/// joint screws J and the composite inertias M^c, ∂_k M_ij = [J_j, J_k]ᵀ M_i^c J_i for j < k <= i and [J_j,
+/// J_k]ᵀ M_k^c J_i + J_jᵀ M_k^c [J_i, J_k] for j <= i < k. O(n d²), and O(nv³) to clear the result. The
+/// direction of a multi-DOF joint's velocity k is q ⊕ e_k ε.
 template <class T>
 void mass_matrix_partials(const Model& model, Workspace<T>& workspace, Numbers<T> q,
                           std::type_identity_t<std::span<T>> dM);
-/// ∂(M⁻¹)/∂q_k = -M⁻¹ ∂_k M M⁻¹, in the same order, nv³ entries; O(n⁴). Allocates. If M is singular, the
-/// result is NaN.
+/// The partial derivatives ∂(M⁻¹)/∂q_k = -M⁻¹ ∂_k M M⁻¹, nv³ entries, that of entry (i, j) at [(k nv + i) nv
+/// + j]; O(n⁴). Allocates. If M is singular, the result is NaN.
 template <class T>
 Solvability inverse_mass_matrix_partials(const Model& model, Workspace<T>& workspace, Numbers<T> q,
                                          std::type_identity_t<std::span<T>> dM_inverse);

@@ -34,10 +34,10 @@ Solvability spatial_momentum_form(const Model& model, Workspace<T>& workspace, N
   StateForm<Spatial, T> at(arena);
   at.spatial.run(tree, q.data());
 
-  // (JᵀMJ) v = JᵀΠ, without armatures: they have no part in the momenta of the bodies.
+  // Solves (JᵀMJ) v = JᵀΠ, without armatures, because these have no part in the momenta of the bodies.
   at.Pi[0] = {};
   for (int i = 1; i <= tree->n; ++i) {
-    const Momentum<Spatial, T>& given = Pi[i - 1];  // about the inertial origin
+    const Momentum<Spatial, T>& given = Pi[i - 1];  // the given momentum is about the inertial origin
     at.Pi[i] = {given.l - cross(at.spatial.origin[i], given.p), given.p};
   }
   sum_subtrees(*tree.topology(), at.Pi);

@@ -3,8 +3,9 @@
 #include "axode/recursion/loads.hpp"
 #include "axode/recursion/solvability.hpp"
 
-/// The equations of motion as rates of (q, p) with p = M(q) v, and of (q, Π). Everything is in
-/// spatial twists, where momenta of bodies add up without a transformation.
+/// The equations of motion in momenta: as rates of (q, p) with p = M(q) v, and as rates of (q, Π) with the
+/// momenta Π of the bodies. Everything is in spatial twists, where momenta of bodies add up without a
+/// transformation.
 namespace axode {
 
 /// The rates of (q, p): velocities v = M⁻¹ p and
@@ -18,9 +19,10 @@ Solvability momentum_form(const Model& model, Workspace<T>& workspace, Numbers<T
                           std::type_identity_t<std::span<T>> dp,
                           const std::type_identity_t<Loads<T>>& loads = {});
 
-/// The state as (q, Π^s), n + 6n unknowns (eqs. PEs with erratum 24): the rates of q and Π that belong to the
-/// spatial momenta Π of all bodies. v has nv and dPi n_bodies entries. M_i J_i v = Π_i is solved by its
-/// projection JᵀΠ = (JᵀMJ) v, so that massless bodies are allowed. O(n). See (D5.8) of docs/derivations.
+/// The equations of motion for the state (q, Π), where Π are the spatial momenta of all bodies (n + 6n
+/// unknowns; eq. PEs with erratum 24). It computes the joint velocities v (nv entries), with which q changes,
+/// and the rates dPi of the momenta (n_bodies entries). The velocities follow from JᵀΠ = (JᵀMJ) v, the
+/// projection of Π_i = M_i J_i v, so that massless bodies are allowed. O(n). See (D5.8) of docs/derivations.
 template <class T>
 Solvability spatial_momentum_form(const Model& model, Workspace<T>& workspace, Numbers<T> q,
                                   std::type_identity_t<std::span<const Momentum<Spatial, T>>> Pi,
