@@ -5,7 +5,7 @@
 /// functions that are not inlined.
 namespace axode {
 
-/// C_{p,i} of joint i, which may be of any kind.
+/// The relative pose C_{p,i} of joint i, which may be of any kind.
 template <class T, class S>
 [[gnu::noinline]] SE3<T> any_joint_pose(const Tree<S>& tree, int i, const T* q) noexcept {
   return with_subgroup(tree->kind[i], T(tree.pitch[i]), [&](const auto& joint) {
@@ -13,7 +13,7 @@ template <class T, class S>
     return joint.pose(cast<T>(tree.B[i]), tree->coupled[i] ? &own : q + tree->iq[i]);
   });
 }
-/// S x of joint i, for velocities or accelerations x of all joints.
+/// The motion S x of joint i, for velocities or accelerations x of all joints.
 template <class T, class S>
 [[gnu::noinline]] Twist<BodyFixed, T> any_joint_twist(const Tree<S>& tree, int i, const T* x) noexcept {
   return with_subgroup(tree->kind[i], T(tree.pitch[i]), [&](const auto& joint) {

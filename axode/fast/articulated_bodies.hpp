@@ -80,8 +80,8 @@ template <class G, class T> struct FastArticulatedBodies {
   void update_kinematics_and_bias(const Tree<S>& tree, const T* q, const T* v, Motion* motion) noexcept {
     update_kinematics_and_bias(tree, q, v, motion, [](int, const Matrix&, const Motion&, const Vector&) {});
   }
-  /// update_kinematics_and_bias() that moreover calls put(i, R, motion, u) for every body, where u is the
-  /// velocity of its origin minus that of the origin of its predecessor.
+  /// Does what update_kinematics_and_bias() does, and in addition calls put(i, R, motion, u) for every body,
+  /// where u is the velocity of its origin minus that of the origin of its predecessor.
   template <class S, class Put>
   [[gnu::always_inline]] void update_kinematics_and_bias(const Tree<S>& tree, const T* q, const T* v,
                                                          Motion* motion, Put&& put) noexcept {
@@ -163,7 +163,7 @@ template <class G, class T> struct FastArticulatedBodies {
     }
   }
 
-  /// x := M⁻¹ x for one column of nv numbers, after factorize().
+  /// Replaces x by M⁻¹ x for one column of nv numbers, after factorize().
   template <class S> void solve_one(const Tree<S>& tree, Motion* motion, T* x) noexcept {
     Vector m{}, f{};
     for (int i = tree->n; i > 0; --i) {
@@ -205,8 +205,9 @@ template <class G, class T> struct FastArticulatedBodies {
   struct Columns {
     Vec3<Several> m, f;
   };
-  /// M⁻¹ (nv × nv) after factorize(), several columns at once. Entries above the diagonal are computed, and
-  /// those below are copied from them. W has one entry for each body and u one for each joint screw.
+  /// Computes M⁻¹ (nv × nv) after factorize(), several columns at once. Entries above the diagonal are
+  /// computed, and those below are copied from them. W has one entry for each body and u one for each joint
+  /// screw.
   template <class S> void inverse(const Tree<S>& tree, Columns* W, Several* u, T* out) noexcept {
     const std::ptrdiff_t nv = tree->nv;
     couple(tree);
@@ -220,7 +221,7 @@ template <class G, class T> struct FastArticulatedBodies {
     }
     mirror(tree->nv, out);
   }
-  /// x := M⁻¹ x for a matrix x (nv × nv, row by row) after factorize(), several columns at once.
+  /// Replaces x by M⁻¹ x for a matrix x (nv × nv, row by row) after factorize(), several columns at once.
   template <class S> void solve(const Tree<S>& tree, Columns* W, Several* u, T* x) noexcept {
     const std::ptrdiff_t nv = tree->nv;
     couple(tree);
@@ -233,7 +234,8 @@ template <class G, class T> struct FastArticulatedBodies {
   }
 
  private:
-  /// The backward sweep of the elimination and, if `forces`, of the forces τ.
+  /// The backward sweep: it eliminates the joints and, if `forces`, computes u of every joint from the forces
+  /// τ.
   template <bool forces, class S> void sweep(const Tree<S>& tree, const T* tau) noexcept {
     Articulated M{};
     Vector m{}, f{};
@@ -396,7 +398,7 @@ template <class G, class T> struct FastArticulatedBodies {
     else
       f(std::integral_constant<int, 6>{});
   }
-  /// S_K, the coupling S_k | K_l between the screws k < l of each joint that is not a hinge.
+  /// Computes S_K, the coupling S_k | K_l between the screws k < l of each joint that is not a hinge.
   template <class S> void couple(const Tree<S>& tree) noexcept {
     for (int i = 1; i <= tree->n; ++i)
       if (!is_hinge(tree, i))
@@ -404,7 +406,7 @@ template <class G, class T> struct FastArticulatedBodies {
           for (int l = k + 1; l < tree->first_screw[i + 1]; ++l)
             S_K[k][l - tree->first_screw[i]] = value(dot(pivot[k].w, pivot[l].K_m, pivot[k].v, pivot[l].K_f));
   }
-  /// x - a · b.
+  /// The difference x - a · b.
   static Several less(const Several& x, const Vec3<Several>& a, const Vec3<Several>& b) noexcept {
     return ((x - a.x * b.x) - a.y * b.y) - a.z * b.z;
   }
@@ -453,7 +455,8 @@ template <class G, class T> struct FastArticulatedBodies {
   template <class S> static T floor_of(const Tree<S>& tree, int s) noexcept {
     return T(pivot_threshold<S> * tree.inertia_scale[s]);
   }
-  /// Eliminates the hinge of body i. M becomes its part of the predecessor's inertia, about the origin there.
+  /// Eliminates the hinge of body i. M becomes the contribution to the inertia of the predecessor, about the
+  /// origin of the predecessor.
   template <class S>
   [[gnu::always_inline]] Pivot& eliminate_hinge(const Tree<S>& tree, int i, const S* armature,
                                                 Articulated& M) noexcept {

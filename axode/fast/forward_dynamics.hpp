@@ -20,8 +20,8 @@ template <class T> struct FastForwardDynamics {
         W_app(arena.per_body<Wrench<BodyFixed, T>>()),
         drive(arena.per_velocity<T>()) {}
 
-  /// Writes the accelerations a, which may be the memory of an argument. Returns false and writes nothing if
-  /// joints are coupled or the mass matrix may be singular.
+  /// Writes the accelerations a, which may share the memory of an argument. Returns false and writes nothing
+  /// if joints are coupled or the mass matrix may be singular.
   bool run(const Tree<T>& tree, const T* q, const T* v, const T* tau, const Loads<T>& loads, T* a) noexcept {
     if (!prepare(tree, q, v, tau, loads, [](int, const auto&, const auto&, const auto&) {})) return false;
     bodies.accelerate(tree, motion, a);

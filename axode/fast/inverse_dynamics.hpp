@@ -137,7 +137,7 @@ template <class T> struct InverseDynamicsRecursion<Fast, T> {
       fast.body[i].f -= W_app[i].f;
     }
   }
-  /// Writes the generalised forces τ, which may be the memory of v or a.
+  /// Writes the generalised forces τ, which may share the memory of v or a.
   void project(const Tree<T>& tree, const T* v, const T* a, bool joint_losses, T* tau) noexcept {
     joint_terms(tree, v, a, joint_losses, own);
     for (int c = 0; c < tree->nv; ++c) tau[c] = own[c];

@@ -61,7 +61,7 @@ template <class T> struct FastInverseMassMatrix {
       }
     }
   }
-  /// M⁻¹_ij = Σ_k X_ki X_kj / D_k, for j >= i and by symmetry.
+  /// Computes M⁻¹_ij = Σ_k X_ki X_kj / D_k for j >= i, and the other entries by symmetry.
   template <class S> void multiply(const Tree<S>& tree, T* out) const noexcept {
     const std::ptrdiff_t nv = tree->nv;
     const int* const parent = tree->velocity_parent.data();

@@ -17,7 +17,7 @@ template <class T, class G = typename FastGeometry<T>::type> struct FastJacobian
   using Factor = typename G::Factor;
   using Spread = typename G::Spread;
   using Matrix = typename G::Matrix;
-  /// A screw for a unit of its velocity, about the origin r of its body.
+  /// A joint screw for a unit velocity, about the origin r of the body of the joint.
   struct Column {
     Vector w, v, r;
     Factor w_;
@@ -92,8 +92,8 @@ template <class T, class G = typename FastGeometry<T>::type> struct FastJacobian
         return {X.w, v};
     }
   };
-  /// J of a tree with coupled joints, where the screws of several joints may belong to one velocity and are
-  /// added.
+  /// Writes J for a tree with coupled joints. The screws of several joints may belong to one velocity; they
+  /// are added.
   template <class Rep>
   [[gnu::noinline]] void add_up(const Tree<T>& tree, int i, const ScrewInRep<Rep>& in_rep,
                                 Twist<Rep, T>* J) const noexcept {

@@ -5,8 +5,8 @@
 
 namespace axode {
 
-/// The partial derivatives of the Lagrangian T - U: p = M v and f = ∂(T - U)/∂q at constant v (both
-/// left-trivialised), with the forces of the loads added to f. Everything is in the axes of the internal
+/// Computes the partial derivatives of the Lagrangian T - U: p = M v and f = ∂(T - U)/∂q at constant v (both
+/// left-trivialised). The forces of the loads are added to f. Everything is in the axes of the internal
 /// frames. Let (ω'; v') be the twist of the predecessor about the origin of the body, and (l; p) and (m; f)
 /// the momentum and the wrench of gravity and loads of the subtree of a joint. Then the entries of this joint
 /// are

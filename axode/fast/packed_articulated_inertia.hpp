@@ -2,12 +2,13 @@
 #include "axode/lie/packed.hpp"
 #include "axode/recursion/articulated_inertia.hpp"
 
-/// ArticulatedInertia in registers of four lanes, and the steps of the articulated-body algorithm for both
-/// types. They are symmetric matrices [[A, B], [Bᵀ, L]] in inertial axes about the origin of a body.
+/// The articulated inertia in registers of four lanes, and the steps of the articulated-body algorithm for
+/// this type and for ArticulatedInertia. Both are symmetric matrices [[A, B], [Bᵀ, L]] in inertial axes about
+/// the origin of a body.
 namespace axode {
 
-/// All four blocks, stored by their columns. These are more numbers than in the symmetric form, but they take
-/// fewer instructions.
+/// All four blocks, stored by their columns. This takes more numbers than the symmetric form, but fewer
+/// instructions.
 template <class T> struct PackedArticulatedInertia {
   using Vector = packed::Vector<T>;
   using Spread = packed::Spread<T>;
@@ -16,25 +17,25 @@ template <class T> struct PackedArticulatedInertia {
 
 namespace packed {
 
-/// A := A - a bᵀ.
+/// Subtracts a bᵀ from A.
 template <class T> void subtract_product(Matrix<T>& A, const Vector<T>& a, const Spread<T>& b) {
   A.x = Vector<T>(A.x.x - a.x * b.x.x);
   A.y = Vector<T>(A.y.x - a.x * b.y.x);
   A.z = Vector<T>(A.z.x - a.x * b.z.x);
 }
-/// A - B r~.
+/// The matrix A - B r~.
 template <class T> Matrix<T> minus_product(const Matrix<T>& A, const Matrix<T>& B, const Spread<T>& r) {
   return {Vector<T>(A.x.x - B.y.x * r.z.x + B.z.x * r.y.x), Vector<T>(A.y.x + B.x.x * r.z.x - B.z.x * r.x.x),
           Vector<T>(A.z.x - B.x.x * r.y.x + B.y.x * r.x.x)};
 }
-/// A + r~ B.
+/// The matrix A + r~ B.
 template <class T> Matrix<T> plus_product(const Matrix<T>& A, const Factor<T>& r, const Matrix<T>& B) {
   return {A.x + cross(r, Factor<T>(B.x)), A.y + cross(r, Factor<T>(B.y)), A.z + cross(r, Factor<T>(B.z))};
 }
 template <class T> Matrix<T> operator+(const Matrix<T>& A, const Matrix<T>& B) {
   return {A.x + B.x, A.y + B.y, A.z + B.z};
 }
-/// R A Rᵀ.
+/// The rotated matrix R A Rᵀ.
 template <class T> Matrix<T> rotate(const Matrix<T>& R, const Sym3<T>& A) {
   const Matrix<T> P{R * Spread<T>(Vec3<T>{A.xx, A.xy, A.xz}), R * Spread<T>(Vec3<T>{A.xy, A.yy, A.yz}),
                     R * Spread<T>(Vec3<T>{A.xz, A.yz, A.zz})};
@@ -83,7 +84,7 @@ auto along_twist(const ArticulatedInertia<Hybrid, T>& M, const Vec3<T>& w, const
   return std::pair(M.A * w + M.B * v, transposed_times(M.B, w) + M.L * v);
 }
 
-/// M := M - K Uᵀ with K = U / D. It is always inlined, because M must stay in registers.
+/// Subtracts K Uᵀ with K = U / D from M. The function is always inlined, because M must stay in registers.
 template <class T>
 [[gnu::always_inline]] inline void eliminate(PackedArticulatedInertia<T>& M, const packed::Vector<T>& U_m,
                                              const packed::Vector<T>& U_f, const packed::Vector<T>& K_m,
@@ -104,7 +105,7 @@ template <class T>
          M.L.xy - K_f.x * U_f.y, M.L.xz - K_f.x * U_f.z, M.L.yz - K_f.y * U_f.z};
 }
 
-/// M about another point; r is the vector from that point to the point of M.
+/// The articulated inertia M about another point; r is the vector from that point to the point of M.
 template <class T>
 [[gnu::always_inline]] inline PackedArticulatedInertia<T> shifted(const PackedArticulatedInertia<T>& M,
                                                                   const packed::Vector<T>& r) {

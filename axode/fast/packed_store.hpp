@@ -8,7 +8,8 @@ namespace axode {
 
 namespace packed {
 
-/// The vector of the lanes i, j, k and l of two vectors: 0 to 3 are the lanes of a, 4 to 7 those of b.
+/// The vector with the lanes i, j, k and l of two vectors, where 0 to 3 are the lanes of a and 4 to 7 are
+/// those of b.
 template <int i, int j, int k, int l, class T> Vector<T> select(const Vector<T>& a, const Vector<T>& b) {
 #if defined(__clang__)
   return Vector<T>(__builtin_shufflevector(a.x, b.x, i, j, k, l));
@@ -47,7 +48,7 @@ template <class T> void store(const Placed<Packed<T>>& C, SE3<T>* to) {
 }
 template <class T> void store(const Placed<Plain<T>>& C, SE3<T>* to) { *to = {C.R, C.r}; }
 
-/// (R F)ᵀ.
+/// The transposed product (R F)ᵀ.
 template <class G, class T> typename G::Matrix transposed(const typename G::Matrix& R, const SO3<T>& F) {
   using Spread = typename G::Spread;
   return typename G::Matrix(transpose(SO3<T>{R * Spread(F.x), R * Spread(F.y), R * Spread(F.z)}));

@@ -37,7 +37,7 @@ template <class T, class S>
           {constant(3), constant(4), constant(5), constant(6), constant(7), constant(8)}};
 }
 
-/// Whether joint i is a hinge with a coordinate of its own, as nearly all joints of machines are.
+/// Whether joint i is a hinge with a coordinate of its own, as most joints of machines have.
 template <class S> bool is_hinge(const Tree<S>& tree, int i) { return tree->hinges[i] > 0; }
 
 /// A rotation R and a vector r, in axes that the context names: the rotation of a body and the vector to its
@@ -46,8 +46,8 @@ template <class G> struct Placed {
   typename G::Matrix R;
   typename G::Vector r;
 };
-/// The rotation of body i, and the vector from the origin of its predecessor to its own, in the axes in which
-/// R_p is the rotation of the predecessor.
+/// The rotation of body i, and the vector from the origin of its predecessor to its own, in the axes relative
+/// to which the rotation R_p of the predecessor is given.
 template <class G, class T, class S>
 [[gnu::always_inline]] inline Placed<G> place(const Tree<S>& tree, int i, const T* q,
                                               const JointAngles<T>& angles,
@@ -67,9 +67,9 @@ template <class G, class T, class S>
   return {{R_p * Spread(R.x), R_p * Spread(R.y), R_p * Spread(R.z)}, r};
 }
 
-/// Poses of the internal frames of all bodies: put(i, (R, r)) is called with the pose of each body. r is the
-/// position in the inertial frame or, with From::root, relative to the root body, which is the predecessor
-/// that hangs on the ground. It takes 51 products and sums for a hinge.
+/// Computes the poses of the internal frames of all bodies, and calls put(i, (R, r)) with the pose of each
+/// body. r is the position in the inertial frame or, with From::root, relative to the root body of the tree,
+/// whose joint is on the ground. It takes 51 products and sums for a hinge.
 template <class T, class G = typename FastGeometry<T>::type> struct FastPoses {
   enum class From { inertial_frame, root };
   JointAngles<T> angles;
