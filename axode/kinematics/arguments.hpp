@@ -9,8 +9,8 @@
 
 namespace axode {
 
-/// Numbers that lie one after the other: a std::span of everything that converts to a span, and of an Eigen
-/// vector.
+/// A read-only view of numbers that lie one after the other in memory. It is a std::span that can be made of
+/// everything that converts to a span, and of an Eigen vector.
 template <class T> class NumberSpan : public std::span<const T> {
  public:
   using std::span<const T>::span;
@@ -24,7 +24,7 @@ template <class T> class NumberSpan : public std::span<const T> {
       : std::span<const T>(vector.data(), static_cast<std::size_t>(vector.size())) {}
 };
 
-/// A read-only argument, e.g. a std::vector<T> or an Eigen::VectorX<T>.
+/// The type of a read-only argument, which accepts e.g. a std::vector<T> or an Eigen::VectorX<T>.
 template <class T> using Numbers = std::type_identity_t<NumberSpan<T>>;
 
 }  // namespace axode

@@ -20,8 +20,8 @@ template <class T> Vec3<T> mass_center(const Model& model, const Tree<T>& tree, 
   return (T(1) / m) * h;
 }
 
-/// Poses of all bodies about the centre of mass of the whole, in inertial axes, and the inertia of everything
-/// that a joint moves, M_i^A = Σ M_l^s over the subtree of i.
+/// Computes the poses of all bodies relative to the centre of mass of the whole system, in inertial axes, and
+/// for each joint the inertia of all that it moves, M_i^A = Σ M_l^s over the subtree of i.
 template <class T> void compose(const Model& model, const Tree<T>& tree, const T* q, SubtreeInertias<T>& at) {
   at.C.run(tree, q);
   const Vec3<T> c = mass_center(model, tree, at.C);

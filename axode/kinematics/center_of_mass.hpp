@@ -15,8 +15,8 @@ template <class T>
 void center_of_mass_jacobian(const Model& model, Workspace<T>& workspace, Numbers<T> q,
                              std::type_identity_t<std::span<Vec3<T>>> J);
 
-/// The centroidal momentum matrix: nv columns, the momentum about the centre of mass in inertial axes for a
-/// unit of each velocity; O(n).
+/// The centroidal momentum matrix, nv columns. Each column is the momentum about the centre of mass, in
+/// inertial axes, for a unit of one velocity; O(n).
 template <class T>
 void centroidal_momentum_matrix(const Model& model, Workspace<T>& workspace, Numbers<T> q,
                                 std::type_identity_t<std::span<Momentum<Hybrid, T>>> A);

@@ -34,13 +34,14 @@ void check_separate(const char* result, std::span<Out> out, const char* argument
                                 "; this result needs memory of its own");
 }
 
-/// One of several results of a call, which has nv^power numbers.
+/// One of several results of a call: an array of nv^power numbers.
 template <class T> struct Result {
   const char* name;
   std::span<T> x;
   int power;
 };
-/// Checks results that are written while others are read: each needs its size and memory of its own.
+/// Checks several results of one call: each must have its size and memory of its own, because some are read
+/// while others are written.
 template <class T> void check_results(const Model& model, std::initializer_list<Result<T>> results) {
   static constexpr const char* meanings[] = {"1", "nv", "nv * nv", "nv * nv * nv"};
   for (const Result<T>* a = results.begin(); a != results.end(); ++a) {
@@ -65,7 +66,8 @@ inline void check_place(const Model& model, int frame) {
                                 "\" has frames 0 to " + std::to_string(model.n_frames() - 1));
 }
 
-/// The place by the number of its frame. Throws std::invalid_argument for a frame that does not exist.
+/// The place with its frame given by number instead of by name. Throws std::invalid_argument for a frame that
+/// does not exist.
 template <class T> Place<T> found(const Model& model, const Place<T>& place) {
   const int frame = place.name.empty() ? place.frame : model.frame_index(place.name);
   check_place(model, frame);

@@ -11,8 +11,8 @@ namespace detail {
 /// An argument or a result as it lies in memory.
 template <class T> struct Piece {
   const std::byte *begin, *end;
-  std::size_t size;       ///< entries
-  std::size_t width = 1;  ///< numbers of an entry
+  std::size_t size;       ///< number of entries
+  std::size_t width = 1;  ///< number of numbers in each entry
 
   template <class E>
   explicit Piece(std::span<E> x)
@@ -34,7 +34,8 @@ inline constexpr auto checked_inputs = [] {
   return inputs;
 }();
 
-/// Checks piece k: an input, or a result together with the pieces before it.
+/// Checks piece k. If it is an input, its size and values are checked; if it is a result, also that it shares
+/// no memory with the pieces before it.
 template <catalog::Id id, std::size_t k, class T>
 void check_piece(const Model& model, const Piece<T>* pieces, std::size_t n_loads) {
   constexpr const catalog::Words& row = id.words();

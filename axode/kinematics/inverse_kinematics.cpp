@@ -35,7 +35,7 @@ Eigen::Matrix<double, 6, 1> weighted(const PoseTarget& target, const Screw<>& X)
 struct Iterate {
   std::vector<double> q;
   std::vector<Screw<>> X;  ///< log(C⁻¹ C_target) of each target
-  Vector e;                ///< X with weights
+  Vector e;                ///< X scaled by the weights
   Matrix J;                ///< six rows for each target
   double residual = 0;     ///< ‖e‖
 
@@ -43,7 +43,7 @@ struct Iterate {
       : q(model.nq()), X(targets), e(6 * targets), J(6 * targets, model.nv()) {}
 };
 
-/// Levenberg-Marquardt iterations from one start after the other, on memory of their own.
+/// Runs Levenberg-Marquardt iterations from one start after the other, and owns their memory.
 class Solver {
  public:
   Solver(const Model& model, std::span<const PoseTarget> targets, const InverseKinematicsOptions& options)
@@ -95,8 +95,8 @@ class Solver {
   /// The last iterate of the last run.
   const Iterate& end() const { return at_; }
 
-  /// Moves from a solution within the null space of the targets, by (I - J⁺J)(posture ⊖ q), and back onto the
-  /// targets, while this comes nearer to the posture.
+  /// Moves a solution towards the posture within the null space of the targets, by (I - J⁺J)(posture ⊖ q),
+  /// and corrects it to the targets again. This is repeated as long as the distance to the posture decreases.
   void approach_posture(std::vector<double>& q, double& residual, int& iterations) {
     std::vector<double> q_try(q.size());
     double gain = 1, distance = way_to_posture(q).norm();
@@ -140,7 +140,7 @@ class Solver {
     at.residual = at.e.norm();
   }
 
-  /// J = -∂e/∂q.
+  /// Computes J = -∂e/∂q.
   void linearise() {
     for (std::size_t t = 0; t < targets_.size(); ++t) {
       const Screw<>& X = at_.X[t];
@@ -152,8 +152,8 @@ class Solver {
       }
     }
   }
-  /// Takes joints at a limit that `push` would move beyond it out of J, push and way, so that they stay.
-  /// Returns whether there was one.
+  /// Holds the joints that are at a limit and that `push` would move beyond it: their entries in J, `push`
+  /// and `way` are set to 0. Returns whether there was such a joint.
   bool hold(Vector& push, Vector& way) {
     bool held = false;
     for (int i = 1; options_.limits && i <= tree_->n; ++i) {
@@ -168,7 +168,7 @@ class Solver {
     }
     return held;
   }
-  /// q ⊕ dv, within the limits.
+  /// Writes q ⊕ dv, limited to the position limits, to `out`.
   void move(const std::vector<double>& q, const Vector& dv, std::vector<double>& out) const {
     for (int i = 1; i <= tree_->n; ++i)
       if (!tree_->coupled[i])

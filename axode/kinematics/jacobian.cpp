@@ -14,7 +14,7 @@ void jacobian(const Model& model, Workspace<T>& workspace, Numbers<T> q,
   checked<"jacobian">(model, workspace, q, J);
   const Place<T> place = found(model, given);
   for (Twist<Rep, T>& column : J) column = {};
-  // The pose of the place is known only at the end of the walk, so that the columns are kept in body-fixed
+  // The pose of the place is known only at the end of the walk, so that the columns remain in body-fixed
   // representation until then.
   const SE3<T> C =
       each_body_fixed_column(model.tree<T>(), q.data(), place, [&](int, int c, const Screw<T>& X) {
@@ -91,7 +91,7 @@ void relative_jacobian(const Model& model, Workspace<T>& workspace, Numbers<T> q
   const Place<T> base = found(model, given_base);
   const Tree<T>& tree = model.tree<T>();
   for (Twist<Rep, T>& column : J) column = {};
-  // Joints that move both places equally do not contribute.
+  // Joints that move both places in the same way do not contribute to the relative motion.
   const int common = common_predecessor(tree, tree->frame_body[base.frame], tree->frame_body[place.frame]);
   // The screws of the observer come first. They contribute with the opposite sign.
   const auto subtract = [&](int, int c, const Screw<T>& X) {

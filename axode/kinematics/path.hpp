@@ -5,7 +5,7 @@
 
 namespace axode {
 
-/// The pose of body i's joint frame in its predecessor's internal frame, B exp(S q).
+/// The pose B exp(S q) of the joint frame of body i in the internal frame of its predecessor.
 template <class T> SE3<T> joint_pose(const Tree<T>& tree, int i, const T* q) noexcept {
   return with_joint(tree, i, [&](const auto& joint) {
     const T* q_i = q + tree->iq[i];

@@ -4,7 +4,8 @@
 
 namespace axode {
 
-/// C_i, the pose of every frame in the inertial frame (eqs. POEX, aVbRec2), m. n_frames entries, O(n).
+/// The pose C_i of every frame in the inertial frame (eqs. POEX, aVbRec2), positions in m. n_frames entries,
+/// O(n).
 template <class T>
 void poses(const Model& model, Workspace<T>& workspace, Numbers<T> q,
            std::type_identity_t<std::span<SE3<T>>> C);

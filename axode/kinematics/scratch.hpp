@@ -17,7 +17,7 @@ template <class T> struct FramePoses {
     body[0] = {typename G::Matrix(SO3<T>{}), typename G::Vector{}};
     poses.run(tree, q, [&](int i, const Placed<G>& at) { body[i] = at; });
   }
-  /// C_i F, the pose of a frame that has pose F in the internal frame of body i.
+  /// The pose C_i F of a frame that has pose F in the internal frame of body i.
   Placed<G> operator()(int i, const SE3<T>& F) const noexcept {
     using Spread = typename G::Spread;
     const Placed<G>& C = body[i];
@@ -25,7 +25,7 @@ template <class T> struct FramePoses {
   }
 };
 
-/// Bodies and their subtrees, about the centre of mass of the whole system.
+/// Inertias of bodies and of their subtrees, about the centre of mass of the whole system.
 template <class T> struct SubtreeInertias {
   BodyPoses<T> C;
   Inertia<T>*M, *dM;

@@ -19,7 +19,7 @@ void add_column(Triplets& triplets, int row, int column, const Screw<>& X) {
 Screw<> unit_screw(int k) {
   return {{double(k == 0), double(k == 1), double(k == 2)}, {double(k == 3), double(k == 4), double(k == 5)}};
 }
-/// The block of body i (row) and j (column) of a linear map on screws.
+/// Adds the 6×6 matrix of a linear map on screws as the block of row body i and column body j.
 template <class F> void add_block(Triplets& triplets, int i, int j, F&& map) {
   for (int k = 0; k < 6; ++k) add_column(triplets, 6 * (i - 1), 6 * (j - 1) + k, map(unit_screw(k)));
 }
@@ -56,7 +56,7 @@ std::vector<Link<Rep, double>> user_links(const Model& model, std::span<const do
   }
   return links;
 }
-/// The velocity that moves screw k of joint i, and how fast the screw moves with it.
+/// The index of the velocity that moves screw k of joint i, and the ratio by which it does.
 std::pair<int, double> velocity_of(const Model& model, int i, int k) {
   const Joint& joint = model.joint(i);
   return {joint.iv + k, joint.leader ? joint.leader->ratio : 1.0};

@@ -5,15 +5,16 @@
 #include "axode/model/model.hpp"
 
 /// The kinematics of the whole system as sparse block matrices over the bodies 1..n in the frames that the
-/// user placed: six rows for each body, angular before linear; blocks outside the ancestor relation are zero.
-/// Meant for analysis and for reading the paper; the recursions are faster. All functions throw
-/// std::invalid_argument for wrong sizes.
+/// user placed: six rows for each body, angular before linear; blocks of bodies that are not on one path are
+/// zero. The matrices are meant for analysis and for reading the paper; the recursions are faster. All
+/// functions throw std::invalid_argument for wrong sizes.
 namespace axode {
 
 using SystemMatrix = Eigen::SparseMatrix<double>;
 
-/// V = A X v with (I - D) A = I (eqs. VbAX, JbSys): D holds the transformation of the predecessor's twist at
-/// the block (i, predecessor(i)), A its products along the paths, X the joint screws, 6n × nv.
+/// The matrices of V = A X v with (I - D) A = I (eqs. VbAX, JbSys): D holds the transformation of the
+/// predecessor's twist at the block (i, predecessor(i)), A its products along the paths, X the joint screws,
+/// 6n × nv.
 struct SystemMatrices {
   SystemMatrix A, D, X;
 };
@@ -29,16 +30,16 @@ struct SpatialFactors {
 };
 SpatialFactors spatial_factors(const Model& model, std::span<const double> q);
 
-/// a^b(v) = diag(ad_{X_i v_i}), 6n × 6n (eq. ab): J^b' = -A^b a^b D^b J^b. If every joint has one degree of
-/// freedom, a^b X^b = 0 and this is -A^b a^b J^b (eq. u:Jb_dot matrix).
+/// The matrix a^b(v) = diag(ad_{X_i v_i}), 6n × 6n (eq. ab), with which J^b' = -A^b a^b D^b J^b. If every
+/// joint has one degree of freedom, a^b X^b = 0 and this is -A^b a^b J^b (eq. u:Jb_dot matrix).
 SystemMatrix a_matrix(const Model& model, std::span<const double> v);
-/// b(V) = diag(ad_{V_1}, ..., ad_{V_n}) of stacked body-fixed or spatial twists (eqs. bb, bs).
+/// The matrix b(V) = diag(ad_{V_1}, ..., ad_{V_n}) of stacked body-fixed or spatial twists (eqs. bb, bs).
 SystemMatrix b_matrix(const Model& model, const Eigen::VectorXd& V);
 
-/// V = J v of all bodies, stacked, 6n.
+/// The twists V = J v of all bodies, stacked in one vector of 6n numbers.
 template <RecursionRepresentation Rep = BodyFixed>
 Eigen::VectorXd system_twist(const Model& model, std::span<const double> q, std::span<const double> v);
-/// V' of all bodies, stacked, 6n.
+/// The twist rates V' of all bodies, stacked in one vector of 6n numbers.
 template <RecursionRepresentation Rep = BodyFixed>
 Eigen::VectorXd system_acceleration(const Model& model, std::span<const double> q, std::span<const double> v,
                                     std::span<const double> a);

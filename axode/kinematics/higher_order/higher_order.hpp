@@ -4,15 +4,15 @@
 #include "axode/kinematics/arguments.hpp"
 #include "axode/kinematics/place.hpp"
 
-/// Jerk, snap and every higher order; time derivatives of Jacobians of any order.
+/// Motion of higher order: jerk, snap and all further time derivatives, also those of Jacobians.
 namespace axode {
 
 template <class T> class MotionSeries;
 template <class T> class PoseSeries;
 
 /// The motion of all bodies of a model as power series in time up to an order: 0 velocity, 1 acceleration, 2
-/// jerk, ... Make one for a model and an order and evaluate it as often as needed; evaluation allocates
-/// nothing. One thread.
+/// jerk, ... Construct an object for a model and an order, and evaluate it as often as needed; evaluation
+/// allocates nothing. An object is for one thread.
 template <class T = double> class HigherOrderMotion {
  public:
   /// Throws std::invalid_argument for a negative order.
@@ -23,8 +23,8 @@ template <class T = double> class HigherOrderMotion {
 
   int order() const;
 
-  /// From q and the derivatives of the velocities v, v', v'', ...: (order + 1) nv numbers, row by row, all in
-  /// the joints' left-trivialised directions. O(n order²).
+  /// Computes the motion from q and from `rates`, which are v, v', v'', ...: (order + 1) nv numbers, row by
+  /// row, all in the joints' left-trivialised directions. O(n order²).
   void evaluate(Numbers<T> q, Numbers<T> rates);
 
   /// The k-th time derivative of the components of the twist of a place, k = 0 (the twist itself) to order.

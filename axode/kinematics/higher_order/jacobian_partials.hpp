@@ -16,8 +16,8 @@ inline constexpr int largest_partial_order = 12;
 /// first); the order matters only between directions of one spherical, planar or free joint. Body-fixed: eqs.
 /// der1, der2Jb, nthorderBody; spatial: eqs. Jsder, Jsder2, nthorder; hybrid and mixed: eq. Jhder with its
 /// cases k < j (errata 6 to 12) and the product rule for r and R. Cost O(m^(ν + 1)) screw products for m
-/// joint screws on the path. Allocates. During long calls go_on() is called now and then; if it returns
-/// false, the call ends early with an unfinished tensor.
+/// joint screws on the path. Allocates. During long calls, go_on() is called from time to time; if it returns
+/// false, the call ends early and the tensor is not complete.
 template <RecursionRepresentation Rep = BodyFixed, class T>
 void jacobian_partials(const Model& model, Workspace<T>& workspace, Numbers<T> q,
                        const std::type_identity_t<Place<T>>& place, int order,

@@ -22,15 +22,15 @@ template <class T> class MotionSeries {
 
   int order() const { return order_; }
 
-  /// Series to orders V: 0..order and J: 0..order + 1 from q and the rates v, v', v'', ... (order + 1 rows of
-  /// nv).
+  /// Computes the series of the twists V to `order`, and those of the screws J to order + 1, from q and the
+  /// rates v, v', v'', ... (order + 1 rows of nv numbers).
   void run(const Tree<T>& tree, const T* q, const T* rates) noexcept { run<false>(tree, q, rates); }
-  /// The series of run() about the origins of the roots at t = 0, in inertial axes.
+  /// Computes the series of run(), but about the origins of the roots at t = 0, in inertial axes.
   void run_about_roots(const Tree<T>& tree, const T* q, const T* rates) noexcept {
     run<true>(tree, q, rates);
   }
 
-  /// Coefficients 0..order of the spatial twist of body i and of joint screw s.
+  /// The coefficients 0 to order of the spatial twist of body i; screw(s) has those of joint screw s.
   const Screw<T>* twist(int i) const { return &V_[i * stride_]; }
   const Screw<T>* screw(int s) const { return &J_[s * stride_]; }
   /// The pose of body i's internal frame at t = 0.
@@ -95,12 +95,12 @@ template <class T> class PoseSeries {
       R_[k + 1] = {scale * R.x, scale * R.y, scale * R.z};
     }
   }
-  /// Coefficients of the axes and of the origin of the place.
+  /// Coefficient k of the axes of the place; origin(k) is that of its origin.
   const SO3<T>& axes(int k) const { return R_[k]; }
   const Vec3<T>& origin(int k) const { return r_[k]; }
 
-  /// Coefficient k of a spatial screw series X, seen from the place: hybrid (w; v + w × r), and its parts in
-  /// body axes where Rep asks for them.
+  /// Coefficient k of a series X of a spatial screw, converted to the representation Rep at the place: the
+  /// hybrid screw is (w; v + w × r), and its parts are in body axes if Rep requires this.
   template <class Rep> Screw<T> coefficient(const Screw<T>* X, int k) const noexcept {
     if constexpr (std::same_as<Rep, Spatial>) {
       return X[k];

@@ -4,12 +4,12 @@
 #include "axode/lie/se3.hpp"
 #include "axode/model/model.hpp"
 
-/// The paper's own description of a mechanism, screw by screw, in the frames that the user placed. The
-/// kernels use the joint-aligned frames of Tree instead; both give the same poses.
+/// Poses by products of exponentials, the paper's own description of a mechanism, in the frames that the user
+/// placed. The kernels use the joint-aligned frames of Tree instead; both give the same poses.
 namespace axode {
 
-/// The displacement exp(X q) of a joint with one screw X, or the ordered motion of its joint frame carried to
-/// the body frame, S_self C_J(q) S_self⁻¹, for joints with more; q holds the joint's own coordinates.
+/// The displacement of the body frame of joint i: exp(X q) if the joint has one screw X, otherwise S_self
+/// C_J(q) S_self⁻¹ with the motion C_J(q) of its joint frame. q has the coordinates of this joint only.
 template <class T> SE3<T> joint_displacement(const Model& model, int i, const T* q) {
   const Joint& joint = model.joint(i);
   if (joint.leader || joint.nv == 1) {
@@ -23,8 +23,8 @@ template <class T> SE3<T> joint_displacement(const Model& model, int i, const T*
                        [&](const auto& subgroup) { return subgroup.pose(S, q) * inverse(S); });
 }
 
-/// C_i = B_1 exp(X_1 q_1) B_2 exp(X_2 q_2) ... along the path to body i, for the ground and every body (eq.
-/// POEX).
+/// The poses C_i = B_1 exp(X_1 q_1) B_2 exp(X_2 q_2) ... of the ground and every body, as products along the
+/// path to body i (eq. POEX).
 template <class T> std::vector<SE3<T>> poses_by_body_screws(const Model& model, const T* q) {
   std::vector<SE3<T>> C(model.n_bodies() + 1);
   for (int i = 1; i <= model.n_bodies(); ++i) {
@@ -34,8 +34,8 @@ template <class T> std::vector<SE3<T>> poses_by_body_screws(const Model& model, 
   return C;
 }
 
-/// C_i = exp(Y_1 q_1) exp(Y_2 q_2) ... A_i along the path to body i, for the ground and every body (eq.
-/// POEY).
+/// The poses C_i = exp(Y_1 q_1) exp(Y_2 q_2) ... A_i of the ground and every body, as products along the path
+/// to body i, with A_i the pose at q = 0 (eq. POEY).
 template <class T> std::vector<SE3<T>> poses_by_spatial_screws(const Model& model, const T* q) {
   std::vector<SE3<T>> exponentials(model.n_bodies() + 1), C(model.n_bodies() + 1);
   for (int i = 1; i <= model.n_bodies(); ++i) {

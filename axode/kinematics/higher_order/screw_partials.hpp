@@ -14,8 +14,8 @@ namespace axode {
 template <class T> struct PathScrew {
   int joint;
   int c;
-  Screw<T> body_fixed;  ///< J_{f,c}^b
-  Screw<T> spatial;     ///< J_c^s
+  Screw<T> body_fixed;  ///< body-fixed screw J_{f,c}^b
+  Screw<T> spatial;     ///< spatial screw J_c^s
 };
 
 /// The path to a place, from the root outwards.
@@ -33,10 +33,12 @@ template <class T> struct ScrewPath {
   }
 };
 
-/// The derivatives of screw a along screws alpha, alpha[0] first; all are indices into path.screws.
+/// The partial derivative of the body-fixed screw a along the screws alpha, alpha[0] first; all are indices
+/// into path.screws.
 ///
-/// Body-fixed (eq. nthorderBody): [...[[J_a, J_β1], J_β2]..., J_βν] for β sorted from the root outwards, zero
-/// unless all lie outward of a. Among directions of one joint the one that acts last comes first.
+/// It is [...[[J_a, J_β1], J_β2]..., J_βν] (eq. nthorderBody), where β is alpha sorted from the root
+/// outwards, or 0 unless all of β lie outward of a. If several directions belong to one joint, the one that
+/// acts last comes first in β.
 template <class T> Screw<T> body_fixed_partial(const ScrewPath<T>& path, int a, std::vector<int> alpha) {
   const auto joint = [&](int k) { return path.screws[k].joint; };
   std::reverse(alpha.begin(), alpha.end());
@@ -49,8 +51,10 @@ template <class T> Screw<T> body_fixed_partial(const ScrewPath<T>& path, int a, 
   return X;
 }
 
-/// Spatial (eq. nthorder): [J_βν, ...[J_β2, [J_β1, J_a]]...] for β sorted from the tip inwards, zero if one
-/// lies outward of a or β1 is a itself. Among directions of one joint the one that acts last comes outermost.
+/// The partial derivative of the spatial screw a along the screws alpha, alpha[0] first; all are indices into
+/// path.screws. It is [J_βν, ...[J_β2, [J_β1, J_a]]...] (eq. nthorder), where β is alpha sorted from the tip
+/// inwards, or 0 if one of β lies outward of a or β1 is a itself. If several directions belong to one joint,
+/// the one that acts last is the outermost bracket.
 template <class T> Screw<T> spatial_partial(const ScrewPath<T>& path, int a, std::vector<int> alpha) {
   const auto joint = [&](int k) { return path.screws[k].joint; };
   std::stable_sort(alpha.begin(), alpha.end(), [&](int k, int l) { return joint(k) > joint(l); });
@@ -109,7 +113,7 @@ template <class Rep, class T> class ScrewPartials {
       for (int a = 0; a < count(); ++a) f(a, spatial_partial(path_, a, alpha));
     else if constexpr (std::same_as<Rep, Hybrid>)
       hybrid(alpha, f);
-    else  // angular part as body-fixed, linear part as hybrid
+    else  // mixed: the angular part of the body-fixed and the linear part of the hybrid derivative
       hybrid(alpha, [&](int a, const Screw<T>& X) {
         f(a, Screw<T>{body_fixed_partial(path_, a, alpha).w, X.v});
       });
@@ -167,7 +171,7 @@ template <class T> class DirectionalDerivatives {
     pose();
   }
 
-  /// D_S of column c for all directions, in a representation at the place.
+  /// The derivative of column c along all directions, in the representation Rep at the place.
   template <class Rep> Screw<T> of(int c) const {
     const unsigned S = sets_ - 1;
     if constexpr (std::same_as<Rep, Spatial>) return J(c, S);
@@ -196,8 +200,8 @@ template <class T> class DirectionalDerivatives {
     return v;
   }
 
-  /// Differentiates the screws begin to end - 1 of one joint. W_ belongs to its predecessor before and to its
-  /// body after.
+  /// Differentiates the screws begin to end - 1 of one joint. Before the call, W_ belongs to the predecessor
+  /// of the joint; after it, to its body.
   void body(int begin, int end, const T* directions, int nv) {
     for (int c = begin; c < end; ++c) J_[c * sets_] = path_.screws[c].spatial;
     for (unsigned S = 0; S < sets_; ++S) {
@@ -215,7 +219,7 @@ template <class T> class DirectionalDerivatives {
           W_[s * sets_ + S] = W_[s * sets_ + S] + directions[s * nv + path_.screws[c].c] * J(c, S);
     }
   }
-  /// r and Rᵀ of the place: D_u r = v + w × r and D_u Rᵀ = -Rᵀ w̃ with (w; v) = W(u).
+  /// Differentiates r and Rᵀ of the place: D_u r = v + w × r and D_u Rᵀ = -Rᵀ w̃ with (w; v) = W(u).
   void pose() {
     r_[0] = path_.C.r;
     Rt_[0] = transpose(path_.C.R);
