@@ -4,7 +4,7 @@
 
 namespace axode {
 
-/// The articulated-body algorithm: M x = b in O(n).
+/// The articulated-body algorithm, which solves M x = b in O(n).
 ///
 /// M^A is the articulated inertia of a body, with the joints of its subtree free. From the leaves to the
 /// roots each screw S of joint i, which contributes S v to the twist of the body, is eliminated:
@@ -16,11 +16,10 @@ namespace axode {
 /// numbers are: it starts from the sizes of the inertias and is updated by the same eliminations as M, so
 /// that D is compared with Sᵀ F S + armature.
 ///
-/// Coupled joints share a velocity. It enters at each of these joints and is eliminated at the body where
-/// their paths meet. On the path to that body (Topology::Ties) it is a seventh column of the inertia: the
-/// wrench U_c and the forces D_cd that a unit of the velocity causes. Hence the cost of coupled joints is
-/// that of their ties.
-/// See (D4.2) to (D4.11) of docs/derivations.
+/// Coupled joints share a velocity. Such a velocity enters at each of these joints and is eliminated at the
+/// body where their paths meet. On the paths to that body (Topology::Ties) it adds a column to the inertia:
+/// the wrench U_c and the forces D_cd that a unit of the velocity causes. Hence the cost of coupled joints is
+/// that of their ties. See (D4.2) to (D4.11) of docs/derivations.
 template <class Rep, class T> struct ArticulatedBodies {
   BodyLinks<Rep, T> links;
   ArticulatedInertia<Rep, T>* M;
@@ -28,12 +27,12 @@ template <class Rep, class T> struct ArticulatedBodies {
   Twist<Rep, T>* S;
   Wrench<Rep, T>* U;
   T* D;
-  // For ties:
+  // The following members are for ties.
   Wrench<Rep, T>* U_tie;
   T* D_tie;      ///< k × k for each group of k ties
   T* scale_tie;  ///< magnitude of the numbers from which the diagonal of D_tie is computed
   T* D_screw;    ///< D between each screw and the ties of its body; body i begins at ties.of_screws[i]
-  // For a solution:
+  // The following members are for a solution.
   Wrench<Rep, T>* W;
   Twist<Rep, T>* X;
   T *u, *u_tie;
@@ -66,8 +65,8 @@ template <class Rep, class T> struct ArticulatedBodies {
     factorize(tree, armature, check);
     return check.verdict(*tree.operator->());
   }
-  /// Factorises M at the configuration for which `links` were computed; `check` is given each pivot and its
-  /// magnitude.
+  /// Factorises M at the configuration for which `links` were computed; check.add() is called with each pivot
+  /// and the magnitude of the numbers from which it was computed.
   template <TreeOf<T> AnyTree, class Check>
   void factorize(const AnyTree& tree, const T* armature, Check& check) noexcept {
     joint_columns(tree, links.link, S);
@@ -110,9 +109,9 @@ template <class Rep, class T> struct ArticulatedBodies {
     for (int t = ties.begin[0]; t < ties.begin[1]; ++t) eliminate_tie(tree, 0, t, armature, check);
   }
 
-  /// Factorises M without the magnitudes F, for trees without ties. `links` and, by joint_columns(), S must
-  /// have been computed before. Returns false if a pivot is so small that M may be singular; the factors are
-  /// then incomplete.
+  /// Factorises M for trees without ties, without the magnitudes F by which rounding errors of pivots are
+  /// judged. `links` and, by joint_columns(), S must have been computed before. Returns false if a pivot is
+  /// so small that M may be singular; the factors are then incomplete.
   template <TreeOf<T> AnyTree> bool factorize_quickly(const AnyTree& tree, const T* armature) noexcept {
     M[0] = {};
     for (int i = 1; i <= tree->n; ++i) M[i] = articulated(links.link[i], links.link[i].inertia(tree.M[i]));
@@ -129,7 +128,7 @@ template <class Rep, class T> struct ArticulatedBodies {
     return true;
   }
 
-  /// x := M⁻¹ x, after factorize(). O(n).
+  /// Replaces x by M⁻¹ x, after factorize(). O(n).
   template <TreeOf<T> AnyTree> void solve(const AnyTree& tree, T* x) noexcept {
     backward_sweep(tree, x);
     forward_sweep(tree, x);
@@ -252,8 +251,9 @@ template <class Rep, class T> struct ArticulatedBodies {
     U_tie[own] += MS;
     scale_tie[own] += F[i] * S[s] | S[s];
   }
-  /// Eliminates the velocity of screw s of body i and updates the ties that go on to the predecessor.
-  /// G = F S, and `size` is the magnitude of the numbers from which D is computed.
+  /// Eliminates the velocity of screw s of body i, and updates the ties of this body (the columns of shared
+  /// velocities) that continue to the predecessor. G = F S with the magnitudes F of the numbers in the
+  /// inertia, and `size` is the magnitude of the numbers from which the pivot D is computed.
   template <class AnyTree>
   void eliminate_screw(const AnyTree& tree, int i, int s, const Wrench<Rep, T>& G, const T& size) noexcept {
     const Topology::Ties& ties = tree->ties;
@@ -304,8 +304,8 @@ template <class Rep, class T> struct ArticulatedBodies {
     }
   }
 
-  /// The backward step of tie t, which is eliminated at body i: u of its velocity, and the contributions to
-  /// W[i] and to the ties that are eliminated later.
+  /// The backward step of tie t, which is eliminated at body i: it computes u of the shared velocity, and the
+  /// contributions to W[i] and to the ties that are eliminated later.
   template <class AnyTree> void backward_step_of_tie(const AnyTree& tree, int i, int t, const T* x) noexcept {
     const Topology::Ties& ties = tree->ties;
     const T* const D_t = row(ties, t);
@@ -315,7 +315,8 @@ template <class Rep, class T> struct ArticulatedBodies {
     for (int o = ties.group_begin[t]; o < ties.group_end[t]; ++o)
       if (waits(ties, i, o, t)) u_tie[o] += k * D_t[o];
   }
-  /// The forward step of tie t, which is eliminated at body i: the velocity x from the motion X[i].
+  /// The forward step of tie t, which is eliminated at body i: it computes the shared velocity x from the
+  /// motion X[i].
   template <class AnyTree> void forward_step_of_tie(const AnyTree& tree, int i, int t, T* x) noexcept {
     const Topology::Ties& ties = tree->ties;
     const T* const D_t = row(ties, t);

@@ -21,7 +21,7 @@ template <class Rep, class T>
 constexpr Wrench<Rep, T> operator*(const ArticulatedInertia<Rep, T>& M, const Twist<Rep, T>& V) {
   return {M.A * V.w + M.B * V.v, transposed_times(M.B, V.w) + M.L * V.v};
 }
-/// M := M - U Uᵀ / D, the inertia after the elimination of a screw S with U = M S and the pivot D.
+/// Replaces M by M - U Uᵀ / D, the inertia after the elimination of a screw S, with U = M S and the pivot D.
 /// See (D4.5) of docs/derivations.
 template <class Rep, class T>
 constexpr void eliminate(ArticulatedInertia<Rep, T>& M, const Wrench<Rep, T>& U, const T& D) {
@@ -36,10 +36,10 @@ template <class Rep, class T> constexpr ArticulatedInertia<Rep, T> size_of(const
   const T t = trace(M.Theta), o(0);
   return {{t, t, t, o, o, o}, {}, {M.m, M.m, M.m, o, o, o}};
 }
-/// Updates the magnitudes F for the elimination of a screw S: F becomes its congruence with
-/// V -> V - (Uᵀ V / D) S, plus the magnitude of the U Uᵀ / D that is subtracted from M. G = F S, and f is
-/// Sᵀ G plus the magnitude of what moves with S and is not part of this body, such as the armature.
-/// See (D4.9) of docs/derivations.
+/// Updates the magnitudes F for the elimination of a screw S: F becomes its congruence with V -> V - (Uᵀ V /
+/// D) S, plus the magnitude of the U Uᵀ / D that is subtracted from M. G = F S, and f is Sᵀ G plus the
+/// magnitude of inertias that move with S but are not part of this body, such as the armature. See (D4.9) of
+/// docs/derivations.
 template <class Rep, class T>
 constexpr void update_scale(ArticulatedInertia<Rep, T>& F, const Wrench<Rep, T>& G, const T& f,
                             const Wrench<Rep, T>& U, const T& D) {

@@ -3,9 +3,9 @@
 
 namespace axode {
 
-/// The composite-body algorithm. With M_i^c = M_i + Σ_children up M_c^c, the impulse F = M_i^c S of the
-/// subtree of joint i is transformed from body to body down to the root. At each joint j on this path
-/// M_cj = F | S_j.
+/// The composite-body algorithm, which computes the mass matrix. With M_i^c = M_i + Σ_children up M_c^c, the
+/// impulse F = M_i^c S of the subtree of joint i is transformed from body to body down to the root. At each
+/// joint j on this path M_cj = F | S_j.
 template <class Rep, class T> struct CompositeBodies {
   BodyLinks<Rep, T> links;
   Inertia<T>* M;

@@ -13,8 +13,8 @@ template <class Rep, class T> struct ForwardDynamicsRecursion {
   explicit ForwardDynamicsRecursion(Arena& arena)
       : recursion(arena), bodies(arena), zero(arena.per_velocity<T>()), x(arena.per_velocity<T>()) {}
 
-  /// Writes the accelerations to `a`, which may be the memory of an argument. If M is not positive definite
-  /// or a number is not finite, the result says so; if M is singular, all of `a` is NaN. O(n).
+  /// Writes the accelerations to `a`, which may share the memory of an argument. If M is not positive
+  /// definite or a number is not finite, the result says so; if M is singular, all of `a` is NaN. O(n).
   template <TreeOf<T> AnyTree>
   Solvability run(const AnyTree& tree, const T* q, const T* v, const T* tau, const Loads<T>& loads,
                   T* a) noexcept {

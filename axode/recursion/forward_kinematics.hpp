@@ -17,7 +17,7 @@ template <class T> struct JointMotion {
         Sa(arena.per_body<TwistRate<BodyFixed, T>>()) {}
 };
 
-/// C_{p,i} of every joint at q (eq. relConf). A coupled joint takes q from its leader.
+/// Computes C_{p,i} of every joint at q (eq. relConf). A coupled joint takes q from its leader.
 template <class T, TreeOf<T> AnyTree>
 void joint_poses(const AnyTree& tree, const T* q, SE3<T>* C_pi) noexcept {
   each_joint(tree, [&](const auto& joint, int i, bool coupled) {
@@ -27,7 +27,7 @@ void joint_poses(const AnyTree& tree, const T* q, SE3<T>* C_pi) noexcept {
   });
 }
 
-/// S x of every joint, for velocities or accelerations x.
+/// Computes S x of every joint, for velocities or accelerations x.
 template <class Motion, class T, TreeOf<T> AnyTree>
 void joint_screws(const AnyTree& tree, const T* x, Motion* Sx) noexcept {
   each_joint(tree, [&](const auto& joint, int i, bool coupled) {
@@ -38,7 +38,7 @@ void joint_screws(const AnyTree& tree, const T* x, Motion* Sx) noexcept {
   });
 }
 
-/// C_{p,i}, S v and S a of every joint.
+/// Computes C_{p,i}, S v and S a of every joint.
 template <class T, TreeOf<T> AnyTree>
 void joint_motion(const AnyTree& tree, const T* q, const T* v, const T* a,
                   const JointMotion<T>& out) noexcept {
@@ -47,8 +47,8 @@ void joint_motion(const AnyTree& tree, const T* q, const T* v, const T* a,
   joint_screws(tree, a, out.Sa);
 }
 
-/// Poses of the internal frames of all bodies, C_i = C_p C_{p,i} (eqs. POEX, aVbRec2), couplings included. 36
-/// mul, 33 add per body.
+/// Poses of the internal frames of all bodies, C_i = C_p C_{p,i} (eqs. POEX, aVbRec2), couplings included. It
+/// takes 36 products and 33 sums for each body.
 template <class T> struct BodyPoses {
   SE3<T>* C;
 
@@ -132,7 +132,7 @@ template <class Rep, class T> struct BodyMotion {
 /// dVhRec2):
 ///   V_i  = down V_p  + S v
 ///   V'_i = down V'_p + S a + bias(V_p, V_i, S v)
-/// dV_0 is the acceleration of the ground: 0, or (0, -g) to fold gravity in.
+/// dV_0 is the acceleration of the ground: 0, or (0, -g) to include gravity.
 template <class Rep, class T, TreeOf<T> AnyTree>
 void forward_recursion(const AnyTree& tree, const JointMotion<T>& joints, const Vec3<T>& ground_acceleration,
                        const BodyMotion<Rep, T>& out) noexcept {

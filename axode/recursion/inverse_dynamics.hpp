@@ -12,7 +12,7 @@ template <class T> struct ResolvedLoad {
   Wrench<BodyFixed, T> W;
   Representation representation;
 
-  /// C are the poses of the internal frames of the bodies.
+  /// Resolves one applied wrench; C are the poses of the internal frames of the bodies.
   template <TreeOf<T> AnyTree>
   ResolvedLoad(const AnyTree& tree, const AppliedWrench<T>& load, const SE3<T>* C)
       : body(tree->frame_body[load.frame]),
@@ -23,20 +23,20 @@ template <class T> struct ResolvedLoad {
               return change<BodyFixed>(C[body] * offset, Wrench<decltype(rep), T>{load.m, load.f});
             })),
         representation(load.representation) {}
-  /// The twist of the loaded frame from the twist X of the body.
+  /// The twist of the loaded frame if the body has the twist X.
   Twist<BodyFixed, T> there(const Twist<BodyFixed, T>& X) const {
     const Screw<T> Y = Ad_inv(offset, Screw<T>{X.w, X.v});
     return {Y.w, Y.v};
   }
-  /// The wrench on the body for a wrench F on the loaded frame.
+  /// The wrench on the body that is equivalent to a wrench F on the loaded frame.
   Wrench<BodyFixed, T> back(const Wrench<BodyFixed, T>& F) const {
     const Wrench<Spatial, T> Y = coAd(offset, F);
     return {Y.m, Y.f};
   }
 };
 
-/// W_app[i], the sum of the applied wrenches on body i in its internal frame, for i = 0 to n. C are the poses
-/// of the internal frames.
+/// Computes W_app[i], the sum of the applied wrenches on body i in its internal frame, for i = 0 to n. C are
+/// the poses of the internal frames.
 template <class T, TreeOf<T> AnyTree>
 void sum_applied(const AnyTree& tree, std::span<const AppliedWrench<T>> wrenches, const SE3<T>* C,
                  Wrench<BodyFixed, T>* W_app) noexcept {
@@ -87,7 +87,7 @@ template <class Rep, class T> struct InverseDynamicsRecursion {
   void run(const AnyTree& tree, const T* q, const T* v, const T* a, const Loads<T>& loads) noexcept {
     run(tree, q, v, a, loads, tree.g);
   }
-  /// The two sweeps with the gravity g (m/s²) instead of that of the tree.
+  /// Runs the forward and the backward sweep with the gravity g (m/s²) instead of that of the tree.
   template <TreeOf<T> AnyTree>
   void run(const AnyTree& tree, const T* q, const T* v, const T* a, const Loads<T>& loads,
            const Vec3<T>& g) noexcept {
@@ -105,9 +105,9 @@ template <class Rep, class T> struct InverseDynamicsRecursion {
     for (int i = tree->n; i > 0; --i) W[tree->parent[i]] += link[i].up(W[i]);
   }
 
-  /// τ = Sᵀ W of every joint (eqs. bWbRec, cWsRec, cWhRec), plus the force of its armature and, if
-  /// joint_losses is set, of damping and friction. The force of a coupled joint, times its ratio, is added to
-  /// that of its leader. τ may be the memory of v or a.
+  /// Computes τ = Sᵀ W of every joint (eqs. bWbRec, cWsRec, cWhRec), plus the force of its armature and, if
+  /// joint_losses is set, the forces against damping and friction. The force of a coupled joint, times its
+  /// ratio, is added to that of its leader. τ may share the memory of v or a.
   template <TreeOf<T> AnyTree>
   void project(const AnyTree& tree, const T* v, const T* a, bool joint_losses, T* tau) const noexcept {
     joint_terms(tree, v, a, joint_losses, own);

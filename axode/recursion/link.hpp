@@ -46,7 +46,7 @@ template <class T> struct Link<BodyFixed, T> {
     return transform(C_pi.r,
                      ArticulatedInertia<BodyFixed, T>{rotate(R, M.A), (R * M.B) * Rt, rotate(R, M.L)});
   }
-  /// [V_i, X v] (eqs. crecVbi, cVbRec2).
+  /// The bias [V_i, X v] (eqs. crecVbi, cVbRec2).
   constexpr TwistRate<BodyFixed, T> bias(const Twist<BodyFixed, T>&, const Twist<BodyFixed, T>& V,
                                          const Twist<BodyFixed, T>& Sv) const {
     const Twist<BodyFixed, T> X = ad(V, Sv);
@@ -70,7 +70,7 @@ template <class T> struct Link<Spatial, T> {
 
   template <class Screwlike> constexpr Screwlike down(const Screwlike& V_p) const { return V_p; }
   template <class Anything> constexpr const Anything& up(const Anything& W) const { return W; }
-  /// [V_i, J v] (eqs. timeDerJs, Visdotrec).
+  /// The bias [V_i, J v] (eqs. timeDerJs, Visdotrec).
   constexpr TwistRate<Spatial, T> bias(const Twist<Spatial, T>&, const Twist<Spatial, T>& V,
                                        const Twist<Spatial, T>& Sv) const {
     const Twist<Spatial, T> X = ad(V, Sv);
@@ -109,7 +109,7 @@ template <class T> struct Link<Hybrid, T> {
   constexpr ArticulatedInertia<Hybrid, T> up(const ArticulatedInertia<Hybrid, T>& M) const {
     return transform(r_pi, M);
   }
-  /// ad_{r'_ip} V_p + ad_ω (X v) with r'_ip = r'_p - r'_i (eqs. recVhdot1, dVhRec2).
+  /// The bias ad_{r'_ip} V_p + ad_ω (X v) with r'_ip = r'_p - r'_i (eqs. recVhdot1, dVhRec2).
   constexpr TwistRate<Hybrid, T> bias(const Twist<Hybrid, T>& V_p, const Twist<Hybrid, T>& V,
                                       const Twist<Hybrid, T>& Sv) const {
     ScrewOperationScope<T>{ScrewOperation::bracket};
@@ -146,7 +146,7 @@ template <class T> struct Link<Mixed, T> {
     return {C_pi.R * W.m + cross(C_pi.r, transpose(R_p) * W.f), W.f};
   }
   constexpr Inertia<T> up(const Inertia<T>& M) const { return transform(C_pi, M); }
-  /// The congruence is computed in the axes of the predecessor.
+  /// The inertia moved to the predecessor. The congruence is computed in the axes of the predecessor.
   constexpr ArticulatedInertia<Mixed, T> up(const ArticulatedInertia<Mixed, T>& M) const {
     const ScrewOperationScope<T> scope(ScrewOperation::tensor_transformation);
     const SO3<T> Rt_p = transpose(R_p);
@@ -171,19 +171,19 @@ template <class T> struct Link<Mixed, T> {
   }
 };
 
-/// A body-fixed joint screw (eqs. bVsRec, bVhRec2), or its rate with the link at rest, in Rep.
+/// Converts a body-fixed joint screw (eqs. bVsRec, bVhRec2), or its rate with the link at rest, to Rep.
 template <template <class, class> class V, class Rep, class T>
   requires Motion<V>
 constexpr V<Rep, T> push(const Link<Rep, T>& link, const V<BodyFixed, T>& X) {
   const Twist<Rep, T> J = change<Rep>(link.body_pose(), Twist<BodyFixed, T>{X.w, X.v});
   return {J.w, J.v};
 }
-/// A body-fixed wrench in Rep.
+/// Converts a body-fixed wrench to Rep.
 template <class Rep, class T>
 constexpr Wrench<Rep, T> push(const Link<Rep, T>& link, const Wrench<BodyFixed, T>& W) {
   return change<Rep>(link.body_pose(), W);
 }
-/// The body-fixed wrench from a wrench in Rep.
+/// Converts a wrench in Rep to the body-fixed wrench.
 template <class Rep, class T>
 constexpr Wrench<BodyFixed, T> pull(const Link<Rep, T>& link, const Wrench<Rep, T>& W) {
   return change<BodyFixed>(link.body_pose(), W);

@@ -25,7 +25,8 @@ template <class T> struct MomentumForm {
         velocity(arena.per_velocity<T>()),
         force(arena.per_velocity<T>()) {}
 
-  /// Writes v and p' (nv numbers each), which may be the memory of arguments. If M is singular, both are NaN.
+  /// Writes v and p' (nv numbers each), which may share the memory of arguments. If M is singular, both are
+  /// NaN.
   template <TreeOf<T> AnyTree>
   Solvability run(const AnyTree& tree, const T* q, const T* p, const T* tau, const Loads<T>& loads, T* v,
                   T* dp) noexcept {

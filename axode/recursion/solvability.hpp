@@ -40,8 +40,8 @@ inline int body_of_velocity(const Topology& topology, int c) noexcept {
 template <std::floating_point S>
 inline constexpr S pivot_threshold = std::same_as<S, float> ? S(4e-3) : S(1e-6);
 
-/// Decides from the pivots of an elimination whether the mass matrix is singular.
-/// See (D4.10) of docs/derivations.
+/// Determines from the pivots of an elimination whether the mass matrix is singular. See (D4.10) of
+/// docs/derivations.
 template <class T> class PivotCheck {
  public:
   /// Checks the pivot of velocity c: the inertia that remains after the elimination of other velocities from
@@ -94,8 +94,8 @@ template <class T> Solvability solved(Solvability verdict, std::ptrdiff_t n, T* 
   }
   return verdict;
 }
-/// Adds to the verdict of an elimination whether several arrays of results are finite; of several failures
-/// the first is returned.
+/// Adds to the verdict of an elimination whether several arrays of results are finite; if there are several
+/// failures, the first one is returned.
 template <class T> Solvability solved(Solvability verdict, std::initializer_list<std::span<T>> results) {
   Solvability all = verdict;
   for (const std::span<T>& x : results)

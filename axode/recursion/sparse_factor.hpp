@@ -2,16 +2,15 @@
 #include "axode/model/tree.hpp"
 #include "axode/recursion/solvability.hpp"
 
-/// M = LᵀDL without fill-in (Featherstone), in the memory of M: D on the diagonal, L below it. Row c has
-/// entries in the columns parent(c), parent(parent(c)), ...
+/// The factorisation M = LᵀDL without fill-in (Featherstone), in the memory of M: D is on the diagonal, and L
+/// is below it. Row c has entries in the columns parent(c), parent(parent(c)), ...
 namespace axode {
 
 /// Factorises M = LᵀDL in place. `inertia_scale` is the magnitude of the inertia of each velocity, against
-/// which rounding in its pivot is compared. A pivot is D_c = zᵀ M z, where z_c = 1 and z_k are the responses of the
-/// later velocities, on which no forces act. Hence the rounding errors of D_c are compared with
-/// (Σ |z_k| √scale_k)². If `check` evaluates this magnitude, it costs another O(n d²) for a tree of depth d,
-/// and z is stored above the diagonal of H.
-/// See (D4.7) and (D4.8) of docs/derivations.
+/// which rounding in its pivot is compared. A pivot is D_c = zᵀ M z, where z_c = 1 and z_k are the responses
+/// of the later velocities, on which no forces act. Hence the rounding errors of D_c are compared with (Σ
+/// |z_k| √scale_k)². If `check` evaluates this magnitude, it costs another O(n d²) for a tree of depth d, and
+/// z is stored above the diagonal of H. See (D4.7) and (D4.8) of docs/derivations.
 template <class T, class Check>
 void factorize(const Tree<T>& tree, const T* inertia_scale, T* H, Check& check) noexcept {
   const int nv = tree->nv;
@@ -40,7 +39,7 @@ void factorize(const Tree<T>& tree, const T* inertia_scale, T* H, Check& check) 
   }
 }
 
-/// x := (LᵀDL)⁻¹ x.
+/// Replaces x by (LᵀDL)⁻¹ x.
 template <class T> void solve(const Tree<T>& tree, const T* H, T* x) noexcept {
   const int nv = tree->nv;
   const std::vector<int>& parent = tree->velocity_parent;
