@@ -13,7 +13,7 @@
 namespace axode {
 
 /// A motion in absolute coordinates: q, v and a are those of the bodies, see AbsoluteSystem. The trajectory
-/// is in joint coordinates, with the accelerations of these.
+/// contains the coordinates, velocities and accelerations of the joints.
 class AbsoluteSimulationRun {
  public:
   using Vector = std::vector<double>;
@@ -41,7 +41,7 @@ class AbsoluteSimulationRun {
 
  public:
   Trajectory& trajectory;
-  Vector q, v, a, lambda;  ///< now
+  Vector q, v, a, lambda;  ///< present state and multipliers
 
   AbsoluteSystem& bodies() { return bodies_; }
   const Tree<double>& tree() const { return bodies_.group(); }
@@ -52,7 +52,7 @@ class AbsoluteSimulationRun {
   double step_end(double t_1) const { return run_.step_end(t_1); }
   void stop(const Failure& failure) { run_.stop(failure); }
   const EnergyNorm& norm() const { return norm_; }
-  /// See SimulationRun; v_t are the velocities of the bodies.
+  /// The size of velocities in a step of length h, see SimulationRun; v_t are the velocities of the bodies.
   double velocity_scale(const Vector& v_t, double h) const {
     return std::max(norm_.of_velocities(as_eigen(v_t)), run_.velocity_scale(h));
   }
@@ -60,8 +60,8 @@ class AbsoluteSimulationRun {
   // The schemes call these functions.
   Failure factorize(double t, Span q_t) { return checked(t, bodies_.factorize(q_t)); }
   Failure factorize_with_rank(double t, Span q_t) { return checked(t, bodies_.factorize_with_rank(q_t)); }
-  /// Factorises with the resistance of springs, dampers and drives to a change x of accelerations that
-  /// changes q by c_x x and v by c_v x.
+  /// Factorises the system with the resistance of springs, dampers and drives. The resistance is the force by
+  /// which they react to a change x of accelerations, which changes q by c_x x and v by c_v x.
   Failure factorize(double t, Span q_t, Span v_t, double c_x, double c_v) {
     bodies_.to_joint_state(q_t, v_t, q_joints_, v_joints_);
     if (Failure failure = run_.joint_resistance(t, q_joints_, v_joints_, c_x, c_v, resistance_))
@@ -76,7 +76,7 @@ class AbsoluteSimulationRun {
     bodies_.forces(q_t, v_t, tau, run_.loads(), f);
     return {};
   }
-  /// f += ad_vᵀ M v.
+  /// Adds ad_vᵀ M v to f.
   void add_turning(Span v_t, Vector& f) {
     bodies_.momentum(v_t, p_);
     group_.ad_transpose(v_t, p_, p_);
@@ -92,8 +92,8 @@ class AbsoluteSimulationRun {
     std::ranges::copy(x_, a_t.begin());
     return finite(x_) ? Failure{} : Failure{t, "accelerations are not finite"};
   }
-  /// Projects onto joints and loops, by the displacement and the impulses that move the masses least, and
-  /// factorises there.
+  /// Projects q_1 and v_1 so that joints and loops are closed, by the displacement and the impulses that are
+  /// least in the norm of the mass matrix. Factorises the system at the result.
   Failure close(double t, Vector& q_1, Vector& v_1) {
     constexpr double closed = 1e-13, tolerable = 1e-6;
     double before = position_error(q_1);
@@ -103,7 +103,8 @@ class AbsoluteSimulationRun {
       project();
       group_.move(q_1, x_, q_1);
       const double now = position_error(q_1);
-      const bool stalled = !(now < 0.5 * before);  // by rounding, or because they cannot be closed
+      const bool stalled = !(now < 0.5 * before);  // stopped by rounding, or because joints and loops cannot
+                                                   // be closed
       before = now;
       if (stalled) break;
     }
@@ -114,8 +115,8 @@ class AbsoluteSimulationRun {
     as_eigen(v_1) += as_eigen(x_);
     return {};
   }
-  /// Projects and appends the end of a step. Dry friction is the force of the sign of the velocity, and may
-  /// jump within a step.
+  /// Projects the end of a step and appends it to the trajectory. Dry friction is a force -f sign(v), which
+  /// may jump within a step.
   Failure take_up_to(double t_1, const StepEnd& end, const Attempt&) {
     Vector q_1(end.q.begin(), end.q.end()), v_1(end.v.begin(), end.v.end());
     if (Failure failure = close(t_1, q_1, v_1)) return failure;
@@ -124,7 +125,8 @@ class AbsoluteSimulationRun {
   }
   void begin_step() { weakest_row_ = 1; }
   double weakest_row() const { return weakest_row_; }
-  /// Appends the end of a step of a scheme that keeps joints and loops closed itself.
+  /// Appends the end of a step to the trajectory without projection, for schemes that keep joints and loops
+  /// closed themselves.
   Failure take_closed(double t, Span q_end, Span v_end) {
     bodies_.to_joint_state(q_end, v_end, q_joints_, v_joints_);
     bodies_.set_reference_angles(q_joints_);
@@ -152,7 +154,7 @@ class AbsoluteSimulationRun {
     }
     return inertia;
   }
-  /// Computes x of the impulses that remove rows_.
+  /// Computes the change x of the motion by the impulses that remove the residuals in rows_.
   void project() {
     as_eigen(rows_) *= -1;
     f_.assign(static_cast<std::size_t>(bodies_.nv()), 0.0);

@@ -133,7 +133,7 @@ bool ClosedMotion::close_places(std::span<double> q) {
     if (!system.projection_step(q.data(), x_.data(), rank_).ok()) return false;
     group_.move(q.data(), x_.data(), q.data());
     const double now = open();
-    const bool stalled = !(now < 0.5 * before);  // by rounding, or because the loops cannot be closed
+    const bool stalled = !(now < 0.5 * before);  // stopped by rounding, or because the loops cannot be closed
     before = now;
     if (stalled) break;
   }

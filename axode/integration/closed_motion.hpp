@@ -32,23 +32,25 @@ class ClosedMotion {
   /// Throws std::invalid_argument, with the loop and its residual, if a motion cannot start at (q, v).
   void check(Span q, Span v);
   Solvability accelerate(Span q, Span v, Span tau, const Loads<double>& loads, std::span<double> a);
-  /// LoopSystem::weakest_row() of the last accelerations.
+  /// How far the rows were from redundant when accelerations were last computed, see
+  /// LoopSystem::weakest_row().
   double weakest_row();
   /// Prepares unit_force_response() at a q with a regular mass matrix.
   void factorize(Span q);
-  /// Computes the accelerations (nv) that a unit force on velocity c adds, a column of (D7.14). Returns the
-  /// acceleration that it would add to c without loops.
+  /// Computes the accelerations (nv numbers) that a unit force on velocity c causes, a column of (D7.14).
+  /// Returns the acceleration of c that it would cause without loops.
   double unit_force_response(int c, std::span<double> a);
   /// Computes the derivatives of the accelerations by q, v and tau, [component, direction].
   void differentiate(Span q, Span v, Span tau, const Loads<double>& loads,
                      const ClosedDynamicsDerivatives<double>& d);
-  /// Adds the forces Aᵀ λ of the loops on the joints with which accelerations keep them closed.
+  /// Adds the forces Aᵀ λ of the loops to the forces of the joints. λ are the multipliers for which the
+  /// accelerations keep the loops closed.
   Solvability add_constraint_forces(Span q, Span v, Span tau, const Loads<double>& loads,
                                     std::span<double> f);
-  /// Projects q and v onto the loops; returns whether they could be closed. A residual of 1e-13 rad and m is
-  /// left.
+  /// Projects q and v so that the loops are closed, to a residual of 1e-13 rad and m. Returns whether they
+  /// could be closed.
   [[nodiscard]] bool close(std::span<double> q, std::span<double> v);
-  /// Projects q alone, and, at a closed q, the momenta p = M v.
+  /// Projects q only, as close() does. The second function projects, at a closed q, the momenta p = M v.
   [[nodiscard]] bool close_places(std::span<double> q);
   [[nodiscard]] bool close_momenta(Span q, std::span<double> p);
   /// Determines the rank of the rows at a closed q.

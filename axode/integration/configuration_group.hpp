@@ -27,7 +27,7 @@ template <class T, class S = T> class ConfigurationGroup {
   /// Whether all joints have one velocity.
   bool commutes() const { return commutes_; }
 
-  /// q ⊕ x; the norm of quaternions is corrected to second order.
+  /// Computes q ⊕ x; the norm of quaternions is corrected to second order.
   void move(const auto& q, const auto& x, auto&& out) const noexcept {
     each_own_joint([&]<class Joint>(const Joint& joint, int i) {
       T* const to = first(out) + tree()->iq[i];
@@ -45,7 +45,7 @@ template <class T, class S = T> class ConfigurationGroup {
       }
     });
   }
-  /// The x with q0 ⊕ x = q1, by the shorter way round on rotations.
+  /// Computes the x with q0 ⊕ x = q1. Rotations take the shorter way round.
   void difference(const auto& q0, const auto& q1, auto&& out) const noexcept {
     each_own_joint([&](const auto& joint, int i) {
       joint.difference(first(q0) + tree()->iq[i], first(q1) + tree()->iq[i], first(out) + tree()->iv[i]);
@@ -65,18 +65,18 @@ template <class T, class S = T> class ConfigurationGroup {
   void noncommuting(const auto& x, auto&& out) const noexcept {
     each_block(first(x), first(x), first(out), [](const Screw<T>& X, const Screw<T>&) { return X; });
   }
-  /// [x, y].
+  /// Computes the bracket [x, y].
   void bracket(const auto& x, const auto& y, auto&& out) const noexcept {
     each_block(first(x), first(y), first(out), [](const Screw<T>& X, const Screw<T>& Y) { return ad(X, Y); });
   }
-  /// dexp_{-x} y: the velocity of q ⊕ x if x' = y.
+  /// Computes dexp_{-x} y: the velocity of q ⊕ x if x' = y.
   void velocity(const auto& x, const auto& y, auto&& out) const noexcept {
     each_block(
         first(x), first(y), first(out),
         [this](const Screw<T>& X, const Screw<T>& Y) { return by_exp_ ? dexp(-X, Y) : dcay(-X, Y); },
         first(y));
   }
-  /// dexp_{-x} z + (D_{-y} dexp)_{-x} y: the acceleration of q ⊕ x if x' = y and y' = z.
+  /// Computes dexp_{-x} z + (D_{-y} dexp)_{-x} y: the acceleration of q ⊕ x if x' = y and y' = z.
   void acceleration(const auto& x, const auto& y, const auto& z, auto&& out) const noexcept {
     each_own_joint([&]<class Joint>(const Joint& joint, int i) {
       const int c = tree()->iv[i];
@@ -89,7 +89,7 @@ template <class T, class S = T> class ConfigurationGroup {
       }
     });
   }
-  /// dexp⁻¹_{-x} y: the x' with which q ⊕ x has the velocity y.
+  /// Computes dexp⁻¹_{-x} y: the rate x' for which q ⊕ x has the velocity y.
   void rate(const auto& x, const auto& y, auto&& out) const noexcept {
     each_block(
         first(x), first(y), first(out),
@@ -97,20 +97,20 @@ template <class T, class S = T> class ConfigurationGroup {
         first(y));
   }
 
-  // Transposed maps, on momenta p:
+  // Computes ad_xᵀ p. This map and the next two are transposed: they act on momenta p.
   /// ad_xᵀ p.
   void ad_transpose(const auto& x, const auto& p, auto&& out) const noexcept {
     each_dual_block(first(x), first(p), first(out),
                     [](const Screw<T>& X, const Screw<T>& P) { return ad(-X, P); });
   }
-  /// Ad_{exp x}ᵀ p: the momentum p at q, expressed at q ⊕ x.
+  /// Computes Ad_{exp x}ᵀ p: the momentum p at q, expressed at q ⊕ x.
   void Ad_transpose(const auto& x, const auto& p, auto&& out) const noexcept {
     each_dual_block(
         first(x), first(p), first(out),
         [this](const Screw<T>& X, const Screw<T>& P) { return Ad(by_exp_ ? exp(-X) : cay(-X), P); },
         first(p));
   }
-  /// dexp_xᵀ p.
+  /// Computes dexp_xᵀ p.
   void dexp_transpose(const auto& x, const auto& p, auto&& out) const noexcept {
     if (by_exp_) {
       each_dual_block(
@@ -145,7 +145,7 @@ template <class T, class S = T> class ConfigurationGroup {
           for (int k = group.begin; k < group.end; ++k) f(joint, tree()->by_kind[k]);
         });
   }
-  /// S x, and x of S x.
+  /// The screw S x of a joint. put() is the inverse: it writes the x that belongs to a screw.
   template <class Joint> static Screw<T> screw(const Joint& joint, const T* x) noexcept {
     const Twist<BodyFixed, T> X = joint.twist(x);
     return {X.w, X.v};
@@ -154,7 +154,8 @@ template <class T, class S = T> class ConfigurationGroup {
     const auto x = joint.project(Wrench<BodyFixed, T>{X.w, X.v});
     for (int k = 0; k < joint.nv; ++k) out[k] = x[static_cast<std::size_t>(k)];
   }
-  /// f of the screws S x and S y for every joint of several velocities; `plain`, or 0, for the others.
+  /// Computes f(S x, S y) for every joint of several velocities. For joints of one velocity the result is
+  /// `plain`, or 0 if that is null.
   template <class F>
   void each_block(const T* x, const T* y, T* out, const F& f, const T* plain = nullptr) const noexcept {
     each_own_joint([&]<class Joint>(const Joint& joint, int i) {
@@ -166,8 +167,8 @@ template <class T, class S = T> class ConfigurationGroup {
       }
     });
   }
-  /// each_block() for momenta. With f and m exchanged (Klein form) they transform like screws, with the
-  /// inverse map.
+  /// Does what each_block() does for momenta: with f and m exchanged (Klein form) they transform like screws,
+  /// but with the inverse map.
   template <class F>
   void each_dual_block(const T* x, const T* p, T* out, const F& f, const T* plain = nullptr) const noexcept {
     each_block(

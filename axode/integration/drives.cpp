@@ -28,7 +28,7 @@ void check_finite(const char* name, Span x) {
       throw std::invalid_argument(std::string(name) + "[" + std::to_string(k) + "] is not finite");
 }
 
-/// One number for each velocity.
+/// The gains as one number for each velocity, whether one number or nv numbers were given.
 Vector gains(const Model& model, const char* name, Span given) {
   const std::size_t nv = nv_of(model);
   if (given.size() != 1 && given.size() != nv)
@@ -96,7 +96,7 @@ void Reference::find(double t) {
   if (!motion_) return;
   const double begin = motion_->t().front(), end = motion_->t().back();
   const double rounding =
-      1e-12 * std::max(std::abs(begin), std::abs(end));  // rounding of the times of stages
+      1e-12 * std::max(std::abs(begin), std::abs(end));  // allows for rounding in the times of stages
   motion_->at(std::clamp(t, begin, end), q_, v_, a_);
   if (t < begin - rounding || t > end + rounding) {
     std::ranges::fill(v_, 0.0);
@@ -156,9 +156,9 @@ void ComputedTorque::operator()(double t, Span q, Span v, std::span<double> tau)
   for (std::size_t c = 0; c < tau.size(); ++c) tau[c] -= springs_[c];
 }
 
-/// Accelerations are a = a₀ + R u for drive forces u. The accelerations of the drives shall be w: B a₀ + B R
-/// u = w, where B selects the drives. If there is no such u, the least-squares solution is independent of
-/// units and masses, because the symmetric matrix B R is scaled by its diagonal.
+/// The accelerations depend on the drive forces u by a = a₀ + R u. The accelerations of the drives shall be
+/// w: B a₀ + B R u = w, where B selects the drives. If there is no such u, the least-squares solution is
+/// independent of units and masses, because the symmetric matrix B R is scaled by its diagonal.
 bool ComputedTorque::make_possible(Span q, Span v) {
   std::vector<int> drives;
   for (int c = 0; c < model_.nv(); ++c)

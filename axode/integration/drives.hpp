@@ -9,16 +9,17 @@
 #include "axode/integration/trajectory.hpp"
 #include "axode/model/workspace.hpp"
 
-/// Drives for SimulationOptions::drive and batch::rollout, which write drive forces tau (nv) for (t, q, v).
+/// Drives for SimulationOptions::drive and batch::rollout. A drive is called with (t, q, v) and writes the
+/// drive forces tau (nv).
 namespace axode {
 
 using Drive = std::function<void(double t, std::span<const double> q, std::span<const double> v,
                                  std::span<double> tau)>;
 
-/// Forces given at times, with linear interpolation or held until the next time; before the first and after
-/// the last time the forces of these hold. tau has a row of nv numbers for each time. Throws
-/// std::invalid_argument if there is no time, times do not increase, a size is wrong or a number is not
-/// finite.
+/// Forces that are given at times. In between they are interpolated linearly, or held until the next time;
+/// before the first and after the last time they are constant. tau has a row of nv numbers for each time.
+/// Throws std::invalid_argument if there is no time, times do not increase, a size is wrong or a number is
+/// not finite.
 class SampledDrive {
  public:
   SampledDrive(const Model& model, std::span<const double> times, std::span<const double> tau,
@@ -68,7 +69,7 @@ class Tracking {
 
  protected:
   Tracking(const Model& model, const Gains& gains, Reference reference);
-  /// Evaluates the reference at a time, and the x with q ⊕ x = q_d.
+  /// Evaluates the reference at a time, and computes the deviation x with q ⊕ x = q_d.
   void find(double t, std::span<const double> q);
 
   Model model_;
@@ -79,17 +80,17 @@ class Tracking {
   ConfigurationGroup<double> group_;
 };
 
-/// τ = kp x + kd (v_d - v) + feedforward, with q ⊕ x = q_d on the group of configurations, by the shorter way
-/// round on rotations: kp in N m/rad or N/m, kd in N m s/rad or N s/m. `clip` limits τ to the effort limits
-/// of the joints. Throws std::invalid_argument if gains are negative or not finite, or if their number is not
-/// 1 or nv.
+/// A proportional-derivative controller: τ = kp x + kd (v_d - v) + feedforward, with the deviation x of q ⊕ x
+/// = q_d on the group of configurations, where rotations take the shorter way round. kp is in N m/rad or N/m,
+/// kd in N m s/rad or N s/m. `clip` limits τ to the effort limits of the joints. Throws std::invalid_argument
+/// if gains are negative or not finite, or if their number is not 1 or nv.
 class ProportionalDerivative : public Tracking {
  public:
   ProportionalDerivative(const Model& model, const Gains& gains, Reference reference, Drive feedforward = {},
                          bool clip = false);
   void operator()(double t, std::span<const double> q, std::span<const double> v, std::span<double> tau);
   const Drive& feedforward() const { return feedforward_; }
-  /// The effort limit of each velocity; empty without clipping.
+  /// The effort limit of each velocity; empty if forces are not clipped.
   const std::vector<double>& limit() const { return limit_; }
 
  private:
@@ -97,15 +98,15 @@ class ProportionalDerivative : public Tracking {
   Drive feedforward_;
 };
 
-/// τ = ID(q, v, a_d + kd (v_d - v) + kp x) minus the spring forces of the model, so that x'' + kd x' + kp x =
-/// 0 for small x: kp in 1/s², kd in 1/s. Loads and joint losses are not compensated. Throws as
-/// ProportionalDerivative.
+/// A computed-torque controller: τ = ID(q, v, a_d + kd (v_d - v) + kp x) minus the spring forces of the
+/// model, where ID is inverse dynamics and q ⊕ x = q_d, so that x'' + kd x' + kp x = 0 for small x. kp is in
+/// 1/s², kd in 1/s. Loads and joint losses are not compensated. It throws as ProportionalDerivative does.
 ///
 /// In a mechanism with loops or passive joints, passive joints get no force, and the control law defines
-/// wanted accelerations of the drives only. If the drives can produce them, these are the accelerations;
-/// otherwise the nearest ones are, each measured by the acceleration that a unit force of its drive causes. τ
-/// is the inverse dynamics with loops. NaN if the mass matrix is singular. Allocates in this case; O(nv³ + nv
-/// d²) for d drives.
+/// wanted accelerations of the drives only. If the drives cannot produce them, the nearest accelerations that
+/// they can produce are used instead; the difference of each is measured by the acceleration that a unit
+/// force of its drive causes. τ is the inverse dynamics with loops at these accelerations, or NaN if the mass
+/// matrix is singular. For such a mechanism each call allocates and takes O(nv³ + nv d²) for d drives.
 class ComputedTorque : public Tracking {
  public:
   ComputedTorque(const Model& model, const Gains& gains, Reference reference);

@@ -41,8 +41,8 @@ void DryFriction::add_losses(Span v, std::span<double> tau) const {
 
 void DryFriction::apply_sticking_forces(const Matrix& compliance, Span own, const EnergyNorm& norm,
                                         std::span<double> a) {
-  // Tolerances relative to the acceleration that the friction of a joint can cause, and to the largest one
-  // (D9.6).
+  // Tolerances on the acceleration of a sticking joint: relative to the acceleration that the friction of
+  // this joint can cause, and relative to the largest acceleration (D9.6).
   constexpr double by_friction = 1e-9, by_largest = 1e-13;
   const auto k = static_cast<Eigen::Index>(sticking_joints_.size());
   const double size = norm.of_velocities(as_eigen(Span(a)));
@@ -67,7 +67,7 @@ void DryFriction::apply_sticking_forces(const Matrix& compliance, Span own, cons
 }
 
 void DryFriction::factorize(double size) {
-  const double little = 1e-12 * size;  // with loops Φ may be singular
+  const double little = 1e-12 * size;  // a regularisation, because with loops Φ may be singular
   const auto m = static_cast<Eigen::Index>(free_.size());
   factor_.resize(m);
   auto& F = factor_.matrix();
@@ -98,8 +98,9 @@ void DryFriction::constrain_derivatives(std::initializer_list<std::span<double>>
   }
 }
 
-/// Active sets: the forces inside their bounds go to the minimum with the others fixed, or to the first bound
-/// on the way. At the minimum, the force whose bound is active in the wrong direction is released.
+/// Minimises by an active-set method. The forces inside their bounds move to the minimum with the other
+/// forces fixed, or to the first bound that they reach. At the minimum, a force whose bound is active in the
+/// wrong direction becomes free again.
 void DryFriction::find_forces(double size) {
   const Eigen::Index k = A_.rows();
   const auto accelerations = [&] {
@@ -117,7 +118,8 @@ void DryFriction::find_forces(double size) {
     const auto m = static_cast<Eigen::Index>(free_.size());
     factorize(size);
     bool blocked = false;
-    for (int twice = 0; twice < 2 && !blocked; ++twice) {  // removes the regularisation of factorize()
+    for (int twice = 0; twice < 2 && !blocked; ++twice) {  // the second pass removes the regularisation of
+                                                           // factorize()
       accelerations();
       step_.setZero();
       for (Eigen::Index r = 0; r < m; ++r) step_[r] = -a_[free_[at(r)]];
@@ -161,7 +163,8 @@ bool DryFriction::reverses(Span v_0, Span a_0, Span v_1, Span a_1, double h) con
     const std::size_t c = at(joint.velocity);
     const double y_0 = joint.direction * v_0[c], y_1 = joint.direction * v_1[c];
     if (y_1 < 0 || (y_1 == 0 && joint.direction * a_1[c] < 0)) return true;
-    // The cubic y(s) with the velocities and accelerations of both ends has its minimum at y' = 0, y'' > 0.
+    // The velocity is interpolated by the cubic y(s) with the velocities and accelerations of both ends. Its
+    // minimum is where y' = 0 and y'' > 0.
     const double d_0 = joint.direction * h * a_0[c], d_1 = joint.direction * h * a_1[c], D = y_1 - y_0;
     const double k_3 = d_0 + d_1 - 2 * D, k_2 = 3 * D - 2 * d_0 - d_1;
     const double root = k_2 * k_2 - 3 * k_3 * d_0;

@@ -23,24 +23,25 @@ class DryFriction {
   using Span = std::span<const double>;
   using Matrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
 
-  /// If not enabled, no joint has friction.
+  /// If `enabled` is false, no joint has friction.
   DryFriction(const Tree<double>& tree, bool enabled);
 
-  /// Whether any joint has dry friction; otherwise the dynamics compute the losses.
+  /// Whether any joint has dry friction. If not, the functions for dynamics compute the losses.
   bool active() const { return !joints_.empty(); }
-  /// Velocities that stick.
+  /// The indices of the velocities that stick.
   const std::vector<int>& sticking() const { return sticking_; }
 
   /// Every joint slides in the direction of its velocity; joints at rest stick until start_sliding().
   void start(Span v);
-  /// Adds damping, and the friction of sliding joints.
+  /// Adds the forces of damping, and of friction in sliding joints, to tau.
   void add_losses(Span v, std::span<double> tau) const;
-  /// Changes a to the accelerations under the sticking forces. `compliance` has the columns of Φ for
-  /// sticking(), `own` their diagonal entries without loops; `norm` measures a.
+  /// Changes a to the accelerations under the sticking forces. `compliance` has the columns of Φ of the
+  /// velocities in sticking(), and `own` has their diagonal entries for the tree without loops; `norm`
+  /// measures a.
   void apply_sticking_forces(const Matrix& compliance, Span own, const EnergyNorm& norm, std::span<double> a);
 
-  /// Changes derivatives of accelerations, [component, direction] and ∂a/∂τ first, to those with v_c = 0 for
-  /// sticking velocities (D9.7).
+  /// Changes derivatives of the accelerations, [component, direction], to the derivatives under the condition
+  /// that sticking velocities remain 0 (D9.7). The first of `derivatives` is ∂a/∂τ.
   void constrain_derivatives(std::initializer_list<std::span<double>> derivatives);
 
   /// The largest acceleration of a sticking velocity in apply_sticking_forces() since reset_violation(),
@@ -49,29 +50,30 @@ class DryFriction {
   void reset_violation() { violation_ = 0; }
   /// Whether a sliding velocity has reversed within a step of length h with these states at its ends.
   bool reverses(Span v_0, Span a_0, Span v_1, Span a_1, double h) const;
-  /// The time, to first order, until the first sliding velocity is 0, negative if it has reversed; 0 if there
-  /// is none.
+  /// The time, to first order, until the first sliding velocity is 0. It is negative if a velocity has
+  /// reversed already, and 0 if no joint slides.
   double time_to_stop(Span v, Span a) const;
 
-  /// Sets sticking velocities to 0, and lets those stick that came to rest, or will, within a time; returns
-  /// whether any did.
+  /// Sets sticking velocities to 0. Sliding velocities that have come to rest, or will do so within the time
+  /// `within`, stick from now on; returns whether there was one.
   bool stop_sliding(std::span<double> v, Span a, double within);
-  /// Lets velocities slide that have an acceleration after apply_sticking_forces().
+  /// Sticking velocities that have an acceleration after apply_sticking_forces() slide from now on.
   void start_sliding(Span a);
 
  private:
   struct Joint {
     int velocity;
     double friction;
-    int direction;  ///< direction of sliding, 1 or -1; 0: it sticks
-    double force;   ///< the force while it sticks
+    int direction;  ///< direction of sliding, 1 or -1; 0 while the joint sticks
+    double force;   ///< the friction force while the joint sticks
   };
   static std::size_t at(Eigen::Index c) { return static_cast<std::size_t>(c); }
   Joint& sticking_joint(Eigen::Index i) { return joints_[sticking_joints_[at(i)]]; }
   void list_sticking();
-  void factorize(double size);  ///< factorises A of the free forces; `size` is that of Φ without loops
-  /// Computes the sticking forces, beginning with the last ones, and a = Φ x + a_0 of the sticking
-  /// velocities.
+  void factorize(double size);  ///< factorises the part of A of the forces inside their bounds; `size` is the
+                                ///< size of Φ without loops
+  /// Computes the sticking forces x, with the previous ones as the first guess, and the accelerations a = Φ x
+  /// + a_0 of the sticking velocities.
   void find_forces(double size);
 
   const Tree<double>* tree_;

@@ -14,9 +14,10 @@ struct MotionRequest {
   const Model& model;
   std::span<const double> q, v;
   double until;
-  double step;             ///< for an adaptive method the first step, 0: chosen automatically
-  Tolerances tolerances;   ///< for an adaptive method
-  double spectral_radius;  ///< for generalised-α
+  double step;             ///< step length; for an adaptive method that of the first step, or 0 to choose it
+                           ///< automatically
+  Tolerances tolerances;   ///< tolerances of an adaptive method
+  double spectral_radius;  ///< spectral radius of generalised-α
   const SimulationOptions& options;
 };
 
@@ -73,7 +74,7 @@ inline constexpr std::array<std::pair<std::string_view, Method>, 14> methods{
      {"half_explicit", {false, detail::simulate_half_explicit}},
      {"generalized_alpha_index3", {false, detail::simulate_stiff<false>}}}};
 
-/// The names of coordinates.
+/// The kinds of coordinates by name.
 inline constexpr std::array<std::pair<std::string_view, Coordinates>, 3> coordinate_kinds{
     {{"relative", Coordinates::relative},
      {"absolute", Coordinates::absolute},

@@ -36,7 +36,7 @@ std::vector<SE3<>> in_steps(const SE3<>& C0, std::span<const double> times, cons
   }
   return C;
 }
-/// h Σ w_j x_j.
+/// The weighted sum h Σ w_j x_j.
 template <class X> X sum(const std::vector<double>& weights, double h, const std::vector<X>& x) {
   X out{};
   for (std::size_t j = 0; j < weights.size(); ++j) out = out + (h * weights[j]) * x[j];
@@ -86,7 +86,8 @@ std::vector<SE3<>> reconstruct_magnus(const SE3<>& C0, const F& twist, std::span
   });
 }
 
-/// Munthe-Kaas' method on SO(3) × R³, with separate rotation and position; for comparison.
+/// Integrates by Munthe-Kaas' method on SO(3) × R³, where rotation and position are separate. It serves for
+/// comparison.
 template <PoseRate Rep, std::invocable<double> F>
 std::vector<SE3<>> reconstruct_apart(const SE3<>& C0, const F& twist, std::span<const double> times,
                                      const Tableau& method = runge_kutta(4)) {

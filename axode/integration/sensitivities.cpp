@@ -53,7 +53,7 @@ void check_motion(const Model& model, double step, const Loads<double>& loads, c
   check_configuration(model, arguments.begin()->x);
 }
 
-/// The number of steps that have drive forces.
+/// The number K of steps, from the number of drive forces.
 std::size_t steps_of(const Model& model, Span tau) {
   return model.nv() == 0 ? 0 : tau.size() / static_cast<std::size_t>(model.nv());
 }
@@ -83,10 +83,11 @@ class SpringTerms {
     if (!any()) return tau;
     std::ranges::copy_n(tau, model_.nv(), total_.begin());
     if (finite(q))
-      add_spring_forces(model_, *workspace_, q, v, total_);  // otherwise accelerations are not finite either
+      add_spring_forces(model_, *workspace_, q, v, total_);  // if this is not so, the accelerations are not
+                                                             // finite either
     return total_.data();
   }
-  /// Computes by_q and by_v.
+  /// Computes the derivatives by_q and by_v of the spring forces.
   void differentiate(Span q, Span v) {
     spring_force_derivatives(model_, *workspace_, q, v, {as_span(by_q), as_span(by_v)});
   }
@@ -98,13 +99,14 @@ class SpringTerms {
   Vector total_;
 };
 
-/// out += h Σ w_j x_j.
+/// Adds h Σ w_j x_j to out.
 void add_sum(const Vector& weights, double h, const std::vector<Matrix>& x, Matrix& out) {
   for (std::size_t j = 0; j < weights.size(); ++j)
     if (const double w = h * weights[j]; w != 0) out += w * x[j];
 }
 
-/// Steps of MuntheKaas with their derivatives: displacements of the state, one column for each direction.
+/// Steps of MuntheKaas with their derivatives. These are displacements of the state, one column for each
+/// direction.
 class TangentSteps {
  public:
   TangentSteps(const Model& model, const Tableau& method, Span q_0, Span v_0, Eigen::Index directions)
@@ -123,10 +125,10 @@ class TangentSteps {
         dK_(method.b.size(), dq),
         dL_(method.b.size(), dq) {}
 
-  Vector q, v;    ///< now
-  Matrix dq, dv;  ///< displacements of q and v
+  Vector q, v;    ///< present state
+  Matrix dq, dv;  ///< displacements of q and v, a column for each direction
 
-  /// Takes a step of length h. accelerate(q, v, dq, dv, a, da) writes a and da and returns whether it
+  /// Takes a step of length h. accelerate(q, v, dq, dv, a, da) must write a and da, and return whether it
   /// succeeded.
   template <class Accelerate> bool run(double h, const Accelerate& accelerate) {
     const Tableau& m = method_;
@@ -155,7 +157,7 @@ class TangentSteps {
   }
 
  private:
-  /// Computes the displacements dtheta of theta and eta of q ⊕ theta.
+  /// Computes the displacement dtheta of theta, and the displacement eta of q ⊕ theta.
   void displace(const Vector& weights, double h, const double* V) {
     dtheta_.setZero();
     add_sum(weights, h, dK_, dtheta_);
@@ -195,7 +197,7 @@ class AdjointStep {
     stages_.front().maps.at(v.data(), v.data());  // theta = 0
   }
 
-  Vector v, q;  ///< the end of the step, after find()
+  Vector v, q;  ///< state at the end of the step, after find()
 
   /// Computes the stages of a step of length h.
   Solvability find(double h, const double* q_0, const double* v_0, const double* tau) {
@@ -216,8 +218,9 @@ class AdjointStep {
     return verdict;
   }
 
-  /// Takes weights on the end of the step to its start, and adds the gradients by tau and, unless it is null,
-  /// geometry.
+  /// Replaces the weights on the state at the end of the step by those on the state at its start. Adds the
+  /// gradients by the drive forces to by_tau and, unless by_geometry is null, those by the geometric
+  /// parameters to by_geometry.
   void back(double h, Matrix& w_q, Matrix& w_v, double* by_tau, double* by_geometry) {
     const Tableau& m = method_;
     const bool euler = m.b.size() == 1;
@@ -262,7 +265,7 @@ class AdjointStep {
     stage.v.assign(v_i.begin(), v_i.end());
     return stage.dynamics->forward.run(tree_, q_i.data(), v_i.data(), springs_.forces(q_i, v_i, tau), loads_);
   }
-  /// Computes w_eta and w_V from the weights w_L of the acceleration of a stage.
+  /// Computes the weights w_eta and w_V of the state of a stage from the weights w_L of its acceleration.
   void multiply(Stage& stage, double* by_tau, double* by_geometry) {
     ForwardVjp<double>& dynamics = *stage.dynamics;
     dynamics.weigh(tree_, stage.q.data(), stage.v.data(), stage.w_L.data(), loads_);
@@ -308,7 +311,7 @@ Solvability step_derivatives(const Model& model, Workspace<double>& workspace, S
                 {"end.B", end.B, 2 * nv * nv, "2nv * nv"}});
   const Tree<double>& tree = model.tree<double>();
   const Eigen::Index n = model.nv();
-  TangentSteps steps(model, method, q, v, 3 * n);  // directions of q, v and tau
+  TangentSteps steps(model, method, q, v, 3 * n);  // one column for each direction of q, v and tau
   steps.dq.leftCols(n).setIdentity();
   steps.dv.middleCols(n, n).setIdentity();
   Rows by_q(n, n), by_v(n, n), by_tau(n, n);
@@ -420,7 +423,7 @@ Solvability rollout_vjp(const Model& model, Span q, Span v, Span tau, double ste
     throw std::invalid_argument("model \"" + model.name() +
                                 "\" has springs between frames, whose derivatives by geometry are not known");
   AdjointStep one(model, method, loads);
-  Vector q_k(q.begin(), q.end()), v_k(v.begin(), v.end());  // of all states
+  Vector q_k(q.begin(), q.end()), v_k(v.begin(), v.end());  // the states at the ends of all steps
   Solvability verdict;
   const auto find = [&](std::size_t k) {
     if (monitor && !monitor()) return Solvability{.not_finite = true};

@@ -76,7 +76,7 @@ void take_closed_steps(AbsoluteSimulationRun& run, Scheme& scheme, double until,
   });
 }
 
-/// Throws if forces have jumps or events would cut a step.
+/// Throws if forces may have jumps (dry friction, stops), or if there are events, which would cut a step.
 void check_smooth(const Model& model, const SimulationOptions& options) {
   if (!options.events.empty())
     throw std::invalid_argument(
@@ -234,7 +234,7 @@ Trajectory simulate_momenta(const Model& model, Span q, Span v, double until, do
     const Vector before = p;
     failure = run.close(t_1, q_1, p);
     if (failure) return failure;
-    y += p - before;  // floating bases are not changed
+    y += p - before;  // the states of floating bases do not change
     return run.take_momenta(t_1, q_1, p);
   });
   return std::move(run.trajectory);

@@ -12,7 +12,7 @@
 
 namespace axode {
 
-/// A scalar function of a state; the event occurs where its sign changes.
+/// An event: it occurs when a scalar function of the state changes its sign.
 struct Event {
   std::function<double(double t, std::span<const double> q, std::span<const double> v)> value;
   int direction = 0;      ///< +1: only if the value rises, -1: only if it falls
@@ -45,28 +45,29 @@ struct SimulationOptions {
   /// trajectory.
   std::vector<PrescribedMotion> motions = {};
   /// Damping and dry friction of the joints. In relative coordinates a joint at rest sticks while its
-  /// friction can hold it: a step ends where a joint comes to rest or begins to slide. In absolute
-  /// coordinates friction is -f sign(v).
+  /// friction can hold it: a step ends when a joint comes to rest or begins to slide. In absolute coordinates
+  /// friction is -f sign(v).
   bool joint_losses = false;
   std::vector<Event> events = {};
-  /// Called with the time at the end of each step; if it returns false, the motion ends.
+  /// A function that is called with the time at the end of each step. If it returns false, the motion ends.
   std::function<bool(double t)> monitor = {};
 };
 
 /// Integrates the motion from (q, v) at time 0 until a time, in steps of one length (the last one may be
 /// shorter), with an explicit Runge-Kutta-Munthe-Kaas method on the group of configurations. The method of
 /// one stage, Euler's, is semi-implicit: q moves with the new v. If accelerations cannot be computed or are
-/// not finite, the trajectory ends early and has the reason. Throws std::invalid_argument for wrong sizes,
-/// quaternions that are not of unit norm, numbers that are not finite, until < 0 and step <= 0.
+/// not finite, the trajectory ends early and contains the reason. Throws std::invalid_argument for wrong
+/// sizes, quaternions that are not of unit norm, numbers that are not finite, until < 0 and step <= 0.
 Trajectory simulate_fixed(const Model& model, std::span<const double> q, std::span<const double> v,
                           double until, double step, const Tableau& method = runge_kutta(4),
                           const SimulationOptions& options = {});
 
-/// Integrates stiff systems by the generalised-α method on the group, with Newton's method on exact
-/// derivatives of the dynamics: of second order, implicit, with numerical damping of fast oscillations. The
-/// spectral radius at infinity is the part of such an oscillation that remains after a step: 1 all, 0
-/// nothing. Drive forces that depend on the state are differenced if Newton's method needs it. A step that
-/// does not converge ends the motion. Throws as simulate_fixed(), and for a radius outside [0, 1].
+/// Integrates stiff systems by the generalised-α method on the group. It is implicit and of second order, and
+/// damps fast oscillations numerically; its equations are solved by Newton's method with exact derivatives of
+/// the dynamics. The spectral radius at infinity is the part of a fast oscillation that remains after a step:
+/// 1 means all of it, 0 nothing. If Newton's method needs derivatives of a drive force, they are difference
+/// quotients. A step that does not converge ends the motion. Throws as simulate_fixed() does, and for a
+/// radius outside [0, 1].
 ///
 /// In absolute coordinates joints and loops are imposed on positions (index 3) or, if stabilized, on
 /// positions and velocities (index 2, after Gear, Gupta and Leimkuhler). Newton's matrix is then M, with
@@ -79,27 +80,28 @@ Trajectory simulate_stiff(const Model& model, std::span<const double> q, std::sp
 /// compositions (4: Suzuki's, 6: Kahan's and Li's), see (D8.9) of docs/derivations. The method is symplectic
 /// if forces have a potential, so that energy errors stay bounded; joints and loops hold to rounding in
 /// positions and velocities. With damping, drives and rolling contacts it keeps its order, but is not
-/// symplectic. Implicit; a step that does not converge ends the motion. Throws as simulate_fixed(), and for
-/// other orders, events, dry friction, stops and relative coordinates.
+/// symplectic. The method is implicit; a step that does not converge ends the motion. Throws as
+/// simulate_fixed() does, and for other orders, events, dry friction, stops and relative coordinates.
 Trajectory simulate_rattle(const Model& model, std::span<const double> q, std::span<const double> v,
                            double until, double step, int order = 2, const SimulationOptions& options = {});
 
 /// Integrates in absolute coordinates by the half-explicit method of third order (Brasey, Hairer) in the form
 /// of Munthe-Kaas. Joints and loops hold to rounding in velocities; in positions they hold on SE(3) for
-/// joints whose steps are motions of the joint, and are projected otherwise. Throws as simulate_fixed(), and
-/// for relative coordinates.
+/// joints whose steps are motions that the joint allows, and are projected otherwise. Throws as
+/// simulate_fixed() does, and for relative coordinates.
 Trajectory simulate_half_explicit(const Model& model, std::span<const double> q, std::span<const double> v,
                                   double until, double step, const SimulationOptions& options = {});
 
 /// Integrates (q, p) by the midpoint rule on the group (order 2) or its compositions (4: Suzuki's, 6: Kahan's
 /// and Li's), see (D8.5) of docs/derivations. The method is symmetric, and symplectic if forces have a
 /// potential, so that energy errors stay bounded; damping and drives enter by d'Alembert's principle. A
-/// floating base is taken relative to its centre of mass, whose motion is exact, with its momentum as a
-/// state: Π^s, or under gravity L_c and P, are exact to rounding. Loops are closed in positions and
-/// velocities by impulses at both ends of a step (D8.7). Implicit; a step that does not converge ends the
-/// motion. Throws as simulate_fixed(), and for events, dry friction, rolling contacts and other orders.
-/// (Armatures of joints with several velocities have momenta that do not turn with the joint; they are
-/// treated as forces here, with which order and momenta are kept, but the method is not symplectic.)
+/// floating base moves relative to its centre of mass, whose motion is exact, and its momentum is a state.
+/// Hence Π^s, or under gravity the angular momentum L_c about the centre of mass and the linear momentum P,
+/// are exact to rounding. Loops are closed in positions and velocities by impulses at both ends of a step
+/// (D8.7). The method is implicit; a step that does not converge ends the motion. Throws as simulate_fixed()
+/// does, and for events, dry friction, rolling contacts and other orders. (Armatures of joints with several
+/// velocities have momenta that do not turn with the joint; here they are treated as forces. This preserves
+/// the order and the momenta, but then the method is not symplectic.)
 Trajectory simulate_symplectic(const Model& model, std::span<const double> q, std::span<const double> v,
                                double until, double step, int order = 2,
                                const SimulationOptions& options = {});
@@ -128,7 +130,8 @@ Trajectory simulate_momenta(const Model& model, std::span<const double> q, std::
 
 struct Tolerances {
   double relative = 1e-8, absolute = 1e-10;
-  double first_step = 0, largest_step = 0;  ///< 0: chosen automatically, and unlimited
+  double first_step = 0, largest_step = 0;  ///< if 0, the first step is chosen automatically, and steps are
+                                            ///< not limited
 };
 /// Integrates with Dormand's and Prince's method in adaptive steps. The error estimates of θ, the step of q
 /// in the algebra, and of v must be at most absolute + relative max(1, |θ|) in rad and m, and absolute +

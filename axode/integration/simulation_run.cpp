@@ -243,7 +243,7 @@ void SimulationRun::add_resistance_of_drive(double t, Span q_t, Span v_t, double
 
 // Dry friction.
 
-/// Changes a, the last accelerations, to those under the sticking forces.
+/// Changes the last accelerations a to the accelerations under the sticking forces.
 void SimulationRun::apply_sticking_forces(Span q_t, std::span<double> a_t) {
   const std::vector<int>& sticking = friction_.sticking();
   columns_.resize(model_.nv(), static_cast<Eigen::Index>(sticking.size()));
@@ -276,7 +276,7 @@ Failure SimulationRun::check_sticking(double t, const StepEnd& end) {
   return accelerate(t, as_span(end.q), as_span(end.v), as_span(a_end));
 }
 
-/// Computes accelerations at the end of an attempt, unless the scheme has.
+/// Computes the accelerations at the end of an attempt, unless the scheme has computed them.
 Failure SimulationRun::ensure_accelerations(double t, StepEnd& end) {
   if (end.a.size() == end.v.size()) return {};
   end.a.resize(end.v.size());
@@ -288,7 +288,7 @@ bool SimulationRun::friction_changes(double t_0, double t_1, const StepEnd& end)
          friction_.reverses(as_span(v), as_span(a), as_span(end.v), as_span(end.a), t_1 - t_0);
 }
 
-/// DryFriction::stop_sliding() at the present state.
+/// Calls DryFriction::stop_sliding() at the present state, and returns whether a joint came to rest.
 bool SimulationRun::stop_sliding(double within) {
   return friction_.stop_sliding(as_span(v), as_span(a), within);
 }
@@ -306,7 +306,8 @@ Failure SimulationRun::take_up_to(double t_1, StepEnd& end, const Attempt& attem
   double low = t_0, high = t_1, t = t_1, violation = friction_.violation(), rate = 0;
   StepEnd after = end;
   for (int tries = 0; high - low > resolution; ++tries) {
-    // To first order, by the violation, from two attempts, or by the velocity that reverses.
+    // A first-order guess of the time at which friction changes: from the violations of two attempts, or from
+    // the velocity that reverses.
     const double guess =
         t + (rate > 0 ? -violation / rate : friction_.time_to_stop(as_span(end.v), as_span(end.a)));
     const double before = t, violation_before = violation;
@@ -408,7 +409,7 @@ void SimulationRun::find_occurrences(std::size_t e, double before, double after,
   const auto value = [&](double t) { return value_at(event, t); };
   const double near = 1e-6 * (after - before);
   double soon = value(before + near);
-  if (begin == 0) {  // the event has been found there
+  if (begin == 0) {  // an event at the start of the step has been found already
     before += near;
     begin = soon;
     soon = value(before + near);
@@ -425,7 +426,7 @@ void SimulationRun::find_occurrences(std::size_t e, double before, double after,
   if ((begin < 0) != (end < 0)) return cross(before, after, begin < 0);
   if (!(sign * (soon - begin) < 0 && sign * (end - value(after - near)) > 0)) return;
   double low = before, high = after;
-  for (int k = 0; k < 40; ++k) {  // discards the third on the side of the larger value
+  for (int k = 0; k < 40; ++k) {  // each iteration discards the outer third next to the larger value
     const double a_third = (high - low) / 3, one = low + a_third, two = high - a_third;
     const double at_one = sign * value(one), at_two = sign * value(two);
     if (std::min(at_one, at_two) < 0) {
@@ -438,7 +439,7 @@ void SimulationRun::find_occurrences(std::size_t e, double before, double after,
   }
 }
 
-/// Finds the events of the last step, between two times; the trajectory ends at a terminal one.
+/// Finds the events of the last step between two times; the trajectory ends at a terminal one.
 Failure SimulationRun::find_events(double before, double after) {
   const std::vector<double> next = values_at(after, as_span(q), as_span(v));
   std::vector<Trajectory::EventOccurrence> met;

@@ -16,11 +16,11 @@
 
 namespace axode {
 
-/// The end of a step; a is empty if the scheme does not compute accelerations.
+/// The state at the end of a step; a is empty if the scheme does not compute accelerations.
 struct StepEnd {
   Eigen::VectorXd q, v, a;
 };
-/// Computes the end of a step from the present time to t_1; calls begin_step() first.
+/// A function that computes the end of a step from the present time to t_1. It must call begin_step() first.
 using Attempt = std::function<Failure(double t_1, StepEnd& end)>;
 
 /// A motion under integration, the common part of all schemes: the trajectory so far in joint coordinates,
@@ -35,8 +35,8 @@ class SimulationRun {
   /// Computes accelerations under springs, drives, loads and friction.
   Failure accelerate(double t, Span q_t, Span v_t, std::span<double> a_t);
 
-  /// ID(q, v, a) - tau or, with loops, a - FD(q, v, tau), which is 0 if a is the acceleration; a itself for
-  /// sticking velocities.
+  /// Computes the residual r, which is 0 if a is the acceleration: r = ID(q, v, a) - tau by inverse dynamics
+  /// or, with loops, r = a - FD(q, v, tau) by forward dynamics. For sticking velocities r is a.
   Failure residual(double t, const Vector& q_t, const Vector& v_t, const Vector& a_t, Vector& r);
   double size_of_residual(const Vector& r) const {
     return loops_ ? norm_.of_velocities(r) : norm_.of_forces(r);
@@ -50,15 +50,16 @@ class SimulationRun {
   Span drive(double t, const Vector& q_t, const Vector& v_t);
 
   const EnergyNorm& norm() const { return norm_; }
-  /// The size of the terms of velocities in a step of length h: the velocities, the changes by gravity and by
-  /// the joint forces of the last evaluation, and a lower bound for a mechanism at rest.
+  /// The magnitude of the terms from which velocities are computed in a step of length h, against which their
+  /// changes are compared. The terms are the velocities themselves, the changes by gravity and by the joint
+  /// forces of the last evaluation, and a lower bound for a mechanism at rest.
   double velocity_scale(const Vector& v_t, double h) const {
     return std::max(norm_.of_velocities(v_t), velocity_scale(h));
   }
   double velocity_scale(double h) const {
     return std::max(std::abs(h) * std::max(weight_, norm_.of_forces(forces_)), 1e7 * place_resolution(h));
   }
-  /// The size of velocities that change q in a step by no more than its rounding.
+  /// The norm of velocities that change q in a step by no more than the rounding error of q.
   double place_resolution(double h) const { return 1e-15 * places_ / std::abs(h); }
 
   /// Takes the step to t_1, or to an earlier time at which dry friction changes: a joint comes to rest, or
@@ -66,20 +67,20 @@ class SimulationRun {
   Failure take_up_to(double t_1, StepEnd& end, const Attempt& attempt);
   /// Begins an attempt under the present friction.
   void begin_step();
-  /// The least LoopSystem::weakest_row() of accelerations since begin_step().
+  /// The least LoopSystem::weakest_row() of the accelerations that were computed since begin_step().
   double weakest_row() const { return weakest_row_; }
-  /// Whether the last step ended where friction changed, and accelerations with it.
+  /// Whether the last step ended because dry friction changed, so that accelerations jump there.
   bool friction_changed() const { return friction_changed_; }
   /// Checks whether friction can hold the sticking joints at the end of a step, for schemes that did not
   /// compute accelerations there.
   Failure check_sticking(double t, const StepEnd& end);
 
-  /// Takes the end of a step, with the acceleration there where it is known. Loops are closed again, which
-  /// changes it a little.
+  /// Accepts the end of a step, which contains the acceleration if the scheme has computed it. Loops are
+  /// closed again, which changes the state a little.
   Failure take(double t, const StepEnd& end);
-  /// Appends the end of a step of a scheme that keeps loops closed itself.
+  /// Appends the end of a step without projection, for schemes that keep loops closed themselves.
   Failure take_closed(double t, Span q_end, Span v_end);
-  /// Ends the motion.
+  /// Ends the motion for a reason.
   void stop(const Failure& failure);
   bool done() const { return trajectory.size() == 0 || ended_ || !trajectory.complete || now() >= until_; }
   double now() const { return trajectory.t().back(); }
@@ -92,22 +93,23 @@ class SimulationRun {
   ConfigurationGroup<double> group() const { return ConfigurationGroup<double>(tree(), local_coordinates()); }
   /// tau of drives and springs at a state.
   Failure joint_forces(double t, Span q_t, Span v_t, Span& tau);
-  /// The inertia that springs, dampers and, by differences, the drive add to each velocity in an implicit
-  /// step in which places move with an acceleration by c_x and velocities by c_v; 0 where they would reduce
-  /// it.
+  /// Computes the resistance of springs, dampers and the drive, which acts on each velocity like an added
+  /// inertia. The step is an implicit one in which a change of an acceleration by x changes the coordinate by
+  /// c_x x and the velocity by c_v x. Derivatives of the drive are difference quotients, and negative entries
+  /// are set to 0.
   Failure joint_resistance(double t, Span q_t, Span v_t, double c_x, double c_v, std::vector<double>& out);
   Loads<double> loads() const { return {loads_, options_.joint_losses && !friction_.active()}; }
 
   Trajectory trajectory;
-  Vector q, v, a;  ///< now
+  Vector q, v, a;  ///< present state and accelerations
 
  protected:
   using SquareMatrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
   static constexpr const char* open = "the loops cannot be kept closed; a shorter step may help";
 
-  /// Appends the end of a step without projection.
+  /// Appends the end of a step to the trajectory without projection.
   Failure record(double t, StepEnd end);
-  /// The sum of drive and spring forces and, with dry friction, of losses.
+  /// Computes the sum of drive forces, spring forces and, if there is dry friction, losses.
   Span joint_force_sum(Span q_t, Span v_t);
   /// Computes drive forces and loads at a state.
   Failure begin_evaluation(double t, Span q_t, Span v_t);
@@ -123,7 +125,7 @@ class SimulationRun {
   double places_;                       ///< EnergyNorm::of_places() of q
   double weight_;                       ///< the norm of gravity as a force on the whole mechanism
   Vector tau_, forces_;                 ///< drive forces, and the sum of all joint forces
-  std::vector<AppliedWrench<>> loads_;  ///< now
+  std::vector<AppliedWrench<>> loads_;  ///< loads at the state of the last evaluation
 
  private:
   void compute_loads(double t, Span q_t, Span v_t);
@@ -143,8 +145,8 @@ class SimulationRun {
 
   Vector driven_;            ///< the result of drive()
   SquareMatrix compliance_;  ///< ∂a/∂τ
-  SquareMatrix columns_;     ///< the columns of ∂a/∂τ of sticking velocities
-  std::vector<double> own_;  ///< see DryFriction::apply_sticking_forces()
+  SquareMatrix columns_;     ///< the columns of ∂a/∂τ that belong to sticking velocities
+  std::vector<double> own_;  ///< argument `own` of DryFriction::apply_sticking_forces()
   std::vector<double> values_;
   double until_, weakest_row_ = 1;
   bool ended_ = false, friction_changed_ = false;

@@ -65,7 +65,7 @@ void Trajectory::at(double time, std::span<double> q_out, std::span<double> v_ou
   const auto v_0 = as_eigen(v(k)), a_0 = as_eigen(a(k)), v_1 = as_eigen(v(k + 1)),
              a_1 = as_eigen(a_before(k + 1));
 
-  // The mean velocity z of the step, and x at its end.
+  // Computes the mean velocity z of the step, and the value of x(t) at the end of the step.
   Vector z = (v_0 + v_1) / 2 + h * (a_0 - a_1) / 12, x(n), y(n);
   group.noncommuting(z, z);
   const auto move_along_z = [&](double t) {
@@ -75,14 +75,15 @@ void Trajectory::at(double time, std::span<double> q_out, std::span<double> v_ou
   move_along_z(h);
   group.difference(q_out, q(k + 1), x);
 
-  // Ad_{exp(-x)} z = z - [x, dexp_{-x} z].
+  // Computes Ad_{exp(-x)} z = z - [x, dexp_{-x} z].
   const auto carried = [&](const Vector& x_t) -> Vector {
     Vector turned(n);
     group.velocity(x_t, z, turned);
     group.bracket(x_t, turned, turned);
     return z - turned;
   };
-  // x' and x'' at an end, from v = Ad_{exp(-x)} z + u and a = u' - [u, Ad_{exp(-x)} z] with u = dexp_{-x} x'.
+  // Computes x' and x'' at one end of the step, from v = Ad_{exp(-x)} z + u and a = u' - [u, Ad_{exp(-x)} z]
+  // with u = dexp_{-x} x'.
   const Vector none = Vector::Zero(n);
   const auto rates = [&](const Vector& x_t, const auto& v_t, const auto& a_t) {
     const Vector z_t = carried(x_t);
@@ -97,7 +98,8 @@ void Trajectory::at(double time, std::span<double> q_out, std::span<double> v_ou
   const auto [dx_0, ddx_0] = rates(none, v_0, a_0);
   const auto [dx_1, ddx_1] = rates(x, v_1, a_1);
 
-  // y = p1 s + p2 s² + p3 s³ + p4 s⁴ + p5 s⁵, with p1 and p2 from the start of the step.
+  // The quintic is y = p1 s + p2 s² + p3 s³ + p4 s⁴ + p5 s⁵, where p1 and p2 follow from the start of the
+  // step.
   move_along_z(time - t_[k]);
   const Vector p1 = h * dx_0, p2 = h * h / 2 * ddx_0;
   const Vector A = x - p1 - p2, B = h * dx_1 - p1 - 2 * p2, C = h * h * ddx_1 - 2 * p2;

@@ -9,7 +9,8 @@
 
 namespace axode {
 
-/// The reason why a motion ends early, and the time; false if there is none.
+/// The reason why a motion ends early, and the time at which it does. As a condition it is false if there is
+/// no failure.
 struct [[nodiscard]] Failure {
   double t = 0;
   std::string why = {};
@@ -17,7 +18,7 @@ struct [[nodiscard]] Failure {
   explicit operator bool() const { return !why.empty(); }
 };
 
-/// A motion at the ends of steps, t_0 < t_1 < ..., with interpolation between them.
+/// A motion: its states at the ends of steps, t_0 < t_1 < ..., with interpolation between them.
 class Trajectory {
  public:
   explicit Trajectory(const Model& model) : model_(model) {}
@@ -25,7 +26,8 @@ class Trajectory {
   const Model& model() const { return model_; }
   std::size_t size() const { return t_.size(); }
   std::span<const double> t() const { return t_; }
-  /// Row by row: size() × nq, nv, nv, nv. τ are the drive forces, 0 without a drive.
+  /// Coordinates, velocities, accelerations and drive forces, one row for each time: size() × nq numbers for
+  /// q, size() × nv for the others. τ is 0 if there is no drive.
   std::span<const double> q() const { return q_; }
   std::span<const double> v() const { return v_; }
   std::span<const double> a() const { return a_; }
@@ -45,7 +47,7 @@ class Trajectory {
   void append(double t, std::span<const double> q, std::span<const double> v, std::span<const double> a,
               std::span<const double> tau);
 
-  /// Replaces v and a from the last end of a step on, where a jumps and v changes by rounding. a(k) is the
+  /// Replaces v and a from the last end of a step on. a jumps there, and v changes by rounding. a(k) is the
   /// value after the jump.
   void jump(std::span<const double> v, std::span<const double> a);
 
@@ -55,7 +57,7 @@ class Trajectory {
 
   std::size_t steps = 0, rejected = 0;  ///< steps that were taken, and attempts that were rejected
   std::size_t evaluations = 0;          ///< number of evaluations of accelerations
-  bool complete = true;                 ///< whether the end was reached, or a terminal event
+  bool complete = true;                 ///< whether the motion reached its end, or a terminal event
   std::string stop_reason;              ///< why the motion ended early, in a sentence; or empty
   /// An event of the options, by its index, and the time at which it occurred.
   struct EventOccurrence {
@@ -79,7 +81,7 @@ class Trajectory {
   std::size_t nq() const { return static_cast<std::size_t>(model_.nq()); }
   std::size_t nv() const { return static_cast<std::size_t>(model_.nv()); }
 
-  /// a at the end of a step, before a jump.
+  /// The accelerations at the end of step k, before a jump if there is one there.
   std::span<const double> a_before(std::size_t k) const;
 
   Model model_;

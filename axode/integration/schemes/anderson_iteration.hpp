@@ -22,25 +22,25 @@ inline Eigen::Map<const Eigen::VectorXd> as_eigen(const std::vector<double>& x) 
 inline constexpr const char* no_convergence = "the step did not converge; a shorter one may";
 
 /// Anderson acceleration of a fixed-point iteration x += dx(x), such as Newton's method with an approximate
-/// matrix. Of the combinations of the last steps it takes that with the least predicted dx. It converges even
-/// if the matrix has the wrong sign in a few directions, as it may where branches of a motion meet within a
-/// step.
+/// matrix. The next x is the combination of the last steps for which the predicted dx is least. The iteration
+/// converges even if the matrix has the wrong sign in a few directions, which may happen if branches of the
+/// motion meet within a step.
 class AndersonIteration {
  public:
   using Vector = Eigen::VectorXd;
   enum class Status { iterating, converged, diverged };
-  /// A part of x with its dx.
+  /// A part of x, and the part of dx that belongs to it.
   struct Part {
     Eigen::Ref<Vector> x;
     Eigen::Ref<const Vector> dx;
   };
 
-  /// The first part of x has velocities or accelerations, which the norm measures.
+  /// The first part of x must have velocities or accelerations; they are measured in the norm.
   explicit AndersonIteration(const EnergyNorm& norm) : norm_(&norm) {}
 
-  /// Takes a step. It has converged if the first part of dx is rounding against `size`. If dx does not halve
-  /// in four steps, the step with the least dx is the result, provided that is_rounding() says that the terms
-  /// of dx are rounding.
+  /// Takes a step of the iteration. It has converged if the first part of dx is a rounding error compared
+  /// with `size`. If dx does not halve within four steps, the step with the least dx is the result, provided
+  /// that is_rounding() returns true: the terms of dx are rounding errors.
   template <class F> Status update(double size, std::initializer_list<Part> parts, const F& is_rounding) {
     constexpr double rounding = 2e-14, noisy = 1e-10, ill_conditioned = 1e-7;
     constexpr int most = 60, patience = 4;

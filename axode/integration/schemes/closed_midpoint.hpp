@@ -9,12 +9,13 @@
 
 namespace axode {
 
-/// The step of Midpoint between impulses of the loops at its ends (D8.7), with r(q) and its rows R, r' = R v:
+/// A step of the midpoint rule between two impulses of the loops, one at each end of the step (D8.7), with
+/// r(q) and its rows R, r' = R v:
 ///   p_0⁺ = p_0 + h/2 R(q_0)ᵀ λ,   (q_1, p_1⁻) = midpoint step of (q_0, p_0⁺),   r(q_1) = 0.
 /// The System projects p_1 = p_1⁻ + R(q_1)ᵀ μ so that R M⁻¹ p_1 = 0. With this the step is symmetric, of
 /// second order, and symplectic on the closed configurations if the midpoint rule is. Newton's matrix is made
-/// of M and R at the predicted middle of the step. A System is one of Midpoint that has also checked(t,
-/// solvability).
+/// of M and R at the predicted middle of the step. A System needs the members that Midpoint requires, and
+/// checked(t, solvability).
 template <class System> class ClosedMidpoint {
  public:
   using Vector = Eigen::VectorXd;
@@ -39,7 +40,7 @@ template <class System> class ClosedMidpoint {
         momenta_(model.nv()),
         r_(model.nv()) {}
 
-  /// Steps from (q0, p0) at time t over h, as Midpoint. Loops must be closed at q0.
+  /// Computes the step from (q0, p0) at time t over h, see Midpoint::run(). Loops must be closed at q0.
   Failure run(double t, double h, const Vector& q0, const Vector& p0) {
     LoopSystem<double>&ends = ends_.system(model_), &middle = middle_.system(model_);
     constexpr auto places = ConstraintLevel::position;
@@ -85,10 +86,11 @@ template <class System> class ClosedMidpoint {
     return {};
   }
 
-  Vector q, q_middle, p, v, f;  ///< after run(): at the end of the step, v and f in its middle
+  Vector q, q_middle, p, v, f;  ///< results of run(): q and p at the end of the step; q_middle, v and f in
+                                ///< its middle
 
  private:
-  /// to = q_0 ⊕ y with y = part v.
+  /// Computes to = q_0 ⊕ y with y = part v.
   void advance(double part, const Vector& q0, Vector& to) {
     y_ = part * v;
     group_.move(q0, y_, to);

@@ -14,13 +14,14 @@ namespace axode {
 ///   x = h v_0 + h² ((1/2 - β) â_0 + β â_1 + β c M⁻¹ Bᵀ η).
 /// Nonholonomic rows, N v_1 = 0, are imposed in both forms, and also on the displacement by η. Newton's
 /// matrix has M, B and the resistance of the joints (springs, dampers, drives) at the predicted end of the
-/// step; so has the metric of c M⁻¹ Bᵀ η. A System is one of Rattle that knows the resistance.
+/// step; M in the term c M⁻¹ Bᵀ η also contains this resistance. A System needs the members that Rattle
+/// requires, with a factorize() that takes the resistance into account.
 template <class System> class ConstrainedAlpha {
  public:
   using Vector = std::vector<double>;
 
-  /// Starts at a state with acceleration a_0 and multipliers, at which the system is factorised with its
-  /// rank.
+  /// Starts at a state with acceleration a_0 and multipliers, at which the system has been factorised with
+  /// its rank.
   ConstrainedAlpha(System& system, double spectral_radius, bool stabilized, const Vector& q_0,
                    const Vector& v_0, const Vector& a_0, const Vector& lambda_0)
       : q(q_0),
@@ -33,7 +34,7 @@ template <class System> class ConstrainedAlpha {
         a_(as_eigen(a_0)),
         mean_(a_) {}
 
-  /// Steps q, v and λ from time t to t + h.
+  /// Advances q, v and λ from time t to t + h.
   Failure run(double t, double h) {
     auto& bodies = system_->bodies();
     const std::size_t nv = v.size();
@@ -58,7 +59,7 @@ template <class System> class ConstrainedAlpha {
         bodies.velocity_residual(q_1_, v_1_, rhs_);
         as_eigen(rhs_) /= -c_v;
         bodies.solve(r_, rhs_, da_, dlambda_);
-        as_eigen(gap_) -= as_eigen(rhs_);  // the part of B da
+        as_eigen(gap_) -= as_eigen(rhs_);  // subtracts the contribution B da
         bodies.set_nonholonomic_rates(q_1_, moved_, -1, gap_);
         r_.assign(nv, 0.0);
         bodies.solve(r_, gap_, dmoved_, deta_);

@@ -17,16 +17,17 @@ class EnergyNorm {
   using Vector = Eigen::VectorXd;
   using Argument = Eigen::Ref<const Vector>;
 
-  /// Takes the inertia m_c of each velocity.
+  /// `inertia` has m_c of each velocity.
   explicit EnergyNorm(const Vector& inertia)
       : root_(inertia.cwiseSqrt()),
         inverse_root_((root_.array() > 0).select(root_.cwiseInverse(), Vector::Zero(root_.size()))) {}
-  /// Takes the bounds of the tree.
+  /// m_c are the bounds of the inertias of a tree.
   explicit EnergyNorm(const Tree<double>& tree) : EnergyNorm(inertia_of(tree)) {}
 
   double of_velocities(const Argument& v) const { return length(root_.cwiseProduct(v)); }
   double of_forces(const Argument& p) const { return length(inverse_root_.cwiseProduct(p)); }
-  /// The norm of a displacement by one radian for rotations, and by the present coordinate for lengths.
+  /// The norm of a displacement of which each rotation is one radian, and each length is that of the present
+  /// coordinate.
   double of_places(const Tree<double>& tree, const Argument& q) const {
     double squares = 0;
     for (int i = 1; i <= tree->n; ++i) {
@@ -40,14 +41,15 @@ class EnergyNorm {
     }
     return std::sqrt(squares);
   }
-  /// √m_c.
+  /// The weights √m_c of the velocities.
   const Vector& weights() const { return root_; }
-  /// The value of velocity c that alone has a norm of `size`; without inertia it is that of the heaviest
-  /// velocity.
+  /// The value that velocity c must have, if all others are 0, for a norm of `size`. For a velocity without
+  /// inertia it is the value for the velocity with the largest inertia.
   double alone(Eigen::Index c, double size) const {
     return size / (root_[c] > 0 ? root_[c] : root_.maxCoeff());
   }
-  /// A small change of velocity c, at v_c, for difference quotients if velocities have a norm of `size`.
+  /// A small change of velocity c, whose value is v_c, for difference quotients; velocities have a norm of
+  /// `size`.
   double increment(Eigen::Index c, double v_c, double size) const {
     return 1e-7 * std::max(std::abs(v_c), alone(c, size));
   }

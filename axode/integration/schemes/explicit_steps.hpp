@@ -8,19 +8,20 @@
 #include "axode/integration/schemes/munthe_kaas.hpp"
 #include "axode/integration/simulation_run.hpp"
 
-/// Explicit methods. A Run has the present q, v and a on the group of tree(), accelerate(), and take_up_to()
-/// for ends of steps.
+/// Loops over the steps of explicit methods. A Run has the present q, v and a on the group of tree(),
+/// computes accelerations by accelerate(), and accepts the end of a step by take_up_to().
 namespace axode {
 
-/// Takes steps of one length from 0 on, a shorter one at the end; take(t_1) steps to t_1, and a failure ends
-/// the motion.
+/// Takes steps of equal length from time 0 to `until`; the last one may be shorter. take(t_1) computes the
+/// step to t_1; if it fails, the motion ends.
 template <class Run, class Take> void each_step(Run& run, double until, double step, const Take& take) {
   const double whole = std::ceil(until / step - 1e-9);
   for (double k = 1; k <= whole && !run.done(); ++k)
     if (Failure failure = take(k == whole ? until : k * step)) run.stop(failure);
 }
 
-/// Steps to t_1, in several steps if friction changes in between; calls after() after each.
+/// Advances the motion to t_1, in several steps if friction changes in between. after() is called after each
+/// of them.
 template <class Run, class After>
 Failure take_until(Run& run, double t_1, StepEnd& end, const Attempt& attempt, const After& after) {
   while (run.now() < t_1 && !run.done()) {
@@ -59,9 +60,9 @@ template <class Run> void take_steps(Run& run, double until, double step, const 
   each_step(run, until, step, [&](double t_1) { return take_until(run, t_1, end, attempt, [] {}); });
 }
 
-/// A drive force that is discontinuous where the motion stays, as -sign(v) at rest, makes steps ever shorter.
-/// The motion ends if `stall_window` steps are on average shorter than `stall_step` (s), and more than
-/// `stall_ratio` times as many would be needed.
+/// If a drive force is discontinuous at a state where the motion stays, for example -sign(v) at rest, steps
+/// become ever shorter. The motion ends if `stall_window` steps are on average shorter than `stall_step` (s),
+/// and more than `stall_ratio` times as many would be needed.
 inline constexpr int stall_window = 10'000;
 inline constexpr double stall_ratio = 1e5, stall_step = 1e-9;
 inline constexpr const char* jumps =
@@ -69,11 +70,12 @@ inline constexpr const char* jumps =
     "without bound; use a method of fixed steps (rk4), and give dry friction as a joint property that "
     "joint_losses counts";
 
-/// Where branches of a motion meet, rows of the loops are nearly redundant. Accelerations close by are those
-/// of a mechanism with more degrees of freedom, so that the error estimate shows a jump that the motion does
-/// not have, and shorter steps do not help. Up to `most_passing` consecutive steps, after one without such
-/// rows, keep the step length and ignore their error estimate; an attempt with a row weaker than `too_weak`
-/// is repeated up to `most_shortened` times, each shorter by the factor `shortened`.
+/// Where branches of a motion meet, rows of the loops are nearly redundant. Near such a configuration the
+/// accelerations are those of a mechanism with more degrees of freedom. The error estimate then shows a jump
+/// that the motion does not have, and shorter steps do not help. After a step without such rows, up to
+/// `most_passing` consecutive steps therefore keep the step length and ignore their error estimate. An
+/// attempt with a row weaker than `too_weak` is repeated up to `most_shortened` times, each time with a step
+/// that is shorter by the factor `shortened`.
 inline constexpr int most_passing = 20, most_shortened = 6;
 inline constexpr double too_weak = 1e-6, shortened = 0.85;
 

@@ -58,7 +58,7 @@ class FloatingBases {
   void to_moving_frame(double t, double* q, double* v) const { add(-1, t, q, v); }
   void from_moving_frame(double t, double* q, double* v) const { add(1, t, q, v); }
 
-  // The following functions are relative to the moving frames.
+  // In the following functions, q, p and y are relative to the moving frames.
   /// Replaces p by y.
   void begin(const double* q, double* y) const {
     for (const Root& root : roots_) {
@@ -66,24 +66,25 @@ class FloatingBases {
       write(root, Wrench<Spatial>{Pi.m, root.constant ? Vec3<>{} : Pi.f}, y);
     }
   }
-  /// Computes p of the bases from y.
+  /// Computes the joint momenta p of the bases from the states y.
   void to_momenta(const double* q, const double* y, double* p) const {
     for (const Root& root : roots_) write(root, coAd_inv(pose(root, q), read<Spatial>(root, y)), p);
   }
-  /// Computes y' of the bases from f = p' - ad_vᵀ p; 0 unless a load or drive acts on them.
+  /// Computes the rates y' of the bases from f = p' - ad_vᵀ p. They are 0 unless a load or drive acts on the
+  /// bases (`pushed`).
   void rates(const double* q, bool pushed, const double* f, double* dy) {
     for (Root& root : roots_) {
       write(root, pushed ? coAd(pose(root, q), read<BodyFixed>(root, f)) : Wrench<Spatial>{}, dy);
       root.constant = root.constant && !pushed;
     }
   }
-  /// Advances y by a time h with f.
+  /// Advances y by a time h with the forces f.
   void advance(const double* q, double h, bool pushed, double* f, double* y) {
     rates(q, pushed, f, f);
     for (const Root& root : roots_)
       for (int c = first(root); c < first(root) + 6; ++c) y[c] += h * f[c];
   }
-  /// Moves constant centres of mass back to their positions.
+  /// Moves the bases so that centres of mass that are constant have their exact positions again.
   void restore_centers(double* q) {
     if (std::ranges::none_of(roots_, &Root::constant)) return;
     kernel_->run(*tree_, q);

@@ -11,7 +11,7 @@ namespace axode {
 /// The averages of generalised-α with a mean acceleration â:
 ///   (1 - α_m) â_1 + α_m â_0 = (1 - α_f) a_1 + α_f a_0,   v_1 = v_0 + h ((1 - γ) â_0 + γ â_1),
 ///   x = h v_0 + h² ((1/2 - β) â_0 + β â_1).
-/// v_1 moves with a_1 as h γ c and x as h² β c, c = (1 - α_f) / (1 - α_m).
+/// With c = (1 - α_f) / (1 - α_m), the derivatives by a_1 are h γ c for v_1 and h² β c for x.
 struct AlphaMeans {
   using Vector = Eigen::VectorXd;
 
@@ -36,9 +36,10 @@ struct AlphaMeans {
 /// One step of generalised-α on the group: with AlphaMeans and q_1 = q_0 ⊕ x, it is solved for the a_1 with
 /// ID(q_1, v_1, a_1) = τ by Newton's method with
 ///   J = M + h γ c ∂ID/∂v + h² β c ∂ID/∂q dexp_{-x}.
-/// The iteration has converged if the change of a_1 is rounding, if the residual is rounding of its terms, or
-/// if the change of a_1 moves q_1 by no more than its rounding. A System has residual(t, q, v, a, r) with r =
-/// ID - τ; size_of_residual(r) and place_resolution(h), see SimulationRun; and the members for StepMatrix.
+/// ID is inverse dynamics. The iteration has converged if the change of a_1 is a rounding error, if the
+/// residual is a rounding error of its terms, or if the change of a_1 moves q_1 by no more than the rounding
+/// of q_1. A System has residual(t, q, v, a, r) with r = ID - τ; size_of_residual(r) and place_resolution(h),
+/// see SimulationRun; and the members that StepMatrix requires.
 template <class System> class GeneralizedAlpha {
  public:
   using Vector = Eigen::VectorXd;
@@ -56,7 +57,7 @@ template <class System> class GeneralizedAlpha {
         x_(tree->nv),
         r_(tree->nv) {}
 
-  /// Steps from (q0, v0, a0) over h to q, v and a at time t.
+  /// Computes the step from (q0, v0, a0) over h to q, v and a at time t.
   Failure run(double t, double h, const Vector& q0, const Vector& v0, const Vector& a0) {
     constexpr int most = 40;
     const EnergyNorm& norm = system_->norm();
@@ -87,11 +88,11 @@ template <class System> class GeneralizedAlpha {
     }
     return {t, "Newton's method did not converge; a shorter step may help"};
   }
-  /// Accepts the step; or, after a jump of the accelerations to a_0, starts again.
+  /// Accepts the step. restart() begins again with the accelerations a_0 after a jump.
   void accept() { mean_0_ = mean_; }
   void restart(const Vector& a_0) { mean_0_ = a_0; }
 
-  Vector q, v, a;  ///< after run()
+  Vector q, v, a;  ///< results of run(): the state at the end of the step
 
  private:
   /// Computes the end of the step for the acceleration a.
@@ -99,7 +100,7 @@ template <class System> class GeneralizedAlpha {
     means_.advance(h, v0, a0, mean_0_, a, mean_, v, x_);
     group_.move(q0, x_, q);
   }
-  /// Makes Newton's matrix, with derivatives of the drive once they have been needed.
+  /// Computes Newton's matrix. If the derivatives of the drive have been needed before, it includes them.
   void linearize(double t, double h, const Vector& q0) {
     const double c_x = h * h * means_.beta * means_.c, c_v = h * means_.gamma * means_.c;
     if (with_drive_)

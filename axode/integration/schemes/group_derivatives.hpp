@@ -14,10 +14,10 @@ namespace axode {
 /// The four maps are matrices for joints of several velocities; for the others they are 1, 1, 1 and 0.
 class GroupDerivatives {
  public:
-  using Matrix = Eigen::MatrixXd;  ///< a row for each velocity
+  using Matrix = Eigen::MatrixXd;  ///< matrix with a row for each velocity
   using Block = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::ColMajor, 6, 6>;
 
-  /// The maps of one joint, or a range of consecutive joints of one velocity, which need none.
+  /// The maps of one joint, or a range of consecutive joints of one velocity, which need no maps.
   struct Joints {
     int body;  ///< 0 for a range of joints of one velocity
     Eigen::Index first, n;
@@ -49,7 +49,7 @@ class GroupDerivatives {
         });
   }
 
-  /// out += map z, and out += mapᵀ z. Both have a column for each direction or weight.
+  /// Adds map z to out; add_transposed() adds mapᵀ z. z and out have a column for each direction or weight.
   void add(Block Joints::*map, const Matrix& z, Matrix& out) const {
     add_to(map, z, out, [](const Block& block) -> const Block& { return block; });
   }

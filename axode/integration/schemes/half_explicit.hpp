@@ -14,9 +14,9 @@ namespace axode {
 /// of Munthe-Kaas:
 ///   M L_i = f(q_i, V_i) + ad_{V_i}ᵀ M V_i + B_iᵀ λ_i with the λ_i for which B_{i+1} V_{i+1} = 0,
 ///   θ_{i+1} = h Σ a_ij K_j,  V_{i+1} = v_0 + h Σ a_ij L_j,  K_i = dexp⁻¹_{-θ_i} V_i.
-/// Velocities satisfy the constraints; positions leave them by h⁴ in a step if a step in the group is no
-/// motion of the joint, and are projected. A System is one of Rattle that has also factorize(t, q) and
-/// close(t, q, v).
+/// Velocities satisfy the constraints; positions leave them by O(h⁴) in a step if a step in the group is not
+/// a motion that the joint allows, and are then projected. A System needs the members that Rattle requires,
+/// and factorize(t, q) and close(t, q, v).
 template <class System> class HalfExplicit {
  public:
   using Vector = std::vector<double>;
@@ -24,7 +24,7 @@ template <class System> class HalfExplicit {
   HalfExplicit(System& system, const Vector& q_0, const Vector& v_0)
       : q(q_0), v(v_0), system_(&system), group_(system.bodies().group()) {}
 
-  /// Steps q and v from time t to t + h.
+  /// Advances q and v from time t to t + h.
   Failure run(double t, double h) {
     static constexpr std::array<std::array<double, 3>, 3> a{{{1.0 / 3, 0, 0}, {-1, 2, 0}, {0, 0.75, 0.25}}};
     static constexpr std::array<double, 3> c{0, 1.0 / 3, 1};
@@ -57,8 +57,8 @@ template <class System> class HalfExplicit {
   Vector q, v;
 
  private:
-  /// Computes L at q_i for which base + part L satisfies the constraints at the next stage; returns whether
-  /// it converged.
+  /// Computes the acceleration L at q_i for which the velocity base + part L satisfies the constraints at the
+  /// next stage. Returns whether the iteration converged.
   bool accelerate(double part, Vector& L) {
     auto& bodies = system_->bodies();
     L.assign(v.size(), 0.0);

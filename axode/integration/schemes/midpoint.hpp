@@ -18,12 +18,14 @@ namespace axode {
 /// Forces that depend on v enter by d'Alembert's discrete principle.
 ///
 /// The iteration for v uses M, factorised once, and Newton's matrix (D8.6) if the residual r does not halve
-/// in an iteration. It has converged if the change of v is rounding, or if r is rounding of its terms: if M
-/// is nearly singular only the latter occurs. The force of a stiff drive at rest contains the rounding of q:
-/// then it has converged if the change of v moves q by no more than that.
+/// in an iteration. The iteration has converged if the change of v is a rounding error, or if r is a rounding
+/// error of its terms; if M is nearly singular only the latter occurs. The force of a stiff drive at rest
+/// contains the rounding error of q; then the iteration has converged if the change of v moves q by no more
+/// than this error.
 ///
 /// A System has partials(t, q, v, p, f), which computes p = M v and f; factorize(t, q) and solve(x) with M;
-/// norm(), velocity_scale(v, h) and place_resolution(h), see SimulationRun; and the members for StepMatrix.
+/// norm(), velocity_scale(v, h) and place_resolution(h), see SimulationRun; and the members that StepMatrix
+/// requires.
 template <class System> class Midpoint {
  public:
   using Vector = Eigen::VectorXd;
@@ -41,8 +43,8 @@ template <class System> class Midpoint {
         momenta_(tree->nv),
         r_(tree->nv) {}
 
-  /// Steps from (q0, p0) at time t over h, which may be negative, with a first guess in v. Sets the public
-  /// members.
+  /// Computes the step from (q0, p0) at time t over h, which may be negative; v must contain a first guess.
+  /// The results are in the public members.
   Failure run(double t, double h, const Vector& q0, const Vector& p0) {
     constexpr int most = 60;
     const EnergyNorm& norm = system_->norm();
@@ -71,7 +73,7 @@ template <class System> class Midpoint {
       const double change = norm.of_velocities(r_);
       if (change <= 1e-13 * scale || residual <= (slow ? 1e-13 : 1e-14) * std::max(terms, scale) ||
           (newton && slow && change <= system_->place_resolution(h))) {
-        // q and p move along the same last v, on which the conservation of momenta depends.
+        // q and p must be advanced with the same last v, otherwise momenta would not be conserved.
         y_ = h / 2 * v;
         group_.Ad_transpose(y_, p0, p);
         p += h * f;
@@ -88,7 +90,8 @@ template <class System> class Midpoint {
     return {t + h, no_convergence};
   }
 
-  Vector q, q_middle, p, v, f;  ///< after run(): at the end of the step, v and f in its middle
+  Vector q, q_middle, p, v, f;  ///< results of run(): q and p at the end of the step; q_middle, v and f in
+                                ///< its middle
 
  private:
   System* system_;

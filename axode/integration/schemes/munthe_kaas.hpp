@@ -9,7 +9,7 @@
 namespace axode {
 
 /// One step of an explicit Runge-Kutta-Munthe-Kaas method on (q, y), with q on its group and y = v or
-/// momenta, for numbers T on a tree of S:
+/// momenta, for states of numbers T and a tree of numbers S:
 ///   θ_i = h Σ a_ij K_j,  Y_i = y + h Σ a_ij L_j,
 ///   (V_i, L_i) = (v, y')(t + c_i h, q ⊕ θ_i, Y_i),  K_i = dexp⁻¹_{-θ_i} V_i,
 /// or dcay⁻¹ in the coordinates of Cayley.
@@ -30,8 +30,8 @@ template <class T = double, class S = T> class MuntheKaas {
         L_(K_.size()),
         q_(static_cast<std::size_t>(tree->nq)) {}
 
-  /// Steps with y = v from (q0, v0), with the acceleration a0, over h. accelerate(t, q, v, a) writes a and
-  /// returns whether it succeeded; if not, the step fails.
+  /// Computes a step with y = v from (q0, v0), where the acceleration is a0, over h. accelerate(t, q, v, a)
+  /// must write a and return whether it succeeded; if it did not, the step fails.
   template <class Accelerate>
   bool run(double t, const T* q0, const T* v0, const T* a0, double h, const Accelerate& accelerate) {
     const auto rates = [&](double t_i, std::span<const T> q, std::span<const T> v, std::span<T> V,
@@ -45,7 +45,8 @@ template <class T = double, class S = T> class MuntheKaas {
     sum(method_->b, h, K_, theta);
     return true;
   }
-  /// Steps from (q0, y0), with the velocity v0 and y' = dy0. rates(t, q, y, v, dy) writes v and dy.
+  /// Computes a step from (q0, y0), where the velocity is v0 and y' is dy0. rates(t, q, y, v, dy) must write
+  /// v and dy.
   template <class Rates>
   bool run(double t, const T* q0, const T* y0, const T* v0, const T* dy0, double h, const Rates& rates) {
     const Tableau& m = *method_;
@@ -71,10 +72,10 @@ template <class T = double, class S = T> class MuntheKaas {
     return true;
   }
 
-  Vector theta, y;              ///< after run(): the step of q, and y at its end
-  Vector error_theta, error_y;  ///< difference to an embedded method
+  Vector theta, y;              ///< results of run(): the step θ of q, and y at the end of the step
+  Vector error_theta, error_y;  ///< differences to the results of the embedded method
 
-  /// y' at the end of the step if the last stage is there, otherwise empty.
+  /// The rate y' at the end of the step, if the last stage of the method is at the end; otherwise empty.
   std::span<const T> end() const {
     const Tableau& m = *method_;
     const bool there = m.b.back() == 0 && std::equal(m.a.back().begin(), m.a.back().end(), m.b.begin());
@@ -82,14 +83,14 @@ template <class T = double, class S = T> class MuntheKaas {
   }
 
  private:
-  /// out = h Σ w_j x_j.
+  /// Computes out = h Σ w_j x_j.
   static void sum(const std::vector<double>& weights, double h, const Vector& x, Vector& out) {
     std::ranges::fill(out, T(0));
     for (std::size_t j = 0; j < weights.size(); ++j)
       if (const double w = h * weights[j]; w != 0)
         for (std::size_t c = 0; c < out.size(); ++c) out[c] += T(w) * x[j * out.size() + c];
   }
-  /// y = y0 + h Σ w_j L_j.
+  /// Computes y = y0 + h Σ w_j L_j.
   void advance(const std::vector<double>& weights, double h, const T* y0) {
     sum(weights, h, L_, y);
     for (std::size_t c = 0; c < y.size(); ++c) y[c] += y0[c];

@@ -10,15 +10,15 @@
 
 namespace axode {
 
-/// The Hamiltonian form of a model for schemes on (q, p), p = M v. O(n) each, except solve() with coupled
-/// joints.
+/// The Hamiltonian form of a model for schemes on (q, p) with p = M v. All functions are O(n), except solve()
+/// if joints are coupled.
 class PhaseSpace {
  public:
   explicit PhaseSpace(const Model& model)
       : tree_(&model.tree<double>()), group_(*tree_), kernels_(model.topology()), own_(size(model)) {}
 
-  /// Computes p = M v and f = τ + ∂L/∂q with loads and losses, so that p' = f + ad_vᵀ p (D5.2). g has gravity
-  /// for each root.
+  /// Computes p = M v and f = τ + ∂L/∂q with loads and losses, so that p' = f + ad_vᵀ p (D5.2). g[i] is the
+  /// gravity (m/s²) that acts on root body i and its subtree.
   void partials(const double* q, const double* v, std::span<const Vec3<>> g, std::span<const double> tau,
                 const Loads<double>& loads, double* p, double* f) {
     const Tree<double>& tree = *tree_;
@@ -44,7 +44,7 @@ class PhaseSpace {
     }
     return use_fast_ ? Solvability{} : robust.factorize(*tree_, q, tree_->armature.data());
   }
-  /// x := M⁻¹ x.
+  /// Replaces x by M⁻¹ x.
   void solve(double* x) {
     auto& [lagrangian, fast, motion, robust] = *kernels_;
     if (use_fast_)

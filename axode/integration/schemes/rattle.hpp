@@ -25,7 +25,7 @@ template <class System> class Rattle {
  public:
   using Vector = std::vector<double>;
 
-  /// Starts at a state at which the system is factorised with its rank.
+  /// Starts at a state at which the system has been factorised with its rank.
   Rattle(System& system, int order, const Vector& q_0, const Vector& v_0)
       : q(q_0),
         v(v_0),
@@ -33,7 +33,7 @@ template <class System> class Rattle {
         group_(system.bodies().group()),
         lengths_(symmetric_composition(order)) {}
 
-  /// Steps q and v from time t to t + h.
+  /// Advances q and v from time t to t + h.
   Failure run(double t, double h) {
     for (const double length : lengths_) {
       if (Failure failure = step(t, length * h)) return failure;
@@ -55,8 +55,8 @@ template <class System> class Rattle {
     x_.resize(v.size());
     q_1_.resize(q.size());
     q_middle_.resize(q.size());
-    // Where branches of a motion meet, the first guess decides which one is followed; it is that of the
-    // accelerations.
+    // If branches of the motion meet, the first guess decides which branch is followed. It is computed from
+    // the accelerations.
     r_ = f_;
     system_->add_turning(v, r_);
     bodies.bias(v, rhs_);
@@ -106,7 +106,7 @@ template <class System> class Rattle {
     return {};
   }
 
-  /// to = q ⊕ x with x = part w.
+  /// Computes to = q ⊕ x with x = part w.
   void advance(double part, Vector& to) {
     as_eigen(x_) = part * as_eigen(w_);
     group_.move(q, x_, to);

@@ -9,8 +9,8 @@
 
 namespace axode {
 
-/// Factorised Newton's matrix of an implicit step (D8.6): the derivative of r = ID(q, v, a) - τ by a, where q
-/// = q_0 ⊕ x and a change δa changes x by c_x δa and v by c_v δa,
+/// Newton's matrix of an implicit step, factorised (D8.6): the derivative of r = ID(q, v, a) - τ by a, where
+/// q = q_0 ⊕ x and a change δa changes x by c_x δa and v by c_v δa,
 ///   J = M + c_v ∂r/∂v + c_x ∂r/∂q dexp_{-x}.
 /// A System has residual_derivatives(q, v, a, dr), the derivatives of ID; is_driven(); drive(t, q, v), which
 /// is τ; norm(), local_coordinates() and velocity_scale(v, h), see SimulationRun.
@@ -21,19 +21,19 @@ template <class System> class StepMatrix {
   StepMatrix(System& system, const Tree<double>& tree)
       : system_(&system), group_(tree, system.local_coordinates()), q_(tree->nq) {}
 
-  /// Without the derivatives of the drive.
+  /// Computes and factorises J without the derivatives of the drive.
   void compute(const Vector& x, const Vector& q, const Vector& v, const Vector& a, double c_x, double c_v) {
     assemble(x, q, v, a, c_x, c_v);
     lu_.compute(J_);
   }
-  /// With the derivatives of the drive, by differences.
+  /// Computes and factorises J with the derivatives of the drive, which are difference quotients.
   void compute_with_drive(double t, const Vector& q_0, const Vector& x, const Vector& q, const Vector& v,
                           const Vector& a, double c_x, double c_v) {
     assemble(x, q, v, a, c_x, c_v);
     if (system_->is_driven()) add_drive(t, q_0, x, q, v, c_x, c_v);
     lu_.compute(J_);
   }
-  /// r := J⁻¹ r.
+  /// Replaces r by J⁻¹ r.
   void solve(Vector& r) const { r = lu_.solve(r).eval(); }
 
  private:
@@ -45,7 +45,7 @@ template <class System> class StepMatrix {
     system_->residual_derivatives(q, v, a, {as_span(dq_), as_span(dv_), as_span(J_)});
     if (!group_.commutes()) {
       const Vector back = -x;
-      for (Eigen::Index i = 0; i < dq_.rows(); ++i)  // rows transform like momenta, by dexp_{-x}ᵀ
+      for (Eigen::Index i = 0; i < dq_.rows(); ++i)  // each row transforms like a momentum, by dexp_{-x}ᵀ
         group_.dexp_transpose(back, dq_.row(i), dq_.row(i));
     }
     J_ += c_v * dv_ + c_x * dq_;

@@ -12,7 +12,7 @@ namespace axode {
 
 /// A step of a symmetric composition (D8.11) of the midpoint rule on (q, p), with floating bases relative to
 /// their centres of mass. The first guess of v in each part is extrapolated from the same part of the last
-/// steps. Part is Midpoint or ClosedMidpoint. A System is one of theirs that has also bases(), its
+/// steps. Part is Midpoint or ClosedMidpoint. A System needs the members that Part requires, and bases(), its
 /// FloatingBases; pushes_bases(), whether a load or drive acted on one of them in the last evaluation; and
 /// close(t, q, p), which projects p onto closed loops.
 template <class System, class Part> class SymplecticStep {
@@ -34,7 +34,7 @@ template <class System, class Part> class SymplecticStep {
     system.bases().to_momenta(q.data(), y_.data(), p.data());
   }
 
-  /// Steps q and p from time t to t + h.
+  /// Advances q and p from time t to t + h.
   Failure run(double t, double h) {
     FloatingBases& bases = system_->bases();
     for (std::size_t k = 0; k < lengths_.size(); ++k) {
@@ -56,7 +56,7 @@ template <class System, class Part> class SymplecticStep {
   Vector q, p;
 
  private:
-  /// Extrapolation to the next of equally spaced values, from up to four.
+  /// Extrapolates equally spaced values to the next one, from up to four of them.
   class Extrapolation {
    public:
     void take(const Vector& v) {
@@ -66,7 +66,7 @@ template <class System, class Part> class SymplecticStep {
         last_.leftCols(3) = last_.rightCols(3).eval();
       last_.rightCols(1) = v;
     }
-    /// Leaves v unchanged if there are no values yet.
+    /// Sets v to the extrapolated value. If there are no values yet, v remains unchanged.
     void extrapolate(Vector& v) const {
       static const Eigen::Matrix4d weights{{1, -1, 1, -1}, {0, 2, -3, 4}, {0, 0, 3, -6}, {0, 0, 0, 4}};
       const Eigen::Index n = last_.cols();
