@@ -8,7 +8,8 @@
 namespace axode::io {
 
 struct ForeignTerm {
-  std::string_view theirs, ours;  ///< a word of others, and the key or dotted key of a drawing
+  std::string_view theirs, ours;  ///< a word of other formats, and the key or dotted key of a drawing for the
+                                  ///< same thing
 };
 
 // clang-format off
@@ -62,7 +63,8 @@ inline constexpr auto foreign_terms = std::to_array<ForeignTerm>({
 });
 // clang-format on
 
-/// `; it is called "on" here` if others use the word for one of the known keys or words; else empty.
+/// `; it is called "on" here` if other formats use the word for one of the known keys or words; otherwise
+/// empty.
 template <class Range> std::string own_term_for(std::string_view word, const Range& known) {
   const auto is_ours = [&](const ForeignTerm& other) {
     const std::string_view key = other.ours.substr(0, other.ours.find('.'));

@@ -17,7 +17,8 @@ struct Reading {
   Description description;
   std::vector<Fault> faults;
 };
-/// Read the text of a drawing, a parsed drawing, a URDF and an SDF file; `file` is its name in messages.
+/// The readers of the text of a drawing, of a parsed drawing, of a URDF and of an SDF file. `file` is the
+/// name of the file in messages.
 Reading read_drawing(std::string_view text, const std::string& file, Strictness strictness);
 Reading read_drawing(const toml::Value& drawing, const std::string& file, Strictness strictness);
 Reading read_urdf(std::string_view text, const std::string& file, Strictness strictness);
@@ -38,8 +39,8 @@ bool has_error(const std::vector<Fault>& faults);
 Description accept(Reading reading);
 
 /// Builds the mechanism that was read. Throws ModelError with the faults of the reader and of the mechanism,
-/// sorted by line. If the reader has found errors, warnings and missing names of the mechanism are left out,
-/// as they may follow from what could not be read.
+/// sorted by line. If the reader has found errors, warnings about the mechanism and faults about missing
+/// names are left out, because they may be consequences of what could not be read.
 Model build(Reading reading, Base base, Strictness strictness);
 
 /// The fault of a file that is not text because a byte is zero or not UTF-8, with its line; empty if it is

@@ -24,14 +24,14 @@ using tinyxml2::XMLElement;
 struct Grammar {
   std::string_view element;
   std::vector<std::string_view> attributes = {};
-  std::vector<std::string_view> once = {};      ///< children of which there may be one
-  std::vector<std::string_view> repeated = {};  ///< children of which there may be any number
+  std::vector<std::string_view> once = {};      ///< names of children that may occur once
+  std::vector<std::string_view> repeated = {};  ///< names of children that may occur any number of times
 };
 
 /// A format: its names in messages, and its grammar.
 struct XmlFormat {
-  std::string_view name;    ///< `URDF`
-  std::string_view a_file;  ///< `a URDF`
+  std::string_view name;    ///< name of the format, `URDF`
+  std::string_view a_file;  ///< name of a file of the format, `a URDF`
   std::string_view root;    ///< name of the root element
   std::span<const Grammar> grammar;
   bool values_are_elements;  ///< whether numbers are texts of child elements instead of attributes
@@ -76,8 +76,8 @@ class XmlReader {
     return count > 1 ? " (" + std::to_string(count) + " times, first here)" : "";
   }
 
-  /// The root element of the text; null, with a fault, if the text is not XML or the root is not that of the
-  /// format.
+  /// Parses the text and returns its root element. If the text is not XML, or the root is not that of the
+  /// format, a fault is noted and the result is null.
   const XMLElement* parse(tinyxml2::XMLDocument& document);
 
   /// The child elements of that name, or all if `name` is null.
@@ -105,7 +105,7 @@ class XmlReader {
   std::string checked_name(const char* value, const std::string& where_empty, const std::string& owner,
                            int line);
 
-  /// The N numbers in a text; empty, with a note, if the text is wrong.
+  /// The N numbers in a text; if the text is wrong, a fault is noted and the result is empty.
   template <std::size_t N>
   std::optional<std::array<double, N>> numbers(std::string_view text, const std::string& what,
                                                const std::string& owner, int line,
@@ -127,7 +127,8 @@ class XmlReader {
     int line;
   };
   std::optional<Value> value(const XMLElement& e, const char* key) const;
-  /// The N numbers in a value; empty if it is absent or, with a note, if it is wrong.
+  /// The N numbers in a value; the result is empty if the value is absent, or if it is wrong, which is noted
+  /// as a fault.
   template <std::size_t N>
   std::optional<std::array<double, N>> numbers(const XMLElement& e, const char* key, const std::string& owner,
                                                Severity severity = Severity::error) {
@@ -164,7 +165,8 @@ class XmlReader {
     return nullptr;
   }
 
-  /// All numbers in a text, however many; empty, with a note, if one of them is wrong.
+  /// All numbers in a text, however many there are. If one of them is wrong, a fault is noted and the result
+  /// is empty.
   std::optional<std::vector<double>> numbers(std::string_view text, const std::string& what,
                                              const std::string& owner, int line, Severity severity);
   /// Notes that a text has another count of numbers than `needed`, which is a phrase such as `6 numbers`.

@@ -115,7 +115,8 @@ Description in_construction_frame(const Description& description) {
     frame.in = GivenIn::construction_frame;
     frame.pose = clean(drawn ? frame.pose : given.at(frame.body).A * frame.pose);
   }
-  const auto moved = placements(result);  // poses as a reader computes them, rotations to working precision
+  const auto moved = placements(result);  // the poses as a reader will compute them, with rotations to
+                                          // working precision
   for (BodyDescription& body : result.bodies)
     if (auto* drawn = std::get_if<InConstructionFrame>(&body.geometry)) drawn->A = moved.at(body.name).A;
   return result;

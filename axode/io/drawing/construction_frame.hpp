@@ -4,8 +4,8 @@
 namespace axode::io {
 
 /// Rewrites a description so that axes, points, centres of mass, inertias and frames are in the construction
-/// frame; the mechanism stays the same. Numbers that are given there already do not change. Rounding noise
-/// around 0 and ±1 is removed from poses and from numbers that had to be transformed.
+/// frame; the mechanism stays the same. Numbers that are given in the construction frame already do not
+/// change. Rounding noise around 0 and ±1 is removed from poses and from numbers that had to be transformed.
 ///
 /// Loops do not change: they are drawn in the construction frame, or have frames relative to frames that do
 /// not move.

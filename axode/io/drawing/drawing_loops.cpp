@@ -98,7 +98,7 @@ bool read_loop(Table& table, std::size_t number, LoopDescription& loop) {
   read_ends(table, loop);
   if (!table.has("kind")) table.missing("kind", "give one, such as \"revolute\" or \"rod\"");
   const auto kind = table.choice("kind", loop_names);
-  if (!kind) {  // without a kind, its keys are not known
+  if (!kind) {  // if the kind is not known, the keys of the loop are not known either
     for (const std::string_view key : drawn_keys) table.take(key);
     for (const std::string_view key : size_keys) table.take(key);
     table.finish();

@@ -5,8 +5,8 @@
 /// Loops and couplings of a drawing.
 namespace axode::io {
 
-/// These read a table [[loop]] or [[coupling]]; its number counts from 0. They return false if the table has
-/// faults, so that no further faults follow from an incomplete loop.
+/// Reads a table [[loop]], or below a table [[coupling]]; its number counts from 0. Returns false if the
+/// table has faults, so that no further faults follow from an incomplete loop.
 bool read_loop(Table& table, std::size_t number, LoopDescription& loop);
 bool read_coupling(Table& table, std::size_t number, CouplingDescription& coupling);
 

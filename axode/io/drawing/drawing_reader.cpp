@@ -18,7 +18,7 @@ namespace {
 constexpr auto kind_names = names_of(joint_kinds);
 constexpr auto shape_names = names_of(shape_kinds);
 
-/// The ways in which the geometry of a body is given: by A, by B, or by S_prev and S_self.
+/// The way in which the geometry of a body is given: by A, by B, or by S_prev and S_self.
 enum class Way { construction, body, joint };
 
 /// Reads the geometry of a body: A, or B, or S_prev and S_self.
@@ -162,7 +162,7 @@ void read_joint(Table& body_table, Way way, BodyDescription& body) {
     return;
   }
   body.joint.source = {body.source.file, node->line};
-  if (node->text() != nullptr) {  // a kind without further keys
+  if (node->text() != nullptr) {  // the joint is the name of a kind, without further keys
     constexpr std::array<std::string_view, 2> plain{"fixed", "free"};
     if (const auto kind = body_table.choice("joint", plain))
       body.joint.kind = *kind == 0 ? JointKind::fixed : JointKind::free;
@@ -242,7 +242,8 @@ void move_frame(Table& table, BodyDescription& body) {
   if (*place == 0) {
     const toml::Value* joint = table.look("joint");
     const bool has_point = joint != nullptr && joint->table() != nullptr && joint->table()->contains("point");
-    if (!has_point && !traits(body.joint.kind).point)  // a kind that needs one has its fault already
+    if (!has_point && !traits(body.joint.kind).point)  // if the kind needs a point, its absence has been
+                                                       // reported already
       table.error(
           Rule::wrong_value,
           "frame is \"joint\", and its " + std::string(to_string(body.joint.kind)) + " joint has no point",
@@ -300,7 +301,7 @@ std::optional<ShapeDescription> read_shape(Table& table, const std::string& owne
       shape.file = table.name("file", "name the file of the mesh");
       shape.scale = table.vector("scale").value_or(shape.scale);
     }
-  } else {  // without a kind, the keys of its size are not known
+  } else {  // if the kind is not known, the keys of its size are not known either
     for (const std::string_view key : shape_sizes) table.take(key);
   }
   const bool complete = table.faults() == faults;

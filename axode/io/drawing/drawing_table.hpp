@@ -12,7 +12,7 @@
 #include "axode/io/reading.hpp"
 #include "axode/model/building/nearest_name.hpp"
 
-/// The tables of a drawing, whose keys are read with a fault for each that is wrong.
+/// The tables of a drawing. Their keys are read one by one, and a fault is noted for each that is wrong.
 namespace axode::io {
 
 /// The names in a table of kinds, as choices of a key.
@@ -70,7 +70,7 @@ class Table {
   void finish() const;
 
   std::optional<std::string> text(std::string_view key);
-  /// A name that the table must have; empty, with a fault, if it is missing.
+  /// A name that the table must have. If it is missing, a fault is noted and the result is empty.
   std::string name(std::string_view key, std::string_view need);
   template <std::size_t N>
   std::optional<std::size_t> choice(std::string_view key, const std::array<std::string_view, N>& choices) {

@@ -63,7 +63,7 @@ class NumberScan {
     plain_ += rest_[0];
     rest_.remove_prefix(1);
   }
-  /// Takes one or more digits, with single underscores between digits; false if there is no digit.
+  /// Reads one or more digits, with single underscores between digits. Returns false if there is no digit.
   bool digits(bool (*is_one)(char)) {
     if (rest_.empty() || !is_one(rest_[0])) return false;
     while (!rest_.empty() && is_one(rest_[0])) {
@@ -153,7 +153,7 @@ class Parser {
       ++at_;
     }
   }
-  /// Skips blank lines and comments; false at the end of the file.
+  /// Skips blank lines and comments. Returns false at the end of the file.
   bool skip_blank_lines() {
     do {
       skip_blanks();
@@ -342,7 +342,7 @@ class Parser {
     at_ += length;
     if (word == "true" || word == "false") return word == "true";
     if (looks_like_date(word)) {
-      if (peek() == ' ' && looks_like_date(text_.substr(at_ + 1, 5))) {  // A time of day may follow.
+      if (peek() == ' ' && looks_like_date(text_.substr(at_ + 1, 5))) {  // a time of day may follow the date
         ++at_;
         while (belongs(peek())) ++at_;
       }

@@ -7,11 +7,11 @@
 #include <variant>
 #include <vector>
 
-/// A reader of TOML 1.0, whose values know their lines. It is written here because neither library of Debian
-/// 12 is sufficient: of TOML's own test suite for 1.0 (210 valid and 499 invalid files) toml11 3.7 refuses
-/// two valid files, accepts two invalid ones and crashes on one, and on deep nesting; toml++ 3.3 crashes on
-/// malformed files and on some valid ones. This reader reads all 210 correctly, and of the others accepts
-/// only the 53 whose dates are invalid.
+/// A reader of TOML 1.0, whose values have the numbers of their lines. It is written here because neither
+/// library of Debian 12 is sufficient: of TOML's own test suite for 1.0 (210 valid and 499 invalid files)
+/// toml11 3.7 refuses two valid files, accepts two invalid ones and crashes on one, and on deep nesting;
+/// toml++ 3.3 crashes on malformed files and on some valid ones. This reader reads all 210 correctly, and of
+/// the others accepts only the 53 whose dates are invalid.
 namespace axode::io::toml {
 
 struct Value;

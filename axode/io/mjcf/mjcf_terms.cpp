@@ -36,7 +36,7 @@ std::vector<Dof> said(const JointDescription& joint) {
   const bool ball = joint.kind == JointKind::spherical, planar = joint.kind == JointKind::planar;
   std::vector<Dof> all = joint.dof;
   all.resize(static_cast<std::size_t>(traits(joint.kind).dof));
-  const std::size_t first = planar ? 1 : 0;  // first of those that share numbers
+  const std::size_t first = planar ? 1 : 0;  // the first of the degrees of freedom that share numbers
   const Dof like = all.empty() ? Dof{} : all[std::min(first, all.size() - 1)];
   const bool alike = std::all_of(
       all.begin() + static_cast<std::ptrdiff_t>(std::min(first, all.size())), all.end(), [&](const Dof& dof) {

@@ -9,7 +9,7 @@
 /// Elements and attributes of MJCF, and faults for what MJCF cannot express.
 namespace axode::io::mjcf {
 
-/// ` name="value"`
+/// The text of an attribute: ` name="value"`.
 std::string attribute(const char* name, const std::string& value);
 std::string unless_zero(const char* name, double x);
 /// The attributes pos and quat of a pose. The position is left out if it is 0, and the rotation if it is the
@@ -30,7 +30,7 @@ bool has_words_for(const ShapeDescription& shape, bool on_ground);
 std::string size_text(const ShapeDescription& shape);
 std::string friction_text(const ShapeDescription& shape, const std::optional<ContactDescription>& contact);
 
-/// These add the properties of a joint and of shapes that MJCF cannot express to `unsaid`.
+/// Adds the properties of a joint, and below those of shapes, that MJCF cannot express to `unsaid`.
 void joint_unsaid(const JointDescription& joint, const std::string& element, const Source& source,
                   Unsaid& unsaid);
 void shapes_unsaid(const std::vector<ShapeDescription>& shapes, const std::string& owner, bool on_ground,

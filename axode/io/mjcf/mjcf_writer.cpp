@@ -31,8 +31,7 @@ constexpr double realisability_tolerance = 1e-9;
 
 bool bounded(const Dof& dof) { return std::isfinite(dof.lower) || std::isfinite(dof.upper); }
 
-/// A set of names. free() returns the given name if it is not taken, else with as many `_` as it needs to be
-/// new.
+/// A set of names. free() returns the given name, and appends `_` to it until it is not taken.
 class Names {
  public:
   explicit Names(std::initializer_list<std::string> taken) : taken_(taken) {}
@@ -431,8 +430,8 @@ class MjcfWriter {
   bool has_none(const JointDescription& joint) const {
     return moves_on_its_own(joint) && is_passive(joint, d_);
   }
-  /// Whether some joints are passive in a mechanism with loops or couplings, where this matters. MJCF says by
-  /// its actuators which joints have drives.
+  /// Whether some joints are passive, in a mechanism with loops or couplings. Without these it makes no
+  /// difference. MJCF says by its actuators which joints have drives.
   bool has_passive_joints() const {
     const bool closed =
         !d_.couplings.empty() ||

@@ -93,7 +93,7 @@ void SdfFrames::resolve(const Report& report) {
   }
   const std::vector<int> by_pose =
       in_order(&Frame::on, "its pose is relative to itself, by way of others", report);
-  for (int k = size() - 1; k > 0; --k) {  // Models have smaller numbers than the frames in them.
+  for (int k = size() - 1; k > 0; --k) {  // models have smaller numbers than the frames in them
     Frame& model = (*this)[k];
     if (model.placement.empty()) continue;
     SE3<> placement;

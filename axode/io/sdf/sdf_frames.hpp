@@ -21,11 +21,12 @@ class SdfFrames {
     int model = 0;                 ///< number of the model that holds it, 0 for the world
     SE3<> X = {};                  ///< pose as given; for a model it is that of the placement frame
     std::string relative_to = {};  ///< name of the frame to which X is relative; empty for the default
-    std::string attached_to = {};  ///< name of what a joint, frame or model moves with; empty for the default
+    std::string attached_to = {};  ///< name of the link or frame with which a joint, frame or model moves;
+                                   ///< empty for the default
     std::string placement = {};    ///< name of a model's placement frame; empty for the frame of the model
     int line = 0;
 
-    // Results of resolve():
+    // The following members are results of resolve().
     SE3<> pose = {};     ///< pose in the world
     int on = 0;          ///< number of the frame to which X is relative
     int moves_with = 0;  ///< number of the link that the frame is fixed to; 0 for the world
@@ -47,8 +48,8 @@ class SdfFrames {
   const Frame& operator[](int k) const { return all_[static_cast<std::size_t>(k)]; }
   int size() const { return static_cast<int>(all_.size()); }
 
-  /// Finds to what each pose is relative and what each frame moves with, and computes `pose`. Names without a
-  /// frame and cycles are reported.
+  /// Finds, for each frame, the frame to which its pose is relative and the link with which it moves, and
+  /// computes `pose`. Names of frames that do not exist, and cycles, are reported.
   void resolve(const Report& report);
 
  private:

@@ -54,8 +54,8 @@ void SdfMechanism::assemble() {
   for (const int k : named_frames_) add_frame(k);
 }
 
-/// The name of a body or frame here. `ground` is the name of the inertial frame, so that a body or frame of
-/// this name gets another one, with a warning.
+/// The name of a body or frame in the description. A body or frame that is called `ground` in the file gets
+/// another name, with a warning, because this is the name of the inertial frame.
 std::string SdfMechanism::named_here(const std::string& name, int line) {
   if (name != "ground") return name;
   std::string other = name;
@@ -66,7 +66,8 @@ std::string SdfMechanism::named_here(const std::string& name, int line) {
   return other;
 }
 
-/// Finds the links of a joint; false, with a fault, if they are missing or cannot be connected.
+/// Finds the links of a joint. If they are missing or cannot be connected, a fault is noted and the result is
+/// false.
 bool SdfMechanism::connect(Connection& c) {
   const std::string owner = "joint \"" + c.name + '"';
   const auto parent = link_meant(c, c.parent, "parent"), child = link_meant(c, c.child, "child");
@@ -87,7 +88,7 @@ bool SdfMechanism::connect(Connection& c) {
 /// Joints are taken in the order of the file; a joint is reversed, from child to parent, only if no other
 /// joint reaches a new link. The joints that remain close loops.
 std::vector<std::size_t> SdfMechanism::grow_tree() {
-  std::vector<std::vector<std::size_t>> joints_at(links_.size() + 1);  // The last entry is the world.
+  std::vector<std::vector<std::size_t>> joints_at(links_.size() + 1);  // the last entry is the world
   const auto at = [&](int k) { return k < 0 ? links_.size() : static_cast<std::size_t>(k); };
   std::vector<char> is_child(links_.size(), 0), reached(links_.size() + 1, 0);
   for (std::size_t k = 0; k < connections_.size(); ++k) {

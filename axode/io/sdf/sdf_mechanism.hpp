@@ -69,7 +69,8 @@ class SdfMechanism : protected XmlReader {
     bool in_tree = false, reversed = false;
   };
 
-  /// The name of a path here and in messages. If the file has one model, the name of that model is left out.
+  /// The name that a path has in the description and in messages. If the file has one model, the name of that
+  /// model is left out.
   std::string shown(const std::string& path) const {
     return models_at_top_ == 1 && path.starts_with(top_) ? path.substr(top_.size()) : path;
   }
@@ -81,8 +82,8 @@ class SdfMechanism : protected XmlReader {
 
   /// Expresses the poses of shapes that are relative to other frames in the frames of their links.
   void finish_shapes();
-  /// Adds the bodies to the description: first those to which no joint of the tree leads, then the others in
-  /// the order of their joints in the file. Adds loops, couplings and frames, too.
+  /// Adds the bodies to the description: first the bodies to which no joint of the tree leads, then the
+  /// others in the order of their joints in the file. Then it adds loops, couplings and frames.
   void assemble();
 
   SdfFrames frames_;

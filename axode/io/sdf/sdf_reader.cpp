@@ -110,7 +110,8 @@ class SdfReader : SdfMechanism {
     const XMLElement* given = e.FirstChildElement("pose");
     if (given == nullptr) return result;
     const int line = given->GetLineNum();
-    for (const char* attribute : {"relative_to", "frame"})  // It was called frame before 1.7.
+    for (const char* attribute : {"relative_to", "frame"})  // the attribute was called frame before version
+                                                            // 1.7
       if (const char* other = given->Attribute(attribute)) result.relative_to = other;
     const char* format = given->Attribute("rotation_format");
     const bool quaternion = format != nullptr && std::string_view(format) == "quat_xyzw";
@@ -124,7 +125,7 @@ class SdfReader : SdfMechanism {
       error(Rule::wrong_value, owner, "<pose> gives a quaternion in degrees; it has no angles", line);
     const std::string text = text_of(*given);
     const auto x = numbers(text, "<pose>", owner, line, Severity::error);
-    if (!x || x->empty()) return result;  // An empty pose is the identity.
+    if (!x || x->empty()) return result;  // an empty pose is the identity
     const std::vector<double>& n = *x;
     if (n.size() != (quaternion ? 7U : 6U)) {
       wrong_count(text, "<pose>", quaternion ? "7 numbers" : "6 numbers", n.size(), owner, line,
@@ -145,8 +146,8 @@ class SdfReader : SdfMechanism {
     return result;
   }
 
-  /// Adds the frame of an element of a model and returns its number; 0, with a fault, if its name is missing,
-  /// reserved, too long or taken.
+  /// Adds the frame of an element of a model and returns its number. If the name is missing, reserved, too
+  /// long or taken, a fault is noted and the result is 0.
   int declare(const XMLElement& e, Kind kind, int model, const std::string& owner) {
     const std::string own = name(e, "name", owner);
     if (own.empty()) return 0;
@@ -168,7 +169,7 @@ class SdfReader : SdfMechanism {
     const std::string path = frame.path;
     bool is_new = false;
     const int number = frames_.add(std::move(frame), &is_new);
-    // Before 1.7 a joint could have the name of a link.
+    // Before version 1.7, a joint could have the same name as a link.
     if (!is_new && (version_ >= 7 || frames_[frames_.find(0, path)].kind == kind)) {
       error(Rule::duplicate_name, element(e.Name(), path),
             "the name is taken; names of links, joints, frames and models must differ", e.GetLineNum());
@@ -440,7 +441,7 @@ class SdfReader : SdfMechanism {
       for (const auto& [child, most] :
            {std::pair{"effort", &dof.effort}, std::pair{"velocity", &dof.velocity}}) {
         const double given = bound_of(child, infinity);
-        *most = given < 0 ? infinity : given;  // SDFormat does not enforce a negative limit.
+        *most = given < 0 ? infinity : given;  // in SDFormat a negative limit means that there is none
       }
     }
     if (c.kind->type == "continuous") {

@@ -19,7 +19,7 @@ inline constexpr std::array<UrdfKind, 6> urdf_kinds{{{"revolute", JointKind::rev
                                                      {"planar", JointKind::planar}}};
 
 /// Whether a <loop_joint> can describe a loop of that kind completely, because two frames are enough. Of
-/// these kinds, other programs read spherical loops.
+/// these kinds, other programs read only spherical loops.
 constexpr bool in_urdf(LoopKind kind) {
   const std::array<std::string_view, 5>& keys = traits(kind).keys;
   return std::all_of(keys.begin(), keys.end(),

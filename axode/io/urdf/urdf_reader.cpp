@@ -137,7 +137,7 @@ class UrdfReader : XmlReader {
   void read_robot(const XMLElement& robot) {
     const std::string owner = "robot";
     inspect(robot, owner);
-    if (const char* given = required(robot, "name", owner)) {  // The name may be empty.
+    if (const char* given = required(robot, "name", owner)) {  // the name may be empty
       if (printable(given)) {
         description().name = given;
       } else {
@@ -447,7 +447,7 @@ class UrdfReader : XmlReader {
   std::vector<Link> links_;
   std::vector<Connection> connections_;
   std::unordered_map<std::string, std::size_t> link_index_;
-  std::string ground_ = "ground";  ///< name here of the link that is called `ground` in the file
+  std::string ground_ = "ground";  ///< the name that the link `ground` of the file has in the description
   int massless_count_ = 0, massless_line_ = 0;
   int suggestions_ = 0;
 };

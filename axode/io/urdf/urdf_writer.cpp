@@ -23,7 +23,8 @@ using io::xml::text;
 /// Tolerance on the rule of URDF that the origin of a link is on the axis of its joint.
 constexpr double on_axis = 1e-12;
 
-/// The text of a limit. URDF has no word for "no limit"; the largest number means it to readers.
+/// The text of a limit. URDF has no word for "no limit"; the largest number stands for it, and readers
+/// understand this.
 std::string limit_text(double x) {
   return text(std::clamp(x, -std::numeric_limits<double>::max(), std::numeric_limits<double>::max()));
 }
@@ -49,7 +50,7 @@ std::optional<Dof> shared_dof(const JointDescription& joint) {
   return first;
 }
 
-/// Finds everything in a description that a URDF cannot say.
+/// Notes everything in a description that a URDF cannot express.
 void find_unsaid(const Description& d, io::Unsaid& unsaid) {
   if (norm(d.gravity - Vec3<>{0, 0, -9.81}) > 0)
     unsaid.leave_out("gravity", "is (" + text(d.gravity) + ") m/s², and readers take (0, 0, -9.81)",
@@ -178,7 +179,7 @@ class UrdfWriter {
       write_joint(body.joint, parent, body.name, at_[i].B, at_[i].S_self.R.z);
       return;
     }
-    // The joint moves a link with its origin on the axis; the body is fixed to it.
+    // The joint moves an additional link whose origin is on the axis, and the body is fixed to this link.
     const SE3<>& S = at_[i].S_self;
     const SE3<> on_body{body.joint.kind == JointKind::planar ? S.R : SO3<>{}, S.r};
     const std::string carrier = free_name(links_, body.joint.name + "_frame");
