@@ -12,7 +12,8 @@ namespace axode {
 // The functions are always inlined, because their code must not be shared between instruction sets.
 
 /// Scratch memory that is handed out from its start, for the length of one call. A kernel takes its memory in
-/// its constructor; the same constructor on an arena without memory only counts, see footprint().
+/// its constructor; on an arena without memory, the same constructor only counts how much it would take, see
+/// footprint().
 class Arena {
  public:
   static constexpr std::size_t line = 64;        ///< bytes of a cache line, to which the memory is aligned
@@ -23,7 +24,7 @@ class Arena {
         begin_(reinterpret_cast<std::uintptr_t>(begin)),
         next_(begin_),
         end_(begin_ + bytes) {}
-  /// An arena without memory, which only counts.
+  /// An arena without memory, which only counts the memory that is taken from it.
   [[gnu::always_inline]] explicit Arena(const Topology& topology)
       : topology_(&topology), end_(std::numeric_limits<std::uintptr_t>::max()) {}
 
@@ -43,7 +44,7 @@ class Arena {
     return array<U>(n);
   }
   /// Arrays with an entry for each body and the ground, each joint screw, each velocity, each tie of coupled
-  /// joints, each tie and each screw of its body, or each pair of ties of one group.
+  /// joints, each pair of a tie and a screw of its body, or each pair of ties of one group.
   template <class U> [[gnu::always_inline]] U* per_body() { return array<U>(size(topology_->n + 1)); }
   template <class U> [[gnu::always_inline]] U* per_screw() { return array<U>(size(topology_->n_screws)); }
   template <class U> [[gnu::always_inline]] U* per_velocity() { return array<U>(size(topology_->nv)); }
@@ -54,7 +55,7 @@ class Arena {
   template <class U> [[gnu::always_inline]] U* per_pair_of_ties() {
     return array<U>(topology_->ties.n_pairs);
   }
-  /// An array with an entry for each body and for the lanes behind the last one.
+  /// An array with an entry for each body, and for the lanes beyond the last body.
   template <class U> [[gnu::always_inline]] U* per_lane() {
     return array<U>((size(topology_->n) + most_lanes) / most_lanes * most_lanes);
   }

@@ -27,7 +27,7 @@ template <class T> struct BodyConstants<Plain<T>> {
 
 template <std::floating_point T> struct BodyConstants<Packed<T>> {
   packed::Matrix<T> B, Bt,
-      exchanged;  ///< columns of B.R and of its transpose, and those with x and y exchanged
+      exchanged;  ///< the columns of B.R and of its transpose, and the same columns with x and y exchanged
   packed::Factor<T> r_, h_;
   Vec3<T> r, h;
   Sym3<T> Theta;
@@ -49,7 +49,7 @@ template <std::floating_point T> struct BodyConstants<Packed<T>> {
   const packed::Factor<T>& h_factor() const { return h_; }
 };
 
-/// The packed constants of a tree, for scalars that have them.
+/// The packed constants of all bodies of a tree. It is empty for scalars that have no packed geometry.
 template <class T> struct PackedConstants {};
 template <std::floating_point T> struct PackedConstants<T> { std::vector<BodyConstants<Packed<T>>> body; };
 

@@ -45,7 +45,8 @@ void check_finite(const Model& model, const char* step, int Joint::*first, int J
   }
 }
 
-/// The name of a joint once for each of its coordinates or velocities, numbered if there are several.
+/// The names of the joints, each once for every coordinate or velocity of the joint, with a number if there
+/// are several.
 std::vector<std::string> numbered(const Model& model, int Joint::*count) {
   std::vector<std::string> names;
   for (const Joint& joint : model.joints())
@@ -99,7 +100,8 @@ InitialState initial_state(const Model& model) {
 std::vector<double> random_configurations(const Model& model, std::uint64_t seed, std::size_t n) {
   std::mt19937_64 bits(seed);
   const auto uniform = [&](double lower,
-                           double upper) {  // the standard's distributions differ between libraries
+                           double upper) {  // used instead of the standard distributions, which differ
+                                            // between libraries
     const double s = static_cast<double>(bits() >> 11) * 0x1p-53;
     return lower * (1 - s) + upper * s;  // in this form the difference cannot overflow
   };

@@ -28,27 +28,27 @@ std::vector<double> random_configuration(const Model& model, std::uint64_t seed)
 /// seed).
 std::vector<double> random_configurations(const Model& model, std::uint64_t seed, std::size_t n);
 
-/// q with every quaternion scaled to norm 1. Throws std::invalid_argument with the name of the joint if a
-/// norm is 0 or not finite.
+/// The configuration q with every quaternion scaled to norm 1. Throws std::invalid_argument with the name of
+/// the joint if a norm is 0 or not finite.
 std::vector<double> normalize(const Model& model, std::span<const double> q);
 
-/// q ⊕ dv: the configuration after every joint has moved along its left-trivialised direction dv.
+/// Computes q ⊕ dv: the configuration after every joint has moved along its left-trivialised direction dv.
 std::vector<double> integrate(const Model& model, std::span<const double> q, std::span<const double> dv);
 
-/// q1 ⊖ q0: the dv with q0 ⊕ dv = q1. Rotations go the shorter way round, so that the angle of a planar joint
-/// is reached up to whole turns, and a quaternion up to its sign.
+/// Computes q1 ⊖ q0: the dv with q0 ⊕ dv = q1. Rotations go the shorter way round, so that the angle of a
+/// planar joint is reached up to whole turns, and a quaternion up to its sign.
 std::vector<double> difference(const Model& model, std::span<const double> q0, std::span<const double> q1);
 
-/// q0 ⊕ s (q1 ⊖ q0): a screw motion of every joint from q0 at s = 0 to q1 at s = 1.
+/// Computes q0 ⊕ s (q1 ⊖ q0): a screw motion of every joint from q0 at s = 0 to q1 at s = 1.
 std::vector<double> interpolate(const Model& model, std::span<const double> q0, std::span<const double> q1,
                                 double s);
 
-/// q' = E(q) v: the rates of the nq coordinates at velocities v. For a quaternion a they are a (ω; 0) / 2,
-/// for the position of a free joint R v.
+/// Computes q' = E(q) v: the rates of the nq coordinates at velocities v. The rate of a quaternion a is a (ω;
+/// 0) / 2, and the rate of the position of a free joint is R v.
 std::vector<double> coordinate_rates(const Model& model, std::span<const double> q,
                                      std::span<const double> v);
-/// v = E(q)⁺ q': the nv velocities from the rates q' of the coordinates. The part of a quaternion's rate that
-/// would change its norm is left out.
+/// Computes v = E(q)⁺ q': the nv velocities from the rates q' of the coordinates. The part of a quaternion's
+/// rate that would change its norm is left out.
 std::vector<double> velocities_from_rates(const Model& model, std::span<const double> q,
                                           std::span<const double> dq);
 
@@ -58,13 +58,13 @@ std::vector<double> velocities_from_rates(const Model& model, std::span<const do
 std::vector<std::string> coordinate_names(const Model& model);
 std::vector<std::string> velocity_names(const Model& model);
 
-/// The largest speed (rad/s, m/s) and drive force (N m, N) for each velocity, nv numbers, infinite without a
-/// limit. Limits of coupled joints are not included: they hold for the joints, not for the velocity of their
-/// leader.
+/// The largest speed (rad/s, m/s), and below the largest drive force (N m, N), for each velocity: nv numbers,
+/// infinite if there is no limit. Limits of coupled joints are not included: they hold for the joints, not
+/// for the velocity of their leader.
 std::vector<double> velocity_limits(const Model& model);
 std::vector<double> effort_limits(const Model& model);
 
-/// Lower and upper limit of each coordinate; infinite without a limit and for quaternions.
+/// Lower and upper limit of each coordinate. They are infinite if there is no limit, and for quaternions.
 struct CoordinateLimits {
   std::vector<double> lower, upper;
 };

@@ -4,7 +4,7 @@
 
 #include "axode/lie/inertia.hpp"
 
-/// Whether every number of a vector, tensor, pose or range is finite.
+/// finite(x) says whether every number of a vector, tensor, pose or range is finite.
 namespace axode {
 
 inline bool finite(double x) { return std::isfinite(x); }

@@ -12,14 +12,16 @@ struct JointTraits {
   JointKind kind;
   std::string_view name;
   int dof;  ///< degrees of freedom
-  /// Subgroup of the joint; for a kind that stands for two joints, of the one next to the body.
+  /// Subgroup of the joint. If the kind stands for two joints, it is the subgroup of the one next to the
+  /// body.
   Subgroup subgroup;
   bool axis;   ///< whether the joint has an axis; for planar joints it is the normal
   bool point;  ///< whether the position of the joint matters
 };
 
 inline constexpr std::array<JointTraits, 9> joint_kinds{{
-    {JointKind::fixed, "fixed", 0, Subgroup::revolute, false, false},  // the subgroup is not used
+    {JointKind::fixed, "fixed", 0, Subgroup::revolute, false, false},  // the subgroup of a fixed joint is not
+                                                                       // used
     {JointKind::revolute, "revolute", 1, Subgroup::revolute, true, true},
     {JointKind::prismatic, "prismatic", 1, Subgroup::prismatic, true, false},
     {JointKind::helical, "helical", 1, Subgroup::helical, true, true},

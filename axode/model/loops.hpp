@@ -24,15 +24,16 @@ enum class LoopKind {
   rolling,  ///< rolling of a wheel or a sphere on a plane, without slip
 };
 
-/// The table of loop joints, with everything that depends on the kind alone. The equations of a kind are a
-/// type in constraints/loops/, which the table there finds by the kind.
+/// The table of loop joints, with everything that depends on the kind alone. The equations of a kind are
+/// those of a type in constraints/loops/; loop_joint() selects the type by the kind.
 struct LoopTraits {
   LoopKind kind;
   std::string_view name;
   int rows;       ///< number of rows of the Jacobian
   int residuals;  ///< number of residuals; fewer than rows if some rows have no position level
-  /// Directions of ω_x ω_y ω_z v_x v_y v_z that the joint leaves free; a helical joint ω_z with v_z = pitch
-  /// ω_z. A universal joint is a spherical one with another row; rods and rolling contacts are no subgroups.
+  /// The directions among ω_x ω_y ω_z v_x v_y v_z that the joint leaves free. A helical joint leaves ω_z
+  /// free, with v_z = pitch ω_z. A universal joint is a spherical one with another row; rods and rolling
+  /// contacts are no subgroups.
   std::array<bool, 6> free;
   bool located;  ///< whether the position of the joint matters and not only its directions
   /// Members of LoopDescription by which the joint is drawn. It has one frame for both bodies unless it has a
@@ -70,7 +71,7 @@ constexpr const LoopTraits& traits(LoopKind kind) {
 }
 constexpr std::string_view to_string(LoopKind kind) { return traits(kind).name; }
 
-/// The name of a loop joint or coupling, and its rows of A and of the residuals r.
+/// The name of a loop joint or coupling, and the indices of its rows in A and in the residuals r.
 struct LoopRows {
   std::string name;
   int first_row = 0, rows = 1;
@@ -86,12 +87,13 @@ struct Loop : LoopRows {
   LoopKind kind{};
   std::array<End, 2> ends = {};
   double pitch = 0;  ///< pitch of a helical joint, m/rad
-  /// Length of a rod or radius of a rolling body, m; cosine of the angle between universal axes.
+  /// Length of a rod or radius of a rolling body, m; for a universal joint the cosine of the angle between
+  /// its axes.
   double size = 0;
   bool wheel = false;  ///< whether the rolling body is a wheel
 };
 
-/// Σ factor q = offset: a coupling of the coordinates of several joints. It is a constant row of velocities.
+/// A coupling Σ factor q = offset of the coordinates of several joints. For velocities it is a constant row.
 struct LoopCoupling : LoopRows {
   struct Term {
     int coordinate, velocity;

@@ -11,7 +11,7 @@ int index_of(std::string_view name, std::span<const Named> named, const char* wh
              const std::string& model) {
   for (std::size_t i = 0; i < named.size(); ++i)
     if (named[i].name == name) return static_cast<int>(i);
-  std::string parts;  // of a joint that has become two
+  std::string parts;  // names of the two joints that a cylindrical or universal joint has become
   for (const Named& n : named)
     if (n.name.starts_with(std::string(name) + '.')) parts += (parts.empty() ? "\"" : ", \"") + n.name + '"';
   throw UnknownName("model \"" + model + "\" has no " + what + " \"" + std::string(name) + "\"" +

@@ -38,7 +38,7 @@ struct Joint {
   };
   std::optional<Leader> leader;  ///< leader of a coupled joint, with chains of couplings resolved
   std::vector<Dof> dof;          ///< one for each degree of freedom
-  bool passive = false;          ///< whether it has no drive
+  bool passive = false;          ///< whether the joint has no drive
 };
 
 /// A named frame: the ground, a body, a body fixed to another, or a frame of interest.
@@ -56,14 +56,14 @@ class Model {
   Model& operator=(const Model&) = default;
 
   const std::string& name() const { return data_->description.name; }
-  /// Moving bodies; also joints. Body 0 is the ground, bodies 1 to n_bodies() follow depth-first in declared
-  /// order.
+  /// The number of moving bodies, which is also the number of joints. Body 0 is the ground; bodies 1 to
+  /// n_bodies() follow in depth-first order, children as declared.
   int n_bodies() const { return data_->tree->n; }
   int nq() const { return data_->tree->nq; }
   int nv() const { return data_->tree->nv; }
   int n_frames() const { return data_->tree->n_frames(); }
-  /// Joint screws: one for each degree of freedom of every joint, coupled ones included. Those of joint i
-  /// start at first_screw(i).
+  /// The number of joint screws: one for each degree of freedom of every joint, coupled ones included. Those
+  /// of joint i start at first_screw(i).
   int n_screws() const { return data_->tree->n_screws; }
   int first_screw(int i) const { return data_->tree->first_screw[i]; }
   const Vec3<>& gravity() const { return data_->tree.g; }
@@ -86,7 +86,8 @@ class Model {
   /// whose documentation does not mention them compute with the mechanism without motions.
   std::span<const MotionDescription> motions() const { return data_->description.motions; }
 
-  /// Indices by name. They throw std::invalid_argument with the unknown name and the nearest known one.
+  /// The index of a body, joint or frame by its name. Throws std::invalid_argument, with the unknown name and
+  /// the nearest known one, if there is none.
   int body_index(std::string_view name) const;
   int joint_index(std::string_view name) const;
   int frame_index(std::string_view name) const;
@@ -99,7 +100,7 @@ class Model {
   /// The description from which the model was built; edit a copy of it to build another model.
   const Description& description() const { return data_->description; }
   const Topology& topology() const { return *data_->tree.topology(); }
-  /// The numbers for the kernels, T = double or float; other scalars: cast<T>(tree<double>()).
+  /// The tree that kernels read, for T = double or float. For other scalars use cast<T>(tree<double>()).
   template <class T> const Tree<T>& tree() const;
 
  private:

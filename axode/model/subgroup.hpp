@@ -32,7 +32,7 @@ enum class Subgroup : unsigned char { revolute, prismatic, helical, spherical, p
 
 namespace subgroup {
 
-/// Write the components of a vector or a quaternion one after the other.
+/// Writes the components of a vector, or below of a quaternion, one after the other.
 template <class T> constexpr void put(const Vec3<T>& a, T* out) {
   out[0] = a.x;
   out[1] = a.y;
@@ -43,7 +43,7 @@ template <class T> constexpr void put(const Quaternion<T>& a, T* out) {
   out[3] = a.w;
 }
 
-/// Coordinates whose rates are the velocities.
+/// The part that joints have in common whose coordinates have the velocities as rates.
 template <class T, int N> struct VectorCoordinates {
   static constexpr int nq = N, nv = N;
   static constexpr bool vector_coordinates = true;
@@ -92,7 +92,7 @@ template <class T> constexpr const Vec3<T>& axis(const SO3<T>& R, int k) {
   return k == 0 ? R.x : k == 1 ? R.y : R.z;
 }
 
-/// Rotation about z by q rad.
+/// Revolute joint: rotation about z by q rad.
 template <class T> struct Revolute : VectorCoordinates<T, 1> {
   static constexpr int angles = 1;
   static constexpr SE3<T> pose(const SE3<T>& B, const T* q) { return {turn(B.R, sin(q[0]), cos(q[0])), B.r}; }
@@ -105,7 +105,7 @@ template <class T> struct Revolute : VectorCoordinates<T, 1> {
   static constexpr Screw<T> column(const SE3<T>& C, int) { return {C.R.z, cross(C.r, C.R.z)}; }
 };
 
-/// Translation along z by q m.
+/// Prismatic joint: translation along z by q m.
 template <class T> struct Prismatic : VectorCoordinates<T, 1> {
   static constexpr int angles = 0;
   static constexpr SE3<T> pose(const SE3<T>& B, const T* q) { return {B.R, B.r + q[0] * B.R.z}; }
@@ -116,7 +116,7 @@ template <class T> struct Prismatic : VectorCoordinates<T, 1> {
   static constexpr Screw<T> column(const SE3<T>& C, int) { return {Vec3<T>{}, C.R.z}; }
 };
 
-/// Rotation about z by q rad and translation along z by pitch q m.
+/// Helical joint: rotation about z by q rad and translation along z by pitch q m.
 template <class T> struct Helical : VectorCoordinates<T, 1> {
   static constexpr int angles = 1;
   T pitch;
@@ -135,7 +135,8 @@ template <class T> struct Helical : VectorCoordinates<T, 1> {
   constexpr Screw<T> column(const SE3<T>& C, int) const { return {C.R.z, cross(C.r, C.R.z) + pitch * C.R.z}; }
 };
 
-/// Rotation about the origin: q = unit quaternion x y z w, v = angular velocity in the child's joint frame.
+/// Spherical joint: rotation about the origin. q = unit quaternion x y z w, v = angular velocity in the
+/// child's joint frame.
 template <class T> struct Spherical {
   static constexpr int nq = 4, nv = 3, angles = 3;
   static constexpr bool vector_coordinates = false;
@@ -170,8 +171,8 @@ template <class T> struct Spherical {
   }
 };
 
-/// Motion in the plane normal to z: q = (θ, x, y), v = (ω; v_x, v_y) in the child's joint frame. Differences
-/// take the shorter way round, so that θ is met up to whole turns.
+/// Planar joint: motion in the plane normal to z. q = (θ, x, y), v = (ω; v_x, v_y) in the child's joint
+/// frame. Differences take the shorter way round, so that θ is reached up to whole turns.
 template <class T> struct Planar {
   static constexpr int nq = 3, nv = 3, angles = 1;
   static constexpr bool vector_coordinates = false;
@@ -211,7 +212,8 @@ template <class T> struct Planar {
   }
 };
 
-/// Every motion: q = (quaternion x y z w, position), v = body-fixed twist (angular; linear) of the child.
+/// Free joint: every motion is possible. q = (quaternion x y z w, position), v = body-fixed twist (angular;
+/// linear) of the child.
 template <class T> struct Free {
   static constexpr int nq = 7, nv = 6, angles = 3;
   static constexpr bool vector_coordinates = false;
@@ -265,7 +267,7 @@ template <class T> struct Free {
 
 }  // namespace subgroup
 
-/// Calls f(joint) for the struct of a subgroup; the pitch (m/rad) matters to helical joints only.
+/// Calls f(joint) for the struct of a subgroup; the pitch (m/rad) is used by helical joints only.
 template <class T, class F> constexpr decltype(auto) with_subgroup(Subgroup kind, const T& pitch, F&& f) {
   switch (kind) {
     case Subgroup::revolute: return f(subgroup::Revolute<T>{});

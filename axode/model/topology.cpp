@@ -9,7 +9,7 @@
 namespace axode {
 namespace {
 
-constexpr std::size_t most_lanes = 16;  // of any SIMD register
+constexpr std::size_t most_lanes = 16;  // largest number of lanes of any SIMD register
 
 std::size_t size(int n) { return static_cast<std::size_t>(n); }
 
@@ -65,12 +65,12 @@ void find_subtrees(Topology& t) {
       t.velocity_end.push_back(t.subtree_end[i] <= t.n ? t.iv[t.subtree_end[i]] : t.nv);
 }
 
-/// Later velocities that each velocity is coupled to, as many as the elimination tree needs. All velocities
-/// on one path are coupled to each other; of these only the next one is listed.
+/// For each velocity, the later velocities to which it is coupled, as far as the elimination tree needs them.
+/// All velocities on one path are coupled to each other; of these only the next one is listed.
 std::vector<std::vector<int>> later_neighbours(const Topology& t) {
   std::vector<std::vector<int>> later(size(t.nv));
   std::multiset<int> path;  // velocities from the ground to the body where the walk is
-  std::vector<int> open;    // the bodies on it
+  std::vector<int> open;    // the bodies on this path
   const auto each_velocity = [&](int i, const auto& f) {
     for (int s = t.first_screw[i]; s < t.first_screw[i + 1]; ++s) f(t.iv[i] + s - t.first_screw[i]);
   };
@@ -88,8 +88,8 @@ std::vector<std::vector<int>> later_neighbours(const Topology& t) {
   return later;
 }
 
-/// The algorithm of Liu: the root of every subtree that velocity c reaches becomes a child of c. Paths are
-/// shortened on the way.
+/// Computes velocity_parent, the elimination tree, by the algorithm of Liu: the root of every subtree that
+/// velocity c reaches becomes a child of c. Paths are shortened on the way.
 void find_velocity_parents(Topology& t) {
   const std::vector<std::vector<int>> later = later_neighbours(t);
   std::vector<int> root(size(t.nv), -1);
@@ -115,13 +115,14 @@ int meeting_point(const Topology& t, int i, int j) {
   return i;
 }
 
-/// A velocity that joints share, by its leader, and the body through which it reaches another body.
+/// A velocity that several joints share, given by the leader of these joints, and the body through which it
+/// reaches another body.
 struct Arrival {
   int leader, from;
 };
 
-/// The shared velocities that reach every body, by leader; the velocity of a body's own joint comes from the
-/// body itself.
+/// For each body, the shared velocities that reach it, in the order of their leaders. The shared velocity of
+/// the body's own joint comes from the body itself.
 std::vector<std::vector<Arrival>> arrivals(const std::vector<int>& leader, const std::vector<int>& meets,
                                            const Topology& t) {
   std::vector<std::vector<Arrival>> all(size(t.n + 1));
@@ -137,7 +138,8 @@ std::vector<std::vector<Arrival>> arrivals(const std::vector<int>& leader, const
   return all;
 }
 
-/// The ties of one body: its leaders without repetition, and for each the smallest number of its group.
+/// The ties of one body: the leaders of its shared velocities without repetition, and for each of them the
+/// smallest number in its group.
 struct Groups {
   std::vector<int> leaders, group;
 
@@ -153,7 +155,8 @@ struct Groups {
       unite(k, first_from[from] < 0 ? k : first_from[from]);
       first_from[from] = k;
       if (meets[leader] == i) continue;
-      unite(k, first_from[i] < 0 ? k : first_from[i]);  // what goes on, and what the joint of the body has
+      unite(k, first_from[i] < 0 ? k : first_from[i]);  // unites the velocities that go on to the
+                                                        // predecessor, and that of the joint of the body
       first_from[i] = k;
     }
     for (int k = 0; k < static_cast<int>(group.size()); ++k) group[k] = root(k);
@@ -174,14 +177,16 @@ struct Groups {
 };
 
 void find_ties(const std::vector<int>& leader, Topology& t) {
-  std::vector<int> meets(size(t.n + 1), -1);  // by leader: where all that share its velocity meet
+  std::vector<int> meets(size(t.n + 1), -1);  // for each leader: the body where the paths of all joints with
+                                              // its velocity meet
   for (const int i : t.coupled_bodies) {
     int& at = meets[leader[i]];
     at = meeting_point(t, at < 0 ? leader[i] : at, i);
   }
   const std::vector<std::vector<Arrival>> here = arrivals(leader, meets, t);
   std::vector<int> first_from(size(t.n + 1), -1);
-  std::vector<std::vector<std::pair<int, int>>> entries(size(t.n + 1));  // (leader, entry), by leader
+  std::vector<std::vector<std::pair<int, int>>> entries(size(t.n + 1));  // for each body: pairs (leader,
+                                                                         // entry), in the order of leaders
   const auto entry = [&](int i, int l) {
     return std::lower_bound(entries[i].begin(), entries[i].end(), std::pair(l, 0))->second;
   };

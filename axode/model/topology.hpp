@@ -9,7 +9,7 @@ namespace axode {
 /// Bodies whose joints are of one kind: by_kind[begin] to by_kind[end - 1].
 struct JointGroup {
   Subgroup kind;
-  bool coupled;  ///< q_i = ratio q_j + offset; coupled groups come last
+  bool coupled;  ///< whether the joints are coupled, q_i = ratio q_j + offset; coupled groups come last
   int begin, end;
 };
 
@@ -60,7 +60,7 @@ struct Topology {
   struct Ties {
     std::vector<int> begin;     ///< n + 2
     std::vector<int> velocity;  ///< velocity of each entry
-    /// The entry of the predecessor for the same velocity; -1 if the velocity is eliminated here.
+    /// The entry of the predecessor for the same velocity; -1 if the velocity is eliminated at this body.
     std::vector<int> up;
     /// n + 1: the entry for the joint of the body itself; -1 if this shares no velocity.
     std::vector<int> own;
@@ -68,11 +68,11 @@ struct Topology {
     /// The first pair of each entry, which has one with each entry of its group.
     std::vector<std::size_t> row;
     std::size_t n_pairs = 0;
-    /// n + 2: like `begin` if body i had its entries once for each screw of its joint.
+    /// n + 2: offsets like `begin`, but with the entries of body i repeated for each screw of its joint.
     std::vector<std::size_t> of_screws;
   } ties;
 
-  // For sweeps that take several bodies at once.
+  // The following members are for sweeps that take several bodies at once.
   std::vector<int> angle;  ///< iq of joints 1 to n, and 0 up to a multiple of the lanes of any SIMD register
   std::vector<char> branches;  ///< n + 1: whether a body other than the next one hangs on the body
   std::vector<int> hinges;  ///< n + 2: how many hinges with coordinates of their own follow, from joint i on

@@ -15,8 +15,8 @@ template <class T = double> struct TreeNumbers {
   std::vector<T> pitch;          ///< n + 1, m/rad
   std::vector<T> ratio, offset;  ///< n + 1: 1 and 0 for a joint with coordinates of its own
   std::vector<SE3<T>> B;      ///< n + 1: joint frame of i at q = 0 in the internal frame of its predecessor
-  std::vector<Inertia<T>> M;  ///< n + 1: in the internal frame
-  std::vector<T> armature;    ///< nv, kg m² or kg, of all joints on that velocity
+  std::vector<Inertia<T>> M;  ///< n + 1: inertia of each body in its internal frame
+  std::vector<T> armature;    ///< nv: sum of the armatures of all joints that have the velocity, kg m² or kg
   std::vector<T> damping, friction;  ///< nv, N m s/rad or N s/m; N m or N
   std::vector<SE3<T>> frame_offset;  ///< pose of frame f in the internal frame of its body
   Vec3<T> g;                         ///< gravity, m/s²
@@ -31,10 +31,10 @@ template <class T = double> class Tree : public TreeNumbers<T> {
   const Topology* operator->() const { return topology_.get(); }
   const std::shared_ptr<const Topology>& topology() const { return topology_; }
 
-  // Numbers that are derived from the others for the sweeps:
+  // The following numbers are derived from the others for the sweeps.
   std::vector<T> inertia_scale;   ///< n_screws: magnitude of the inertia that a unit of the screw moves
   std::vector<T> inertia_arrays;  ///< M in arrays: h, Θ (xx yy zz xy xz yz), m; entry i for body i
-  int inertia_stride = 0;         ///< distance between arrays, entries
+  int inertia_stride = 0;         ///< distance between two arrays, in entries
   PackedConstants<T> packed;      ///< n + 1 bodies
 
  private:
@@ -44,8 +44,9 @@ template <class T = double> class Tree : public TreeNumbers<T> {
   std::shared_ptr<const Topology> topology_;
 };
 
-/// A tree in any frames. Kernels read its integers through the arrow, its joints by each_joint, and no
-/// numbers of bodies except B and M.
+/// The requirements on a tree that kernels accept, in any body frames: kernels read its integers through the
+/// arrow, as in `tree->parent[i]`, and its joints by each_joint(). Of the numbers of bodies they read only B
+/// and M.
 template <class X, class T>
 concept TreeOf = requires(const X& tree, int i) {
   { tree->parent[i] } -> std::convertible_to<int>;
@@ -99,7 +100,7 @@ template <class T, class F> constexpr decltype(auto) with_joint(const Tree<T>& t
 }
 
 /// Calls f(joint, i, coupled) for every joint with coordinates of its own, kind by kind, and then for the
-/// coupled ones.
+/// coupled joints.
 template <class T, class F> constexpr void each_joint(const Tree<T>& tree, F&& f) {
   for (const JointGroup& group : tree->joint_groups) {
     if (group.kind == Subgroup::helical) {
@@ -124,8 +125,8 @@ Tree<T>::Tree(std::shared_ptr<const Topology> topology, TreeNumbers<T> numbers)
     for (int i = 0; i <= topology_->n; ++i) packed.body.emplace_back(this->B[i], this->M[i]);
 }
 
-/// A bound of the inertia that the joint moves, with every joint at zero: the trace of the rotational inertia
-/// about the origin of the joint, or the mass.
+/// Computes inertia_scale of each joint screw, a bound of the inertia that the joint moves, with every joint
+/// at zero: the trace of the rotational inertia about the origin of the joint, or the mass.
 template <class T> void Tree<T>::set_inertia_scale() {
   std::vector<Inertia<T>> composite(this->M);
   for (int i = topology_->n; i > 0; --i)

@@ -9,17 +9,17 @@
 
 namespace axode {
 
-/// Selects the spanning tree of a mechanism, without its loops.
+/// A tag that selects the spanning tree of a mechanism, without its loops.
 struct CutTree {};
 inline constexpr CutTree cut_tree;
 
-/// Scratch memory for one thread. Make one for a model and use it in every call; nothing is allocated
+/// Scratch memory for one thread. Construct one for a model and pass it to every call; nothing is allocated
 /// afterwards. It holds no results, and no call depends on an earlier one. T is the scalar of the
 /// computation. The memory is proportional to the number of bodies.
 ///
-/// A workspace knows the tree of a mechanism. Functions whose answer depends on loops refuse it for a model
-/// with loops and take a LoopWorkspace instead. A workspace that is made for the cut tree is accepted: its
-/// functions compute with the spanning tree.
+/// A workspace has memory for the tree of a mechanism only. Functions whose result depends on loops refuse it
+/// for a model with loops and take a LoopWorkspace instead. A workspace that is made for the cut tree is
+/// accepted: its functions compute with the spanning tree.
 template <class T = double> class Workspace {
  public:
   /// Memory for every function of the library; T is double or float. For other scalars see GenericDynamics.
@@ -32,7 +32,7 @@ template <class T = double> class Workspace {
   bool is_for_cut_tree() const { return is_for_cut_tree_; }
   std::size_t bytes() const { return lines_.size() * sizeof(Line); }
 
-  /// The whole memory, for one call. The workspace must be large enough.
+  /// An arena with the whole memory, for one call. The workspace must be large enough for the topology.
   Arena arena(const Topology& topology) {
     return {topology, reinterpret_cast<std::byte*>(lines_.data()), bytes()};
   }
@@ -46,7 +46,7 @@ template <class T = double> class Workspace {
   }
 
  private:
-  /// The numbers with which footprints grow.
+  /// The sizes of a topology on which footprints depend.
   struct Extent {
     explicit Extent(const Topology& t) : bodies(t.n), screws(t.n_screws), ties(t.ties.n_pairs) {}
     std::string text() const {

@@ -6,7 +6,7 @@
 
 namespace axode {
 
-/// How defects are treated that do not prevent a computation: inertias that no mass distribution has, masses
+/// The treatment of defects that do not prevent a computation: inertias that no mass distribution has, masses
 /// of 0, and defects of files that other readers accept.
 enum class Strictness {
   lenient,  ///< they are warnings, because files of real robots have them
@@ -23,7 +23,7 @@ enum class Strictness {
 class ModelBuilder {
  public:
   explicit ModelBuilder(std::string_view name = "mechanism") { description_.name = name; }
-  /// Starts from the description of a model, to edit it, or from one that a reader made.
+  /// Starts from the description of a model, to edit it, or below from a description that a reader made.
   explicit ModelBuilder(const Model& model) : description_(model.description()) {}
   explicit ModelBuilder(Description description) : description_(std::move(description)) {}
 
@@ -42,7 +42,8 @@ class ModelBuilder {
 
   /// All errors and warnings of the description, without building it.
   std::vector<Fault> check(Strictness strictness = Strictness::lenient) const;
-  /// Throws ModelError with every fault if one of them is an error; warnings stay on the model.
+  /// Builds the model. Throws ModelError with every fault if one of them is an error; if there are only
+  /// warnings, the model keeps them.
   Model build(Strictness strictness = Strictness::lenient) const;
 
  private:

@@ -288,7 +288,8 @@ class Compiler {
       joint.iv = topology.iv[i];
       if (!joint.leader)
         with_subgroup(joint.kind, joint.pitch, [&](const auto& s) { joint.nq = s.nq, joint.nv = s.nv; });
-      const double k = numbers_.ratio[i];  // power: a coupled joint moves k times as fast
+      const double k = numbers_.ratio[i];  // by equal power: the coupled joint moves k times as fast as its
+                                           // leader
       for (std::size_t d = 0; d < joint.dof.size(); ++d) {
         const std::size_t c = static_cast<std::size_t>(joint.iv) + d;
         numbers_.armature[c] += k * k * joint.dof[d].armature;
@@ -298,7 +299,7 @@ class Compiler {
     }
   }
 
-  /// A fault of body i of the model.
+  /// Notes a fault of body i of the model.
   void note(Compilation& out, int i, Severity severity, Rule rule, std::string element,
             const char* message) const {
     const Source& source = i > 0 ? expanded_.bodies[described_[i - 1]].source : expanded_.source;
@@ -326,7 +327,8 @@ class Compiler {
       mass[i] += tree.M[i].m;
       mass[tree->parent[i]] += mass[i];
     }
-    std::vector<bool> moves_mass(mass.size());  // itself or through the joints that follow it
+    std::vector<bool> moves_mass(mass.size());  // whether the joint moves mass, itself or through the joints
+                                                // that follow it
     for (int i = 1; i <= tree->n; ++i) {
       const Joint& joint = out.joints[i];
       const bool armature =
@@ -346,7 +348,7 @@ class Compiler {
       }
   }
 
-  /// Numbers of a description can be finite and so large that results overflow; this reports them.
+  /// Reports numbers that are finite in the description, but so large that results overflow.
   void report_overflow(Compilation& out) const {
     const Tree<double>& tree = out.tree;
     for (int i = 0; i <= tree->n; ++i) {
@@ -390,7 +392,7 @@ class Compiler {
   std::vector<Joint> joints_;
   std::vector<Frame> frames_;
   std::vector<std::pair<Frame, SE3<>>>
-      extra_;  ///< frames that are no moving bodies, and their poses in internal frames
+      extra_;  ///< the named frames other than those of moving bodies, with their poses in internal frames
 };
 
 }  // namespace

@@ -30,7 +30,7 @@ MassProperties mass_properties(const Inertia<>& M) {
 /// prefix.
 void check_names_differ(const Description& one, const Description& other, const std::string& prefix) {
   std::unordered_set<std::string> places,
-      joints;  // bodies and frames share their names, joints and loops theirs
+      joints;  // a name must be unique among bodies and frames, and among joints and loops
   for (const BodyDescription& body : one.bodies) places.insert(body.name), joints.insert(joint_name(body));
   for (const FrameDescription& frame : one.frames) places.insert(frame.name);
   for (std::size_t k = 0; k < one.loops.size(); ++k) joints.insert(loop_name(one.loops[k], k));
@@ -58,7 +58,7 @@ struct Mount {
 
   std::string renamed(const std::string& name) const { return prefix + name; }
   std::string place(const std::string& name) const { return name == "ground" ? carrier : renamed(name); }
-  /// The pose of a frame of the other mechanism relative to the frame that carries it now.
+  /// The pose of a frame of the other mechanism relative to the frame of the first one that now carries it.
   SE3<> from(const std::string& name) const { return name == "ground" ? pose : SE3<>{}; }
 };
 

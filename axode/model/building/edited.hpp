@@ -10,11 +10,11 @@
 /// in axode/model/building/builder.hpp.
 namespace axode {
 
-/// The mechanism with other inertial parameters π (axode/model/inertial_parameters.hpp), 10 n_bodies numbers;
-/// its drive forces are Y π with the regressor Y. Bodies that are fixed to a moving body stay as massless
-/// frames, as their inertia is part of the parameters of that body. Throws std::invalid_argument for a wrong
-/// size and for a body with a moment but no mass, ModelError for numbers that are not finite and for negative
-/// masses.
+/// The mechanism with other inertial parameters π (axode/model/inertial_parameters.hpp), 10 n_bodies numbers.
+/// The drive forces of the new model are Y π with the regressor Y. Bodies that are fixed to a moving body
+/// stay as massless frames, as their inertia is part of the parameters of that body. Throws
+/// std::invalid_argument for a wrong size and for a body with a moment but no mass, ModelError for numbers
+/// that are not finite and for negative masses.
 Model with_parameters(const Model& model, std::span<const double> pi);
 
 /// The mechanism in another gravity, m/s² in the construction frame. Throws ModelError if it is not finite.

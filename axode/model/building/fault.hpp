@@ -15,7 +15,7 @@ struct Source {
 
 enum class Severity { warning, error };
 
-/// The rules that are checked. Each has one name in messages, tests and JSON: `to_string`.
+/// The rules that are checked. Each has one name in messages, tests and JSON, which to_string() returns.
 enum class Rule {
   missing_name,
   duplicate_name,
@@ -60,15 +60,15 @@ struct Fault {
   std::string message;  ///< the value and the rule, e.g. `mass is -1.2 kg; a mass must be positive`
   Source source;
 };
-/// `arm.urdf:12: error: body "forearm": mass is -1.2 kg; a mass must be positive`.
+/// The fault in one line: `arm.urdf:12: error: body "forearm": mass is -1.2 kg; a mass must be positive`.
 std::string to_string(const Fault& fault);
 
 /// Thrown by ModelBuilder::build() and the readers, with all faults of the description.
 class ModelError : public std::runtime_error {
  public:
   ModelError(std::string_view model, std::vector<Fault> faults);
-  /// All faults, warnings included, in the order in which they were found: names and tree first, couplings
-  /// last.
+  /// All faults, warnings included, in the order in which they were found: those of names and of the tree
+  /// come first, those of couplings last.
   std::span<const Fault> faults() const { return faults_; }
 
  private:

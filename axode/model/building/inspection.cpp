@@ -58,7 +58,7 @@ class Inspection {
   void error(Rule rule, std::string element, std::string message, const Source& source) {
     faults_.note(Severity::error, rule, std::move(element), std::move(message), source);
   }
-  /// `; did you mean ...?` with the name in `range` that is nearest to an unknown name.
+  /// The text `; did you mean ...?` with the name in `range` that is nearest to an unknown name.
   template <class Range, class NameOf>
   std::string nearest(std::string_view name, const Range& range, NameOf name_of) {
     return ++suggestions_ > most_suggestions ? "" : did_you_mean(name, range, name_of);
@@ -152,9 +152,11 @@ class Inspection {
     cycles();
   }
 
-  /// Follows predecessors from every body; a body met again on the same walk closes a cycle.
+  /// Finds cycles: it follows the predecessors from every body, and a body that is met again on the same walk
+  /// closes a cycle.
   void cycles() {
-    std::unordered_map<std::string_view, const BodyDescription*> seen;  // body -> where its walk started
+    std::unordered_map<std::string_view, const BodyDescription*> seen;  // for each body: the body at which
+                                                                        // the walk that met it first started
     for (const BodyDescription& start : description_.bodies) {
       const BodyDescription* at = &start;
       while (at != nullptr && !seen.contains(at->name)) {

@@ -28,10 +28,11 @@ inline std::size_t edit_distance(std::string_view a, std::string_view b) {
   return row[b.size()];
 }
 
-/// Only the first unknown names get a suggestion, because each is compared with every known name.
+/// The largest number of unknown names that get a suggestion. It is limited because each of them is compared
+/// with every known name.
 inline constexpr int most_suggestions = 20;
 
-/// `; did you mean "forearm"?` for the nearest known name; empty if none is near.
+/// The text `; did you mean "forearm"?` with the nearest known name; empty if no known name is near.
 template <class Range, class NameOf>
 std::string did_you_mean(std::string_view name, const Range& candidates, NameOf name_of) {
   std::string best;

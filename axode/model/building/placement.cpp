@@ -37,7 +37,7 @@ BodyDescription split_off(BodyDescription& body, const char* carrier, JointKind 
   return between;
 }
 
-/// The rotation, exact to 1e-6, made exact to working precision.
+/// Makes a rotation that is exact to 1e-6 exact to working precision.
 SO3<> orthonormal(const SO3<>& R) {
   const SO3<> G = transpose(R) * R;
   const double off = abs(G.x.x - 1) + abs(G.y.y - 1) + abs(G.z.z - 1) + abs(G.x.y) + abs(G.x.z) + abs(G.y.z);
@@ -80,7 +80,7 @@ std::vector<std::optional<DrawnMass>> first_masses(const Description& expanded,
 /// it.
 constexpr double most_radii = 16;
 
-/// The predecessor is nullptr for the ground.
+/// Computes the reference poses of a body and its joint. `predecessor` is null if the body is on the ground.
 Placement reference_placement(const BodyDescription& body, const Placement* predecessor,
                               const std::optional<DrawnMass>& mass) {
   const SE3<> A_predecessor = predecessor == nullptr ? SE3<>{} : predecessor->A;

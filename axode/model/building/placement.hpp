@@ -10,10 +10,10 @@
 /// three ways.
 namespace axode {
 
-/// The rotation of a pose, which is exact to 1e-6, made exact to working precision.
+/// Makes the rotation of a pose, which is exact to 1e-6, exact to working precision.
 SE3<> orthonormal(const SE3<>& C);
 
-/// A⁻¹ B, the pose of B relative to A. No digits are lost if the two are near each other but far from the
+/// The pose A⁻¹ B of B relative to A. No digits are lost if the two are near each other but far from the
 /// origin.
 SE3<> relative(const SE3<>& A, const SE3<>& B);
 
@@ -30,9 +30,9 @@ Vec3<> direction(const Vec3<>& axis);
 /// body.
 Description expand(const Description& description);
 
-/// The expanded mechanism with every joint in joint frames, and every fixed body, frame and inertia relative
-/// to a body frame, so that nothing depends on the pose of the predecessor. The description must have no
-/// faults.
+/// The expanded mechanism with every joint described in joint frames, and every fixed body, frame and inertia
+/// relative to a body frame, so that nothing depends on the pose of the predecessor. The description must
+/// have no faults.
 Description in_joint_frames(const Description& description);
 
 /// Bodies in depth-first order, children as declared, and the index of each body's predecessor, -1 for the
@@ -56,11 +56,11 @@ struct Placement {
 ///
 /// The origin of the joint frame is the point of the joint. Its axes are those of the frame in which the axis
 /// is given, turned the shortest way until z is the axis; a spherical joint keeps the axes of that frame, and
-/// a free joint has the body frame. The joint frame of a fixed joint moves nothing: it is used as given, or
-/// it is the frame of the predecessor if the body is drawn, because body frames may be far away; else it is
-/// the body frame. The position of a prismatic joint does not matter: if the body is drawn far from the point
-/// of the joint (16 radii of gyration), the origin is the centre of mass of the body or of its first
-/// successor with mass.
+/// a free joint has the body frame. The joint frame of a fixed joint has no influence on the motion: it is
+/// used as given; if it is not given and the body is drawn, it is the frame of the predecessor, because body
+/// frames may be far away; otherwise it is the body frame. The position of a prismatic joint does not matter:
+/// if the body is drawn far from the point of the joint (16 radii of gyration), the origin is the centre of
+/// mass of the body or of its first successor with mass.
 std::vector<Placement> reference_placements(const Description& expanded, const DepthFirstOrder& order);
 
 /// The frames of a loop in the construction frame as it is drawn, and its size as in Loop::size.
@@ -78,9 +78,10 @@ std::string coupling_name(const CouplingDescription& coupling, std::size_t k);
 /// The name of a motion: `motion of <joint or rod>` if it has no name of its own.
 std::string motion_name(const MotionDescription& motion);
 
-/// The inertia in the frame F, whose pose is relative to the frame in which the inertia is given; or in the
-/// joint frame J if the inertia is given in A and both are relative to one frame. It is transformed by way of
-/// the centre of mass, so that no digits are lost far from the origin, unless it is given about that origin.
+/// The inertia `given` in the frame F, whose pose is relative to the frame in which the inertia is given. The
+/// overload returns it in the joint frame J; it is given in the frame A, and the poses of J and A are
+/// relative to the same frame. The inertia is transformed by way of the centre of mass, so that no digits are
+/// lost far from the origin, unless it is given about that origin.
 Inertia<> inertia_in(const SE3<>& F, const MassProperties& given);
 Inertia<> inertia_in(const SE3<>& J, const SE3<>& A, const MassProperties& given);
 /// The mass properties, given in the body frame, expressed in a frame S relative to the body frame.

@@ -16,7 +16,7 @@ double coordinate(const Joint& joint, std::span<const double> q) {
   return joint.leader ? joint.leader->ratio * q[joint.iq] + joint.leader->offset : q[joint.iq];
 }
 
-/// C_J(q): the displacement of a joint in its joint frame.
+/// The displacement C_J(q) of a joint in its joint frame.
 SE3<> displacement(const Joint& joint, std::span<const double> q) {
   const double own = joint.leader ? coordinate(joint, q) : 0;
   const double* q_i = joint.leader ? &own : &q[joint.iq];
@@ -88,8 +88,8 @@ Model reduced(const Model& model, std::span<const std::string_view> locked, std:
   for (int i = 1; i <= model.n_bodies(); ++i)
     if (const auto& leader = model.joint(i).leader; leader && is_locked[leader->joint]) is_locked[i] = true;
 
-  // Every body is described relative to its predecessor, so that nothing else depends on a locked joint; by
-  // joint frames, which are close to each other even if body frames are far away.
+  // Every body is described relative to its predecessor, so that nothing else depends on a locked joint; it
+  // is described by joint frames, which are close to each other even if body frames are far away.
   std::unordered_map<std::string_view, int> index;
   for (int i = 1; i <= model.n_bodies(); ++i) index.emplace(model.body(i).name, i);
   Description description = in_joint_frames(model.description());

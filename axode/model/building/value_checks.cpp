@@ -35,7 +35,8 @@ bool is_angle(JointKind kind, std::size_t k) {
   }
 }
 
-/// Reports limits of more than two turns that are a round number of degrees.
+/// Reports limits of an angle that are more than two turns and a round number, because they are probably in
+/// degrees.
 void angle_limits(const FaultySubject& at, const Dof& dof) {
   constexpr double two_turns = 4 * std::numbers::pi, most = 720, round = 5;
   const auto looks_like_degrees = [](double x) {
