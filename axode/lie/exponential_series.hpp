@@ -14,13 +14,13 @@ namespace axode {
 /// I + β ξ̃ + γ ξ̃² with the derivatives of β and γ with respect to s = ‖ξ‖².
 template <class T> struct ScrewOperator { std::array<T, 3> beta, gamma; };
 
-/// P_ξ z.
+/// Computes P_ξ z.
 template <class T> constexpr Vec3<T> apply(const ScrewOperator<T>& P, const Vec3<T>& xi, const Vec3<T>& z) {
   const Vec3<T> xi_z = cross(xi, z);
   return z + P.beta[0] * xi_z + P.gamma[0] * cross(xi, xi_z);
 }
 
-/// D_η P_ξ z, the first derivative of P_ξ z when ξ moves along η.
+/// Computes D_η P_ξ z, the first derivative of P_ξ z when ξ moves along η.
 template <class T>
 constexpr Vec3<T> apply(const ScrewOperator<T>& P, const Vec3<T>& xi, const Vec3<T>& eta, const Vec3<T>& z) {
   const T ds = T(2) * dot(xi, eta);
@@ -29,7 +29,7 @@ constexpr Vec3<T> apply(const ScrewOperator<T>& P, const Vec3<T>& xi, const Vec3
          ds * (P.beta[1] * xi_z + P.gamma[1] * cross(xi, xi_z));
 }
 
-/// D_ζ D_η P_ξ z, the second derivative, along η and ζ.
+/// Computes D_ζ D_η P_ξ z, the second derivative of P_ξ z when ξ moves along η and ζ.
 template <class T>
 constexpr Vec3<T> apply(const ScrewOperator<T>& P, const Vec3<T>& xi, const Vec3<T>& eta, const Vec3<T>& zeta,
                         const Vec3<T>& z) {
@@ -50,7 +50,8 @@ inline constexpr double radius = 1.0;
 inline constexpr std::size_t terms = 15;
 using Coefficients = std::array<double, terms>;
 
-/// Σ_k (-1)^k s^k / (2k + m)!: sin θ/θ for m = 1, (1 - cos θ)/θ² for m = 2, (θ - sin θ)/θ³ for m = 3.
+/// The coefficients of Σ_k (-1)^k s^k / (2k + m)!: sin θ/θ for m = 1, (1 - cos θ)/θ² for m = 2, (θ - sin
+/// θ)/θ³ for m = 3.
 constexpr Coefficients alternating_factorials(int m) {
   Coefficients c{};
   double term = 1.0;
@@ -63,7 +64,8 @@ constexpr Coefficients alternating_factorials(int m) {
   return c;
 }
 
-/// (1 - θ/2 cot(θ/2))/θ² = Σ_k 2 ζ(2k + 2)/(2π)^(2k + 2) s^k, in Bernoulli's numbers |B_{2k+2}|/(2k + 2)!.
+/// The coefficients of (1 - θ/2 cot(θ/2))/θ² = Σ_k 2 ζ(2k + 2)/(2π)^(2k + 2) s^k, in Bernoulli's numbers
+/// |B_{2k+2}|/(2k + 2)!.
 inline constexpr Coefficients cotangent = {
     8.33333333333333333333e-2,  1.38888888888888888889e-3,  3.30687830687830687831e-5,
     8.26719576719576719577e-7,  2.08767569878680989792e-8,  5.28419013868749318485e-10,
@@ -71,7 +73,7 @@ inline constexpr Coefficients cotangent = {
     2.17486869855806187304e-16, 5.5090028283602295152e-18,  1.39544646858125233407e-19,
     3.53470703962946747169e-21, 8.9535174270375468504e-23,  2.26795245233768306031e-24};
 
-/// arcsin(x)/(x √(1 - x²)) = Σ_k (2k)!!/(2k + 1)!! s^k with s = x², for log.
+/// The coefficients of arcsin(x)/(x √(1 - x²)) = Σ_k (2k)!!/(2k + 1)!! s^k with s = x², for log.
 constexpr Coefficients arcsine() {
   Coefficients c{1.0};
   for (std::size_t k = 1; k < terms; ++k) {
@@ -116,7 +118,7 @@ template <class T> struct ExponentialCoefficients {
 
   explicit constexpr ExponentialCoefficients(const T& s) {
     const auto near = s < T(series::radius);
-    const T x = select(near, T(1), s);  // the closed forms stay finite also if they are not used
+    const T x = select(near, T(1), s);  // the closed forms remain finite even if they are not used
     const T theta = sqrt(x), i = T(1) / (T(2) * x), half_sine = sin(T(0.5) * theta);
     const T a0 = sin(theta) / theta, b0 = T(2) * half_sine * half_sine / x, c0 = (T(1) - a0) / x;
     const T a1 = (cos(theta) - a0) * i, b1 = (a0 - T(2) * b0) * i, c1 = (b0 - T(3) * c0) * i;

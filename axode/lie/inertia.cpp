@@ -20,7 +20,7 @@ double realisability(const Inertia<double>& M) {
   const double rounding = 16 * std::numeric_limits<double>::epsilon() * trace(M.Theta);
   if (smallest < 0 && smallest > -rounding) return 0.0;
   if (largest > 0) return smallest / largest;
-  return smallest < 0 ? -0.5 : 0.0;  // A point mass is realisable, a negative tensor is not.
+  return smallest < 0 ? -0.5 : 0.0;  // a point mass is realisable, a negative tensor is not
 }
 
 }  // namespace axode

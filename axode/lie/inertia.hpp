@@ -4,7 +4,8 @@
 namespace axode {
 
 /// The inertia of a rigid body in a frame: mass m (kg), first moment h = m c (kg m) and rotational inertia Θ
-/// (kg m²) about the origin of that frame, all in its axes. As a matrix M = [[Θ, h̃], [-h̃, m I]] (eq. Mb).
+/// (kg m²) about the origin of that frame, all in the axes of the frame. As a matrix it is M = [[Θ, h̃],
+/// [-h̃, m I]] (eq. Mb).
 template <class T = double> struct Inertia {
   T m{};
   Vec3<T> h;
@@ -78,7 +79,7 @@ constexpr Momentum<Rep, T> operator*(const Inertia<T>& M, const Twist<Rep, T>& V
   static_assert(!std::same_as<Rep, Mixed>, "the mixed inertia matrix has blocks in different axes");
   return {M.Theta * V.w + cross(M.h, V.v), M.m * V.v - cross(M.h, V.w)};
 }
-/// M V', the part of the Newton-Euler equations that is linear in the acceleration.
+/// The wrench M V', the part of the Newton-Euler equations that is linear in the acceleration.
 template <class Rep, class T>
 constexpr Wrench<Rep, T> operator*(const Inertia<T>& M, const TwistRate<Rep, T>& dV) {
   static_assert(!std::same_as<Rep, Mixed>, "the mixed inertia matrix has blocks in different axes");

@@ -3,8 +3,8 @@
 #include "axode/lie/mat3.hpp"
 
 /// Three-vectors in one SIMD register of four lanes, of which the last is 0. For one state of one mechanism
-/// this is the fastest layout. A kernel is written once for Packed<T> and Plain<T>, whose members have the
-/// same names.
+/// this is the fastest layout. A kernel is written once for Packed<T> and Plain<T>, two geometries whose
+/// members have the same names.
 namespace axode {
 
 namespace packed {
@@ -95,17 +95,17 @@ template <class T> Number<T> sum(const Vector<T>& products) {
   return Number<T>(pairs + permute<2, 3, 0, 1>(pairs));
 }
 template <class T> Number<T> dot(const Vector<T>& a, const Vector<T>& b) { return sum(Vector<T>(a.x * b.x)); }
-/// a · b + c · d.
+/// The sum a · b + c · d.
 template <class T>
 Number<T> dot(const Vector<T>& a, const Vector<T>& b, const Vector<T>& c, const Vector<T>& d) {
   return sum(Vector<T>(a.x * b.x + c.x * d.x));
 }
 
-/// a × b e_z.
+/// The product a × b e_z.
 template <class T> Vector<T> cross_z(const Vector<T>& a, T b) {
   return Vector<T>(permute<1, 0, 2, 3>(a).x * (b * Vector<T>(T(1), T(-1), T(0)).x));
 }
-/// a + b e_z.
+/// The sum a + b e_z.
 template <class T> Vector<T> add_z(const Vector<T>& a, T b) {
   return Vector<T>(a.x + b * Vector<T>(T(0), T(0), T(1)).x);
 }
@@ -113,16 +113,16 @@ template <class T> T z(const Vector<T>& a) { return a.x[2]; }
 
 }  // namespace packed
 
-/// a × b e_z.
+/// The product a × b e_z.
 template <class T> constexpr Vec3<T> cross_z(const Vec3<T>& a, const T& b) {
   return {a.y * b, -(a.x * b), T(0)};
 }
-/// a · b + c · d.
+/// The sum a · b + c · d.
 template <class T> constexpr T dot(const Vec3<T>& a, const Vec3<T>& b, const Vec3<T>& c, const Vec3<T>& d) {
   return dot(a, b) + dot(c, d);
 }
 template <class T> constexpr const T& value(const T& a) { return a; }
-/// a + b e_z.
+/// The sum a + b e_z.
 template <class T> constexpr Vec3<T> add_z(const Vec3<T>& a, const T& b) { return {a.x, a.y, a.z + b}; }
 template <class T> constexpr const T& z(const Vec3<T>& a) { return a.z; }
 

@@ -1,7 +1,7 @@
 #pragma once
 #include "axode/lie/twist.hpp"
 
-/// change<To>(C, x) writes the twist, wrench, momentum or twist rate x of a body with pose C in the
+/// change<To>(C, x) converts the twist, wrench, momentum or twist rate x of a body with pose C to the
 /// representation To (eqs. VhVb, VsVb, Vmbhs). Every change passes through the body-fixed representation.
 namespace axode {
 

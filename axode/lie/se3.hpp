@@ -44,7 +44,7 @@ template <class T> constexpr Screw<T> Ad(const SE3<T>& C, const Screw<T>& X) {
   const Vec3<T> w = C.R * X.w;
   return {w, C.R * X.v + cross(C.r, w)};
 }
-/// Ad_C⁻¹ X.
+/// Ad_C⁻¹ X, the inverse frame transformation of screws.
 template <class T> constexpr Screw<T> Ad_inv(const SE3<T>& C, const Screw<T>& X) {
   const ScrewOperationScope<T> scope(ScrewOperation::transformation);
   const SO3<T> Rt = transpose(C.R);
@@ -70,7 +70,7 @@ template <class T> constexpr T reciprocal_product(const Screw<T>& X, const Screw
   return dot(X.w, Z.v) + dot(X.v, Z.w);
 }
 
-/// exp: se(3) → SE(3).
+/// exp: se(3) → SE(3), the displacement of the screw motion X.
 template <class T> constexpr SE3<T> exp(const Screw<T>& X) { return {exp_SO3(X.w), dexp(X.w, X.v)}; }
 /// log: SE(3) → se(3), the inverse of exp with the angle in [0, π].
 template <class T> constexpr Screw<T> log(const SE3<T>& C) {

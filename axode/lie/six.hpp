@@ -49,7 +49,7 @@ template <class Rep, class T> struct TwistToWrench {
     return X.w.x * column[0] + X.w.y * column[1] + X.w.z * column[2] + X.v.x * column[3] + X.v.y * column[4] +
            X.v.z * column[5];
   }
-  /// Aᵀ X for the matrix A.
+  /// The wrench Aᵀ X for this matrix A.
   Wrench<Rep, T> transposed_times(const Twist<Rep, T>& X) const {
     return {{column[0] | X, column[1] | X, column[2] | X}, {column[3] | X, column[4] | X, column[5] | X}};
   }

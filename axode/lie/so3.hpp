@@ -21,7 +21,7 @@ template <class T> constexpr SO3<T> operator*(const SO3<T>& A, const SO3<T>& B) 
 template <class T> constexpr SO3<T> transpose(const SO3<T>& R) {
   return {{R.x.x, R.y.x, R.z.x}, {R.x.y, R.y.y, R.z.y}, {R.x.z, R.y.z, R.z.z}};
 }
-/// R A Rᵀ.
+/// The rotated tensor R A Rᵀ.
 template <class T> constexpr Sym3<T> rotate(const SO3<T>& R, const Sym3<T>& A) {
   const SO3<T> rows = transpose(R);
   const Vec3<T>&x = rows.x, &y = rows.y, &z = rows.z;

@@ -53,23 +53,24 @@ template <class F> constexpr decltype(auto) with_representation(Representation r
 template <class Rep>
 concept AtFrameOrigin = std::same_as<Rep, BodyFixed> || std::same_as<Rep, Spatial>;
 
-/// V = (w; v) in rad/s and m/s.
+/// A twist V = (w; v): angular velocity in rad/s and linear velocity in m/s.
 template <class Rep, class T = double> struct Twist {
   static_assert(TwistRepresentation<Rep>, "a twist is BodyFixed, Spatial, Hybrid, Mixed or InFrames");
   Vec3<T> w, v;
 };
-/// V' = (w; v) in rad/s² and m/s²: the time derivative of the components of a twist. A change of
-/// representation needs the twist, too.
+/// A twist rate V' = (w; v) in rad/s² and m/s²: the time derivative of the components of a twist. To change
+/// its representation, the twist is needed as well.
 template <class Rep, class T = double> struct TwistRate {
   static_assert(TwistRepresentation<Rep>, "a twist's rate is BodyFixed, Spatial, Hybrid, Mixed or InFrames");
   Vec3<T> w, v;
 };
-/// W = (m; f), moment in N m and force in N; dual to the twist of the same representation.
+/// A wrench W = (m; f): moment in N m and force in N. It is dual to the twist of the same representation.
 template <class Rep, class T = double> struct Wrench {
   static_assert(TwistRepresentation<Rep>, "a wrench is BodyFixed, Spatial, Hybrid, Mixed or InFrames");
   Vec3<T> m, f;
 };
-/// Π = (l; p), the momentum co-screw: angular in N m s and linear in N s; dual to the twist.
+/// A momentum (co-screw) Π = (l; p): angular in N m s and linear in N s. It is dual to the twist of the same
+/// representation.
 template <class Rep, class T = double> struct Momentum {
   static_assert(TwistRepresentation<Rep>, "a momentum is BodyFixed, Spatial, Hybrid, Mixed or InFrames");
   Vec3<T> l, p;
@@ -176,13 +177,13 @@ template <AtFrameOrigin Rep, class T>
 constexpr Twist<Rep, T> ad(const Twist<Rep, T>& V1, const Twist<Rep, T>& V2) {
   return twist<Rep>(ad(screw(V1), screw(V2)));
 }
-/// -ad_Vᵀ Π, the rate of a momentum that moves with the twist V.
+/// The wrench -ad_Vᵀ Π, the rate of a momentum that moves with the twist V.
 template <AtFrameOrigin Rep, class T>
 constexpr Wrench<Rep, T> coad(const Twist<Rep, T>& V, const Momentum<Rep, T>& Pi) {
   const ScrewOperationScope<T> scope(ScrewOperation::bracket);
   return {cross(V.w, Pi.l) + cross(V.v, Pi.p), cross(V.w, Pi.p)};
 }
-/// -ad_Xᵀ W, the counterpart of ad for wrenches.
+/// The wrench -ad_Xᵀ W, the counterpart of ad for wrenches.
 template <AtFrameOrigin Rep, class T>
 constexpr Wrench<Rep, T> coad(const Twist<Rep, T>& X, const Wrench<Rep, T>& W) {
   const ScrewOperationScope<T> scope(ScrewOperation::bracket);

@@ -52,7 +52,7 @@ template <class T> constexpr Vec3<T> operator*(const Sym3<T>& A, const Vec3<T>& 
 }
 template <class T> constexpr T trace(const Sym3<T>& A) { return A.xx + A.yy + A.zz; }
 template <class T> constexpr Sym3<T> identity_tensor(const T& s) { return {s, s, s, T(0), T(0), T(0)}; }
-/// a bᵀ + b aᵀ.
+/// The symmetric tensor a bᵀ + b aᵀ.
 template <class T> constexpr Sym3<T> symmetric_product(const Vec3<T>& a, const Vec3<T>& b) {
   return {T(2) * a.x * b.x,      T(2) * a.y * b.y,      T(2) * a.z * b.z,
           a.x * b.y + a.y * b.x, a.x * b.z + a.z * b.x, a.y * b.z + a.z * b.y};
