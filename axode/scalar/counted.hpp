@@ -7,7 +7,7 @@
 
 namespace axode {
 
-/// Counts of operations on numbers and of the operations on screws which these make up, by kind.
+/// Counts of operations on numbers, and of the operations on screws that consist of them, by kind.
 struct Operations {
   long products = 0, sums = 0, divisions = 0, roots = 0, angles = 0;  ///< angles: sin, cos, atan2
   std::array<long, n_screw_operations> screws{};

@@ -19,7 +19,7 @@ namespace reduced_angle {
 inline constexpr double largest = 1e6;
 inline constexpr double two_over_pi = 0x1.45f306dc9c883p-1;
 inline constexpr double part[]{0x1.921fb544p+0, 0x1.0b4611a6p-34, 0x1.3198a2ep-69, 0x1.b839a252049c1p-104};
-inline constexpr double rounder = 0x1.8p52;  // The last bits of x + rounder are the integer nearest to x.
+inline constexpr double rounder = 0x1.8p52;  // the last bits of x + rounder are the integer nearest to x
 // Coefficients of (sin r - r)/r³ and (cos r - 1 + r²/2)/r⁴ in powers of r².
 template <class S>
 inline constexpr double sine[]{-0x1.5555555555549p-3, 0x1.111111110f87dp-7,   -0x1.a01a019c1202ep-13,
@@ -34,7 +34,7 @@ inline constexpr double cosine<float>[] {
   0x1.55554ab332b16p-5, -0x1.6c0c8b33edda2p-10, 0x1.9a02320c58a94p-16
 };
 
-/// c[0] + c[1] z + ...
+/// The sum c[0] + c[1] z + ..., by Horner's rule.
 template <class S, class Lanes, std::size_t n> Lanes sum(const double (&c)[n], const Lanes& z) {
   Lanes r = z * static_cast<S>(c[n - 1]) + static_cast<S>(c[n - 2]);
   for (std::size_t k = n - 2; k-- > 0;) r = r * z + static_cast<S>(c[k]);
@@ -83,7 +83,7 @@ template <class S, std::size_t N>
 template <class S, std::size_t N> Batch<S, N> sin(const Batch<S, N>& x) { return sine_cosine(x).sine; }
 template <class S, std::size_t N> Batch<S, N> cos(const Batch<S, N>& x) { return sine_cosine(x).cosine; }
 
-/// Sine and cosine of a scalar without a function for both.
+/// Sine and cosine of a scalar that has no function for both at once.
 template <class T> SineCosine<T> sine_cosine(const T& x) { return {sin(x), cos(x)}; }
 
 /// Number of lanes of one SIMD register of the processor that the code is compiled for.
@@ -95,8 +95,8 @@ template <class S> inline constexpr std::size_t native_lanes = 32 / sizeof(S);
 template <class S> inline constexpr std::size_t native_lanes = 16 / sizeof(S);
 #endif
 
-/// sine[k] and cosine[k] of n angles. Up to native_lanes - 1 entries beyond the n-th are read from `angle`
-/// and written to `sine` and `cosine`.
+/// Computes sine[k] and cosine[k] of n angles. Up to native_lanes - 1 entries beyond the n-th are read from
+/// `angle` and written to `sine` and `cosine`.
 template <class T> void sine_cosine(const T* angle, T* sine, T* cosine, int n) {
   if constexpr (std::floating_point<T>) {
     constexpr int lanes = static_cast<int>(native_lanes<T>);

@@ -12,8 +12,8 @@ thread_local Tape* current = nullptr;
 
 using Operation = Tape::Operation;
 
-/// If two factors cancel, their sum is not exactly 0, as constants carry rounding errors. A sum below this
-/// part of the larger factor counts as 0.
+/// A sum of two factors counts as 0 if it is below this part of the larger one: factors that cancel do not
+/// add up to exactly 0, because constants carry rounding errors.
 constexpr double rounding = 0x1p-50;
 double sum_of_factors(double a, double b) {
   const double sum = a + b;

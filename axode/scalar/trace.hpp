@@ -51,7 +51,8 @@ class Trace {
     friend Trace operator-(const Trace& a, const Trace& b) { return a + -b; }
     friend Trace operator-(const Trace& a) { return Trace(-a.factor_, a.node_); }
     friend Trace operator*(const Trace& a, const Trace& b);
-    /// a (1/b), so that all quotients with the divisor b share one division.
+    /// The quotient a / b is recorded as a (1/b), so that all quotients with the divisor b share one
+    /// division.
     friend Trace operator/(const Trace& a, const Trace& b);
     Trace& operator+=(const Trace& b) { return *this = *this + b; }
     Trace& operator-=(const Trace& b) { return *this = *this - b; }
