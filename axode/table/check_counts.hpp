@@ -6,10 +6,10 @@
 
 namespace axode::catalog {
 
-/// The properties that a row counts, in a line for its documentation.
+/// The treatment of loops, springs and other properties by a row, as a line of text for its documentation.
 std::string to_string(const Counts& counts);
 
-/// The kinds of callers of a function, which decide what a refusal names.
+/// The kind of caller of a function. It decides what the message of a refusal recommends.
 enum class Way {
   workspace,  ///< C++ with a Workspace, which knows the tree alone
   /// A caller that counts all properties that the row counts: C++ with a LoopWorkspace, Python, the command.
@@ -69,8 +69,8 @@ inline std::size_t numbers_of(const Words& row, const Model& model, std::size_t 
   return n;
 }
 
-/// Throw std::invalid_argument if checked() finds an input of `size` numbers, a result of `size` entries of
-/// `width` numbers, or one that shares memory.
+/// Throws std::invalid_argument for an input that has the wrong number of `size` numbers. The functions below
+/// do so for a result of `size` entries with `width` numbers each, and for a result that shares memory.
 [[noreturn]] void refuse_input(Input input, std::size_t size, const Model& model);
 [[noreturn]] void refuse_result(const Words& row, std::size_t result, std::size_t size, std::size_t width,
                                 const Model& model, std::size_t n_loads);

@@ -5,8 +5,8 @@
 #include "axode/table/words.hpp"
 
 /// The table of functions of a state. From its rows C++, the command, Python and the tests read the
-/// arguments, results and costs of each function, and what it counts of a mechanism. The kernels are called
-/// in axode/catalog/functions.cpp.
+/// arguments, results and costs of each function, and which parts of a mechanism it counts. The kernels are
+/// called in axode/catalog/functions.cpp.
 namespace axode::catalog {
 namespace table {
 

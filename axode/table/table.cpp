@@ -108,7 +108,7 @@ void refuse_result(const Words& row, std::size_t result, std::size_t size, std::
   for (const Extent extent : row.shape) {
     if (!meaning.empty()) meaning += " * ";
     meaning += extent == Extent::n_parameters ? "10 * n_bodies"
-               : extent == Extent::n_joints   ? "n_bodies"  // each joint carries one
+               : extent == Extent::n_joints   ? "n_bodies"  // each joint moves one body
                                               : to_string(extent);
   }
   refuse_size(name_of(row, result), size, meaning, numbers_of(row, model, n_loads) / width);

@@ -51,14 +51,14 @@ std::string_view to_string(Input input);
 /// The kind of an entry of a result, which decides how many numbers it has. Six-vectors have their angular
 /// part first.
 enum class Entry {
-  number,    ///< 1
-  vector,    ///< 3, in inertial axes
-  twist,     ///< 6
-  rate,      ///< 6, of a twist
-  wrench,    ///< 6, or the rate of a momentum
-  momentum,  ///< 6
-  pose,      ///< 12: the columns of R, then r
-  inertia,   ///< 10: m, h, Θ (xx yy zz xy xz yz)
+  number,    ///< one number
+  vector,    ///< 3 numbers, in inertial axes
+  twist,     ///< 6 numbers
+  rate,      ///< 6 numbers, the rate of a twist
+  wrench,    ///< 6 numbers; also the rate of a momentum
+  momentum,  ///< 6 numbers
+  pose,      ///< 12 numbers: the columns of R, then r
+  inertia,   ///< 10 numbers: m, h, Θ (xx yy zz xy xz yz)
 };
 constexpr int numbers_of(Entry entry) {
   switch (entry) {
@@ -129,8 +129,8 @@ struct Words {
   std::string_view purpose;  ///< purpose: a phrase that can be read alone
   /// The units of the numbers. A list names those of numbers of 0, 1, ... lengths, counted over the
   /// velocities of the joints and the angular and linear parts of a six-vector: "N m, N". "of x" stands for
-  /// the units of x, "per" for a quotient by the units of a direction, a velocity, a parameter or a
-  /// displacement, along the last axes; a semicolon separates several results.
+  /// the units of x. "per" stands for a quotient by the units of a direction, a velocity, a parameter or a
+  /// displacement, along the last axes. A semicolon separates several results.
   std::string_view units;
   List<Input, 8> takes;
   Decided<Choice> choice;
