@@ -39,7 +39,7 @@ std::vector<fs::path> folders_of(const char* variable) {
   return folders;
 }
 
-/// Whether a folder is the package of that name: the folder has this name, or its package.xml gives it.
+/// Whether a folder is the package of a name: either the folder has this name, or its package.xml does.
 bool is_package(const fs::path& folder, const std::string& name) {
   if (folder.filename() == name) return true;
   tinyxml2::XMLDocument manifest;
@@ -138,7 +138,7 @@ FoundMesh find_mesh(const std::string& name, const Source& referenced_from) {
   } else if (const std::size_t colon = name.find("://"); colon != std::string::npos) {
     return {{}, in_quotes(name.substr(0, colon + 3)) + " is none of package://, file://"};
   }
-  file = (folder / file).lexically_normal();  // An absolute path does not change.
+  file = (folder / file).lexically_normal();  // an absolute path does not change
   if (name.empty()) return {{}, "its file has no name"};
   if (!is_file(file)) return {{}, "there is no file " + in_quotes(file)};
   return {file, ""};

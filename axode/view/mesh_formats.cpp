@@ -28,14 +28,14 @@ template <class T> T number_at(std::string_view bytes, std::size_t place) {
 
 constexpr std::string_view blanks = " \t\r\n\f\v";
 
-/// The next word of a text, which is removed from the text; empty at the end.
+/// Removes the next word from a text and returns it; empty at the end of the text.
 std::string_view next_word(std::string_view& text, std::string_view between = blanks) {
   text.remove_prefix(std::min(text.find_first_not_of(between), text.size()));
   const std::string_view word = text.substr(0, text.find_first_of(between));
   text.remove_prefix(word.size());
   return word;
 }
-/// The next line of a text, which is removed from the text.
+/// Removes the next line from a text and returns it.
 std::string_view next_line(std::string_view& text) {
   const std::string_view line = text.substr(0, text.find('\n'));
   text.remove_prefix(std::min(line.size() + 1, text.size()));
@@ -59,7 +59,7 @@ std::string shown(std::string_view word) {
   return text + (word.size() > 30 ? "...\"" : "\"");
 }
 
-/// Checks a word that must be a coordinate. It must be finite as a float, in which the page stores it.
+/// Checks a word that must be a coordinate: it must be finite as a float, because the page stores it as one.
 std::string fault_of_coordinate(std::string_view word) {
   const std::optional<double> x = number_in<double>(word);
   if (x && std::abs(*x) <= std::numeric_limits<float>::max()) return "";

@@ -159,7 +159,7 @@ class Shapes {
     return json;
   }
 
-  /// The meshes that are not shown for one reason: the first of them and their number.
+  /// The meshes that are not shown for one and the same reason: the first of them, and their number.
   struct Missing {
     std::string why, element, first;
     Source source;
@@ -206,8 +206,8 @@ class Shapes {
   }
 
   std::vector<bool> seen_;  ///< whether the ground and each body have a visible shape
-  /// Index in `meshes` by the file of the description and the name in it, and by the path of the mesh; empty
-  /// if the mesh cannot be shown.
+  /// The index in `meshes`, empty if the mesh cannot be shown. One map finds it by the file of the
+  /// description and the name in it, the other by the path of the mesh.
   std::map<std::pair<std::string, std::string>, std::optional<std::size_t>> named_;
   std::map<std::filesystem::path, std::optional<std::size_t>> read_;
   std::size_t bytes_ = 0;  ///< bytes of all meshes in `meshes`

@@ -20,7 +20,7 @@ Row row(const std::vector<double>& rows, std::size_t k, int width) {
   return Row(rows).subspan(k * static_cast<std::size_t>(width), static_cast<std::size_t>(width));
 }
 
-/// Appends the forces of the springs between points of two frames as wrenches on these frames.
+/// Appends the forces of the springs between points of two frames to the loads, as wrenches on these frames.
 void append_lines(const Model& model, Row q, Row v, Workspace<>& workspace,
                   std::vector<AppliedWrench<>>& loads) {
   if (model.springs().lines.empty()) return;

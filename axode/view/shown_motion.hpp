@@ -14,8 +14,8 @@ struct ShownMotion {
   std::vector<double> a, tau;  ///< accelerations and drive forces, N × nv; empty if not known
 };
 
-/// Throws std::invalid_argument with the name of the argument if a size does not fit the model, if times do
-/// not increase, if a number is not finite, or if a quaternion is not of unit norm.
+/// Checks a motion. Throws std::invalid_argument with the name of the argument if a size does not fit the
+/// model, if times do not increase, if a number is not finite, or if a quaternion is not of unit norm.
 void check(const Model& model, const ShownMotion& motion);
 
 namespace view {
@@ -29,8 +29,8 @@ struct MotionNumbers {
   };
   std::vector<Series> series;
   /// Spatial twists of the bodies, wrenches that their joints transmit, and momenta: six numbers for each
-  /// time and body. `wrenches` is empty if the accelerations are not known, or in a mechanism with loops the
-  /// drive forces.
+  /// time and body. `wrenches` is empty if the accelerations are not known, or if the mechanism has loops and
+  /// the drive forces are not known.
   std::vector<double> twists, wrenches, momenta;
 };
 /// Computes energies, total momentum (about the inertial origin), twists, wrenches and momenta of a motion.

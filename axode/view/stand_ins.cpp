@@ -26,7 +26,8 @@ class Points {
   const std::optional<Vec3<>>& joint(int i) const { return joints_[i]; }
   /// The corners of the points on a body, no two of which are nearer than a hundredth of the size.
   std::vector<Vec3<>> distinct(int body) const;
-  /// Largest diagonal (m) of a box around the points of one body, or length of the bar of one with one point.
+  /// The size (m) of the largest body: the diagonal of a box around its points or, if it has only one point,
+  /// the length of its bar.
   double size() const { return size_; }
 
  private:
@@ -59,7 +60,8 @@ Points::Points(const Model& model)
     all_[body.predecessor].push_back(body.S_prev.r);
   }
   for (const Frame& frame : model.frames().subspan(joints_.size())) {
-    // A fixed body has a frame of its own name. If the body is drawn, the origin of this frame means nothing.
+    // A fixed body has a frame with its own name. If the body is drawn, the origin of this frame has no
+    // meaning.
     const BodyDescription* fixed = description_of(frame.name);
     if (fixed == nullptr || !std::holds_alternative<InConstructionFrame>(fixed->geometry))
       all_[frame.body].push_back(frame.pose.r);
@@ -78,8 +80,8 @@ Points::Points(const Model& model)
   }
 }
 
-/// The points, or, if they are many, those that lie farthest in one of many directions: a page computes the
-/// hull of these, and has to do with it in a moment.
+/// The points; if there are many, only those that lie farthest in one of many directions. The page computes
+/// the convex hull of these points and must finish quickly.
 std::vector<Vec3<>> corners(const std::vector<Vec3<>>& points) {
   constexpr int directions = 60;
   if (points.size() <= directions) return points;
@@ -122,7 +124,9 @@ std::optional<ShapeDescription> solid(const Inertia<>& M) {
   const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> moments(to_eigen(binet_tensor(inertia_about_com(M))));
   Eigen::Matrix3d axes = moments.eigenvectors();
   if (axes.determinant() < 0) axes.col(0) *= -1;
-  const Eigen::Array3d second = (moments.eigenvalues().array() / M.m).max(0);  // of x, y and z, m²
+  const Eigen::Array3d second =
+      (moments.eigenvalues().array() / M.m).max(0);  // second moments of x, y and z,
+                                                     // m²
   ShapeDescription shape{.pose = {from_eigen<SO3<>>(axes), center_of_mass(M)}};
   if (!(second[2] > 0)) return std::nullopt;
   const auto equal = [&](int a, int b) { return second[b] - second[a] <= 1e-3 * second[2]; };
@@ -187,7 +191,7 @@ ShapeDescription joint_part(Subgroup kind, const SE3<>& pose, double radius, con
   return shape;
 }
 
-/// The kind of tree joint that a loop joint is drawn like; none if its place does not matter or if it is a
+/// The kind of tree joint that a loop joint is drawn like; none if its position does not matter or if it is a
 /// rolling contact.
 std::optional<Subgroup> like_joint(LoopKind kind) {
   const LoopTraits& loop = traits(kind);

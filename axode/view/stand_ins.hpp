@@ -5,9 +5,9 @@
 
 namespace axode::view {
 
-/// A placeholder for something that a drawing leaves without a shape.
+/// A placeholder shape for a body, joint or mount that the description gives no shape.
 struct StandIn {
-  int body = 0;  ///< body that it belongs to; 0 is the ground
+  int body = 0;  ///< body to which the shape belongs; 0 is the ground
   ShapeDescription shape;
   /// If not empty, the shape is the convex hull of balls of radius shape.radius about these points, which
   /// are given in the frame shape.pose.
