@@ -35,7 +35,7 @@ struct SimulationOptions {
   std::function<void(double t, std::span<const double> q, std::span<const double> v, std::span<double> tau)>
       drive = {};
   std::vector<AppliedWrench<>> loads = {};
-  /// Appends loads at a time and state to `loads`: wind, thrust, a contact.
+  /// A function that appends the loads at a time and state to `loads`, for example wind, thrust or a contact.
   std::function<void(double t, std::span<const double> q, std::span<const double> v,
                      std::vector<AppliedWrench<>>& loads)>
       computed_loads = {};
