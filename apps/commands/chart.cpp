@@ -29,7 +29,8 @@ namespace {
 constexpr std::array<std::string_view, 8> palette{"#4477aa", "#ee7733", "#228833", "#aa3377",
                                                   "#999933", "#33bbee", "#000000", "#cc3311"};
 constexpr std::size_t most_lines = palette.size(), most_points = 2000, longest_name = 28;
-constexpr std::size_t most_dots = 50;  ///< largest number of points of a line that has a dot for each
+constexpr std::size_t most_dots = 50;  ///< a line with at most this number of points has a dot at each of
+                                       ///< them
 
 // ----------------------------------------------------------------------------------------------------
 // gnuplot
@@ -115,11 +116,11 @@ std::string in_legend(const Curve& curve) { return shortened(curve.name, longest
 
 double range(const Curve& curve) {
   const auto [low, high] = std::ranges::minmax(curve.y);
-  return high / 2 - low / 2;  // does not overflow
+  return high / 2 - low / 2;  // in this form the difference cannot overflow
 }
 
-/// The curves that are drawn. If there are too many lines, they are the lines that change most, in their
-/// order.
+/// The curves of a panel that are drawn. If there are too many lines, they are the lines that change most, in
+/// their original order.
 std::vector<const Curve*> chosen(const Panel& panel) {
   std::vector<const Curve*> curves;
   for (const Curve& curve : panel.curves)
@@ -132,8 +133,8 @@ std::vector<const Curve*> chosen(const Panel& panel) {
   return curves;
 }
 
-/// The indices of the points that are drawn. If there are too many, they are the lowest and the highest point
-/// of each of equal parts.
+/// The indices of the points of a line that are drawn. If there are too many points, the line is divided into
+/// equal parts, and the lowest and the highest point of each part are drawn.
 std::vector<std::size_t> thinned(const std::vector<double>& y) {
   std::vector<std::size_t> places;
   const std::size_t parts = y.size() <= most_points ? y.size() : most_points / 2;
@@ -148,8 +149,8 @@ std::vector<std::size_t> thinned(const std::vector<double>& y) {
   return places;
 }
 
-/// A step of 1, 2 or 5 times a power of ten, so that at most the given number of steps make the whole; 0 if
-/// there is no such step.
+/// A step of 1, 2 or 5 times a power of ten, such that `whole` consists of at most `most` steps; 0 if there
+/// is no such step.
 double round_step(double whole, double most) {
   if (!(whole > 0) || !std::isfinite(whole)) return 0;
   const double power = std::pow(10, std::floor(std::log10(whole / most)));
@@ -158,7 +159,7 @@ double round_step(double whole, double most) {
   return 10 * power;
 }
 
-/// Writes a chart as a script of gnuplot, whose output is the picture.
+/// Writes a chart as a script for gnuplot, which draws the picture.
 class Script {
  public:
   explicit Script(const Chart& chart) : chart_(chart) {
@@ -219,7 +220,9 @@ class Script {
     text_ += axis('x', panel.log_x) + axis('y', panel.log_y) +
              fmt::format("set boxwidth {} absolute\n", panel.bar_width);
     text_ += ranges(panels_[place].front()->kind);
-    if (panel.log_x && powers_of_ten(panels_[place]) < 2) text_ += "set autoscale x\n";  // to the next ones
+    if (panel.log_x && powers_of_ten(panels_[place]) < 2)
+      text_ += "set autoscale x\n";  // the axis ends at the next
+                                     // powers of ten
     if (panel.x_range)
       text_ += fmt::format("set xrange [{}:{}]\n", panel.x_range->first, panel.x_range->second);
     text_ += fmt::format("set ytics {}\nset xtics norotate autofreq\n",
@@ -252,7 +255,7 @@ class Script {
     return fmt::format("unset logscale {0}\nset format {0} \"%h\"\n", name);
   }
 
-  /// The distance of numbers beside the panel that leaves some room for each.
+  /// The distance between two numbers at the vertical axis, so large that each number has room.
   std::string y_step(const std::vector<const Curve*>& curves) const {
     double low = curves.front()->kind == Curve::bars ? 0 : curves.front()->y.front(), high = low;
     for (const Curve* curve : curves)
@@ -261,8 +264,8 @@ class Script {
     return step > 0 ? fmt::format("{:.9g}", step) : "autofreq";
   }
 
-  /// The number of powers of ten below a logarithmic axis that ends with its curves; only they have a number
-  /// there.
+  /// The number of powers of ten in the range of the curves. A logarithmic axis that ends with its curves has
+  /// numbers at these only.
   static double powers_of_ten(const std::vector<const Curve*>& curves) {
     double low = curves.front()->x.front(), high = low;
     for (const Curve* curve : curves)
@@ -337,7 +340,7 @@ class Script {
                             k < palette.size() / 2 ? "1" : "(8,4)");
         break;
       case Curve::points: style = "with points pointtype 7 pointsize 1"; break;
-      case Curve::bars:  // hatched where a colour comes again
+      case Curve::bars:  // bars are hatched if their colour has been used before
         style = k < palette.size() ? "with boxes"
                                    : fmt::format("with boxes fillstyle pattern {}", k / palette.size());
         break;

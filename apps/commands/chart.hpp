@@ -12,25 +12,34 @@ class App;
 namespace axode::command {
 
 struct Curve {
-  enum Kind { line, points, bars, marks };  ///< marks are short horizontal lines across a bar
-  std::string name = {};                    ///< entry in the legend; none if empty
+  enum Kind {
+    line,
+    points,
+    bars,
+    marks
+  };                      ///< how the curve is drawn; marks are short horizontal lines
+                          ///< across a bar
+  std::string name = {};  ///< entry in the legend; if empty, there is none
   std::vector<double> x = {}, y = {};
   Kind kind = line;
-  int color = -1;  ///< index in the palette; -1: the index of the curve, and black for marks
+  int color = -1;  ///< index in the palette; -1 stands for the index of the curve, and for black if the curve
+                   ///< is marks
 };
 
 struct Panel {
   std::string title = {}, x_axis = {}, y_axis = {};
   std::vector<Curve> curves = {};
-  std::vector<std::pair<double, std::string>> x_ticks = {};  ///< instead of numbers
-  std::optional<std::pair<double, double>> x_range = {};     ///< instead of the range of the curves
+  std::vector<std::pair<double, std::string>> x_ticks = {};  ///< positions and texts that replace the numbers
+                                                             ///< of the axis
+  std::optional<std::pair<double, double>> x_range = {};     ///< range of the axis; if empty, that of the
+                                                             ///< curves
   bool axes_through_zero = false;
   bool log_x = false, log_y = false;
   double bar_width = 0.85;
 };
 
 struct Chart {
-  enum Legend { beside_each, below_all };  ///< below_all shows the legend of the first panel
+  enum Legend { beside_each, below_all };  ///< below_all shows only the legend of the first panel
   std::string title = {};
   std::vector<Panel> panels = {};  ///< row by row; a panel without curves is left empty
   int columns = 1;
@@ -41,11 +50,12 @@ struct Chart {
 /// The picture that an option names.
 class ChartFile {
  public:
-  /// Throws UsageError if the ending is neither .svg nor .png, InputError if gnuplot is missing.
+  /// Checks the file of an option. Throws UsageError if the ending is neither .svg nor .png, InputError if
+  /// gnuplot is missing.
   ChartFile(std::string option, std::string file);
 
-  /// Draws the chart: the lines that change most of a panel with many lines, and as many points of a long
-  /// line as can be seen. Throws InputError if the file cannot be written.
+  /// Draws the chart. Of a panel with many lines it draws those that change most, and of a long line as many
+  /// points as can be distinguished. Throws InputError if the file cannot be written.
   void draw(const Chart& chart) const;
 
  private:

@@ -62,7 +62,7 @@ const Joint& moved_by(const Model& model, const LoopCoupling::Term& term) {
   return *std::ranges::find_if(model.joints(),
                                [&](const Joint& j) { return !j.leader && j.iv == term.velocity; });
 }
-/// The sum that a coupling keeps at its offset.
+/// The sum Σ factor q of a coupling as text; the coupling keeps it equal to its offset.
 std::string sum(const Model& model, const LoopCoupling& coupling) {
   std::string text;
   for (const LoopCoupling::Term& term : coupling.terms) {
@@ -82,7 +82,8 @@ Json neutral_center_of_mass(const Model& model) {
   return to_json(center_of_mass(model, workspace, neutral(model)));
 }
 
-/// Degrees of freedom at the closed configuration near the neutral one; empty if its loops cannot be closed.
+/// Degrees of freedom of a mechanism with loops, at the closed configuration near the neutral one; empty if
+/// the loops cannot be closed.
 std::optional<int> degrees_of_freedom(const Model& model) {
   const AssemblyResult closed = assemble(model, neutral(model));
   if (closed.status != AssemblyStatus::closed) return std::nullopt;
@@ -91,7 +92,7 @@ std::optional<int> degrees_of_freedom(const Model& model) {
 
 std::ptrdiff_t number_of_drives(const Model& model) { return std::ranges::count(model.loops().driven, 1); }
 
-/// `3 degrees of freedom, 9 drives`, of a mechanism with loops.
+/// The text `3 degrees of freedom, 9 drives` of a mechanism with loops.
 std::string freedom_and_drives(const Model& model) {
   const std::ptrdiff_t n = number_of_drives(model);
   const std::string drives = fmt::format("{} drive{}", n, n == 1 ? "" : "s");

@@ -153,7 +153,7 @@ Linearized linearized(const Options& options) {
   return at;
 }
 
-/// [A B], with the names of its rows and columns.
+/// The matrix [A B] with the names of its rows and columns.
 struct Named {
   Eigen::MatrixXd matrix;
   std::vector<std::string> rows, columns;
@@ -226,7 +226,7 @@ std::string heading(const char* name, const std::string& about) {
   return "\n" + in(Ink::heading, name) + ": " + about + "\n";
 }
 
-/// Some columns of [A B].
+/// A table of some columns of [A B], from column `first` on.
 std::string table_of(const Named& AB, const std::vector<std::string>& headings, Index first) {
   std::vector<std::string> all{""};
   all.insert(all.end(), headings.begin(), headings.end());
@@ -251,7 +251,8 @@ std::string matrix_tables(const Linearized& at) {
          table_of(AB, velocity_names(at.model), rows);
 }
 
-/// The largest displacements of a mode; those out of phase with the largest one with their angle.
+/// The largest displacements of a mode as text. A displacement that is out of phase with the largest one has
+/// its phase angle.
 std::string shape_text(const Mode& mode, const std::vector<std::string>& names) {
   std::vector<std::size_t> order;
   const auto size = [&](std::size_t k) { return std::abs(mode.shape[static_cast<Index>(k)]); };
@@ -304,7 +305,7 @@ std::string verdict(const Linearized& at) {
   return text;
 }
 
-/// The poles, and the frequencies of those that oscillate.
+/// A chart of the poles, and of the frequencies of those that oscillate.
 Chart chart_of(const Linearized& at) {
   std::array<Curve, 3> poles{
       Curve{.name = "dies out", .color = 0}, {.name = "keeps on", .color = 6}, {.name = "grows", .color = 7}};

@@ -28,7 +28,7 @@ This command runs `python -m axode map`, which needs pyarrow: pip install pyarro
 AXODE_PYTHON, or else the first python3 on PATH, which is the one of an active virtual environment; the
 command that pip installs uses the Python of its own environment.)";
 
-/// Arguments of Python that keep the working folder out of the path of modules.
+/// The program that Python runs. It removes the working folder from the path on which modules are searched.
 constexpr const char* program = R"(
 import sys
 sys.path[:] = [place for place in sys.path if place]
@@ -40,7 +40,7 @@ except ModuleNotFoundError as error:
 sys.exit(main())
 )";
 
-/// The words as they were given, in the order of the options.
+/// The words of the command line as they were given, in the order of the options.
 std::vector<std::string> words_given(const CLI::App& map) {
   std::vector<std::string> words{"map"};
   for (const CLI::Option* option : map.get_options())

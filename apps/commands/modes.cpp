@@ -12,11 +12,11 @@ namespace {
 
 using Matrix = Eigen::MatrixXd;
 
-/// Bound of numbers that are 0 to rounding, relative to the largest number of the balanced matrix.
+/// Numbers below these parts of the largest number of the balanced matrix count as 0.
 constexpr double zero_pivot = 1e-12, zero_part = 1e-10;
 
-/// An estimate of the largest frequency. With its inverse as the unit of time, the parts of A for
-/// displacements and for velocities have one size. It is at least 1/s, because a stiffness may be due to
+/// An estimate of the largest frequency. If its inverse is the unit of time, the parts of A for displacements
+/// and for velocities have numbers of the same size. It is at least 1/s, because a stiffness may be due to
 /// rounding.
 double largest_rate(const Matrix& A) {
   const Eigen::Index nv = A.rows() / 2;
@@ -28,7 +28,7 @@ struct Spectrum {
   Eigen::MatrixXcd eigenvectors;
 };
 
-/// A basis of the null space of A, to rounding relative to `scale`.
+/// A basis of the null space of A, where numbers that are rounding errors relative to `scale` count as 0.
 Matrix null_space(const Matrix& A, double scale) {
   Eigen::FullPivLU<Matrix> lu(A);
   if (lu.maxPivot() <= zero_pivot * scale) return Matrix::Identity(A.cols(), A.cols());
@@ -36,8 +36,8 @@ Matrix null_space(const Matrix& A, double scale) {
   return lu.isInvertible() ? Matrix(A.cols(), 0) : Matrix(lu.kernel());
 }
 
-/// Eigenvalues other than 0, and their eigenvectors. Rounding would scatter a defective eigenvalue 0, as
-/// drifting bodies have it. Therefore the null space Q1 is split off, QᵀAQ = [0 X; 0 A2], then the null space
+/// The eigenvalues other than 0, and their eigenvectors. Drifting bodies have a defective eigenvalue 0, which
+/// rounding would scatter. Therefore the null space Q1 is split off, QᵀAQ = [0 X; 0 A2], then the null space
 /// of A2 and so on, until it is empty (Kublanovskaya 1966).
 Spectrum nonzero_spectrum(const Matrix& A, double scale) {
   if (A.rows() == 0) return {};

@@ -5,8 +5,8 @@
 
 namespace axode::command {
 
-/// A mode of a linear system, exp(λt) times a shape. Two conjugates are one mode, with the positive imaginary
-/// part. A rigid mode, a displacement that no force opposes, has λ = 0.
+/// A mode of a linear system, exp(λt) times a shape. Two conjugate eigenvalues are one mode, with the
+/// positive imaginary part. A rigid mode, a displacement that no force opposes, has λ = 0.
 struct Mode {
   std::complex<double> eigenvalue;  ///< λ, 1/s; parts that rounding may have made are 0
   Eigen::VectorXcd shape;           ///< displacements, nv or k numbers; the largest is 1

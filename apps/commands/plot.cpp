@@ -39,7 +39,7 @@ Example:
 With --bars the first column has names, and each number is a bar.)";
 
 constexpr std::size_t most_places = 60;
-constexpr double least_on_logarithmic_axes = 1e-307;  // gnuplot takes subnormal numbers for 0
+constexpr double least_on_logarithmic_axes = 1e-307;  // gnuplot treats subnormal numbers as 0
 
 struct Logarithmic {
   bool x = false, y = false;
@@ -47,14 +47,14 @@ struct Logarithmic {
 constexpr std::array<std::pair<std::string_view, Logarithmic>, 3> logarithmic_axes{
     {{"x", {true, false}}, {"y", {false, true}}, {"xy", {true, true}}}};
 
-/// The panel of a column, and its curve there.
+/// The names of the panel and of the curve in a column heading.
 std::pair<std::string, std::string> split(const std::string& heading) {
   const std::size_t colon = heading.find(": "), end = colon == std::string::npos ? heading.find(' ') : colon;
   if (end == std::string::npos) return {heading, ""};
   return {heading.substr(0, end), heading.substr(end + (end == colon ? 2 : 1))};
 }
 
-/// The panels of a table.
+/// Makes the panels of a chart from a table.
 class TableReader {
  public:
   TableReader(const std::string& file, bool bars, Logarithmic log, std::size_t most_panels)
@@ -127,7 +127,7 @@ class TableReader {
     return std::isfinite(number) && (!logarithmic || number >= least_on_logarithmic_axes);
   }
 
-  /// Adds the bars of each name, which are together 0.8 wide.
+  /// Places the bars of each name side by side; together they are 0.8 wide.
   static void set_side_by_side(Panel& panel) {
     const auto count = static_cast<double>(panel.curves.size());
     panel.bar_width = 0.8 / count;

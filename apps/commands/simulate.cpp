@@ -292,7 +292,7 @@ std::string npz_of(const Rows& rows) {
   return as_npz(arrays);
 }
 
-/// A symbol with the units that it has for angles and for lengths.
+/// A symbol with the units that it has for angles and for lengths, as the joints of the model require.
 std::string with_units(const Model& model, const std::string& symbol, const char* of_angles,
                        const char* of_lengths) {
   bool angles = false, lengths = false, quaternions = false;
@@ -441,7 +441,7 @@ void run(const Options& options, int& exit_code) {
       case FileFormat::npz: write_text(options.outputs[k], npz_of(rows)); break;
     }
   if (plot) {
-    constexpr int smooth = 500;  // intervals; long steps would be drawn as straight lines
+    constexpr int smooth = 500;  // number of intervals; otherwise long steps would be drawn as straight lines
     const bool coarse = options.samples == 0 && rows.t.size() < smooth;
     plot->draw(chart_of(model, coarse ? rows_of(motion, drive, loads, smooth) : rows));
   }

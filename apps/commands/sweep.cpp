@@ -14,9 +14,10 @@ namespace {
 
 using Cells = std::vector<std::string>;
 
-/// The destination of the numbers of a column.
+/// The part of a state that receives the numbers of a column.
 struct Column {
-  std::vector<double> State::*member = nullptr;  ///< null for the time and for an ignored column
+  std::vector<double> State::*member = nullptr;  ///< the vector of the state; null for the time and for an
+                                                 ///< ignored column
   std::size_t place = 0;
 };
 

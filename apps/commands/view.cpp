@@ -42,7 +42,8 @@ Example:
   axode simulate four_bar.toml --until 5 --samples 500 --output run.csv
   axode view four_bar.toml --motion run.csv --output four_bar.html)";
 
-/// The page without a scene, of the viewer's build: beside an installed command, or where it was built.
+/// The page of the viewer without a scene. It is beside an installed command, or where the build of the
+/// viewer has made it.
 std::string empty_page() {
   if constexpr (std::string_view(AXODE_BUILT_PAGE).empty())
     throw InputError(
@@ -56,7 +57,7 @@ std::string empty_page() {
                    AXODE_BUILT_PAGE + "; build the target axode_viewer");
 }
 
-/// A file in a folder of its own among the temporary ones.
+/// The name of a temporary file, in a new folder of its own.
 std::string temporary_file(const std::string& name) {
   std::error_code failed;
   const std::filesystem::path temporary = std::filesystem::temp_directory_path(failed);

@@ -101,7 +101,7 @@ void print_forces(const Model& model, const RepresentationTimes& times) {
              some ? fmt::format(" (the {} largest of {})", most_rows, names.size()) : "", table.text());
 }
 
-/// The last frame of a model: where its tool, or its last body, is.
+/// Prints where the last frame of a model is, which is that of its tool or its last body.
 void print_tip(const Model& model, const State& state) {
   Workspace<> workspace(model);
   std::vector<SE3<>> C(model.n_frames());

@@ -12,7 +12,7 @@
 namespace axode::command {
 namespace {
 
-constexpr std::size_t deepest_indent = 24;  // levels of the tree
+constexpr std::size_t deepest_indent = 24;  // largest number of levels that are drawn as branches
 constexpr std::size_t widest_line = 110;
 
 /// Draws the branches in front of each entry of a tree whose entries come depth-first.
@@ -26,7 +26,7 @@ class Branches {
     open_.push_back(!last);
     return text;
   }
-  /// The branches in front of a line that continues the last entry.
+  /// The branches in front of a further line of the last entry.
   std::string under() const { return branches(0) + "  "; }
 
  private:

@@ -5,16 +5,16 @@
 
 namespace axode::command {
 
-/// The tree with a line for each body: body <- joint, kind, indices of its coordinates and velocities.
+/// Draws the tree with a line for each body: body <- joint, kind, indices of its coordinates and velocities.
 std::string draw_tree(const Model& model);
 
-/// The tree with a line for each unbranched run of bodies.
+/// Draws the tree with a line for each chain of bodies without branches.
 std::string draw_limbs(const Model& model);
 
-/// `q[3]`, or `q[3:7]` (without 7), or an empty text if count is 0.
+/// The indices of coordinates as text: `q[3]`, or `q[3:7]` for 3 to 6, or an empty text if count is 0.
 std::string slice(char symbol, int first, int count);
 
-/// `= -0.5 q(knee) + 0.1`, for a coupled joint.
+/// The coupling of a joint as text: `= -0.5 q(knee) + 0.1`.
 std::string coupling(const Model& model, const Joint& joint);
 
 }  // namespace axode::command

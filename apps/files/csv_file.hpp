@@ -9,7 +9,8 @@
 /// of lines and doubled quotes.
 namespace axode::command {
 
-/// Calls a function with each row that is not empty and the number of its first line, which begins at 1.
+/// Calls a function with each row that is not empty, and with the number of its first line; lines count from
+/// 1.
 void for_rows_of_csv(std::string_view text,
                      const std::function<void(std::size_t line, const std::vector<std::string>& cells)>& row);
 

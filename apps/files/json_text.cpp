@@ -5,7 +5,8 @@
 namespace axode::command {
 namespace {
 
-constexpr std::size_t longest_line = 100;  // length of an object on one line; arrays of numbers may be longer
+constexpr std::size_t longest_line = 100;  // largest length of an object on one line; arrays of numbers may
+                                           // be longer
 
 std::string on_one_line(const Json& value) {
   if (!value.is_structured()) return value.dump(-1, ' ', false, Json::error_handler_t::replace);

@@ -11,18 +11,18 @@ namespace axode::command {
 using Json = nlohmann::ordered_json;
 
 Json to_json(const Vec3<>& a);
-/// xx yy zz xy xz yz.
+/// The array [xx, yy, zz, xy, xz, yz].
 Json to_json(const Sym3<>& A);
-/// The rows of [[R, r], [0, 1]].
+/// The four rows of the matrix [[R, r], [0, 1]].
 Json to_json(const SE3<>& C);
-/// Six numbers, angular part first.
+/// An array of six numbers, angular part first.
 template <template <class, class> class Kind, class Rep>
   requires is_screw_kind<Kind> Json to_json(const Kind<Rep, double>& x) {
     const auto& [a, b] = x;
     return {a.x, a.y, a.z, b.x, b.y, b.z};
   }
 
-/// One key on a line; arrays of numbers and short objects on one line.
+/// The JSON as text, with one key on a line. Arrays of numbers and short objects are on one line.
 std::string text(const Json& value);
 
 }  // namespace axode::command

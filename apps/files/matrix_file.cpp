@@ -17,7 +17,7 @@ namespace axode::command {
 
 namespace {
 
-/// Words and numbers with commas between them, and the end of a line.
+/// A line of CSV: the words with commas between them, and the end of the line.
 std::string line_of(const std::vector<std::string>& words) {
   return fmt::format("{}\n", fmt::join(words, ","));
 }
@@ -84,7 +84,7 @@ std::string as_npy(const NamedArray& array) {
   return out;
 }
 
-/// Checks a call of libzip, which fails if there is no memory.
+/// Throws if a call of libzip has returned null, because there is no memory.
 template <class T> T* made(T* thing) {
   if (thing == nullptr) throw std::runtime_error("no .npz can be written: there is not enough memory");
   return thing;
@@ -95,7 +95,7 @@ template <class T> T* made(T* thing) {
 std::string as_npz(const std::vector<NamedArray>& arrays) {
   const std::unique_ptr<zip_source_t, void (*)(zip_source_t*)> bytes(
       made(zip_source_buffer_create(nullptr, 0, 0, nullptr)), zip_source_free);
-  zip_source_keep(bytes.get());  // otherwise the archive frees it
+  zip_source_keep(bytes.get());  // otherwise the archive would free the source
   std::unique_ptr<zip_t, void (*)(zip_t*)> archive(
       made(zip_open_from_source(bytes.get(), ZIP_TRUNCATE, nullptr)), zip_discard);
   std::vector<std::string> files;
@@ -107,7 +107,7 @@ std::string as_npz(const std::vector<NamedArray>& arrays) {
     made(index < 0 ? nullptr : file);
     zip_set_file_compression(archive.get(), static_cast<zip_uint64_t>(index), ZIP_CM_STORE, 0);
     zip_file_set_dostime(archive.get(), static_cast<zip_uint64_t>(index), 0, 0x21,
-                         0);  // 1980: the same bytes always
+                         0);  // the time is 1980, so that the bytes are the same in every run
   }
   made(zip_close(archive.get()) == 0 ? archive.release() : nullptr);
   zip_stat_t size;

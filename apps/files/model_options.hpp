@@ -10,13 +10,13 @@ class App;
 
 namespace axode::command {
 
-/// Options for the files of mechanisms, which are equal in all commands.
+/// Options for the files of mechanisms, which are the same in all commands.
 struct ModelOptions {
   std::vector<std::string> files;
   std::string base;
   bool strict = false;
 
-  /// The value of --base. Throws UsageError.
+  /// The value of --base. Throws UsageError for another word.
   Base held() const;
   Strictness strictness() const { return strict ? Strictness::strict : Strictness::lenient; }
 };
@@ -27,9 +27,9 @@ enum class Files { one, several };
 void add_model_options(CLI::App& command, ModelOptions& options, Files files = Files::one,
                        const char* name = "MODEL");
 
-/// The mechanisms of the files in their order.
+/// Loads the mechanisms of all files, in the order of the files.
 std::vector<Model> load_all(const ModelOptions& options);
-/// The mechanism of the one file.
+/// Loads the mechanism of the only file.
 Model load(const ModelOptions& options);
 
 }  // namespace axode::command

@@ -20,7 +20,7 @@
 namespace axode::command {
 namespace {
 
-/// Numbers row by row.
+/// A table of numbers, row by row.
 struct Rows {
   std::size_t rows = 0, columns = 0;
   std::vector<double> numbers;
@@ -31,7 +31,7 @@ using Tables = std::map<std::string, Rows, std::less<>>;
 
 // ------------------------------------------------------------------------------------------------------ .csv
 
-/// The columns of these names side by side; empty if the first is missing.
+/// Collects the columns of these names side by side; the result is empty if the first of them is missing.
 void gather(const std::vector<std::string>& headings, const std::vector<std::vector<double>>& lines,
             const std::string& what, const std::vector<std::string>& names, const std::string& file,
             Tables& out) {
@@ -84,7 +84,8 @@ Tables read_json(const std::string& file) {
   try {
     json = Json::parse(read_text(file), shallow);
   } catch (const Json::exception& error) {
-    const std::string what = error.what();  // [json.exception.parse_error.101] parse error at line 1, ...
+    const std::string what = error.what();  // for example "[json.exception.parse_error.101] parse error at
+                                            // line 1, ..."
     refuse(file + ": this is not JSON: " + what.substr(what.find("] ") + 2));
   }
   if (!json.is_object()) refuse(file + ": expected an object with t, q and v");

@@ -8,13 +8,13 @@
 
 namespace axode::command {
 
-/// The state of a model, in the model's order.
+/// A state of a model. The numbers are in the order of the model.
 struct State {
   std::vector<double> q, v, a;
   std::vector<double> jerk, snap;        ///< the derivatives of a
   std::vector<double> tau;               ///< drive forces
   std::vector<double> p;                 ///< generalised momenta; empty if the state has none
-  std::vector<double> dq, dv, da, dtau;  ///< a direction
+  std::vector<double> dq, dv, da, dtau;  ///< a direction for derivatives
   std::vector<double> w;                 ///< weights of forces or accelerations
   std::vector<AppliedWrench<>> loads;
   std::vector<PoseTarget> targets;
@@ -44,7 +44,7 @@ State read_state(const Model& model, const std::string& file);
 struct Sweep {
   std::vector<State> states;
   std::vector<double> t;  ///< times of the states, or their indices from 0
-  bool timed = false;     ///< whether they have times
+  bool timed = false;     ///< whether the file has times
 };
 /// Reads the states in a CSV file as `axode simulate --output run.csv` writes it, a row for each state. The
 /// columns are t, q NAME, v NAME, a NAME and tau NAME. Any of them may be missing, and a column energy is

@@ -52,7 +52,7 @@ class StateReader {
  private:
   static constexpr std::array<std::string_view, 14> known_keys{
       "q", "v", "a", "jerk", "snap", "tau", "p", "dq", "dv", "da", "dtau", "w", "loads", "targets"};
-  /// Reads an array or object with a number for each velocity.
+  /// The keys whose value is an array or object with a number for each velocity.
   static constexpr std::array<std::pair<std::string_view, std::vector<double> State::*>, 11> of_velocities{
       {{"v", &State::v},
        {"a", &State::a},
@@ -88,7 +88,8 @@ class StateReader {
     try {
       return Json::parse(text, watch);
     } catch (const Json::exception& error) {
-      const std::string what = error.what();  // [json.exception.parse_error.101] parse error at line 1, ...
+      const std::string what = error.what();  // for example "[json.exception.parse_error.101] parse error at
+                                              // line 1, ..."
       throw InputError(source_ + ": this is not JSON: " + what.substr(what.find("] ") + 2));
     }
   }

@@ -33,7 +33,7 @@ fs::path folder_of(const fs::path& file) { return file.has_parent_path() ? file.
 /// The file to which symbolic links lead; it need not exist. There is none if the file must be written
 /// directly: it is a device or a pipe, or a link of /proc to a file that some process has open.
 std::optional<fs::path> replaceable(fs::path file) {
-  constexpr int most_links = 40;  // as in Linux
+  constexpr int most_links = 40;  // the limit of Linux
   std::error_code failed;
   const fs::file_status status = fs::status(file, failed);
   if (fs::exists(status) && !fs::is_regular_file(status)) return std::nullopt;
@@ -82,7 +82,7 @@ class BlockedSignals {
   sigset_t ending_{}, before_{};
 };
 
-/// Writes all of the text unless `ended` returns true meanwhile. Returns 0 or the error number of the system.
+/// Writes the text. It stops early if `ended` returns true. Returns 0 or the error number of the system.
 template <class Ended> int write_all(int descriptor, std::string_view text, const Ended& ended) {
   constexpr std::size_t block = std::size_t{1} << 20;
   while (!text.empty()) {

@@ -59,7 +59,7 @@ The JSON is {"model", "nq", "nv", "joints": [...], "results": {name: value}} wit
 of "joints", poses, twists and accelerations keyed by frame, joint_wrenches keyed by joint. Jacobians are
 keyed by frame: six rows of nv entries; their partial derivatives are lists of them, outermost first.)";
 
-/// Functions of a state that the command does not offer, or offers in another way.
+/// Functions of a state that `eval` does not offer, each with the place where it is offered.
 constexpr std::pair<std::string_view, std::string_view> elsewhere[]{
     {"assemble", "ask for \"assembly\", or close the loops of the state by --assemble"},
     {"independent_linearization", "use axode linearize"},

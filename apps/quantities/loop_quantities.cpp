@@ -22,7 +22,8 @@ std::size_t number_of(const Model& model, Rows kind) {
   return static_cast<std::size_t>(kind == Rows::velocities ? model.loops().rows : model.loops().residuals);
 }
 
-/// Numbers of every row of the loops: one, or one for each velocity.
+/// The answer with numbers for every row of the loops: one number for each row, or one for each row and
+/// velocity.
 Answer answer_by_rows(const Question& ask, std::string label, Rows kind, const std::vector<double>& x,
                       const std::vector<std::string>& columns) {
   std::vector<std::string> headings{"loop"};
@@ -44,7 +45,7 @@ Answer answer_by_rows(const Question& ask, std::string label, Rows kind, const s
   return answer;
 }
 
-/// A matrix with a column for each velocity.
+/// The answer of a matrix with a row for each row of the loops and a column for each velocity.
 template <class F> Answer matrix_answer(const Question& ask, const char* label, Rows kind, const F& write) {
   LoopWorkspace<> workspace(ask.model);
   std::vector<double> matrix(number_of(ask.model, kind) * ask.state.v.size());
@@ -67,7 +68,7 @@ Answer loop_bias_answer(const Question& ask) {
                         {"gamma"});
 }
 
-/// Multipliers of the loops under the drive forces of the state.
+/// Computes the multipliers of the loops under the drive forces of the state.
 std::vector<double> multipliers(const Question& ask) {
   const State& state = ask.state;
   LoopWorkspace<> workspace(ask.model);

@@ -9,7 +9,8 @@
 #include "axode/kinematics/system_matrices.hpp"
 #include "axode/model/inertial_parameters.hpp"
 
-/// Quantities with an order or with targets, matrices that are factors, and rates in the unknowns of a form.
+/// Quantities that are not in the catalogue: those with an order or with targets, the factors of matrices,
+/// and the rates of states whose unknowns are twists or momenta of the bodies.
 namespace axode::command {
 namespace {
 
@@ -22,7 +23,7 @@ std::string columns_label(const std::string& what, const Question& ask) {
                   "per unit of the velocity");
 }
 
-/// Six rows with an entry for each column.
+/// The matrix as JSON: six rows with an entry for each column.
 template <class Column> Json rows_of(std::span<const Column> columns) {
   Json rows = Json::array();
   for (int r = 0; r < 6; ++r) rows.push_back(Json::array());
@@ -37,7 +38,7 @@ HigherOrderMotion<> motion_of(const Question& ask, int order) {
   std::vector<double> rates = ask.state.v;
   for (const std::vector<double>* next : {&ask.state.a, &ask.state.jerk, &ask.state.snap})
     rates.insert(rates.end(), next->begin(), next->end());
-  rates.resize((order + 1) * ask.model.nv());  // derivatives that are not given are 0
+  rates.resize((order + 1) * ask.model.nv());  // derivatives beyond the given ones are 0
   HigherOrderMotion<> motion(ask.model, order);
   motion.evaluate(ask.state.q, rates);
   return motion;
@@ -188,7 +189,8 @@ Answer mass_matrix_factors_answer(const Question& ask) {
   return answer;
 }
 
-/// The rates of a state of which each body has six unknowns: v, and a rate of type Rate by body.
+/// The answer for a state with six unknowns for each body: the velocities v, and a rate of type Rate for each
+/// body.
 template <class Rate>
 Answer body_rates_answer(const Question& ask, std::string label, std::vector<std::string> headings,
                          const char* key, const std::vector<double>& v, const std::vector<Rate>& rates) {

@@ -42,7 +42,8 @@ std::string rate_axes(Representation representation) {
   }
   return "w' in the frame's own axes; v' = r'' of its origin in inertial axes";
 }
-/// The axes of `whose`, and `own` beside them.
+/// The axes and the reference point of a wrench in words. `whose` names the frame, `own` its own origin, and
+/// `point` the point in inertial axes.
 std::string wrench_axes(Representation representation, const char* whose, const char* own,
                         const std::string& point) {
   switch (representation) {
@@ -125,14 +126,14 @@ SE3<> pose(Reals x) {
   const auto column = [&](std::size_t k) { return Vec3<>{x[k], x[k + 1], x[k + 2]}; };
   return {{column(0), column(3), column(6)}, column(9)};
 }
-/// An inertia about the centre of mass, for which m and Θ suffice.
+/// The numbers m and Θ of an inertia about the centre of mass, whose first moment is 0.
 std::vector<double> mass_and_inertia(Reals x) {
   std::vector<double> kept{x[0]};
   kept.insert(kept.end(), x.begin() + 4, x.end());
   return kept;
 }
 
-/// An entry as a cell of a table.
+/// The numbers of an entry that a table shows.
 std::vector<double> shown(Entry entry, Reals x) {
   if (entry == Entry::inertia) return mass_and_inertia(x);
   if (entry != Entry::pose) return {x.begin(), x.end()};
@@ -192,7 +193,7 @@ struct Result {
     return out;
   }
 
-  /// Whether a matrix of numbers is printed as it is, and whether it is printed transposed.
+  /// Whether the result is printed as a matrix of numbers; the function below says whether it is transposed.
   bool matrix() const { return row.entry == Entry::number && axes.size() > 1; }
   bool on_its_side() const { return matrix() && row.shape.back() == Extent::n_parameters; }
   /// Whether several results are printed below each other and not side by side.
@@ -223,26 +224,26 @@ struct Result {
     return list;
   }
 
-  /// One result, or several by their symbols.
+  /// The JSON of one result, or of several results by their symbols.
   Json json_of_all(const std::vector<Reals>& results) const {
     if (results.size() == 1) return json(results[0]);
     Json all = Json::object();
     for (std::size_t k = 0; k < results.size(); ++k) all[row.symbols[k]] = json(results[k]);
     return all;
   }
-  /// All results, as many as the row has symbols.
+  /// Adds all results to a table, as many as the row has symbols.
   void tabulate_all(const std::vector<Reals>& results, std::vector<Cell> before, Table& table) const {
     if (!stacked()) return tabulate(results, std::move(before), table);
     for (std::size_t k = 0; k < results.size(); ++k) {
       std::vector<Cell> cells = before;
       cells.emplace_back(std::string(row.symbols[k]));
       tabulate({results[k]}, std::move(cells), table);
-      for (Cell& cell : before) cell = "";  // a name stands once
+      for (Cell& cell : before) cell = "";  // a name is printed only in its first row
       if (k + 1 < results.size() && !axes.empty()) table.rule();
     }
   }
 
-  /// Rows for numbers from an axis on.
+  /// Adds rows for the numbers of the results, from an axis on.
   void tabulate(const std::vector<Reals>& results, std::vector<Cell> before, Table& table,
                 std::size_t axis = 0) const {
     if (on_its_side()) {
@@ -272,7 +273,7 @@ struct Result {
       std::vector<Cell> cells = before;
       cells.emplace_back(axes[axis].names[k]);
       tabulate(parts, std::move(cells), table, axis + 1);
-      for (Cell& cell : before) cell = "";  // a name stands once
+      for (Cell& cell : before) cell = "";  // a name is printed only in its first row
       if (matrix() && axis + 2 < axes.size()) table.rule();
     }
   }

@@ -23,7 +23,7 @@ struct Question {
   int relative_to = 0;           ///< the frame of the observer, for relative motion; 0 is the ground
   int order = 1;                 ///< order of derivatives
   CoriolisForm coriolis = CoriolisForm::christoffel;
-  WrenchPoint at = WrenchPoint::body;  ///< point of the moments of joint_wrenches
+  WrenchPoint at = WrenchPoint::body;  ///< point about which the moments of joint_wrenches are taken
 
   Loads<> loads() const { return {state.loads, joint_losses}; }
 };

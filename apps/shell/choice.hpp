@@ -27,8 +27,9 @@ inline constexpr std::array<std::pair<std::string_view, CoriolisForm>, 4> coriol
 inline constexpr std::array<std::pair<std::string_view, WrenchPoint>, 2> wrench_points{
     {{"body", WrenchPoint::body}, {"joint", WrenchPoint::joint}}};
 
-/// `; did you mean "poses"?` for the nearest name, `; it is called "mass_matrix" here` for a name of other
-/// libraries, or `; names that contain it: "kinetic_energy", ...`; empty if there is no such name.
+/// A hint for an unknown name: `; did you mean "poses"?` for the nearest name, `; it is called "mass_matrix"
+/// here` for a name of other libraries, or `; names that contain it: "kinetic_energy", ...`; empty if there
+/// is no such name.
 template <class Range, class NameOf>
 std::string suggestion(std::string_view word, const Range& candidates, NameOf name_of) {
   const std::string_view here = catalog::name_here(word);
@@ -45,7 +46,7 @@ std::string suggestion(std::string_view word, const Range& candidates, NameOf na
   return near.empty() && !holding.empty() ? "; names that contain it: " + holding : near;
 }
 
-/// `"fre" is none of fixed, free; did you mean "free"?`, where names are the valid words.
+/// The sentence `"fre" is none of fixed, free; did you mean "free"?`; `names` are the valid words.
 template <class Range, class NameOf>
 std::string none_of(std::string_view word, const Range& candidates, NameOf name_of) {
   std::string sentence = '"' + std::string(word) + "\" is none of ";
@@ -57,7 +58,7 @@ std::string none_of(std::string_view word, const Range& candidates, NameOf name_
   return sentence + suggestion(word, candidates, name_of);
 }
 
-/// The value of a word. Throws Error if there is no such word; `where` is the begin of the sentence.
+/// The value of a word. Throws Error if there is no such word; `where` is the beginning of the message.
 template <class Error = UsageError, class Value, std::size_t N>
 Value choose(const std::string& where, std::string_view word,
              const std::array<std::pair<std::string_view, Value>, N>& choices) {
@@ -66,7 +67,7 @@ Value choose(const std::string& where, std::string_view word,
   throw Error(where + ": " + none_of(word, choices, [](const auto& choice) { return choice.first; }));
 }
 
-/// The words as help shows them and completion offers them: `table|json`.
+/// The valid words in the form that help shows and completion reads: `table|json`.
 template <class Choices> std::string words(const Choices& choices) {
   std::string all;
   for (const auto& choice : choices) all += (all.empty() ? "" : "|") + std::string(choice.first);

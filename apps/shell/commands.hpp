@@ -16,7 +16,7 @@ enum ExitCode {
   wrong_usage = 2,  ///< the command line itself is wrong
 };
 
-/// The command line itself is wrong.
+/// The error of a command line that is wrong itself.
 class UsageError : public std::runtime_error {
  public:
   using std::runtime_error::runtime_error;

@@ -104,7 +104,7 @@ void add_words(Offer& offer, const CLI::App& command, bool is_option, bool with_
 
 /// The completions of the last of the words after `axode`, one in a line.
 std::string completions(const CLI::App& app, std::vector<std::string> words, std::string_view shell) {
-  std::string word = words.back(), head;  // a part of the word that stays
+  std::string word = words.back(), head;  // `head` is the part of the word that is already complete
   words.pop_back();
   if (word == "=") word.clear();  // bash divides --option=value into three words
   std::erase(words, "=");

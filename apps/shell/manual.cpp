@@ -13,7 +13,7 @@ namespace {
 constexpr const char* footer =
     "Example:\n  axode manual\n\nTo read it: axode manual | man -l -. After `cmake --install`: man axode.";
 
-/// Lines of roff that are shown with their breaks and blanks.
+/// The text as lines of roff that are shown with the line breaks and blanks of the text.
 std::string as_it_stands(const std::string& text) {
   const std::pair<const char*, const char*> replacements[] = {
       {"\\", "\\e"},  {"-", "\\-"},   {"'", "\\(aq"},   {"`", "\\(ga"},

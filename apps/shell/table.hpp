@@ -20,11 +20,12 @@ class Table {
   Table& rule();
   bool empty() const { return rows_.empty(); }
 
-  /// Each number with a name, which is made of the words before it in its row and its heading. A blank word
-  /// stands for the word in the row above.
+  /// Each number of the table with a name. The name consists of the words before the number in its row, and
+  /// of the heading of its column. A blank word stands for the word in the row above.
   std::vector<std::pair<std::string, double>> numbers() const;
 
-  /// Lines that end in a newline, headings first and underlined.
+  /// The table as text. It consists of lines that end in a newline; the headings come first and are
+  /// underlined.
   std::string text() const;
 
  private:

@@ -9,7 +9,7 @@ namespace axode::command {
 /// Measures the time of one call as the median over batches of calls that are long enough for the clock.
 class CallTimer {
  public:
-  /// run(n) makes n calls.
+  /// run(n) must make n calls.
   explicit CallTimer(std::function<void(int)> run) : run_(std::move(run)) {
     run_(1);
     calls_ = std::clamp(static_cast<int>(50e-6 / std::max(seconds(10), 1e-9)), 1, 100000);

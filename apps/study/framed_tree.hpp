@@ -8,8 +8,8 @@
 /// it instead of a Tree; drive forces and mass matrices do not depend on the frames.
 namespace axode {
 
-struct UserFrames {};        ///< the user's body frames; joint screws may be anything
-struct MassCenterFrames {};  ///< at the centres of mass, parallel to the joint frames; h = 0
+struct UserFrames {};        ///< the user's body frames; joint screws may be any screws
+struct MassCenterFrames {};  ///< frames at the centres of mass, parallel to the joint frames; h = 0
 struct ConstructionFrames {
 };  ///< all at the inertial frame at q = 0: B_i = I, C_i = exp(Y_1 q_1) ... exp(Y_i q_i)
 
@@ -18,7 +18,7 @@ namespace framed {
 /// The entries of the three terms of a pose C_0 + sin q C_s + cos q C_c. None of the terms is a pose.
 template <class T> struct Terms { SE3<T> C_0, C_s, C_c; };
 
-/// L exp(e_z q) D for poses L and D.
+/// The three terms of L exp(e_z q) D for poses L and D.
 template <class T> Terms<T> terms(const SE3<T>& L, const SE3<T>& D) {
   const SO3<T> along{{}, {}, L.R.z}, sine{L.R.y, -L.R.x, {}}, cosine{L.R.x, L.R.y, {}};
   return {{along * D.R, L.r + along * D.r}, {sine * D.R, sine * D.r}, {cosine * D.R, cosine * D.r}};
@@ -29,9 +29,10 @@ template <class T> Terms<T> terms(const SE3<T>& L, const SE3<T>& D) {
 template <class T, class Frames, bool helical> struct Turning : subgroup::VectorCoordinates<T, 1> {
   Terms<T> C;
   Screw<T> X;
-  Vec3<T> lead;  ///< in the predecessor's frame, for q = 1
+  Vec3<T> lead;  ///< translation for q = 1, in the predecessor's frame
 
-  /// L is the joint frame in the predecessor's frame, D the body frame in the joint frame.
+  /// L is the pose of the joint frame in the predecessor's frame, and D the pose of the body frame in the
+  /// joint frame.
   Turning(const SE3<T>& L, const SE3<T>& D, const T& pitch)
       : C(terms(L, D)),
         X(Ad_inv(D, Screw<T>{{T(0), T(0), T(1)}, {T(0), T(0), pitch}})),
@@ -85,7 +86,7 @@ template <class T, class Frames, bool helical> struct Turning : subgroup::Vector
 /// A prismatic joint along any axis: C = C_0 + q (0, u).
 template <class T, class Frames> struct Sliding : subgroup::VectorCoordinates<T, 1> {
   SE3<T> C_0;
-  Vec3<T> u, e;  ///< the axis in the predecessor's and in the body's frame
+  Vec3<T> u, e;  ///< the axis in the frame of the predecessor and in that of the body
 
   Sliding(const SE3<T>& L, const SE3<T>& D, const T& /*pitch*/) : C_0(L * D), u(L.R.z), e(transpose(D.R).z) {}
 
@@ -100,7 +101,7 @@ template <class T, class Frames> struct Sliding : subgroup::VectorCoordinates<T,
   Screw<T> column(int) const { return {{}, e}; }
 };
 
-/// The body frame in the joint frame: any pose, or a translation.
+/// The type of the pose of the body frame in the joint frame: any pose, or a translation.
 template <class Frames, class T>
 using Offset = std::conditional_t<std::same_as<Frames, MassCenterFrames>, Vec3<T>, SE3<T>>;
 
@@ -152,7 +153,7 @@ template <class T, class Frames> class FramedTree {
   const std::vector<T>&pitch = tree_.pitch, &ratio = tree_.ratio, &offset = tree_.offset;
   const std::vector<T>&armature = tree_.armature, &damping = tree_.damping, &friction = tree_.friction;
   const Vec3<T>& g = tree_.g;
-  std::vector<SE3<T>> B, frame_offset;  ///< in these frames, as all members below
+  std::vector<SE3<T>> B, frame_offset;  ///< poses in the chosen frames, as are all members below
   std::vector<InertiaOfBody> M;         ///< n + 1
   std::vector<JointGroup> joint_groups;
   std::vector<int> by_kind;
@@ -219,7 +220,8 @@ template <class T, class Frames> class FramedTree {
     const bool at_joint = !(dot(x, x) + dot(y, y) + dot(D.r, D.r) > T(0));
     return at_joint || (central && kind == Subgroup::prismatic);
   }
-  /// Splits each run in two: joints that stay the same and joints that have constants of their own.
+  /// Splits each group of joints in two: joints that stay the same, and joints that have constants of their
+  /// own.
   void sort_joints(const std::vector<JointGroup>& before, const std::vector<SE3<T>>& in_joint) {
     joint_groups.clear();
     for (const JointGroup& group : before) {
@@ -246,7 +248,7 @@ template <class T, class Frames> class FramedTree {
   }
 };
 
-/// Calls f(joint, i, coupled) for every joint, kind by kind; coupled ones last.
+/// Calls f(joint, i, coupled) for every joint, kind by kind; the coupled joints come last.
 template <class T, class Frames, class F>
 constexpr void each_joint(const FramedTree<T, Frames>& tree, F&& f) {
   for (std::size_t r = 0; r < tree.joint_groups.size(); ++r) {

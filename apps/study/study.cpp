@@ -45,7 +45,7 @@ depend on the frames; see docs/comparative-study.md. The CSV has a line for each
 plot shows times as bars and total operations as marks, scaled so that the mark of body-fixed twists in
 joint frames is at the end of its bar.)";
 
-/// A count of an effort: its heading in a table, its name in a file.
+/// A kind of operation that is counted: its heading in a table, and its name in a file.
 struct Column {
   std::string_view heading, name;
   long (*count)(const Operations&);
@@ -111,7 +111,8 @@ bool needs_mass_matrix_inverse(Algorithm algorithm) {
 }
 
 Study studied(const Model& model) {
-  constexpr int rounds = 6, batches = 50;  // rounds: a temporary load of the machine slows all variants alike
+  constexpr int rounds = 6, batches = 50;  // there are several rounds, so that a temporary load of the
+                                           // machine slows all variants alike
   const State state = random_state(model);
   Study study{model.name(), model.n_bodies(), model.nv(), {}, {}};
   Workspace<> workspace(model);

@@ -33,7 +33,8 @@ inline constexpr std::array<std::pair<std::string_view, Algorithm>, 6> algorithm
 struct JointFrames {};
 
 /// A model, a state, a representation and a choice of body frames, with which every algorithm can run.
-/// Algorithms that take drive forces or momenta get the accelerations or the velocities of the state as such.
+/// Algorithms that take drive forces or momenta get the numbers of the accelerations or of the velocities
+/// instead.
 class Subject {
  public:
   virtual ~Subject() = default;
@@ -43,8 +44,8 @@ class Subject {
   /// the rates of the momenta.
   virtual std::vector<double> results_of(Algorithm algorithm) = 0;
 };
-/// Makes a subject. Rep is BodyFixed, Spatial, Hybrid, Mixed, or Fast, with JointFrames only and without
-/// loads.
+/// Makes a subject. Rep is BodyFixed, Spatial, Hybrid, Mixed or Fast; for Fast, Frames must be JointFrames,
+/// and there must be no loads.
 template <class Rep, class Frames>
 std::unique_ptr<Subject> make_subject(const Model& model, const State& state);
 /// The operations of one call of an algorithm that the subject can run.
@@ -61,8 +62,8 @@ struct Effort {
 struct Study {
   std::string model;
   int bodies, velocities;
-  std::vector<Effort> efforts;  ///< by algorithm, then frames, then representation
-  std::string left_out;         ///< a sentence if some algorithms cannot run
+  std::vector<Effort> efforts;  ///< sorted by algorithm, then by frames, then by representation
+  std::string left_out;         ///< if some algorithms cannot run, a sentence that says why
 };
 
 }  // namespace axode::command

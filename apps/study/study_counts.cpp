@@ -10,7 +10,7 @@ Operations operations(Algorithm algorithm, const Model& model, const State& stat
   if constexpr (std::same_as<Rep, Fast>) {
     Counted::count() = {};
     call<Fast>(algorithm, tree, workspace, numbers);
-    Counted::count().screws = {};  // they are not done by the operations that count
+    Counted::count().screws = {};  // the fast kernels do not use the functions that count screw operations
   } else {
     const typename TreeIn<Counted, Frames>::type framed(cast<Counted>(tree));
     Counted::count() = {};

@@ -1,4 +1,4 @@
-// Compiled once for each representation, and for Fast.
+// This file is compiled once for each representation, and once for Fast.
 #include "apps/study/study_subject.hpp"
 
 #ifndef AXODE_REP  // as an editor sees it

@@ -26,7 +26,7 @@ template <class T> struct Numbers {
   Loads<T> loads() const { return {.wrenches = wrenches}; }
 };
 
-/// The scratch memory of the algorithms.
+/// The size of the scratch memory that the algorithms need.
 template <class T> std::size_t footprint_of_study(const Topology& t) {
   const auto of = [&]<class Rep>(Rep) {
     return footprint<ForwardDynamicsRecursion<Rep, T>, CompositeBodies<Rep, T>>(t);
@@ -73,7 +73,7 @@ void call(Algorithm algorithm, const AnyTree& tree, Workspace<T>& workspace, Num
   }
 }
 
-/// Runs an algorithm once by the fast path.
+/// Runs an algorithm once, by the fast kernels.
 template <std::same_as<Fast> Rep, class T>
 void call(Algorithm algorithm, const Tree<double>& tree, Workspace<T>& workspace, Numbers<T>& x) {
   Arena arena = workspace.arena(*tree.topology());
