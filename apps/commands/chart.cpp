@@ -106,7 +106,7 @@ std::string literal(const std::string& text) {
   return out + '"';
 }
 
-/// The text, shortened if it is longer.
+/// The text, shortened if it is wider than `longest` characters.
 std::string shortened(std::string text, std::size_t longest) {
   if (width(text) <= longest) return text;
   while (width(text) > longest - 3) text.pop_back();

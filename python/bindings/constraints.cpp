@@ -139,7 +139,7 @@ nb::object independent_linearization_of(const BoundModel& m, ArrayLike q, ArrayL
   });
   const Shape square{static_cast<int>(found.A.rows()), static_cast<int>(found.A.rows())};
   NewArray A = states.result(square);
-  as_eigen(item(A, 0, square)) = found.A.transpose().reshaped();  // row by row
+  as_eigen(item(A, 0, square)) = found.A.transpose().reshaped();  // stored row by row
   states.refuse({found.solvability}, A);
   return named_tuple("axode.records", "IndependentLinearization", to_list(found.velocities), A.array(),
                      to_array(found.B), to_array(found.N), to_array(found.D));
@@ -158,7 +158,7 @@ Array impact_of(const BoundModel& m, ArrayLike q, ArrayLike v, double restitutio
   return out.array();
 }
 
-/// A function of q alone.
+/// The result of a function that depends on q only.
 template <class F> Array of_q(const BoundModel& m, ArrayLike q, int threads, const Shape& shape, const F& f) {
   const States states(m, q, threads);
   NewArray out = states.result(shape);
@@ -168,7 +168,7 @@ template <class F> Array of_q(const BoundModel& m, ArrayLike q, int threads, con
   return out.array();
 }
 
-/// Poses of all frames, or of the ground and the bodies, and their twists.
+/// The state of the joints, from the poses and twists of all frames, or of the ground and the bodies only.
 nb::object joint_state_of(const BoundModel& m, ArrayLike given_C, ArrayLike given_V,
                           Representation representation, nb::handle near) {
   const Numbers C("C", given_C), V("V", given_V);

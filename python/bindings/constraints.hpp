@@ -9,7 +9,7 @@ std::vector<int> velocities(const Model& m, nb::handle given, const char* argume
 /// `inverse_dynamics` with forces that act besides, or with drives: of a model with loops, or as if it had some.
 Array closed_inverse_dynamics(const BoundModel& m, const Arguments& given, nb::handle drives,
                               nb::handle forces);
-/// `joint_wrenches` under the drive forces that these drives give.
+/// `joint_wrenches` under the drive forces that the given drives exert.
 Array closed_joint_wrenches(const BoundModel& m, const Arguments& given, nb::handle drives);
 
 }  // namespace axode::python

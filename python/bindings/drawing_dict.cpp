@@ -11,7 +11,8 @@ namespace {
 
 namespace toml = io::toml;
 
-/// Fills a document from dicts, lists, tuples, numpy's arrays and numbers, strings, numbers and truth values.
+/// Converts dicts, lists, tuples, arrays and numbers of numpy, strings, numbers and truth values to a TOML
+/// document.
 class Writer {
  public:
   explicit Writer(toml::Document& document) : document_(document) {}
@@ -26,7 +27,7 @@ class Writer {
       to.content = text_of(from);
     } else if (nb::isinstance<nb::dict>(from)) {
       to.content = table(nb::borrow<nb::dict>(from), where);
-    } else if (nb::hasattr(from, "tolist")) {  // numpy's arrays and scalars
+    } else if (nb::hasattr(from, "tolist")) {  // arrays and scalars of numpy
       to.content = value(from.attr("tolist")(), where)->content;
     } else if (PyFloat_Check(from.ptr()) || PyLong_Check(from.ptr())) {
       const double x = PyFloat_AsDouble(from.ptr());
@@ -105,7 +106,8 @@ JointDescription joint_of(nb::handle joint) {
   bodies.append(body);
   const nb::object follows = nb::isinstance<nb::dict>(joint) ? joint.attr("get")("follows") : nb::none();
   if (nb::isinstance<nb::dict>(follows) && nb::borrow<nb::dict>(follows).contains("joint")) {
-    // Its leader is none of this drawing, and readers leave out what follows a joint that they do not know.
+    // The leader is a joint of another mechanism. This drawing gets a joint with its name, because readers
+    // leave out the coupling of a joint that follows an unknown one.
     nb::dict leader, moves;
     moves["name"] = follows["joint"];
     moves["kind"] = "prismatic";

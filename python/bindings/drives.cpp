@@ -15,7 +15,7 @@ std::span<const double> span_of(const Numbers& numbers) {
   return {numbers.data(), static_cast<std::size_t>(numbers.size())};
 }
 
-/// One number, or one for each velocity.
+/// The gains that are given: one number, or one for each velocity.
 Numbers gains(const BoundModel& m, const char* name, ArrayLike given) {
   Numbers numbers(name, given);
   const Shape expected{m->nv()};
@@ -24,7 +24,7 @@ Numbers gains(const BoundModel& m, const char* name, ArrayLike given) {
   return numbers;
 }
 
-/// Numbers of one state.
+/// An argument with a number for each velocity of one state.
 Numbers one_velocity(const BoundModel& m, const char* name, nb::handle given) {
   Numbers numbers(name, {given.ptr()});
   const Shape expected{m->nv()};
@@ -33,7 +33,8 @@ Numbers one_velocity(const BoundModel& m, const char* name, nb::handle given) {
   return numbers;
 }
 
-/// A trajectory, or a configuration with velocities and accelerations.
+/// The reference of a controller: `q` is a trajectory, or a configuration with the velocities v and
+/// accelerations a.
 Reference reference(const BoundModel& m, nb::handle q, nb::handle v, nb::handle a) {
   if (const Trajectory* motion = motion_in(q)) {
     for (const auto& [name, given] : {std::pair{"v", v}, {"a", a}})

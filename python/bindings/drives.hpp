@@ -7,13 +7,13 @@ namespace axode::python {
 
 namespace nb = nanobind;
 
-/// A drive of one mechanism.
+/// A drive as Python holds it, with the model for which it was made.
 struct BoundDrive {
   Model model;
   Drive drive;
 };
 
-/// The motion of an axode.Trajectory; nullptr for anything else.
+/// The motion in an axode.Trajectory; null if `given` is anything else.
 const Trajectory* motion_in(nb::handle given);
 
 }  // namespace axode::python

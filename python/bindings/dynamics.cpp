@@ -14,7 +14,7 @@ namespace {
 
 using namespace nb::literals;
 
-/// M⁻¹ x in every row of `out`, until Ctrl-C; set(k, row) writes the x of row k.
+/// Solves M⁻¹ x for every row of `out`; set(k, row) writes the x of row k. Ctrl-C ends the call.
 template <class F> Array solved_rows(const MassMatrixFactor<>& factor, NewArray out, const F& set) {
   const std::size_t n = static_cast<std::size_t>(factor.nv()), rows = n == 0 ? 0 : out.all().size() / n;
   LongCall call(true);
@@ -29,9 +29,9 @@ template <class F> Array solved_rows(const MassMatrixFactor<>& factor, NewArray 
   return out.array();
 }
 
-/// tau - forces, which have nv numbers for each state.
+/// Subtracts `forces`, nv numbers for each state, from tau.
 Array without(nb::handle forces, Array tau, const States& states) {
-  static_cast<void>(states.velocities("forces", {forces.ptr()}));  // which refuses what they must not be
+  static_cast<void>(states.velocities("forces", {forces.ptr()}));  // throws if `forces` has a wrong shape
   return {nb::steal(PyNumber_InPlaceSubtract(tau.array.ptr(), forces.ptr()))};
 }
 

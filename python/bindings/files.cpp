@@ -24,7 +24,7 @@ std::string drawing_text(const BoundModel& m) {
   write_drawing(m, text);
   return text.str();
 }
-/// The text of a writer, with a warning of Python for each thing that it leaves out.
+/// The type of a function that writes a model to a file format and returns warnings.
 using ModelWriter = std::vector<Fault> (*)(const Model&, std::ostream&, Strictness);
 std::string written(ModelWriter write, const BoundModel& m, bool strict) {
   std::ostringstream text;
@@ -35,7 +35,7 @@ std::string written(ModelWriter write, const BoundModel& m, bool strict) {
 std::string urdf_text(const BoundModel& m, bool strict) { return written(write_urdf, m, strict); }
 std::string mjcf_text(const BoundModel& m, bool strict) { return written(write_mjcf, m, strict); }
 
-/// Those that Python's own readers give, as (element, message), of a file.
+/// The warnings that readers in Python give as (element, message), as faults of a file.
 std::vector<Fault> warnings_of(const nb::list& given, const std::string& file) {
   std::vector<Fault> warnings;
   for (const nb::handle each : given)
@@ -56,7 +56,7 @@ BoundModel with_gravity_of(const Model& model, nb::handle gravity) {
 }  // namespace
 
 void add_files(nb::module_& module) {
-  // What axode/files.py makes `load` and `check` of.
+  // The functions by which axode/files.py implements `load` and `check`.
   module.def(
       "load_file",
       [](const std::filesystem::path& path, Base base, nb::handle gravity, bool strict) {

@@ -23,19 +23,20 @@
 #include "python/bindings/support/one_state.hpp"
 #include "python/bindings/support/raise.hpp"
 
-/// Motion in time. Arguments are made ready, and documented, in axode.simulation.
+/// Motion in time. Arguments are prepared and documented in axode.simulation.
 namespace axode::python {
 
 using namespace nb::literals;
 
 namespace {
 
-/// f(t, q, v) of Python's.
+/// Calls a Python function f(t, q, v).
 nb::object call_back(const nb::callable& f, double t, std::span<const double> q, std::span<const double> v) {
   return f(t, to_array(q), to_array(v));
 }
 
-/// f(k) for every k, with other Python threads running, unless f calls back, and Ctrl-C heard.
+/// Calls f(k) for every k from 0 to count - 1. Ctrl-C ends the call; other Python threads run meanwhile,
+/// unless f calls back into Python.
 template <class F> void each_of(std::size_t count, const F& f, bool calls_back = false) {
   LongCall call(!calls_back && count > 20);
   const batch::Monitor monitor = call.monitor();
@@ -44,13 +45,13 @@ template <class F> void each_of(std::size_t count, const F& f, bool calls_back =
   call.end();
 }
 
-/// A motion, and what of it was asked for: the ends of its steps, or states at some times.
+/// A motion, and the states of it that were asked for: the ends of its steps, or states at given times.
 struct BoundTrajectory {
   Trajectory motion;
   std::optional<Trajectory> samples;
 
   const Trajectory& shown() const { return samples ? *samples : motion; }
-  /// The states at those of the times that are not after its end.
+  /// Interpolates the states at the given times, as far as these are not after the end of the motion.
   void sample(std::span<const double> times, const Drive& drive, bool calls_back) {
     const Model& model = motion.model();
     std::vector<double> q(static_cast<std::size_t>(model.nq())), v(static_cast<std::size_t>(model.nv()));
@@ -67,7 +68,7 @@ struct BoundTrajectory {
   }
 };
 
-/// What a motion has row by row, nv numbers in each, or nq.
+/// A member of Trajectory that returns numbers row by row, nv or nq in each row.
 using RowsOf = std::span<const double> (Trajectory::*)() const;
 Array rows(const BoundTrajectory& of, RowsOf which, int width) {
   const Trajectory& shown = of.shown();
@@ -76,7 +77,8 @@ Array rows(const BoundTrajectory& of, RowsOf which, int width) {
   return out.array();
 }
 Array rows(const BoundTrajectory& of, RowsOf which) { return rows(of, which, of.motion.model().nv()); }
-/// f(workspace, q, v, numbers) of every state, as many numbers for each as `shape` has.
+/// Calls f(workspace, q, v, numbers) for every state of a motion. f writes the numbers of the state, an array
+/// of this shape.
 template <class F> Array of_states(const BoundTrajectory& of, const Shape& shape, const F& f) {
   const Trajectory& shown = of.shown();
   NewArray out(shape.times(static_cast<nb::ssize_t>(shown.size())));
@@ -93,7 +95,8 @@ Array energies(const BoundTrajectory& of) {
   });
 }
 
-/// A column for each number of the states, under names that say which it is, and a row for each time.
+/// The motion as a DataFrame of pandas, with a row for each time and a named column for each number of a
+/// state.
 nb::object as_data_frame(const BoundTrajectory& of) {
   const Model& m = of.motion.model();
   nb::dict columns;
@@ -111,7 +114,7 @@ nb::object as_data_frame(const BoundTrajectory& of) {
   return pandas.attr("DataFrame")(columns, "index"_a = times);
 }
 
-/// What a word stands for in a table.
+/// The value in a table that belongs to a word.
 template <class Value, std::size_t N>
 const Value& chosen(const char* argument, nb::handle given,
                     const std::array<std::pair<std::string_view, Value>, N>& table) {
@@ -249,7 +252,7 @@ BoundTrajectory simulate_of(const BoundModel& m, ArrayLike q, ArrayLike v, doubl
   return found;
 }
 
-/// K steps under forces, or under a drive where there is one, of all motions.
+/// The K steps of all motions: their length, and the forces or the drive under which they move.
 struct Steps {
   std::span<const double> v, tau;
   const Drive* drive;
@@ -267,7 +270,7 @@ batch::Outcome roll(const M& model, const Steps& steps, int threads, std::span<c
   return batch::rollout<S>(model, q, v, tau, steps.length, q_out, v_out, runge_kutta(4), threads, monitor,
                            steps.joint_losses);
 }
-/// By the model, or by what was compiled for it, in its precision.
+/// Computes the motions by the model, or by code that was compiled for it, in the precision of that code.
 batch::Outcome roll(const States& states, const BoundSpecialised* compiled, const Steps& steps,
                     std::span<double> q_out, std::span<double> v_out, const batch::Monitor& monitor) {
   const auto in_double = [&](const auto& model) {
@@ -323,7 +326,7 @@ std::tuple<Array, Array> rollout_of(const BoundModel& m, ArrayLike q, ArrayLike 
   const States states(m, q, threads);
   const Items velocities = states.velocities("v", v);
   const Numbers forces("tau", tau);
-  const int axis = states.many() ? 1 : 0;  // over the steps
+  const int axis = states.many() ? 1 : 0;  // the axis of the steps
   const nb::ssize_t K = forces.axes() == axis + 2 ? forces.length(axis) : 0;
   const Shape one{K, m->nv()},
       expected = states.many() ? one.times(static_cast<nb::ssize_t>(states.count())) : one;

@@ -16,7 +16,7 @@ namespace {
 
 using namespace nb::literals;
 
-/// Six rows and a column for each of n screws, which are what f writes.
+/// A matrix of six rows with a column for each of n screws, which f writes.
 template <class... Arguments> Array columns_of(const Arguments&... arguments) {
   return map_states(arguments...).transposed();
 }
@@ -95,7 +95,8 @@ Array jacobian_derivative_along_of(const BoundModel& m, ArrayLike q, FrameName f
   });
 }
 
-/// Motion of higher order: f(motion, out) for every state, `out` having an entry for each order.
+/// Evaluates the motion of higher order at every state and calls f(motion, out); `out` has an entry for each
+/// order.
 template <class F>
 NewArray each_motion(const States& states, const Rows& rates, const Shape& item_shape, const F& f) {
   const Model& m = states.model();

@@ -31,14 +31,14 @@ template <class Range> std::vector<std::string> names(const Range& named) {
   return found;
 }
 
-/// A name that is given. Throws nb::value_error for what is none.
+/// The name in an argument. Throws nb::value_error if the argument is not a str.
 std::string name_in(const char* argument, nb::handle given) {
   if (!nb::isinstance<nb::str>(given))
     throw nb::value_error((std::string(argument) + " is " + shown(given) + "; expected a name").c_str());
   return text_of(given);
 }
 
-/// A joint with the names that its numbers stand for.
+/// A joint as Python holds it, with its model, from which the names of its indices follow.
 struct BoundJoint {
   const BoundModel* model;
   int i;
@@ -599,7 +599,8 @@ int FrameName::in(const Model& model, const char* argument) const {
     throw nb::value_error(
         (std::string(argument) + " is " + shown(name) + "; expected the name of a frame, or its number")
             .c_str());
-  const Py_ssize_t number = PyNumber_AsSsize_t(given, nullptr);  // too large a one becomes the largest
+  const Py_ssize_t number = PyNumber_AsSsize_t(given, nullptr);  // a number that is too large becomes the
+                                                                 // largest one
   if (number < 0 || number >= model.n_frames())
     throw nb::value_error((std::string(argument) + " is " + shown(name) + "; model \"" + model.name() +
                            "\" has frames 0 to " + std::to_string(model.n_frames() - 1))

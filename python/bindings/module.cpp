@@ -7,7 +7,7 @@
 
 namespace {
 
-/// Gives a type of nanobind's an attribute `__signature__`, which its own interface refuses.
+/// Sets the attribute `__signature__` of a type of nanobind, which setattr() on such a type refuses.
 void describe(nanobind::handle type, nanobind::handle signature) {
   if (PyObject_GenericSetAttr(type.ptr(), nanobind::str("__signature__").ptr(), signature.ptr()) != 0)
     throw nanobind::python_error();

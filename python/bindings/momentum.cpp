@@ -12,7 +12,8 @@ namespace {
 
 using namespace nb::literals;
 
-/// Two results of one function, of which the first is that of SingularError.
+/// Computes the two results of a function. If a state cannot be solved, the SingularError contains the first
+/// one.
 template <class F>
 std::tuple<Array, Array> each_pair(const States& states, const Shape& first, const Shape& second,
                                    const F& f) {

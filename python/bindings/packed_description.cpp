@@ -6,7 +6,7 @@
 namespace axode::python {
 namespace {
 
-// What each struct consists of; packing and unpacking follow from it.
+// The members of each struct. Packing and unpacking are derived from these lists.
 template <class D, class T>
 concept Like = std::same_as<std::remove_const_t<D>, T>;
 

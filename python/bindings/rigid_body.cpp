@@ -7,14 +7,14 @@
 namespace axode::python {
 namespace {
 
-/// Representations of an argument and of a result.
+/// The representation of an argument, and below that of a result.
 struct Source {
   Representation representation;
 };
 struct Target {
   Representation representation;
 };
-/// Two frames, annotated in Python as FramePair.
+/// A pair of frames F_j and F_k, annotated in Python as FramePair.
 struct PairOfFrames {
   PyObject* given = nullptr;
 };
@@ -262,7 +262,8 @@ Array acceleration_of(ArrayLike C, ArrayLike M, ArrayLike V, ArrayLike W, Repres
 
 // ---------------------------------------------------------------------------------- measured at F_j, resolved in F_k
 
-/// f(jk, x, ...) for a pair of frames given as (r_j, dr_j, R_k, w_k), each with any axes in front.
+/// Calls f(jk, x, ...) for every item. A pair of frames is given as (r_j, dr_j, R_k, w_k), and each of these
+/// arrays may have further axes in front.
 template <class F, class... T> Array in_frames(PairOfFrames jk, const F& f, const Given<T>&... given) {
   const nb::handle pair(jk.given);
   if (!PyTuple_Check(jk.given) || nb::len(pair) != 4)
@@ -369,7 +370,7 @@ array([ 0.,  0.,  1.,  0., 10.,  0.])
 
 // ---------------------------------------------------------------------------------------- changes of representation
 
-/// f(From{}, To{}).
+/// Calls f(From{}, To{}) with the types of the two representations.
 template <class F> Screw<> with_both(const Source& source, const Target& target, const F& f) {
   return with_representation(source.representation, [&](auto from) {
     return with_representation(target.representation, [&](auto to) { return as_screw(f(from, to)); });

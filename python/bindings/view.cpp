@@ -10,14 +10,14 @@
 #include "python/bindings/support/long_call.hpp"
 #include "python/bindings/support/one_state.hpp"
 
-/// Pages for a browser. Arguments are made ready, and documented, in axode.viewer.
+/// Pages for a browser. Arguments are prepared and documented in axode.viewer.
 namespace axode::python {
 
 using namespace nb::literals;
 
 namespace {
 
-/// t, q, v, a and tau of a motion, the latter two perhaps None.
+/// The motion in a tuple (t, q, v, a, tau), of which a and tau may be None.
 ShownMotion motion_from(const BoundModel& m, const nb::tuple& given) {
   const auto rows = [&](std::size_t k, const char* name, int width) {
     if (given[k].is_none()) return std::vector<double>{};

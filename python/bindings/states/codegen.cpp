@@ -25,7 +25,8 @@ using namespace nb::literals;
                             .c_str());
 }
 
-/// A word, or a tuple of the word jacobian, a frame and its representation.
+/// Reads a function to generate: a word, or a tuple of the word jacobian, a frame and its representation.
+/// `where` names it in messages.
 codegen::Function function_from(const Model& model, const std::string& where, nb::handle given) {
   const bool is_tuple = PyTuple_Check(given.ptr());
   if (!is_tuple && !nb::isinstance<nb::str>(given)) wrong_function(where, given);
@@ -59,7 +60,7 @@ nb::object c_source_of(const BoundModel& m, nb::handle functions, const std::str
   return named_tuple("axode.codegen", "Source", source.text, costs);
 }
 
-/// An external function of CasADi in a shared library.
+/// The external functions of CasADi in a shared library, and the code that this keeps loaded.
 struct CasadiLibrary {
   std::string name;
   codegen::MachineCode code;

@@ -7,7 +7,8 @@
 
 namespace axode::python {
 
-/// From a list of words, and of tuples of the word jacobian, a frame and its representation.
+/// Reads a list of functions to generate. An entry is a word, or a tuple of the word jacobian, a frame and
+/// its representation.
 std::vector<codegen::Function> functions_from(const Model& model, nanobind::handle functions);
 
 }  // namespace axode::python

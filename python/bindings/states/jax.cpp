@@ -14,8 +14,9 @@
 #include "python/bindings/support/bindings.hpp"
 #include "python/bindings/support/xla_ffi.hpp"
 
-/// Functions of the state, and motions, as XLA calls them for axode.jax: from any thread, without Python. Leading axes of
-/// all arguments are the same and count states. Numbers are float64, or float32, which are computed as float64.
+/// Functions of the state, and motions, as XLA calls them for axode.jax: from any thread, and without Python.
+/// All arguments have the same leading axes, which count states. Numbers are float64 or float32; the latter
+/// are converted to float64 for the computation.
 namespace axode::python {
 
 using namespace nb::literals;
@@ -24,7 +25,7 @@ namespace {
 
 constexpr double nan = std::numeric_limits<double>::quiet_NaN();
 
-/// The models that compiled programs name, by a text that says what the model consists of.
+/// The models to which compiled programs refer, by a key that is made of the contents of the model.
 class Mechanisms {
  public:
   void add(const std::string& key, const Model& model) {
@@ -57,7 +58,7 @@ Mechanisms& mechanisms() {
   return all;
 }
 
-/// An array of a call: states, and an item of so many numbers for each.
+/// An array of a call. It has an item, a number of numbers, for each state.
 struct Operand {
   const xla::Buffer& buffer;
   std::size_t states = 1, item = 1;
@@ -73,7 +74,7 @@ struct Operand {
   std::size_t size() const { return states * item; }
 };
 
-/// Its numbers, converted where they are float32.
+/// The numbers of an argument as doubles. They are converted if they are float32.
 class Doubles {
  public:
   explicit Doubles(const Operand& operand) {
@@ -95,7 +96,7 @@ class Doubles {
   std::span<const double> numbers_;
 };
 
-/// Where the numbers of a result go.
+/// The memory for a result. deliver() converts its numbers if the result is float32.
 class Answer {
  public:
   explicit Answer(const Operand& result) : result_(result) {
@@ -119,7 +120,7 @@ class Answer {
   std::span<double> numbers_;
 };
 
-/// What XLA calls a function with.
+/// The arguments, results and attributes with which XLA calls a function.
 class Call {
  public:
   explicit Call(const xla::CallFrame& frame) : frame_(frame) {}
@@ -159,7 +160,8 @@ class Call {
   const xla::CallFrame& frame_;
 };
 
-/// What is common to all calls: states of a model, whose quaternions are of length 1 in the end.
+/// The part that all calls have in common: the model, the number of states, and the normalisation of
+/// quaternions.
 class StatesOf {
  public:
   StatesOf(const Call& call, const Operand& q)
@@ -177,7 +179,9 @@ class StatesOf {
                                   std::to_string(operand.item) + " numbers; expected " +
                                   std::to_string(count_) + " times " + std::to_string(item));
   }
-  /// Throws std::invalid_argument where the length of a quaternion is off 1. States with NaN stay aside.
+  /// Scales quaternions to norm 1. Throws std::invalid_argument if a norm differs from 1 by more than the
+  /// tolerance. A state whose quaternion is NaN is computed with the identity instead, and deliver() sets its
+  /// results to NaN.
   void normalize(Doubles& q, double tolerance) {
     if (model_.topology().quaternion_bodies.empty()) return;
     std::vector<double> numbers(q.all().begin(), q.all().end());
@@ -200,7 +204,7 @@ class StatesOf {
       }
     q.own(std::move(numbers));
   }
-  /// Results are NaN in those states.
+  /// Sets the results of states with a NaN in a quaternion to NaN, and delivers the answer.
   void deliver(const Answer& answer) const {
     for (const std::size_t k : undefined_) std::ranges::fill(answer[k], nan);
     answer.deliver();
@@ -215,7 +219,7 @@ class StatesOf {
 
 double tolerance_of(const Operand& q) { return q.is_double() ? 1e-6 : 1e-4; }
 
-/// Every state for itself.
+/// Calls f(workspace, k) for every state k, on several threads.
 void one_by_one(const Model& model, std::size_t count, int threads,
                 const std::function<void(Workspace<>&, std::size_t)>& f) {
   batch::in_portions(count, 1, threads, {}, [&]() -> batch::Work {
@@ -227,7 +231,7 @@ void one_by_one(const Model& model, std::size_t count, int threads,
 
 using Inputs = std::vector<std::pair<catalog::Input, Doubles>>;
 
-/// A function of states first to first + count - 1 of a model.
+/// Computes a function in the states first to first + count - 1.
 void evaluate(const catalog::Function<double>& row, const Model& model, const Inputs& inputs,
               std::size_t states, std::size_t first, std::size_t count, bool losses, int threads,
               const Answer& answer) {
@@ -251,7 +255,8 @@ void evaluate(const catalog::Function<double>& row, const Model& model, const In
   }
 }
 
-/// f(parameters, first, count) for runs of states with the same inertial parameters.
+/// Calls f(parameters, first, count) for each run of consecutive states that have the same inertial
+/// parameters.
 template <class F> void each_run(std::span<const double> parameters, std::size_t states, const F& f) {
   const std::size_t item = states == 0 ? 0 : parameters.size() / states;
   for (std::size_t first = 0, end = 0; first < states; first = end) {
@@ -314,7 +319,7 @@ void motion(const Call& call) {
   Doubles q(of_q);
   states.normalize(q, tolerance_of(of_q));
   const Doubles v = given(1, 1, nv), tau = given(2, 2, K * nv);
-  std::vector<Doubles> more;  // a direction, or weights
+  std::vector<Doubles> more;  // a direction for rollout_jvp, or weights for rollout_vjp
   if (jvp) more = {given(3, 1, nv), given(4, 1, nv), given(5, 2, K * nv)};
   if (vjp) more = {given(3, 2, (K + 1) * nv), given(4, 2, (K + 1) * nv)};
   std::vector<Answer> answers;
@@ -345,8 +350,10 @@ xla::Error* error(const xla::CallFrame& frame, xla::ErrorCode code, const char* 
   return frame.api->new_error(&made);
 }
 
-/// A handler of XLA's: f with exceptions as errors. A question for the version is answered with the older one of XLA's, if it says which, and
-/// ours: what is used here has not changed since the first.
+/// A function that XLA calls: it calls f and converts exceptions to errors of XLA. XLA may ask for the
+/// version of its interface instead. The answer is the older of two versions: the one that XLA states, if it
+/// does, and the one that this file is written for. The parts that are used here have not changed since the
+/// first version.
 template <void (*f)(const Call&)> xla::Error* handler(xla::CallFrame* frame) {
   if (frame->sized.extensions != nullptr) {
     const auto* const asked = static_cast<const xla::MetadataRequest*>(frame->sized.extensions);
@@ -371,7 +378,9 @@ template <void (*f)(const Call&)> xla::Error* handler(xla::CallFrame* frame) {
 
 nb::capsule capsule(xla::Handler* of) { return nb::capsule(reinterpret_cast<void*>(of)); }
 
-/// For each joint screw the body that it moves, the velocity that turns it and by which ratio; and for each frame its body.
+/// The structure of a model. For each joint screw it has the body that the screw moves, the index of its
+/// velocity and the ratio by which the velocity moves it; for each body its predecessor, and for each frame
+/// its body.
 nb::dict structure(const BoundModel& m) {
   nb::list bodies, velocities, ratios, parents, frames;
   for (int i = 1; i <= m->n_bodies(); ++i) {

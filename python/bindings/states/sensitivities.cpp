@@ -14,7 +14,8 @@ using namespace nb::literals;
 
 namespace {
 
-/// What all motions are given.
+/// The arguments that are common to all functions: the initial states, drive forces and loads of several
+/// motions.
 struct Motions {
   const BoundModel& m;
   States states;
@@ -38,8 +39,8 @@ struct Motions {
     return states.items(name, given, {count, nv()}, "nv numbers in each row");
   }
 
-  /// f(n, go_on) of every motion, which may take long: Ctrl-C is heard in its midst where it asks go_on().
-  /// Refuses what could not go on, with a result.
+  /// Calls f(n, go_on) for every motion n. As a motion may take long, Ctrl-C is also noticed whenever f calls
+  /// go_on(). Motions that cannot continue cause an error that contains the result.
   template <class F> void each(double microseconds, NewArray& result, const F& f) const {
     std::vector<Solvability> found(states.count());
     states.each_long(microseconds * static_cast<double>(K()),

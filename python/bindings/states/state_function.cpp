@@ -14,7 +14,7 @@ using catalog::Entry;
 using catalog::Extent;
 using catalog::Input;
 
-/// The axes that an entry has to numpy.
+/// The shape of an entry as an array of numpy.
 Shape axes_of(Entry entry) {
   switch (entry) {
     case Entry::number: return {};
@@ -34,7 +34,8 @@ double cost_of(catalog::Cost cost, const Model& model) {
   return cubic_cost(model);
 }
 
-/// Entries that numpy has as matrices lie packed at the front; each is moved to its place, the last one first.
+/// Expands entries that are matrices in numpy. They lie packed at the front of `numbers`; each is moved to
+/// its place and expanded by f, the last entry first.
 template <int packed, int unpacked, class F> void unpack(std::span<double> numbers, const F& f) {
   for (std::size_t k = numbers.size() / unpacked; k-- > 0;) {
     std::array<double, packed> x;
@@ -97,7 +98,8 @@ NewArray StateFunction::run(const BoundModel& m, const Arguments& given, const R
   Solvability otherwise{.not_finite = true};
   const bool in_lanes = states.many() && row.lanes && loads.none() && !counts_loops &&
                         (row.choice != Choice::recursion || !given.algorithm.representation);
-  if (m->nq() > 0 && (given.instead != nullptr || in_lanes)) {  // they count states by q
+  if (m->nq() > 0 && (given.instead != nullptr || in_lanes)) {  // these functions find the number of states
+                                                                // from the size of q
     catalog::Arguments<double> all{.q = states.q()};
     for (std::size_t i = 0; i < taken.size(); ++i) catalog::numbers(all, takes_[i].input) = taken[i].all();
     const batch::Outcome outcome = states.unlocked(cost, [&](const batch::Monitor& monitor) {

@@ -11,11 +11,13 @@
 
 namespace axode::python {
 
-/// What takes the library's place: a function of N states, whose arguments lie one behind the other.
+/// A function of N states that is called instead of the library's own, such as a compiled one. The arguments
+/// of the states are contiguous.
 using Instead = std::function<batch::Outcome(const catalog::Arguments<double>&, std::span<double> out,
                                              const batch::Monitor&)>;
 
-/// What a function of the state is given in Python; what it does not take stays as it is.
+/// The arguments that a function of the state may receive from Python. Those that a function does not take
+/// keep their default values.
 struct Arguments {
   ArrayLike q, v = {}, a = {}, tau = {}, p = {};
   ArrayLike dq = {}, dv = {}, da = {}, dtau = {}, w = {};
@@ -29,7 +31,7 @@ struct Arguments {
   const Instead* instead = nullptr;
 };
 
-/// Those that are numbers of a state, and the inputs of a function that they are.
+/// An argument with numbers of a state, and the input of the function to which it belongs.
 struct ArgumentOfState {
   catalog::Input input;
   ArrayLike Arguments::*argument;
@@ -45,18 +47,18 @@ constexpr ArrayLike Arguments::*argument_of(catalog::Input input) {
 }
 inline const char* name_of(catalog::Input input) { return to_string(input).data(); }
 
-/// A function of the catalogue for one state or N of them, in SIMD lanes where the library can.
+/// A function of the catalogue for one state or N states. It runs in SIMD lanes if the row has them.
 class StateFunction {
  public:
   explicit StateFunction(const char* name);
-  /// Throws nb::value_error for what is wrong with an argument, SingularError for states that cannot be solved and
-  /// NotFiniteError for those whose numbers overflow, both with the result.
+  /// Calls the function. Throws nb::value_error for a wrong argument. Throws SingularError for states that
+  /// cannot be solved, and NotFiniteError for states whose numbers overflow; both contain the result.
   Array operator()(const BoundModel& m, const Arguments& given) const;
-  /// With entries in rows, also where they are the columns of a matrix.
+  /// Calls the function, and returns the entries as rows even if they are the columns of a matrix.
   Array in_rows(const BoundModel& m, const Arguments& given) const;
-  /// Of a function with two results.
+  /// Calls a function that has two results.
   std::tuple<Array, Array> both(const BoundModel& m, const Arguments& given) const;
-  /// The result, or several in a named tuple, see record_of().
+  /// Calls the function, and returns its result, or several results in a named tuple, see record_of().
   nb::object all(const BoundModel& m, const Arguments& given) const;
 
  private:
@@ -65,20 +67,22 @@ class StateFunction {
   const Row& row(const Algorithm& algorithm) const;
 
   catalog::Id id_;
-  std::array<const Row*, 5> rows_;      ///< by representation, and the fast one
-  std::vector<ArgumentOfState> takes_;  ///< besides q
+  std::array<const Row*, 5> rows_;      ///< the row for each representation, and the row for Fast
+  std::vector<ArgumentOfState> takes_;  ///< the arguments that the function takes in addition to q
 };
 
-/// The type of axode.records that has the results of a row; empty for one result.
+/// The name of the type in axode.records that holds the results of a row; empty for a row with one result.
 std::string record_of(const catalog::Words& row);
 
-/// `def name(self, arguments, options) -> its type of axode.records, or an array`.
+/// The signature of a function for Python: `def name(self, arguments, options) -> result`, where the result
+/// is an array or a type of axode.records.
 std::string signature(const catalog::Words& row, const char* self, const std::string& options);
 
-/// A docstring with what the row counts, in a line before its example.
+/// The docstring with one more line before its example, which says which parts of a mechanism the function
+/// counts.
 std::string documented(const char* name, std::string doc);
 
-/// A parameter for each number of a sequence, which may have none.
+/// One parameter type for each number of an index sequence, which may be empty.
 template <class Parameter, std::size_t> using Each = Parameter;
 template <std::size_t> auto argument(const char* name) { return nb::arg(name); }
 template <std::size_t, class Value> auto argument(const char* name, Value&& value) {
@@ -86,7 +90,7 @@ template <std::size_t, class Value> auto argument(const char* name, Value&& valu
 }
 template <std::size_t n> using Times = std::make_index_sequence<n>;
 
-/// Defines functions by their rows: arguments and options are those that the row takes, and the results those that it gives.
+/// Defines functions in Python from their rows of the table, which have the arguments, options and results.
 class StateFunctions {
  public:
   explicit StateFunctions(nb::module_& module) : module_(module) {}

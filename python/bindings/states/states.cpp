@@ -10,7 +10,8 @@
 namespace axode::python {
 namespace {
 
-/// The leading axis of a shape whose last axes are an item, where it has one.
+/// The length of the leading axis of an argument, if its shape is an item with an axis in front; otherwise
+/// empty.
 std::optional<std::size_t> rows(const Numbers& numbers, const Shape& item) {
   return numbers.axes() == item.axes ? std::nullopt
                                      : std::optional(static_cast<std::size_t>(numbers.length(0)));
@@ -80,7 +81,7 @@ void States::refuse(const std::vector<Solvability>& found, NewArray& result,
   const std::size_t size = count_ == 0 ? 0 : result.all().size() / count_;
   for (std::size_t k = 0; k < count_; ++k) {
     Solvability state = found.empty() ? Solvability{} : found[k];
-    if (state.directions < 6) continue;  // such a frame has no inertia, and NaN says so
+    if (state.directions < 6) continue;  // such a frame has no inertia, and the result NaN says so
     if (state.ok() && !all_finite(result.all().subspan(k * size, size))) state = otherwise;
     if (state.ok()) continue;
     if (refused.empty()) first = state;
@@ -138,7 +139,7 @@ AppliedLoads::AppliedLoads(const States& states, LoadList given, bool joint_loss
     if (!one && !(states.many() && wrench.axes() == 2 && wrench.ends_with(each)))
       wrench.wrong_shape("(6,)" + (states.many() ? " or " + each.text() : "") +
                          ", moment (N m) before force (N)");
-    const std::array<double, 6> zero{};  // of no states
+    const std::array<double, 6> zero{};  // the loads if there are no states
     const double* W = wrench.size() > 0 ? wrench.data() : zero.data();
     first_.emplace_back(frame, representation, vector_from(W), vector_from(W + 3));
     varies_ = varies_ || !one;

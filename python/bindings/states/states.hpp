@@ -17,13 +17,13 @@
 
 namespace axode::python {
 
-/// What one state costs by about how much, in microseconds; decides whether a call lets other threads run.
-double linear_cost(const Model& model);     ///< O(n): a recursion
-double quadratic_cost(const Model& model);  ///< O(n²): a matrix
-double cubic_cost(const Model& model);      ///< O(n³): a tensor
-double loop_cost(const Model& model);       ///< O(n² + m³): a system with m rows of loops
+/// The approximate cost of one state in microseconds. It decides whether a call lets other threads run.
+double linear_cost(const Model& model);     ///< cost of O(n): a recursion
+double quadratic_cost(const Model& model);  ///< cost of O(n²): a matrix
+double cubic_cost(const Model& model);      ///< cost of O(n³): a tensor
+double loop_cost(const Model& model);       ///< cost of O(n² + m³): a system with m rows of loops
 
-/// One argument of a function of the state: an item, or N of them.
+/// One argument of a function of the state: an item, or N items.
 class Items {
  public:
   Items(Numbers numbers, bool many, nb::ssize_t item_size)
@@ -38,11 +38,12 @@ class Items {
   nb::ssize_t size_, step_;
 };
 
-/// The states that a function is called with, one, shape (nq,), or N, shape (N, nq), and how it goes through
-/// them.
+/// The states with which a function is called: one of shape (nq,), or N of shape (N, nq). The class also runs
+/// over the states.
 class States {
  public:
-  /// Throws nb::value_error for a wrong shape, numbers that are not finite, and threads < 1.
+  /// Checks the states. Throws nb::value_error for a wrong shape, numbers that are not finite, and threads <
+  /// 1.
   States(const BoundModel& model, ArrayLike q, int threads, const char* name = "q");
 
   const Model& model() const { return bound_; }
@@ -52,31 +53,33 @@ class States {
   std::span<const double> q(std::size_t k) const { return q_[k]; }
   std::span<const double> q() const { return q_.all(); }
 
-  /// Another argument: an item for the one state, or one for each. `meaning` says what its shape is in words.
+  /// Another argument of the call: one item for all states, or one for each. `meaning` describes its shape in
+  /// messages.
   Items items(const char* name, ArrayLike given, const Shape& item, const char* meaning) const;
-  /// One with nq numbers.
+  /// Another argument with nq numbers for each state.
   Items configurations(const char* name, ArrayLike given) const;
-  /// One with nv numbers.
+  /// Another argument with nv numbers for each state.
   Items velocities(const char* name, ArrayLike given) const;
 
-  /// The array for an item, or N of them.
+  /// A new array for the results: one item for one state, N items for N states.
   NewArray result(const Shape& item) const {
     return NewArray(many_ ? item.times(static_cast<nb::ssize_t>(count_)) : item);
   }
 
-  /// f(workspace, k) for every state k. Where that takes more than 20 us, other Python threads run and Ctrl-C ends it.
+  /// Calls f(workspace, k) for every state k. If this takes more than 20 µs, other Python threads run
+  /// meanwhile, and Ctrl-C ends the call.
   template <class W = Workspace<>, class F> void each(double microseconds, const F& f) const {
     if (threads_ > 1 || takes_long(microseconds)) return on_cores<W>(f);
     const BoundModel::Lease<W> workspace(bound_);
     for (std::size_t k = 0; k < count_; ++k) run(k, [&] { f(*workspace, k); });
   }
-  /// f() with other Python threads running.
+  /// Calls f() while other Python threads run.
   template <class F> auto released(double microseconds, const F& f) const {
     std::optional<nb::gil_scoped_release> released;
     if (takes_long(microseconds)) released.emplace();
     return f();
   }
-  /// f(monitor) on all states at once, with other Python threads running, and Ctrl-C heard through the monitor.
+  /// Calls f(monitor) once for all states, while other Python threads run. The monitor notices Ctrl-C.
   template <class F> auto unlocked(double microseconds, const F& f) const {
     LongCall call(takes_long(microseconds));
     const auto outcome = f(call.monitor());
@@ -84,7 +87,8 @@ class States {
     return outcome;
   }
 
-  /// f(k, go_on) for every state k, each of which may take long: Ctrl-C is heard in its midst where it asks go_on().
+  /// Calls f(k, go_on) for every state k. As a state may take long, Ctrl-C is also noticed whenever f calls
+  /// go_on().
   template <class F> void each_long(double microseconds, const F& f) const {
     unlocked(microseconds, [&](const batch::Monitor& monitor) {
       const std::thread::id caller = std::this_thread::get_id();
@@ -100,15 +104,16 @@ class States {
     });
   }
 
-  /// Throws SingularError or NotFiniteError, with the result, where some states could not be solved or have results that
-  /// are not finite. `found` has an entry for each state, or none; then `otherwise` says what is wrong.
+  /// Throws SingularError or NotFiniteError, with the result, if some states could not be solved or have
+  /// results that are not finite. `found` has an entry for each state; if it is empty, `otherwise` says what
+  /// is wrong.
   void refuse(const std::vector<Solvability>& found, NewArray& result,
               const Solvability& otherwise = {.not_finite = true}) const;
 
  private:
   bool takes_long(double microseconds) const { return microseconds * static_cast<double>(count_) > 20; }
 
-  /// f() for state k, which messages about one of many name.
+  /// Calls f() for state k. If there are several states, messages of errors name this one.
   template <class F> void run(std::size_t k, const F& f) const {
     if (!many_) return f();
     try {
@@ -146,8 +151,8 @@ class Rows {
   Items items_;
 };
 
-/// A dict with some of these keys and all that are needed. Throws nb::value_error or nb::key_error that says
-/// where.
+/// Checks that an argument is a dict with these keys, of which the needed ones must be there. Throws
+/// nb::value_error or nb::key_error, which name the argument.
 template <std::size_t N>
 nb::dict entries_of(nb::handle given, const std::string& where, const std::array<std::string_view, N>& keys,
                     std::initializer_list<const char*> needed) {
@@ -166,7 +171,8 @@ inline std::span<double> item(const NewArray& out, std::size_t k, const Shape& s
   return {out.data() + k * size, size};
 }
 
-/// f(workspace, k, out), where `out` is the item of state k. An f that can fail returns a Solvability.
+/// Calls f(workspace, k, out) for every state k, where `out` is the result of this state. If f can fail, it
+/// returns a Solvability.
 template <class F>
 NewArray each_item(const States& states, double microseconds, const Shape& shape, const F& f) {
   NewArray out = states.result(shape);
@@ -184,12 +190,12 @@ NewArray each_item(const States& states, double microseconds, const Shape& shape
   return out;
 }
 
-/// An argument with nv numbers for each state, and its name.
+/// An argument with nv numbers for each state, and the name of the argument.
 struct Named {
   const char* name;
   ArrayLike given;
 };
-/// f(workspace, q, v, ..., out) for every state; v, ... are the named arguments.
+/// Calls f(workspace, q, v, ..., out) for every state; v, ... are the named arguments.
 template <class F, class... More>
 NewArray map_states(const BoundModel& model, int threads, double microseconds, const Shape& shape,
                     ArrayLike q, const F& f, const More&... more) {
@@ -204,7 +210,7 @@ NewArray map_states(const BoundModel& model, int threads, double microseconds, c
   (std::index_sequence_for<More...>());
 }
 
-/// `loads=` and `joint_losses=` of a call, annotated in Python as `Sequence[Load] | None`.
+/// The arguments `loads` and `joint_losses` of a call, annotated in Python as `Sequence[Load] | None`.
 struct LoadList {
   PyObject* given = nullptr;
 };
@@ -214,7 +220,7 @@ class AppliedLoads {
   AppliedLoads(const States& states, LoadList given, bool joint_losses);
   bool none() const { return first_.empty() && !joint_losses_; }
   std::size_t count() const { return first_.size(); }
-  /// f(loads) with the loads of state k.
+  /// Calls f(loads) with the loads of state k.
   template <class F> auto with(std::size_t k, const F& f) const {
     if (!varies_) return f(Loads<double>{first_, joint_losses_});
     const std::vector<AppliedWrench<double>> now = at(k);

@@ -30,7 +30,7 @@ nb::object converted(const std::string& name, PyObject* given) {
   nb::object array = nb::steal(PyArray_FromAny(given, nullptr, 0, 0, 0, nullptr));
   if (!array.is_valid()) {
     nb::python_error error;
-    if (!error.matches(PyExc_Exception)) throw error;  // KeyboardInterrupt and the like
+    if (!error.matches(PyExc_Exception)) throw error;  // exceptions such as KeyboardInterrupt
     nb::raise_from(error, PyExc_ValueError, "%s: expected numbers in rows of equal length, got %s",
                    name.c_str(), type_of(given).c_str());
   }
@@ -49,12 +49,13 @@ nb::object converted(const std::string& name, PyObject* given) {
 
 }  // namespace
 
-bool all_finite(std::span<const double> numbers) {  // infinities and NaNs have all bits of the exponent set
+bool all_finite(std::span<const double> numbers) {  // all bits of the exponent are set in infinities and NaNs
   const double* const x = numbers.data();
   const nb::ssize_t n = static_cast<nb::ssize_t>(numbers.size());
   constexpr std::uint64_t exponent = 0x7ff0000000000000;
   constexpr nb::ssize_t lanes = 8;
-  std::array<std::uint64_t, lanes> carry{};  // into the sign, where adding one to the exponent overflows it
+  std::array<std::uint64_t, lanes> carry{};  // sign bits: adding one to an exponent of ones carries into the
+                                             // sign
   nb::ssize_t k = 0;
   for (; k + lanes <= n; k += lanes)
     for (nb::ssize_t l = 0; l < lanes; ++l)
@@ -134,7 +135,8 @@ NewArray::NewArray(const Shape& shape)
 
 Array NewArray::array() {
   if (PyArray_NDIM(as_array(array_.ptr())) > 0) return {std::move(array_)};
-  return {nb::steal(PyArray_Return(as_array(array_.release().ptr())))};  // a number
+  return {nb::steal(PyArray_Return(as_array(array_.release().ptr())))};  // a number instead of an array
+                                                                         // without axes
 }
 
 Array NewArray::transposed() {

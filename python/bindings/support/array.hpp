@@ -6,7 +6,8 @@
 #include <span>
 #include <string>
 
-/// Numbers of numpy's. Its headers are included in array.cpp only; arrays are read where they lie.
+/// Arrays of numpy. The headers of numpy are included in array.cpp only. Arrays are read without a copy if
+/// their layout allows it.
 namespace axode::python {
 
 namespace nb = nanobind;
@@ -21,13 +22,13 @@ struct Shape {
     for (const nb::ssize_t n : lengths) length[static_cast<std::size_t>(axes++)] = n;
   }
   nb::ssize_t size() const;
-  /// With an axis in front.
+  /// The shape with one more axis, of length n, in front.
   Shape times(nb::ssize_t n) const;
-  std::string text() const;  ///< `(2, 7)`
+  std::string text() const;  ///< the shape as Python writes it: `(2, 7)`
 };
 
-/// An argument that may hold numbers of any real type in any layout: arrays, lists, tuples. Annotated in
-/// Python as numpy.typing.ArrayLike.
+/// An argument that may hold numbers of any real type in any layout: arrays, lists, tuples. It is annotated
+/// in Python as numpy.typing.ArrayLike.
 struct ArrayLike {
   PyObject* given = nullptr;
 };
@@ -36,11 +37,11 @@ struct Array {
   nb::object array;
 };
 
-/// Whether numbers may be infinite, as some limits and pitches are. None may be NaN.
+/// Whether numbers may be infinite, as some limits and pitches are. NaN is never allowed.
 enum class Infinities { refused, allowed };
 
-/// The numbers of an argument as doubles in C order: the array's own where it has that layout, otherwise a
-/// copy. Throws nb::value_error that names the argument for anything but finite real numbers.
+/// The numbers of an argument as doubles in C order: those of the array itself if it has this layout,
+/// otherwise a copy. Throws nb::value_error, which names the argument, for anything but finite real numbers.
 class Numbers {
  public:
   Numbers(std::string name, ArrayLike given, Infinities infinities = Infinities::refused);
@@ -50,9 +51,9 @@ class Numbers {
   nb::ssize_t size() const { return size_; }
   const double* data() const { return data_; }
   std::string shape_text() const;
-  /// Whether the last axes are those of an item.
+  /// Whether the last axes of the array have the shape of an item.
   bool ends_with(const Shape& item) const;
-  /// Throws nb::value_error where the shape is another one; `expected` says which it should be.
+  /// Throws the nb::value_error of a wrong shape; `expected` says which shapes are right.
   [[noreturn]] void wrong_shape(const std::string& expected) const;
 
  private:
@@ -64,7 +65,7 @@ class Numbers {
   int axes_ = 0;
 };
 
-/// Whether there is neither an infinity nor a NaN among them.
+/// Whether there is neither an infinity nor a NaN among the numbers.
 bool all_finite(std::span<const double> numbers);
 
 /// One finite number. Throws nb::value_error that names the argument for anything else.
@@ -76,10 +77,11 @@ class NewArray {
   explicit NewArray(const Shape& shape);
   double* data() const { return data_; }
   std::span<double> all() const { return {data_, static_cast<std::size_t>(size_)}; }
-  Array array();  ///< a number where there are no axes
-  /// The last two axes exchanged: what was written column by column, as a matrix.
+  Array array();  ///< the array; if it has no axes, a number
+  /// The array with its last two axes exchanged: numbers that were written column by column become a matrix.
   Array transposed();
-  /// Entry k along the axis before the last `axes`, in an array of its own; transposed where its entries are columns.
+  /// Entry k along the axis before the last `axes` axes, as a new array. It is transposed if its entries are
+  /// columns.
   Array part(nb::ssize_t k, int axes, bool columns = false) const;
 
  private:
@@ -88,7 +90,7 @@ class NewArray {
   nb::ssize_t size_;
 };
 
-/// To be called once, when the module is imported.
+/// Imports numpy. Must be called once, when the module is imported.
 void import_numpy();
 
 }  // namespace axode::python

@@ -1,7 +1,7 @@
 #pragma once
 #include <nanobind/nanobind.h>
 
-/// What each file of this folder adds to the module, in the order of the library's floors.
+/// The functions by which each file of this folder adds to the module, in the order of the library's floors.
 namespace axode::python {
 
 void add_lie(nanobind::module_& lie);

@@ -12,14 +12,14 @@
 
 namespace axode::python {
 
-/// A Model as Python holds it, with scratch memory for as many threads as have used it at once. Whoever takes
-/// or returns a workspace holds the interpreter's lock.
+/// A Model as Python holds it, with as many workspaces as threads have used it at the same time. A caller
+/// that takes or returns a workspace must hold the interpreter's lock.
 class BoundModel {
  public:
   explicit BoundModel(Model model) : model_(std::move(model)) {}
   BoundModel(BoundModel&&) = default;
   BoundModel(const BoundModel&) = delete;
-  operator const Model&() const { return model_; }  // NOLINT(google-explicit-constructor): it is one
+  operator const Model&() const { return model_; }  // a bound model is a model
   const Model* operator->() const { return &model_; }
   const Model& operator*() const { return model_; }
 
@@ -51,14 +51,15 @@ class BoundModel {
   mutable std::vector<std::unique_ptr<LoopWorkspace<>>> idle_for_loops_;
 };
 
-/// A frame by its name or its number, annotated in Python as `str | int`.
+/// A frame given by its name or its number, annotated in Python as `str | int`.
 struct FrameName {
   PyObject* given = nullptr;
-  /// Throws nb::key_error for an unknown name, nb::value_error for an unknown number or another type.
+  /// The number of the frame. Throws nb::key_error for an unknown name, nb::value_error for an unknown number
+  /// or another type.
   int in(const Model& model, const char* argument = "frame") const;
 };
 
-/// A frame, or a point (3,) or pose (4, 4) given in it.
+/// The place that is a frame, or a point (3,) or pose (4, 4) given in this frame.
 Place<> place(const Model& model, FrameName frame, ArrayLike offset, const char* argument = "frame");
 
 }  // namespace axode::python

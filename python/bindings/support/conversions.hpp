@@ -7,8 +7,9 @@
 #include "axode/eigen.hpp"
 #include "python/bindings/support/array.hpp"
 
-/// The library's quantities as numpy's arrays: vectors (3,), twists and wrenches (6,) angular before linear,
-/// poses (4, 4), inertia matrices (6, 6), quaternions (4,) in the order x y z w.
+/// Conversions of the library's quantities to arrays of numpy, and back: vectors (3,), twists and wrenches
+/// (6,) with the angular part first, poses (4, 4), inertia matrices (6, 6), quaternions (4,) in the order x y
+/// z w.
 namespace axode::python {
 
 inline void write(const Vec3<>& a, double* to) { to[0] = a.x, to[1] = a.y, to[2] = a.z; }
@@ -19,10 +20,10 @@ template <class Screwlike> void write_screw(const Screwlike& X, double* to) {
 }
 void write(const SE3<>& C, double* to);
 
-/// How far a matrix is from a rotation; infinite where the products overflow.
+/// The distance of a matrix from a rotation; infinite if the products overflow.
 double rotation_error(const SO3<>& R);
-/// A pose from 16 numbers, row by row. Throws nb::value_error that names the argument where the rotation is off
-/// by more than 1e-6 or the last row is not (0, 0, 0, 1).
+/// A pose from 16 numbers, row by row. Throws nb::value_error, which names the argument, if the rotation is
+/// not exact to 1e-6 or if the last row is not (0, 0, 0, 1).
 SE3<> pose_from(const std::string& argument, const double* matrix);
 inline Vec3<> vector_from(const double* x) { return {x[0], x[1], x[2]}; }
 
@@ -34,10 +35,10 @@ Array to_array(const Inertia<>& M);
 template <std::same_as<Eigen::VectorXd> Vector> Array to_array(const Vector& x) {
   return to_array(as_span(x));
 }
-/// Row by row, whatever the order in which the matrix is stored.
+/// The matrix as an array, row by row, whatever the order in which the matrix is stored.
 Array to_array(const Eigen::Ref<const Eigen::MatrixXd>& matrix);
 
-/// Six rows, a column for each screw.
+/// An array of six rows with a column for each screw.
 template <class Screwlike> Array columns(std::span<const Screwlike> screws) {
   NewArray out({static_cast<nb::ssize_t>(screws.size()), 6});
   double* to = out.data();
@@ -49,7 +50,7 @@ inline void put(const std::vector<double>& numbers, std::span<double> out) {
   std::copy(numbers.begin(), numbers.end(), out.begin());
 }
 
-/// Numbers, six by six, as screws that lie one behind the other.
+/// Numbers as a span of screws: each screw consists of six consecutive numbers.
 template <class Screwlike> std::span<Screwlike> screws(std::span<double> numbers) {
   static_assert(sizeof(Screwlike) == 6 * sizeof(double));
   return {reinterpret_cast<Screwlike*>(numbers.data()), numbers.size() / 6};

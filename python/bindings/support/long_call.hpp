@@ -7,10 +7,11 @@
 
 namespace axode::python {
 
-/// A call that may take long: other Python threads run meanwhile, and Ctrl-C is heard through the monitor.
+/// A call that may take long. Other Python threads run meanwhile, and the monitor notices Ctrl-C.
 class LongCall {
  public:
-  /// Calls that take no longer than the lock itself keep it.
+  /// `release` says whether the interpreter's lock is released. Short calls keep it, because releasing it
+  /// would take as long.
   explicit LongCall(bool release) : released_(release ? PyEval_SaveThread() : nullptr) {}
   ~LongCall() { take_lock(); }
   LongCall(const LongCall&) = delete;
@@ -23,7 +24,8 @@ class LongCall {
       return !interrupted_;
     };
   }
-  /// To be called when the work is done or was ended. Throws nb::python_error, KeyboardInterrupt for one, where it was.
+  /// Must be called when the work is done or was ended. Throws nb::python_error, for example
+  /// KeyboardInterrupt, if the call was interrupted.
   void end() {
     take_lock();
     if (interrupted_) throw nanobind::python_error();

@@ -7,15 +7,17 @@
 #include "python/bindings/support/conversions.hpp"
 #include "python/bindings/support/long_call.hpp"
 
-/// Functions of one item, such as a screw (6,), for arrays of items with any axes in front, (..., 6).
+/// Functions of single items, such as a screw (6,), extended to arrays of items with any axes in front, (...,
+/// 6).
 namespace axode::python {
 
-/// The shape of an item in an array, and how it is read and written. Reading throws nb::value_error that names
-/// the argument for numbers that are no such item.
+/// The shape of an item in an array, and how it is read and written. Reading throws nb::value_error, which
+/// names the argument, for numbers that are not such an item.
 template <class T> struct Item;
 template <class T> inline constexpr Infinities infinities_of = Infinities::refused;
 
-/// Throws nb::value_error unless the matrix is the one that its item makes, to 1e-6 of the largest entry.
+/// Throws nb::value_error unless the matrix equals, to 1e-6 of its largest entry, the matrix of the item that
+/// was read from it.
 void check_structure(const char* argument, const char* expected,
                      const Eigen::Ref<const Eigen::MatrixXd>& given,
                      const Eigen::Ref<const Eigen::MatrixXd>& made);
@@ -42,7 +44,7 @@ template <> struct Item<SE3<>> {
   static SE3<> read(const char* argument, const double* from) { return pose_from(argument, from); }
   static void write(const SE3<>& C, double* to) { python::write(C, to); }
 };
-/// Vectors and matrices, row by row. Nothing but the shape is checked.
+/// Vectors and matrices of Eigen, row by row. Only the shape is checked.
 template <int Rows, int Cols> struct Item<Eigen::Matrix<double, Rows, Cols>> {
   using Matrix = Eigen::Matrix<double, Rows, Cols>;
   static inline const Shape shape = Cols == 1 ? Shape{Rows} : Shape{Rows, Cols};
@@ -57,7 +59,7 @@ template <int Rows, int Cols> struct Item<Eigen::Matrix<double, Rows, Cols>> {
       for (int j = 0; j < Cols; ++j) to[i * Cols + j] = A(i, j);
   }
 };
-/// What is a matrix to numpy.
+/// An item that is a matrix in numpy.
 template <class T, int Rows, int Cols> struct MatrixItem {
   using Matrix = Item<Eigen::Matrix<double, Rows, Cols>>;
   static inline const Shape shape = Matrix::shape;
@@ -102,14 +104,14 @@ template <class T> struct Given {
   ArrayLike array;
 };
 
-/// The lengths of the first axes. Throws nb::value_error where there are more than a Shape holds with an item
-/// behind them.
+/// The lengths of the first `axes` axes. Throws nb::value_error if a Shape cannot hold these axes together
+/// with those of an item.
 Shape first_axes(const Numbers& numbers, int axes);
 
-/// Its numbers.
+/// The numbers of an argument of a function of items.
 class Operand {
  public:
-  /// Throws nb::value_error where the last axes are not those of an item.
+  /// Reads an argument. Throws nb::value_error if its last axes do not have the shape of an item.
   Operand(const char* name, ArrayLike given, const Shape& item, Infinities infinities);
   const char* name() const { return name_; }
   const Shape& leading() const { return leading_; }
@@ -123,11 +125,12 @@ class Operand {
   nb::ssize_t step_ = 0;
 };
 
-/// The axes in front of the items, the same in all operands that have any. Throws nb::value_error otherwise.
+/// The axes in front of the items, which must be the same in all operands that have such axes. Throws
+/// nb::value_error if they are not.
 Shape common_leading(std::span<const Operand> operands);
-/// `leading` with the axes of an item behind.
+/// The shape of the axes `leading`, followed by those of an item.
 Shape with_item(const Shape& leading, const Shape& item);
-/// The error of an item with its place among the others.
+/// Throws the error of an item again, with the index of the item in the message.
 [[noreturn]] void rethrow_with_place(const nb::builtin_exception& error, const Shape& leading, nb::ssize_t k);
 
 /// The results of a function of items: an array, or one for each entry of a tuple.
@@ -157,7 +160,8 @@ template <class... T> class Results<std::tuple<T...>> {
   std::tuple<Results<T>...> results_;
 };
 
-/// f of every item. Where there are many, other Python threads run, and Ctrl-C ends it.
+/// Calls f for every item. If there are many items, other Python threads run meanwhile, and Ctrl-C ends the
+/// call.
 template <class F, class... T> auto map_items(const F& f, const Given<T>&... given) {
   const std::array operands{Operand(given.name, given.array, Item<T>::shape, infinities_of<T>)...};
   const Shape leading = common_leading(operands);
@@ -179,7 +183,7 @@ template <class F, class... T> auto map_items(const F& f, const Given<T>&... giv
   return results.take();
 }
 
-/// f as a function of arrays of items.
+/// The function f of items as a function of arrays of items.
 template <class F, class... T> struct OfArrays {
   F f;
   std::array<const char*, sizeof...(T)> arguments;
@@ -190,7 +194,7 @@ template <class F, class... T> struct OfArrays {
     return std::apply([&](const Given<T>&... each) { return map_items(f, each...); }, given);
   }
 };
-/// Adds it to a module.
+/// Adds the function f, for arrays of items, to a module.
 template <class... T, class F>
 void add(nb::module_& module, const char* name, const std::array<const char*, sizeof...(T)>& arguments,
          const F& f, const char* documentation) {

@@ -3,7 +3,8 @@
 
 namespace axode::python {
 
-/// The state of a function that takes one only. Throws nb::value_error for more, as for any wrong shape.
+/// The state for a function that takes one state only. Throws nb::value_error for several states, as for any
+/// wrong shape.
 inline States one_state(const BoundModel& model, ArrayLike q, const char* name = "q") {
   const Numbers numbers(name, q);
   const Shape expected{model->nq()};

@@ -11,14 +11,16 @@ namespace axode::python {
 nb::object fault_object(const Fault& fault);
 nb::list fault_list(std::span<const Fault> faults);
 
-/// Throws an error of axode.errors about states: what it says, their numbers, and the result as far as there is one.
+/// Throws an error of axode.errors about states, with a sentence, the numbers of the states, and the result
+/// as far as there is one.
 [[noreturn]] void raise_of_states(const char* error, const std::string& sentence,
                                   const std::vector<std::size_t>& states, Array result);
 
-/// Throws an AssemblyError with the best configuration met.
+/// Throws an AssemblyError with the best configuration that was found.
 [[noreturn]] void raise_of_assembly(const std::string& sentence, Array q, double residual);
 
-/// ModelError of the library becomes axode.ModelError, UnknownName a KeyError.
+/// Registers the translation of exceptions: the library's ModelError becomes axode.ModelError, and
+/// UnknownName becomes KeyError.
 void translate_exceptions();
 
 }  // namespace axode::python

@@ -4,12 +4,13 @@
 #include <string>
 #include <string_view>
 
-/// Texts, which in Python may hold what is not UTF-8, and in C++ what is not Unicode.
+/// Conversions of texts. A str of Python may contain characters that have no UTF-8, and a string of C++ bytes
+/// that are not UTF-8.
 namespace axode::python {
 
 namespace nb = nanobind;
 
-/// The UTF-8 of a str. Throws Python's UnicodeEncodeError, a ValueError, where it has none.
+/// The UTF-8 of a str. Throws Python's UnicodeEncodeError, which is a ValueError, if the str has none.
 inline std::string text_of(nb::handle string) {
   Py_ssize_t size = 0;
   const char* text = PyUnicode_AsUTF8AndSize(string.ptr(), &size);
@@ -17,7 +18,7 @@ inline std::string text_of(nb::handle string) {
   return {text, static_cast<std::size_t>(size)};
 }
 
-/// A str; bytes that are not UTF-8 are shown by their numbers.
+/// The str of a UTF-8 text. Bytes that are not UTF-8 are shown by their numbers.
 inline nb::str to_str(std::string_view text) {
   return nb::steal<nb::str>(
       PyUnicode_DecodeUTF8(text.data(), static_cast<Py_ssize_t>(text.size()), "backslashreplace"));
@@ -29,7 +30,7 @@ inline std::string type_of(nb::handle value) {
   return (module == "builtins" ? "" : module + ".") + text_of(value.type().attr("__qualname__"));
 }
 
-/// What stands there, for a message.
+/// The repr of an object, for a message.
 inline std::string shown(nb::handle value) { return text_of(nb::repr(value)); }
 
 }  // namespace axode::python

@@ -6,31 +6,36 @@
 #include "python/bindings/support/bindings.hpp"
 #include "python/bindings/support/text.hpp"
 
-/// nanobind says of arguments that do not fit a function what it takes in C++'s words. Here Python is asked for a sentence.
+/// If arguments do not fit a function, the message of nanobind describes the valid ones by types of C++. This
+/// file replaces that message by a sentence that Python code composes.
 namespace axode::python {
 namespace {
 
-/// How nanobind's functions begin (nb_func in its nb_internals.h): what is called is a field of each. Python tells where it is,
-/// but not to a module for all later versions of it.
+/// The beginning of nanobind's function objects (nb_func in its nb_internals.h): each has a field with the
+/// function that a call runs. Python knows where this field is, but does not tell a module that is built for
+/// all later versions.
 static_assert(NB_VERSION_MAJOR == 3);
 struct Function {
   PyVarObject head;
   vectorcallfunc call;
 };
 
-/// What they call. There are a few, by the number and kind of arguments.
+/// The original contents of the field. There are only a few different ones, which depend on the number and
+/// kind of arguments.
 std::array<vectorcallfunc, 8> nanobind_calls{};
-/// (function, arguments, keyword arguments) -> a sentence, or None.
+/// The Python function that composes a sentence: (function, arguments, keyword arguments) -> str or None.
 nb::handle explanation;
 
-/// What the explanation says in the place of the error that is set, where that is nanobind's.
+/// If the present error is nanobind's error for arguments that do not fit, replaces it by a TypeError with
+/// the sentence that `explanation` returns.
 void explain(PyObject* function, PyObject* const* given, std::size_t count, PyObject* keywords) {
   nb::python_error error;
   try {
     if (text_of(nb::str(error.value())).find("(): incompatible function arguments") != std::string::npos) {
       const bool constructs = text_of(nb::getattr(nb::handle(function), "__name__")) == "__init__";
       nb::list arguments;
-      for (std::size_t k = 0; k < count; ++k)  // Python must not see an object before it is made
+      for (std::size_t k = 0; k < count; ++k)  // code in Python must not get an object that is not yet
+                                               // constructed
         arguments.append(k == 0 && constructs ? nb::none() : nb::borrow(nb::handle(given[k])));
       nb::dict by_name;
       if (keywords != nullptr)
@@ -45,8 +50,8 @@ void explain(PyObject* function, PyObject* const* given, std::size_t count, PyOb
   error.restore();
 }
 
-/// What the highest two bits of a number of arguments say: Python's of the place in front of the arguments, and nanobind's that
-/// the object is about to be made.
+/// The highest two bits of a number of arguments are flags. By one Python says that the place in front of the
+/// arguments may be used, and by the other nanobind says that the object is being constructed.
 constexpr std::size_t flags = ~(std::numeric_limits<std::size_t>::max() >> 2);
 
 template <std::size_t k>
@@ -61,13 +66,16 @@ constexpr auto calls = []<std::size_t... k>(std::index_sequence<k...>) {
 }
 (std::make_index_sequence<nanobind_calls.size()>());
 
-/// Has the explanation asked where one of nanobind's functions is called with arguments that do not fit.
+/// Arranges that `asked` composes the message if a function of nanobind is called with arguments that do not
+/// fit.
 void explain_wrong_calls(nb::handle function, nb::handle asked) {
   Function& of = *reinterpret_cast<Function*>(function.ptr());
 #ifndef Py_LIMITED_API
   if (Py_TYPE(function.ptr())->tp_vectorcall_offset != offsetof(Function, call)) return;
 #endif
-  if (std::ranges::find(calls, of.call) != calls.end()) return;  // under another name
+  if (std::ranges::find(calls, of.call) != calls.end())
+    return;  // done already under another name of the
+             // function
   const auto place = std::ranges::find_if(
       nanobind_calls, [&](vectorcallfunc known) { return known == nullptr || known == of.call; });
   if (place == nanobind_calls.end()) return;

@@ -2,15 +2,19 @@
 #include <cstddef>
 #include <cstdint>
 
-/// What XLA says to a function of ours and what it is told, in memory: the part we use of XLA's FFI, a published interface
-/// in C whose versions are counted and whose structs say how long they are (xla/ffi/api/c_api.h of jaxlib, beside which
-/// tests/bridges/jax lays this file member by member). Written down here, so that the package is built without jaxlib.
+/// The part of XLA's foreign function interface (FFI) that is used here: the structs in memory by which XLA
+/// calls a function and receives its answer. It is a published interface in C with numbered versions, whose
+/// structs contain their own sizes (xla/ffi/api/c_api.h of jaxlib). It is written down here so that the
+/// package can be built without jaxlib; tests/bridges/jax compares this file with that header, member by
+/// member.
 namespace axode::xla {
 
-inline constexpr int major_version = 0, minor_version = 3;  ///< of the interface that this file describes
-inline constexpr int first_minor_version = 1;               ///< in which all of it was there already
+inline constexpr int major_version = 0, minor_version = 3;  ///< version of the interface that this file
+                                                            ///< describes
+inline constexpr int first_minor_version = 1;               ///< first minor version that has all of these
+                                                            ///< structs
 
-/// Every struct begins so.
+/// The beginning of every struct.
 struct Sized {
   std::size_t struct_size;
   void* extensions;
@@ -22,14 +26,14 @@ struct Version {
 };
 
 enum class ErrorCode : std::int32_t { invalid_argument = 3, internal = 13 };
-struct Error;  ///< XLA's
+struct Error;  ///< defined by XLA
 struct NewError {
   Sized sized;
   const char* message;
   ErrorCode code;
 };
 
-/// The table of XLA's own functions, of which errors are made.
+/// The table of XLA's own functions. Errors are made by one of them.
 struct Api {
   Sized sized;
   Version version;
@@ -38,7 +42,7 @@ struct Api {
 };
 
 enum class Type : std::int32_t { boolean = 1, int64 = 5, float32 = 11, float64 = 12 };
-/// An array, row by row.
+/// An array, stored row by row.
 struct Buffer {
   Sized sized;
   Type type;
@@ -81,7 +85,8 @@ struct CallFrame {
   Attributes attributes;
 };
 
-/// What hangs on `extensions` of a call that asks for the version of this file instead.
+/// The structs of a call that only asks for the version of this file; `extensions` of the call points to a
+/// MetadataRequest.
 struct Metadata {
   std::size_t struct_size;
   Version version;
