@@ -112,7 +112,7 @@ C_i = exp(Y_1 q_1) ... exp(Y_i q_i) A_i of the ground and all bodies, (n_bodies 
 True
 )");
   module.def("inertia_matrix", &inertia_matrix_of, "m"_a, "q"_a, "representation"_a = "body", R"(
-M = diag(M_1, ..., M_n), (6n, 6n), the inertia matrices of the moving bodies at q (nq,); kg m^2, kg m, kg.
+M = diag(M_1, ..., M_n), (6n, 6n): the inertia matrices of the moving bodies at q (nq,), in kg m^2, kg m and kg.
 
 >>> np.array_equal(axode.closed_form.inertia_matrix(arm, arm.neutral())[:6, :6], arm.body("link 1").M)
 True
@@ -122,7 +122,7 @@ True
 tau = J^T (M_i V'_i - ad_V^T M_i V_i - W_i^app), the Euler-Jourdain (projection, Kane) equations: (nv,) (eq. PE).
 
 N m or N. Gravity is an applied wrench. q has shape (nq,), v and a (nv,); loads and joint_losses are those of
-`axode.inverse_dynamics`, which gives the same in O(n).
+`axode.inverse_dynamics`, which gives the same result in O(n).
 
 >>> q, v, a = arm.random(), np.ones(7), np.ones(7)
 >>> tau = axode.closed_form.projection_equations(arm, q, v, a, "hybrid")
@@ -140,14 +140,15 @@ q has shape (nq,), v and a (nv,); loads and joint_losses as in `axode.inverse_dy
 True
 )");
   module.def("mass_matrix", &mass_matrix_of, "m"_a, "q"_a, "representation"_a = "body", R"(
-M = J^T M J, with the armatures: (nv, nv) at q (nq,), kg m^2, kg m, kg (eq. MLE). The same in all representations.
+The mass matrix J^T M J plus the armatures: (nv, nv) at q (nq,), kg m^2, kg m, kg (eq. MLE). It is the same in all
+representations.
 
 >>> M = axode.closed_form.mass_matrix(arm, arm.random())
 >>> np.allclose(M, M.T)
 True
 )");
   module.def("coriolis_matrix", &coriolis_matrix_of, "m"_a, "q"_a, "v"_a, "form"_a = "paper", R"(
-C with C v = the Coriolis and centrifugal forces, by the formula of its form: (nv, nv) (eq. CMat).
+A matrix C for which C v are the Coriolis and centrifugal forces: (nv, nv), by the formula of `form` (eq. CMat).
 
 paper: -J^T (M A a + b^T M) J; skew: -J^T (M A a + b^T M - M b) J, for which M' - 2C is skew; spatial: the same matrix
 in spatial twists; christoffel: the sum of Gamma_ijk v_k. q has shape (nq,), v (nv,).
@@ -170,7 +171,7 @@ True
   module.def("christoffel", &christoffel_of, "m"_a, "q"_a, R"(
 Gamma_ijk, the Christoffel symbols of the first kind with Binet's inertia tensor: (nv, nv, nv) (eq. GammaBinet).
 
-Gamma @ v is the Christoffel form of C, at q (nq,). O(n^4). ValueError where a joint has not one degree of freedom.
+Gamma @ v is the Christoffel form of C, at q (nq,). O(n^4). ValueError if a joint has several degrees of freedom.
 
 >>> q, v = arm.random(), np.ones(7)
 >>> C = axode.closed_form.coriolis_matrix(arm, q, v, "christoffel")

@@ -276,10 +276,12 @@ void add_constraints(nb::module_& module) {
                     [&](auto& workspace, auto q_k, auto out) { loop_residual(*m, workspace, q_k, out); });
       },
       "m"_a, "q"_a, nb::kw_only(), "threads"_a = 1, R"(
-How far the loops of m are from closed, rad and m: (k,) or (N, k); 0 along all motions that the loop joints allow.
+The residuals of the loops of m, rad and m: (k,) or (N, k). They are 0 if the loops are closed, along all motions of
+the loop joints.
 
-Loop after loop, as many numbers as the joint takes away: couples about x and y, then directions x, y, z of its frame on the
-second body; wheels and spheres that roll have one, their distance. O(n).
+Each loop has as many residuals as its joint takes away degrees of freedom: angles about x and y, then distances along
+x, y, z of its frame on the second body. A rolling wheel or sphere has one residual, its distance from the plane.
+O(n).
 
 >>> axode.loop_residual(fourbar, fourbar.neutral()).round(12) + 0.0
 array([0., 0., 0., 0., 0.])
@@ -291,9 +293,10 @@ array([0., 0., 0., 0., 0.])
                     [&](auto& workspace, auto q_k, auto out) { loop_jacobian(*m, workspace, q_k, out); });
       },
       "m"_a, "q"_a, nb::kw_only(), "threads"_a = 1, R"(
-A(q) with A v = 0 for velocities that the loops allow: (rows, nv) or (N, rows, nv). O(n + rows * depth).
+The matrix A(q) with A v = 0 for the velocities that the loops allow: (rows, nv) or (N, rows, nv). O(n + rows *
+depth).
 
-Its rows are the wrenches that close the loops, on the twist of the second body against the first.
+A row is the power of one wrench of a loop on the twist of the second body relative to the first.
 
 >>> axode.loop_jacobian(fourbar, fourbar.neutral()).shape
 (5, 3)
@@ -306,9 +309,11 @@ Its rows are the wrenches that close the loops, on the twist of the second body 
         });
       },
       "m"_a, "q"_a, nb::kw_only(), "threads"_a = 1, R"(
-R(q), the derivative of `loop_residual` along velocities, closed or not: (k, nv) or (N, k, nv). O(n + k * depth).
+The derivative R(q) of `loop_residual` along velocities, whether the loops are closed or not: (k, nv) or (N, k, nv).
+O(n + k * depth).
 
-Where the loops are closed it is `loop_jacobian`, but for contacts that roll, whose places are free.
+If the loops are closed, it consists of the rows of `loop_jacobian` that have a residual; tangential rows of rolling
+contacts have none.
 
 >>> q = np.array([0.3, 0.1, 0.2])
 >>> ahead, back = (axode.loop_residual(fourbar, q + h * np.eye(3)[0]) for h in (1e-6, -1e-6))
@@ -332,8 +337,8 @@ True
       "m"_a, "q"_a, "multipliers"_a, "w"_a, nb::kw_only(), "threads"_a = 1, R"(
 The rate of R(q)^T multipliers as q moves with the velocity w: (nv,) or (N, nv). O(n + k * depth).
 
-R is `loop_residual_jacobian`, and there is a multiplier for each of its rows. Where every velocity is the rate of a
-coordinate this is the product of the Hessian of multipliers . loop_residual(q) with w.
+R is `loop_residual_jacobian`, and there is a multiplier for each of its rows. If every velocity is the rate of a
+coordinate, the result is the product of the Hessian of multipliers . loop_residual(q) with w.
 
 >>> q, mu, w = np.array([0.3, 0.1, 0.2]), np.arange(5.0), np.array([1.0, -2.0, 0.5])
 >>> ahead, back = (axode.loop_residual_jacobian(fourbar, q + h * w).T @ mu for h in (1e-6, -1e-6))
@@ -363,8 +368,8 @@ True
       "threads"_a = 1, R"(
 Lagrange's multipliers of the rows of `loop_jacobian` in M a + h - A^T lambda = tau: (rows,) or (N, rows).
 
-Forces (N) and couples (N m) in the frames of the loops; `constraint_wrenches` has them in any representation. Where rows are
-redundant, the least that there are.
+They are forces (N) and couples (N m) in the frames of the loops; `constraint_wrenches` gives them in any
+representation. If rows are redundant, the multipliers are the least possible ones.
 
 >>> q, nothing = fourbar.neutral(), np.zeros(3)
 >>> reaction = axode.loop_jacobian(fourbar, q).T @ axode.loop_multipliers(fourbar, q, nothing, nothing)
@@ -381,8 +386,7 @@ True
       R"(
 Derivatives of the multipliers of loops by configuration, velocities and forces, each (rows, nv) or (N, rows, nv).
 
-Of rows that are independent of those before them; the multipliers of the others are taken as 0, and so are their
-derivatives.
+A row that depends on the rows before it gets the multiplier 0, and its derivatives are 0 as well.
 
 >>> d = axode.loop_multiplier_derivatives(fourbar, fourbar.neutral(), np.zeros(3), np.zeros(3))
 >>> d.tau.shape
@@ -401,7 +405,7 @@ derivatives.
         return out.array();
       },
       "m"_a, "q"_a, "v"_a, nb::kw_only(), "threads"_a = 1, R"(
-gamma(q, v) with (A v)' = A a + gamma: (rows,) or (N, rows). O(n).
+The vector gamma(q, v) of (A v)' = A a + gamma: (rows,) or (N, rows). O(n).
 
 >>> axode.loop_bias(fourbar, fourbar.neutral(), np.zeros(3)).any()
 np.False_
@@ -414,12 +418,14 @@ np.False_
           "hold: collections.abc.Iterable[str | int] | None = None, tolerance: float = 1e-12, iterations: "
           "int = 200) -> tuple[numpy.typing.NDArray[numpy.float64], numpy.typing.NDArray[numpy.float64]]"),
       R"(
-(q, v) near a guess with the loops of m closed, and velocities that keep them closed (0 without a v).
+(q, v): a configuration near a guess with the loops of m closed, and velocities that keep them closed (0 if no v is
+given).
 
-Levenberg and Marquardt's method on the group of configurations; v loses what the loops take when they close suddenly. Joints
-named in `hold`, or numbers of velocities, stay as they are. AssemblyError says which loop stays open by how much from this
-guess, and whether the guess is singular, as a stretched mechanism is; another one may close. `tolerance` is a part of the size
-of the mechanism; a residual that stops shrinking at the rounding of its terms is taken as closed.
+The method is that of Levenberg and Marquardt on the group of configurations. The velocities are those after an impact
+that closes the loops. `hold` names joints, or numbers of velocities, that do not move. AssemblyError says which loop
+remains open and by how much, and whether the guess is singular, as a stretched mechanism is; from another guess the
+loops may close. `tolerance` is relative to the size of the mechanism; a residual that stops decreasing at the
+rounding of its terms counts as closed.
 
 >>> q, v = axode.assemble(fourbar, [0.3, 0.0, 0.0], [1.0, 0.0, 0.0], hold=["crank_joint"])
 >>> q[0], bool(np.abs(axode.loop_residual(fourbar, q)).max() < 1e-11)
@@ -443,8 +449,9 @@ Degrees of freedom, rank and redundant rows of the loops at a closed q (nq,), se
       R"(
 Mass matrix and forces of a mechanism with loops in independent velocities, see `IndependentEquations`.
 
-q and v must be closed. `independent` names joints, or numbers of velocities, as many as the loops leave; without it those are
-taken that determine the others best. ValueError where they do not determine the others at q.
+The loops must be closed at q and stay closed with v. `independent` names joints, or numbers of velocities, as many as
+there are degrees of freedom; if it is left out, the velocities that determine the others best are chosen. ValueError
+if they do not determine the others at q.
 
 >>> q, v = axode.assemble(fourbar, [0.3, 0.0, 0.0], [1.0, 0.0, 0.0], hold=["crank_joint"])
 >>> crank = axode.independent_equations(fourbar, q, v, ["crank_joint"])
@@ -459,11 +466,12 @@ taken that determine the others best. ValueError where they do not determine the
               "loads: typing.Any = None, *, joint_losses: bool = False) -> "
               "axode.records.IndependentLinearization"),
       R"(
-What `linearize` is to a tree, of a mechanism with loops in k independent velocities, see `IndependentLinearization`.
+The linear system of small motions of a mechanism with loops in k independent velocities, see
+`IndependentLinearization`.
 
-q and v must be closed. `independent` as in `independent_equations`. Springs, dampers and stops of the model act. At an
-equilibrium the eigenvalues of A are those of small oscillations, whichever velocities are chosen. SingularError where the
-mass matrix is singular.
+`linearize` does the same for a tree. q, v and `independent` are those of `independent_equations`. Springs, dampers
+and stops of the model act. At an equilibrium the eigenvalues of A are those of the small oscillations, whichever
+velocities are chosen. SingularError if the mass matrix is singular.
 
 >>> rods = axode.load(axode.robots / "bricard.toml")
 >>> q, still = axode.equilibrium(rods, rods.neutral()).q, np.zeros(rods.nv)
@@ -473,7 +481,7 @@ array([1.241, 1.241])
 )");
   module.def("impact", &impact_of, "m"_a, "q"_a, "v"_a, "restitution"_a = 0.0, nb::kw_only(), "threads"_a = 1,
              R"(
-Velocities after the loops have closed suddenly, A v+ = -restitution A v: (nv,) or (N, nv). The masses move least.
+The velocities v+ after an impact that closes the loops, A v+ = -restitution A v: (nv,) or (N, nv). Of all such velocities they are the nearest to v in the norm of the kinetic energy.
 
 >>> v = axode.impact(fourbar, fourbar.neutral(), [1.0, 0.0, 0.0])
 >>> (axode.loop_jacobian(fourbar, fourbar.neutral()) @ v).round(12) + 0.0
@@ -482,10 +490,10 @@ array([0., 0., 0., 0., 0.])
   module.def("constraint_wrenches", &constraint_wrenches, "m"_a, "q"_a, "v"_a, "tau"_a,
              "representation"_a = "body", "loads"_a = nb::none(), nb::kw_only(), "joint_losses"_a = false,
              "threads"_a = 1, R"(
-The wrenches by which the loops act on their second bodies when drive forces tau act: (n_loops, 6) or (N, n_loops, 6).
+The wrenches of the loops on their second bodies under the drive forces tau: (n_loops, 6) or (N, n_loops, 6).
 
-In a representation of that body's frame, moment (N m) before force (N). Where rows are redundant, the least that there are;
-those of couplings, which are forces on joints, are 0.
+They are in a representation of the frame of the second body, moment (N m) before force (N). If rows are redundant,
+the wrenches are those of the least multipliers. Couplings exert forces on joints; their wrenches are 0.
 
 >>> W = axode.constraint_wrenches(fourbar, fourbar.neutral(), np.zeros(3), np.zeros(3), "spatial")
 >>> W.shape
@@ -499,10 +507,12 @@ those of couplings, which are forces on joints, are 0.
           "None = "
           "None) -> axode.records.JointState"),
       R"(
-The (q, v) of joints whose bodies have poses C and twists V, with how far that is from a state of them: see `JointState`.
+The state (q, v) of the joints whose bodies have poses C and twists V, with the residuals of the joints: see
+`JointState`.
 
-C (n, 4, 4) and V (n, 6) are those of the ground and all bodies, or of all frames: the way back from `poses` and `twists`.
-Angles are those nearest to `near` (nq,), neutral if left out. O(n).
+C (n, 4, 4) and V (n, 6) are those of the ground and all bodies, or of all frames; the function is the inverse of
+`poses` and `twists`. Angles are those nearest to `near` (nq,), or to the neutral configuration if it is left out.
+O(n).
 
 >>> q, v = np.full(7, 0.5), np.ones(7)
 >>> found = axode.joint_state(arm, axode.poses(arm, q), axode.twists(arm, q, v))

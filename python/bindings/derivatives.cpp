@@ -89,7 +89,7 @@ nothing, and has no derivative at v = 0. O(n d) on paths of d velocities.
 True
 )");
   functions.define<"inverse_dynamics_jvp">(R"(
-What a direction (dq, dv, da) does to the forces of `inverse_dynamics`: (nv,) or (N, nv). O(n), without a matrix.
+The derivative of `inverse_dynamics` along a direction (dq, dv, da): (nv,) or (N, nv). O(n), without a matrix.
 
 >>> q, v, a, w = np.full(7, 0.3), np.ones(7), np.zeros(7), np.arange(7.0)
 >>> d = axode.inverse_dynamics_derivatives(arm, q, v, a)
@@ -106,8 +106,8 @@ True
   functions.define<"inverse_dynamics_hessian">(R"(
 (qq, qv, vv, aq): second partial derivatives of w . tau of `inverse_dynamics`, (nv, nv) or (N, nv, nv) each.
 
-Entry [k, l] is the derivative along k of that along l. On a joint with several velocities the displacement k of q comes
-first, q (+) e_k (+) e_l; elsewhere qq is symmetric. O(n d).
+Entry [k, l] is the derivative along k of the derivative along l. For a joint with several velocities the displacement
+k of q comes first, q (+) e_k (+) e_l; elsewhere qq is symmetric. O(n d).
 
 >>> q, v, a, w = np.full(7, 0.3), np.ones(7), np.zeros(7), np.arange(7.0)
 >>> h = axode.inverse_dynamics_hessian(arm, q, v, a, w)
@@ -117,8 +117,8 @@ True
   functions.define<"forward_dynamics_derivatives">(R"(
 (q, v, tau): the partial derivatives of `forward_dynamics`, matrices (nv, nv) or (N, nv, nv), [component, direction].
 
-Terms as in `inverse_dynamics_derivatives`; the derivative by tau is the inverse mass matrix. O(n) for each column.
-SingularError where M is singular.
+The terms are those of `inverse_dynamics_derivatives`; the derivative by tau is the inverse mass matrix. O(n) for each
+column. SingularError if M is singular.
 
 >>> q, v, tau, w = np.full(7, 0.3), np.ones(7), np.zeros(7), np.arange(7.0)
 >>> d = axode.forward_dynamics_derivatives(arm, q, v, tau)
@@ -126,7 +126,7 @@ SingularError where M is singular.
 True
 )");
   functions.define<"forward_dynamics_jvp">(R"(
-What a direction (dq, dv, dtau) does to the accelerations of `forward_dynamics`: (nv,) or (N, nv). O(n), without a matrix.
+The derivative of `forward_dynamics` along a direction (dq, dv, dtau): (nv,) or (N, nv). O(n), without a matrix.
 
 >>> q, v, tau, w = np.full(7, 0.3), np.ones(7), np.zeros(7), np.arange(7.0)
 >>> d = axode.forward_dynamics_derivatives(arm, q, v, tau)
@@ -144,7 +144,7 @@ True
   functions.define<"forward_dynamics_hessian">(R"(
 (qq, qv, vv, tauq): second partial derivatives of w . a of `forward_dynamics`, (nv, nv) or (N, nv, nv) each.
 
-Entries as in `inverse_dynamics_hessian`. O(n^2 d). SingularError where M is singular.
+The entries are ordered as in `inverse_dynamics_hessian`. O(n^2 d). SingularError if M is singular.
 
 >>> q, v, tau, w = np.full(7, 0.3), np.ones(7), np.zeros(7), np.arange(7.0)
 >>> h = axode.forward_dynamics_hessian(arm, q, v, tau, w)
@@ -154,8 +154,8 @@ True
   functions.define<"inverse_dynamics_second_derivatives">(R"(
 (qq, qv, vv, aq): second partial derivatives of `inverse_dynamics` without loads, (nv, nv, nv) or (N, nv, nv, nv) each.
 
-Entry [i, k, l] is the derivative along k of that of tau[i] along l, see `inverse_dynamics_hessian`, which is what to call
-where components are only weighed. O(n d^2), and the zeros.
+Entry [i, k, l] is the derivative along k of the derivative of tau[i] along l. `inverse_dynamics_hessian` is faster if
+only a weighted sum of the components is needed. O(n d^2), and the time to write the zeros.
 
 >>> q, v, a, w = np.full(7, 0.3), np.ones(7), np.zeros(7), np.arange(7.0)
 >>> second = axode.inverse_dynamics_second_derivatives(arm, q, v, a)
@@ -165,7 +165,7 @@ True
   functions.define<"forward_dynamics_second_derivatives">(R"(
 (qq, qv, vv, tauq): second partial derivatives of `forward_dynamics` without loads, (nv, nv, nv) or (N, nv, nv, nv) each.
 
-Entries as in `inverse_dynamics_second_derivatives`. O(n^3 d). SingularError where M is singular.
+The entries are ordered as in `inverse_dynamics_second_derivatives`. O(n^3 d). SingularError if M is singular.
 
 >>> q, v, tau, w = np.full(7, 0.3), np.ones(7), np.zeros(7), np.arange(7.0)
 >>> second = axode.forward_dynamics_second_derivatives(arm, q, v, tau)
@@ -175,8 +175,9 @@ True
   functions.define<"momentum_form_derivatives">(R"(
 (v_q, v_p, dp_q, dp_p): the partial derivatives of `momentum_form`, matrices (nv, nv) or (N, nv, nv), [component, direction].
 
-By tau they are 0 and 1. v_p is the inverse mass matrix; without joint_losses, where every joint has one velocity, dp_p is
--v_q^T. Terms as in `inverse_dynamics_derivatives`. O(n) for each column. SingularError where M is singular.
+The derivatives by tau are 0 and 1. v_p is the inverse mass matrix; if every joint has one velocity, and without
+joint_losses, dp_p is -v_q^T. The terms are those of `inverse_dynamics_derivatives`. O(n) for each column.
+SingularError if M is singular.
 
 >>> q, p = np.full(7, 0.3), np.ones(7)
 >>> d = axode.momentum_form_derivatives(arm, q, p)
@@ -203,8 +204,8 @@ True
   functions.define<"generalized_load_derivatives">(R"(
 (q, v): the partial derivatives of `generalized_loads`, matrices (nv, nv) or (N, nv, nv), [component, direction]. O(n d).
 
-By v there is damping alone. By a component of a load the forces have the derivative J^T, see `jacobian`, and accelerations
-M^-1 J^T, see `impulse_response`.
+The derivative by v is that of damping only. The derivative of the forces by a component of a load is J^T, see
+`jacobian`; that of the accelerations is M^-1 J^T, see `impulse_response`.
 
 >>> weight = axode.Load(frame="flange", representation="hybrid", wrench=[0, 0, 0, 0, 0, -50])
 >>> axode.generalized_load_derivatives(arm, np.zeros(7), np.zeros(7), [weight]).q[1, 1].round(3)
@@ -229,9 +230,9 @@ True
   functions.define<"inverse_dynamics_geometry_derivatives">(R"(
 The partial derivatives of `inverse_dynamics` by geometric parameters: (nv, n_bodies, 6) or (N, nv, n_bodies, 6).
 
-Entry [:, i, u] belongs to the u-th unit screw (angular x y z, linear x y z) in the frame that body i of `m.body_names` has
-while its joint is at zero: all that the joint moves is displaced along it, before the joint moves it. Inertias, the joint's own
-screw and the components of loads keep their numbers. O(n d).
+Entry [:, i, u] belongs to the u-th unit screw (angular x y z, linear x y z) in the frame that body i of
+`m.body_names` has while its joint is at zero: everything that the joint moves is displaced along this screw before
+the joint moves. Inertias, the screw of the joint and the components of loads do not change. O(n d).
 
 >>> q, v, a, w = np.full(7, 0.3), np.ones(7), np.zeros(7), np.arange(7.0)
 >>> d = axode.inverse_dynamics_geometry_derivatives(arm, q, v, a)
@@ -241,7 +242,8 @@ screw and the components of loads keep their numbers. O(n d).
   functions.define<"forward_dynamics_geometry_derivatives">(R"(
 The partial derivatives of `forward_dynamics` by geometric parameters: (nv, n_bodies, 6) or (N, nv, n_bodies, 6).
 
-Parameters as in `inverse_dynamics_geometry_derivatives`. O(n) for each. SingularError where M is singular.
+The parameters are those of `inverse_dynamics_geometry_derivatives`. O(n) for each of them. SingularError if M is
+singular.
 
 >>> q, v, tau, w = np.full(7, 0.3), np.ones(7), np.zeros(7), np.arange(7.0)
 >>> a = axode.forward_dynamics(arm, q, v, tau)
@@ -271,8 +273,8 @@ True
   functions.define<"frame_geometry_jacobian">(R"(
 How a frame is displaced by geometric parameters: body-fixed twists, (6, n_bodies, 6) or (N, 6, n_bodies, 6).
 
-Entry [:, i, u] is C^-1 dC by parameter u of body i, see `inverse_dynamics_geometry_derivatives`; 0 for bodies that do not carry
-the frame. `offset` is a point (3,) or pose (4, 4) in it. O(d).
+Entry [:, i, u] is C^-1 dC by parameter u of body i, see `inverse_dynamics_geometry_derivatives`; it is 0 for bodies
+that do not carry the frame. `offset` is a point (3,) or pose (4, 4) in the frame. O(d).
 
 >>> J = axode.frame_geometry_jacobian(arm, np.full(7, 0.3), "flange")
 >>> J.shape
@@ -289,8 +291,8 @@ Entry [i, u] is the matrix for parameter u of body i, see `frame_geometry_jacobi
   functions.define<"motion_derivatives">(R"(
 (V_q, V_v, dV_q, dV_v): partial derivatives of a frame's twist and of its rate, (6, nv) or (N, 6, nv) each.
 
-V is an entry of `twists`, dV one of `accelerations`, in the same representation. V_v, which is the derivative of dV by a as
-well, is the Jacobian. O(n).
+V is an entry of `twists` and dV one of `accelerations`, in the same representation. V_v is the Jacobian, and also the
+derivative of dV by a. O(n).
 
 >>> q, v, a = np.full(7, 0.3), np.ones(7), np.zeros(7)
 >>> d = axode.motion_derivatives(arm, q, v, a, "flange", "hybrid")
@@ -320,9 +322,11 @@ True
               "representation: typing.Literal['body', 'spatial', 'hybrid', 'mixed'] = 'body', *, "
               "offset: numpy.typing.ArrayLike | None = None, threads: int = 1) -> axode.MotionChange"),
       documented("motion_jvp", R"(
-(X, V, dV): what a direction (dq, dv, da) does to the motion of a frame, (6,) or (N, 6) each. O(n), without a matrix.
+(X, V, dV): the changes of the motion of a frame along a direction (dq, dv, da), (6,) or (N, 6) each. O(n), without a
+matrix.
 
-X displaces its pose, C exp(eps X); V and dV are changes of its twist and of the twist's rate in the representation asked for.
+X is the displacement of its pose, C exp(eps X); V and dV are the changes of its twist and of the rate of its twist in
+the given representation.
 
 >>> q, v, a, w = np.full(7, 0.3), np.ones(7), np.zeros(7), np.arange(7.0)
 >>> d = axode.motion_derivatives(arm, q, v, a, "flange", "hybrid")
@@ -339,7 +343,8 @@ True
                      "offset: numpy.typing.ArrayLike | None = None, threads: int = 1) -> "
                      "axode.InverseDynamicsDerivatives"),
              R"(
-(q, v, a): the gradient of a weighted sum of what `motion_jvp` gives, (nv,) or (N, nv) each. O(n), without a matrix.
+(q, v, a): the gradient of a weighted sum of the results of `motion_jvp`, (nv,) or (N, nv) each. O(n), without a
+matrix.
 
 w has the weights of X, V and dV in its rows, (3, 6) or (N, 3, 6).
 
@@ -357,13 +362,13 @@ True
       R"(
 (A, B): small deviations x from the motion through the state change as x' = A x + B dtau.
 
-A has shape (2 nv, 2 nv), B (2 nv, nv), or with N in front. The first half of x are displacements delta, q (+) delta as in
-`Model.integrate`, rad and m; the second half those of v. A = [[-ad_v, 1], [da/dq, da/dv]] and B = [[0], [da/dtau]] with the
-derivatives of `forward_dynamics`; ad_v is the bracket of each joint's motions (eq. ScrewProd), 0 at rest and for joints
-with one velocity. Where v and the accelerations are 0 it is the linear system about an equilibrium, else that of an
-instant. Springs, dampers and stops of the model act, as in `simulate`; loads and joint_losses as in
-`forward_dynamics_derivatives`. O(n) for each column. SingularError, with A,
-where the mass matrix is singular.
+A has shape (2 nv, 2 nv), B (2 nv, nv), or with N in front. The first half of x are displacements delta, q (+) delta
+as in `Model.integrate`, rad and m; the second half are changes of v. A = [[-ad_v, 1], [da/dq, da/dv]] and B = [[0],
+[da/dtau]] with the derivatives of `forward_dynamics`; ad_v is the bracket of each joint's motions (eq. ScrewProd), 0
+at rest and for joints with one velocity. If v and the accelerations are 0, it is the linear system about an
+equilibrium; otherwise it holds at this instant only. Springs, dampers and stops of the model act, as in `simulate`;
+loads and joint_losses act as in `forward_dynamics_derivatives`. O(n) for each column. SingularError, with A, if the
+mass matrix is singular.
 
 >>> pendulum = axode.load(axode.robots / "double_pendulum.toml")
 >>> A, B = axode.linearize(pendulum, [0, 0], [0, 0], [0, 0])
@@ -377,13 +382,15 @@ array([2.6801, 7.1887])
                      "loads: collections.abc.Sequence[axode.Load] | None = None, *, tolerance: float = 1e-9, "
                      "iterations: int = 100) -> axode.Equilibrium"),
              R"(
-A configuration near q0, shape (nq,), that stays at rest under the drive forces tau, none if left out, and the loads.
+A configuration near q0, shape (nq,), that stays at rest under the loads and the drive forces tau, which are 0 if they
+are left out.
 
-There gravity torques less the loads are tau and what springs and stops of the model add to it (eq. LE), to
-`tolerance`, N m and N. By Newton's method with the exact derivative
-by q; equilibria may be stable or not, limits of joints are not heeded, and friction, which would hold more, is not
-counted. Loops are closed, and carry what they can. The result says whether it is "solved", "stalled", as where there is none
-near, at its "iteration_limit", or "open", where the loops do not close near q0, and has q and the norm of the forces that are missing there. O(n^3) for each iteration.
+There the gravity torques minus the loads equal tau plus the forces of springs, stops and loops (eq. LE), to
+`tolerance`, N m and N; loops are closed. The method is Newton's with the exact derivative by q. Equilibria may be
+stable or unstable; limits of joints are ignored, and so is friction, which would hold further configurations at rest.
+The status of the result is "solved", "stalled" (probably there is no equilibrium near q0), "iteration_limit", or
+"open" (the loops do not close near q0). The result also has q and the norm of the unbalanced forces there. O(n^3) for
+each iteration.
 
 >>> pendulum = axode.load(axode.robots / "double_pendulum.toml")
 >>> found = axode.equilibrium(pendulum, [3, 0.2])

@@ -57,15 +57,15 @@ void add_equations_of_motion(nb::module_& module) {
       "m"_a, "q"_a, "v"_a, "a"_a, "representation"_a = "fast", "loads"_a = nb::none(), nb::kw_only(),
       "joint_losses"_a = false, "threads"_a = 1, "drives"_a = nb::none(), "forces"_a = nb::none(),
       documented("inverse_dynamics", R"(
-tau = M(q) a + C(q, v) v + g(q) - (applied forces): the drive forces that make the accelerations a.
+tau = M(q) a + C(q, v) v + g(q) - (applied forces): the drive forces that produce the accelerations a.
 
 Shape (nv,) or (N, nv), N m or N. `loads` are wrenches on frames, see `axode.Load`; joint_losses adds damping and
-friction; armature is always part of it. All representations give the same; "fast" is the quickest, and goes through N
-states in SIMD lanes on up to `threads` cores. `forces` (nv,) or (N, nv) act besides; springs and stops of m do not by
-themselves: forces=axode.spring_forces(m, q, v).
-Of a mechanism with loops, tau of the joints that are not passive, or of `drives` (names of joints or numbers of velocities)
-alone, the least where that leaves a choice; ValueError where they cannot make a, and where a tears a loop.
-O(n), by the recursive Newton-Euler algorithm (eqs. aVbRec2 to cWhRec).
+friction; armatures are always included. All representations give the same result; "fast" takes the least time, and
+computes N states in SIMD lanes on up to `threads` cores. `forces` (nv,) or (N, nv) act in addition; springs and stops
+of m are left out unless forces=axode.spring_forces(m, q, v). In a mechanism with loops, only joints that are not
+passive have drive forces or, if `drives` (names of joints or numbers of velocities) is given, only these; if several
+tau are possible, it is the least one. ValueError if the drives cannot produce a, and if a does not keep a loop
+closed. O(n), by the recursive Newton-Euler algorithm (eqs. aVbRec2 to cWhRec).
 
 >>> q, v, a = arm.neutral(), np.full(7, 0.5), np.ones(7)
 >>> q[1] = 0.8
@@ -90,12 +90,12 @@ array([  2.67 , -50.147,  -0.109,  14.362])
       "m"_a, "q"_a, "v"_a, "tau"_a, "representation"_a = "fast", "loads"_a = nb::none(), nb::kw_only(),
       "joint_losses"_a = false, "threads"_a = 1,
       documented("forward_dynamics", R"(
-The accelerations a that the drive forces tau make, the inverse of `inverse_dynamics` with the same loads.
+The accelerations a that the drive forces tau produce, the inverse of `inverse_dynamics` with the same loads.
 
-Shape (nv,) or (N, nv). O(n) by the articulated-body algorithm. SingularError, which names the joint, where the mass
-matrix is singular; of N states the others are in its `result`. Springs and stops of m are left out: add `spring_forces`
-to tau for them. Of a mechanism with loops at a closed state, see `assemble`, these are the accelerations that keep them
-closed.
+Shape (nv,) or (N, nv). O(n) by the articulated-body algorithm. SingularError, which names the joint, if the mass
+matrix is singular; its `result` has the accelerations of all other states. Springs and stops of m are left out: add
+`spring_forces` to tau to include them. For a mechanism with loops at a closed state, see `assemble`, the
+accelerations are those that keep the loops closed.
 
 >>> q, v = arm.neutral(), np.full(7, 0.5)
 >>> tau = axode.inverse_dynamics(arm, q, v, np.ones(7))
@@ -121,13 +121,13 @@ array([1., 1., 1., 1., 1., 1., 1.])
       "m"_a, "q"_a, "v"_a, "a"_a, "representation"_a = "body", "loads"_a = nb::none(), nb::kw_only(),
       "at"_a = "body", "joint_losses"_a = false, "threads"_a = 1, "drives"_a = nb::none(),
       documented("joint_wrenches", R"(
-The wrench that each joint transmits to its body, drive and reaction: moment (N m), then force (N).
+The wrench that each joint transmits to its body, drive and reaction together: moment (N m), then force (N).
 
-Shape (n_bodies, 6) or (N, n_bodies, 6), row i for body i of `m.body_names`, in the representation of its frame. Moments are
-about the origin of that frame or, with at="joint", about the joint's point, `Body.S_self`; spatial ones about the inertial
-origin in either. O(n).
-Of a mechanism with loops, the wrenches under the drive forces that `inverse_dynamics` gives, with `drives` as there; O(nv^3).
-Where loops are redundant, the wrenches go with the least multipliers that there are, see `constraint_wrenches`.
+Shape (n_bodies, 6) or (N, n_bodies, 6), row i for body i of `m.body_names`, in the representation of its frame.
+Moments are about the origin of that frame or, with at="joint", about the joint's point, `Body.S_self`; spatial
+wrenches are about the inertial origin in both cases. O(n). For a mechanism with loops, they are the wrenches under
+the drive forces of `inverse_dynamics`, with the same argument `drives`; O(nv^3). If loops are redundant, the wrenches
+belong to the least multipliers, see `constraint_wrenches`.
 
 >>> W = axode.joint_wrenches(arm, arm.neutral(), np.zeros(7), np.zeros(7), "hybrid")
 >>> W[0, 3:].round(3)
@@ -135,7 +135,7 @@ array([ 0.   ,  0.   , 258.337])
 )")
           .c_str());
   functions.define<"coriolis_vector">(R"(
-C(q, v) v, what the motion asks of the drives without gravity, loads and accelerations: (nv,) or (N, nv). O(n).
+C(q, v) v, the drive forces of the motion without gravity, loads and accelerations: (nv,) or (N, nv). O(n).
 
 >>> axode.coriolis_vector(arm, arm.neutral(), np.zeros(7)).any()
 np.False_
@@ -147,7 +147,7 @@ g(q) = dU/dq, the drive forces that hold the mechanism at rest against gravity: 
 np.float64(-26.588)
 )");
   functions.define<"generalized_loads">(R"(
-Q, the sum of J^T W over the loads, with damping and friction where asked: (nv,) or (N, nv). O(n).
+Q, the sum of J^T W over the loads, with damping and friction if joint_losses is set: (nv,) or (N, nv). O(n).
 
 >>> push = [{"frame": "flange", "representation": "hybrid", "wrench": [0, 0, 0, 10, 0, 0]}]
 >>> axode.generalized_loads(arm, arm.neutral(), np.zeros(7), push)[[1, 3, 5]].round(3)
@@ -160,7 +160,7 @@ void add_matrices(nb::module_& module) {
   functions.define<"mass_matrix">(R"(
 M(q), the generalized mass matrix, armature included: (nv, nv) or (N, nv, nv), symmetric.
 
-By the composite-body algorithm, O(n d) for depth d; all representations give the same.
+The composite-body algorithm takes O(n d) for depth d; all representations give the same result.
 
 >>> M = axode.mass_matrix(arm, arm.neutral())
 >>> bool((M == M.T).all())
@@ -169,7 +169,7 @@ True
   functions.define<"inverse_mass_matrix">(R"(
 The inverse of M(q), (nv, nv) or (N, nv, nv), by the articulated-body algorithm. O(n^2).
 
-SingularError where M is singular.
+SingularError if M is singular.
 
 >>> M, W = axode.mass_matrix(arm, arm.neutral()), axode.inverse_mass_matrix(arm, arm.neutral())
 >>> np.allclose(M @ W, np.eye(7))
@@ -185,8 +185,8 @@ True
       documented("coriolis_matrix", R"(
 C(q, v) with C v = `coriolis_vector`: (nv, nv) or (N, nv, nv). O(n d).
 
-"paper": eq. CMat; M' - 2C is not skew. "skew": the paper's C', for which it is. "spatial": from spatial twists, the same
-matrix as "skew". "christoffel": C_ij = sum of Gamma_ijk v_k; M' - 2C is skew.
+"paper": the paper's C (eq. CMat); M' - 2C is not skew. "skew": the paper's C', for which M' - 2C is skew. "spatial":
+the same matrix as "skew", computed from spatial twists. "christoffel": C_ij = sum of Gamma_ijk v_k; M' - 2C is skew.
 
 >>> v = np.ones(7)
 >>> C = axode.coriolis_matrix(arm, arm.neutral(), v, form="skew")
@@ -197,7 +197,7 @@ True
   functions.define<"christoffel">(R"(
 Christoffel symbols of the first kind, Gamma[i, j, k]: (nv, nv, nv) or (N, nv, nv, nv) (eq. Gamma, corrected).
 
-Symmetric in j, k but for velocities of one joint with several degrees of freedom. O(n d^2).
+They are symmetric in j and k, except for velocities of one joint with several degrees of freedom. O(n d^2).
 
 >>> Gamma, v = axode.christoffel(arm, np.full(7, 0.3)), np.ones(7)
 >>> np.allclose(Gamma @ v @ v, axode.coriolis_vector(arm, np.full(7, 0.3), v))
@@ -216,9 +216,10 @@ The partial derivatives of the inverse of M, -M^-1 dM/dq_k M^-1, in the order of
 (7, 7, 7)
 )");
   nb::class_<MassMatrixFactor<>>(module, "MassMatrixFactor", R"(
-M = L^T D L with a unit lower triangular L that has entries only where velocities are on one path, as M has.
+The factors of M = L^T D L. L is lower triangular with a unit diagonal; as in M, only entries of velocities on one
+path are non-zero.
 
-MassMatrixFactor(m, M) takes a mass matrix (nv, nv) of the model m; O(n d^2). SingularError where it is singular.
+MassMatrixFactor(m, M) factorises a mass matrix (nv, nv) of the model m; O(n d^2). SingularError if it is singular.
 
 >>> M = axode.mass_matrix(arm, arm.neutral())
 >>> factor = axode.MassMatrixFactor(arm, M)
@@ -291,13 +292,13 @@ True
 void add_energies(nb::module_& module) {
   const StateFunctions functions(module);
   functions.define<"kinetic_energy">(R"(
-T = v^T M v / 2 of bodies and armatures, J: a number, or (N,). O(n).
+The kinetic energy T = v^T M v / 2 of bodies and armatures, J: a number, or (N,). O(n).
 
 >>> float(axode.kinetic_energy(arm, arm.neutral(), np.zeros(7)))
 0.0
 )");
   functions.define<"potential_energy">(R"(
-U, the potential of gravity, 0 at the inertial origin, J: a number, or (N,). O(n).
+The potential energy U of gravity, 0 for masses at the inertial origin, J: a number, or (N,). O(n).
 
 >>> U = axode.potential_energy(arm, arm.neutral())
 >>> bool(np.isclose(U, 9.81 * arm.total_mass * axode.center_of_mass(arm, arm.neutral())[2]))
@@ -306,7 +307,8 @@ True
   functions.define<"spring_forces">(R"(
 The generalized forces of springs, dampers and stops, (nv,) or (N, nv), N m for angles and N for lengths. O(n).
 
-They act in `simulate` and `rollout`; `forward_dynamics` and the others leave them out: add these to tau.
+They act in `simulate` and `rollout`. `forward_dynamics` and the other functions leave them out, unless you add these
+forces to tau.
 
 >>> drawing = arm.to_dict()
 >>> drawing["body"][1]["joint"]["spring"] = {"stiffness": 100.0, "rest": 0.2}
@@ -314,7 +316,7 @@ They act in `simulate` and `rollout`; `forward_dynamics` and the others leave th
 20.0
 )");
   functions.define<"elastic_energy">(R"(
-The energy that springs and stops hold, J: a number, or (N,). Its gradient is -`spring_forces` where nothing moves. O(n).
+The energy of springs and stops, J: a number, or (N,). At rest, its gradient is -`spring_forces`. O(n).
 
 >>> float(axode.elastic_energy(arm, np.ones(7)))
 0.0
@@ -357,25 +359,27 @@ void add_operational_space(nb::module_& module) {
       "m"_a, "q"_a, "frame"_a, "representation"_a = "body", nb::kw_only(), "offset"_a = nb::none(),
       "threads"_a = 1,
       documented("impulse_response", R"(
-M^-1 J^T of a frame, (nv, 6) or (N, nv, 6): the jump of the velocities under a unit of impulse there. O(n).
+M^-1 J^T of a frame, (nv, 6) or (N, nv, 6): the jump of the velocities under a unit of impulse on the frame. O(n).
 
-`offset` as in `jacobian`. SingularError where M is singular.
+`offset` is that of `jacobian`. SingularError if M is singular.
 
 >>> axode.impulse_response(arm, arm.neutral(), "flange").shape
 (7, 6)
 )")
           .c_str());
   functions.define<"inverse_operational_space_inertia">(R"(
-J M^-1 J^T of a frame, (6, 6) or (N, 6, 6): the twist that it gets from an impulse. Its rank says how it can move.
+J M^-1 J^T of a frame, (6, 6) or (N, 6, 6): it maps an impulse on the frame to the jump of its twist. Its rank is the
+number of directions in which the frame can move.
 
 >>> np.linalg.matrix_rank(axode.inverse_operational_space_inertia(arm, np.full(7, 0.5), "flange"))
 np.int64(6)
 )");
   functions.define<"operational_space_inertia">(R"(
-(J M^-1 J^T)^-1 of a frame, (6, 6) or (N, 6, 6): the inertia that it shows to a wrench.
+The operational-space inertia (J M^-1 J^T)^-1 of a frame, (6, 6) or (N, 6, 6): its apparent inertia against a wrench.
 
-NaN where the frame cannot move, or nearly cannot, in all six directions: always on fewer than six axes, and at singular
-places; there `inverse_operational_space_inertia` says how it moves. SingularError where M is singular.
+It is NaN if the frame cannot move, or nearly cannot, in all six directions: always if it has fewer than six axes, and
+in singular configurations. In these cases `inverse_operational_space_inertia` shows how the frame can move.
+SingularError if M is singular.
 
 >>> bool(np.isfinite(axode.operational_space_inertia(arm, np.full(7, 0.5), "flange")).all())
 True
@@ -385,9 +389,9 @@ True
 void add_regressors(nb::module_& module) {
   const StateFunctions functions(module);
   functions.define<"regressor">(R"(
-Y with Y pi = M a + C v + g for the inertial parameters pi: (nv, 10 n_bodies) or (N, nv, 10 n_bodies).
+The regressor Y with Y pi = M a + C v + g for the inertial parameters pi: (nv, 10 n_bodies) or (N, nv, 10 n_bodies).
 
-`Model.parameters` has them. Armature, losses and loads are not part of it. O(n d).
+`Model.parameters` has the parameters pi. Armature, losses and loads are not included. O(n d).
 
 >>> q, v, a = np.full(7, 0.3), np.ones(7), np.ones(7)
 >>> Y = axode.regressor(arm, q, v, a)
@@ -395,13 +399,13 @@ Y with Y pi = M a + C v + g for the inertial parameters pi: (nv, 10 n_bodies) or
 True
 )");
   functions.define<"kinetic_energy_regressor">(R"(
-y with y pi = the kinetic energy of the bodies, J: (10 n_bodies,) or (N, 10 n_bodies). O(n).
+The row y for which y pi is the kinetic energy of the bodies, J: (10 n_bodies,) or (N, 10 n_bodies). O(n).
 
 >>> axode.kinetic_energy_regressor(arm, arm.neutral(), np.ones(7)).shape
 (70,)
 )");
   functions.define<"potential_energy_regressor">(R"(
-y with y pi = the potential energy of gravity, J: (10 n_bodies,) or (N, 10 n_bodies). O(n).
+The row y for which y pi is the potential energy of gravity, J: (10 n_bodies,) or (N, 10 n_bodies). O(n).
 
 >>> axode.potential_energy_regressor(arm, arm.neutral()).shape
 (70,)

@@ -110,7 +110,7 @@ void add_files(nb::module_& module) {
             io::build(io::read_drawing(text, "", strictness(strict)), base, strictness(strict)));
       },
       "text"_a, "base"_a = nb::none(), nb::kw_only(), "strict"_a = false, R"(
-The mechanism of a drawing, from its text (TOML); otherwise as `load`.
+The mechanism of a drawing, read from its text (TOML). Arguments and errors are those of `load`.
 
 >>> axode.read_drawing(axode.drawing(arm)).name
 'arm7'
@@ -121,7 +121,7 @@ The mechanism of a drawing, from its text (TOML); otherwise as `load`.
         return BoundModel(io::build(io::read_urdf(text, "", strictness(strict)), base, strictness(strict)));
       },
       "text"_a, "base"_a = nb::none(), nb::kw_only(), "strict"_a = false, R"(
-The mechanism of a URDF, from its text; otherwise as `load`.
+The mechanism of a URDF, read from its text. Arguments and errors are those of `load`.
 
 >>> axode.read_urdf('<robot name="stone"><link name="base"/></robot>').nq
 0
@@ -132,29 +132,32 @@ The mechanism of a URDF, from its text; otherwise as `load`.
         return BoundModel(io::build(io::read_sdf(text, "", strictness(strict)), base, strictness(strict)));
       },
       "text"_a, "base"_a = nb::none(), nb::kw_only(), "strict"_a = false, R"(
-The mechanism of an SDF file, from its text; otherwise as `load`. A link that no joint carries is free.
+The mechanism of an SDF file, read from its text. Arguments and errors are those of `load`. A link to which no joint
+leads is free.
 
 >>> stone = axode.read_sdf('<sdf version="1.9"><model name="stone"><link name="base"/></model></sdf>')
 >>> stone.joint_names
 ['free_base']
 )");
   module.def("drawing", &drawing_text, "m"_a, R"(
-The text of a drawing of the mechanism, all in the construction frame; `read_drawing` makes the same model of it.
+The text of a drawing of the mechanism, with everything in the construction frame; `read_drawing` builds the same
+model from it.
 
 >>> print(axode.drawing(arm).splitlines()[1])
 format = "axode drawing 1"
 )");
   module.def("urdf", &urdf_text, "m"_a, nb::kw_only(), "strict"_a = false, R"(
-The text of a URDF of the mechanism. What URDF has no words for, such as armatures and springs, is left out with a UserWarning
-that names it; with strict=True it is a ModelError. Joints of kinds that URDF does not have are always a ModelError.
+The text of a URDF of the mechanism. Anything that URDF cannot express, such as armatures and springs, is left out,
+and a UserWarning names it; with strict=True it causes a ModelError. Joints of kinds that URDF does not have always
+cause a ModelError.
 
 >>> axode.urdf(axode.read_urdf('<robot name="stone"><link name="base"/></robot>'))[:5]
 '<?xml'
 )");
   module.def("mjcf", &mjcf_text, "m"_a, nb::kw_only(), "strict"_a = false, R"(
-The text of an MJCF file of the mechanism, for MuJoCo. What MJCF has no words for, such as velocity limits and elastic stops, is
-left out with a UserWarning that names it; with strict=True it is a ModelError. What MuJoCo refuses, such as helical joints and
-moving bodies without mass, is always a ModelError.
+The text of an MJCF file of the mechanism, for MuJoCo. Anything that MJCF cannot express, such as velocity limits and
+elastic stops, is left out, and a UserWarning names it; with strict=True it causes a ModelError. Anything that MuJoCo
+refuses, such as helical joints and moving bodies without mass, always causes a ModelError.
 
 >>> print(axode.mjcf(arm).splitlines()[0])
 <mujoco model="arm7">

@@ -410,7 +410,7 @@ const Trajectory* motion_in(nb::handle given) {
 void add_integration(nb::module_& module) {
   nb::class_<BoundTrajectory>(module, "Trajectory",
                               R"(
-A motion, from `simulate`: at the ends of its steps, or at the times that were asked for, and in between.
+A motion from `simulate`: its states at the ends of its steps, or at the given times, with interpolation in between.
 
 >>> fall = axode.simulate(arm, np.full(7, 0.1), np.zeros(7), until=0.5)
 >>> fall.complete, bool(np.ptp(fall.energy) < 1e-6)
@@ -496,10 +496,10 @@ A motion, from `simulate`: at the ends of its steps, or at the times that were a
           nb::sig("def at(self, t: numpy.typing.ArrayLike) -> tuple[numpy.typing.NDArray[numpy.float64], "
                   "numpy.typing.NDArray[numpy.float64]]"),
           R"(
-(q, v) at a time, (nq,) and (nv,), or at N of them. ValueError for times outside.
+(q, v) at a time, (nq,) and (nv,), or at N times, (N, nq) and (N, nv). ValueError for times outside the motion.
 
-Between the ends of steps configurations are those of quintics on the group, added to the mean motion of the step, so that bodies may
-turn by any angle in a step. Errors are of order h^6 in q and h^5 in v.
+Between the ends of steps, configurations are interpolated by quintics on the group relative to the mean motion of the
+step, so that bodies may turn by any angle in a step. Errors are of order h^6 in q and h^5 in v.
 
 >>> fall = axode.simulate(arm, np.full(7, 0.1), np.zeros(7), until=0.5)
 >>> q, v = fall.at(0.25)
@@ -508,9 +508,10 @@ turn by any angle in a step. Errors are of order h^6 in q and h^5 in v.
 )")
       .def("to_pandas", &as_data_frame, nb::sig("def to_pandas(self) -> typing.Any"),
            R"(
-A pandas.DataFrame: t its index; "q NAME", "v NAME", "a NAME", "tau NAME" for every coordinate and velocity, and "energy".
+The motion as a pandas.DataFrame. Its index is t, and its columns are "q NAME", "v NAME", "a NAME" and "tau NAME" for
+every coordinate and velocity, and "energy".
 
-Its to_parquet (with pyarrow) and to_csv write files. ModuleNotFoundError where pandas is not installed.
+Its methods to_parquet (with pyarrow) and to_csv write files. ModuleNotFoundError if pandas is not installed.
 
 >>> fall = axode.simulate(arm, np.full(7, 0.1), np.zeros(7), until=1, times=[0, 0.5, 1])
 >>> fall.to_pandas().shape

@@ -189,16 +189,17 @@ nb::object inverse_kinematics_of(const BoundModel& m, nb::handle given, ArrayLik
 void add_kinematics(nb::module_& module) {
   const StateFunctions functions(module);
   functions.define<"poses">(R"(
-C_i, the pose of every frame in the inertial frame (eqs. POEX, aVbRec2).
+The pose C_i of every frame in the inertial frame (eqs. POEX, aVbRec2).
 
-Shape (n_frames, 4, 4), or (N, n_frames, 4, 4) for q of shape (N, nq); m. In the order of `m.frame_names`. O(n).
+Shape (n_frames, 4, 4), or (N, n_frames, 4, 4) for q of shape (N, nq), in the order of `m.frame_names`; positions in
+m. O(n).
 
 >>> C = axode.poses(arm, arm.neutral())
 >>> C[arm.frame_index("flange"), :3, 3]
 array([0.   , 0.   , 1.306])
 )");
   functions.define<"pose">(R"(
-C, the pose of a frame in the inertial frame: (4, 4), or (N, 4, 4) for q of shape (N, nq); m. O(n).
+The pose C of a frame in the inertial frame: (4, 4), or (N, 4, 4) for q of shape (N, nq); positions in m. O(n).
 
 `offset` is a point (3,) or pose (4, 4) in the frame.
 
@@ -206,7 +207,7 @@ C, the pose of a frame in the inertial frame: (4, 4), or (N, 4, 4) for q of shap
 array([0.   , 0.   , 1.306])
 )");
   functions.define<"twists">(R"(
-V_i, the twist of every frame: angular (rad/s), then linear (m/s) (eqs. VbRec, Vsrec, VhRec).
+The twist V_i of every frame: angular (rad/s), then linear (m/s) (eqs. VbRec, Vsrec, VhRec).
 
 Shape (n_frames, 6) or (N, n_frames, 6), in the order of `m.frame_names`.
 body: axes of the frame, about its origin. spatial: inertial axes, about the inertial origin. hybrid: inertial axes,
@@ -217,19 +218,20 @@ about the frame's origin. mixed: angular part in the frame's axes, linear part i
 (10, 6)
 )");
   functions.define<"accelerations">(R"(
-V'_i, the time derivative of the components of every twist, rad/s^2 and m/s^2 (eqs. cVbRec2, dVsRec, dVhRec2).
+The time derivative V'_i of the components of the twist of every frame, rad/s^2 and m/s^2 (eqs. cVbRec2, dVsRec,
+dVhRec2).
 
-Shape (n_frames, 6) or (N, n_frames, 6), in the order of `m.frame_names`. Hybrid and mixed ones hold the classical
-acceleration r'' of the frame's origin; body-fixed and spatial ones do not. Gravity is not part of it. O(n).
+Shape (n_frames, 6) or (N, n_frames, 6), in the order of `m.frame_names`. Hybrid and mixed rates contain the classical
+acceleration r'' of the frame's origin; body-fixed and spatial rates do not. Gravity is not included. O(n).
 
 >>> dV = axode.accelerations(arm, arm.neutral(), np.zeros(7), np.ones(7), "hybrid")
 >>> dV[arm.frame_index("flange")].round(3)
 array([0.   , 1.   , 4.   , 0.546, 0.   , 0.   ])
 )");
   functions.define<"jacobian">(R"(
-J with V = J v for a frame, shape (6, nv) or (N, 6, nv), angular rows first (eqs. JbX, JsX, Jh, JhJb).
+The Jacobian J of a frame, V = J v, shape (6, nv) or (N, 6, nv), angular rows first (eqs. JbX, JsX, Jh, JhJb).
 
-`offset` is a point (3,) or a pose (4, 4) given in the frame, m; J is then that of the offset frame. O(n).
+`offset` is a point (3,) or a pose (4, 4) given in the frame, m; J is then the Jacobian of the offset frame. O(n).
 
 >>> J = axode.jacobian(arm, arm.neutral(), "flange", "hybrid")
 >>> J[:, 0]
@@ -244,8 +246,9 @@ array([0., 0., 1., 0., 0., 0.])
              R"(
 The Jacobians of many frames in one call: shape (K, 6, nv), or (N, K, 6, nv) for q of shape (N, nq).
 
-`frames` is a list of their names or numbers; left out, all frames in the order of `m.frame_names`. Poses and joint screws
-are found once: it is much quicker than `jacobian` for each. O(n), and O(path length) for each frame.
+`frames` is a list of their names or numbers; if it is left out, it is all frames in the order of `m.frame_names`.
+Poses and joint screws are computed once; hence this takes much less time than calling `jacobian` for each frame.
+O(n), and O(path length) for each frame.
 
 >>> J = axode.jacobians(arm, arm.neutral(), ["link 2", "flange"], "hybrid")
 >>> J.shape
@@ -254,9 +257,9 @@ are found once: it is much quicker than `jacobian` for each. O(n), and O(path le
 True
 )");
   functions.define<"jacobian_rate">(R"(
-J', the time derivative of the Jacobian of a frame: V' = J a + J' v. Shape (6, nv) or (N, 6, nv).
+The time derivative J' of the Jacobian of a frame: V' = J a + J' v. Shape (6, nv) or (N, 6, nv).
 
-`offset` as in `jacobian`. O(n).
+`offset` is that of `jacobian`. O(n).
 
 >>> dJ = axode.jacobian_rate(arm, arm.neutral(), np.zeros(7), "flange")
 >>> float(abs(dJ).max())
@@ -267,7 +270,7 @@ J', the time derivative of the Jacobian of a frame: V' = J a + J' v. Shape (6, n
 The partial derivatives of the Jacobian of a frame, of any order up to 12, in closed form (eqs. der1, nthorder, Jhder).
 
 Shape (nv, ..., nv, 6, nv), one axis for each derivative, the outermost first: entry [k, :, j] of the first order is
-the derivative of column j along direction e_k, d/de J(q (+) e e_k). N states add an axis in front.
+the derivative of column j along direction e_k, d/de J(q (+) e e_k). For N states, there is another axis in front.
 
 >>> dJ = axode.jacobian_partials(arm, arm.neutral(), "flange", "spatial")
 >>> dJ.shape
@@ -300,7 +303,8 @@ built.
       documented("relative_jacobian", R"(
 The Jacobian of the motion of a frame as an observer at rest in the frame `base` sees it, (6, nv) or (N, 6, nv).
 
-The base is in the role of the inertial frame. `offset` and `base_offset` as in `jacobian`.
+The base takes the role of the inertial frame. `offset` and `base_offset` are points or poses in the two frames, as in
+`jacobian`.
 
 >>> J = axode.relative_jacobian(arm, arm.neutral(), "flange", "link 6")
 >>> np.flatnonzero(abs(J).max(axis=0))
@@ -314,9 +318,11 @@ array([6])
                      "offset: numpy.typing.ArrayLike | None = None) -> tuple[list[int], "
                      "numpy.typing.NDArray[numpy.float64]]"),
              R"(
-(velocities, columns): the columns of a Jacobian along the path from the frame to the ground only, (6, k).
+(velocities, columns): those columns of a Jacobian that belong to joints on the path from the frame to the ground, (6,
+k), with the indices of their velocities.
 
-Columns of the same velocity (coupled joints) add up. One state. O(path length).
+If joints are coupled, several columns may have the same velocity; they add up. The function takes one state only.
+O(path length).
 
 >>> axode.jacobian_columns(arm, arm.neutral(), "link 2")[0]
 [1, 0]
@@ -338,13 +344,14 @@ ValueError for a massless model.
 (3,)
 )");
   functions.define<"center_of_mass_jacobian">(R"(
-J with r_com' = J v, in inertial axes, shape (3, nv) or (N, 3, nv), m. O(n).
+The Jacobian J of the center of mass, r_com' = J v, in inertial axes, shape (3, nv) or (N, 3, nv), m. O(n).
 
 >>> axode.center_of_mass_jacobian(arm, arm.neutral()).shape
 (3, 7)
 )");
   functions.define<"centroidal_momentum_matrix">(R"(
-A with A v = the momentum about the center of mass, in inertial axes, angular rows first: (6, nv) or (N, 6, nv). O(n).
+The centroidal momentum matrix A: A v is the momentum about the center of mass, in inertial axes, angular rows first:
+(6, nv) or (N, 6, nv). O(n).
 
 >>> A = axode.centroidal_momentum_matrix(arm, arm.neutral())
 >>> np.allclose(A @ np.ones(7), axode.centroidal_momentum(arm, arm.neutral(), np.ones(7)))
@@ -372,7 +379,7 @@ array([0.   , 1.   , 0.   , 0.946, 0.   , 0.   ])
              "representation"_a = "body", nb::kw_only(), "offset"_a = nb::none(), "threads"_a = 1, R"(
 The Jacobian of a frame and its time derivatives up to an order, shape (K, 6, nv) or (N, K, 6, nv).
 
-`rates` as in `twist_derivatives`; entry k needs rows 0 to k - 1 of it. O(n K^2).
+`rates` are those of `twist_derivatives`; entry k of the result needs rows 0 to k - 1. O(n K^2).
 
 >>> axode.jacobian_derivatives(arm, arm.neutral(), np.ones((4, 7)), "flange").shape
 (4, 6, 7)
@@ -387,11 +394,13 @@ The Jacobian of a frame and its time derivatives up to an order, shape (K, 6, nv
           "seed: int = 1, limits: bool = True, posture: numpy.typing.ArrayLike | None = None) -> "
           "axode.InverseKinematics"),
       R"(
-The configuration in which frames take given poses, by damped least squares on SE(3), from q0 and then random starts.
+A configuration in which frames have given poses, by damped least squares on SE(3), starting from q0 and then from
+random configurations.
 
-`targets` is a list of `axode.Target`. The error of one is log(C^-1 C_target), rad and m, scaled by its weights; a weight
-of 0 leaves a part free. `limits` keeps joints within theirs; `posture` is a configuration to stay near where the targets
-leave freedom. The result says whether it is "solved", "stalled" or at its "iteration_limit", and has q.
+`targets` is a list of `axode.Target`. The error of a target is log(C^-1 C_target), rad and m, scaled by its weights;
+a weight of 0 leaves a part free. `limits` keeps joints within their limits; `posture` is a configuration near which
+the joints stay as far as the targets leave them free. The result has a status, "solved", "stalled" or
+"iteration_limit", and q.
 
 >>> goal = axode.poses(arm, np.full(7, 0.3))[arm.frame_index("flange")]
 >>> found = axode.inverse_kinematics(arm, [{"frame": "flange", "pose": goal}], arm.neutral())

@@ -50,7 +50,7 @@ using Matrix4 = Eigen::Matrix4d;
 void add_groups(nb::module_& lie) {
   add<Screw<>>(
       lie, "exp", {"X"}, [](const Screw<>& X) { return exp(X); }, R"(
-exp X, the pose that a screw motion along X leads to: (..., 6) to (..., 4, 4), rad and m (eq. POEX).
+exp X, the displacement by a screw motion along X: (..., 6) to (..., 4, 4), rad and m (eq. POEX).
 
 >>> axode.lie.exp([0, 0, np.pi / 2, 0, 0, 0.1]).round(3)
 array([[ 0. , -1. ,  0. ,  0. ],
@@ -62,7 +62,7 @@ array([[ 0. , -1. ,  0. ,  0. ],
       lie, "log", {"C"}, [](const SE3<>& C) { return log(C); }, R"(
 log C, the screw X with exp(X) = C and its angle in [0, pi]: (..., 4, 4) to (..., 6), rad and m.
 
-At the angle pi either direction of the axis is right. ValueError where C is no pose.
+At the angle pi, both directions of the axis are right. ValueError if C is not a pose.
 
 >>> axode.lie.log(axode.lie.exp([0.1, 0.2, 0.3, 1, 2, 3])).round(3)
 array([0.1, 0.2, 0.3, 1. , 2. , 3. ])
@@ -80,14 +80,14 @@ array([[ 0., -1.,  0.],
       lie, "log_SO3", {"R"}, [](const SO3<>& R) { return log_SO3(R); }, R"(
 log R, the rotation vector with its angle in [0, pi]: (..., 3, 3) to (..., 3), rad.
 
-At the angle pi either sign is right. ValueError where R is no rotation.
+At the angle pi, both signs are right. ValueError if R is not a rotation.
 
 >>> axode.lie.log_SO3(axode.lie.exp_SO3([0.1, 0.2, 0.3])).round(3)
 array([0.1, 0.2, 0.3])
 )");
   add<SE3<>>(
       lie, "inverse", {"C"}, [](const SE3<>& C) { return inverse(C); }, R"(
-The inverse of a pose, [[R^T, -R^T r], [0, 1]]: (..., 4, 4) to (..., 4, 4), m. ValueError where C is no pose.
+The inverse of a pose, [[R^T, -R^T r], [0, 1]]: (..., 4, 4) to (..., 4, 4), m. ValueError if C is not a pose.
 
 >>> C_i, C_j = axode.poses(arm, arm.random())[[2, 3]]
 >>> C_ij = axode.lie.inverse(C_i) @ C_j  # the pose of body 3 in body 2
@@ -103,7 +103,7 @@ The inverse of a pose, [[R^T, -R^T r], [0, 1]]: (..., 4, 4) to (..., 4, 4), m. V
       R"(
 The shortest rotation that takes the z-axis to the unit vector n: (..., 3) to (..., 3, 3).
 
-Half a turn about the x-axis where n = -z. It places the in-plane axes of a planar joint with normal n.
+If n = -z, it is half a turn about the x-axis. It places the in-plane axes of a planar joint with normal n.
 
 >>> (axode.lie.rotation_to([0.6, 0, 0.8]) @ [0, 0, 1]).round(3)
 array([0.6, 0. , 0.8])
@@ -115,7 +115,7 @@ void add_quaternions(nb::module_& lie) {
       lie, "quaternion", {"R"}, [](const SO3<>& R) { return quaternion(R); }, R"(
 The unit quaternion x y z w of a rotation, with w >= 0: (..., 3, 3) to (..., 4).
 
-ValueError where R is no rotation.
+ValueError if R is not a rotation.
 
 >>> axode.lie.quaternion(np.diag([1, -1, -1]))
 array([1., 0., 0., 0.])
@@ -124,7 +124,7 @@ array([1., 0., 0., 0.])
       lie, "rotation", {"a"}, [](const Quaternion<>& a) { return rotation(a); }, R"(
 The rotation of a unit quaternion x y z w: (..., 4) to (..., 3, 3).
 
-Nothing is normalised: ValueError where the length is off by more than 1e-6.
+Nothing is normalised: ValueError if the norm differs from 1 by more than 1e-6.
 
 >>> axode.lie.rotation([1, 0, 0, 0])
 array([[ 1.,  0.,  0.],
@@ -134,9 +134,9 @@ array([[ 1.,  0.,  0.],
   add<Quaternion<>, Quaternion<>>(
       lie, "quaternion_product", {"a", "b"},
       [](const Quaternion<>& a, const Quaternion<>& b) { return a * b; }, R"(
-The rotation of b, then that of a, as quaternions x y z w: (..., 4), (..., 4) to (..., 4).
+The product of two quaternions x y z w, the rotation of b followed by that of a: (..., 4), (..., 4) to (..., 4).
 
-The inverse of a is a * [-1, -1, -1, 1]. ValueError where a length is off from 1 by more than 1e-6.
+The inverse of a is a * [-1, -1, -1, 1]. ValueError if a norm differs from 1 by more than 1e-6.
 
 >>> axode.lie.quaternion_product([0, 0, 0.6, 0.8], [0, 0, 0.6, 0.8]).round(3)
 array([0.  , 0.  , 0.96, 0.28])
@@ -152,7 +152,7 @@ array([0.    , 0.    , 0.7071, 0.7071])
       lie, "log_quaternion", {"a"}, [](const Quaternion<>& a) { return log_quaternion(a); }, R"(
 The rotation vector of a unit quaternion x y z w, its angle in [0, pi]: (..., 4) to (..., 3), rad.
 
-a and -a give the same. ValueError where the length is off by more than 1e-6.
+a and -a give the same result. ValueError if the norm differs from 1 by more than 1e-6.
 
 >>> axode.lie.log_quaternion(-axode.lie.exp_quaternion([0.1, 0.2, 0.3])).round(3)
 array([0.1, 0.2, 0.3])
@@ -184,7 +184,7 @@ array([0.1, 0.2, 0.3, 0.9])
 void add_linear_maps(nb::module_& lie) {
   add<Vec3<>>(
       lie, "skew", {"a"}, [](const Vec3<>& a) { return skew(a); }, R"(
-The matrix of b -> a x b: (..., 3) to (..., 3, 3).
+The skew-symmetric matrix of a, which maps b to a x b: (..., 3) to (..., 3, 3).
 
 >>> axode.lie.skew([1, 2, 3]) @ [0, 0, 1]
 array([ 2., -1.,  0.])
@@ -197,9 +197,9 @@ array([ 2., -1.,  0.])
         return a;
       },
       R"(
-a of skew(a): (..., 3, 3) to (..., 3).
+The vector a of a matrix skew(a): (..., 3, 3) to (..., 3).
 
-ValueError where A is off from a skew-symmetric matrix by more than 1e-6 of its largest entry.
+ValueError if A differs from a skew-symmetric matrix by more than 1e-6 of its largest entry.
 
 >>> axode.lie.from_skew(axode.lie.skew([1, 2, 3]))
 array([1., 2., 3.])
@@ -222,18 +222,18 @@ array([[ 0., -3.,  2.,  4.],
         return X;
       },
       R"(
-X of hat(X): (..., 4, 4) to (..., 6).
+The screw X of a matrix hat(X): (..., 4, 4) to (..., 6).
 
-ValueError where A is off from a matrix [[w~, v], [0, 0]] by more than 1e-6 of its largest entry.
+ValueError if A differs from a matrix [[w~, v], [0, 0]] by more than 1e-6 of its largest entry.
 
 >>> axode.lie.from_hat(axode.lie.hat([1, 2, 3, 4, 5, 6]))
 array([1., 2., 3., 4., 5., 6.])
 )");
   add<SE3<>>(
       lie, "Ad", {"C"}, [](const SE3<>& C) { return Ad_matrix(C); }, R"(
-Ad_C = [[R, 0], [r~ R, R]], which takes screws from the frame with pose C: (..., 4, 4) to (..., 6, 6) (eq. Ad).
+Ad_C = [[R, 0], [r~ R, R]], which transforms screws from the frame with pose C: (..., 4, 4) to (..., 6, 6) (eq. Ad).
 
-So V^s = Ad(C) @ V^b, and for wrenches W^b = Ad(C).T @ W^s. ValueError where C is no pose.
+Hence V^s = Ad(C) @ V^b for twists, and W^b = Ad(C).T @ W^s for wrenches. ValueError if C is not a pose.
 
 >>> C = axode.lie.exp([0, 0, 0, 1, 0, 0])
 >>> axode.lie.Ad(C) @ [0, 0, 1, 0, 0, 0]  # turning about an axis at x = 1
@@ -257,7 +257,7 @@ True
 )");
   add<Screw<>>(
       lie, "dexp_inv", {"X"}, [](const Screw<>& X) { return dexp_inv_matrix(X); }, R"(
-The inverse of dexp(X): (..., 6) to (..., 6, 6). Singular at the angles 2 pi, 4 pi, ...
+The inverse of dexp(X): (..., 6) to (..., 6, 6). It does not exist at the angles 2 pi, 4 pi, ...
 
 >>> X = np.array([0.1, 0.2, 0.3, 1, 2, 3])
 >>> np.allclose(axode.lie.dexp_inv(X) @ axode.lie.dexp(X), np.eye(6))
@@ -295,7 +295,7 @@ array([[ 0.    , -0.6366,  0.    ],
 )");
   add<Vec3<>>(
       lie, "dexp_inv_SO3", {"xi"}, [](const Vec3<>& xi) { return dexp_inv_matrix(xi); }, R"(
-The inverse of dexp_SO3(xi): (..., 3) to (..., 3, 3). Singular at the angles 2 pi, 4 pi, ...
+The inverse of dexp_SO3(xi): (..., 3) to (..., 3, 3). It does not exist at the angles 2 pi, 4 pi, ...
 
 >>> xi = np.array([0.1, 0.2, 0.3])
 >>> np.allclose(axode.lie.dexp_inv_SO3(xi) @ axode.lie.dexp_SO3(xi), np.eye(3))
@@ -338,9 +338,9 @@ void add_screws(nb::module_& lie) {
       "e"_a, "p"_a, "h"_a = 0.0, "magnitude"_a = 1.0, R"(
 magnitude (e; p x e + h e), the screw of a line with direction e through the point p: (..., 6).
 
-e (..., 3) is a unit vector, p (..., 3) in m, the pitch h (...) in m/rad; with h = inf it is the translation
-magnitude (0; e). The screw of a joint, or with the force (N) as magnitude and its two halves exchanged a wrench.
-`screw(*screw_axis(X))` is X. ValueError where e is no unit vector.
+e (..., 3) is a unit vector, p (..., 3) in m, the pitch h (...) in m/rad; with h = inf the result is the translation
+magnitude (0; e). It is the screw of a joint; with a force (N) as the magnitude, and with its two halves exchanged, it
+is a wrench. `screw(*screw_axis(X))` is X. ValueError if e is not a unit vector.
 
 >>> axode.lie.screw([0, 0, 1], [1, 0, 0], 0.01 / (2 * np.pi)).round(4)  # a lead of 10 mm
 array([ 0.    ,  0.    ,  1.    ,  0.    , -1.    ,  0.0016])
@@ -359,9 +359,9 @@ array([ 0.    ,  0.    ,  1.    ,  0.    , -1.    ,  0.0016])
       "X"_a, nb::sig("def screw_axis(X: numpy.typing.ArrayLike) -> axode.lie.ScrewAxis"), R"(
 (e, p, h, magnitude) of screws (..., 6): direction, the axis point nearest to the origin (m), pitch (m/rad), size.
 
-Shapes (..., 3), (..., 3), (...), (...). The magnitude is the norm of the angular part, or of the linear part where
-the angular part is 0: a translation, whose pitch is inf and whose p is 0. The axis is in the frame of X: for a spatial
-twist in the inertial frame, for a body-fixed one in the body frame. The central axis of a wrench is
+Shapes (..., 3), (..., 3), (...), (...). The magnitude is the norm of the angular part, or of the linear part if the
+angular part is 0. In this case it is a translation, whose pitch is inf and whose p is 0. The axis is in the frame of
+X: in the inertial frame for a spatial twist, in the body frame for a body-fixed one. The central axis of a wrench is
 `screw_axis(exchange_halves(W))`.
 
 >>> axis = axode.lie.screw_axis([0, 0, 2, 0, -2, 1])
@@ -383,17 +383,19 @@ array([ 0.,  0.,  1.,  0., -1.,  0.])
   add<Screw<>, Screw<>>(
       lie, "reciprocal_product", {"X", "Z"},
       [](const Screw<>& X, const Screw<>& Z) { return reciprocal_product(X, Z); }, R"(
-w_X . v_Z + v_X . w_Z: (..., 6), (..., 6) to (...). 0 where axes without pitch meet or are parallel.
+The reciprocal product w_X . v_Z + v_X . w_Z: (..., 6), (..., 6) to (...). It is 0 if two axes without pitch meet or
+are parallel.
 
 >>> X, Z = axode.lie.screw([0, 0, 1], [0, 0, 0]), axode.lie.screw([1, 0, 0], [0, 0.5, 0])
 >>> float(axode.lie.reciprocal_product(X, Z))  # 0.5 m apart, at a right angle
 -0.5
 )");
   lie.def("exchange_halves", &exchange_halves_of, "x"_a, "axis"_a = -1, R"(
-Angular part first from linear part first (Pinocchio, ROS), or back, along an axis of length 6; its own inverse.
+Converts from linear part first (Pinocchio, ROS) to angular part first, or back, along an axis of length 6; it is its
+own inverse.
 
-For twists (..., 6) the last axis, for the rows of a Jacobian (6, n) axis 0; for an inertia matrix both, one after
-the other. ValueError where that axis is not there or has another length.
+For twists (..., 6) this is the last axis, for the rows of a Jacobian (6, n) it is axis 0; for an inertia matrix
+exchange both, one after the other. ValueError if there is no such axis, or if it has another length.
 
 >>> axode.lie.exchange_halves([1, 2, 3, 4, 5, 6])
 array([4., 5., 6., 1., 2., 3.])

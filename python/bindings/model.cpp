@@ -176,7 +176,7 @@ void add_configurations(nb::class_<BoundModel>& model) {
   model
       .def(
           "neutral", [](const BoundModel& m) { return to_array(neutral(m)); }, R"(
-Every joint at zero, quaternions (x y z w) at the identity: shape (nq,).
+The configuration with every joint at zero and every quaternion (x y z w) the identity: shape (nq,).
 
 >>> arm.neutral()
 array([0., 0., 0., 0., 0., 0., 0.])
@@ -190,7 +190,8 @@ array([0., 0., 0., 0., 0., 0., 0.])
             return out.array();
           },
           "seed"_a = 0, "n"_a = nb::none(), R"(
-A configuration within the limits, uniform for each joint, shape (nq,); the same for the same seed. n of them: (n, nq).
+A random configuration within the limits, uniform for each joint, shape (nq,), or n configurations, (n, nq). The same
+seed gives the same result.
 
 Unlimited angles are in [-pi, pi], unlimited lengths in [-1, 1] m, rotations uniform on SO(3).
 
@@ -208,7 +209,8 @@ Unlimited angles are in [-pi, pi], unlimited lengths in [-1, 1] m, rotations uni
                 .array();
           },
           "q"_a, R"(
-q with every quaternion brought to length 1, shape (nq,) or (N, nq). ValueError where one is 0.
+The configuration q with every quaternion scaled to norm 1, shape (nq,) or (N, nq). ValueError if the norm of one is
+0.
 
 >>> base = axode.load(axode.robots / "humanoid.urdf", base="free")
 >>> base.normalize(2 * base.neutral())[:4]
@@ -224,7 +226,8 @@ array([0., 0., 0., 1.])
                 .array();
           },
           "q"_a, "v"_a, R"(
-dq/dt = E(q) v, shape (nq,) or (N, nq), from v (nv,) or (N, nv). Of a quaternion a it is a (omega; 0) / 2.
+The rates dq/dt = E(q) v of the coordinates, shape (nq,) or (N, nq), from v (nv,) or (N, nv). The rate of a quaternion
+a is a (omega; 0) / 2.
 
 >>> base = axode.load(axode.robots / "humanoid.urdf", base="free")
 >>> base.coordinate_rates(base.neutral(), np.arange(base.nv))[:7]
@@ -242,9 +245,9 @@ array([0. , 0.5, 1. , 0. , 3. , 4. , 5. ])
                 .array();
           },
           "q"_a, "dq"_a, R"(
-v from dq/dt, the way back of `coordinate_rates`: shape (nv,) or (N, nv).
+The velocities v from the rates dq/dt, the inverse of `coordinate_rates`: shape (nv,) or (N, nv).
 
-What would change the length of a quaternion is left out.
+The part of a quaternion's rate that would change its norm is left out.
 
 >>> base = axode.load(axode.robots / "humanoid.urdf", base="free")
 >>> q, v = base.random(), np.arange(base.nv)
@@ -261,7 +264,7 @@ True
                 .array();
           },
           "q"_a, "dv"_a, R"(
-q (+) dv: every joint moved along its left-trivialised direction.
+q (+) dv: the configuration after every joint has moved along its left-trivialised direction.
 
 q has shape (nq,) or (N, nq), dv (nv,) or (N, nv), rad and m; a step of length h with velocity v is dv = h v.
 
@@ -317,7 +320,7 @@ False
               "def interpolate(self, q0: numpy.typing.ArrayLike, q1: numpy.typing.ArrayLike, s: float) -> "
               "numpy.typing.NDArray[numpy.float64]"),
           R"(
-q0 (+) s (q1 (-) q0): screw motion of every joint, q0 at s = 0 and q1 at s = 1.
+q0 (+) s (q1 (-) q0): a screw motion of every joint from q0 at s = 0 to q1 at s = 1.
 
 Shapes (nq,) or (N, nq).
 
@@ -344,7 +347,7 @@ True
             return std::pair(to_array(found.lower), to_array(found.upper));
           },
           R"(
-(lower, upper) limit of each coordinate, two arrays (nq,), rad and m; infinite where there is none.
+(lower, upper) limit of each coordinate, two arrays (nq,), rad and m; infinite if there is no limit.
 
 >>> lower, upper = arm.limits()
 >>> float(upper[0])
@@ -396,7 +399,7 @@ void add_construction(nb::class_<BoundModel>& model) {
                   "name: str = 'mechanism', gravity: numpy.typing.ArrayLike = (0.0, 0.0, -9.81), "
                   "base: typing.Literal['fixed', 'free'] | None = None, strict: bool = False) -> Model"),
           R"(
-A mechanism from axes, points, masses and inertias, all in one frame with every joint at zero.
+Builds a mechanism from axes, points, masses and inertias, all in one frame with every joint at zero.
 
 Each body, frame, spring, loop, coupling and motion, and the state, is a dict with the keys of the drawing format (docs/drawing-format.md): name, on, joint, mass, com,
 inertia, ... SI units. The frame of a body is the construction frame unless its dict says another, such as
@@ -417,7 +420,8 @@ array([4.905])
           nb::sig("def from_dict(drawing: dict[str, typing.Any], base: typing.Literal['fixed', 'free'] | "
                   "None = None, *, strict: bool = False) -> Model"),
           R"(
-The mechanism of a whole drawing, as a dict: what `to_dict` gives, edited, or what tomllib reads. Otherwise as `load`.
+The mechanism of a whole drawing that is given as a dict, for example an edited result of `to_dict`, or one of
+tomllib. Arguments and errors are those of `load`.
 
 >>> drawing = arm.to_dict()
 >>> drawing["gravity"] = [0, 0, -1.62]
@@ -427,7 +431,7 @@ array([ 0.  ,  0.  , -1.62])
       .def(
           "to_dict", [](const BoundModel& m) { return to_dict(*m); },
           nb::sig("def to_dict(self) -> dict[str, typing.Any]"), R"(
-The mechanism as a drawing in a dict, everything in the construction frame, to edit and to build again.
+The mechanism as a drawing in a dict, with everything in the construction frame. It can be edited and built again.
 
 >>> arm.to_dict()["body"][1]["name"]
 'link 1'
@@ -444,7 +448,7 @@ void add_lookup(nb::class_<BoundModel>& model) {
   model
       .def("joint", joint_of, "name"_a, nb::sig("def joint(self, name: str) -> Joint"),
            nb::keep_alive<0, 1>(), R"(
-The joint of a name; KeyError with the nearest name where there is none.
+The joint with a name; KeyError with the nearest name if there is none.
 
 >>> q = arm.neutral()
 >>> q[arm.joint("A2").q] = 0.8
@@ -453,14 +457,15 @@ Joint("A2": revolute, q 1, v 1)
 )")
       .def("body", body_of, "name"_a, nb::sig("def body(self, name: str) -> Body"), nb::keep_alive<0, 1>(),
            R"(
-The moving body of a name, or "ground"; KeyError with the nearest name where there is none.
+The moving body with a name, or "ground"; KeyError with the nearest name if there is none.
 
 >>> arm.body("link 2").predecessor
 'link 1'
 )")
       .def(
           "frame_index", [](const BoundModel& m, FrameName frame) { return frame.in(m); }, "frame"_a, R"(
-Where a frame is in `frame_names`, and so in `poses`, `twists` and `accelerations`; KeyError for an unknown name.
+The index of a frame in `frame_names`, and hence in the results of `poses`, `twists` and `accelerations`; KeyError for
+an unknown name.
 
 >>> axode.poses(arm, arm.neutral())[arm.frame_index("flange"), :3, 3]
 array([0.   , 0.   , 1.306])
@@ -486,7 +491,7 @@ array([0.   , 0.   , 1.306])
             return BoundModel(reduced(m, views, states.q(0)));
           },
           "locked"_a, "q"_a, R"(
-A new model in which the named joints are fixed at their place in q, shape (nq,).
+A new model in which the named joints are fixed at their positions in q, shape (nq,).
 
 >>> arm.reduced(["A6", "A7"], arm.neutral()).nv
 5
@@ -507,8 +512,8 @@ void add_edits(nb::class_<BoundModel>& model) {
           "pi"_a, R"(
 A new model with other inertial parameters, identified ones for example: shape (10 n_bodies,), ordered as `parameters`.
 
-What is fixed to a moving body stays as a massless frame, being part of that body's parameters. Parameters that no
-matter has are in `warnings`; ModelError for a negative mass.
+Bodies that are fixed to a moving body stay as massless frames, because their inertia is part of the parameters of
+that body. Parameters that no mass distribution has are reported in `warnings`; ModelError for a negative mass.
 
 >>> heavier = arm.with_parameters(1.1 * arm.parameters)
 >>> bool(np.isclose(heavier.total_mass, 1.1 * arm.total_mass))
@@ -540,8 +545,8 @@ array([ 0.  ,  0.  , -1.62])
           "frame"_a, "M"_a, "name"_a = "payload", R"(
 A new model with a body fixed to a frame; M (6, 6) is its inertia in that frame, and `name` becomes a frame as well.
 
-`axode.lie` has M from mass, center of mass and rotational inertia, and of boxes, balls, cylinders, capsules and
-meshes. ModelError for a name that is taken and for an inertia that no matter has.
+`axode.lie` computes M from mass, center of mass and rotational inertia, and for boxes, balls, cylinders, capsules and
+meshes. ModelError for a name that is taken and for an inertia that no mass distribution has.
 
 >>> ball = axode.lie.sphere_inertia(2.0, 0.05)
 >>> loaded = arm.with_payload("flange", axode.lie.transform_inertia(axode.lie.exp([0, 0, 0, 0, 0, 0.05]), ball))
@@ -558,12 +563,13 @@ meshes. ModelError for a name that is taken and for an inertia that no matter ha
           nb::sig("def append(self, frame: str | int, other: Model, prefix: str = '', "
                   "joint: dict[str, typing.Any] | str | None = None) -> Model"),
           R"(
-A new model with another one mounted on a frame, which takes the place of the other's ground: a hand on an arm.
+A new model with another one mounted on a frame, for example a hand on an arm. The frame replaces the ground of the
+other model.
 
-`prefix` goes before all names of the other one; ValueError lists names that both have. Where the coordinates are,
-`coordinate_names` says: bodies are numbered depth-first as ever. `joint`, as that of a body in a drawing with axis and point
-in the frame, lets the other's ground move on the frame; it is then a massless body `<joint>.base`. A joint without a name is called
-`<prefix>mount`.
+`prefix` is put before all names of the other model; ValueError lists names that both have. `coordinate_names` shows
+the order of the coordinates: as always, bodies are numbered depth-first. If a `joint` is given, with the keys of a
+drawing and with axis and point in the frame, the ground of the other model moves on the frame by this joint; it
+becomes a massless body `<joint>.base`. A joint without a name is called `<prefix>mount`.
 
 >>> two = arm.append("flange", arm, prefix="second ")
 >>> two.nv, two.velocity_names[7]
@@ -575,13 +581,14 @@ in the frame, lets the other's ground move on the frame; it is then a massless b
           "rerooted",
           [](const BoundModel& m, const std::string& body) { return BoundModel(rerooted(m, body)); },
           "body"_a, R"(
-The same mechanism with another body as its root: on the ground by the joint of the old root, which is fixed or free, with
-the joints between the two passed the other way round.
+The same mechanism with another body as its root. This body is on the ground by the joint of the old root, which is
+fixed or free, and the joints between the two bodies are reversed.
 
-Names stay, and joints of one velocity keep their q, v, a and tau. A spherical, planar or free joint between the two has the
-inverse displacement, and a free root has the pose and twist of the body; `joint_state(n, poses(m, q), twists(m, q, v))` of bodies
-with the same names has the q and v of the new model. ValueError for an unknown body, for a root on another kind of joint, and
-for limits, losses, springs and armatures that would be along the axes of another body.
+All names stay, and joints of one velocity keep their q, v, a and tau. A spherical, planar or free joint between the
+two bodies has the inverse displacement, and a free root has the pose and twist of the body; `joint_state(n, poses(m,
+q), twists(m, q, v))` of bodies with the same names has the q and v of the new model. ValueError for an unknown body,
+for a root on another kind of joint, and for limits, losses, springs and armatures that would then act along the axes
+of another body.
 
 >>> duck = axode.load(axode.robots / "humanoid.urdf", base="free")
 >>> seen_from_a_foot = duck.rerooted(duck.body_names[-1])
@@ -622,11 +629,11 @@ Place<> place(const Model& model, FrameName frame, ArrayLike offset, const char*
 void add_model(nb::module_& module) {
   add_parts(module);
   nb::class_<BoundModel> model(module, "Model", nb::is_weak_referenceable(), R"(
-An immutable tree of bodies: what `load`, `Model.from_bodies` and `Builder` make. Threads may share it.
+An immutable tree of bodies, which `load`, `Model.from_bodies` and `Builder` make. Threads may share it.
 
 Moving bodies are numbered depth-first in the order in which they were declared; joint i moves body i. Frames are the
-ground, the bodies, then all other names; the functions that answer for every frame do so in the order of
-`frame_names`. print(model) shows which coordinates are which joint's.
+ground, the bodies, then all other names; functions with results for every frame use the order of `frame_names`.
+print(model) shows the coordinates of each joint.
 
 >>> arm
 Model("arm7": 7 moving bodies, nq = 7, nv = 7, 10 frames, 26.334 kg)

@@ -67,14 +67,15 @@ std::tuple<Array, Array> spatial_momentum_form_of(const BoundModel& m, ArrayLike
 void add_momentum(nb::module_& module) {
   const StateFunctions functions(module);
   functions.define<"momenta">(R"(
-p = M(q) v, the generalized momenta, armature included: (nv,) or (N, nv), kg m^2/s or kg m/s. O(n).
+The generalized momenta p = M(q) v, armature included: (nv,) or (N, nv), kg m^2/s or kg m/s. O(n).
 
 >>> q, v = np.full(7, 0.3), np.ones(7)
 >>> np.allclose(axode.momenta(arm, q, v), axode.mass_matrix(arm, q) @ v)
 True
 )");
   functions.define<"from_momenta">(R"(
-v = M(q)^-1 p, the velocities of generalized momenta: (nv,) or (N, nv). O(n). SingularError where M is singular.
+The velocities v = M(q)^-1 p that belong to generalized momenta: (nv,) or (N, nv). O(n). SingularError if M is
+singular.
 
 >>> q, v = np.full(7, 0.3), np.ones(7)
 >>> np.allclose(axode.from_momenta(arm, q, axode.momenta(arm, q, v)), v)
@@ -93,7 +94,7 @@ True
       documented("momentum_form", R"(
 (v, p'): the rates of the state (q, p), two arrays (nv,) or (N, nv): Hamilton's equations in O(n).
 
-Without accelerations and their bias terms, in spatial twists. SingularError where M is singular.
+They are computed in spatial twists, without accelerations and their bias terms. SingularError if M is singular.
 
 >>> v, dp = axode.momentum_form(arm, np.full(7, 0.3), np.zeros(7), np.zeros(7))
 >>> np.allclose(dp, -axode.gravity_torques(arm, np.full(7, 0.3)))
@@ -101,7 +102,8 @@ True
 )")
           .c_str());
   functions.define<"body_momenta">(R"(
-Pi_i = M_i V_i of every body in its own frame, (n_bodies, 6) or (N, n_bodies, 6): angular (N m s), then linear (N s). O(n).
+The momentum Pi_i = M_i V_i of every body in its own frame, (n_bodies, 6) or (N, n_bodies, 6): angular (N m s), then
+linear (N s). O(n).
 
 >>> axode.body_momenta(arm, arm.neutral(), np.ones(7), "hybrid").shape
 (7, 6)
@@ -124,7 +126,7 @@ array([0., 0., 0., 0., 0., 0.])
              "loads"_a = nb::none(), nb::kw_only(), "joint_losses"_a = false, "threads"_a = 1, R"(
 (v, V'): the rates of the state (q, V) for the twists V of all bodies, (n_bodies, 6) or (N, n_bodies, 6).
 
-V should come from some v; of others the part that the joints allow is taken. O(n).
+V should belong to joint velocities v; if it does not, the part of V that the joints allow is used. O(n).
 
 >>> q, v = np.full(7, 0.3), np.ones(7)
 >>> V = axode.twists(arm, q, v)[1:8]
@@ -135,7 +137,7 @@ True
              "loads"_a = nb::none(), nb::kw_only(), "joint_losses"_a = false, "threads"_a = 1, R"(
 (v, Pi'): the rates of the state (q, Pi^s) for the spatial momenta Pi of all bodies, (n_bodies, 6) or (N, n_bodies, 6).
 
-(eq. PEs, corrected). O(n).
+The equation is PEs with its erratum corrected. O(n).
 
 >>> q, v = np.full(7, 0.3), np.ones(7)
 >>> Pi = axode.body_momenta(arm, q, v, "spatial")

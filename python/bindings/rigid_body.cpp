@@ -60,7 +60,8 @@ void add_inertia(nb::module_& lie) {
   add<double, Vec3<>, Sym3<>>(
       lie, "inertia", {"mass", "com", "Theta_c"},
       [](double m, const Vec3<>& c, const Sym3<>& Theta_c) { return inertia_from_com(m, c, Theta_c); }, R"(
-M = [[Theta, h~], [-h~, m I]] from mass (...), center of mass (..., 3) and Theta_c (..., 3, 3): (..., 6, 6) (eq. Mb).
+The inertia matrix M = [[Theta, h~], [-h~, m I]] from mass (...), center of mass (..., 3) and Theta_c (..., 3, 3):
+(..., 6, 6) (eq. Mb).
 
 kg, m and kg m^2. Theta_c is the rotational inertia about the center of mass in the axes of the frame of M, symmetric;
 h = m c, and Theta is about the frame's origin, by the parallel-axis theorem.
@@ -72,9 +73,10 @@ h = m c, and Theta is about the frame's origin, by the parallel-axis theorem.
   add<SE3<>, Inertia<>>(
       lie, "transform_inertia", {"C", "M"},
       [](const SE3<>& C, const Inertia<>& M) { return transform(C, M); }, R"(
-Ad_C^-T M Ad_C^-1, the inertia in the frame in which its own frame has the pose C: (..., 6, 6) (eq. Ms).
+Ad_C^-T M Ad_C^-1, the inertia in another frame, in which the frame of M has the pose C: (..., 6, 6) (eq. Ms).
 
-C (..., 4, 4) in m, M (..., 6, 6). With C_i, the pose of a body, M^s from M^b; with its rotation only, M^h.
+C has the shape (..., 4, 4), in m, and M (..., 6, 6). If C is the pose C_i of a body, M^b becomes M^s; if C has its
+rotation only, M^b becomes M^h.
 
 >>> M = axode.lie.inertia(2, [0, 0, 0], np.diag([0.1, 0.1, 0.02]))
 >>> axode.lie.center_of_mass(axode.lie.transform_inertia(axode.lie.exp([0, 0, 1, 1, 0, 3]), M)).round(3)
@@ -87,7 +89,7 @@ array([0.841, 0.46 , 3.   ])
         return center_of_mass(M);
       },
       R"(
-The center of mass in the frame of an inertia matrix: (..., 6, 6) to (..., 3), m. ValueError where the mass is not > 0.
+The center of mass in the frame of an inertia matrix: (..., 6, 6) to (..., 3), m. ValueError if the mass is not > 0.
 
 >>> axode.lie.center_of_mass(arm.body("link 2").M).round(4)
 array([0.   , 0.003, 0.424])
@@ -101,7 +103,7 @@ array([0.   , 0.003, 0.424])
       R"(
 Theta_c, the rotational inertia about the center of mass, in the axes of the frame of M: (..., 6, 6) to (..., 3, 3).
 
-kg m^2. ValueError where the mass is not > 0.
+The result is in kg m^2. ValueError if the mass is not > 0.
 
 >>> M = axode.lie.inertia(2, [0, 0, 0.5], np.diag([0.1, 0.1, 0.02]))
 >>> axode.lie.inertia_about_com(M).diagonal().round(3)
@@ -114,9 +116,9 @@ array([0.1 , 0.1 , 0.02])
         return realisability(M);
       },
       R"(
-How far an inertia matrix is from one that a distribution of mass can have: (..., 6, 6) to (...); such have >= 0.
+Measures whether a mass distribution can have an inertia matrix: (..., 6, 6) to (...). It can if the result is >= 0.
 
-The smallest second moment of mass about the center of mass, as a fraction of the largest principal moment.
+The result is the smallest second moment of mass about the center of mass, divided by the largest principal moment.
 
 >>> M = axode.lie.inertia(1, [0, 0, 0], np.diag([1, 1, 3]))  # no body: 3 > 1 + 1
 >>> float(axode.lie.realisability(M).round(3))
@@ -170,7 +172,7 @@ array([4., 4., 6.])
   add<double, double, double>(lie, "capsule_inertia", {"mass", "radius", "length"}, &capsule_inertia, R"(
 Inertia matrix (..., 6, 6) of a cylinder along z with a half ball on each end, about its center; kg, m.
 
-`length` is that of the cylinder alone.
+`length` is that of the cylinder without the half balls.
 
 >>> axode.lie.capsule_inertia(1, 0.1, 0.5)[:3, :3].diagonal().round(5)
 array([0.03637, 0.03637, 0.00479])
@@ -181,9 +183,11 @@ array([0.03637, 0.03637, 0.00479])
         return mesh_volume(vertices_from(vertices), faces_from(faces));
       },
       "vertices"_a, "faces"_a, R"(
-What a closed mesh encloses, m^3: vertices (N, 3), and faces (F, 3), triangles by the numbers of their vertices.
+The volume that a closed mesh encloses, m^3. vertices has shape (N, 3), and faces (F, 3) are triangles, given by the
+numbers of their vertices.
 
-Faces run counterclockwise as seen from outside. ValueError where the mesh is not closed or its faces look inwards.
+Faces run counterclockwise as seen from outside. ValueError if the mesh is not closed or its faces are oriented
+inwards.
 
 >>> corner = [[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]], [[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]]
 >>> round(axode.lie.mesh_volume(*corner), 6)
@@ -201,7 +205,7 @@ Faces run counterclockwise as seen from outside. ValueError where the mesh is no
       R"(
 Inertia matrix (6, 6) of the solid that a closed mesh encloses, in the frame of the vertices; kg, m.
 
-Vertices (N, 3) and faces (F, 3) as for `mesh_volume`, which times a density is the mass.
+vertices (N, 3) and faces (F, 3) are those of `mesh_volume`. The mass is this volume times a density.
 
 >>> corner = [[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]], [[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]]
 >>> axode.lie.center_of_mass(axode.lie.mesh_inertia(3, *corner))
@@ -288,7 +292,7 @@ void add_frame_pairs(nb::module_& lie) {
       "jk"_a, "V"_a, R"(
 ^kV^j, a twist measured at the origin of a frame F_j and resolved in a frame F_k, from the spatial twist: (..., 6).
 
-rad/s and m/s; see `FramePair`.
+It is in rad/s and m/s; see `FramePair`.
 
 >>> jk = axode.lie.FramePair(r_j=[1, 0, 0], dr_j=[0, 0, 0], R_k=np.eye(3), w_k=[0, 0, 0])
 >>> axode.lie.twist_in_frames(jk, [0, 0, 2, 0, 0, 0])
@@ -339,7 +343,8 @@ array([  0.,   0., -20.,   0.,  10.,   0.])
             Given<SE3<>>{"C", C}, Given<Inertia<>>{"M", M});
       },
       "jk"_a, "C"_a, "M"_a, R"(
-^kM^j of a body with the pose C (..., 4, 4) and the inertia matrix M (..., 6, 6) in its own frame: (..., 6, 6).
+The inertia matrix ^kM^j of a body with the pose C (..., 4, 4) and the inertia matrix M (..., 6, 6) in its own frame:
+(..., 6, 6).
 
 >>> jk = axode.lie.FramePair(r_j=[1, 0, 0], dr_j=[0, 0, 0], R_k=np.eye(3), w_k=[0, 0, 0])
 >>> M = axode.lie.inertia(2, [0, 0, 0], np.eye(3))
@@ -405,7 +410,8 @@ void add_changes(nb::module_& lie) {
         return changed<Twist>("V", C, V, source, target);
       },
       "C"_a, "V"_a, "source"_a, "target"_a, R"(
-The twist of a frame with pose C in another representation: (..., 4, 4), (..., 6) to (..., 6) (eqs. VhVb, VsVb, Vmbhs).
+Converts the twist of a frame with pose C to another representation: (..., 4, 4), (..., 6) to (..., 6) (eqs. VhVb,
+VsVb, Vmbhs).
 
 V is in the representation source, the result in target: body, spatial, hybrid, mixed; rad/s and m/s.
 
@@ -414,10 +420,12 @@ V is in the representation source, the result in target: body, spatial, hybrid, 
 array([0., 0., 0., 0., 1., 0.])
 )");
   lie.def("change_twist_rate", &changed_rate, "C"_a, "V"_a, "dV"_a, "source"_a, "target"_a, R"(
-The rate of the twist V of a frame with pose C in another representation: (..., 4, 4), (..., 6), (..., 6) to (..., 6).
+Converts the rate of the twist V of a frame with pose C to another representation: (..., 4, 4), (..., 6), (..., 6) to
+(..., 6).
 
-V and dV, the time derivative of its components, are in the representation source, the result is the time derivative of
-the components in target; rad/s^2 and m/s^2. To hybrid gives r'', the acceleration of the origin.
+V and dV, the time derivative of its components, are in the representation source, the result is the time derivative
+of the components in target; rad/s^2 and m/s^2. In hybrid representation, its linear part is r'', the acceleration of
+the origin.
 
 >>> V, dV = [0, 0, 2, 3, 0, 0], np.zeros(6)  # a steady body-fixed twist: on a circle
 >>> axode.lie.change_twist_rate(np.eye(4), V, dV, "body", "hybrid")
@@ -429,9 +437,10 @@ array([0., 0., 0., 0., 6., 0.])
         return changed<Wrench>("W", C, W, source, target);
       },
       "C"_a, "W"_a, "source"_a, "target"_a, R"(
-A wrench on a frame with pose C in another representation: (..., 4, 4), (..., 6) to (..., 6); its power stays.
+Converts a wrench on a frame with pose C to another representation: (..., 4, 4), (..., 6) to (..., 6). Its power does
+not change.
 
-Moment (N m), then force (N), in the representation source; the result is in target.
+W has the moment (N m), then the force (N), in the representation source; the result is in the representation target.
 
 >>> C = axode.lie.exp([0, 0, 0, 2, 0, 0])
 >>> axode.lie.change_wrench(C, [0, 0, 0, 0, 10, 0], "body", "spatial")  # about the inertial origin
@@ -443,9 +452,9 @@ array([ 0.,  0., 20.,  0., 10.,  0.])
         return changed<Momentum>("Pi", C, Pi, source, target);
       },
       "C"_a, "Pi"_a, "source"_a, "target"_a, R"(
-The momentum of a body with pose C in another representation: (..., 4, 4), (..., 6) to (..., 6).
+Converts the momentum of a body with pose C to another representation: (..., 4, 4), (..., 6) to (..., 6).
 
-Angular (N m s), then linear (N s), in the representation source; the result is in target.
+Pi is angular (N m s), then linear (N s), in the representation source; the result is in the representation target.
 
 >>> C = axode.lie.exp([0, 0, 0, 2, 0, 0])
 >>> axode.lie.change_momentum(C, [0, 0, 0, 0, 10, 0], "body", "spatial")
@@ -464,7 +473,8 @@ W = M V' - ad_V^T M V, the wrench that gives a body with twist V the acceleratio
 
 M (..., 6, 6) is in the axes and about the point of the representation: M^b in the body frame, M^s or M^h from it by
 `transform_inertia`. For "mixed" it is M^b, and R (..., 3, 3) is the rotation of the body. V, dV (..., 6) in rad/s and
-m/s, and per s; the result is in N m and N, without gravity. ValueError where R is missing, or given without need.
+m/s, and per s; the result is in N m and N, without gravity. ValueError if R is missing, or if it is given but not
+needed.
 
 >>> M = axode.lie.inertia(2, [0, 0, 0], np.eye(3))
 >>> axode.lie.newton_euler(M, [0, 0, 3, 0, 0, 0], [0, 0, 1, 0, 5, 0])
@@ -473,8 +483,8 @@ array([ 0.,  0.,  1.,  0., 10.,  0.])
   lie.def("acceleration", &acceleration_of, "C"_a, "M"_a, "V"_a, "W"_a, "representation"_a = "body", R"(
 V', the acceleration of a body with the twist V under the resultant wrench W, the inverse of Newton-Euler: (..., 6).
 
-C (..., 4, 4) is the pose of the body and M (..., 6, 6) its inertia matrix, always in the body frame; V, W (..., 6) and the
-result are in the representation; rad/s^2 and m/s^2. ValueError where the mass is not > 0.
+C (..., 4, 4) is the pose of the body and M (..., 6, 6) its inertia matrix, always in the body frame; V, W (..., 6)
+and the result are in the representation; rad/s^2 and m/s^2. ValueError if the mass is not > 0.
 
 >>> M = axode.lie.inertia(2, [0, 0, 0], np.eye(3))
 >>> axode.lie.acceleration(np.eye(4), M, np.zeros(6), [0, 0, 1, 0, 10, 0], "hybrid")

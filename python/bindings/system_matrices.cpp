@@ -88,7 +88,7 @@ void add_system_matrices(nb::module_& closed_form) {
                           "typing.Literal['body', 'spatial', 'hybrid', 'mixed'] = 'body') -> "
                           "axode.closed_form.SystemMatrices"),
                   R"(
-(A, D, X) of V = A X v, the twists of all bodies, with A = (I - D)^-1 (eqs. VbAX, JbSys).
+(A, D, X): the matrices of V = A X v, the twists of all bodies, with A = (I - D)^-1 (eqs. VbAX, JbSys).
 
 D (6n, 6n) has the transformation of the predecessor's twist in the block (i, predecessor of i), A (6n, 6n) the products
 along the paths, X (6n, nv) the joint screws. In spatial representation D has identities, and X the instantaneous
@@ -102,9 +102,11 @@ True
                   nb::sig("def spatial_factors(m: axode.Model, q: numpy.typing.ArrayLike) -> "
                           "axode.closed_form.SpatialFactors"),
                   R"(
-(A_s, Y_s, A_sb) of the other factorisations of the spatial Jacobian, J^s = A_s Y_s = A_sb X^b (eq. JbSys).
+(A_s, Y_s, A_sb): the matrices of the other factorisations of the spatial Jacobian, J^s = A_s Y_s = A_sb X^b (eq.
+JbSys).
 
-A_s and A_sb (6n, 6n); Y_s (6n, nv) holds the joint screws in the inertial frame at q = 0, constants.
+A_s and A_sb have the shape (6n, 6n); Y_s (6n, nv) has the joint screws in the inertial frame at q = 0, which are
+constant.
 
 >>> q = arm.random()
 >>> A_s, Y_s, A_sb = axode.closed_form.spatial_factors(arm, q)
@@ -112,7 +114,8 @@ A_s and A_sb (6n, 6n); Y_s (6n, nv) holds the joint screws in the inertial frame
 True
 )");
   closed_form.def("a_matrix", &a_matrix_of, "m"_a, "v"_a, R"(
-a^b = diag(ad_{X_i v_i}), (6n, 6n), from v (nv,): the rate of J^b is -A^b a^b D^b J^b (eqs. ab, u:Jb_dot matrix).
+The matrix a^b = diag(ad_{X_i v_i}), (6n, 6n), from v (nv,): the rate of J^b is -A^b a^b D^b J^b (eqs. ab, u:Jb_dot
+matrix).
 
 >>> axode.closed_form.a_matrix(arm, np.ones(7)).shape
 (42, 42)
@@ -121,14 +124,15 @@ a^b = diag(ad_{X_i v_i}), (6n, 6n), from v (nv,): the rate of J^b is -A^b a^b D^
       "b_matrix", [](const BoundModel& m, ArrayLike V) { return dense(b_matrix(m, stacked(m, "V", V))); },
       "m"_a, "V"_a,
       R"(
-b = diag(ad_{V_1}, ..., ad_{V_n}), (6n, 6n), from stacked body-fixed or spatial twists V (6n,) (eqs. bb, bs).
+The matrix b = diag(ad_{V_1}, ..., ad_{V_n}), (6n, 6n), from stacked body-fixed or spatial twists V (6n,) (eqs. bb,
+bs).
 
 >>> V = axode.closed_form.system_twist(arm, arm.random(), np.ones(7))
 >>> np.allclose(axode.closed_form.b_matrix(arm, V)[:6, :6], axode.lie.ad(V[:6]))
 True
 )");
   closed_form.def("system_twist", &system_twist_of, "m"_a, "q"_a, "v"_a, "representation"_a = "body", R"(
-V = J v, the twists of all moving bodies, stacked: (6n,), rad/s and m/s.
+The twists V = J v of all moving bodies, stacked: (6n,), rad/s and m/s.
 
 q has shape (nq,), v (nv,).
 
@@ -139,7 +143,7 @@ True
 )");
   closed_form.def("system_acceleration", &system_acceleration_of, "m"_a, "q"_a, "v"_a, "a"_a,
                   "representation"_a = "body", R"(
-V', the time derivatives of the twists of all moving bodies, stacked: (6n,), rad/s^2 and m/s^2, without gravity.
+The time derivatives V' of the twists of all moving bodies, stacked: (6n,), rad/s^2 and m/s^2, without gravity.
 
 q has shape (nq,), v and a (nv,).
 
@@ -148,9 +152,9 @@ q has shape (nq,), v and a (nv,).
 )");
   closed_form.def("joint_velocities", &joint_velocities_of, "m"_a, "q"_a, "V"_a, "representation"_a = "body",
                   R"(
-(X^T X)^-1 X^T (I - D) V, the velocities v (nv,) that belong to the twists V (6n,) of all bodies.
+The velocities v (nv,) that belong to the twists V (6n,) of all bodies: (X^T X)^-1 X^T (I - D) V.
 
-The least-squares solution where no v makes V. q has shape (nq,).
+If no v gives V, the result is the least-squares solution. q has shape (nq,).
 
 >>> q = arm.random()
 >>> V = axode.closed_form.system_twist(arm, q, np.ones(7))
@@ -161,7 +165,7 @@ array([1., 1., 1., 1., 1., 1., 1.])
                   "representation"_a = "body", R"(
 The accelerations a (nv,) that belong to the twists V and their rates dV (6n,) of all bodies (eq. solqddot1).
 
-The least-squares solution where no a makes dV. q has shape (nq,).
+If no a gives dV, the result is the least-squares solution. q has shape (nq,).
 
 >>> q, v, a = arm.random(), np.ones(7), np.full(7, 2.0)
 >>> V, dV = axode.closed_form.system_twist(arm, q, v), axode.closed_form.system_acceleration(arm, q, v, a)

@@ -103,11 +103,13 @@ void add_codegen(nb::module_& module) {
               "'cuda'] = "
               "'plain') -> axode.codegen.Source"),
       R"(
-A file in C99, or in CUDA, for this one mechanism, which needs nothing but a compiler, and what each of its functions costs.
+Generates a file in C99, or in CUDA, for one mechanism, which needs nothing but a compiler, and counts the operations
+of each of its functions.
 
-functions are "inverse_dynamics", "forward_dynamics", either of these with "_derivatives", "_jvp", "_vjp" or "_hessian"
-behind it, "mass_matrix", "inverse_mass_matrix", "poses", ("pose", frame), ("jacobian", frame) and ("jacobian", frame, representation). With PREFIX for prefix (made
-from the model's name if empty), NAME for the frame's name and T for double or, in single precision, float, they become
+functions are "inverse_dynamics", "forward_dynamics", either of these followed by "_derivatives", "_jvp", "_vjp" or
+"_hessian", "mass_matrix", "inverse_mass_matrix", "poses", ("pose", frame), ("jacobian", frame) and ("jacobian",
+frame, representation). With PREFIX for prefix (made from the model's name if empty), NAME for the frame's name and T
+for double or, in single precision, float, they become
 
     void PREFIX_inverse_dynamics(const T *q, const T *v, const T *a, T *tau)
     int  PREFIX_forward_dynamics(const T *q, const T *v, const T *tau, T *a)
@@ -117,17 +119,17 @@ from the model's name if empty), NAME for the frame's name and T for double or, 
     void PREFIX_jacobian_NAME(const T *q, T *J), PREFIX_jacobian_NAME_hybrid, ...
     void PREFIX_inverse_dynamics_derivatives(const T *q, const T *v, const T *a, T *dtau), ...
 
-with the units and frames of their namesakes here; M and its inverse are (nv, nv) and J is (6, nv), row by
-row; C has the columns of R and then r of each frame, 12 numbers; derivatives by q, v and a
-or tau lie one behind the other, and so do the blocks of a Hessian, as in `InverseDynamicsHessian` and
-`ForwardDynamicsHessian`. forward_dynamics, its derivatives and inverse_mass_matrix return 0, or 1 where the mass matrix may be singular.
-Armature and gravity are part of them, joint losses and loads are not. Results differ by rounding, for angles up
-to 1e5 rad. Compile it without -ffast-math.
+with the units and frames of the functions of the same names in Python. M and its inverse are (nv, nv) and J is (6,
+nv), row by row; C has the columns of R and then r of each frame, 12 numbers. Derivatives by q, v and a or tau are
+contiguous, and so are the blocks of a Hessian, as in `InverseDynamicsHessian` and `ForwardDynamicsHessian`.
+forward_dynamics, its derivatives and inverse_mass_matrix return 0, or 1 if the mass matrix may be singular. Armature
+and gravity are included, joint losses and loads are not. Results differ from those of the library by rounding, for
+angles up to 1e5 rad. Compile the file without -ffast-math.
 
-With abi="casadi" they are external functions of CasADi with their derivatives: see `axode.casadi`.
-With abi="cuda" these are device functions whose last argument is n, and PREFIX_..._states are kernels for n states that lie side
-by side; `axode.cuda` calls them. KeyError for an unknown frame, ValueError for an unknown function, one that
-is asked for twice, none, an unknown abi and a prefix that is no C identifier.
+With abi="casadi" they are external functions of CasADi with their derivatives, see `axode.casadi`. With abi="cuda"
+they are device functions whose last argument is n, and PREFIX_..._states are kernels for n states that lie side by
+side; `axode.cuda` calls them. KeyError for an unknown frame. ValueError for an unknown function, a function that is
+in the list twice, an empty list, an unknown abi and a prefix that is not a C identifier.
 
 >>> source = axode.codegen.c_source(arm, ["inverse_dynamics", ("jacobian", "flange", "hybrid")], prefix="arm")
 >>> [cost.name for cost in source.functions]

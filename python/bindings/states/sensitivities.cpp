@@ -120,12 +120,12 @@ void add_sensitivities(nb::module_& module) {
               "tau: numpy.typing.ArrayLike, step: float, *, threads: int = 1) "
               "-> axode.RolloutDerivatives"),
       R"(
-(A, B) of every step of `rollout`: x_{k+1} = A_k x_k + B_k dtau_k of small deviations x = (dq, dv).
+(A, B) of every step of `rollout`: x_{k+1} = A_k x_k + B_k dtau_k for small deviations x = (dq, dv).
 
-A has shape (K, 2 nv, 2 nv), B (K, 2 nv, nv), with N in front of N motions. They are the exact derivatives of
-what a step computes; deviations of q are left-trivialised, q (+) dq as in `Model.integrate`. For a step from
-each of N states of its own let K be 1. O(n^2) a step, and products of matrices. SingularError or
-NotFiniteError, with A, where motions cannot go on; they are NaN from there.
+A has shape (K, 2 nv, 2 nv), B (K, 2 nv, nv), with another axis N in front for N motions. They are the exact
+derivatives of the numerical steps; deviations of q are left-trivialised, q (+) dq as in `Model.integrate`. To compute
+one step from each of N states, let K be 1. A step takes O(n^2) and products of matrices. SingularError or
+NotFiniteError, with A, if a motion cannot continue; its later entries are NaN.
 
 >>> A, B = axode.rollout_derivatives(arm, np.zeros(7), np.zeros(7), np.ones((20, 7)), 1e-3)
 >>> A.shape, B.shape
@@ -133,11 +133,12 @@ NotFiniteError, with A, where motions cannot go on; they are NaN from there.
 )");
   module.def("rollout_jvp", &rollout_jvp_of, "m"_a, "q"_a, "v"_a, "tau"_a, "step"_a, "dq"_a, "dv"_a, "dtau"_a,
              nb::kw_only(), "threads"_a = 1, R"(
-(dq, dv) of all states of `rollout` where its start is displaced by dq and dv, and its drive forces by dtau.
+(dq, dv): the deviations of all states of `rollout` if its initial state deviates by dq and dv, and its drive forces
+by dtau.
 
-dq and dv have shape (nv,) or (N, nv), dtau that of tau, the results (K + 1, nv) or (N, K + 1, nv). Deviations
-as in `rollout_derivatives`, without its matrices. O(n) a step. SingularError or NotFiniteError where motions
-cannot go on; these are NaN.
+dq and dv have shape (nv,) or (N, nv), dtau that of tau, the results (K + 1, nv) or (N, K + 1, nv). Deviations are
+those of `rollout_derivatives`, computed without its matrices. O(n) for each step. SingularError or NotFiniteError if
+a motion cannot continue; its results are NaN.
 
 >>> q, v, tau, w = np.zeros(7), np.zeros(7), np.ones((20, 7)), np.arange(7.0)
 >>> dq, dv = axode.rollout_jvp(arm, q, v, tau, 1e-3, w, w, np.zeros((20, 7)))
@@ -151,12 +152,13 @@ True
                      "tau: numpy.typing.ArrayLike, step: float, w_q: numpy.typing.ArrayLike, "
                      "w_v: numpy.typing.ArrayLike, *, threads: int = 1) -> axode.RolloutGradient"),
              R"(
-(q, v, tau, geometry): the gradient of all states of `rollout`, weighed: of the sum of w_q . dq + w_v . dv.
+(q, v, tau, geometry): the gradients of a weighted sum over all states of `rollout`, the sum of w_q . dq + w_v . dv.
 
-w_q and w_v have shape (K + 1, nv) or (N, K + 1, nv); deviations as in `rollout_derivatives`. By q and v of
-the start (nv,), by tau (K, nv), by geometric parameters (n_bodies, 6) as in `forward_dynamics_geometry_vjp`;
-with N in front of N motions. O(n) a step, without matrices; only the states are kept. SingularError or
-NotFiniteError, with the first, where motions cannot go on; these are NaN.
+w_q and w_v have shape (K + 1, nv) or (N, K + 1, nv); deviations are those of `rollout_derivatives`. The gradients by
+the initial q and v are (nv,), that by tau is (K, nv), and that by the geometric parameters of
+`forward_dynamics_geometry_vjp` is (n_bodies, 6), each with another axis N in front for N motions. O(n) for each step,
+without matrices; only the states are stored. SingularError or NotFiniteError, with the gradient by q, if a motion
+cannot continue; its results are NaN.
 
 >>> q, v, tau, step = np.zeros(7), np.zeros(7), np.ones((20, 7)), 1e-3
 >>> last = np.zeros((21, 7))

@@ -107,10 +107,10 @@ BoundSpecialised specialise(nb::handle_t<BoundModel> self, nb::handle functions,
 
 void add_specialised(nb::module_& codegen) {
   nb::class_<BoundSpecialised> type(codegen, "Specialised", R"(
-Functions of one model, compiled for it: what `Model.specialise` makes. Threads may share it.
+Functions that were compiled for one model by `Model.specialise`. Threads may share the object.
 
-Each has the arguments, results, checks and errors of the function of its name in axode, for one state or N of them. A
-function that was not asked for is a ValueError.
+Each function has the arguments, results, checks and errors of the function of the same name in axode, for one state
+or N states. ValueError for a function that was not compiled.
 
 >>> s = arm.specialise(["mass_matrix"])
 >>> q = arm.random(seed=1, n=100)
@@ -146,12 +146,13 @@ True
               "typing.Literal['float64', 'float32'] = 'float64', *, lanes: int = 16, flags: "
               "collections.abc.Sequence[str] | None = None) -> axode.codegen.Specialised"),
       R"(
-Functions of this model as machine code made for it, several times as fast: see `axode.codegen.Specialised`.
+Compiles functions for this model, which makes them several times as fast: see `axode.codegen.Specialised`.
 
-functions are those of `axode.codegen.c_source`, whose C is compiled by $CC, cc, clang or gcc, with these flags (-O3
--march=native -ffp-contract=fast), the first time; `axode.codegen.cache` keeps it for the next. lanes is how many states
-a register may hold: 1, 2, 4, 8 or 16, as many as fit where that is less. In float32 results are arrays of float32.
-RuntimeError where there is no compiler or it fails, ValueError for unknown functions.
+functions are those of `axode.codegen.c_source`. The first time, their C is compiled by $CC, cc, clang or gcc with
+these flags (-O3 -march=native -ffp-contract=fast if they are left out); later it is taken from the cache, see
+`axode.codegen.cache`. lanes is the largest number of states in a register: 1, 2, 4, 8 or 16; it is less if fewer
+states fit into a register. In float32, results are arrays of float32. RuntimeError if there is no compiler or it
+fails, ValueError for unknown functions.
 
 >>> s = arm.specialise(["inverse_dynamics"], flags=["-O1"])
 >>> q, v, a = np.full(7, 0.5), np.ones(7), np.zeros(7)
@@ -165,13 +166,14 @@ True
         return named_tuple("axode.codegen", "Cache", cache.folder, cache.models, cache.bytes);
       },
       nb::sig("def cache() -> axode.codegen.Cache"), R"(
-Where compiled functions are kept, in $XDG_CACHE_HOME/axode or ~/.cache/axode, how many times, and their bytes.
+The cache of compiled functions: its folder, $XDG_CACHE_HOME/axode or ~/.cache/axode, the number of models in it, and
+their bytes.
 
 >>> axode.codegen.cache().bytes >= 0
 True
 )");
   codegen.def("clear_cache", &clear_specialised_cache, R"(
-Removes all compiled functions from the cache; those that are loaded stay as they are.
+Removes all compiled functions from the cache. Functions that are loaded remain usable.
 
 >>> axode.codegen.clear_cache()
 >>> axode.codegen.cache().models
