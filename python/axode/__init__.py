@@ -4,11 +4,12 @@
     arm = axode.load("robot.urdf")
     tau = axode.inverse_dynamics(arm, q, v, a)
 
-q has shape (nq,), v, a and tau have (nv,); or (N, nq) and (N, nv) for N states at once, and then every result has that
-axis as well. Units are SI: m, kg, s, rad, N. Six-vectors are angular before linear, quaternions x y z w, accelerations
-the true time derivatives of the components, without gravity. Velocities of spherical, planar and free joints are
-components in the child's joint frame. Arguments may be arrays of any real type and layout, lists or tuples; float64
-arrays in C order are not copied. Results are new arrays of float64.
+q has shape (nq,), and v, a and tau have shape (nv,). For N states at once the shapes are (N, nq) and (N, nv), and
+every result has the axis N as well. Units are SI: m, kg, s, rad, N. Six-vectors have the angular part before the
+linear one, quaternions are x y z w, and accelerations are the true time derivatives of the components, without
+gravity. Velocities of spherical, planar and free joints are components in the child's joint frame. Arguments may be
+arrays of any real type and layout, lists or tuples; float64 arrays in C order are not copied. Results are new arrays
+of float64.
 
 The examples in the docstrings use `arm = axode.load(axode.robots / "arm7.toml")`, `fourbar`, of four_bar.toml there, and
 numpy as `np`.

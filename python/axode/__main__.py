@@ -21,7 +21,7 @@ Its arguments are explained in docs/distributed.md and in help(axode.distributed
 
 
 def argument(text: str) -> tuple[str, Any]:
-    """NAME=VALUE; a value is JSON, or else the word itself."""
+    """Splits NAME=VALUE. The value is read as JSON or, if it is not JSON, as a word."""
     name, equals, value = text.partition("=")
     if not equals or not name:
         raise argparse.ArgumentTypeError(f'"{text}" is not NAME=VALUE')

@@ -1,4 +1,4 @@
-"""A mechanism, written down body by body."""
+"""Mechanisms that are described body by body."""
 
 from __future__ import annotations
 
@@ -14,12 +14,12 @@ __all__ = ["Builder"]
 
 
 class Builder:
-    """Collects bodies, frames, springs and loops in the words of the drawing format, and builds a model of them.
+    """Collects bodies, frames, springs and loops, with the keys of the drawing format, and builds a model from them.
 
-    Everything is given in one frame with every joint at zero, in SI units; docs/drawing-format.md has every key. It is
-    the frame of every body as well, with an origin that may be far from the body, unless it is given another one:
-    frame="joint" puts its origin at the joint, frame="com" at the centre of mass. Nothing is checked before `build`,
-    which then names every fault at once.
+    Everything is given in one frame with every joint at zero, in SI units; docs/drawing-format.md has every key. This
+    construction frame is also the frame of every body, with an origin that may be far from the body. To give a body
+    another frame, frame="joint" puts the origin at the joint, and frame="com" at the centre of mass. Nothing is
+    checked before `build`, which reports every fault at once.
 
     >>> crane = axode.Builder("crane")
     >>> crane.body("column", joint={"kind": "revolute", "axis": "z", "point": [0, 0, 0]},
@@ -55,7 +55,8 @@ class Builder:
     def frame(self, name: str, *, on: str, **keys: Any) -> Builder:
         """Adds a frame of interest to a body: a tool, a sensor. Returns the builder.
 
-        `position` (m) and a rotation are given in the construction frame unless in_="body" asks for the body's.
+        `position` (m) and a rotation are given in the construction frame, or in the frame of the body with
+        in_="body".
         """
         if "in_" in keys:
             keys["in"] = keys.pop("in_")
@@ -65,8 +66,9 @@ class Builder:
     def spring(self, one: str, other: str, **keys: Any) -> Builder:
         """Adds a spring and damper between two bodies or frames, or "ground". Returns the builder.
 
-        `stiffness` (N/m), `rest` (m) and `damping` (N s/m) act along the line between two `points` (m), which are given in
-        the construction frame unless in_="body" asks for each in its frame; without points it joins the origins.
+        `stiffness` (N/m), `rest` (m) and `damping` (N s/m) act along the line between two `points` (m), which are
+        given in the construction frame, or each in its own frame with in_="body". If no points are given, they are
+        the origins of the two frames.
         """
         if "in_" in keys:
             keys["in"] = keys.pop("in_")
@@ -76,10 +78,10 @@ class Builder:
     def loop(self, one: str, other: str, kind: str = "revolute", **keys: Any) -> Builder:
         """Closes a loop by a joint between two bodies or frames, or "ground". Returns the builder.
 
-        `kind` is fixed, revolute, prismatic, helical, cylindrical, spherical, planar, translational, universal, rod or
-        rolling; axis, point (m), points and the other keys are those of a loop in a drawing, in the construction frame with
-        every joint at zero, where the loop is closed. Where it is not, frames=[{}, {}] closes it between the frames of
-        the two themselves, and poses in these dicts between other places on them.
+        `kind` is fixed, revolute, prismatic, helical, cylindrical, spherical, planar, translational, universal, rod
+        or rolling; axis, point (m), points and the other keys are those of a loop in a drawing, in the construction
+        frame with every joint at zero, where the loop is closed. If it is not closed there, frames=[{}, {}] closes it
+        between the frames of the two bodies; poses in these dicts select other frames on them.
 
         >>> def bar(x, z, x_com, z_com):
         ...     hinge = {"kind": "revolute", "axis": "y", "point": [x, 0, z]}
@@ -96,7 +98,7 @@ class Builder:
     def coupling(self, terms: Mapping[str, float], offset: float = 0.0, **keys: Any) -> Builder:
         """Couples joints of one velocity: the sum of factor times coordinate is `offset`. Returns the builder.
 
-        `terms` has the factor of each joint, by its name; `name` is the one other key.
+        `terms` has the factor of each joint, by its name; the only other key is `name`.
 
         >>> wheel = {"joint": {"kind": "revolute", "axis": "x", "point": [0, 0, 0]}, "mass": 1, "com": [0, 0, 0],
         ...          "inertia": [1, 1, 1]}
@@ -137,7 +139,7 @@ class Builder:
         return self
 
     def build(self, base: Literal["fixed", "free"] | None = None, *, strict: bool = False) -> Model:
-        """The model. ModelError lists every fault; `base` and `strict` as in `load`."""
+        """Builds the model. ModelError lists every fault; `base` and `strict` are those of `load`."""
         return Model.from_bodies(
             self.bodies, self.frames, springs=self.springs, loops=self.loops, couplings=self.couplings,
             motions=self.motions, state=self.initial, name=self.name, gravity=self.gravity, base=base, strict=strict

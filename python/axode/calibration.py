@@ -1,17 +1,18 @@
-"""Geometric parameters from measured poses: where the joints of a built mechanism really are.
+"""Identification of geometric parameters from measured poses: the true positions of the joints of a real mechanism.
 
 Section 6.2 of the paper: B_i is replaced by B_i exp(pi_i), six parameters for each body. Frames of the mechanism have
 the poses C_f = C_b O exp(rho), O the drawn pose of the frame on its last body and rho the error of the tool; a device
-whose own frame has the pose D measures D^-1 C_f, or its origin alone. `calibrate` finds all of them from many measured
-poses: the residuals are log((D^-1 C_f)^-1 C_measured), their Jacobian is exact (`frame_geometry_jacobian`), steps are
-those of Levenberg and Marquardt, taken on SE(3). There are no Euler angles, and nothing is singular where axes are
-parallel.
+whose own frame has the pose D measures D^-1 C_f, or only the position of its origin. `calibrate` finds all these
+parameters from many measured poses: the residuals are log((D^-1 C_f)^-1 C_measured), their Jacobian is exact
+(`frame_geometry_jacobian`), and the steps are those of Levenberg and Marquardt on SE(3). There are no Euler angles,
+and parallel axes cause no singularity.
 
-Six parameters for each joint are more than poses can show: what moves body i along its own joint can be given to its
-successor as well, 2 parameters of a hinge or a screw, 4 of a slider. Measured poses of a serial arm in general position
-show 4 for each hinge, 2 for each slider, and 6. Such directions are found and reported, and the correction is the
-smallest that explains the poses, unless a `prior` says how well the drawing is known. An offset of a joint coordinate
-is a displacement along the joint, and so in pi already. What the device shares with the first joints is the device's.
+Six parameters for each joint are more than poses can determine: a displacement of body i along its own joint has the
+same effect as one of its successor, in 2 parameters of a hinge or a screw, and in 4 of a slider. Measured poses of a
+serial arm in general position determine 4 parameters for each hinge, 2 for each slider, and 6 more. Directions that
+cannot be determined are found and reported, and the correction is the smallest one that explains the poses, unless a
+`prior` says how well the drawing is known. An offset of a joint coordinate is a displacement along the joint, which
+pi contains already. Displacements that the device shares with the first joints are attributed to the device.
 """
 
 from __future__ import annotations
@@ -32,19 +33,19 @@ __all__ = ["Calibration", "Measurement", "calibrate", "with_geometry"]
 
 Array = NDArray[np.float64]
 
-#: Singular values below this part of the largest are rounding.
+#: Singular values below this part of the largest one count as rounding errors.
 RANK_TOLERANCE = 1e-10
-#: No pose is taken to be measured better than this, in rad and in parts of the largest measured distance.
+#: The least standard deviation that a measured pose may have, in rad and relative to the largest measured distance.
 NOISE_FLOOR = 1e-11
-#: Angles and lengths, in parts of the size of what was measured, do not differ more than so in their noise.
+#: The largest ratio between the noise of angles and that of lengths, relative to the size of the measured points.
 NOISE_RATIO = 1e-4
 #: Huber's threshold for the norm of three components in standard deviations: 95 % efficient without outliers.
 HUBER = 1.7
-#: The median of this norm where there are no outliers.
+#: The median of this norm if there are no outliers.
 MEDIAN = 1.5382
-#: What a measured rotation may be off an orthonormal matrix.
+#: The largest deviation of a measured rotation from an orthonormal matrix.
 ROUNDED = 1e-3
-#: Numbers of the Jacobian that are held at once.
+#: The largest number of entries of the Jacobian that are in memory at once.
 BLOCK = 1 << 20
 
 
@@ -56,8 +57,8 @@ class _MeasurementNeeds(TypedDict):
 class Measurement(_MeasurementNeeds, total=False):
     """Measurements of a frame in N configurations q (N, nq): `pose` (N, 4, 4) or `position` (N, 3), in m.
 
-    Both are in the frame of the measuring device, which is the inertial frame where `calibrate` is told device=False.
-    It is a dict.
+    Both are in the frame of the measuring device, which is the inertial frame if `calibrate` is called with
+    device=False. A Measurement is a dict.
 
     >>> measured = axode.calibration.Measurement(frame="flange", q=np.zeros((1, 7)), position=[[0, 0, 1.306]])
     >>> measured["frame"]
@@ -69,7 +70,8 @@ class Measurement(_MeasurementNeeds, total=False):
 
 
 class Calibration(NamedTuple):
-    """Result of `calibrate`. p parameters: six of each calibrated body, of each measured frame, of the device."""
+    """Result of `calibrate`. There are p parameters: six of each calibrated body, six of each measured frame, and six
+    of the device."""
 
     model: Model
     """m with the geometry found, the poses of measured frames on their bodies included."""
@@ -109,26 +111,28 @@ class Calibration(NamedTuple):
 def calibrate(m: Model, measurements: Measurement | Sequence[Measurement], *, bodies: Sequence[str] | None = None,
               tool: bool = True, device: bool = True, noise: ArrayLike | None = None, prior: ArrayLike | None = None,
               robust: bool = False) -> Calibration:
-    """The geometry of m from measured poses or positions of frames; a `Measurement`, or a list of them.
+    """Identifies the geometry of m from measured poses or positions of frames: a `Measurement`, or a list of them.
 
-    Some 3 to 5 poses for each unknown combination, spread over all of the workspace, are a beginning. One frame may be
-    measured in several parts, several frames by one device.
+    Begin with about 3 to 5 poses for each unknown combination, spread over the whole workspace. One frame may be
+    measured in several parts, and several frames by one device.
 
-    bodies: names of those whose six parameters are sought; all that carry a measured frame, if absent. Those whose
-        joint is one of the two of a cylindrical or universal joint have parameters of their own: the model found has
-        both joints apart, with the same names.
-    tool: whether the pose of each measured frame on its body is sought; with False it is that of m. ValueError for a
-        frame of a moving body itself, which is where its body is.
-    device: whether the pose of the device is sought, wherever it may be; with False it is the inertial frame.
-    noise: standard deviations (rad, m) of each component of a measured pose; without it they are estimated.
-    prior: standard deviations (rad, m) of the joints and tools in the drawing, about the point of each joint. Without
-        it what the poses leave open is settled by the smallest correction.
-    robust: outliers count by their size and not by its square (Huber), angles and positions each for itself.
+    bodies: names of the bodies whose six parameters are identified; if left out, all bodies that carry a measured
+        frame. The two bodies of a cylindrical or universal joint have separate parameters: the resulting model has
+        two joints with the same names.
+    tool: whether the pose of each measured frame on its body is identified; with False it is that of m. ValueError if
+        the frame is that of a moving body itself, because this has no pose of its own.
+    device: whether the pose of the device is identified, wherever the device is; with False its frame is the inertial
+        frame.
+    noise: standard deviations (rad, m) of each component of a measured pose; if left out, they are estimated.
+    prior: standard deviations (rad, m) of the joints and tools in the drawing, about the point of each joint. If it
+        is left out, directions that the poses do not determine get the smallest correction.
+    robust: whether outliers count by their size instead of its square (Huber), separately for angles and positions.
 
-    Rotations may be off orthonormal by 1e-3 and are made exact, the nearest rotation. Device and tool may be turned by
-    any angle; errors of joints of ten degrees and a decimetre converge. O(N p^2) for each of some 20 iterations; memory
-    does not grow with N but for arrays as large as the poses. ValueError for wrong shapes, numbers that are not finite,
-    matrices that are no poses and too few measurements; KeyError for unknown names and keys.
+    Measured rotations may differ from orthonormal matrices by 1e-3 and are replaced by the nearest rotation. Device
+    and tool may be turned by any angle; the method converges for errors of joints of up to ten degrees and a
+    decimetre. O(N p^2) for each of about 20 iterations; memory grows with N only by arrays as large as the poses.
+    ValueError for wrong shapes, numbers that are not finite, matrices that are not poses and too few measurements;
+    KeyError for unknown names and keys.
 
     >>> random = np.random.default_rng(0)
     >>> built = axode.calibration.with_geometry(arm, random.normal(0, 0.01, (7, 6)))  # some 0.6 degrees and 10 mm
@@ -167,13 +171,14 @@ def calibrate(m: Model, measurements: Measurement | Sequence[Measurement], *, bo
 
 
 def with_geometry(m: Model, parameters: ArrayLike, tools: Mapping[str, ArrayLike] | None = None) -> Model:
-    """m with B_i exp(pi_i) for B_i, `parameters` (n_bodies, 6), rad and m; and with displaced tools.
+    """The model m with B_i exp(pi_i) instead of B_i, for `parameters` pi (n_bodies, 6), rad and m, and with displaced
+    tools.
 
-    `tools` has for names of frames the pose exp(rho) (4, 4) by which each is displaced on its body. Everything else
-    stays: joint screws and inertias in the frames of the bodies, names, limits, losses, couplings, other frames.
-    Cylindrical and universal joints become the two joints that they consist of. The derivatives by pi at 0 are
-    `frame_geometry_jacobian`. ValueError for wrong shapes and for tools that are frames of moving bodies; KeyError for
-    unknown frames.
+    `tools` has, by the name of a frame, the pose exp(rho) (4, 4) by which the frame is displaced on its body.
+    Everything else stays the same: joint screws and inertias in the frames of the bodies, names, limits, losses,
+    couplings, other frames. Cylindrical and universal joints become the two joints of which they consist. The
+    derivatives by pi at 0 are `frame_geometry_jacobian`. ValueError for wrong shapes and for tools that are frames of
+    moving bodies; KeyError for unknown frames.
 
     >>> pi = np.zeros((7, 6))
     >>> pi[3, 3] = 0.002  # the elbow is 2 mm further in x
@@ -195,18 +200,19 @@ def _check_tool(m: Model, name: str, argument: str) -> None:
 
 
 class _Drawing:
-    """m as links whose poses are relative to their predecessors, so that each can be displaced on its own."""
+    """The mechanism m as links whose poses are relative to their predecessors, so that each link can be displaced
+    separately."""
 
     def __init__(self, m: Model):
         self.m = m
         self._drawing = m.to_dict()
         self._link = _links_of_bodies(m, self._drawing)
-        #: Of each link and frame, the moving body that it is on, and its pose there.
+        #: For each link and frame: the moving body to which it belongs, and its pose on this body.
         self._on = {name: m.frame_pose(name) for name in m.frame_names}
         self._B = np.array([m.body(name).B for name in m.body_names]).reshape(-1, 4, 4)
 
     def build(self, displaced: Array, tools: Mapping[str, Array]) -> Model:
-        """The model with B displaced (n_bodies, 4, 4), and some frames."""
+        """Builds the model with displaced B (n_bodies, 4, 4) and displaced frames."""
         m = self.m
         on = {name: (body, O @ tools[name] if name in tools else O) for name, (body, O) in self._on.items()}
         bodies: list[dict[str, Any]] = []
@@ -235,7 +241,7 @@ class _Drawing:
         return Model.from_dict(self._drawing | {"body": bodies, "frame": frames})
 
     def _A(self, name: str) -> Array:
-        """The pose in the construction frame of the body that a link or frame is on."""
+        """The pose, in the construction frame, of the body to which a link or frame belongs."""
         body = self._on[name][0]
         return np.asarray(self.m.body(body).A) if body != "ground" else np.eye(4)
 
@@ -250,13 +256,13 @@ class _Drawing:
         return np.asarray((lie.inverse(self._A(name)) @ [*joint["point"], 1])[:3])
 
 
-#: What places a link in a drawing, and its matter.
+#: The keys of a drawing that determine the pose of a link, and those of its mass and inertia.
 PLACING = {"A", "B", "S_prev", "S_self", "frame", "joint", "on", "com", "inertia", "inertia_about", "inertia_in",
            "inertia_axes"}
 
 
 def _single_joints(joint: dict[str, Any] | str) -> list[dict[str, Any]]:
-    """A drawn joint without its place, or the two that a cylindrical or a universal one consists of."""
+    """A drawn joint without its position, or the two joints of which a cylindrical or universal joint consists."""
     if isinstance(joint, str):
         return [{}]
     if joint["kind"] in ("cylindrical", "universal"):
@@ -265,7 +271,8 @@ def _single_joints(joint: dict[str, Any] | str) -> list[dict[str, Any]]:
 
 
 def _matter(link: dict[str, Any], C: Array) -> dict[str, Any]:
-    """Centre of mass and inertia of a link in its own frame, where C takes construction coordinates to them."""
+    """Centre of mass and inertia of a link in its own frame; C maps construction coordinates to coordinates of the
+    link."""
     if "inertia" not in link:
         return {}
     if "S_self" in link and link.get("inertia_in") != "construction":
@@ -285,7 +292,7 @@ def _as_dict(C: Array) -> dict[str, Any]:
 
 
 class _Part(NamedTuple):
-    """One of the measurements: poses or positions of one frame."""
+    """One measurement: poses or positions of one frame."""
 
     frame: str
     q: Array
@@ -305,17 +312,18 @@ class _Data:
         self.frames = list(dict.fromkeys(part.frame for part in self.parts))
         points = np.vstack([part.position for part in self.parts])
         self.N = len(points)
-        #: Numbers of measured components, angles and lengths.
+        #: The numbers of measured components: of angles and of lengths.
         self.components = np.array([3 * sum(len(x.q) for x in self.parts if x.pose is not None), 3 * self.N])
-        #: What makes a length comparable to an angle, m.
+        #: The length (m) that corresponds to one radian.
         self.size = float(np.sqrt(np.mean(np.sum((points - points.mean(axis=0))**2, axis=1)))) or 1.0
         self.least_noise = NOISE_FLOOR * np.array([1, np.abs(points).max(initial=1)])
 
     def start(self, m: Model, tool: bool, device: bool) -> tuple[dict[str, Array], Array]:
-        """Rotations of tools and the pose of the device that fit m well, in closed form.
+        """The rotations of the tools and the pose of the device that fit m well, in closed form, as a first guess.
 
-        The device is turned as the measured points are about their centre, and as the rotations: where the tool is
-        sought, as those from one pose to the next, R_k R_{k-1}^T, on which no tool has an influence."""
+        The rotation of the device follows from the measured points about their centre, and from the measured
+        rotations. If the tool is unknown, rotations from one pose to the next, R_k R_{k-1}^T, are used, because the
+        tool has no influence on them."""
         expected = [np.concatenate([C for _, C in _predicted(m, part, np.eye(4))]) for part in self.parts]
         p = np.vstack([C[:, :3, 3] for C in expected])
         measured = np.vstack([part.position for part in self.parts])
@@ -354,7 +362,7 @@ class _Data:
 
 
 def _predicted(m: Model, part: _Part, to_device: Array) -> Iterator[tuple[slice, Array]]:
-    """The measurements of m that the parameters predict, block by block."""
+    """The measurements that the model predicts with these parameters, block by block."""
     block = max(BLOCK // (16 * m.n_frames), 1)
     for start in range(0, len(part.q), block):
         own = slice(start, start + block)
@@ -374,14 +382,14 @@ def _squares(r: list[Array]) -> tuple[Array, Array]:
 
 
 class _Geometry:
-    """The current estimate: displacements exp(pi) of bodies and exp(rho) of frames, the pose of the device."""
+    """The present estimate: displacements exp(pi) of bodies and exp(rho) of frames, and the pose of the device."""
 
     def __init__(self, drawing: _Drawing, bodies: Array, tools: dict[str, Array], device: Array):
         self._drawing, self.bodies, self.tools, self.device = drawing, bodies, tools, device
         self.model = drawing.build(bodies, tools)
 
     def moved(self, unknowns: _Unknowns, x: Array) -> _Geometry:
-        """Displaced by the screws x (p,), each in the frame that it displaces."""
+        """The estimate displaced by the screws x (p,), each of which is in the frame that it displaces."""
         steps = dict(zip(unknowns.blocks, lie.exp(x.reshape(-1, 6))))
         bodies = self.bodies.copy()
         for k in unknowns.bodies:
@@ -392,8 +400,8 @@ class _Geometry:
 
 
 class _Unknowns:
-    """The p parameters x in blocks of six, x = T z: in z a body is displaced about the point of its joint, and lengths
-    are in parts of the size of what was measured."""
+    """The p parameters x in blocks of six, and x = T z with scaled parameters z: in z a body is displaced about the
+    point of its joint, and lengths are relative to the size of the measured points."""
 
     def __init__(self, m: Model, data: _Data, bodies: Sequence[str] | None, tool: bool, device: bool):
         if isinstance(bodies, str):
@@ -431,7 +439,8 @@ class _Unknowns:
                 at_joint[:3, 3] = self.drawing.point(m.body_names[body])
             own = slice(6 * k, 6 * k + 6)
             self.T[own, own] = lie.Ad(at_joint) * np.repeat([1, data.size], 3)
-        #: Blocks that may share displacements: each alone, and each with those that hang on it.
+        #: The groups of blocks that may share displacements: each block alone, and each block with those that depend
+        #: on it.
         self.families = [[k] for k in range(len(self.blocks))]
         hangs_on = [m.frame_pose(x)[0] if kind == "tool" else predecessor[m.body_names[x]] if kind == "body" else ""
                     for kind, x in self.blocks]
@@ -440,7 +449,8 @@ class _Unknowns:
             self.families.append([k] + [j for j, base in enumerate(hangs_on) if base == name])
 
     def jacobian(self, geometry: _Geometry, part: _Part, own: slice, C: Array) -> Array:
-        """Body-fixed, of the frame as the device sees it, C (n, 4, 4): (n, 6, p)."""
+        """The body-fixed Jacobian (n, 6, p) of the frame relative to the device, where the frame has the poses C (n,
+        4, 4)."""
         J = np.zeros((len(C), 6, self.n))
         of_bodies = frame_geometry_jacobian(geometry.model, part.q[own], part.frame)
         for k, (kind, x) in enumerate(self.blocks):
@@ -454,7 +464,8 @@ class _Unknowns:
         return J
 
     def correction(self, geometry: _Geometry) -> tuple[Array, Array]:
-        """z of the whole correction of what is drawn, 0 for the device, and its derivative by a further step."""
+        """The whole correction of the drawn geometry as z, which is 0 for the device, and its derivative by a further
+        step."""
         x, L = np.zeros(self.n), np.eye(self.n)
         for k, (kind, name) in enumerate(self.blocks):
             if kind != "device":
@@ -465,10 +476,11 @@ class _Unknowns:
         return np.asarray(z), np.asarray(dz)
 
     def directions(self, fit: _Fit) -> tuple[Array, list[str]]:
-        """A basis of what cannot be identified, first of what few blocks share, and its rows in words."""
+        """A basis of the directions that cannot be identified, beginning with those that few blocks share, and their
+        descriptions in words."""
         N = fit.null_space
         found: list[Array] = []
-        basis = np.zeros((self.n, 0))  # orthonormal, of what is found
+        basis = np.zeros((self.n, 0))  # orthonormal basis of the directions found so far
         rest = [list(range(len(self.blocks)))]
         for family in self.families + rest:
             if len(found) == N.shape[1]:
@@ -492,7 +504,7 @@ class _Unknowns:
 
 
 def _null_space(A: Array, tolerance: float) -> Array:
-    """Orthonormal columns that A takes to less than the tolerance."""
+    """Orthonormal columns that A maps to less than the tolerance."""
     if not A.shape[0]:
         return np.eye(A.shape[1])
     _, sigma, Vt = np.linalg.svd(A)
@@ -500,7 +512,7 @@ def _null_space(A: Array, tolerance: float) -> Array:
 
 
 def _tidy(N: Array) -> Array:
-    """A basis of the same space, of which each column has an entry 1 in a row in which all other columns have 0."""
+    """A basis of the same space in which each column has an entry 1 in a row where all other columns have 0."""
     rows = N.T.copy()
     for k in range(len(rows)):
         j = int(np.argmax(np.abs(rows[k:]).max(axis=0)))
@@ -548,7 +560,7 @@ class _Fit:
     # ---------------------------------------------------------------- the equations, linearised
 
     def _factors(self, weighted: bool) -> list[Array]:
-        """R of [J, r] = Q R, of angles and of lengths, in z; with Huber's weights or without."""
+        """The factors R of [J, r] = Q R for angles and for lengths, in z, with or without Huber's weights."""
         self.iterations += 1
         data, unknowns = self._data, self._unknowns
         R = [np.zeros((0, unknowns.n + 1)) for _ in range(2)]
@@ -573,7 +585,8 @@ class _Fit:
         return R
 
     def _system(self) -> tuple[Array, Array]:
-        """S and c of the measurements: near to here the cost is |S dz - c|^2, and that of the prior."""
+        """S and c of the measurements: near the present estimate the cost is |S dz - c|^2, plus the cost of the
+        prior."""
         S, c = self._compress(self._factors(weighted=True), self.noise)
         if not self._has_prior:
             return S, c
@@ -581,7 +594,7 @@ class _Fit:
         return np.vstack([S, self._P[:, None] * L]), np.append(c, -self._P * z)
 
     def _compress(self, factors: list[Array], noise: Array) -> tuple[Array, Array]:
-        """S and c of the measurements, and what they show."""
+        """Computes S and c of the measurements, and finds the directions that they determine."""
         R = _triangle(np.vstack([R_k / s for R_k, s in zip(factors, noise) if len(R_k)]))
         self._S = R[:, :-1]
         _, sigma, Vt = np.linalg.svd(self._S)
@@ -605,14 +618,14 @@ class _Fit:
     # ---------------------------------------------------------------- steps
 
     def _minimise(self) -> bool:
-        """Levenberg's and Marquardt's steps from the present geometry; whether they came to an end."""
+        """Takes the steps of Levenberg and Marquardt from the present geometry. Returns whether they converged."""
         damping, cost = 1e-6, self._cost(self._r, self.geometry)
         for _ in range(100):
             S, c = self._system()
             U, sigma, Vt = np.linalg.svd(S, full_matrices=False)
             kept = sigma > RANK_TOLERANCE * sigma[0]
             g, sigma, Vt = (U.T @ c)[kept], sigma[kept], Vt[kept]
-            last = g @ g < 1e-6  # a step of a thousandth of the standard deviations
+            last = g @ g < 1e-6  # the step is less than a thousandth of the standard deviations
             while True:
                 filtered = sigma / (sigma**2 + (0 if last else damping) * sigma[0]**2)
                 geometry = self.geometry.moved(self._unknowns, self._unknowns.T @ (Vt.T @ (filtered * g)))
@@ -629,8 +642,8 @@ class _Fit:
         return False
 
     def _slide(self) -> bool:
-        """Along what cannot be identified to the smallest correction, while steps of Gauss and Newton keep the poses;
-        whether that came to an end."""
+        """Moves along the directions that cannot be identified to the smallest correction, while Gauss-Newton steps
+        keep the poses. Returns whether this converged."""
         if self._has_prior:
             return True
         for _ in range(50):
@@ -648,7 +661,7 @@ class _Fit:
         return False
 
     def _to_smallest(self) -> Array:
-        """Y with z - N Y z the smallest of what is drawn."""
+        """Computes Y for which z - N Y z is the smallest correction of the drawn geometry."""
         drawn = self._unknowns.drawn
         return np.asarray(np.linalg.pinv(drawn[:, None] * self.null_space, rcond=1e-6) * drawn)
 
@@ -675,7 +688,7 @@ class _Fit:
         return np.asarray(np.maximum(noise, least))
 
     def _covariance_root(self) -> Array:
-        """B with B B^T the covariance of z."""
+        """A root B of the covariance B B^T of z."""
         S = self._S
         if self._has_prior:
             S = np.vstack([S, self._P[:, None] * self._unknowns.correction(self.geometry)[1]])
@@ -701,7 +714,7 @@ class _Fit:
         self.residual = data.rms(self._r)
 
     def covariance(self) -> Array:
-        """(p, p), of x."""
+        """The covariance (p, p) of x."""
         B = self._unknowns.T @ self._covariance_root()
         return np.asarray(B @ B.T)
 
@@ -729,7 +742,7 @@ def _part(m: Model, argument: str, given: Any) -> _Part:
 
 
 def _rows(argument: str, given: ArrayLike, shape: tuple[int, ...], meaning: str) -> Array:
-    """An array of this shape of finite numbers."""
+    """The argument as an array of finite numbers with this shape."""
     x = _array(argument, given)
     if x.shape != shape:
         raise ValueError(f"{argument}: expected shape {meaning}, got {x.shape}")
@@ -737,7 +750,7 @@ def _rows(argument: str, given: ArrayLike, shape: tuple[int, ...], meaning: str)
 
 
 def _poses(argument: str, given: ArrayLike, shape: tuple[int, ...]) -> Array:
-    """Poses with rotations that are so exactly."""
+    """The poses with their rotations replaced by the nearest exact ones."""
     C = _rows(argument, given, shape, f"{shape}, poses").copy()
     R = _nearest_rotation(C[..., :3, :3])
     off = np.maximum(np.abs(R - C[..., :3, :3]).max(axis=(-2, -1)), np.abs(C[..., 3, :] - [0, 0, 0, 1]).max(axis=-1))

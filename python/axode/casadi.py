@@ -1,13 +1,13 @@
-"""Functions of one mechanism for CasADi: compiled for it, with exact first and second derivatives.
+"""Functions of one mechanism for CasADi, compiled for this mechanism, with exact first and second derivatives.
 
     import axode.casadi
     a = axode.casadi.function(arm, "forward_dynamics")(q, v, tau)
 
-Needs CasADi, pip install casadi, and a C compiler.
+This needs CasADi (pip install casadi) and a C compiler.
 
-CasADi differentiates by the nq entries of q, one by one, while the library's derivatives are along the nv velocities. The
-functions are therefore those of any q: quaternions count divided by their length, and where this is 1 they are what
-the library has under the same name.
+CasADi differentiates by the nq entries of q, one by one, while the library's derivatives are along the nv velocities.
+Therefore the functions are defined for any q: quaternions are divided by their norm. If the norm is 1, the functions
+equal those of the library with the same names.
 """
 
 from __future__ import annotations
@@ -40,30 +40,33 @@ Function: TypeAlias = (
     | tuple[Literal["jacobian"], str | int, Representation]
 )
 
-# Libraries that CasADi may have loaded: where there is no cache, their files would go with them.
+# Libraries that CasADi may have loaded. They are kept, because without a cache their files would be removed with
+# them.
 _loaded: dict[str, CasadiLibrary] = {}
 
 
 def function(m: Model, quantity: Function, states: int = 1, *, flags: Sequence[str] | None = None) -> Any:
     """A function of a mechanism as a `casadi.Function`, for numbers and for expressions of MX.
 
-    quantity is "forward_dynamics" (q, v, tau -> a), "inverse_dynamics" (q, v, a -> tau), "mass_matrix" (q -> M, (nv, nv)),
-    "inverse_mass_matrix", ("pose", frame) (q -> C, (4, 4)), "poses" (one C for each frame, named after it), ("jacobian",
-    frame) or ("jacobian", frame, representation) (q -> J, (6, nv)), "coordinate_rates" (q, v -> q'), "integrate" (q, dv -> q (+) dv) or
-    "difference" (q0, q1 -> dv with q0 (+) dv = q1, the shorter way round). The last three are made of SX and need no compiler. Units
-    and frames are those of the functions of these names, which for the last three are methods of the model.
+    quantity is "forward_dynamics" (q, v, tau -> a), "inverse_dynamics" (q, v, a -> tau), "mass_matrix" (q -> M, (nv,
+    nv)), "inverse_mass_matrix", ("pose", frame) (q -> C, (4, 4)), "poses" (one C for each frame, named after it),
+    ("jacobian", frame) or ("jacobian", frame, representation) (q -> J, (6, nv)), "coordinate_rates" (q, v -> q'),
+    "integrate" (q, dv -> q (+) dv) or "difference" (q0, q1 -> dv with q0 (+) dv = q1, the shorter way round). The
+    last three are made of SX and need no compiler. Units and frames are those of the functions of the same names; the
+    last three are methods of the model.
 
-    states is of how many it is, the columns of its arguments: q is (nq, states), and matrices stand side by side. To CasADi N
-    states are then one operation, with derivatives that are blocks on a diagonal; N calls, or a map, are thousands. What is made of
-    SX is made for as many by `map`.
+    states is the number of states that one call takes; they are the columns of the arguments: q is (nq, states), and
+    matrices are side by side. For CasADi, N states are then one operation, with derivatives that are blocks on a
+    diagonal; N calls, or a map, would be thousands of operations. Functions that are made of SX get several states by
+    `map`.
 
     Matrices are sparse where the mechanism has zeros. Jacobians and Hessians are exact; "inverse_mass_matrix" has no
-    Hessian, for which take casadi.inv of "mass_matrix". Evaluation fails, and IPOPT steps back,
-    where the mass matrix may be singular. Armature and gravity of m are part of it; loads and joint losses are not, springs
-    are not. The functions hold nothing: threads may share them, and they can be pickled for processes with the same cache.
+    Hessian, for which use casadi.inv of "mass_matrix". Evaluation fails if the mass matrix may be singular; IPOPT
+    then shortens its step. Armature and gravity of m are included; loads, joint losses and springs are not. The
+    functions have no state: threads may share them, and they can be pickled for processes with the same cache.
 
-    flags are for the compiler, as in `Model.specialise`; `axode.codegen.cache` keeps what it makes. ValueError for an unknown
-    function and for dynamics of a mechanism with loops, RuntimeError where there is no compiler or it fails.
+    flags are for the compiler, as in `Model.specialise`; `axode.codegen.cache` keeps the result. ValueError for an
+    unknown function and for dynamics of a mechanism with loops, RuntimeError if there is no compiler or it fails.
 
     >>> import casadi
     >>> F = axode.casadi.function(arm, "mass_matrix", flags=["-O1"])
@@ -85,8 +88,8 @@ def function(m: Model, quantity: Function, states: int = 1, *, flags: Sequence[s
         return one if states == 1 else one.map(int(states))
     library = casadi_library(m, quantity, int(states), flags=flags)
     _loaded[library.file] = library
-    # Of several directions, and always of several states, CasADi shall take the Jacobian: it costs as much as three to six. And
-    # never for gradients, as the adjoints are what has second derivatives.
+    # For several directions, and always for several states, CasADi uses the Jacobian, which costs as much as three to
+    # six directions. It never uses the Jacobian for gradients, because only the adjoints have second derivatives.
     return casadi.external(library.name, library.file, {"ad_weight": 0.75 if states == 1 else 1})
 
 
@@ -97,7 +100,7 @@ _ARRAYS = coordinates.Arrays(part=lambda x, first, end: x[first:end], join=lambd
 
 
 def _of_configurations(m: Model, name: str) -> Any:
-    """A function of the coordinates of each joint by itself."""
+    """A function of the coordinates that is computed for each joint separately."""
     of_joint, first, second, result = _OF_CONFIGURATIONS[name]
     x, y = casadi.SX.sym(first, m.nq), casadi.SX.sym(second, m.nq if second == "q1" else m.nv)
     parts = [of_joint(joint.kind, x[joint.q], y[joint.q if second == "q1" else joint.v]) for joint in m.joints if joint.nv]
@@ -138,8 +141,8 @@ _OF_CONFIGURATIONS: dict[str, tuple[Callable[[str, Any, Any], Any], str, str, st
 
 
 def _of_square(s: Any, series: Sequence[float], f: Callable[[Any], Any]) -> Any:
-    """f(x) as a function of s = x^2, by its power series in s below 1: so it has derivatives of every order at 0. SX computes both
-    cases, so that f is given no 0."""
+    """The function f(x) as a function of s = x^2. For s < 1 it is a power series in s, so that it has derivatives of
+    every order at 0. SX computes both cases; therefore f is never called with 0."""
     near = s < 1
     power: Any = 0
     for c in reversed(series):
@@ -147,8 +150,8 @@ def _of_square(s: Any, series: Sequence[float], f: Callable[[Any], Any]) -> Any:
     return casadi.if_else(near, power, f(casadi.sqrt(casadi.if_else(near, 1, s))))
 
 
-# Power series in s = x^2: of cos x, sin x / x, (1 - cos x) / x^2, (x - sin x) / x^3 and (1 - (x / 2) cot(x / 2)) / x^2, of which the
-# coefficients are |B_2k| / (2k)! with the numbers of Bernoulli.
+# Power series in s = x^2 of cos x, sin x / x, (1 - cos x) / x^2, (x - sin x) / x^3 and (1 - (x / 2) cot(x / 2)) /
+# x^2. The coefficients of the last one are |B_2k| / (2k)! with the numbers of Bernoulli.
 _COS, _SINC, _A, _B = ([(-1.0) ** k / math.factorial(2 * k + n) for k in range(11)] for n in range(4))
 _BERNOULLI = (1 / 6, 1 / 30, 1 / 42, 1 / 30, 5 / 66, 691 / 2730, 7 / 6, 3617 / 510, 43867 / 798, 174611 / 330, 854513 / 138)
 _KAPPA = [b / math.factorial(2 * k) for k, b in enumerate(_BERNOULLI, 1)]
@@ -171,7 +174,7 @@ def _rotation_vector(a: Any) -> Any:
     """The rotation vector, of at most a half turn, of a quaternion of any norm."""
     a = casadi.if_else(a[3] < 0, -1, 1) * a
     s = casadi.sumsqr(a[:3])
-    near = s < 0.04 * a[3] ** 2  # there atan(x) / x with x^2 = s / w^2, by its power series
+    near = s < 0.04 * a[3] ** 2  # if so, atan(x) / x with x^2 = s / w^2 by its power series
     ratio = casadi.if_else(near, s, 0) / casadi.if_else(near, a[3], 1) ** 2
     power: Any = 0
     for k in reversed(range(13)):

@@ -1,8 +1,9 @@
 """Kinematics and dynamics of the whole system in matrices, equation by equation as in the paper.
 
-Meant for analysis and for reading; the functions of `axode` give the same and are faster. Vectors of the system are the
-twists of the moving bodies 1 to n one below the other, (6n,), each angular before linear, in the frames in which the
-bodies were placed. All functions take one state: q (nq,), v and a (nv,); anything else is a ValueError.
+The functions are meant for analysis and for reading the paper; those of `axode` give the same results and are faster.
+Vectors of the system are the twists of the moving bodies 1 to n stacked, (6n,), each with the angular part before the
+linear one, in the frames in which the bodies were placed. All functions take one state: q (nq,), v and a (nv,);
+anything else is a ValueError.
 
 >>> q, v = arm.random(), np.ones(7)
 >>> A, D, X = axode.closed_form.system_matrices(arm, q, "spatial")

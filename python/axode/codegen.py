@@ -1,6 +1,6 @@
 """C source for one mechanism: functions without loops and branches over its joints.
 
-Only the operations are left in them that this mechanism needs. `Model.specialise` compiles and loads them.
+They contain only the operations that this mechanism needs. `Model.specialise` compiles and loads them.
 
 >>> source = axode.codegen.c_source(arm, ["mass_matrix"])
 >>> source.functions[0].name
@@ -17,7 +17,8 @@ from .records import Representation
 
 __all__ = ["Cache", "Cost", "Source", "Specialised", "c_source", "cache", "clear_cache"]
 
-#: The name of a function, one of axode.table.ROWS that are recorded (`tape`), with a frame where it is about one.
+#: A function to generate: the name of one of axode.table.ROWS that can be recorded (`tape`), or a tuple with a frame
+#: if the function is about one frame.
 Function: TypeAlias = (
     str
     | tuple[Literal["pose"], str | int]

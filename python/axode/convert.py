@@ -1,4 +1,5 @@
-"""States of a mechanism in the orders of Pinocchio and of MuJoCo, and back; mechanisms from models of MuJoCo.
+"""Conversion of states to the conventions of Pinocchio and of MuJoCo, and back, and of models of MuJoCo to
+mechanisms.
 
 | | Pinocchio | MuJoCo |
 |---|---|---|
@@ -8,15 +9,17 @@
 | free joint, q | position in its frame, quaternion x y z w | position of the body, quaternion w x y z |
 | free joint, v | linear, angular; both in axes of the body | linear in inertial axes, angular in those of the body |
 | spherical joint | quaternion x y z w | quaternion w x y z |
-| follower | a joint of its own; not so with mimic=True | a joint of its own |
+| follower | a separate joint; left out with mimic=True | a separate joint |
 
-Velocities there are P v, the columns of P the images of unit vectors; forces are mapped by its transpose:
+The velocities of the other library are P v; the columns of P are the images of unit vectors. Forces are mapped by its
+transpose:
 
 >>> P = axode.convert.to_pinocchio(arm, np.tile(arm.neutral(), (arm.nv, 1)), np.eye(arm.nv))[1].T
 >>> tau_there = np.ones(7)
 >>> tau = P.T @ tau_there
 
-Accelerations there are P a, and for MuJoCo P a + P' v, where a free base turns the axes of its linear velocity.
+The accelerations of Pinocchio are P a. Those of MuJoCo are P a + P' v, because a free base turns the axes of its
+linear velocity.
 """
 
 from __future__ import annotations
@@ -48,16 +51,18 @@ def from_pinocchio(m: Model, q: ArrayLike, v: None = None, *, joints: Sequence[s
                    tolerance: float = 1e-9) -> tuple[Array, None]: ...
 def from_pinocchio(m: Model, q: ArrayLike, v: ArrayLike | None = None, *, joints: Sequence[str] | None = None,
                    tolerance: float = 1e-9) -> tuple[Array, Array | None]:
-    """(q, v) of axode, (nq,) and (nv,) or (N, nq) and (N, nv), from Pinocchio's. If v is None, so is the v of the result.
+    """Converts q and v of Pinocchio to (q, v) of axode, (nq,) and (nv,) or (N, nq) and (N, nv). If v is None, so is
+    the v of the result.
 
-    Pinocchio's model is that of buildModelFromUrdf on the file of m, with a free flyer at its root if m has a free base, and with or without mimic=True: the length of q decides. Without it followers have coordinates: ValueError
-    where one is off its place by more than `tolerance`, in rad, m, rad/s and m/s; np.inf drops them. Unlimited angles
-    come in [-pi, pi], as (cos, sin) do not count turns.
+    Pinocchio's model is that of buildModelFromUrdf on the file of m, with a free flyer at its root if m has a free
+    base, and with or without mimic=True, which the length of q shows. Without mimic=True followers have coordinates:
+    ValueError if one differs from its coupling by more than `tolerance`, in rad, m, rad/s and m/s; np.inf ignores
+    them. Unlimited angles are in [-pi, pi], because (cos, sin) do not count turns.
 
     `joints` are the names of the joints of m in the order of a model of Pinocchio made in another way: its names[1:],
-    with "free_base" for its "root_joint". KeyError for unknown names. ValueError for wrong shapes, for (cos, sin) off
-    the unit circle by more than 1e-6, and for joints that Pinocchio does not have so: helical ones, and planar ones
-    whose plane is not z = 0 of their body.
+    with "free_base" for its "root_joint". KeyError for unknown names. ValueError for wrong shapes, for (cos, sin)
+    that differ from the unit circle by more than 1e-6, and for joints that Pinocchio does not have: helical ones, and
+    planar ones whose plane is not z = 0 of their body.
 
     >>> m = axode.load(axode.robots / "humanoid.urdf", base="free")
     >>> q_there = np.zeros(m.nq)
@@ -80,10 +85,11 @@ def to_pinocchio(m: Model, q: ArrayLike, v: None = None, *, joints: Sequence[str
                  mimic: bool = False) -> tuple[Array, None]: ...
 def to_pinocchio(m: Model, q: ArrayLike, v: ArrayLike | None = None, *, joints: Sequence[str] | None = None,
                  mimic: bool = False) -> tuple[Array, Array | None]:
-    """(q, v) of Pinocchio from axode's, (nq,) and (nv,) or (N, nq) and (N, nv). If v is None, so is the v of the result.
+    """Converts q and v of axode, (nq,) and (nv,) or (N, nq) and (N, nv), to (q, v) of Pinocchio. If v is None, so is
+    the v of the result.
 
-    Otherwise as `from_pinocchio`. Followers get the place and velocity that their leaders give them; with mimic=True
-    they are left out, as by buildModelFromUrdf(..., mimic=True).
+    Arguments and errors are those of `from_pinocchio`. Followers get the coordinates and velocities that follow from
+    their leaders; with mimic=True they are left out, as by buildModelFromUrdf(..., mimic=True).
 
     >>> m = axode.load(axode.robots / "humanoid.urdf", base="free")
     >>> q_there, v_there = axode.convert.to_pinocchio(m, m.neutral(), np.zeros(m.nv))
@@ -102,15 +108,16 @@ def from_mujoco(m: Model, q: ArrayLike, v: None = None, *, joints: Sequence[str]
                 tolerance: float = 1e-9) -> tuple[Array, None]: ...
 def from_mujoco(m: Model, q: ArrayLike, v: ArrayLike | None = None, *, joints: Sequence[str] | None = None,
                 tolerance: float = 1e-9) -> tuple[Array, Array | None]:
-    """(q, v) of axode, (nq,) and (nv,) or (N, nq) and (N, nv), from MuJoCo's qpos and qvel. v may be None.
+    """Converts qpos and qvel of MuJoCo to (q, v) of axode, (nq,) and (nv,) or (N, nq) and (N, nv). qvel may be None.
 
     MuJoCo's model is the URDF of m, compiled, or MJCF of the same tree with the same frames of the bodies, in which a
-    planar joint is two slides and a hinge. Followers are joints of their own: ValueError where one is off its place
-    by more than `tolerance`, in rad, m, rad/s and m/s; np.inf drops them, as MuJoCo's equalities are soft.
+    planar joint is two slides and a hinge. Followers are separate joints: ValueError if one differs from its coupling
+    by more than `tolerance`, in rad, m, rad/s and m/s; np.inf ignores them, which may be necessary because MuJoCo's
+    equalities are soft.
 
-    `joints` are the names of the joints of m in the order of MuJoCo's, where that is not the order of m. KeyError for
-    unknown names. ValueError for wrong shapes, for quaternions of free joints off unit length by more than 1e-6, and
-    for helical joints, which MuJoCo does not have.
+    `joints` are the names of the joints of m in the order of MuJoCo, if this is not the order of m. KeyError for
+    unknown names. ValueError for wrong shapes, for quaternions of free joints whose norm differs from 1 by more than
+    1e-6, and for helical joints, which MuJoCo does not have.
 
     >>> m = axode.load(axode.robots / "humanoid.urdf", base="free")
     >>> qpos = np.zeros(m.nq)
@@ -131,9 +138,10 @@ def to_mujoco(m: Model, q: ArrayLike, v: None = None, *,
               joints: Sequence[str] | None = None) -> tuple[Array, None]: ...
 def to_mujoco(m: Model, q: ArrayLike, v: ArrayLike | None = None, *,
               joints: Sequence[str] | None = None) -> tuple[Array, Array | None]:
-    """(qpos, qvel) of MuJoCo from axode's q and v, (nq,) and (nv,) or (N, nq) and (N, nv). v may be None.
+    """Converts q and v of axode, (nq,) and (nv,) or (N, nq) and (N, nv), to (qpos, qvel) of MuJoCo. v may be None.
 
-    Otherwise as `from_mujoco`. Followers get the place and velocity that their leaders give them.
+    Arguments and errors are those of `from_mujoco`. Followers get the coordinates and velocities that follow from
+    their leaders.
 
     >>> m = axode.load(axode.robots / "humanoid.urdf", base="free")
     >>> qpos, qvel = axode.convert.to_mujoco(m, m.neutral(), np.zeros(m.nv))
@@ -146,10 +154,12 @@ def to_mujoco(m: Model, q: ArrayLike, v: ArrayLike | None = None, *,
 
 def model_from_mujoco(model: Any, base: Literal["fixed", "free"] | None = None, *,
                       gravity: ArrayLike | None = None, strict: bool = False) -> Model:
-    """The mechanism of a compiled model of MuJoCo, a mujoco.MjModel; what is not carried over is in its warnings.
+    """The mechanism of a compiled model of MuJoCo, a mujoco.MjModel. Everything that is not carried over is reported
+    in its warnings.
 
-    Coordinates are MuJoCo's qpos in the order of `to_mujoco`, so that q = 0 need not be qpos0. A body with several joints
-    hangs on a massless one for each but the last. Otherwise as `load`, which reads MJCF in this way.
+    Coordinates are MuJoCo's qpos in the order of `to_mujoco`, so that q = 0 need not be qpos0. A body with several
+    joints is carried by massless bodies, one for each joint but the last. `load` reads MJCF by this function and has
+    the same arguments.
 
     >>> import mujoco
     >>> geom = '<geom type="box" size="0.1 0.1 0.1"/>'
@@ -162,7 +172,8 @@ def model_from_mujoco(model: Any, base: Literal["fixed", "free"] | None = None, 
 
 
 class _Coding:
-    """The numbers of one joint in N states: q and v in axode; number k in the other library is number order[k]."""
+    """The coding of the numbers of one joint in N states. Number k in the other library is number order[k] of q or v
+    in axode."""
 
     def __init__(self, q_order: Sequence[int], v_order: Sequence[int]):
         self.q_order, self.v_order = list(q_order), list(v_order)
@@ -182,7 +193,7 @@ class _Coding:
 
 
 class _CosSin(_Coding):
-    """An angle as (cos, sin), after the lengths x and y of a planar joint."""
+    """The coding of an angle as (cos, sin), which comes after the lengths x and y of a planar joint."""
 
     def __init__(self, joint: str, lengths: Sequence[int] = ()):
         super().__init__([*lengths, 0, 0], [*lengths, 0])
@@ -313,7 +324,7 @@ def _sorted_by_name(m: Model) -> list[str]:
 
 
 class _Place(NamedTuple):
-    """A joint: where its numbers are in axode (its leader's for a follower) and in the other library."""
+    """A joint: the positions of its numbers in axode (those of its leader for a follower) and in the other library."""
 
     joint: str
     coding: _Coding
@@ -373,7 +384,7 @@ class _Layout:
             here[:, x.q] = x.coding.q_here(there[:, x.q_there])
         for x in followers:
             off = x.coding.q_here(there[:, x.q_there]) - (x.ratio * here[:, x.q] + x.offset)
-            if isinstance(x.coding, _CosSin):  # which does not count turns
+            if isinstance(x.coding, _CosSin):  # this coding does not count turns
                 off = np.arctan2(np.sin(off), np.cos(off))
             _check_follower("q", x, off, tolerance)
         if v is None:
@@ -405,7 +416,7 @@ def _array(name: str, given: ArrayLike) -> NDArray[Any]:
 
 
 def _numbers(name: str, given: ArrayLike, length: int, meaning: str, states: tuple[int, ...] | None = None) -> Array:
-    """An array (length,) or (N, length), with the N of `states` where these are given."""
+    """The argument as an array (length,) or (N, length), with the N of `states` if these are given."""
     x = _array(name, given)
     if x.ndim not in (1, 2) or x.shape[-1] != length or states not in (None, x.shape[:-1]):
         expected = f"({length},) or (N, {length})" if states is None else str((*states, length))
@@ -420,7 +431,7 @@ def _finite(name: str, x: NDArray[Any]) -> Array:
     return x.astype(np.float64, copy=False)
 
 
-#: Those that were asked for, as long as their models live.
+#: The conversions that have been made, as long as their models exist.
 _layouts: WeakKeyDictionary[Model, dict[tuple[str, tuple[str, ...] | None, bool], _Layout]] = WeakKeyDictionary()
 
 

@@ -1,11 +1,12 @@
-"""Functions of one mechanism on a GPU of NVIDIA, for many states: CUDA made for it, compiled by CuPy.
+"""Functions of one mechanism for many states on a GPU of NVIDIA, by CUDA that is generated for the mechanism and
+compiled by CuPy.
 
     import axode.cuda
     gpu = axode.cuda.kernels(arm, ["inverse_dynamics"])
     tau = gpu.inverse_dynamics(q, v, a)  # arrays on the GPU, of CuPy or PyTorch
 
-Needs CuPy, pip install cupy-cuda12x, and a GPU. `axode.codegen.c_source(m, functions, abi="cuda")` is the source, for which
-neither is needed.
+This needs CuPy (pip install cupy-cuda12x) and a GPU. `axode.codegen.c_source(m, functions, abi="cuda")` generates the
+source without either.
 """
 
 from __future__ import annotations
@@ -36,7 +37,8 @@ __all__ = ["Kernels", "kernels"]
 
 BLOCK = 128  # threads: the launch bound of the generated kernels
 
-# What the blocks of a result that lie one behind the other are put into, by what it differentiates and how many there are.
+# The named tuples for the consecutive blocks of a result, by the function that it differentiates and the number of
+# blocks.
 _BLOCKS: dict[tuple[str, int], Any] = {
     ("inverse_dynamics", 3): InverseDynamicsDerivatives, ("inverse_dynamics", 4): InverseDynamicsHessian,
     ("forward_dynamics", 3): ForwardDynamicsDerivatives, ("forward_dynamics", 4): ForwardDynamicsHessian,
@@ -50,17 +52,18 @@ class _Kernel(NamedTuple):
 
 
 class Kernels:
-    """Functions of one mechanism, compiled for a GPU: what `kernels` makes. Threads may share it.
+    """Functions of one mechanism, compiled for a GPU by `kernels`. Threads may share the object.
 
-    Each function that was asked for is a method of its name with the arguments of its namesake in axode, without loads and threads:
-    arrays on one GPU, of one state or of N, of CuPy, PyTorch or any library with DLPack, and of the scalar that was asked
-    for. Results have the shapes that axode gives, and are arrays of the first argument's library, or of CuPy where that has no
-    from_dlpack. States are read side by side, as
-    (nq, N): an array of shape (N, nq) is copied, unless it is the transpose of one in C order. Results are such transposes.
+    Each function is a method with the name and the arguments of the function in axode, without loads and threads. The
+    arguments are arrays on one GPU, of one state or N states, from CuPy, PyTorch or any library with DLPack, in the
+    precision that was chosen. Results have the shapes of axode, and are arrays of the library of the first argument,
+    or of CuPy if that library has no from_dlpack. The kernels read states side by side, (nq, N): an array of shape
+    (N, nq) is copied, unless it is the transpose of an array in C order. Results are such transposes.
 
-    Nothing waits for the GPU. So numbers are not looked at: NaN makes NaN, quaternions are taken as they are, and where the mass
-    matrix may be singular forward dynamics and its namesakes are NaN, where `axode.forward_dynamics` decides.
-    TypeError for what is no array on a GPU and for another scalar, ValueError for wrong shapes.
+    No call waits for the GPU. Therefore numbers are not checked: NaN gives NaN, and quaternions are not normalised.
+    If the mass matrix may be singular, the results of forward dynamics and of related functions are NaN;
+    `axode.forward_dynamics` decides such cases. TypeError for arguments that are not arrays on a GPU and for another
+    precision, ValueError for wrong shapes.
     """
 
     def __init__(self, m: Model, functions: Sequence[Function], scalar: Literal["float64", "float32"]) -> None:
@@ -124,10 +127,10 @@ class Kernels:
 def kernels(m: Model, functions: Sequence[Function], scalar: Literal["float64", "float32"] = "float64") -> Kernels:
     """Functions of m as kernels for a GPU, a thread for each state.
 
-    functions are those of `axode.codegen.c_source`. CuPy compiles when one is called first, in about a second for short functions and in
-    minutes for the derivatives of a humanoid, and keeps what it has compiled. Armature and gravity are part of them; loads, joint losses and
-    springs are not. ValueError for an unknown function, for dynamics of a mechanism with loops and for another scalar, KeyError for
-    an unknown frame.
+    functions are those of `axode.codegen.c_source`. CuPy compiles a function when it is first called, in about a
+    second for short functions and in minutes for the derivatives of a humanoid, and caches the result. Armature and
+    gravity are included; loads, joint losses and springs are not. ValueError for an unknown function, for dynamics of
+    a mechanism with loops and for another precision, KeyError for an unknown frame.
 
     >>> gpu = axode.cuda.kernels(arm, ["inverse_dynamics"])  # doctest: +SKIP
     >>> q, v, a = cupy.zeros((3, 4096, 7))  # doctest: +SKIP
@@ -176,7 +179,7 @@ def _formed(name: str, out: Any) -> Any:
 
 
 def _returned(given: Any, result: Any) -> Any:
-    """For the library that the argument came from."""
+    """The result as an array of the library that the argument came from."""
     if isinstance(given, cupy.ndarray):
         return result
     library = sys.modules[type(given).__module__.partition(".")[0]]

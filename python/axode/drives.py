@@ -1,7 +1,7 @@
-"""Drives for `simulate` and `rollout` that are computed without a call into Python: samples and controllers.
+"""Drives for `simulate` and `rollout` that are computed without calls into Python: samples and controllers.
 
-Each is given as `tau` of `axode.simulate` and `axode.rollout`; `on(m)` is the function (t, q, v) -> tau that it is on a
-mechanism.
+A drive is the argument `tau` of `axode.simulate` and `axode.rollout`; `on(m)` is the drive of a mechanism m as a
+function (t, q, v) -> tau.
 """
 
 from __future__ import annotations
@@ -16,10 +16,12 @@ __all__ = ["PD", "ComputedTorque", "Sampled"]
 
 
 class Sampled:
-    """Forces tau (K, nv) at times t (K,), s, which must increase. Between the samples the forces are interpolated linearly, or constant with hold=True. The first sample
+    """Forces tau (K, nv) at times t (K,), s, which must increase.
 
-    holds before its time, and the last one afterwards.
-    ValueError, as `simulate` starts, for wrong shapes and times that do not increase.
+    Between the samples the forces are interpolated linearly, or constant with hold=True. Before the first and after
+    the last sample they are constant.
+
+    When `simulate` starts, ValueError for wrong shapes and times that do not increase.
 
     >>> ramp = axode.drives.Sampled([0.0, 1.0], np.array([np.zeros(7), np.ones(7)]))
     >>> ramp.on(arm)(0.25, np.zeros(7), np.zeros(7))
@@ -37,13 +39,14 @@ class Sampled:
 
 
 class PD:
-    """tau = kp (q (-) q_now) + kd (v - v_now) + feedforward, the difference taken on the group of configurations.
+    """tau = kp (q (-) q_now) + kd (v - v_now) + feedforward, with the difference on the group of configurations.
 
-    kp (N m/rad, N/m) and kd (N m s/rad, N s/m): a number, or (nv,). Gains of 0 leave a joint, or a free base, to itself;
-    those of passive joints are taken as 0.
-    q: where to, (nq,); or a Trajectory, which has velocities as well. It rests before it begins and after it ends.
-    v: (nv,), 0 if left out. feedforward: (nv,), or a `Sampled`. clip: whether tau stays within the joints' limits of effort.
-    ValueError, as `simulate` starts, for wrong shapes and gains that are negative or not finite.
+    kp (N m/rad, N/m) and kd (N m s/rad, N s/m): a number, or (nv,). With gains of 0 a joint, or a free base, is not
+    controlled; gains of passive joints are taken as 0.
+    q: the reference configuration (nq,), or a Trajectory, which has velocities as well. The reference is at rest
+        before a trajectory begins and after it ends.
+    v: (nv,), 0 if left out. feedforward: (nv,), or a `Sampled`. clip: whether tau is limited to the effort limits of
+        the joints. When `simulate` starts, ValueError for wrong shapes and for gains that are negative or not finite.
 
     >>> held = axode.simulate(arm, np.zeros(7), np.zeros(7), until=2.0,
     ...                       tau=axode.drives.PD(500.0, 60.0, np.full(7, 0.3),
@@ -68,11 +71,14 @@ class PD:
 
 
 class ComputedTorque:
-    """tau = ID(q_now, v_now, a + kd (v - v_now) + kp (q (-) q_now)) minus the spring forces of the mechanism. The deviation x follows x'' + kd x' + kp x = 0: kp in 1/s^2, kd in 1/s, a number or (nv,).
-    q, v, a: where to, as in `PD`; a Trajectory has all three. Loads and joint losses of the simulation are not known to it.
-    Passive joints get no force. With loops or passive joints x is that of the drives, whose accelerations are the wanted ones
-    as far as the mechanism lets the drives make them; tau is what `inverse_dynamics` with loops gives for that motion.
-    ValueError as in `PD`.
+    """tau = ID(q_now, v_now, a + kd (v - v_now) + kp (q (-) q_now)) minus the spring forces of the mechanism.
+
+    The deviation x follows x'' + kd x' + kp x = 0: kp in 1/s^2, kd in 1/s, a number or (nv,).
+
+    q, v, a: the reference, as in `PD`; a Trajectory has all three. Loads and joint losses of the simulation are not
+    compensated. Passive joints get no force. With loops or passive joints, x is the deviation of the drives; their
+    accelerations are the wanted ones as far as the drives can produce them, and tau is the result of
+    `inverse_dynamics` with loops for this motion. ValueError as for `PD`.
 
     >>> there = axode.simulate(arm, np.zeros(7), np.ones(7), until=0.5, method="rk4", step=1e-3)
     >>> back = axode.simulate(arm, np.zeros(7), np.ones(7), until=0.5, tau=axode.drives.ComputedTorque(100.0, 20.0, there))

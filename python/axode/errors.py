@@ -20,8 +20,9 @@ __all__ = ["AssemblyError", "Fault", "ModelError", "NotFiniteError", "Simulation
 class Fault:
     """An error or a warning about a mechanism.
 
-    `rule` is a short name that stays the same (`mass_not_positive`), `element` what it is about (`body "forearm"`),
-    `message` the value and the rule. `file` and `line` are "" and 0 for mechanisms described in Python.
+    `rule` is a short name that does not change between versions (`mass_not_positive`), `element` is the faulty
+    element (`body "forearm"`), and `message` has the value and the rule. `file` and `line` are "" and 0 for
+    mechanisms described in Python.
     """
 
     severity: Literal["error", "warning"]
@@ -56,8 +57,8 @@ class ModelError(ValueError):
 
 
 class StatesError(ArithmeticError):
-    """Some of the states of a call have no result. `states` are their numbers ([0] for a single state), `result` is what
-    was asked for, with the others in it.
+    """Some of the states of a call have no result. `states` are their indices ([0] for a single state), and `result`
+    is the result of the call, with the results of all other states.
 
     >>> issubclass(axode.SingularError, axode.StatesError)
     True
@@ -96,8 +97,8 @@ class NotFiniteError(StatesError):
 
 
 class AssemblyError(ArithmeticError):
-    """Loops that stay open from this guess; the message says which, by how much. `q` is the best configuration met and
-    `residual` what is left there, rad and m.
+    """Loops that cannot be closed from a guess; the message names them and their residuals. `q` is the best
+    configuration that was found, and `residual` the residual there, rad and m.
 
     >>> try:
     ...     axode.assemble(fourbar, [3.0, 0.0, 0.0], hold=["crank_joint"], iterations=0)
@@ -116,7 +117,7 @@ class AssemblyError(ArithmeticError):
 
 
 class SimulationError(ArithmeticError):
-    """A motion that could not go on; the message says when and why. `trajectory` is the motion until then.
+    """A motion that could not continue; the message says when and why. `trajectory` is the motion until then.
 
     >>> try:
     ...     axode.simulate(arm, np.zeros(7), np.zeros(7), 1.0, tau=lambda t, q, v: np.full(7, 1e200))

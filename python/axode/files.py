@@ -25,14 +25,14 @@ def load(path: str | os.PathLike[str], base: Literal["fixed", "free"] | None = N
          gravity: ArrayLike | None = None, strict: bool = False) -> Model:
     """Loads the mechanism of a file: a drawing (.toml), a URDF (.urdf), SDFormat (.sdf, .world), MJCF (.xml) or xacro (.xacro).
 
-    Of any other file the root element decides. MJCF is compiled by MuJoCo (`pip install mujoco`), and xacro expanded
-    by xacro (`pip install xacro`). docs/formats.md says what each format carries over.
+    For any other file the root element decides. MJCF is compiled by MuJoCo (`pip install mujoco`), and xacro is
+    expanded by xacro (`pip install xacro`). docs/formats.md says what each format carries over.
 
-    base="free" sets the body that is fixed to the ground free by a joint named `free_base`, base="fixed" fixes one that
-    hangs on the ground by a free joint; without it the file decides. ModelError lists every fault of a file with its line.
-    What is doubtful and can be computed all the same, such as an inertia that no density produces, and what is not carried
-    over is in `Model.warnings`; with strict=True doubts are faults.
-    `gravity` (3,), m/s^2, is there in place of that of the file.
+    base="free" gives the body that is fixed to the ground a free joint `free_base`; base="fixed" fixes the bodies
+    that are on free joints on the ground. If base is left out, the file decides. ModelError lists every fault of a
+    file with its line. Defects that do not prevent a computation, such as an inertia that no mass distribution has,
+    and elements that are not carried over, are reported in `Model.warnings`; with strict=True such defects are
+    faults. `gravity` (3,), m/s^2, replaces the gravity of the file.
 
     >>> arm = axode.load(axode.robots / "arm7.toml")
     >>> arm.nv
@@ -70,7 +70,7 @@ def _is_mjcf(file: Path) -> bool:
         with file.open("rb") as stream:
             _, root = next(ElementTree.iterparse(stream, events=("start",)))
     except (ElementTree.ParseError, OSError, StopIteration, ValueError, LookupError):
-        return False  # whose faults the other readers find
+        return False  # the other readers find its faults
     return str(root.tag) == "mujoco"
 
 
@@ -89,7 +89,7 @@ def _expanded(file: Path) -> str:
         raise ImportError(f"{file} is a xacro file, which needs xacro: pip install xacro") from error
     try:
         return str(xacro.process_file(str(file)).toxml())
-    except Exception as error:  # it raises what it likes: of Python, of XML, and its own
+    except Exception as error:  # xacro raises exceptions of Python, of XML and its own
         raise _refused(f"xacro does not expand it: {type(error).__name__}: {error}", file) from error
 
 

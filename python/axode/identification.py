@@ -1,17 +1,19 @@
 """Inertial parameters, armatures and joint losses from measured motions and torques.
 
-tau = Y(q, v, a) pi is linear in the inertial parameters, but motions show only some combinations of them, the base
-parameters, and the least squares estimate of these may be one that no matter has. `identify` gives both: the base
-parameters with their standard deviations, and a model each body of which a density can produce.
+tau = Y(q, v, a) pi is linear in the inertial parameters, but motions determine only some combinations of them, the
+base parameters, and their least-squares estimate may belong to no mass distribution. `identify` returns both: the
+base parameters with their standard deviations, and a model in which every body has a mass distribution.
 
-Needs SciPy: pip install scipy.
+This needs SciPy (pip install scipy).
 
-The pseudo-inertia of a body, P = [[S, m c], [m c^T, m]] with the second moments S = tr(Theta)/2 I - Theta, is positive
-definite if and only if there is matter with these ten parameters (Wensing, Kim, Slotine, Linear matrix inequalities for
-physically consistent inertial parameter identification, 2018). With P0 that of the drawing, the distance of both is the
-entropic divergence D = tr(P0^-1 P) - log det(P0^-1 P) - 4 of Lee, Wensing and Park, Geometric robot dynamic
-identification, 2020: it does not depend on frames or units, and grows without bound where P ceases to be positive
-definite. The model minimises chi^2 / 2 + sum D / prior^2. That is convex in the parameters, so there is one minimum,
+The pseudo-inertia of a body, P = [[S, m c], [m c^T, m]] with the second moments S = tr(Theta)/2 I - Theta, is
+positive definite if and only if a mass distribution has these ten parameters (Wensing, Kim, Slotine, Linear matrix
+inequalities for physically consistent inertial parameter identification, 2018). With P0 the pseudo-inertia of the
+drawing, the distance between both is the entropic divergence D = tr(P0^-1 P) - log det(P0^-1 P) - 4 of Lee, Wensing
+and Park, Geometric robot dynamic
+identification, 2020: it does not depend on frames or units, and grows without bound as P approaches a matrix that is
+    not positive definite. The model minimises chi^2 / 2 + sum D / prior^2. This function is convex in the parameters,
+    so that there is one minimum,
 and Newton's method finds it from the drawing while the prior is weakened step by step.
 """
 
@@ -33,23 +35,25 @@ __all__ = ["Identification", "identify", "pseudo_inertia"]
 
 Array = NDArray[np.float64]
 
-#: Where the columns of the regressor are balanced, singular values below this part of the largest are rounding.
+#: Singular values of the balanced regressor below this part of the largest one count as rounding errors.
 RANK_TOLERANCE = 1e-11
-#: No torque is taken to be measured better than this part of its size, nor than a thousandth of that of the largest.
+#: The least noise of a torque, relative to its size; it is also at least a thousandth of this for the largest torque.
 NOISE_FLOOR = 1e-6
-#: A body lighter than this part of the whole is known: URDF files have such ones between two joints.
+#: A body lighter than this part of the whole mechanism counts as known: URDF files have such bodies between two
+#: joints.
 DUMMY_MASS = 1e-6
-#: Huber's threshold in standard deviations: 95 % efficient where there are no outliers.
+#: Huber's threshold in standard deviations: 95 % efficient if there are no outliers.
 HUBER = 1.345
-#: Numbers of the regressor that are held at once.
+#: The largest number of entries of the regressor that are in memory at once.
 BLOCK = 1 << 22
 
 
 class Identification(NamedTuple):
     """Result of `identify`. Its p parameters are those of `Model.parameters`, and then those of joints if they were requested.
 
-    `parameters` and `model` are consistent: of every body that is not in `known` the pseudo-inertia is positive
-    definite. `base_parameters` are the (weighted) least squares estimate without this condition and without the prior.
+    `parameters` and `model` are consistent: the pseudo-inertia of every body that is not in `known` is positive
+    definite. `base_parameters` are the (weighted) least squares estimate without this condition and without the
+    prior.
     """
 
     model: Model
@@ -95,23 +99,26 @@ def identify(m: Model, q: ArrayLike, v: ArrayLike, a: ArrayLike, tau: ArrayLike,
              prior: float = 10.0) -> Identification:
     """Estimates the inertial parameters of m, and a consistent model, from N measured samples of q (N, nq), v, a and tau (N, nv).
 
-    Some 20 samples for each parameter, of motions that are fast and different, are a beginning; `condition` measures whether they excite all parameters (below 100 is good). Accelerations are best taken from filtered positions, and tau through
-    the same filter. tau are drive forces with the inverse dynamics of `loads`, as in `inverse_dynamics`, N m or N.
+    Begin with about 20 samples for each parameter, of motions that are fast and different; `condition` measures
+    whether they excite all parameters (below 100 is good). Accelerations are best taken from filtered positions, and
+    tau through the same filter. tau are drive forces with the inverse dynamics of `loads`, as in `inverse_dynamics`,
+    N m or N.
 
-    joint_losses: identify damping d and Coulomb friction f of each velocity, tau = ... + d v + f sign(v); without it
-        tau has no losses in it. armature: identify armatures, which are otherwise those of m. Joints that follow others
-        keep theirs, free joints have none.
-    known: names of bodies whose parameters stay; so do those of bodies with less than a millionth of the mass.
-    noise: standard deviation of tau, a number or (nv,); without it that of each velocity is estimated from its
-        residuals, by iteratively reweighted least squares. Samples are taken to be independent: deviations of data
-        sampled much faster than their noise changes come out too small.
-    robust: outliers in tau count by their size and not by its square (Huber).
-    prior: relative standard deviation of the parameters of m. 0.1 trusts the drawing to 10 %; with 10 it decides hardly
-        more than what the motions leave open. Joints' parameters that are 0 in m have none.
+    joint_losses: identify damping d and Coulomb friction f of each velocity, tau = ... + d v + f sign(v); without it,
+        tau must not contain losses. armature: identify armatures, which are otherwise those of m. Joints that follow
+        others keep their armatures; free joints have none.
+    known: names of bodies whose parameters stay unchanged; those of bodies with less than a millionth of the mass do
+        so, too.
+    noise: standard deviation of tau, a number or (nv,); if left out, that of each velocity is estimated from its
+        residuals, by iteratively reweighted least squares. Samples are assumed to be independent: if data are sampled
+        much faster than their noise changes, the resulting standard deviations are too small.
+    robust: whether outliers in tau count by their size instead of its square (Huber).
+    prior: relative standard deviation of the parameters of m. 0.1 trusts the drawing to 10 %; 10 has little influence
+        except on combinations that the motions do not determine. Parameters of joints that are 0 in m have no prior.
 
-    Samples are compressed block by block, O(N nv p^2) and, with robust, that for each of some 10 iterations; memory
-    does not grow with N but for arrays as large as tau. ValueError for wrong shapes, numbers that are not finite, too
-    few samples and motions that show nothing; KeyError for unknown names; ImportError without SciPy.
+    Samples are compressed block by block in O(N nv p^2), and with `robust` in each of about 10 iterations; memory
+    grows with N only by arrays as large as tau. ValueError for wrong shapes, numbers that are not finite, too few
+    samples, and motions that determine no parameter; KeyError for unknown names; ImportError without SciPy.
 
     >>> random = np.random.default_rng(0)
     >>> q, v, a = arm.random(n=300), *random.uniform(-2, 2, (2, 300, 7))
@@ -158,9 +165,10 @@ def identify(m: Model, q: ArrayLike, v: ArrayLike, a: ArrayLike, tau: ArrayLike,
 
 
 def pseudo_inertia(pi: ArrayLike) -> Array:
-    """P = [[S, m c], [m c^T, m]], (..., 4, 4), of inertial parameters (..., 10); kg m^2, kg m and kg.
+    """The pseudo-inertia P = [[S, m c], [m c^T, m]], (..., 4, 4), of inertial parameters (..., 10); kg m^2, kg m and
+    kg.
 
-    There is matter with these parameters if and only if no eigenvalue is negative.
+    A mass distribution has these parameters if and only if no eigenvalue is negative.
 
     >>> P = axode.identification.pseudo_inertia(arm.parameters.reshape(-1, 10))
     >>> P.shape, bool(np.linalg.eigvalsh(P).min() > 0)
@@ -201,13 +209,13 @@ SYMMETRIC = _symmetric_basis()
 
 
 def _coordinates(A: Array) -> Array:
-    """Coordinates of symmetric matrices (..., 4, 4) in this basis, (..., 10)."""
+    """Coordinates (..., 10) of symmetric matrices (..., 4, 4) in the basis _BASIS."""
     return np.asarray(np.einsum("kij,...ij->...k", SYMMETRIC, A))
 
 
 def _pseudo_inertia_roots(pi: Array) -> Array:
-    """L with P = L L^T for bodies of the drawing, (n, 10) to (n, 4, 4). Rods and points, which have no such P, get some
-    extension: 3 % of their length, and 10 % of that of the largest body."""
+    """Roots L of P = L L^T for the bodies of the drawing, (n, 10) to (n, 4, 4). Rods and points have no positive
+    definite P and therefore get some extension: 3 % of their length, and 10 % of that of the largest body."""
     P = pseudo_inertia(pi)
     m, c = P[:, 3, 3], P[:, :3, 3] / P[:, 3:, 3]
     S, axes = np.linalg.eigh(P[:, :3, :3] - m[:, None, None] * c[:, :, None] * c[:, None, :])
@@ -221,11 +229,11 @@ def _pseudo_inertia_roots(pi: Array) -> Array:
 
 
 class _Unknowns:
-    """parameters = present + matrix @ x, where `present` are those that are known.
+    """The unknowns x, with parameters = present + matrix @ x, where `present` are the known parameters.
 
-    The ten unknowns of a body are A in P = L A L^T, L L^T the pseudo-inertia of the drawing: without dimension, the
-    same in any frame of the body but for a rotation, and A = I in the drawing. Those of joints are in parts of their
-    value in m where that is not 0.
+    The ten unknowns of a body are the entries of A in P = L A L^T, where L L^T is the pseudo-inertia of the drawing.
+    They have no dimension, depend on the frame of the body only by a rotation, and A = I in the drawing. The unknowns
+    of joints are relative to their values in m if these are not 0.
     """
 
     def __init__(self, m: Model, known: Sequence[str], joint_losses: bool, armature: bool):
@@ -256,7 +264,7 @@ class _Unknowns:
             rows, columns = slice(10 * body, 10 * body + 10), slice(10 * k, 10 * k + 10)
             self.matrix[rows, columns], self.inverse[columns, rows] = W, np.linalg.inv(W)
         of_joints = present[pi.size:]
-        #: Of each unknown, whether m has a value for it.
+        #: For each unknown: whether m has a value for it.
         self.drawn = np.append(np.ones(10 * len(self.bodies), bool), of_joints > 0)
         for k, value in enumerate(of_joints):
             row, column, unit = pi.size + k, 10 * len(self.bodies) + k, value if value > 0 else 1.0
@@ -275,7 +283,7 @@ class _Unknowns:
 
 
 def _with_joints(m: Model, of_joints: dict[str, Array]) -> Model:
-    """m with other armatures, damping or friction, (nv,) each."""
+    """The model m with other armatures, damping or friction, (nv,) each."""
     drawing = m.to_dict()
     links = _links_of_bodies(m, drawing)
     velocities: dict[str, list[int]] = {}  # of each link's joint
@@ -292,7 +300,8 @@ def _with_joints(m: Model, of_joints: dict[str, Array]) -> Model:
 
 
 def _links_of_bodies(m: Model, drawing: dict[str, Any]) -> dict[str, dict[str, Any]]:
-    """The link of each moving body: that of its successor for the first of two that one drawn joint moves."""
+    """The link of each moving body. If one drawn joint moves two bodies, the first of them has the link of its
+    successor."""
     links = {link["name"]: link for link in drawing["body"]}
     successor = {m.body(name).predecessor: name for name in m.body_names}
     return {name: links.get(name) or links[successor[name]] for name in m.body_names}
@@ -304,14 +313,14 @@ def _huber(u: Array) -> Array:
 
 
 def _triangle(rows: Array) -> Array:
-    """R of rows = Q R."""
+    """The factor R of rows = Q R."""
     return np.asarray(np.linalg.qr(rows, mode="r"), dtype=np.float64)
 
 
 class _Data:
-    """The torques b of what is unknown, and their regressor X: b = X x.
+    """The torques b that are due to the unknowns x, and their regressor X: b = X x.
 
-    All that is needed of the samples of velocity k is the factor R of their rows, [X, b] = Q R.
+    The samples of velocity k are needed only in the form of the factor R of their rows, [X, b] = Q R.
     """
 
     def __init__(self, m: Model, unknowns: _Unknowns, samples: list[Array], loads: Sequence[Load] | None,
@@ -346,7 +355,7 @@ class _Data:
             yield part, Y
 
     def factors(self, x: Array, noise: Array) -> tuple[list[Array], Array]:
-        """R of each velocity, where samples have Huber's weights, and the residuals b - X x, (N, nv)."""
+        """The factor R of each velocity, for samples with Huber's weights, and the residuals b - X x, (N, nv)."""
         R = [np.zeros((0, len(columns) + 1)) for columns in self.columns]
         e = np.empty_like(self.b)
         self._squares[:] = 0
@@ -365,11 +374,11 @@ class _Data:
         return np.append(np.repeat(sizes[:n].reshape(-1, 10).max(axis=1), 10), sizes[n:])
 
     def projected(self, R: list[Array], lift: Array) -> list[tuple[Array, Array]]:
-        """(X, b) of each velocity for unknowns x = lift @ z."""
+        """The pair (X, b) of each velocity for unknowns x = lift @ z."""
         return [(R_k[:, :-1] @ lift[columns], R_k[:, -1]) for R_k, columns in zip(R, self.columns)]
 
     def residual(self, x: Array) -> Array:
-        """Root mean square of b - X x, (nv,)."""
+        """The root mean square of b - X x for each velocity, (nv,)."""
         problems = self.projected(self.R, x[:, None])
         return np.array([np.linalg.norm(b - X[:, 0]) / np.sqrt(self.N) for X, b in problems])
 
@@ -390,8 +399,8 @@ class _Base:
             self._resist_outliers()
 
     def _find_rank(self, balanced: Array) -> None:
-        """From the singular values of X, where velocities and bodies are given one size. Not so single columns: those
-        that should be 0 hold rounding."""
+        """Determines the rank from the singular values of X, after scaling velocities and bodies to the same size.
+        Single columns are not scaled, because columns that should be 0 contain rounding errors."""
         data = self._data
         sizes = np.linalg.norm(data.sizes / balanced[:, None], axis=0)
         scale = np.maximum(data.largest_of_body(sizes), 1e-4 * sizes.max()) if sizes.any() else np.ones_like(sizes)
@@ -416,7 +425,8 @@ class _Base:
         self.z = self.covariance_root @ self.c
 
     def _weigh(self) -> None:
-        """Iteratively reweighted least squares: every velocity has the noise of its residuals."""
+        """Weights the velocities by iteratively reweighted least squares: the noise of each velocity is that of its
+        residuals."""
         problems = self._data.projected(self._data.R, self.lift)
         self.settled = False
         for _ in range(200):
@@ -440,7 +450,7 @@ class _Base:
                              f"the noise of velocity {k}; expected more samples, or noise")
 
     def _resist_outliers(self) -> None:
-        """Huber's estimate, and the root of its asymptotic covariance."""
+        """Computes Huber's estimate and the root of its asymptotic covariance."""
         data, noise = self._data, self.noise
         for _ in range(50):
             R, e = data.factors(self.lift @ self.z, noise)
@@ -463,8 +473,9 @@ class _Base:
 class _Fit:
     """The consistent parameters: the minimum of |G x - c|^2 / 2 + sum of mu D, by Newton's method from the drawing.
 
-    D is tr A - log det A - 4 for a body, y - log y - 1 for a joint's parameter x = y scale. This is self-concordant:
-    where the decrement is small, whole steps converge. mu comes down from where the drawing is nearly the minimum.
+    D is tr A - log det A - 4 for a body, and y - log y - 1 for a parameter x = y scale of a joint. This function is
+    self-concordant: if the decrement is small, full steps converge. mu is decreased from a value at which the drawing
+    is nearly the minimum.
     """
 
     def __init__(self, unknowns: _Unknowns, data: _Data, base: _Base, prior: float, linalg: Any):
@@ -491,12 +502,12 @@ class _Fit:
         self.covariance_root = self._factor(rows)[1]
 
     def _A(self, x: Array) -> tuple[Array, Array]:
-        """Matrices of the bodies (n, 4, 4), y of the joints."""
+        """The matrices A (n, 4, 4) of the bodies, and y of the joints."""
         bodies = x[:10 * self._n_bodies].reshape(-1, 10)
         return np.einsum("bk,kij->bij", bodies, SYMMETRIC), x[10 * self._n_bodies:] / self._scale
 
     def _divergence(self, mu: Array) -> tuple[Array, Array]:
-        """(K, d) with the Hessian K^T K and the gradient -K^T d of sum mu D at x.
+        """(K, d), from which follow the Hessian K^T K and the gradient -K^T d of sum mu D at x.
 
         With A = U U^T, of a change Z in dA = U Z U^T: the Hessian is |Z|^2, the gradient tr((U^T U - I) Z)."""
         A, y = self._A(self.x)
@@ -512,14 +523,14 @@ class _Fit:
         return np.sqrt(mu)[:, None] * K, np.sqrt(mu) * d
 
     def _factor(self, K: Array) -> tuple[Array, Array]:
-        """Q, and B with B B^T the inverse of the Hessian J^T J, where J = [G; K] = Q B^-1."""
+        """Q and B of J = [G; K] = Q B^-1; B B^T is the inverse of the Hessian J^T J."""
         Q, R, order = self._linalg.qr(np.vstack([self._G, K]), mode="economic", pivoting=True)
         B = np.empty_like(R)
         B[order] = self._linalg.solve_triangular(R, np.eye(len(R)))
         return Q, B
 
     def _step(self, mu: Array) -> float:
-        """A step of Newton's method; the decrement before it, in units of the divergence."""
+        """Takes a step of Newton's method. Returns the decrement before it, in units of the divergence."""
         K, d = self._divergence(mu)
         Q, B = self._factor(K)
         r = self._c - self._G @ self.x
@@ -541,7 +552,7 @@ class _Fit:
         return decrement
 
     def _change(self, before: tuple[Array, Array], after: tuple[Array, Array], mu: Array) -> float | None:
-        """Change of sum mu D; None if it is infinite."""
+        """The change of sum mu D; None if it is infinite."""
         if np.any(after[1] <= 0) or np.any(np.linalg.eigvalsh(after[0]) <= 0):
             return None
 
@@ -554,9 +565,11 @@ class _Fit:
 
 
 def _grouping(unknowns: _Unknowns, base: _Base, linalg: Any) -> tuple[Array, Array, NDArray[np.intp]]:
-    """(N, K, first): z = N parameters; base parameters = K parameters, each one of the `first` and what goes with it.
+    """(N, K, first): z = N parameters, and base parameters = K parameters, each of which is one of the parameters
+    `first` combined with others.
 
-    `first` are those whose columns are the most independent."""
+    `first` are the parameters whose columns are the most independent.
+    """
     N = base.V.T @ unknowns.inverse
     unit = np.linalg.norm(unknowns.matrix, axis=1)  # of each parameter, so that all torques of a body have one size
     torque, n = np.linalg.norm(N, axis=0) * unit, len(unit) - len(unknowns.joints)

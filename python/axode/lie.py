@@ -1,11 +1,11 @@
 """SE(3), screws, and single rigid bodies.
 
-Everything takes arrays of one item or of many, with any axes in front: exp maps (..., 6) to (..., 4, 4). Arguments have
-the same leading axes, or none. Results are new arrays of float64.
+All functions take arrays of one item or of many items, with any axes in front: exp maps (..., 6) to (..., 4, 4).
+Arguments must have the same leading axes, or none. Results are new arrays of float64.
 
-Screws and twists are (angular; linear), wrenches (moment; force), quaternions x y z w; poses are matrices
-[[R, r], [0, 1]] that take coordinates in a frame to those in the frame they are given in. Linear maps of screws, such
-as Ad, ad and dexp, are matrices, to be used with @. The functions dexp are right-trivialised. SI units.
+Screws and twists are (angular; linear), wrenches (moment; force), quaternions x y z w; poses are matrices [[R, r],
+[0, 1]] that map coordinates in a frame to coordinates in the frame in which the pose is given. Linear maps of screws,
+such as Ad, ad and dexp, are matrices, to be used with @. The functions dexp are right-trivialised. SI units.
 
 >>> X = axode.lie.screw([0, 0, 1], [1, 0, 0])  # turns about the axis in z through (1, 0, 0)
 >>> C = axode.lie.exp(np.linspace(0, np.pi, 3)[:, None] * X)
@@ -199,8 +199,8 @@ class ScrewAxis(NamedTuple):
 class FramePair(NamedTuple):
     """A frame F_j, at whose origin motions and forces are measured, and a frame F_k, in whose axes they are resolved.
 
-    Both may move; all four are in the inertial frame, with any axes in front. The body frame as both is the body-fixed
-    representation, the inertial frame as both the spatial one.
+    Both frames may move; all four members are in the inertial frame, with any axes in front. If both are the body
+    frame, the representation is the body-fixed one; if both are the inertial frame, it is the spatial one.
 
     >>> V = axode.twists(arm, arm.neutral(), np.ones(7), "spatial")[arm.frame_index("flange")]
     >>> tip = axode.poses(arm, arm.neutral())[arm.frame_index("flange"), :3, 3]

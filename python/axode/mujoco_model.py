@@ -1,4 +1,4 @@
-"""A compiled model of MuJoCo in the words of the drawing format, and what of it these do not say."""
+"""A compiled model of MuJoCo as a dict with the keys of the drawing format, and a list of what these cannot express."""
 
 from __future__ import annotations
 
@@ -31,14 +31,14 @@ def import_mujoco(who: str) -> types.ModuleType:
 
 
 def read(m: Any) -> tuple[dict[str, Any], list[tuple[str, str]]]:
-    """A dict for Model.from_dict, and (element, message) of what is not carried over. Coordinates are MuJoCo's qpos: poses
-    at zero are made of those at qpos0."""
+    """A dict for Model.from_dict, and (element, message) for everything that is not carried over. Coordinates are
+    MuJoCo's qpos: poses at zero are computed from those at qpos0."""
     reader = _Reader(m)
     return reader.drawing(), reader.warnings()
 
 
 class _Names:
-    """Names that differ from each other, as near to those that were given as can be."""
+    """Makes names that differ from each other and resemble the given names."""
 
     def __init__(self, *taken: str):
         self.taken = set(taken)
@@ -220,7 +220,7 @@ class _Reader:
         return joint
 
     def _is_curved(self, polynomials: str, k: int) -> bool:
-        """Whether a law has more than its linear term, which older versions of MuJoCo do not know."""
+        """Whether a force law has more than its linear term; older versions of MuJoCo have only this term."""
         return hasattr(self.m, polynomials) and bool(np.any(getattr(self.m, polynomials)[k]))
 
     def _drives(self) -> tuple[dict[int, float], set[int]]:
@@ -348,7 +348,7 @@ class _Reader:
         return True
 
     def _joint_equality(self, e: int, name: str) -> bool:
-        """y - y0 = a0 + a1 (x - x0)."""
+        """A joint equality y - y0 = a0 + a1 (x - x0) as a coupling."""
         m, y, x = self.m, int(self.m.eq_obj1id[e]), int(self.m.eq_obj2id[e])
         a0, a1 = (float(a) for a in m.eq_data[e][:2])
         if np.any(m.eq_data[e][2:5]):
@@ -371,7 +371,7 @@ class _Reader:
         self.couplings.append({**({"name": name} if name else {}), "terms": terms, "offset": offset})
 
     def _tendon_equality(self, e: int, name: str) -> bool:
-        """A tendon that is a sum of coordinates has a length of its own."""
+        """The equality of a tendon whose length is a sum of coordinates, as a coupling."""
         m, t = self.m, int(self.m.eq_obj1id[e])
         terms = self._sum_of_coordinates(t)
         if m.eq_obj2id[e] >= 0 or not terms:
@@ -389,7 +389,7 @@ class _Reader:
         return terms
 
     def _tendons(self) -> list[dict[str, Any]]:
-        """Springs between two sites; of all others only what equalities say is carried over."""
+        """Tendons between two sites become springs; of all other tendons only equalities are carried over."""
         m, springs = self.m, []
         for t in range(m.ntendon):
             first, name = int(m.tendon_adr[t]), m.tendon(t).name or f"tendon {t}"

@@ -25,9 +25,10 @@ class _LoadNeeds(TypedDict):
 class Load(_LoadNeeds, total=False):
     """A wrench on a frame: moment (N m), then force (N), shape (6,), or (N, 6) for N states.
 
-    `representation` says in which axes and about which point: "body" (the frame's own, which is the rule), "spatial"
-    (inertial axes, about the inertial origin), "hybrid" (inertial axes, about the frame's origin) or "mixed". It is a
-    dict; `axode.Load(frame="flange", wrench=W)` is the same as `{"frame": "flange", "wrench": W}`.
+    `representation` says in which axes and about which point it is: "body" (those of the frame, the default),
+    "spatial" (inertial axes, about the inertial origin), "hybrid" (inertial axes, about the frame's origin) or
+    "mixed". A Load is a dict; `axode.Load(frame="flange", wrench=W)` is the same as `{"frame": "flange", "wrench":
+    W}`.
 
     >>> weight = axode.Load(frame="flange", representation="hybrid", wrench=[0, 0, 0, 0, 0, -50])
     >>> axode.generalized_loads(arm, np.full(7, 0.5), np.zeros(7), [weight])[1].round(3)
@@ -43,9 +44,11 @@ class _TargetNeeds(TypedDict):
 
 
 class Target(_TargetNeeds, total=False):
-    """A pose (4, 4) in the inertial frame that a frame, or a point (3,) or pose (4, 4) `offset` in it, shall take.
+    """A target pose (4, 4) in the inertial frame for a frame, or for a point (3,) or pose (4, 4) `offset` in this
+    frame.
 
-    `angular_weight` and `linear_weight` (1 if absent) scale the parts of the error; 0 leaves one free.
+    `angular_weight` and `linear_weight` (1 if absent) scale the parts of the error; a weight of 0 leaves its part
+    free.
 
     >>> axode.Target(frame="flange", pose=np.eye(4), angular_weight=0.0)["frame"]
     'flange'
@@ -57,7 +60,7 @@ class Target(_TargetNeeds, total=False):
 
 
 class InverseKinematics(NamedTuple):
-    """The best configuration that `inverse_kinematics` met, and what is left of the error there (rad and m)."""
+    """The best configuration that `inverse_kinematics` found, and the norm of the error there (rad and m)."""
 
     status: Literal["solved", "stalled", "iteration_limit"]
     q: NDArray[np.float64]
@@ -67,10 +70,10 @@ class InverseKinematics(NamedTuple):
 
 
 class RedundantRow(NamedTuple):
-    """A row of `loop_jacobian` that others imply: a stress that the loops can carry by themselves.
+    """A row of `loop_jacobian` that depends on other rows.
 
-    `wrench` says which one, in the inertial frame; `dependency` @ A = 0, with 1 at this row. Of the multipliers those where
-    it is not 0 are not determined.
+    It belongs to a state of stress that the loops can have without external forces; `wrench` describes it in the
+    inertial frame. `dependency` @ A = 0, with 1 at this row; multipliers of rows where it is not 0 are indeterminate.
     """
 
     row: int
@@ -80,11 +83,12 @@ class RedundantRow(NamedTuple):
 
 
 class LoopMobility(NamedTuple):
-    """Mobility of a mechanism with loops: degrees_of_freedom = nv - rank. `redundant` has the rows that other rows imply, in
+    """Mobility of a mechanism with loops: degrees_of_freedom = nv - rank.
 
-    their order. `mobility` is "regular" if all velocities of the `kernel`
-    (nv, degrees_of_freedom) begin motions, "branches" if several motions meet, "shaky" if no finite motion exists.
-    Multipliers of the rows `indeterminate` are not fixed by the motion: a stress of the loops may be added to them.
+    `redundant` has the rows that depend on other rows, in their order. `mobility` is "regular" if all velocities of
+    the `kernel` (nv, degrees_of_freedom) begin motions, "branches" if several motions meet, "shaky" if no finite
+    motion exists. The motion does not determine the multipliers of the rows `indeterminate`: a stress of the loops
+    may be added to them.
     """
 
     degrees_of_freedom: int
@@ -197,7 +201,7 @@ class ShapeDistance(NamedTuple):
 class IndependentEquations(NamedTuple):
     """Equations of motion in independent velocities y: M y' + h = N^T tau, v = N y, a = N y' + c.
 
-    `velocities` says which of the nv they are.
+    `velocities` are the indices of the independent velocities.
     """
 
     velocities: list[int]
@@ -210,7 +214,7 @@ class IndependentEquations(NamedTuple):
 class IndependentLinearization(NamedTuple):
     """Small motions x' = A x + B dtau in independent velocities, x = (delta, dv): N delta and N dv + D delta of all joints.
 
-    `velocities` says which of the nv they are.
+    `velocities` are the indices of the independent velocities.
     """
 
     velocities: list[int]

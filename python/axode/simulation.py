@@ -72,8 +72,8 @@ def simulate(m: Model, q: ArrayLike, v: ArrayLike, until: float, *,
         the laws of contact hold; 1e-12 is rounding.
     progress: whether a bar is shown, which needs tqdm (`pip install tqdm`).
 
-    ValueError for wrong shapes, numbers that are not finite, until < 0 and step <= 0. SimulationError, with the motion
-    so far, where accelerations cannot be found or are not finite. Ctrl-C ends it.
+    ValueError for wrong shapes, numbers that are not finite, until < 0 and step <= 0. SimulationError, with the
+    motion so far, if accelerations cannot be computed or are not finite. Ctrl-C ends the call.
 
     >>> fall = axode.simulate(arm, np.full(7, 0.1), np.zeros(7), until=1.0, times=[0, 0.5, 1])
     >>> fall.q.shape, bool(np.ptp(fall.energy) < 1e-6)
@@ -104,21 +104,23 @@ def simulate(m: Model, q: ArrayLike, v: ArrayLike, until: float, *,
 def rollout(m: Model | Specialised, q: ArrayLike, v: ArrayLike,
             tau: ArrayLike | Callable[[float, Array, Array], ArrayLike] | Sampled | PD | ComputedTorque, step: float, *,
             steps: int | None = None, joint_losses: bool = False, threads: int = 1) -> tuple[Array, Array]:
-    """(q, v) of N motions of K steps of `step` s: (N, K + 1, nq) and (N, K + 1, nv), the states given in front.
+    """(q, v): the states of N motions of K steps of `step` s, (N, K + 1, nq) and (N, K + 1, nv), beginning with the
+    given ones.
 
-    q (N, nq) and v (N, nv) are where they begin, tau (N, K, nv) the drive forces, constant in each step; of one motion
-    all go without N. Otherwise `steps` is K, and tau is, for all motions alike, one of `axode.drives`, which acts as in
-    `simulate` at every stage of a step, at t = 0 first; or constant forces (nv,); or tau is a function (t, q, v) -> (N, nv),
-    called once a step for all states. Springs of the mechanism act besides, and loops are closed again after each step.
-    Munthe-Kaas' fourth order, as `simulate` with method="rk4"; functions apart, everything runs in `threads` threads,
-    several motions at once in the processor's lanes where there are no springs, loops, coupled joints and dry friction.
-    joint_losses: whether damping and dry friction act, as in `simulate`.
-    m may be specialised with forward_dynamics, several times as fast; coupled joints then go through the lanes as well, and where
-    it is in float32 so are the motions.
+    q (N, nq) and v (N, nv) are the initial states, and tau (N, K, nv) the drive forces, which are constant in each
+    step; for one motion all arrays are without the axis N. If `steps` is K, tau may instead be one of `axode.drives`
+    for all motions, which acts as in `simulate` at every stage of a step, from t = 0 on; or constant forces (nv,); or
+    a function (t, q, v) -> (N, nv), which is called once for each step with all states. Springs of the mechanism act
+    in addition, and loops are closed again after each step. The method is Munthe-Kaas' of fourth order, as in
+    `simulate` with method="rk4". Everything except functions in Python runs in `threads` threads; several motions are
+    computed at once in SIMD lanes if there are no springs, loops, coupled joints and dry friction.
+    joint_losses: whether damping and dry friction act, as in `simulate`. m may be a model that is specialised with
+    forward_dynamics, which is several times as fast; then lanes are also used for coupled joints, and if it is in
+    float32, so are the motions.
 
-    ValueError for wrong shapes, numbers that are not finite, a drive of another mechanism, loops that are open at first and
-    step <= 0. SingularError or NotFiniteError, with q, where motions cannot go on; they are NaN from there, and all of them
-    where tau is a function.
+    ValueError for wrong shapes, numbers that are not finite, a drive of another mechanism, loops that are open at
+    first and step <= 0. SingularError or NotFiniteError, with q, if a motion cannot continue; its later states are
+    NaN, and those of all motions if tau is a function.
 
     >>> q, v = axode.rollout(arm, np.zeros((5, 7)), np.zeros((5, 7)), np.ones((5, 20, 7)), 1e-3)
     >>> q.shape
@@ -173,8 +175,8 @@ def reconstruct(C0: ArrayLike, twist: ArrayLike | Callable[[float], ArrayLike], 
                 method: Literal["munthe_kaas", "cayley", "magnus", "apart"] = "munthe_kaas") -> Array:
     """The poses (N, 4, 4) of a body at `times` (N,), from the pose C0 (4, 4) at the first and its twist.
 
-    twist: (6,) where it is constant; a function t -> (6,); or (N, 6), its values at the times, between which cubics
-        are laid. Angular before linear; "body" is C^-1 C', "spatial" C' C^-1 (eqs. Vbs, Vdexp).
+    twist: a constant twist (6,); a function t -> (6,); or the values (N, 6) at the times, which are interpolated by
+        cubics. Angular before linear; "body" is C^-1 C', "spatial" C' C^-1 (eqs. Vbs, Vdexp).
     order: of Munthe-Kaas' method on SE(3), 1 to 5; a step lies between any two times.
     method: "munthe_kaas", "cayley" (the same with Cayley's map), "magnus" (Magnus' series, of order 4, two twists a step)
         or "apart" (rotation and position separately, on SO(3) x R^3, for comparison).
@@ -198,7 +200,7 @@ def reconstruct(C0: ArrayLike, twist: ArrayLike | Callable[[float], ArrayLike], 
 
 
 def _sampled(given: Array, t: Array, at: Array) -> Array:
-    """A constant twist, or cubics through the four samples that are nearest."""
+    """The twist as a function of time: constant, or a cubic through the four nearest samples."""
     if given.shape == (6,):
         return np.tile(given, (at.size, 1))
     if given.shape != (t.size, 6):

@@ -17,7 +17,7 @@ from typing import Any, NamedTuple
 
 __all__ = ["ROWS", "Row"]
 
-#: Arguments that are no numbers of a state.
+#: Arguments that are not numbers of a state.
 SETTINGS = ("loads", "frame", "base", "form", "at")
 
 

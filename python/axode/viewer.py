@@ -87,7 +87,7 @@ def _is_in_notebook() -> bool:
 
 
 class _Answer(BaseHTTPRequestHandler):
-    """One request: for the page, or for the states that are pushed, as long as the browser listens."""
+    """The answer to one request: the page, or the states that are pushed, as long as the browser listens."""
 
     server: _Server
 
@@ -122,7 +122,7 @@ class _Answer(BaseHTTPRequestHandler):
         self.send_response(200)
         self.send_header("Content-Type", kind)
         self.send_header("Cache-Control", "no-store")
-        self.send_header("Access-Control-Allow-Origin", "*")  # the page of a notebook is of no origin
+        self.send_header("Access-Control-Allow-Origin", "*")  # the page of a notebook has no origin
         self.end_headers()
 
     def log_message(self, *_: Any) -> None:
@@ -130,11 +130,11 @@ class _Answer(BaseHTTPRequestHandler):
 
 
 class _Server(ThreadingHTTPServer):
-    """Serves one page on this machine, and states to it, to who knows a random path. It listens from the start, and
-    answers from `start` on.
+    """Serves one page, and states to it, to programs of this machine that know a random path. It listens from the
+    construction on, and answers after `start`.
     """
 
-    daemon_threads = True  # or Python would wait for them before it calls `close`
+    daemon_threads = True  # otherwise Python would wait for them before it calls `close`
 
     def __init__(self) -> None:
         super().__init__(("127.0.0.1", 0), _Answer)
@@ -162,7 +162,8 @@ class _Server(ThreadingHTTPServer):
             self._told.notify_all()
 
     def states(self) -> Any:
-        """The newest state as soon as there is one, and "" now and then, to learn whether somebody listens."""
+        """Yields the newest state as soon as there is one, and "" from time to time, to find out whether a browser
+        still listens."""
         number = 0
         while True:
             with self._told:
@@ -220,7 +221,7 @@ class Viewer:
         return _axode.viewer_page(self._m, PAGE.read_text(encoding="utf-8"), self._q, self._motion, live)
 
     def _listening(self) -> _Server:
-        """The server, whose page listens to it."""
+        """The server, after a page has connected to it."""
         if self._is_closed:
             raise ValueError("the viewer is closed")
         if self._server is None:
@@ -243,19 +244,19 @@ class Viewer:
         numbers = np.asarray(q, dtype=np.float64)
         if numbers.ndim != 1:
             raise ValueError(f"q: expected shape ({self._m.nq},), got {numbers.shape}")
-        _axode.poses(self._m, numbers)  # which refuses what is no configuration
+        _axode.poses(self._m, numbers)  # refuses numbers that are not a configuration
         server = self._listening()
         server.push(json.dumps({"q": numbers.tolist()}))
         server.start()
 
     def save(self, path: str | os.PathLike[str]) -> None:
-        """Writes the page: one file of HTML that needs no other and no network. An existing file is replaced as a whole or, if
-        the page cannot be written, left as it was."""
+        """Writes the page: one file of HTML that needs no other file and no network. An existing file is replaced as
+        a whole or, if the page cannot be written, left as it was."""
         with replacing(Path(path)) as file:
             file.write_text(self._page, encoding="utf-8")
 
     def close(self) -> None:
-        """Ends the connection to pages, which stay as they are. A page that was opened is waited for, for 10 s at most."""
+        """Ends the connection to pages, which remain as they are. It waits at most 10 s for a page that was opened."""
         self._is_closed = True
         if self._finalizer is not None:
             self._finalizer()
@@ -273,11 +274,12 @@ def view(m: Model, q: ArrayLike | None = None, motion: Trajectory | str | os.Pat
     motion: from `simulate`, or the .csv, .json or .npz that `axode simulate --output` has written.
     output: a file of HTML to write instead of showing it; it needs no other file and no network.
 
-    `Viewer.push(q)` moves it on the page, `Viewer.save(path)` writes the page, `Viewer.close()` ends the connection. Meshes
-    are looked for beside the file that names them and in the packages of ROS; those that are missing are in
-    `Viewer.warnings`, and what has nothing to be seen is drawn from its joints and inertia.
+    `Viewer.push(q)` moves it on the page, `Viewer.save(path)` writes the page, `Viewer.close()` ends the connection.
+    Meshes are searched beside the file that names them and in the packages of ROS; `Viewer.warnings` lists those that
+    are missing. Bodies without a visible shape are drawn from their joints and inertia.
 
-    ValueError for a state or a motion that does not fit the model, TypeError for what is no motion. RuntimeError where the package was built without npm.
+    ValueError for a state or a motion that does not fit the model, TypeError for an object that is not a motion.
+    RuntimeError if the package was built without npm.
 
     >>> import pathlib, tempfile
     >>> fall = axode.simulate(arm, np.full(7, 0.1), np.zeros(7), until=0.5)

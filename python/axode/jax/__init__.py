@@ -1,12 +1,13 @@
-"""axode in JAX: functions that `jax.jit`, `jax.vmap`, `jax.grad` and the other transformations take.
+"""axode in JAX: functions to which `jax.jit`, `jax.vmap`, `jax.grad` and the other transformations apply.
 
-They have the names and the order of arguments of axode's own. Arrays may have any axes in front, which are broadcast; under
-`jax.vmap` all states go to the library in one call. float32 is computed as float64 and rounded, results have the type of the
-arguments. A model is static: close over it, or make it a static argument. Derivatives by q are those by its nq numbers,
-quaternions counting as brought to length 1; off 1 by more than 1e-6 (1e-4 in float32) is an error. A state that has no
-result, for its mass matrix is singular or its numbers overflow, has NaN.
+They have the names and the order of arguments of axode's own functions. Arrays may have any axes in front, which are
+broadcast; under `jax.vmap` all states go to the library in one call. float32 is computed as float64 and rounded;
+results have the type of the arguments. A model is static: close over it, or make it a static argument. Derivatives by
+q are those by its nq numbers, where quaternions are divided by their norm; a norm that differs from 1 by more than
+1e-6 (1e-4 in float32) is an error. A state without a result, because its mass matrix is singular or its numbers
+overflow, has NaN.
 
-The functions compute on the CPU. Needs JAX: pip install jax.
+The functions compute on the CPU. This needs JAX (pip install jax).
 """
 
 from __future__ import annotations
@@ -37,11 +38,12 @@ Representation = Literal["body", "spatial", "hybrid", "mixed"]
 
 def inverse_dynamics(m: Model, q: Array, v: Array, a: Array, *, parameters: Array | None = None,
                      joint_losses: bool = False, threads: int = 1) -> Array:
-    """The drive forces (..., nv) that make the accelerations a, see `axode.inverse_dynamics`.
+    """The drive forces (..., nv) that produce the accelerations a, see `axode.inverse_dynamics`.
 
-    `parameters` (..., 10 n_bodies) take the place of `m.parameters`; for each run of states with other ones a model is made.
-    First and second derivatives, by the parameters first ones. O(n); a product with its derivative or the transpose costs
-    about the same again, a Hessian O(n^2). Loads on frames are added with `jacobian`.
+    `parameters` (..., 10 n_bodies) replace `m.parameters`; for each run of states with different parameters a model
+    is built. First and second derivatives exist; by the parameters only first ones. O(n); a product with the
+    derivative or its transpose costs about the same again, a Hessian O(n^2). Loads on frames can be added with
+    `jacobian`.
 
     >>> q = jnp.full(7, 0.3)
     >>> axode.jax.inverse_dynamics(arm, q, 0 * q, 0 * q).shape
@@ -55,9 +57,10 @@ def inverse_dynamics(m: Model, q: Array, v: Array, a: Array, *, parameters: Arra
 
 def forward_dynamics(m: Model, q: Array, v: Array, tau: Array, *, parameters: Array | None = None,
                      joint_losses: bool = False, threads: int = 1) -> Array:
-    """The accelerations (..., nv) that the drive forces tau make, see `axode.forward_dynamics`; NaN where M is singular.
+    """The accelerations (..., nv) that the drive forces tau produce, see `axode.forward_dynamics`; NaN if M is
+    singular.
 
-    Parameters, derivatives and costs as in `inverse_dynamics`; a Hessian takes O(n^3).
+    Parameters, derivatives and costs are those of `inverse_dynamics`; a Hessian takes O(n^3).
 
     >>> q = jnp.full(7, 0.3)
     >>> tau = axode.jax.inverse_dynamics(arm, q, 0 * q, q)
@@ -71,7 +74,8 @@ def forward_dynamics(m: Model, q: Array, v: Array, tau: Array, *, parameters: Ar
 
 
 def mass_matrix(m: Model, q: Array, *, threads: int = 1) -> Array:
-    """M (..., nv, nv), see `axode.mass_matrix`. First and second derivatives, of which a product costs O(n^2).
+    """The mass matrix M (..., nv, nv), see `axode.mass_matrix`. First and second derivatives exist; a product with
+    one costs O(n^2).
 
     >>> axode.jax.mass_matrix(arm, jnp.full(7, 0.3)).shape
     (7, 7)
@@ -81,7 +85,8 @@ def mass_matrix(m: Model, q: Array, *, threads: int = 1) -> Array:
 
 
 def inverse_mass_matrix(m: Model, q: Array, *, threads: int = 1) -> Array:
-    """M^-1 (..., nv, nv), see `axode.inverse_mass_matrix`; NaN where M is singular. First and second derivatives.
+    """The inverse mass matrix (..., nv, nv), see `axode.inverse_mass_matrix`; NaN if M is singular. First and second
+    derivatives exist.
 
     >>> q = jnp.full(7, 0.3)
     >>> product = axode.jax.inverse_mass_matrix(arm, q) @ axode.jax.mass_matrix(arm, q)
@@ -105,7 +110,7 @@ def gravity_torques(m: Model, q: Array, *, threads: int = 1) -> Array:
 
 
 def coriolis_vector(m: Model, q: Array, v: Array, *, threads: int = 1) -> Array:
-    """C(q, v) v, (..., nv), see `axode.coriolis_vector`.
+    """The Coriolis vector C(q, v) v, (..., nv), see `axode.coriolis_vector`.
 
     >>> axode.jax.coriolis_vector(arm, jnp.zeros(7), jnp.ones(7)).shape
     (7,)
@@ -117,7 +122,7 @@ def coriolis_vector(m: Model, q: Array, v: Array, *, threads: int = 1) -> Array:
 
 
 def momenta(m: Model, q: Array, v: Array, *, threads: int = 1) -> Array:
-    """p = M v, (..., nv), see `axode.momenta`; O(n), without M.
+    """The generalised momenta p = M v, (..., nv), see `axode.momenta`; O(n), without the matrix M.
 
     >>> q, v = jnp.full(7, 0.3), jnp.ones(7)
     >>> bool(jnp.allclose(axode.jax.momenta(arm, q, v), axode.jax.mass_matrix(arm, q) @ v, atol=1e-4))
@@ -166,7 +171,8 @@ def center_of_mass(m: Model, q: Array, *, threads: int = 1) -> Array:
 
 
 def poses(m: Model, q: Array, *, threads: int = 1) -> Array:
-    """(..., n_frames, 4, 4), of all frames in the order of `m.frame_names`, see `axode.poses`. Derivatives of any order.
+    """The poses (..., n_frames, 4, 4) of all frames in the order of `m.frame_names`, see `axode.poses`. Derivatives
+    of any order.
 
     >>> axode.jax.poses(arm, jnp.zeros(7)).shape
     (10, 4, 4)
@@ -179,7 +185,7 @@ def poses(m: Model, q: Array, *, threads: int = 1) -> Array:
 
 
 def twists(m: Model, q: Array, v: Array, representation: Representation = "body", *, threads: int = 1) -> Array:
-    """(..., n_frames, 6), of all frames, rad/s and m/s, see `axode.twists`. Derivatives of any order.
+    """The twists (..., n_frames, 6) of all frames, rad/s and m/s, see `axode.twists`. Derivatives of any order.
 
     >>> axode.jax.twists(arm, jnp.zeros(7), jnp.ones(7), "hybrid").shape
     (10, 6)
@@ -192,7 +198,7 @@ def twists(m: Model, q: Array, v: Array, representation: Representation = "body"
 
 def accelerations(m: Model, q: Array, v: Array, a: Array, representation: Representation = "body", *,
                   threads: int = 1) -> Array:
-    """(..., n_frames, 6), the time derivatives of the components of `twists`, see `axode.accelerations`.
+    """The time derivatives (..., n_frames, 6) of the components of `twists`, see `axode.accelerations`.
 
     >>> axode.jax.accelerations(arm, jnp.zeros(7), jnp.ones(7), jnp.ones(7), "hybrid").shape
     (10, 6)
@@ -204,9 +210,11 @@ def accelerations(m: Model, q: Array, v: Array, a: Array, representation: Repres
 
 def jacobian(m: Model, q: Array, frame: str | int, representation: Representation = "body", *, offset: Array | None = None,
              threads: int = 1) -> Array:
-    """J (..., 6, nv) with V = J v, see `axode.jacobian`. Derivatives of any order, also by the offset.
+    """The Jacobian J (..., 6, nv) with V = J v, see `axode.jacobian`. It has derivatives of any order, also by the
+    offset.
 
-    A wrench on the frame in the same representation has the generalised forces J^T W, which drive forces tau may be added to.
+    A wrench on the frame in the same representation has the generalised forces J^T W, which can be added to the drive
+    forces tau.
 
     >>> J = axode.jax.jacobian(arm, jnp.zeros(7), "flange", "hybrid", offset=[0, 0, 0.1])
     >>> push = J.T @ jnp.array([0, 0, 0, 0, 0, -50.0])
@@ -226,10 +234,11 @@ def jacobian(m: Model, q: Array, frame: str | int, representation: Representatio
 
 
 def rollout(m: Model, q: Array, v: Array, tau: Array, step: float, *, threads: int = 1) -> tuple[Array, Array]:
-    """(q, v) of motions of K steps of `step` s: (..., K + 1, nq) and (..., K + 1, nv), see `axode.rollout`.
+    """(q, v): the states of motions of K steps of `step` s: (..., K + 1, nq) and (..., K + 1, nv), see
+    `axode.rollout`.
 
-    tau has shape (..., K, nv). First derivatives, of which a product costs O(n) a step and keeps the states alone. A motion
-    is NaN from where it cannot go on.
+    tau has shape (..., K, nv). First derivatives exist; a product with them costs O(n) for each step and stores only
+    the states. If a motion cannot continue, its later states are NaN.
 
     >>> q, v = axode.jax.rollout(arm, jnp.zeros(7), jnp.zeros(7), jnp.ones((20, 7)), 1e-3)
     >>> q.shape
@@ -246,7 +255,8 @@ def rollout(m: Model, q: Array, v: Array, tau: Array, step: float, *, threads: i
 
 
 def integrate(m: Model, q: Array, dv: Array) -> Array:
-    """q (+) dv, (..., nq), see `Model.integrate`. Derivatives of any order; quaternions stay of the length that they have.
+    """The configuration q (+) dv, (..., nq), see `Model.integrate`. It has derivatives of any order; quaternions keep
+    their norms.
 
     >>> axode.jax.integrate(arm, jnp.zeros(7), jnp.full(7, 0.1)).shape
     (7,)
@@ -257,7 +267,7 @@ def integrate(m: Model, q: Array, dv: Array) -> Array:
 
 
 def coordinate_rates(m: Model, q: Array, v: Array) -> Array:
-    """dq/dt (..., nq) from v, see `Model.coordinate_rates`.
+    """The rates dq/dt (..., nq) that belong to v, see `Model.coordinate_rates`.
 
     >>> axode.jax.coordinate_rates(arm, jnp.zeros(7), jnp.ones(7)).shape
     (7,)
@@ -267,7 +277,8 @@ def coordinate_rates(m: Model, q: Array, v: Array) -> Array:
 
 
 def velocities_from_rates(m: Model, q: Array, dq: Array) -> Array:
-    """v (..., nv) from dq/dt, see `Model.velocities_from_rates`: gradients by v times this are gradients by q.
+    """The velocities v (..., nv) that belong to dq/dt, see `Model.velocities_from_rates`. A gradient by v times this
+    map is a gradient by q.
 
     >>> axode.jax.velocities_from_rates(arm, jnp.zeros(7), jnp.ones(7)).shape
     (7,)
@@ -333,7 +344,7 @@ def _columns(m: Mechanism, q: Array, threads: int) -> Array:
 
 
 def _first_moment(m: Mechanism, q: Array, threads: int) -> Array:
-    """The sum of m r of all that moves, (..., 3), kg m."""
+    """The sum of m r over all moving bodies, (..., 3), kg m."""
     bodies = _columns(m, q, threads)[..., 1:m.n_bodies + 1, :, :]
     moments = m.parameters[:, [1, 2, 3, 0]].astype(q.dtype)  # m c in the axes of the body, and m at its origin
     return jnp.einsum("bk,...bkc->...c", moments, bodies)

@@ -1,9 +1,9 @@
 """Calls of the compiled module from programs of JAX, and the rules by which JAX differentiates and batches them.
 
 Every call is one primitive with the function's name. Its arguments have the same leading axes, which count states.
-Tangents and gradients by configurations are those along velocities of the joints, nv numbers: the rules here go between them
-and the nq numbers of q, whose function JAX differentiates, with what `mechanism` has. So every derivative is exact, and
-JAX's own rules make second derivatives of the former.
+Tangents and gradients by configurations are those along velocities of the joints, nv numbers: the rules in this
+module convert between them and the nq numbers of q, by which JAX differentiates, with the functions of `mechanism`.
+Hence every derivative is exact, and JAX's own rules derive second derivatives from the first ones.
 """
 
 from __future__ import annotations
@@ -90,7 +90,8 @@ mlir.register_lowering(primitive, _refuse_device)
 
 
 def _batch(arguments: Sequence[Array], axes: Sequence[Any], **what: Any) -> tuple[Any, list[int]]:
-    """All states of a batch in one call: the axis goes in front, and what is the same for all is repeated."""
+    """Computes all states of a batch in one call: the batch axis goes in front, and arguments that are the same for
+    all states are repeated."""
     size = next(x.shape[axis] for x, axis in zip(arguments, axes) if axis is not None)
     moved = [jnp.broadcast_to(x, (size, *x.shape)) if axis is None else jnp.moveaxis(x, axis, 0)
              for x, axis in zip(arguments, axes)]
@@ -122,9 +123,10 @@ def _velocity_tangents(m: Mechanism, q: Array, tangents: Sequence[Any]) -> list[
 
 
 def _times(H: Array, x: Sequence[Array]) -> tuple[Array, Array, Array]:
-    """Change of the gradient with the Hessian H along a direction x, in its parts by q, v and the third argument t.
+    """The change of the gradient along a direction x by the Hessian H, in its parts by q, v and the third argument t.
 
-    H has the parts by (q, q), (q, v), (v, v) and (t, q); of a part entry [k, l] is displaced along k first.
+    H has the parts by (q, q), (q, v), (v, v) and (t, q); for entry [k, l] of a part, the displacement along k comes
+    first.
     """
     qq, qv, vv, tq = (H[..., k, :, :] for k in range(4))
     q, v, t = x
@@ -149,14 +151,16 @@ def _all_hessians(dynamics: str, m: Mechanism, state: Sequence[Array], pi: Seque
 
 
 def _parts(x: Sequence[Any], what: dict[str, Any]) -> tuple[Sequence[Any], Sequence[Any], Sequence[Any]]:
-    """The state (q, v, a or tau), what the function is linear in, and inertial parameters, none or one."""
+    """Splits the arguments into the state (q, v, a or tau), the arguments in which the function is linear, and the
+    inertial parameters, if any."""
     end = len(x) - what["parameters"]
     return x[:3], x[3:end], x[end:]
 
 
 def _dynamics_tangent(dynamics: str, m: Mechanism, x: Sequence[Array], tangents: Sequence[Any], value: Array,
                       what: dict[str, Any]) -> Array:
-    """Tangent of inverse or forward dynamics. tau = Y pi + ... is linear in the parameters, and they change a as -Y dpi in tau does."""
+    """Tangent of inverse or forward dynamics. tau = Y pi + ... is linear in the parameters, and a change dpi acts on
+    a as a change -Y dpi of tau."""
     state, _, pi = _parts(x, what)
     dx, _, dpi = _parts(tangents, what)
     dq, dv, dt = _velocity_tangents(m, state[0], dx)
@@ -192,7 +196,8 @@ def _derivative_tangent(function: str, m: Mechanism, x: Sequence[Array], tangent
 
 
 def _mass_matrix_tangent(m: Mechanism, q: Array, dq: Array, threads: int) -> Array:
-    """A column of M is the inverse dynamics of a unit acceleration at rest without gravity, whose derivative it has."""
+    """The tangent of M. A column of M is the inverse dynamics of a unit acceleration at rest without gravity, and so
+    is its derivative."""
     assert m.still is not None
     delta, unit = velocities_of(m, q, dq), jnp.eye(m.nv, dtype=q.dtype)
     lead = q.shape[:-1]
@@ -202,7 +207,7 @@ def _mass_matrix_tangent(m: Mechanism, q: Array, dq: Array, threads: int) -> Arr
 
 
 def twists_by(m: Mechanism, moves: np.ndarray[Any, Any], screws: Array, v: Array) -> Array:
-    """Spatial twists of what the joint screws move, by rows of `moves`."""
+    """The spatial twists of the bodies or frames that the joint screws move, as given by the rows of `moves`."""
     rates = v @ m.screw_rates.T.astype(v.dtype)
     return jnp.einsum("fk,...k,...kc->...fc", moves.astype(v.dtype), rates, screws)
 
@@ -216,7 +221,7 @@ def _kinematics_tangent(function: str, m: Mechanism, q: Array, dq: Array, value:
         w, u = screws[..., :3], screws[..., 3:]
         return jnp.concatenate([cross(V[..., :3], w), cross(V[..., :3], u) + cross(V[..., 3:], w)], axis=-1)
     V = twists_by(m, m.moves_frame, screws, v)
-    columns = value.reshape(*value.shape[:-1], 4, 3)  # of R, and r
+    columns = value.reshape(*value.shape[:-1], 4, 3)  # the columns of R, then r
     turned = cross(V[..., None, :3], columns)
     return (turned.at[..., 3, :].add(V[..., 3:])).reshape(value.shape)
 

@@ -21,7 +21,8 @@ __all__ = ["Mechanism", "cross", "integrated", "mechanism_of", "rates_of", "velo
 Array = Any  # of JAX, or a tracer
 
 
-#: A program may be dropped while it runs in another thread, and then asks for its model: so many that were let go stay.
+#: The number of models that stay in memory after their release. A program may be dropped while it runs in another
+#: thread, and still needs its model then.
 KEPT = 256
 _let_go_last: collections.deque[str] = collections.deque()
 
@@ -33,17 +34,18 @@ def _let_go(key: str) -> None:
 
 
 class Mechanism:
-    """A model as compiled programs name it: by a text that says what it consists of.
+    """A handle of a model for compiled programs.
 
-    Equal models have equal ones. The compiled module holds the model for as long as one of them is alive, and a while longer;
-    programs hold the one that they were compiled for.
+    It has a key that is made of the contents of the model, so that equal models have equal keys. The compiled module
+    keeps the model as long as one of its handles exists, and for some time longer; a program holds the handle for
+    which it was compiled.
     """
 
     def __init__(self, m: Model, key: str):
         self.key, self.name = key, m.name
         self.nq, self.nv, self.n_frames, self.n_bodies = m.nq, m.nv, m.n_frames, m.n_bodies
         self.gravity, self.parameters = m.gravity, m.parameters.reshape(m.n_bodies, 10)
-        self.still: Mechanism | None = None  # the same without gravity, where it was asked for
+        self.still: Mechanism | None = None  # the same mechanism without gravity, once it is needed
         self._tree = _jax.structure(m)
         self._screw_body = np.array(self._tree["screw_body"], dtype=int)
         self.n_screws = self._screw_body.size
@@ -60,7 +62,8 @@ class Mechanism:
     def __repr__(self) -> str:
         return f'"{self.name}"'
 
-    # Which screws move what, a row of 0 and 1 over the joint screws for each frame, and for each screw's body. Only kinematics ask.
+    # The joint screws that move each frame, and the body of each screw: a row of 0 and 1 over the joint screws. Only
+    # kinematics need them.
 
     @functools.cached_property
     def _moves_body(self) -> NDArray[np.float64]:
@@ -81,7 +84,7 @@ class Mechanism:
 
     @functools.cached_property
     def screw_rates(self) -> NDArray[np.float64]:
-        """s = screw_rates @ v are the rates of the joint screws."""
+        """The matrix for which screw_rates @ v are the rates of the joint screws."""
         rates = np.zeros((self.n_screws, self.nv))
         rates[np.arange(self.n_screws), np.array(self._tree["screw_velocity"], dtype=int)] = self._tree["screw_ratio"]
         return rates
@@ -109,7 +112,7 @@ _by_key: weakref.WeakValueDictionary[str, Mechanism] = weakref.WeakValueDictiona
 
 
 def mechanism_of(m: Model, still: bool = False) -> Mechanism:
-    """The one of a model, with `still` also that of the model without gravity."""
+    """The handle of a model; with `still`, its member `still` is the handle of the model without gravity."""
     if not isinstance(m, Model):
         raise TypeError(f"m: expected a Model, got {type(m).__name__}")
     found = _of_models.get(m)
@@ -125,11 +128,11 @@ def mechanism_of(m: Model, still: bool = False) -> Mechanism:
 # The vector product as a linear map: XLA compiles few operations quickly.
 _CROSS = np.zeros((3, 3, 3))
 for _i, _j, _k in ((0, 1, 2), (1, 2, 0), (2, 0, 1)):
-    _CROSS[_i, _j, _k], _CROSS[_i, _k, _j] = 1, -1  # [of the result, of a, of b]
+    _CROSS[_i, _j, _k], _CROSS[_i, _k, _j] = 1, -1  # [index of the result, of a, of b]
 
 
 def cross(a: Array, b: Array) -> Array:
-    """a x b."""
+    """The vector product a x b."""
     rows = (a @ np.moveaxis(_CROSS, 1, 0).reshape(3, 9).astype(a.dtype)).reshape(*a.shape[:-1], 3, 3)
     return jnp.sum(rows * b[..., None, :], axis=-1)
 
@@ -140,13 +143,14 @@ _ARRAYS = coordinates.Arrays(
 
 
 def _in_order(parts: list[Array], order: NDArray[np.int_]) -> Array:
-    """The numbers of all joints, kind by kind, (..., joints, numbers), in their places."""
+    """Puts the numbers of all joints, given kind by kind, (..., joints, numbers), at their positions."""
     flat = [each.reshape(*each.shape[:-2], each.shape[-2] * each.shape[-1]) for each in parts]
     return jnp.concatenate(flat, axis=-1)[..., order]
 
 
 def velocities_of(m: Mechanism, q: Array, dq: Array) -> Array:
-    """v from dq/dt. What changes the length of a quaternion is left out, and quaternions count as brought to length 1."""
+    """The velocities v from dq/dt. Changes of the norm of a quaternion are left out, and quaternions are divided by
+    their norm."""
     if m.is_vector:
         return dq
     parts = [coordinates.velocities(_ARRAYS, kind, q[..., at], dq[..., at]) for kind, at, _ in m.joints]
@@ -154,7 +158,7 @@ def velocities_of(m: Mechanism, q: Array, dq: Array) -> Array:
 
 
 def rates_of(m: Mechanism, q: Array, v: Array) -> Array:
-    """dq/dt from v."""
+    """The rates dq/dt from v."""
     if m.is_vector:
         return v
     parts = [coordinates.rates(_ARRAYS, kind, q[..., at_q], v[..., at_v]) for kind, at_q, at_v in m.joints]
@@ -169,7 +173,7 @@ def _sinc(s: Array) -> Array:
 
 
 def _rest_of_sinc(s: Array) -> Array:
-    """(1 - sin(x)/x) / x² of the same."""
+    """(1 - sin(x)/x) / x² as a function of s = x², which can be differentiated at 0."""
     near = s < 0.01
     series = (1 - s / 20 * (1 - s / 42 * (1 - s / 72 * (1 - s / 110)))) / 6
     return jnp.where(near, series, (1 - _sinc(s)) / jnp.where(near, 1, s))
@@ -181,7 +185,7 @@ def _exp_quaternion(w: Array) -> Array:
 
 
 def _carried(w: Array, v: Array) -> Array:
-    """dexp_w v: how far a screw motion with the rotation vector w goes."""
+    """dexp_w v: the translation of a screw motion with the rotation vector w."""
     s, t = jnp.sum(w * w, axis=-1, keepdims=True), cross(w, v)
     return v + 0.5 * _sinc(s / 4) ** 2 * t + _rest_of_sinc(s) * cross(w, t)
 
@@ -202,7 +206,7 @@ def _integrated(kind: str, q: Array, dv: Array) -> Array:
 
 
 def integrated(m: Mechanism, q: Array, dv: Array) -> Array:
-    """q (+) dv."""
+    """The configuration q (+) dv."""
     if m.is_vector:
         return q + dv
     return _in_order([_integrated(kind, q[..., at_q], dv[..., at_v]) for kind, at_q, at_v in m.joints], m.q_order)

@@ -1,7 +1,8 @@
-"""Work in parts, each of which leaves one file, or none: in this process or on a Ray cluster, begun anew where it was
-ended.
+"""Work in parts, in this process or on a Ray cluster. A part that is complete leaves a file, so that interrupted work
+can be continued.
 
-Parts are tasks of Ray and not rows of Ray Data, whose errors do not say which part has ended its worker.
+Parts are tasks of Ray and not rows of Ray Data, because errors of Ray Data do not say which part has ended its
+worker.
 """
 
 from __future__ import annotations

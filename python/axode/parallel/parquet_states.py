@@ -31,15 +31,15 @@ except ImportError as error:
 __all__: list[str] = []
 
 Array = NDArray[Any]
-#: How many states are read, computed and written at once, at most.
+#: The largest number of states that are read, computed and written at once.
 ROWS = 65536
-#: How many bytes of results are computed at once, unless one state has more.
+#: The largest number of bytes of results that are computed at once, unless one state has more.
 BYTES = 1 << 26
 #: Parameters with a number for each velocity.
 OF_VELOCITIES = {"v", "a", "tau", "p", "dq", "dv", "da", "dtau"}
-#: Parameters of which every state has its own.
+#: Parameters that have a value for each state.
 OF_STATES = OF_VELOCITIES | {"q", "w", "V", "Pi", "rates", "directions", "more", "multipliers", "w_q", "w_v"}
-#: Names of results that are themselves a part of a state.
+#: The names of those results that are themselves part of a state.
 RESULT_NAMES = {"inverse_dynamics": "tau", "forward_dynamics": "a"}
 
 
@@ -150,7 +150,8 @@ def _known_name(function: str | Callable[..., Any]) -> str | None:
 
 
 class TableFunction:
-    """A function of states as one of tables of pyarrow: states in, results out, row by row.
+    """A function of states as a function of tables of pyarrow: it maps a table of states to a table of results, row
+    by row.
 
     `map_states` calls it, and `ray.data.Dataset.map_batches` takes it with batch_format="pyarrow". The arguments are
     those of `map_states`. A table with a state that cannot be computed is a ValueError or a StatesError, which names
@@ -292,8 +293,8 @@ class Slice(NamedTuple):
 
     file: str
     group: int
-    start: int  # within the row group
-    first: int  # in the file
+    start: int  # index within the row group
+    first: int  # index in the file
     rows: int
 
 

@@ -19,7 +19,7 @@ def _alias(owner: type, former: str, name: str) -> property:
         warnings.warn(f"{owner.__name__}.{former} is now {name}", DeprecationWarning, stacklevel=2)
         return getattr(self, name)
 
-    get.__name__, get.__module__ = former, owner.__module__  # so that it stands in the stubs of its class
+    get.__name__, get.__module__ = former, owner.__module__  # so that the stubs of the class contain it
     return property(get, doc=f"Former name of {name}.")
 
 

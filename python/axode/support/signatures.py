@@ -1,4 +1,5 @@
-"""inspect.signature for the functions of the compiled module, and what is wrong with calls of any function of this package."""
+"""inspect.signature for the functions of the compiled module, and explanations of wrong calls of any function of this
+package."""
 
 from __future__ import annotations
 
@@ -54,7 +55,7 @@ def signature_without_self(method: Any) -> inspect.Signature:
     return whole.replace(parameters=list(whole.parameters.values())[1:])
 
 
-#: What an argument must be, by its annotation, where Python can tell.
+#: The requirement on an argument in words, by its annotation, as far as Python can check it.
 KINDS = {"Model": (_axode.Model, "an axode.Model"), "axode._axode.Model": (_axode.Model, "an axode.Model"),
          "int": (numbers.Integral, "a whole number"), "float": (numbers.Real, "a number"), "bool": (bool, "True or False"),
          "str": (str, "a text")}
@@ -115,7 +116,7 @@ def functions_in(where: ModuleType | type) -> Iterator[Any]:
 
 
 def explained(function: Callable[..., Any], is_method: bool) -> Callable[..., Any]:
-    """A function of Python that says what is wrong with the names of arguments as those of nanobind do."""
+    """A Python function that explains wrong names of arguments as the functions of nanobind do."""
 
     @functools.wraps(function)
     def call(*given: Any, **by_name: Any) -> Any:

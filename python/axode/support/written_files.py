@@ -10,12 +10,12 @@ from pathlib import Path
 
 __all__: list[str] = []
 
-MOST_LINKS = 40  # as in Linux
+MOST_LINKS = 40  # the limit of Linux
 
 
 def _replaceable(path: Path) -> Path | None:
-    """The file to which symbolic links lead; it need not exist. None for what must be written directly: devices, pipes and
-    links of /proc to the open files of processes, such as /dev/stdout."""
+    """The file to which symbolic links lead; it need not exist. None for files that must be written directly:
+    devices, pipes and links of /proc to the open files of processes, such as /dev/stdout."""
     if path.exists() and not path.is_file():
         return None
     for _ in range(MOST_LINKS):
@@ -40,9 +40,9 @@ def _take_permissions(new: Path, old: Path) -> None:
 
 @contextlib.contextmanager
 def replacing(path: Path, folder: Path | None = None) -> Iterator[Path]:
-    """Yields a new file to write, in the folder or beside the path. At the end it takes the place of the path; after an
-    exception it is removed, and the path is as it was. The permissions of an existing file are kept, a symbolic link stays and
-    its target is replaced. A device or a pipe is yielded itself."""
+    """Yields a new file to write, in the folder or beside the path. At the end it replaces the path; after an
+    exception it is removed, and the path is as it was. The permissions of an existing file are kept, a symbolic link
+    stays and its target is replaced. A device or a pipe is yielded itself."""
     target = _replaceable(path)
     if target is None:
         yield path

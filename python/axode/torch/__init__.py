@@ -1,11 +1,12 @@
-"""Functions of the state as operations of PyTorch: axode.torch.inverse_dynamics(m, q, v, a), and what learns through
-them.
+"""Functions of the state as operations of PyTorch: axode.torch.inverse_dynamics(m, q, v, a), through which networks
+can learn.
 
-Names and arguments are those of axode, on tensors of float64 or float32 with any axes in front, which broadcast.
-Gradients are exact, by the vjp of the library, second derivatives by its second derivatives. Every function is made of
-operations `torch.ops.axode`, which torch.compile, torch.func and torch.export know. See docs/torch.md.
+Names and arguments are those of axode, with tensors of float64 or float32; they may have any axes in front, which
+broadcast. Gradients are exact: first derivatives use the products of the library, and second derivatives its second
+derivatives. Every function consists of operations `torch.ops.axode`, which torch.compile, torch.func and torch.export
+support. See docs/torch.md.
 
-Needs PyTorch: pip install torch.
+This needs PyTorch (pip install torch).
 """
 
 from __future__ import annotations
@@ -30,7 +31,7 @@ __all__ = ["center_of_mass", "forward_dynamics", "handle", "inertial_parameters"
 
 def _checked(m: Model | Specialised, parameters: Tensor | None,
              **given: Tensor) -> tuple[str, list[Tensor], Tensor | None]:
-    """The model's word, and the tensors with the same axes in front."""
+    """The key of the model, and the tensors with the same axes in front."""
     key = key_of(m)
     nq, nv, n = sizes(key)
     if parameters is not None:
@@ -67,10 +68,12 @@ def _broadcast(given: dict[str, Tensor]) -> list[Tensor]:
 
 
 def handle(m: Model | Specialised) -> str:
-    """The word by which operations of `torch.ops.axode` know a model, which models alike share, in every process.
+    """The key by which operations of `torch.ops.axode` refer to a model; equal models have the same key in every
+    process.
 
-    Functions of this module ask for it themselves. What was exported, or compiled elsewhere, finds its models where
-    this was called. The last 256 models are kept, and those that a graph needs.
+    The functions of this module call `handle` themselves. Programs that were exported, or compiled in another
+    process, find their models if `handle` has been called in this process. The last 256 models are kept, and those
+    that a graph needs.
 
     >>> axode.torch.handle(arm) == axode.torch.handle(arm.with_gravity([0, 0, -1.62]))
     False
@@ -83,11 +86,11 @@ def handle(m: Model | Specialised) -> str:
 
 def inverse_dynamics(m: Model | Specialised, q: Tensor, v: Tensor, a: Tensor, *,
                      parameters: Tensor | None = None) -> Tensor:
-    """tau = M(q) a + C(q, v) v + g(q), (..., nv), as `axode.inverse_dynamics`.
+    """The drive forces tau = M(q) a + C(q, v) v + g(q), (..., nv), see `axode.inverse_dynamics`.
 
-    parameters, (..., 10 n_bodies), are inertial parameters instead of `m.parameters`, one set for all states or one
-    for each. Derivatives up to the second, by parameters the first. O(n), backwards too. ValueError for wrong shapes,
-    types and devices, and models with loops; ModelError for masses below 0.
+    parameters, (..., 10 n_bodies), replace `m.parameters`, one set for all states or one for each. Derivatives exist
+    up to the second order, by parameters of first order. O(n), also backwards. ValueError for wrong shapes, types and
+    devices, and models with loops; ModelError for masses below 0.
 
     >>> q, v, a = torch.full((3, 1000, 7), 0.5, dtype=torch.float64)
     >>> pi = torch.tensor(arm.parameters, requires_grad=True)
@@ -103,11 +106,11 @@ def inverse_dynamics(m: Model | Specialised, q: Tensor, v: Tensor, a: Tensor, *,
 
 def forward_dynamics(m: Model | Specialised, q: Tensor, v: Tensor, tau: Tensor, *,
                      parameters: Tensor | None = None) -> Tensor:
-    """The accelerations (..., nv) that drive forces make, as `axode.forward_dynamics`; with loops, first derivatives
-    alone.
+    """The accelerations (..., nv) that drive forces produce, see `axode.forward_dynamics`; with loops, only first
+    derivatives exist.
 
-    parameters and derivatives as in `inverse_dynamics`. O(n), backwards too. SingularError where the mass matrix is
-    singular.
+    parameters and derivatives are those of `inverse_dynamics`. O(n), also backwards. SingularError if the mass matrix
+    is singular.
 
     >>> q, v, tau = torch.zeros(3, 7, dtype=torch.float64)
     >>> axode.torch.forward_dynamics(arm, q, v, tau).shape
@@ -118,7 +121,8 @@ def forward_dynamics(m: Model | Specialised, q: Tensor, v: Tensor, tau: Tensor, 
 
 
 def mass_matrix(m: Model | Specialised, q: Tensor, *, parameters: Tensor | None = None) -> Tensor:
-    """M(q), (..., nv, nv), as `axode.mass_matrix`. Derivatives as in `inverse_dynamics`, O(n nv) backwards.
+    """The mass matrix M(q), (..., nv, nv), see `axode.mass_matrix`. Derivatives are those of `inverse_dynamics`; O(n
+    nv) backwards.
 
     >>> q = torch.zeros(5, 7, dtype=torch.float64, requires_grad=True)
     >>> axode.torch.mass_matrix(arm, q).shape
@@ -129,7 +133,7 @@ def mass_matrix(m: Model | Specialised, q: Tensor, *, parameters: Tensor | None 
 
 
 def inverse_mass_matrix(m: Model | Specialised, q: Tensor, *, parameters: Tensor | None = None) -> Tensor:
-    """The inverse of M(q), (..., nv, nv), as `axode.inverse_mass_matrix`. Derivatives as in `mass_matrix`.
+    """The inverse of M(q), (..., nv, nv), see `axode.inverse_mass_matrix`. Derivatives are those of `mass_matrix`.
 
     >>> q = torch.zeros(7, dtype=torch.float64)
     >>> W = axode.torch.inverse_mass_matrix(arm, q)
@@ -141,7 +145,8 @@ def inverse_mass_matrix(m: Model | Specialised, q: Tensor, *, parameters: Tensor
 
 
 def kinetic_energy(m: Model | Specialised, q: Tensor, v: Tensor, *, parameters: Tensor | None = None) -> Tensor:
-    """T = v^T M v / 2, J, of shape (...), as `axode.kinetic_energy`. Derivatives as in `inverse_dynamics`. O(n).
+    """The kinetic energy T = v^T M v / 2, J, of shape (...), see `axode.kinetic_energy`. Derivatives are those of
+    `inverse_dynamics`. O(n).
 
     >>> q, v = torch.ones(2, 7, dtype=torch.float64)
     >>> (p,) = torch.autograd.grad(axode.torch.kinetic_energy(arm, q, v.requires_grad_()), v)
@@ -154,9 +159,10 @@ def kinetic_energy(m: Model | Specialised, q: Tensor, v: Tensor, *, parameters: 
 
 
 def potential_energy(m: Model | Specialised, q: Tensor, *, parameters: Tensor | None = None) -> Tensor:
-    """U, J, of shape (...), as `axode.potential_energy`; its gradient are `axode.gravity_torques`. O(n).
+    """The potential energy U, J, of shape (...), see `axode.potential_energy`; its gradient is
+    `axode.gravity_torques`. O(n).
 
-    Derivatives up to the third by q, the first by parameters.
+    Derivatives exist up to the third order by q, and of first order by parameters.
 
     >>> q = torch.ones(7, dtype=torch.float64, requires_grad=True)
     >>> (g,) = torch.autograd.grad(axode.torch.potential_energy(arm, q), q)
@@ -168,7 +174,8 @@ def potential_energy(m: Model | Specialised, q: Tensor, *, parameters: Tensor | 
 
 
 def center_of_mass(m: Model | Specialised, q: Tensor, *, parameters: Tensor | None = None) -> Tensor:
-    """Centre of mass of all moving bodies, (..., 3), m, as `axode.center_of_mass`. Derivatives as in `potential_energy`. O(n).
+    """Centre of mass of all moving bodies, (..., 3), m, as `axode.center_of_mass`. Derivatives are those of
+    `potential_energy`. O(n).
 
     >>> axode.torch.center_of_mass(arm, torch.zeros(7, dtype=torch.float64)).numpy()[1:].round(3)
     array([-0.003,  0.619])
@@ -179,7 +186,8 @@ def center_of_mass(m: Model | Specialised, q: Tensor, *, parameters: Tensor | No
 
 
 def poses(m: Model | Specialised, q: Tensor) -> Tensor:
-    """C_i of every frame, (..., n_frames, 4, 4), as `axode.poses`. Derivatives up to the second. O(n).
+    """The pose C_i of every frame, (..., n_frames, 4, 4), see `axode.poses`. Derivatives exist up to the second
+    order. O(n).
 
     >>> q = torch.zeros(7, dtype=torch.float64, requires_grad=True)
     >>> axode.torch.poses(arm, q)[arm.frame_index("flange"), 0, 3].backward()  # how far forward the flange is
@@ -191,8 +199,8 @@ def poses(m: Model | Specialised, q: Tensor) -> Tensor:
 
 
 def jacobian(m: Model | Specialised, q: Tensor, frame: str | int, representation: Representation = "body") -> Tensor:
-    """J of a frame, (..., 6, nv), with V = J v, as `axode.jacobian`. Derivatives of any order up to 12. O(n^2)
-    backwards.
+    """The Jacobian J of a frame, (..., 6, nv), with V = J v, see `axode.jacobian`. Derivatives exist up to order 12.
+    O(n^2) backwards.
 
     >>> q, v = torch.ones(2, 7, dtype=torch.float64)
     >>> V = axode.torch.jacobian(arm, q, "flange", "hybrid") @ v
@@ -204,10 +212,11 @@ def jacobian(m: Model | Specialised, q: Tensor, frame: str | int, representation
 
 
 def rollout(m: Model, q: Tensor, v: Tensor, tau: Tensor, step: float) -> tuple[Tensor, Tensor]:
-    """(q, v) of motions of K steps, (..., K + 1, nq) and (..., K + 1, nv), under tau (..., K, nv), as `axode.rollout`.
+    """(q, v): the states of motions of K steps, (..., K + 1, nq) and (..., K + 1, nv), under tau (..., K, nv), see
+    `axode.rollout`.
 
-    First derivatives by q, v and tau, O(n) for each step; only states are kept for them. With K = 1 it is a step.
-    ValueError for models with loops, SingularError and NotFiniteError where motions cannot go on.
+    First derivatives by q, v and tau exist; they take O(n) for each step and store only the states. With K = 1 it
+    computes one step. ValueError for models with loops, SingularError and NotFiniteError if a motion cannot continue.
 
     >>> q, v = torch.zeros(2, 5, 7, dtype=torch.float64)
     >>> tau = torch.zeros(5, 20, 7, dtype=torch.float64, requires_grad=True)
@@ -231,8 +240,8 @@ def inertial_parameters(P: Tensor) -> Tensor:
     """The ten parameters (..., 10) of bodies with the pseudo-inertias P (..., 4, 4), the inverse of
     `axode.identification.pseudo_inertia`.
 
-    There is matter with them where P is positive definite: with P = L L^T any lower triangular L with a positive
-    diagonal gives parameters that a body can have. kg, kg m and kg m^2.
+    A mass distribution has these parameters if P is positive definite: with P = L L^T any lower triangular L with a
+    positive diagonal gives parameters that a body can have. kg, kg m and kg m^2.
 
     >>> P = torch.tensor(axode.identification.pseudo_inertia(arm.parameters.reshape(-1, 10)))
     >>> np.allclose(axode.torch.inertial_parameters(P).flatten(), arm.parameters)

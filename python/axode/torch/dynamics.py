@@ -29,10 +29,10 @@ from .operations import (
 __all__: list[str] = []
 
 
-# Inertial parameters, in which inverse dynamics is linear: tau = Y(q, v, a) pi + what does not depend on them
+# Inertial parameters, in which inverse dynamics is linear: tau = Y(q, v, a) pi + (terms that do not depend on pi)
 
 def _components(x: Tensor) -> list[Tensor]:
-    """Along the last axis, each in one piece of memory."""
+    """The components along the last axis, each in contiguous memory."""
     return list(x.movedim(-1, 0).contiguous().unbind(0))
 
 
@@ -45,7 +45,7 @@ def _body_motion(key: str, q: Tensor, v: Tensor, a: Tensor) -> tuple[list[Tensor
     """Motion of each moving body, in its axes: angular velocity, its rate, and r'' - g of the origin of its frame; by
     components."""
     m = mechanism(key).model
-    bodies = slice(1, m.n_bodies + 1)  # in front of them stands the ground
+    bodies = slice(1, m.n_bodies + 1)  # the ground comes before them
     V, = evaluated(key, "twists", q, v)
     dV, = evaluated(key, "accelerations", q, v, a)
     C, = evaluated(key, "poses", q)
@@ -57,7 +57,8 @@ def _body_motion(key: str, q: Tensor, v: Tensor, a: Tensor) -> tuple[list[Tensor
 
 
 def _parameters_vjp_of(key: str, q: Tensor, v: Tensor, a: Tensor, w: Tensor) -> Tensor:
-    """w . Y: the power of what each parameter asks for (eq. NEb) in the motion with the velocities w."""
+    """The product w . Y: the power of the wrenches that each parameter requires (eq. NEb) in the motion with the
+    velocities w."""
     omega, alpha, r = _body_motion(key, q, v, a)
     W, = evaluated(key, "twists", q, w)
     motion = _components(W[..., 1:mechanism(key).model.n_bodies + 1, :])
@@ -78,7 +79,7 @@ def _parameters_vjp_of(key: str, q: Tensor, v: Tensor, a: Tensor, w: Tensor) -> 
 
 
 def _parameters_jvp_of(key: str, q: Tensor, v: Tensor, a: Tensor, dpi: Tensor) -> Tensor:
-    """Y dpi: the wrenches that bodies with these parameters need, as forces of the joints."""
+    """The product Y dpi: the joint forces of the wrenches that bodies with the parameters dpi require."""
     omega, alpha, r = (torch.stack(x, dim=-1) for x in _body_motion(key, q, v, a))
     m, h, Theta = dpi.unflatten(-1, (-1, 10)).split([1, 3, 6], dim=-1)
     Theta = Theta[..., [0, 3, 4, 3, 1, 5, 4, 5, 2]].unflatten(-1, (3, 3))
@@ -99,7 +100,8 @@ _parameters_jvp = operation(
 # Inverse and forward dynamics, f(q, v, x) with x the accelerations or the forces
 
 class _Dynamics:
-    """The operations of one of both: its value, products of its derivatives, and second derivatives."""
+    """The operations of inverse or of forward dynamics: the value, products of its derivatives, and second
+    derivatives."""
 
     def __init__(self, name: Literal["inverse_dynamics", "forward_dynamics"], x: str):
         self.name = name
@@ -132,7 +134,7 @@ class _Dynamics:
                  dq: Tensor, dv: Tensor, dx: Tensor) -> tuple[Tensor, Tensor, Tensor]:
         """The gradient of the derivative of w . f along (dq, dv, dx), or the derivative of its gradient.
 
-        f is linear in x, and v does not matter there. On joints with several velocities qq is not symmetric.
+        f is linear in x, and this part does not depend on v. For joints with several velocities qq is not symmetric.
         """
         qq, qv, vv, xq = evaluated(key, self.name + "_hessian", q, v, x, w, parameters=parameters)
         by_q = times(qq if gradient else qq.mT, dq) + times(qv, dv) + times(xq.mT, dx)
@@ -168,7 +170,7 @@ class _Dynamics:
         if any(ctx.needed[:3]) or self.name == "forward_dynamics":
             of_state = self.vjp(key, *x, w)
         by_q, by_v, by_x = of_state
-        if self.name == "forward_dynamics":  # forces Y dpi more act on accelerations as the same forces less
+        if self.name == "forward_dynamics":  # required forces that are larger by Y dpi change a as drive forces that are smaller by Y dpi
             a, w = result[0], -by_x
         return (by_coordinates(key, q, by_q) if ctx.needed[0] else None, by_v, by_x,
                 _parameters_vjp(key, q, v, a, w) if ctx.needed[3] else None)
@@ -243,7 +245,7 @@ def _gravity_torques(key: str, q: Tensor, parameters: Tensor | None) -> Tensor:
 
 
 def _potential_energy_regressor(key: str, q: Tensor) -> Tensor:
-    """y with U = y pi, from the poses of the bodies: -g . r for a mass, -R^T g for a first moment."""
+    """The row y with U = y pi, from the poses of the bodies: -g . r for a mass, -R^T g for a first moment."""
     m = mechanism(key).model
     C, g = poses(key, q)[..., 1:m.n_bodies + 1, :, :], torch.tensor(m.gravity, dtype=q.dtype)
     by_m, by_h = -times(C[..., None, :3, 3], g), -times(C[..., :3, :3].mT, g)

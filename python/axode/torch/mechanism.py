@@ -1,4 +1,4 @@
-"""Models as operations of PyTorch know them: by a word, and with arrays of the library."""
+"""Models for operations of PyTorch, which refer to them by a key, with arrays of the library."""
 
 from __future__ import annotations
 
@@ -28,13 +28,13 @@ __all__: list[str] = []
 
 Array = NDArray[np.float64]
 
-#: How many models are kept for operations to come, the last ones that were used.
+#: The number of recently used models that are kept for later operations.
 KEPT = 256
-#: How many models with other parameters are kept, so that backward finds that of forward.
+#: The number of models with other parameters that are kept, so that backward finds the model of forward.
 KEPT_PARAMETERS = 32
 #: Calls with fewer states run on one core.
 MANY = 64
-#: How far the length of a quaternion may be from 1, as in the library.
+#: The largest difference of the norm of a quaternion from 1, as in the library.
 OFF_LENGTH = {torch.float64: 1e-6, torch.float32: 1e-4}
 
 
@@ -54,7 +54,7 @@ class Part(NamedTuple):
 
 
 class Mechanism:
-    """A model as operations know it."""
+    """A model for operations of PyTorch."""
 
     def __init__(self, m: Model | Specialised, key: str):
         self.key = key
@@ -106,11 +106,11 @@ class Mechanism:
 
 
 def _compiled(s: Specialised) -> dict[str, Callable[..., Any]]:
-    """The functions that a specialised model was made with."""
+    """The functions for which a specialised model was compiled."""
     found = {}
     for name, row in ROWS.items():
         if hasattr(s, name) and "frame" not in row.takes:
-            with contextlib.suppress(ValueError):  # it is left to the library
+            with contextlib.suppress(ValueError):  # the library computes it instead
                 getattr(s, name)(*(np.empty((0, s.model.nq if x == "q" else s.model.nv)) for x in row.arrays))
                 found[name] = getattr(s, name)
     if "forward_dynamics" in found:
@@ -155,8 +155,8 @@ def with_parameters(key: str, pi: bytes) -> Mechanism:
 
 @atexit.register
 def _forget() -> None:
-    """PyTorch keeps operations and graphs to the very end of a process, where their models would be taken for
-    leaked."""
+    """Removes all models at the end of the process. PyTorch keeps operations and graphs until then, and their models
+    would be reported as leaks."""
     mechanism_of.cache_clear()
     with_parameters.cache_clear()
     for each in list(_mechanisms.values()):
@@ -171,14 +171,15 @@ def mechanism(key: str) -> Mechanism:
 
 
 def key_of(m: Model | Specialised) -> str:
-    """The word by which operations know a model."""
+    """The key by which operations refer to a model."""
     if not isinstance(m, (Model, Specialised)):
         raise TypeError(f"m: expected an axode.Model, or a specialised model from Model.specialise, got {type(m).__name__}")
     return mechanism_of(m).key
 
 
 def _of_model(value: Callable[..., Any]) -> Callable[..., Any]:
-    """A function of the word of a model, a constant to torch.compile, which compiles anew for another model."""
+    """A function of the key of a model. For torch.compile the key is a constant, so that it compiles again for
+    another model."""
 
     def constant(key: str, *arguments: Any) -> Any:
         return value(mechanism(key), *arguments)

@@ -1,4 +1,4 @@
-"""Operations of PyTorch: how each is made, and those of kinematics."""
+"""Operations of PyTorch: the function that defines them, and those of kinematics."""
 
 from __future__ import annotations
 
@@ -65,7 +65,7 @@ def empty(x: Tensor, *item: int) -> Tensor:
     return x.new_empty((*x.shape[:-1], *item))
 
 
-# Coordinates, of which E has orthogonal columns: q' = E(q) v
+# Coordinates: q' = E(q) v, where E has orthogonal columns
 
 _ARRAYS = coordinates.Arrays(
     part=lambda x, first, end: x[..., first:end], join=lambda parts: torch.cat(parts, dim=-1), cross=cross,
@@ -77,7 +77,7 @@ def _joined(parts: list[Tensor], otherwise: Tensor) -> Tensor:
 
 
 def rates(key: str, q: Tensor, v: Tensor) -> Tensor:
-    """E v."""
+    """The rates E v of the coordinates."""
     return _joined([coordinates.rates(_ARRAYS, kind, q[..., at_q], v[..., at_v])
                     for kind, at_q, at_v in mechanism(key).parts], v)
 
@@ -119,9 +119,9 @@ def operation(schema: str, compute: Callable[..., Any], like: Callable[..., Any]
 
     Its first arguments are constants, the first of these a model; the others are tensors with the same leading axes.
     `like` returns empty results, `backward(ctx, constants, tensors, results, *weights)` a gradient for each tensor,
-    `forward(constants, tensors, results, *directions)` the change of the results; a single constant is not in a tuple.
-    Operations of torch.library know neither forward mode nor torch.func.grad. Therefore the function calls them through
-    an autograd.Function, which does, unless it is being compiled.
+    `forward(constants, tensors, results, *directions)` the change of the results; a single constant is not in a
+    tuple. Operations of torch.library support neither forward mode nor torch.func.grad. Therefore the function calls
+    them through an autograd.Function, which supports both, unless it is being compiled.
     """
     name, _, signature = schema.partition("(")
     kinds = [argument.split()[0] for argument in signature.partition(")")[0].split(",")]
