@@ -29,9 +29,10 @@ void differentiate_joint(const Model& model, int i, const T* q, const T* v, cons
   });
 }
 
-/// Adds the derivatives of the forces of a spring along a line between two points. With columns r_k of the
-/// distance r and w_k of the rotations, τ_k = -f u·r_k; along direction j of the same end r_k changes by w_j
-/// × r_k or, if j is farther from the ground, by w_k × r_j.
+/// Adds the derivatives of the forces of a spring along a line between two points. With the tension f, the
+/// unit vector u of the line, and the columns r_k of the distance vector r and w_k of the rotations, τ_k = -f
+/// u·r_k; along direction j of the same end r_k changes by w_j × r_k or, if j is farther from the ground, by
+/// w_k × r_j.
 template <class T, class Add>
 void differentiate_line(const Springs::Line& spring, const Tree<T>& tree, const T* q, const T* v,
                         SpringColumns<T>& columns, const Add& add) noexcept {

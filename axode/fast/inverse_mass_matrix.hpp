@@ -34,8 +34,8 @@ template <class T> struct FastInverseMassMatrix {
   }
 
  private:
-  /// Computes, from the last row to the first, x_c = -L_ci for the velocities c that i moves along, D_i and
-  /// row i of X.
+  /// Computes the pivots D_i and the rows of X = L⁻ᵀ, from the last row to the first. For row i it first
+  /// computes x_c = -L_ci for the velocities c that i moves.
   template <class S> void factorize(const Tree<S>& tree, T* M) noexcept {
     const std::ptrdiff_t nv = tree->nv;
     const int* const parent = tree->velocity_parent.data();

@@ -221,8 +221,8 @@ template <class Rep, class T> struct ArticulatedBodies {
     const Turn of_o = turn(ties, i, o), of_t = turn(ties, i, t);
     return of_o > of_t || (of_o == of_t && o > t);
   }
-  /// The entries of D between screw s of body i and the ties of the body. The pointer is indexed by the
-  /// number of a tie in Topology::Ties.
+  /// The entries D_cd of the pivot matrix that couple screw s of body i with the ties of this body (the
+  /// shared velocities that pass it). The pointer is indexed by the number of a tie in Topology::Ties.
   template <class AnyTree> T* of_screw(const AnyTree& tree, int i, int s) const noexcept {
     const Topology::Ties& ties = tree->ties;
     return D_screw + ties.of_screws[i] + (s - tree->first_screw[i]) * (ties.begin[i + 1] - ties.begin[i]) -

@@ -146,7 +146,7 @@ template <class G, class T> struct InverseDynamicsGradient {
   bool loaded = false;  ///< whether there are loads, so that n is not 0
 
   /// The wrench g of the subtree of joint i, after backward(): the gradient with respect to a displacement
-  /// that comes before the joint, whose twist is V_J.
+  /// that comes before the joint. V_J is the twist of the joint.
   template <class S>
   Wrench<BodyFixed, T> by_displacement(const Tree<S>& tree, int i, const Twist<BodyFixed, T>& V_J, const T* a,
                                        const T* lambda) const noexcept {
