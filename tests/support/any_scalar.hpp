@@ -5,7 +5,8 @@
 #include "axode/recursion/inverse_dynamics.hpp"
 #include "axode/scalar/taylor.hpp"
 
-/// The kernels on a scalar of choice, for every frame of a tree. On Taylor series they give time derivatives.
+/// The kernels in a scalar type that the test chooses, for every frame of a tree. On Taylor series they give
+/// time derivatives.
 namespace axode::test {
 
 template <class T> std::vector<SE3<T>> frame_poses(const Tree<T>& tree, const std::vector<T>& q) {

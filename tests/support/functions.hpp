@@ -4,20 +4,21 @@
 #include "axode/catalog.hpp"
 #include "tests/support/subject.hpp"
 
-/// The functions of the catalogue as they are called, on memory in the scalar of a case.
+/// Calls of the functions of the catalogue, with memory for their arguments in the scalar type of a case.
 namespace axode::test {
 
 template <class T> std::span<const catalog::Function<T>> functions_of(const Case& c);
 
-/// The scalar of a case: law(double()) or law(float()).
+/// Calls law(double()) or law(float()), after the scalar type of a case.
 template <class F> auto with_scalar(const Case& c, const F& law) {
   return c.single ? law(float()) : law(double());
 }
 
-/// Memory of arguments for every function.
+/// Arguments for every function of the catalogue, with the memory that holds their numbers.
 template <class T> struct Arguments {
   explicit Arguments(const Ask& ask);
-  /// Any state under any forces, with one load at least and with losses, and two frames of the model.
+  /// A random state of the model under random forces, with at least one load and with losses, and two frames
+  /// of the model.
   Arguments(const Model& model, Random<double>& random);
 
   std::vector<T> q, v, a, tau, p, dq, dv, da, dtau, w;
@@ -26,11 +27,11 @@ template <class T> struct Arguments {
   Place<T> place, base;
   CoriolisForm form = CoriolisForm::christoffel;
 
-  /// To be read as long as these arguments are.
+  /// Views of these arguments, as the catalogue takes them; they are valid as long as this object is.
   catalog::Arguments<T> given() const;
 };
 
-/// The inputs of numbers that a function takes.
+/// The inputs of a function that are arrays of numbers.
 template <class T> std::vector<catalog::Input> inputs_of_numbers(const catalog::Function<T>& function) {
   std::vector<catalog::Input> taken;
   for (const catalog::Input input : catalog::inputs_of_numbers)

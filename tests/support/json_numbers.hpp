@@ -21,7 +21,7 @@ class Json {
   bool is_array() const { return is_array_; }
   operator int() const { return std::stoi(text_); }
   operator std::string() const { return text_; }
-  /// A string, or how a number is written.
+  /// The text of a string, or the characters of a number as the file has them.
   const std::string& text() const { return text_; }
 
  private:
@@ -30,13 +30,13 @@ class Json {
 
   bool is_array_ = false;
   std::string text_;
-  std::vector<std::string> keys_;  ///< of the members of an object, which are its entries
+  std::vector<std::string> keys_;  ///< the names of the members of an object; entries_ has their values
   std::vector<Json> entries_;
 };
 
 Json read_json(const std::filesystem::path& file);
 double number(const Json& value);
-/// All numbers of an array, rows one after the other.
+/// All numbers of an array, which may hold arrays itself, row after row.
 std::vector<double> numbers(const Json& array);
 
 }  // namespace axode::test

@@ -3,8 +3,8 @@
 
 #include <iostream>
 
-/// Lists the cases by their plain names: ctest cannot read GoogleTest's own remarks behind typed and
-/// parametrised ones, and would show them as part of the name.
+/// Lists the cases by their plain names. GoogleTest's own list adds remarks to the names of typed and
+/// parametrised tests; ctest cannot read these and would show them as part of the name.
 static void list_cases() {
   const testing::UnitTest& all = *testing::UnitTest::GetInstance();
   for (int i = 0; i < all.total_test_suite_count(); ++i) {

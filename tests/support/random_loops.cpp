@@ -19,8 +19,8 @@ class LoopDrawing {
   LoopDrawing(const Model& tree, const std::vector<double>& q, double length, Random<double>& random)
       : tree_(tree), q_(q), C_(poses_of(tree, q)), length_(length), random_(random) {}
 
-  /// A loop of a kind, closed at the configuration, between frames on different bodies; nothing if two frames that
-  /// were drawn are on one body.
+  /// A loop of the kind that is closed at the configuration, between frames on two bodies; nothing if the two
+  /// frames that were drawn are on one body.
   std::optional<LoopDescription> between_frames(LoopKind kind) {
     const int one = below(tree_.n_frames()), other = below(tree_.n_frames());
     if (tree_.frame(one).body == tree_.frame(other).body) return {};
@@ -34,7 +34,8 @@ class LoopDrawing {
     return loop;
   }
 
-  /// A loop joint that restates a joint of one velocity; nothing if the joint that was drawn is another one.
+  /// A loop joint between the bodies of a joint of the tree that is of the same kind as that joint and so
+  /// adds no constraint; nothing if the joint that was drawn does not have exactly one velocity.
   std::optional<LoopDescription> restated_joint() {
     if (tree_.n_bodies() == 0) return {};
     const int i = 1 + below(tree_.n_bodies());
@@ -56,7 +57,7 @@ class LoopDrawing {
     return loop;
   }
 
-  /// Σ factor q = offset over some joints of one velocity; nothing if none was drawn.
+  /// A coupling Σ factor q = offset of some joints that have one velocity each; nothing if none was drawn.
   std::optional<CouplingDescription> coupling() {
     CouplingDescription coupling{.name = "gear"};
     for (const Joint& joint : tree_.joints())
@@ -68,7 +69,8 @@ class LoopDrawing {
     return coupling;
   }
 
-  /// The same loop again. Where the loop joint commutes with a translation along its axis its frames are moved there.
+  /// A second loop that is redundant because it repeats this one. Where the loop joint commutes with
+  /// translations along its axis, the frames of the second loop are moved along that axis.
   LoopDescription again(LoopDescription loop) {
     loop.name += " again";
     const LoopTraits& kind = traits(loop.kind);
@@ -83,7 +85,8 @@ class LoopDrawing {
   int below(int n) { return std::min(n - 1, static_cast<int>(random_.number(0, n))); }
   SE3<> pose(int frame) const { return C_[static_cast<std::size_t>(frame)]; }
 
-  /// A pose of the second frame of a loop in the first at which the loop is closed. Gives the loop its size.
+  /// A pose of the second frame of a loop in the first frame at which the loop is closed. Where the kind of
+  /// the loop has a length, an angle or a radius, this also sets it.
   SE3<> relative_pose(LoopDescription& loop) {
     const auto about_z = [&] { return exp_SO3(Vec3<>{0, 0, random_.number(-3, 3)}); };
     switch (loop.kind) {
@@ -165,8 +168,8 @@ Description with_closed_loops(Description tree, const std::vector<double>& q, do
 
 namespace {
 
-/// Whether the rows of the loops are clearly independent or clearly not, and leave the mechanism a motion: the eigenvalues
-/// of A M⁻¹ Aᵀ with a unit diagonal are not small, or 0.
+/// Whether one can tell clearly which rows of the loops are independent, and whether they leave the mechanism
+/// a motion: each eigenvalue of A M⁻¹ Aᵀ, scaled to a unit diagonal, is either well above 0 or 0 to rounding.
 bool well_conditioned(const Model& model, const std::vector<double>& q) {
   using Matrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
   const int nv = model.nv(), m = model.loops().rows;
@@ -176,7 +179,8 @@ bool well_conditioned(const Model& model, const std::vector<double>& q) {
   if (!inverse_mass_matrix(model, workspace, q, as_span(M_inverse)).ok()) return false;
   loop_jacobian(model, loops, q, as_span(A));
   Eigen::MatrixXd G = A * M_inverse * A.transpose();
-  const double none = 1e-20 * G.diagonal().maxCoeff();  // of a joint that is restated
+  const double none = 1e-20 * G.diagonal().maxCoeff();  // below this a row is taken for zero, as those of
+                                                        // restated joints are
   const Eigen::VectorXd d =
       G.diagonal().unaryExpr([&](double x) { return x > none ? 1 / std::sqrt(x) : 0.0; });
   G = (d.asDiagonal() * G * d.asDiagonal()).eval();

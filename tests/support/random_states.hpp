@@ -8,7 +8,7 @@
 
 namespace axode::test {
 
-/// Numbers of N states, one behind the other; those of accelerations stand for forces too.
+/// The numbers of N states, one state after the other. The array of accelerations serves as forces too.
 template <class T> struct RandomStates {
   std::vector<T> q, v, a, dq, dv, da, w;
 
@@ -26,7 +26,7 @@ template <class T> struct RandomStates {
     }
   }
 
-  /// The arguments that a function takes, of `count` states from one on.
+  /// The arguments that a function takes, for `count` states beginning with the state `first`.
   catalog::Arguments<T> given(const Model& model, const catalog::Words& function, std::size_t first,
                               std::size_t count) const {
     const std::pair<catalog::Input, const std::vector<T>*> all[]{

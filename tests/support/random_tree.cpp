@@ -7,7 +7,7 @@
 namespace axode::test {
 namespace {
 
-/// What this thread draws and drew last.
+/// The limit of this thread to the number of bodies, and the mechanism that it drew last.
 struct Drawing {
   int most_bodies = std::numeric_limits<int>::max(), bodies = 0;
   Description told;
@@ -95,7 +95,8 @@ Mechanism random_mechanism(Random<double>& random, const TreeRecipe& recipe) {
 
 namespace {
 
-/// Whether a way leaves the joint frame turned as drawn; matters where velocities have components in it.
+/// Whether a body whose geometry is given in this way gets the joint frame that was drawn, in the same
+/// orientation. This matters for the joints whose velocities are components in that frame.
 bool can_tell(const DrawnBody& body, Way way) {
   if (body.kind != JointKind::spherical && body.kind != JointKind::planar) return true;
   if (way == Way::joint_frames) return true;
@@ -135,8 +136,8 @@ BodyDescription told(const Mechanism& mechanism, const DrawnBody& body, Way way,
 
 namespace {
 
-/// Mass, centre of mass and inertia, told in the body or the construction frame, about the centre of mass or
-/// the origin, in turned axes.
+/// The mass properties in a random one of the forms that the library accepts: in the body frame or in the
+/// construction frame, about the centre of mass or the origin, along axes of the frame or turned ones.
 MassProperties told(const DrawnBody::Matter& matter, const SE3<>& A, Random<double>& random) {
   MassProperties told{.mass = matter.mass};
   told.in = random.number(0, 1) < 0.5 ? GivenIn::construction_frame : GivenIn::body_frame;
@@ -195,7 +196,7 @@ Description with_springs(Description tree, Random<double>& random, bool losses) 
     body.joint.dof.resize(static_cast<std::size_t>(n));
     for (Dof& dof : body.joint.dof) {
       if (chance(0.7)) dof.stiffness = random.number(0, 20);
-      if (n > 2) continue;  // cylindrical and universal joints are two of one velocity
+      if (n > 2) continue;  // cylindrical and universal joints become two joints with one velocity each
       if (dof.stiffness > 0) dof.rest = random.number(-1, 1);
       if (chance(0.5)) continue;
       dof.lower = random.number(-0.6, 0);

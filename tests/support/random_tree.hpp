@@ -9,11 +9,12 @@
 #include "axode/recursion/loads.hpp"
 #include "tests/lie/random_quantities.hpp"
 
-/// Random mechanisms. One is first drawn, with everything in the construction frame, and then told to the
-/// library in a random mix of all the ways in which it may be told.
+/// Random mechanisms. A mechanism is first drawn with everything in the construction frame. Then it is
+/// described to the library; for each body one of the ways in which the library takes a geometry is chosen at
+/// random.
 namespace axode::test {
 
-/// A body at q = 0; poses, points and tensors in the construction frame.
+/// A body at q = 0. Its poses, points and tensors are in the construction frame.
 struct DrawnBody {
   struct Matter {
     double mass;
@@ -25,7 +26,7 @@ struct DrawnBody {
   int predecessor = -1;  ///< index of a body, -1 for the ground
   JointKind kind = JointKind::fixed;
   SE3<> A;               ///< the body frame
-  SE3<> J;               ///< the joint frame; its z-axis is the axis of the joint (a free joint's is A)
+  SE3<> J;               ///< the joint frame; its z-axis is the axis of the joint; of a free joint it is A
   Vec3<> second_axis{};  ///< of a universal joint
   double pitch = 0;
   std::vector<Dof> dof = {};
@@ -48,11 +49,11 @@ struct Mechanism {
   std::string name(int i) const { return i < 0 ? "ground" : bodies[static_cast<std::size_t>(i)].name; }
 };
 
-/// What random trees are made of.
+/// How random trees are drawn: their size and what may occur in them.
 struct TreeRecipe {
-  int most_bodies = 60;   ///< that move
-  double length = 0.3;    ///< of bodies, m
-  bool composite = true;  ///< cylindrical and universal joints
+  int most_bodies = 60;   ///< the largest number of moving bodies
+  double length = 0.3;    ///< the typical length of a body, m
+  bool composite = true;  ///< whether there are cylindrical and universal joints
   bool couplings = true;
   bool always_mass = false;  ///< every body has a mass
   bool one_free_root = false;
@@ -67,26 +68,27 @@ bool has_one_velocity(JointKind kind);
 /// Draws a mechanism with all kinds of joints, several roots, massless bodies, frames and drives.
 Mechanism random_mechanism(Random<double>& random, const TreeRecipe& recipe = {});
 
-/// The whole scene, ground and gravity included, displaced by D.
+/// The mechanism after the whole scene, with ground and gravity, was displaced by D.
 Mechanism displaced(const SE3<>& D, Mechanism mechanism);
 
 /// The three ways in which the geometry of a body may be given.
 enum class Way { construction_frame, body_frame, joint_frames };
 
-/// The geometry of a body, told in one way, with an axis of any length and any of its points.
+/// The description of a body with its geometry given in one way. Its axis has a random length, and its point
+/// is any point of the axis.
 BodyDescription told(const Mechanism& mechanism, const DrawnBody& body, Way way, Random<double>& random);
-/// Tells a mechanism: every body in a way of its own.
+/// The description of a mechanism, with the geometry of every body given in a random way.
 Description told(const Mechanism& mechanism, Random<double>& random);
 
-/// The same with springs and stops on its joints, of every kind, and springs between its bodies and frames; without losses
-/// they keep their energy.
+/// The tree with springs and stops of every kind on its joints, and springs between its bodies and frames.
+/// Without losses these springs and stops conserve energy.
 Description with_springs(Description tree, Random<double>& random, bool losses = true);
 
-/// A mechanism that is drawn and told, some of them with springs.
+/// The description of a random mechanism, with springs for the part of them that the recipe names.
 Description random_description(Random<double>& random, const TreeRecipe& recipe = {});
 
-/// While it lives no random mechanism of this thread has more moving bodies. What the first ones are like does not depend
-/// on how many there are.
+/// As long as this object exists, no random mechanism that this thread draws has more moving bodies than
+/// this. The bodies that remain are drawn as they would be without the limit.
 class AtMostBodies {
  public:
   explicit AtMostBodies(int bodies);
@@ -97,16 +99,16 @@ class AtMostBodies {
  private:
   int before_;
 };
-/// How many moving bodies the last random mechanism of this thread was to have.
+/// The number of moving bodies for which the last random mechanism of this thread was drawn.
 int last_number_of_bodies();
-/// As what it was told, with what was added to that.
+/// The description of the last random mechanism of this thread, with all that was added to it afterwards.
 const Description& last_description();
 void set_last_description(const Description& description);
 
 /// The poses of all frames.
 std::vector<SE3<>> poses_of(const Model& model, const std::vector<double>& q);
 
-/// A state of a model and what acts on it.
+/// A state of a model and the loads on its frames.
 template <class T> struct State {
   std::vector<T> q, v, a;
   std::vector<AppliedWrench<T>> wrenches = {};
@@ -131,8 +133,8 @@ template <class To, class From> State<To> cast(const State<From>& state) {
 /// n numbers in [-size, size].
 std::vector<double> random_numbers(Random<double>& random, int n, double size = 1);
 
-/// Any configuration, velocities and accelerations of order one, up to four loads on any frames in any
-/// representations.
+/// A random state: any configuration, velocities and accelerations of the order of one, and up to four loads
+/// on any frames in any representations.
 State<double> random_state(const Model& model, Random<double>& random);
 
 }  // namespace axode::test

@@ -7,10 +7,10 @@
 
 #include "axode/model.hpp"
 
-/// What the library says of arguments that it refuses.
+/// Matchers for the messages with which the library refuses arguments.
 namespace axode::test {
 
-/// What f() throws, or that it does not.
+/// The message of the std::invalid_argument that f() throws, or "no error" if it throws none.
 template <class F> std::string message_of(const F& f) {
   try {
     f();
@@ -20,22 +20,22 @@ template <class F> std::string message_of(const F& f) {
   return "no error";
 }
 
-/// How a call is refused.
+/// Matches a call that the library refuses.
 using Refusal = testing::Matcher<const std::function<void()>&>;
 
-/// The message names the argument, the size it has and the size it should have.
+/// Matches a call whose message names the argument, the size that it has and the size that it should have.
 inline Refusal refused(const std::string& argument, int actual, const std::string& meaning, int expected) {
   return testing::ThrowsMessage<std::invalid_argument>(
       testing::AllOf(testing::StartsWith(argument + " has " + std::to_string(actual) + " entries"),
                      testing::EndsWith("expected " + meaning + " = " + std::to_string(expected))));
 }
-/// The message names the sizes of the workspace and of the model.
+/// Matches a call whose message names the sizes of the workspace and of the model.
 inline Refusal refused_workspace(int made_for, int n_bodies) {
   return testing::ThrowsMessage<std::invalid_argument>(
       testing::AllOf(testing::HasSubstr("workspace: made for " + std::to_string(made_for)),
                      testing::HasSubstr("has " + std::to_string(n_bodies))));
 }
-/// The message names the argument, the joint and the rule.
+/// Matches a call whose message names the argument, the joint and the rule that the quaternion breaks.
 inline Refusal refused_quaternion(const std::string& joint) {
   return testing::ThrowsMessage<std::invalid_argument>(
       testing::AllOf(testing::StartsWith("q: "), testing::HasSubstr('"' + joint + '"'),
@@ -58,7 +58,7 @@ inline Model shoulder() {
       .build();
 }
 
-/// A model of one hinge, for which a workspace is too small for any other.
+/// A model with one hinge. A workspace that is made for it is too small for all models with more bodies.
 inline Model one_body() {
   return ModelBuilder("door").add({.name = "leaf", .joint = {.kind = JointKind::revolute}}).build();
 }

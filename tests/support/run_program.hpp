@@ -13,11 +13,11 @@
 #include <string>
 #include <vector>
 
-/// Programs that tests run, and the files that they leave.
+/// Running programs in tests, and the files that they write.
 namespace axode::test {
 
 struct Outcome {
-  int code = -1;  ///< 128 + signal where it was killed
+  int code = -1;  ///< the exit code, or 128 + the signal that killed the program
   std::string out, err;
 };
 
@@ -39,7 +39,7 @@ inline int exit_code_of(pid_t child) {
   return WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
 }
 
-/// Becomes the program; `program` is a path, or a name on the PATH.
+/// Replaces this process by a program. The first word is its path, or a name that is on the PATH.
 [[noreturn]] inline void become(const std::vector<std::string>& words) {
   std::vector<char*> argv;
   for (const std::string& word : words) argv.push_back(const_cast<char*>(word.c_str()));
@@ -75,7 +75,7 @@ inline std::string contents(const std::filesystem::path& file) {
   return text.str();
 }
 
-/// A folder of its own that is gone at the end of the scope.
+/// A new folder in the temporary directory that is removed at the end of the scope.
 class TemporaryFolder {
  public:
   TemporaryFolder() {

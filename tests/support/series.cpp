@@ -12,7 +12,7 @@ Vec3<> rate(const Vec3<S>& a) { return {a.x.c[1], a.y.c[1], a.z.c[1]}; }
 struct Motion {
   Tree<S> tree;
   std::vector<S> q, v;
-  std::vector<SE3<S>> C;  ///< of all frames
+  std::vector<SE3<S>> C;  ///< the poses of all frames
 
   Motion(const Model& model, const State<double>& state)
       : tree(cast<S>(model.tree<double>())),

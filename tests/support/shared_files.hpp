@@ -32,7 +32,8 @@ inline std::vector<std::filesystem::path> files_ending_in(const std::filesystem:
   return files;
 }
 
-/// For GTEST_SKIP() when files are absent: says which folder was looked in and how to choose another.
+/// For GTEST_SKIP() when files are absent: the message says in which folder the files were looked for and how
+/// to choose another one.
 inline std::string missing(const std::filesystem::path& folder, const char* variable) {
   return "no reference files in " + folder.lexically_normal().string() + "; set " + variable +
          " to their folder";

@@ -10,7 +10,7 @@
 namespace axode::test {
 namespace {
 
-/// What fails first in a law; empty if nothing does.
+/// The first failure that a run of the law reports; empty if there is none.
 std::string failure_of(const std::function<void()>& law) {
   testing::TestPartResultArray results;
   try {

@@ -8,7 +8,7 @@
 
 namespace axode::test {
 
-/// A random tree, a state of it, and the quantities of it that laws speak of, computed in one way.
+/// A random tree and a state of it, with the quantities that laws compare, computed in the way of one case.
 class Trial {
  public:
   using Numbers = std::vector<double>;
@@ -20,13 +20,13 @@ class Trial {
 
   const Case how;
   const Model model;
-  State<double> state;  ///< rounded to the scalar
+  State<double> state;  ///< rounded to the scalar type of the case
 
-  /// The same mechanism and state, computed in another way.
+  /// The same mechanism and state for another case.
   Trial by(const Case& other) const;
   Trial by(Representation representation) const;
 
-  /// q, v, a and the wrenches of the state, to be changed where another is meant.
+  /// The arguments of a call at this state: its q, v, a and wrenches. A law may change them before it calls.
   Ask ask() const;
   Answer answer(std::string_view function, const Ask& with);
   Numbers call(std::string_view function, const Ask& with);

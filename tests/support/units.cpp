@@ -14,7 +14,7 @@ using namespace dimension;
 
 Dimension power(const Dimension& base, int n) { return {n * base.length, n * base.mass, n * base.time}; }
 
-/// Whether velocity k of a joint of a kind is that of a length.
+/// Whether velocity k of a joint of a kind has the unit of a length per time.
 bool is_length(JointKind kind, std::size_t k) {
   switch (kind) {
     case JointKind::prismatic: return true;
@@ -26,7 +26,8 @@ bool is_length(JointKind kind, std::size_t k) {
 }
 Dimension direction_of(JointKind kind, std::size_t k) { return is_length(kind, k) ? length : one; }
 
-/// The dimension of the coordinate of each joint of one velocity, parts of cylindrical and universal ones included.
+/// The dimension of the coordinate of each joint that has one velocity, by the name of the joint; cylindrical
+/// and universal joints appear as their two parts.
 std::map<std::string, Dimension> coordinates_by_name(const Description& description) {
   std::map<std::string, Dimension> all;
   for (const BodyDescription& body : expand(description).bodies)
@@ -34,7 +35,8 @@ std::map<std::string, Dimension> coordinates_by_name(const Description& descript
   return all;
 }
 
-/// A force law along a coordinate of a dimension: what its coefficients are in.
+/// Changes the units of all numbers of a degree of freedom: limits, armature and coefficients of springs, stops
+/// and losses. Its coordinate has the given dimension.
 void scale(const Units& units, const Dimension& coordinate, Dof& dof) {
   const Dimension effort = energy / coordinate;
   dof.lower *= units(coordinate), dof.upper *= units(coordinate), dof.rest *= units(coordinate);

@@ -24,31 +24,34 @@ inline constexpr Dimension one{}, length{1, 0, 0}, mass{0, 1, 0}, time{0, 0, 1},
     acceleration{1, 0, -2}, force{1, 1, -2}, energy{2, 1, -2}, rate{0, 0, -1};
 }  // namespace dimension
 
-/// "kg m^2/s", "1/(kg m)", "N m s", "J", "rad" as a dimension. A word that is no unit fails the test.
+/// The dimension that a text such as "kg m^2/s", "1/(kg m)", "N m s", "J" or "rad" stands for. A word that is
+/// no unit fails the test.
 Dimension dimension_of(std::string_view unit);
 
-/// By what lengths, masses and times are multiplied. With powers of 4 a computation without absolute thresholds gives the
-/// same bits, multiplied.
+/// The factors by which lengths, masses and times are multiplied. Where they are powers of 4 and a
+/// computation has no absolute thresholds, its results are multiplied without any rounding.
 struct Units {
   double length = 1, mass = 1, time = 1;
 
-  /// By what a number of a dimension is multiplied.
+  /// The factor by which a number of a dimension is multiplied.
   double operator()(const Dimension& dimension) const;
 };
 
-/// The dimension of each coordinate (nq) and of what each velocity is the rate of (nv): an angle or a length.
+/// Two lists of dimensions, each of them an angle or a length: of each coordinate (nq entries), and of the
+/// quantity of which each velocity is the rate (nv entries).
 std::vector<Dimension> coordinate_dimensions(const Model& model);
 std::vector<Dimension> direction_dimensions(const Model& model);
-/// And of the coordinate of each joint screw (n_screws).
+/// The dimension of the coordinate of each joint screw (n_screws entries).
 std::vector<Dimension> screw_dimensions(const Model& model);
 
-/// The same mechanism in other units. Terms of couplings stay angles.
+/// The same mechanism in other units. The terms of couplings are taken for angles.
 Description in_units(const Units& units, Description description);
-/// Arguments in other units. Weights are multiplied by the inverse of `weighed`, the factor of what they weigh.
+/// The arguments of a call in other units. The weights are multiplied by the inverse of `weighed`, the factor
+/// of the quantity that they weigh.
 Ask in_units(const Units& units, const Model& model, Ask ask);
 State<double> in_units(const Units& units, const Model& model, State<double> state);
 
-/// x multiplied entry by entry by its unit, times a common one.
+/// The numbers x, each multiplied by the factor of its own dimension and by that of a common one.
 std::vector<double> in_units(const Units& units, std::vector<double> x, const std::vector<Dimension>& each,
                              const Dimension& common = {});
 

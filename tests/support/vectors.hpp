@@ -12,7 +12,7 @@
 namespace axode::test {
 
 inline Vec3<> vec3(const Json& a) { return {number(a.at(0)), number(a.at(1)), number(a.at(2))}; }
-/// A rotation from its rows; of longer rows the first three entries.
+/// The rotation matrix with these rows; if they are longer, their first three entries count.
 inline SO3<> so3(const Json& rows) {
   const auto column = [&](std::size_t k) {
     return Vec3<>{number(rows.at(0).at(k)), number(rows.at(1).at(k)), number(rows.at(2).at(k))};
@@ -31,17 +31,18 @@ inline Screw<> screw_of(const Json& a) {
           {number(a.at(3)), number(a.at(4)), number(a.at(5))}};
 }
 
-/// How a reference system is told to the library.
+/// The ways in which the tests describe a reference system to the library.
 enum class Telling {
   joint_axes,      ///< axis and point in the body frame, B; inertia about the centre of mass in its own axes
   spatial_screws,  ///< Y and A; inertia about the origin of the body frame
   joint_frames,    ///< Z, S_prev and S_self; inertia about the centre of mass, in the construction frame
-  mixed,           ///< each body in another of these ways
+  mixed,           ///< the first three ways in turn, body by body
 };
 inline constexpr Telling tellings[] = {Telling::joint_axes, Telling::spatial_screws, Telling::joint_frames,
                                        Telling::mixed};
 
-/// One reference system; bodies are named "1", "2", ... by their index in the files, joints "joint 1", ...
+/// One reference system. Bodies are named "1", "2", ... and joints "joint 1", "joint 2", ... by their index
+/// in the files.
 struct ReferenceSystem {
   std::string name;
   Json model;
@@ -71,22 +72,25 @@ struct ReferenceSystem {
     return ModelBuilder(std::move(description)).build();
   }
 
-  /// The model's frame, body or joint of a body of the files; 0 is the ground.
+  /// The index in the model of the body that has an index in the files, which is that of its frame and its
+  /// joint too; 0 is the ground.
   static int frame(const Model& built, int index) { return built.frame_index(body_name(index)); }
 
-  /// Coordinates, velocities, ... of the files, in the order of the model.
+  /// Coordinates, velocities and other numbers for each joint, brought from the order of the files into that
+  /// of the model.
   static std::vector<double> in_model_order(const Model& built, const Json& coordinates) {
     std::vector<double> out(static_cast<std::size_t>(built.nv()));
     for (int k = 0; k < built.nv(); ++k) out[place_of(built, k + 1)] = number(coordinates.at(k));
     return out;
   }
-  /// And back: generalised forces of the model in the order of the files.
+  /// Generalised forces, brought from the order of the model into that of the files.
   template <class T> static std::vector<T> in_file_order(const Model& built, const std::vector<T>& tau) {
     std::vector<T> out;
     for (int k = 0; k < built.nv(); ++k) out.push_back(tau[place_of(built, k + 1)]);
     return out;
   }
-  /// Of a quantity of every frame of the model, that of each body, in the order of the files.
+  /// Takes a quantity of every frame of the model and returns it for the bodies alone, in the order of the
+  /// files.
   template <class Quantity>
   static std::vector<Quantity> in_file_order_of_bodies(const Model& built,
                                                        const std::vector<Quantity>& frames) {
@@ -152,7 +156,7 @@ struct ReferenceSystem {
     return out;
   }
 
-  /// The axis and a point of the axis of a joint screw.
+  /// Sets the axis of a joint and a point on it to those of a joint screw.
   static void along(const Screw<>& X, JointDescription& joint) {
     const ScrewAxis<> axis = screw_axis(X);
     joint.axis = axis.e, joint.point = axis.p;
