@@ -2,7 +2,7 @@
 #include "tests/laws/law.hpp"
 #include "tests/support/series.hpp"
 
-/// What physics conserves: power, momentum, and the balance of wrenches on every body.
+/// Conservation laws: power, momentum, and the balance of the wrenches on every body.
 namespace axode::test {
 namespace {
 
@@ -72,7 +72,7 @@ TEST_P(Balances, RootJointsWeightAndLoadsChangeTheMomentum) {
   });
 }
 
-/// The resultant wrench on a body that moves so.
+/// The resultant wrench on a body that has this twist and twist rate.
 Six resultant(Representation representation, const SE3<>& C, const Inertia<>& M, const Six& V,
               const Six& dV) {
   return with_representation(representation, [&](auto rep) {

@@ -6,34 +6,36 @@
 
 #include "tests/laws/law.hpp"
 
-/// Two models of one mechanism: which joint and which frame of the one is which of the other, by name.
+/// The correspondence between two models of one mechanism: which joints and which frames are the same, by
+/// their names.
 namespace axode::test {
 
 using NameOfOther = std::function<std::string(const std::string&)>;
 
 class Correspondence {
  public:
-  /// `name_in_b` says what a joint or frame of `a` is called in `b`. What `b` does not have has no
-  /// counterpart.
+  /// `name_in_b` gives the name in `b` of a joint or frame of `a`. If `b` has no joint or frame of that name,
+  /// the one of `a` has no counterpart.
   Correspondence(
       const Model& a, const Model& b, const NameOfOther& name_in_b = [](const std::string& s) { return s; });
 
-  /// The joint or frame of `b`, or -1.
+  /// The index in `b` of the joint or frame with index i in `a`, or -1 if `b` has none.
   int joint(int i) const { return joint_[static_cast<std::size_t>(i)]; }
   int frame(int f) const { return frame_[static_cast<std::size_t>(f)]; }
 
-  /// The state of `a` as one of `b`: the same coordinates of each joint, the same components of each load.
-  /// Joints of `b` without a counterpart stay neutral and at rest.
+  /// The state of `b` in which every joint has the coordinates that it has in the state of `a`, and every
+  /// load the same components. Joints of `b` that `a` lacks are neutral and at rest.
   State<double> carry(const State<double>& state) const;
 
-  /// Of generalised forces of `a` and of `b`, those of the joints that both have, in one order.
+  /// The generalised forces of those joints that both models have, of `a` and of `b`, in the same order.
   std::array<std::vector<double>, 2> common(const std::vector<double>& tau_a,
                                             const std::vector<double>& tau_b) const;
-  /// Of quantities of the frames of `b`, those of the frames of `a`, in the order of `a`; all have a counterpart.
+  /// Picks from a list of quantities of all frames of `b` those of the frames of `a`, in the order of `a`.
+  /// Every frame of `a` must have a counterpart.
   std::vector<Six> of_frames(const std::vector<Six>& in_b) const;
 
  private:
-  /// f(joint of a, joint of b) for those with coordinates of their own.
+  /// Calls f(joint of a, joint of b) for each joint of both models that has coordinates of its own.
   template <class F> void each_joint(const F& f) const {
     for (int i = 1; i <= a_.n_bodies(); ++i)
       if (!a_.joint(i).leader && joint(i) > 0) f(a_.joint(i), b_.joint(joint(i)));
@@ -43,13 +45,15 @@ class Correspondence {
   std::vector<int> joint_, frame_;
 };
 
-/// Loads in the spatial representation, in which they do not depend on where body frames are.
+/// Changes all loads of a state into the spatial representation, where they do not depend on the body frames.
 void make_loads_spatial(const Model& model, State<double>& state);
 
-/// The displacement of a joint in its joint frame, and the coordinates of such a displacement.
+/// The displacement of a joint in its joint frame from its coordinates, and the coordinates from such a
+/// displacement.
 SE3<> displacement(Subgroup kind, double pitch, const double* q);
 std::vector<double> coordinates(Subgroup kind, const SE3<>& D);
-/// S v, and the components Sᵀ X of a screw or wrench along the columns of S.
+/// The screw S v of joint velocities v, and the components Sᵀ X of a screw or a wrench X along the columns of
+/// S.
 Screw<> joint_screw(Subgroup kind, double pitch, const double* v);
 std::vector<double> components(Subgroup kind, double pitch, const Screw<>& X);
 

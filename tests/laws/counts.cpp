@@ -79,7 +79,7 @@ Numbers call(const Row& row, const Model& model, Workspace<>& workspace,
   return out;
 }
 
-/// law(whole, row, representation) for every row in every representation.
+/// Calls law(whole, row, representation) for every row in every representation.
 template <class F> void for_rows(int seeds, const F& law) {
   for_seeds(seeds, [&](std::uint64_t seed) {
     Whole whole(seed);
@@ -98,7 +98,8 @@ TEST(WhatFunctionsCount, EveryRowHasACallAndViceVersa) {
   for (std::size_t k = 0; k < rows.size(); ++k) EXPECT_EQ(rows[k].name, catalog::functions_of_state[k].name);
 }
 
-/// Through a workspace a function answers for the cut tree if its row says so, and refuses otherwise, in the words of the row.
+/// With a workspace for the tree alone, a function answers for the cut tree if its row says so. Otherwise it
+/// refuses in the words of its row.
 TEST(WhatFunctionsCount, AWorkspaceKnowsTheTree) {
   std::map<Word, int> seen;
   for_rows(10, [&](const Whole& whole, const Row& row, const Case&) {
@@ -125,7 +126,8 @@ TEST(WhatFunctionsCount, AWorkspaceKnowsTheTree) {
   EXPECT_GT(seen[Word::refused], 0);
 }
 
-/// What is of the tree without a property does not depend on that property.
+/// If a function answers for the mechanism without some property, its results do not change when that
+/// property is taken away.
 TEST(WhatFunctionsCount, OtherPropertiesChangeNothingThatIsOfTheTree) {
   struct Property {
     catalog::Count catalog::Counts::*count;
@@ -201,7 +203,7 @@ using Matrix = Eigen::MatrixXd;
 using Vector = Eigen::VectorXd;
 using RowByRow = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
 
-/// The mechanism as its cut tree and the directions in which the loops let it move.
+/// The cut tree of the mechanism and the directions in which its loops let it move.
 struct Reference {
   const Model& model;
   const catalog::Arguments<double> given;
@@ -240,13 +242,14 @@ template <class X> void expect_zero(const X& x, double scale, double tolerance =
   EXPECT_LE(largest_of(x), tolerance * (scale + std::numeric_limits<double>::min()));
 }
 
-/// By the equations of the cut tree, its constraint wrenches and differences along the motion.
+/// Checks results of functions that count loops against the equations of the cut tree with constraint
+/// wrenches, and against differences along the motion.
 class CountedLoops {
  public:
   CountedLoops(const Whole& whole, const Row& row, const Case& c)
       : whole_(whole), row_(row), case_(c), reference_(whole.model, whole.arguments.given()) {}
 
-  /// False for a function that this does not know.
+  /// Checks the results of the row. Returns false for a function that it has no check for.
   bool check() {
     const catalog::Arguments<double>& at = reference_.given;
     const Eigen::Index nv = whole_.model.nv();
@@ -269,7 +272,7 @@ class CountedLoops {
       const Vector left = reference_.forces(out) - as_eigen(at.tau);
       expect_zero(reference_.N.transpose() * left, left.norm() + as_eigen(at.tau).norm(), 1e-7);
     } else if (row_.name == "joint_wrenches") {
-      return true;  // which has a law of its own
+      return true;  // JointWrenchesOfClosedMechanisms tests these
     } else if (row_.name == "impulse_response" || row_.name == "inverse_operational_space_inertia" ||
                row_.name == "operational_space_inertia") {
       check_impulses(out, verdict_);
@@ -289,7 +292,8 @@ class CountedLoops {
     verdict_ = row.call_with_loops(whole_.model, reference_.loops, given, out);
     return out;
   }
-  /// Y with A Y = 0 and Nᵀ (M Y - Jᵀ) = 0, the mobility J Y, and the inverse of that.
+  /// Checks that the impulse response Y fulfils A Y = 0 and Nᵀ (M Y - Jᵀ) = 0, and that the two other
+  /// functions give the mobility J Y and its inverse.
   void check_impulses(const Numbers& out, const Solvability verdict) {
     const catalog::Arguments<double>& at = reference_.given;
     const Eigen::Index nv = whole_.model.nv();
@@ -315,7 +319,8 @@ class CountedLoops {
     else if (verdict.ok())
       expect_zero(found * JY - Matrix::Identity(6, 6), largest_of(found) * largest_of(JY), 1e-9);
   }
-  /// Along the motion of the mechanism under drive forces τ + t τ', which needs no formula.
+  /// Checks the derivatives by differences of the accelerations along the motion under the drive forces τ + t
+  /// τ̇.
   void check_rate(const Numbers& out) {
     const catalog::Arguments<double>& at = reference_.given;
     const Row& dynamics = *catalog::find<BodyFixed>("forward_dynamics");

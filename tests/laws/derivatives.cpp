@@ -5,8 +5,9 @@
 #include "tests/laws/law.hpp"
 #include "tests/support/refused_arguments.hpp"
 
-/// Derivatives of dynamics are what differences of the same functions tend to, and hang together: matrices, their products
-/// with vectors, the values, second derivatives contracted.
+/// Derivatives of dynamics equal the limits of differences of the functions themselves. They also agree with
+/// each other: matrices with their products with vectors, with the values, and with contracted second
+/// derivatives.
 namespace axode::test {
 namespace {
 
@@ -15,23 +16,24 @@ using Numbers = Trial::Numbers;
 
 class Derivatives : public Law {};
 INSTANTIATE_TEST_SUITE_P(Laws, Derivatives, testing::ValuesIn(scalars()), name_of);
-/// Laws in double alone: the condition of random trees, or a difference, leaves no digits in float.
+/// Laws that are tested in double only. In float the ill-conditioned mass matrices of random trees, or
+/// differences, would leave no correct digits.
 class DerivativesInDouble : public Law {};
 INSTANTIATE_TEST_SUITE_P(Laws, DerivativesInDouble, testing::Values(scalars()[0]), name_of);
 
-/// Any state, with damping and armature in play, and directions and weights.
+/// The state with losses counted, and with random forces, directions and weights.
 Ask any(const Trial& trial, Random<double>& random) {
   Ask ask = trial.ask();
   ask.loads.joint_losses = true;
   for (Numbers* const x : {&ask.tau, &ask.dq, &ask.dv, &ask.da, &ask.dtau, &ask.w})
     *x = random_numbers(random, trial.model.nv());
-  for (double& v : ask.v)  // not where friction jumps
+  for (double& v : ask.v)  // friction jumps where a velocity is 0
     if (std::abs(v) < 1e-3) v = 1e-3;
   return ask;
 }
 
-/// What forces are made of, as far as they may cancel: the weight of all bodies and their inertia, at a metre, and the
-/// loads.
+/// An estimate of the size of the terms of the forces, which may cancel each other: the weight and the
+/// inertia of all bodies at a distance of 1 m, and the loads.
 double size_of_forces(const Trial& trial) {
   double mass = 0, loads = 0;
   for (const AppliedWrench<>& W : trial.state.wrenches) loads += norm(W.m) + norm(W.f);
@@ -39,7 +41,7 @@ double size_of_forces(const Trial& trial) {
   return loads + mass * (10 + std::pow(largest(trial.state.v), 2) + largest(trial.state.a));
 }
 
-/// Part k of n matrices, one after the other.
+/// Matrix k of several that are stored one after the other.
 MatrixXd part(const Trial& trial, const Numbers& all, std::size_t k) {
   const std::size_t size =
       static_cast<std::size_t>(trial.model.nv()) * static_cast<std::size_t>(trial.model.nv());
@@ -50,7 +52,8 @@ VectorXd row(const Trial& trial, const Numbers& all, std::size_t k) {
   return vector(all).segment(static_cast<Eigen::Index>(k) * trial.model.nv(), trial.model.nv());
 }
 
-/// f at q ⊕ ε x, v + ε y, a + ε z (or τ) by central differences.
+/// The derivative of f along the direction (x, y, z) of q, v and a (or τ), by central differences of f at q ⊕
+/// ε x, v + ε y, a + ε z.
 template <class F> VectorXd difference(const Trial& trial, const Ask& at, const Ask& along, const F& f) {
   const double h = 1e-5;
   const auto moved = [&](double eps) {
@@ -91,7 +94,7 @@ Numbers slopes(const std::vector<D>& x) {
   for (const D& entry : x) out.push_back(entry.dx[0]);
   return out;
 }
-/// A state that moves along its direction, and dynamics on dual numbers.
+/// The state as dual numbers whose dual parts are its direction, and dynamics that compute with them.
 struct OnDualNumbers {
   OnDualNumbers(const Trial& trial, const Ask& ask)
       : dynamics(trial.model), q(ask.q.size()), v(dual(ask.v, ask.dv)), result(v.size()) {
@@ -225,7 +228,7 @@ TEST_P(DerivativesInDouble, OfForwardDynamicsSolveThoseOfInverseDynamics) {
   });
 }
 
-/// The derivative of a gradient along direction c of one of its arguments, for every c: [outer][inner].
+/// The matrix whose row c is the derivative of a gradient along component c of one of the arguments.
 template <class F>
 MatrixXd differences(const Trial& trial, const Ask& ask, Numbers Ask::*along, const F& gradient) {
   MatrixXd out(trial.model.nv(), trial.model.nv());
@@ -340,19 +343,21 @@ TEST_P(DerivativesInDouble, OfTheMomentumFormAreLimitsOfDifferences) {
     ask.dv = ask.da = ask.dtau = trial.zero();
     const VectorXd v_moves = product(matrix_of(0), vector(ask.dq)), v = vector(ask.v);
     for (Eigen::Index k = 0; k < v.size(); ++k)
-      if (std::abs(v[k]) < 4e-5 * std::abs(v_moves[k])) return;  // it turns round, and friction jumps
+      if (std::abs(v[k]) < 4e-5 * std::abs(v_moves[k]))
+        return;  // this joint changes its direction in
+                 // between, where friction jumps
     const VectorXd along_q = difference(trial, ask, ask, rates);
     const double scale = std::max({largest_entry(matrix_of(0)), largest_entry(matrix_of(2)),
                                    size_of_forces(trial), largest(rates(ask))});
     by_q.expect_equal(VectorXd(product(matrix_of(0), vector(ask.dq))), of(along_q, 0), scale);
     by_q.expect_equal(VectorXd(product(matrix_of(2), vector(ask.dq))), of(along_q, 1), scale);
-    // Quadratic in p: one difference is exact.
+    // The result is quadratic in p, so that one central difference is exact.
     const auto moved = [&](double step) {
       Ask at = ask;
       at.p = numbers(vector(ask.p) + step * vector(ask.w));
       return vector(rates(at));
     };
-    ask.loads.joint_losses = false;  // friction jumps
+    ask.loads.joint_losses = false;  // friction would jump
     const Numbers lossless = trial.call("momentum_form_derivatives", ask);
     const VectorXd along_p = (moved(1) - moved(-1)) / 2;
     const double scale_p =
@@ -371,7 +376,7 @@ TEST_P(DerivativesInDouble, OfTheMomentumFormAreHamiltonian) {
     const Topology& topology = trial.model.topology();
     for (int i = 1; i <= topology.n; ++i)
       if (topology.first_screw[i + 1] - topology.first_screw[i] > 1)
-        return;  // velocities are no rates of coordinates
+        return;  // some velocities are not the rates of coordinates
     if (trial.model.nv() == 0) return;
     ++checked;
     Ask ask = any(trial, random);
@@ -418,7 +423,8 @@ TEST_P(Derivatives, OfMotionAreMatricesTimesVectors) {
       forward.expect_equal(six(change.V), six(sum.V), scale);
       forward.expect_equal(six(change.dV), six(sum.dV), scale);
 
-      // What a direction changes, weighted, is the gradient's component along it.
+      // The weighted sum of the changes along a direction equals the product of the gradient with that
+      // direction.
       const auto any3 = [&] {
         const Numbers x = random_numbers(random, 3);
         return Vec3<>{x[0], x[1], x[2]};

@@ -104,7 +104,7 @@ TEST_P(EditedModels, LockedJointsRest) {
     EXPECT_NEAR(
         rest.total_mass(),
         [&] {
-          double mass = 0;  // of what still moves
+          double mass = 0;  // of the bodies that still move
           for (int i = 1; i <= model.n_bodies(); ++i)
             if (rest.frame(same.frame(i)).body > 0) mass += model.body(i).M.m;
           return mass;
@@ -113,10 +113,11 @@ TEST_P(EditedModels, LockedJointsRest) {
   });
 }
 
-/// Cylindrical and universal joints as two joints through a massless body, made by hand.
+/// The mechanism with each cylindrical or universal joint replaced by two joints and a massless body between
+/// them.
 Mechanism taken_apart(const Mechanism& mechanism) {
   Mechanism out{.gravity = mechanism.gravity, .bodies = {}};
-  std::vector<int> index;  // of each body in `out`
+  std::vector<int> index;  // the index in `out` of each body
   const auto moved = [&](int i) { return i < 0 ? -1 : index[static_cast<std::size_t>(i)]; };
   for (DrawnBody body : mechanism.bodies) {
     body.predecessor = moved(body.predecessor);
@@ -157,7 +158,7 @@ TEST_P(EditedModels, CylindricalAndUniversalJointsAreChains) {
       composite += body.kind == JointKind::cylindrical || body.kind == JointKind::universal;
     ASSERT_EQ(by_hand.n_bodies(), model.n_bodies());
     State<double> state = random_state(model, random);
-    make_loads_spatial(model, state);  // frames of the massless bodies need not be the same
+    make_loads_spatial(model, state);  // the two models may place the frames of massless bodies differently
     Trial trial(GetParam(), model, state);
     const Correspondence same(model, by_hand);
     Trial trial_by_hand(GetParam(), by_hand, same.carry(state));

@@ -1,8 +1,8 @@
 #include "axode/dynamics/closed_form/closed_form.hpp"
 #include "tests/laws/law.hpp"
 
-/// The terms of the equations of motion fit together, on trees with joints of all kinds, massless bodies and
-/// couplings.
+/// The terms of the equations of motion agree with each other, on trees with joints of all kinds, massless
+/// bodies and couplings.
 namespace axode::test {
 namespace {
 
@@ -37,7 +37,7 @@ TEST_P(EquationsOfMotion, AreTheSumOfTheirTerms) {
   });
 }
 
-/// M = Lᵀ D L and M⁻¹ f by sparse factors, computed in T.
+/// The mass matrix M = Lᵀ D L and products M⁻¹ f from its sparse factors, computed in T.
 struct ByFactors {
   MatrixXd L, DL;
   std::vector<double> solution;
@@ -104,7 +104,7 @@ TEST_P(EquationsOfMotion, AFrameAnswersAnImpulse) {
 }
 
 TEST_P(EquationsOfMotion, GravityIsTheGradientOfThePotentialEnergy) {
-  Comparison work("g v", 1e-7);  // differences, in double
+  Comparison work("g v", 1e-7);  // differences of the energy, computed in double
   for_seeds(2000, [&](std::uint64_t seed) {
     Trial trial(in_double(GetParam()), Random<double>(seed), {.most_bodies = 20});
     const double h = 1e-5;
@@ -134,10 +134,10 @@ MatrixXd coriolis_matrix(Trial& t, CoriolisForm form) {
   return matrix(t.model.nv(), t.call("coriolis_matrix", ask));
 }
 
-/// How large the terms of a Coriolis matrix are, though they may cancel.
+/// An estimate of the size of the terms of a Coriolis matrix, which may cancel each other.
 double size_of_C(Trial& t) { return largest_entry(t.mass_matrix()) * largest(t.state.v); }
 
-/// M' along v, from the partials of M.
+/// The rate of M along v, from its partial derivatives.
 MatrixXd mass_matrix_rate(Trial& t) {
   const std::vector<double> dM = t.call("mass_matrix_partials");
   const std::size_t nv = t.state.v.size();

@@ -4,7 +4,7 @@
 #include "tests/support/functions.hpp"
 #include "tests/support/refused_arguments.hpp"
 
-/// What holds for every function of the catalogue, in every representation and by the fast path.
+/// Laws that hold for every function of the catalogue, in every representation and for the fast path.
 namespace axode::test {
 namespace {
 
@@ -13,11 +13,11 @@ using catalog::Function, catalog::Input;
 class EveryFunction : public Law {};
 INSTANTIATE_TEST_SUITE_P(Laws, EveryFunction, testing::ValuesIn(cases_with_fast()), name_of);
 
-/// What a call came to.
+/// The results of a call, or the message with which it was refused.
 template <class T> struct Outcome {
   std::vector<T> numbers;
   Solvability solvability;
-  std::string refusal;  ///< of the arguments; empty where it was none
+  std::string refusal;  ///< the message of the exception; empty if there was none
 
   bool operator==(const Outcome& other) const {
     return numbers.size() == other.numbers.size() && refusal == other.refusal &&
@@ -28,7 +28,7 @@ template <class T> struct Outcome {
   }
 };
 
-/// A model, and arguments for every function of it.
+/// A model with two sets of arguments that suit every function.
 template <class T> class Calls {
  public:
   Calls(const TreeRecipe& recipe, Random<double> random)
@@ -45,14 +45,14 @@ template <class T> class Calls {
   std::size_t size(const Function<T>& function) const {
     return function.size(model, arguments.wrenches.size());
   }
-  /// Calls with results in given memory.
+  /// Calls a function that writes its results into `out`.
   Outcome<T> call(const Function<T>& function, const catalog::Arguments<T>& given, std::span<T> out) {
     Outcome<T> outcome;
     try {
       outcome.solvability = function.call(model, workspace, given, out);
     } catch (const std::invalid_argument& error) {
       return {{}, {}, error.what()};
-    } catch (const std::domain_error& error) {  // nothing has mass
+    } catch (const std::domain_error& error) {  // no body has mass
       return {{}, {}, error.what()};
     }
     outcome.numbers.assign(out.begin(), out.end());
@@ -67,7 +67,7 @@ template <class T> class Calls {
 
 const TreeRecipe small{.most_bodies = 8};
 
-/// law(calls, function) for every function.
+/// Calls law(calls, function) for every function.
 template <class Law> void for_functions(const Case& c, int trees, const TreeRecipe& recipe, const Law& law) {
   with_scalar(c, [&](auto scalar) {
     using T = decltype(scalar);
@@ -86,7 +86,7 @@ TEST_P(EveryFunction, InPlaceIsRightOrRefused) {
   for_functions(GetParam(), 50, small, [&]<class T>(Calls<T>& calls, const Function<T>& function) {
     const Outcome<T> separate = calls.call(function);
     for (const Input input : inputs_of_numbers(function))
-      for (const std::ptrdiff_t shift : {0, 1, -1}) {  // from the argument's first number to the result's
+      for (const std::ptrdiff_t shift : {0, 1, -1}) {  // how far the result begins behind the argument
         SCOPED_TRACE(std::string(to_string(input)) + " shifted by " + std::to_string(shift));
         catalog::Arguments<T> given = calls.arguments.given();
         std::span<const T>& argument = catalog::numbers(given, input);
@@ -109,10 +109,10 @@ TEST_P(EveryFunction, InPlaceIsRightOrRefused) {
 
 TEST_P(EveryFunction, RemembersNothing) {
   for_functions(GetParam(), 50, small, [&]<class T>(Calls<T>& calls, const Function<T>& function) {
-    Arguments<T> none = calls.others;  // with numbers that are none
+    Arguments<T> none = calls.others;  // will hold NaN
     for (std::vector<T>* numbers : {&none.v, &none.a, &none.tau, &none.p})
       std::fill(numbers->begin(), numbers->end(), std::numeric_limits<T>::quiet_NaN());
-    Workspace<T> used = calls.workspace;  // by the functions before this one
+    Workspace<T> used = calls.workspace;  // has been used by the functions before this one
     calls.workspace = Workspace<T>(calls.model);
     const Outcome<T> fresh = calls.call(function);
     calls.workspace = std::move(used);
@@ -137,7 +137,7 @@ TEST_P(EveryFunction, RefusesWrongSizes) {
         EXPECT_NE(refusal.find(" has " + std::to_string(numbers.size()) + " entries"), std::string::npos)
             << refusal;
       }
-    if (function.shape.empty()) return;  // one entry, for which the caller has memory
+    if (function.shape.empty()) return;  // the result is one number, for which the caller always has memory
     std::size_t n_entries = 1;
     for (const catalog::Extent extent : function.shape)
       n_entries *= value_of(extent, calls.model, calls.arguments.wrenches.size());

@@ -1,7 +1,7 @@
 #include "tests/laws/law.hpp"
 
-/// What is computed in the quickest frames is what is computed in the hybrid representation: on trees of all
-/// kinds of joints, with couplings, loads and losses, and where the mass matrix is singular.
+/// The fast path gives the same results as the hybrid representation: on trees with all kinds of joints, with
+/// couplings, loads and losses, and where the mass matrix is singular.
 namespace axode::test {
 namespace {
 

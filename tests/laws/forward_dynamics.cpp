@@ -1,7 +1,7 @@
 #include "tests/laws/law.hpp"
 
-/// Forward dynamics undoes inverse dynamics, in every representation and with every load; a mass matrix that
-/// cannot be inverted is reported, and only such.
+/// Forward dynamics is the inverse of inverse dynamics, in every representation and with every load. A mass
+/// matrix that cannot be inverted is reported, and no other one is.
 namespace axode::test {
 namespace {
 

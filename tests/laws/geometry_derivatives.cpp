@@ -6,8 +6,9 @@
 #include "axode/scalar/dual.hpp"
 #include "tests/laws/law.hpp"
 
-/// Derivatives by geometric parameters are those of the same recursions on trees whose joints are displaced by dual numbers;
-/// and those of single terms and of the motion of frames are limits of differences.
+/// Derivatives with respect to geometric parameters equal those that the same recursions give on a tree whose
+/// joints are displaced by dual numbers. Derivatives of single terms and of the motion of frames equal limits
+/// of differences.
 namespace axode::test {
 namespace {
 
@@ -20,7 +21,7 @@ INSTANTIATE_TEST_SUITE_P(Laws, GeometryDerivatives, testing::ValuesIn(scalars())
 
 std::vector<D> constant(const Numbers& x) { return {x.begin(), x.end()}; }
 
-/// The tree with B_i exp(Σ_u π_u e_u) in the place of B_i, to first order.
+/// The tree with B_i replaced by B_i exp(Σ_u π_u e_u), to the first order in the parameters π_u.
 Tree<D> displaced(const Tree<double>& tree, int i) {
   Tree<D> moved = cast<D>(tree);
   const auto unit = [](std::size_t u) {
@@ -38,7 +39,7 @@ Tree<D> displaced(const Tree<double>& tree, int i) {
   return moved;
 }
 
-/// Any state with few bodies, with weights.
+/// A random tree with few bodies, a state of it and weights.
 struct Displaced {
   Random<double> random;
   Trial trial;
@@ -157,7 +158,7 @@ TEST_P(GeometryDerivatives, TermsAddUpToThoseOfInverseDynamics) {
                       scale);
     by_v.expect_equal(VectorXd(coriolis.tail(size) - loads.tail(size)), VectorXd(whole.segment(size, size)),
                       scale);
-    // v·(∂T/∂v) = 2 T, and T changes along q with half of what M does.
+    // v·(∂T/∂v) = 2 T, and ∂T/∂q_k = vᵀ (∂M/∂q_k) v / 2.
     const Numbers dT = at.trial.call("kinetic_energy_gradient", ask);
     const Numbers dM = at.trial.call("mass_matrix_partials", ask);
     const Eigen::Index nv = at.trial.model.nv();

@@ -3,8 +3,9 @@
 
 #include "tests/laws/correspondence.hpp"
 
-/// What the description of a mechanism must not change: where body frames lie and how geometry is told, names
-/// and order, the place of the whole scene, and which body of a floating mechanism is called its base.
+/// Changes of a description that do not change the mechanism: other body frames, another way to give the
+/// geometry, other names and another order, the whole scene at another place, and another body of a floating
+/// mechanism as its base.
 namespace axode::test {
 namespace {
 
@@ -14,14 +15,15 @@ class Invariance : public Law {
 };
 INSTANTIATE_TEST_SUITE_P(Laws, Invariance, testing::ValuesIn(cases()), name_of);
 
-/// Drives whose inertia is told in the components of v, which depend on the frame, would change the
-/// mechanism.
+/// Removes the drives of the joints concerned. Their rotor inertias belong to the components of v, which
+/// depend on the frame, so that a change of the frame would change the mechanism.
 void remove_drives(Mechanism& mechanism, bool (*concerned)(JointKind)) {
   for (DrawnBody& body : mechanism.bodies)
     if (concerned(body.kind)) body.dof.clear();
 }
 
-/// Ad_Dᵀ of the six forces of a free joint: seen from the frame D in the frame of the joint.
+/// The six forces of a free joint, changed from components in the frame D into components in the frame of the
+/// joint: Ad_Dᵀ times them.
 std::vector<double> seen_from(const SE3<>& D, const double* tau) {
   const Wrench<BodyFixed> W =
       coAd_inv(D, Wrench<Spatial>{{tau[0], tau[1], tau[2]}, {tau[3], tau[4], tau[5]}});
@@ -35,7 +37,7 @@ TEST_P(Invariance, BodyFramesMayLieAnywhere) {
     Mechanism drawn = random_mechanism(random);
     remove_drives(drawn, [](JointKind kind) { return kind == JointKind::free; });
     const Model model = ModelBuilder(told(drawn, random)).build();
-    std::unordered_map<std::string, SE3<>> moved;  // by D, the new body frame in the old one
+    std::unordered_map<std::string, SE3<>> moved;  // D of each body: its new frame in its old frame
     for (DrawnBody& body : drawn.bodies) {
       const SE3<> D{random.rotation(), random.vector(0.3)};
       moved.emplace(body.name, D);
@@ -50,7 +52,7 @@ TEST_P(Invariance, BodyFramesMayLieAnywhere) {
     State<double> other_state = same.carry(state);
     Trial trial(GetParam(), model, state);
     std::vector<double> tau = trial.inverse_dynamics();
-    for (int i = 1; i <= model.n_bodies(); ++i) {  // free joints: coordinates are those of the body frame
+    for (int i = 1; i <= model.n_bodies(); ++i) {  // the coordinates of free joints depend on the body frame
       const Joint &joint = model.joint(i), &joint_other = other.joint(same.joint(i));
       if (joint.kind != Subgroup::free) continue;
       const SE3<> D = moved.at(model.body(i).name);
@@ -111,7 +113,8 @@ TEST_P(Invariance, NamesAndOrderOfDeclarationDoNotMatter) {
   });
 }
 
-/// A load with the scene displaced: its components in inertial axes turn, those in axes of the frame do not.
+/// A load after the whole scene was displaced. Components in inertial axes turn with the scene; components in
+/// the axes of a frame stay.
 AppliedWrench<> displaced(const SE3<>& D, const AppliedWrench<>& load) {
   const auto turned = [&](const auto& m, const auto& f) {
     return AppliedWrench<>(load.frame, load.representation, m, f);
@@ -133,7 +136,8 @@ TEST_P(Invariance, TheSceneMayStandAnywhere) {
     Trial trial(GetParam(), ModelBuilder(told(drawn, random)).build(), random);
     const SE3<> D{random.rotation(), random.vector()};
     const Model other = ModelBuilder(told(displaced(D, drawn), random)).build();
-    // Displaced ground frames are no longer where the ground is, but the ground's own frame stays.
+    // Frames on the ground move with the scene, but the ground's own frame does not, so that loads on it are
+    // left out.
     State<double> state = trial.state;
     std::erase_if(state.wrenches, [](const AppliedWrench<>& load) { return load.frame == 0; });
     for (AppliedWrench<>& load : state.wrenches) load = displaced(D, load);
@@ -150,8 +154,8 @@ TEST_P(Invariance, TheSceneMayStandAnywhere) {
   });
 }
 
-/// The joint that hangs p on i, of which the reverse hangs i on p: the same coordinate for joints with one,
-/// the inverse displacement for the others.
+/// The body p, connected to its new predecessor by a joint that before connected that one to p. The joint
+/// runs backwards: a joint with one velocity keeps its coordinate, the others get the inverse displacement.
 DrawnBody with_joint(DrawnBody p, const DrawnBody& joint_of, int predecessor) {
   p.predecessor = predecessor;
   p.joint = joint_of.joint, p.kind = joint_of.kind, p.pitch = joint_of.pitch;
@@ -162,8 +166,8 @@ DrawnBody with_joint(DrawnBody p, const DrawnBody& joint_of, int predecessor) {
   return p;
 }
 
-/// The mechanism with body `base` set free in place of body 0, and the bodies between them hung the other way
-/// round.
+/// The mechanism with body `base` as its free base in place of body 0. The joints between the two bodies run
+/// backwards.
 Mechanism rerooted(const Mechanism& mechanism, int base, std::vector<int>& path) {
   Mechanism out = mechanism;
   const auto body = [&](int i) -> const DrawnBody& { return mechanism.bodies[static_cast<std::size_t>(i)]; };
@@ -196,7 +200,8 @@ TEST_P(Invariance, AnyBodyOfAFloatingMechanismMayBeItsBase) {
     const Model other = ModelBuilder(told(other_way, random)).build();
 
     const Case body_double = in(Representation::body, in_double(GetParam()));
-    // What the base's joint would have to do acts as a load on the same body, so that the mechanism floats.
+    // The forces of the base's joint become a load on the same body, so that the mechanism floats without
+    // drive.
     State<double> state = random_state(model, random);
     Trial driven(body_double, model, state);
     const std::vector<double> W_0 = driven.inverse_dynamics();
@@ -217,8 +222,8 @@ TEST_P(Invariance, AnyBodyOfAFloatingMechanismMayBeItsBase) {
     std::ranges::copy(entries(V[f]), &other_state.v[iv]);
     std::ranges::copy(entries(dV[f]), &other_state.a[iv]);
 
-    // Joints of several velocities on the path: C_p = C_i B⁻¹ q' with q' = B q⁻¹ B⁻¹, so that v' = -Ad_{B q}
-    // v.
+    // For joints with several velocities on the path C_p = C_i B⁻¹ q' with q' = B q⁻¹ B⁻¹, so that v' =
+    // -Ad_{B q} v.
     for (const int i : path) {
       const DrawnBody& body = drawn.bodies[static_cast<std::size_t>(i)];
       if (has_one_velocity(body.kind) || body.kind == JointKind::fixed) continue;

@@ -21,7 +21,7 @@ TEST_P(InverseDynamics, AgreesWithTheOtherRepresentations) {
   });
 }
 
-/// M(q), column by column.
+/// The mass matrix M(q), computed column by column with inverse dynamics.
 MatrixXd columns_of_mass_matrix(Trial& trial) {
   const int n = trial.model.nv();
   const VectorXd at_rest = vector(trial.inverse_dynamics(trial.zero(), trial.zero(), {}));
@@ -42,7 +42,7 @@ TEST_P(InverseDynamics, MassMatrixIsSymmetricAndNotNegative) {
     Trial with_gravity(GetParam(), Random<double>(seed),
                        {.couplings = !every_body_has_mass, .always_mass = every_body_has_mass});
     if (with_gravity.model.nv() == 0) return;
-    // Gravity would only bury M in rounding.
+    // Without gravity, whose forces would hide those of M in their rounding.
     Trial trial(GetParam(), ModelBuilder(with_gravity.model).gravity({}).build(), with_gravity.state);
     const MatrixXd M = columns_of_mass_matrix(trial);
     symmetry.expect_equal(M, MatrixXd(M.transpose()));

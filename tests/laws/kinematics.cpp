@@ -2,8 +2,8 @@
 #include "tests/laws/law.hpp"
 #include "tests/support/series.hpp"
 
-/// Poses, twists and accelerations of all frames: three ways to the same poses, and every rate is the time
-/// derivative of what it is the rate of.
+/// Poses, twists and accelerations of all frames: three ways to compute poses agree, and every rate equals
+/// the time derivative of its quantity.
 namespace axode::test {
 namespace {
 
@@ -60,7 +60,7 @@ TEST_P(Kinematics, TwistsAndAccelerationsChangeRepresentation) {
 class Poses : public Law {};
 INSTANTIATE_TEST_SUITE_P(Laws, Poses, testing::ValuesIn(scalars()), name_of);
 
-/// The poses by body screws and by spatial screws, computed in T.
+/// The poses from body screws and from spatial screws, computed in T.
 template <class T> std::array<std::vector<SE3<>>, 2> by_screws(const Trial& trial) {
   const std::vector<T> q = cast<T>(trial.state.q);
   const auto as_double = [](const std::vector<SE3<T>>& C) {
@@ -77,7 +77,7 @@ TEST_P(Poses, AreProductsOfExponentialsOfBodyAndOfSpatialScrews) {
   for_seeds(2000, [&](std::uint64_t seed) {
     Trial trial(GetParam(), Random<double>(seed));
     std::vector<SE3<>> C = trial.poses();
-    C.resize(trial.n_bodies() + 1);  // the ground and the bodies
+    C.resize(trial.n_bodies() + 1);  // of the ground and the bodies
     const auto [C_X, C_Y] = GetParam().single ? by_screws<float>(trial) : by_screws<double>(trial);
     by_X.expect_equal(C_X, C);
     by_Y.expect_equal(C_Y, C);

@@ -11,15 +11,16 @@
 #include "tests/support/smallest_failure.hpp"
 #include "tests/support/trial.hpp"
 
-/// Laws are tested for every representation and scalar, over random trees with fixed seeds; a failure prints
-/// the seed. A law is compiled once: what it speaks of are numbers that a Subject makes.
+/// Laws are tested for every representation and scalar type, on random trees with fixed seeds; a failure
+/// prints its seed. The code of a law is compiled once, because it works on the numbers that a Subject
+/// returns.
 namespace axode::test {
 
-/// A law that holds in the given ways: `class Balances : public Law {}` and LAW(Balances, cases());
+/// A law for several ways to compute: `class Balances : public Law {}` and LAW(Balances, cases());
 using Law = testing::TestWithParam<Case>;
 
-/// law(seed) for the seeds 1, 2, ... until one fails, which is repeated with fewer bodies, see smallest_failure().
-/// AXODE_RANDOM_TREES overrides how many.
+/// Calls law(seed) for the seeds 1, 2, ..., `count` until one fails. That one is repeated with fewer bodies,
+/// see smallest_failure(). The variable AXODE_RANDOM_TREES overrides `count`.
 template <class F> void for_seeds(int count, const F& law) {
   if (const char* chosen = std::getenv("AXODE_RANDOM_TREES")) count = std::max(1, std::atoi(chosen));
   for (int seed = 1; seed <= count && !testing::Test::HasFailure(); ++seed) {
@@ -30,8 +31,8 @@ template <class F> void for_seeds(int count, const F& law) {
   }
 }
 
-/// Two inverses of M agree as far as the condition of M lets either be known; where that is to less than a tenth, nothing can be
-/// compared but that both are finite.
+/// Expects that two inverses of M agree to the accuracy that the condition of M allows. If that is worse than
+/// a tenth, only expects that both are finite.
 template <class Numbers>
 void expect_same_inverse(const Numbers& one, const Numbers& other, const Numbers& M, double agreement) {
   const auto largest = [](const Numbers& matrix) {

@@ -6,20 +6,21 @@
 #include "tests/support/functions.hpp"
 #include "tests/support/refused_arguments.hpp"
 
-/// The linear system about a state is what two motions near each other tend to.
+/// The linear system at a state describes the difference of two neighbouring motions, in the limit.
 namespace axode::test {
 namespace {
 
 using Eigen::MatrixXd, Eigen::VectorXd;
 using Numbers = Trial::Numbers;
 
-/// The linear system counts springs, which forward dynamics leaves out: where the two are compared there are none.
+/// The linear system counts springs, but forward dynamics leaves them out, so that the mechanisms for which
+/// the two are compared have none.
 class Linearized : public Law {};
 INSTANTIATE_TEST_SUITE_P(Laws, Linearized, testing::ValuesIn(scalars()), name_of);
 class LinearizedInDouble : public Law {};
 INSTANTIATE_TEST_SUITE_P(Laws, LinearizedInDouble, testing::Values(scalars()[0]), name_of);
 
-/// A and B in the scalar of a case.
+/// The matrices A and B, computed in the scalar type of a case.
 struct System {
   MatrixXd A, B;
   Solvability solvability;
@@ -38,7 +39,7 @@ System linearized(const Case& c, const Model& model, const Ask& ask) {
   });
 }
 
-/// Any state under forces, loads and losses.
+/// The state with random forces, its loads, and losses.
 Ask any(const Trial& trial, Random<double>& random) {
   Ask ask = trial.ask();
   ask.loads.joint_losses = true;
@@ -46,8 +47,8 @@ Ask any(const Trial& trial, Random<double>& random) {
   return ask;
 }
 
-/// δ' where one motion goes through q0 with v0 and another through q1 = q0 ⊕ δ with v1: the exact derivative in time of
-/// q1 ⊖ q0, from the rates of the coordinates.
+/// The rate of the difference δ between two motions, one through q0 with velocities v0 and one through q1 =
+/// q0 ⊕ δ with v1. It is the exact time derivative of q1 ⊖ q0, from the rates of the coordinates.
 VectorXd rate_of_difference(const Model& model, const Numbers& q0, const Numbers& v0, const Numbers& q1,
                             const Numbers& v1) {
   using D = Dual<double, 1>;
@@ -70,7 +71,8 @@ VectorXd rate_of_difference(const Model& model, const Numbers& q0, const Numbers
   return rate;
 }
 
-/// x' of the motion that is x away from that through a state, and under forces that are dtau more.
+/// The rate of the deviation x of a motion from the one through the state `at`, if the drive forces of the
+/// deviating motion are larger by dtau.
 VectorXd rate_of_deviation(Trial& trial, const Ask& at, const VectorXd& x, const VectorXd& dtau) {
   const Eigen::Index nv = trial.model.nv();
   Ask ask = at;
@@ -128,7 +130,7 @@ TEST_P(Linearized, HasTheDerivativesOfForwardDynamicsBelow) {
   });
 }
 
-TEST_P(Linearized, KeepsADisplacementAlongTheMotion) {  // [v, v] = 0
+TEST_P(Linearized, KeepsADisplacementAlongTheMotion) {  // because [v, v] = 0
   Comparison nothing("-ad_v v", GetParam().single ? 1e-6 : 1e-15);
   for_seeds(100, [&](std::uint64_t seed) {
     Random<double> random(seed);

@@ -6,14 +6,14 @@
 #include "tests/support/random_loops.hpp"
 #include "tests/support/series.hpp"
 
-/// The functions that count loops, on mechanisms with loops of all kinds, redundant ones included.
+/// Laws of the functions that count loops, on mechanisms with loops of all kinds, some of them redundant.
 namespace axode::test {
 namespace {
 
 using Numbers = std::vector<double>;
 using Eigen::MatrixXd, Eigen::VectorXd;
 
-/// A mechanism with the rows of its loops at its state.
+/// A mechanism with loops and the Jacobian A of its loops at its state.
 struct Closed : ClosedMechanism {
   explicit Closed(std::uint64_t seed) : Closed(Random<double>(seed)) {}
   explicit Closed(Random<double> random) : ClosedMechanism(closed_mechanism(random)), loops(model) {
@@ -22,7 +22,8 @@ struct Closed : ClosedMechanism {
     A = matrix(static_cast<int>(rows()), all);
   }
   std::size_t rows() const { return static_cast<std::size_t>(model.loops().rows); }
-  /// What forces are made of, as far as they may cancel, under multipliers.
+  /// An estimate of the size of the terms in the balance of forces, which may cancel each other, for
+  /// multipliers lambda.
   double size_of_forces(const Numbers& lambda) {
     Workspace<double> workspace(model, cut_tree);
     Numbers M(state.v.size() * state.v.size());
@@ -105,7 +106,7 @@ TEST(Loops, InverseDynamicsFindsDrivesThatMakeTheAccelerations) {
       EXPECT_LT(left, 1e-7);
     }
     for (std::size_t c = 0; c < tau.size(); ++c) EXPECT_TRUE(driven[c] || tau[c] == 0);
-    if (left > 1e-7) return;  // too few drives for these accelerations
+    if (left > 1e-7) return;  // there are too few drives to cause these accelerations
     ++found;
     ASSERT_TRUE(
         forward_dynamics(closed.model, closed.loops, q, v, tau, a_again, {}, closed.state.loads()).ok());

@@ -1,6 +1,7 @@
 #include "tests/laws/law.hpp"
 
-/// The momentum form is Lagrange's in other variables; momenta, energies and powers balance.
+/// The momentum form gives the same motion as Lagrange's equations, in other variables. Momenta, energies and
+/// powers balance.
 namespace axode::test {
 namespace {
 
@@ -30,7 +31,7 @@ TEST_P(MomentumForm, MomentaAreMTimesV) {
   });
 }
 
-/// The state that the motion with constant accelerations has reached after a time s.
+/// The state that a motion with constant accelerations reaches after the time s.
 State<double> after(double s, const Trial& t) {
   Numbers step = t.zero(), v = t.state.v;
   for (std::size_t c = 0; c < v.size(); ++c) {
@@ -40,7 +41,7 @@ State<double> after(double s, const Trial& t) {
   return {integrate(t.model, t.state.q, step), v, t.state.a};
 }
 
-/// p' = M a + M' v by differences of p along the motion.
+/// The rate of the momenta, M a + Ṁ v, by differences of p along the motion.
 Numbers momentum_rate(Trial& t) {
   const double h = 1e-5;
   const auto at = [&](double s) {
@@ -67,7 +68,8 @@ TEST_P(MomentumForm, GivesBackTheVelocitiesAndTheRateOfTheMomenta) {
     if (how.single) return;
     const double size = std::max(largest(ask.tau), largest(dp));
     if (!ask.loads.joint_losses) rate.expect_equal(dp, momentum_rate(trial), size);
-    // The same rate from the drives that (v, a) take: τ - p' does not depend on the accelerations.
+    // Other accelerations with the drives that they need give the same rate again, because τ - ṗ does not
+    // depend on the accelerations.
     Ask other = ask;
     for (double& x : other.a) x = -2 * x;
     other.tau = trial.call("inverse_dynamics", other);
@@ -105,7 +107,7 @@ TEST_P(MomentumForm, OfBodiesAddUpToThatOfTheSystem) {
   });
 }
 
-/// What a form of the state makes: velocities, and six numbers for each body.
+/// The results of a form of the state: velocities, and six numbers for each body.
 struct Rates {
   Numbers v, bodies;
   bool solved;
@@ -113,7 +115,7 @@ struct Rates {
 template <class Quantity, class T> std::span<Quantity> as(std::vector<T>& numbers) {
   return {reinterpret_cast<Quantity*>(numbers.data()), numbers.size() / 6};
 }
-/// The form in the twists of the bodies, or in their momenta about the inertial origin.
+/// The form of the state in the twists of the bodies, and the one in their momenta about the inertial origin.
 template <class T> Rates by_twists(const Trial& t, Representation in, const Numbers& V, const Numbers& tau) {
   Workspace<T> workspace(t.model);
   const State<T> at = cast<T>(t.state);
@@ -161,7 +163,7 @@ TEST_P(MomentumForm, StatesInTwistsAndInSpatialMomentaMoveAlike) {
           (how.single ? by_twists<float> : by_twists<double>)(trial, representation, V, ask.tau);
       EXPECT_TRUE(solved);
       velocity.expect_equal(v, trial.state.v);
-      if (largest(a) < 1e4) {  // above, M is nearly singular
+      if (largest(a) < 1e4) {  // for larger accelerations M is nearly singular
         ++compared;
         twist.expect_equal(dV_found, dV, loss * largest(a));
       }
@@ -171,7 +173,8 @@ TEST_P(MomentumForm, StatesInTwistsAndInSpatialMomentaMoveAlike) {
         (how.single ? by_momenta<float> : by_momenta<double>)(trial, trial.call("body_momenta"), ask.tau);
     if (!solved) return;
     velocity.expect_equal(momenta(trial, v), momenta(trial, trial.state.v));
-    // Π' of all bodies is what loads, gravity and the ground's joints do to the system.
+    // The sum of Π̇ of all bodies equals the wrenches on the whole system by loads, by gravity and by the
+    // joints on the ground.
     Six sum{}, external{};
     for (const Six& x : sixes_of(dPi)) sum = sum + x;
     const std::vector<SE3<>> C = trial.poses();

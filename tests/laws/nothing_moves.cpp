@@ -1,7 +1,8 @@
 #include "tests/laws/law.hpp"
 #include "tests/support/functions.hpp"
 
-/// Mechanisms that do not move have states without numbers, and every function of the catalogue answers for them.
+/// Mechanisms without moving joints have states without numbers. Every function of the catalogue answers for
+/// them too.
 namespace axode::test {
 namespace {
 
@@ -38,7 +39,7 @@ TEST_P(NothingMoves, AndEveryFunctionAnswers) {
         continue;
       }
       const bool has_inertia =
-          function.name != "operational_space_inertia";  // a frame that cannot move has none
+          function.name != "operational_space_inertia";  // it does not exist for a frame that cannot move
       for (const T x : out) EXPECT_EQ(std::isfinite(x), has_inertia);
     }
   });

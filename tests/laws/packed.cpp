@@ -4,8 +4,8 @@
 #include "axode/fast/motion.hpp"
 #include "tests/laws/law.hpp"
 
-/// The fast kernels give the same on packed vectors, which the library uses where the processor has registers for
-/// them, and on plain ones.
+/// The fast kernels give the same results with packed vectors, which the library uses if the processor has
+/// suitable registers, and with plain ones.
 namespace axode::test {
 namespace {
 
@@ -14,12 +14,12 @@ using Numbers = std::vector<double>;
 class PackedVectors : public Law {};
 INSTANTIATE_TEST_SUITE_P(Laws, PackedVectors, testing::ValuesIn(scalars()), name_of);
 
-/// The fast kernels on one kind of vectors, for a model.
+/// The fast kernels with one of the two kinds of vectors.
 struct Kernels {
   Numbers (*forces)(const Model&, const State<double>&);
-  /// Nothing where the mass matrix may be singular.
+  /// Returns no numbers if the mass matrix may be singular.
   Numbers (*accelerations)(const Model&, const State<double>&, const Numbers& tau);
-  /// Twists, their rates and Jacobians of all frames, in all representations.
+  /// Twists, twist rates and Jacobians of all frames, in all representations.
   Numbers (*motion)(const Model&, const State<double>&);
 };
 

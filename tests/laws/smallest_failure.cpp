@@ -6,7 +6,7 @@
 namespace axode::test {
 namespace {
 
-/// The last part of a report, read as a drawing.
+/// The model in the drawing at the end of a report.
 Model drawn_in(const std::string& report) {
   const std::string heading = "as a drawing:\n";
   return ModelBuilder(read_drawing_text(report.substr(report.find(heading) + heading.size()), "report"))

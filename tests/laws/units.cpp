@@ -8,8 +8,8 @@
 #include "tests/support/functions.hpp"
 #include "tests/support/random_loops.hpp"
 
-/// Results do not depend on units: in other units of length, mass and time every number of every function is multiplied
-/// by the unit that its row of the catalogue names.
+/// Results do not depend on units. In other units of length, mass and time every number that a function
+/// returns is multiplied by the factor of the unit that the function's row of the catalogue names.
 namespace axode::test {
 namespace {
 
@@ -34,7 +34,7 @@ Dimensions list_of(string_view text) {
     list.push_back(dimension_of(unit.substr(0, unit.find(" for "))));
   return list;
 }
-/// The list of a quantity by its symbol.
+/// The dimensions of a quantity, angular and linear, by its symbol.
 Dimensions list_of_symbol(string_view symbol) {
   if (symbol == "v" || symbol == "V") return list_of("rad/s, m/s");
   if (symbol == "a" || symbol == "V'") return list_of("rad/s^2, m/s^2");
@@ -43,7 +43,7 @@ Dimensions list_of_symbol(string_view symbol) {
     return list_of("N m, N");
   throw std::logic_error("no symbol of a quantity: " + string(symbol));
 }
-/// The dimension of a direction q, v, a, tau or p at a velocity whose coordinate has a dimension.
+/// The dimension of a component of a direction (q, v, a, tau or p) whose coordinate has this dimension.
 Dimension direction(string_view symbol, const Dimension& coordinate) {
   using namespace dimension;
   if (symbol == "q") return coordinate;
@@ -54,7 +54,7 @@ Dimension direction(string_view symbol, const Dimension& coordinate) {
   throw std::logic_error("no symbol of a direction: " + string(symbol));
 }
 
-/// What a row says about the units of its numbers, for a model.
+/// Reads from a row of the catalogue the dimension of each number that its function returns, for a model.
 template <class T> class UnitsOf {
  public:
   UnitsOf(const Function<T>& row, const Model& model, std::size_t n_loads)
@@ -65,7 +65,7 @@ template <class T> class UnitsOf {
     for (const Extent axis : row.shape) extents_.push_back(value_of(axis, model, n_loads));
   }
 
-  /// The dimension of each of `size` numbers.
+  /// The dimensions of all `size` numbers.
   Dimensions of_all(std::size_t size) const {
     std::size_t entries = n_parts_;
     for (const std::size_t extent : extents_) entries *= extent;
@@ -102,7 +102,7 @@ template <class T> class UnitsOf {
     const string_view numerator = text.substr(0, per),
                       denominator = per == string_view::npos ? string_view() : text.substr(per + 5);
     Dimension divisor;
-    std::vector<char> left(index.size(), 1);  // axes of the numerator
+    std::vector<char> left(index.size(), 1);  // the axes that belong to the numerator
     bool component_left = six_vector();
     const auto last = [&](auto&&... extents) {
       for (std::size_t axis = index.size(); axis-- > 0;)
@@ -120,7 +120,7 @@ template <class T> class UnitsOf {
         std::vector<string_view> names = parts_of(symbol.substr(3), ", ");
         for (std::size_t k = names.size(); k-- > 0;)
           divisor = divisor * direction(names[k], directions_[index[last(Extent::nv)]]);
-      } else {  // a matrix for each direction of the configuration
+      } else {  // one matrix for each direction of the configuration
         left[0] = 0, divisor = directions_[index[0]];
       }
     } else if (denominator == "unit of the velocity") {
@@ -129,14 +129,17 @@ template <class T> class UnitsOf {
     } else if (denominator == "unit of the parameter") {
       const std::size_t k = index[last(Extent::n_parameters)] % 10;
       divisor = list_of("kg, kg m, kg m^2")[k < 1 ? 0 : k < 4 ? 1 : 2];
-    } else if (!denominator.empty()) {  // of a six-vector
+    } else if (!denominator.empty()) {  // per unit of a component of a six-vector
       const bool in_entry = !std::count(row_.shape.begin(), row_.shape.end(), Extent::six);
       const std::size_t at = in_entry ? component : index[last(Extent::six)];
       if (in_entry) component_left = false;
       divisor = list_of(denominator).at(at < 3 ? 0 : 1);
     }
 
-    if (numerator.find("of w ") != string_view::npos) return dimension::one / divisor;  // see weighed()
+    if (numerator.find("of w ") != string_view::npos)
+      return dimension::one / divisor;  // the weights w make the
+                                        // numerator a number, see
+                                        // weights()
     Dimensions list;
     if (numerator == "of J") {
       list = list_of("rad/s, m/s");
@@ -166,7 +169,7 @@ template <class T> class UnitsOf {
   std::vector<std::size_t> extents_;
 };
 
-/// The weights of a row in other units: what they weigh becomes a number without a unit.
+/// The weights of a row in other units, such that the weighted sum has no unit.
 template <class T>
 Numbers weights(const Function<T>& row, const Units& units, const Model& model, Numbers w) {
   const Dimensions directions = direction_dimensions(model);
@@ -225,7 +228,7 @@ TEST_P(UnitsLaw, MultiplyEveryNumberByTheUnitOfItsRow) {
           try {
             const Solvability status = row.call(of, workspace, arguments.given(), out);
             return std::pair(cast<double>(out), status);
-          } catch (const std::domain_error&) {  // nothing has mass
+          } catch (const std::domain_error&) {  // no body has mass
             return std::pair(Numbers(), Solvability{});
           }
         };
@@ -246,7 +249,7 @@ TEST_P(UnitsLaw, MultiplyEveryNumberByTheUnitOfItsRow) {
   });
 }
 
-/// A closed mechanism and the same in other units.
+/// A closed mechanism, and the same mechanism in other units.
 struct ClosedInUnits {
   ClosedInUnits(const Units& in, std::uint64_t seed)
       : units(in),
@@ -257,7 +260,8 @@ struct ClosedInUnits {
         tau(in_units(units, one.model, Ask{.tau = one.tau}).tau),
         loops(one.model),
         other_loops(other) {}
-  /// Accelerations under the drives and loads, with multipliers, and of the other one in the units of the first.
+  /// The accelerations of both mechanisms under their drives and loads, those of the second changed back into
+  /// the units of the first.
   std::pair<Numbers, Numbers> accelerations() {
     Numbers a(one.tau.size()), other_a(a.size());
     EXPECT_TRUE(
@@ -276,7 +280,8 @@ struct ClosedInUnits {
   LoopWorkspace<double> loops, other_loops;
 };
 
-/// Rows of loops are couples and forces, which only units of length tell apart.
+/// The rows of loops are couples or forces, and only the unit of length makes a difference between these.
+/// Changes of the units of mass and time must therefore multiply results without any rounding.
 TEST(UnitsOfLoops, OfMassAndTimeMultiplyToTheLastBit) {
   for (const Units& units :
        {Units{.mass = 0x1p-20}, Units{.mass = 0x1p20}, Units{.time = 0x1p-10}, Units{.time = 0x1p10}})

@@ -3,8 +3,8 @@
 
 #include "tests/support/subject.hpp"
 
-/// Time derivatives by Taylor series. The kernels run on series in t of a motion q(t), v(t) that passes through
-/// a state at time 0, with the velocities and accelerations of that state; numbers are doubles.
+/// Time derivatives by Taylor series. The kernels run on series in t of a motion q(t), v(t) that passes
+/// through a state at time 0, with the velocities and accelerations of that state; numbers are doubles.
 namespace axode::test {
 
 /// The columns of Ṙ and ṙ of every frame, frame after frame.

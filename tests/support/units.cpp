@@ -35,8 +35,8 @@ std::map<std::string, Dimension> coordinates_by_name(const Description& descript
   return all;
 }
 
-/// Changes the units of all numbers of a degree of freedom: limits, armature and coefficients of springs, stops
-/// and losses. Its coordinate has the given dimension.
+/// Changes the units of all numbers of a degree of freedom whose coordinate has this dimension: limits,
+/// armature and the coefficients of springs, stops and losses.
 void scale(const Units& units, const Dimension& coordinate, Dof& dof) {
   const Dimension effort = energy / coordinate;
   dof.lower *= units(coordinate), dof.upper *= units(coordinate), dof.rest *= units(coordinate);
