@@ -22,7 +22,7 @@ constexpr std::array moving_kinds{JointKind::revolute,    JointKind::prismatic, 
                                   JointKind::cylindrical, JointKind::universal, JointKind::spherical,
                                   JointKind::planar,      JointKind::free};
 
-/// A body on the ground by one joint, with the limits for each degree of freedom.
+/// A model of one body that is connected to the ground by one joint, with limits for each degree of freedom.
 Model one_joint(JointKind kind, std::vector<Dof> dof = {}) {
   return ModelBuilder("single")
       .add({.name = "b",
@@ -115,7 +115,7 @@ TEST(Configuration, StepsAlongOneScrewAddUp) {
   for (std::uint64_t seed = 1; seed < 50; ++seed) {
     const Model model = any_model(seed);
     const std::vector<double> q = random_configuration(model, seed), dv = random_step(random, model, 3);
-    const std::vector<double> once = integrate(model, q, scaled(5, dv));  // turns far beyond π
+    const std::vector<double> once = integrate(model, q, scaled(5, dv));  // rotates by much more than π
     const std::vector<double> twice = integrate(model, integrate(model, q, scaled(2, dv)), scaled(3, dv));
     EXPECT_LE(motion_between(model, once, twice), 1e-11);
     EXPECT_LE(motion_between(model, integrate(model, once, scaled(-5, dv)), q), 1e-11) << "and back";
@@ -125,7 +125,9 @@ TEST(Configuration, StepsAlongOneScrewAddUp) {
 TEST(Configuration, StepsAreLeftTrivialised) {
   Random<double> random(53);
   for (const JointKind kind : moving_kinds) {
-    if (kind == JointKind::cylindrical || kind == JointKind::universal) continue;  // two joints
+    if (kind == JointKind::cylindrical || kind == JointKind::universal)
+      continue;  // the library splits these into
+                 // two joints
     const Model model = one_joint(kind);
     const Body& body = model.body(1);
     for (int trial = 0; trial < 100; ++trial) {
@@ -293,7 +295,8 @@ TEST(Configuration, RandomIsFiniteWithinAnyLimits) {
     EXPECT_LE(std::abs(random_configuration(model, seed)[0]), 1e308);
 }
 
-/// Shares of samples in ten equal bins must not be far from a tenth (six standard deviations).
+/// Counts the samples in ten equal bins. Each of the shares must be a tenth to within six standard
+/// deviations.
 void expect_uniform(const std::vector<double>& samples, double lower, double upper, const char* what) {
   std::array<int, 10> bins{};
   for (const double x : samples) {
@@ -326,7 +329,8 @@ TEST(Configuration, RandomIsUniform) {
 TEST(Configuration, RandomRotationsFavourNoDirection) {
   for (const JointKind kind : {JointKind::spherical, JointKind::free}) {
     const Model model = one_joint(kind);
-    std::array<std::vector<double>, 9> entries;  // every entry of a uniform rotation is uniform (Archimedes)
+    std::array<std::vector<double>, 9> entries;  // each entry of a uniformly distributed rotation matrix is
+                                                 // itself uniformly distributed (Archimedes)
     for (std::uint64_t seed = 0; seed < 20'000; ++seed) {
       const std::vector<double> q = random_configuration(model, seed);
       EXPECT_NO_THROW(check_configuration(model, q));

@@ -8,7 +8,8 @@
 #include "tests/lie/relative_error.hpp"
 #include "tests/support/random_tree.hpp"
 
-/// Eigen's vectors go in and its matrices come out; frames go by name, and several at once.
+/// The functions that take Eigen's vectors and return its matrices. They take frames by name, and several
+/// frames at once.
 namespace axode::test {
 namespace {
 

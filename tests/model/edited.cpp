@@ -14,7 +14,8 @@
 #include "tests/model/random_loops.hpp"
 #include "tests/support/random_tree.hpp"
 
-/// New models from old ones: other parameters, another gravity, a payload, a mechanism mounted on another.
+/// Models that are made from other models: with other parameters, another gravity or a payload, or mounted on
+/// another mechanism.
 namespace axode::test {
 namespace {
 
@@ -40,7 +41,7 @@ double largest(const std::vector<double>& x) {
   return found;
 }
 
-/// Y pi.
+/// The generalised forces Y pi, from the regressor Y and the parameters pi.
 std::vector<double> by_regressor(const Model& model, const State<double>& at, const std::vector<double>& pi) {
   Workspace<double> workspace(model);
   std::vector<double> Y(pi.size() * static_cast<std::size_t>(model.nv())), tau(model.nv());
@@ -55,7 +56,7 @@ TEST(WithParameters, DriveForcesAreTheRegressorTimesTheParameters) {
     SCOPED_TRACE(seed);
     Random<double> random(seed);
     Description description = told(random_mechanism(random, {.most_bodies = 20}), random);
-    for (BodyDescription& body : description.bodies)  // which the regressor leaves out
+    for (BodyDescription& body : description.bodies)  // the regressor does not count these
       for (Dof& dof : body.joint.dof) dof.armature = 0;
     const Model model = ModelBuilder(description).build();
     std::vector<double> pi;
@@ -225,7 +226,8 @@ TEST(Append, LoopsOfBothAreClosedAsBefore) {
   EXPECT_GT(loops, 600U);
 }
 
-/// The state of one model in the coordinates of another one of the same bodies.
+/// The state of the model `to` in which its bodies have the poses and twists that they have in a state of
+/// `from`. Both models have the same bodies.
 JointState in_coordinates_of(const Model& to, const Model& from, const std::vector<double>& q,
                              const std::vector<double>& v, std::span<const double> near = {}) {
   Workspace<double> workspace(from);
@@ -242,7 +244,8 @@ JointState in_coordinates_of(const Model& to, const Model& from, const std::vect
   return joint_state(to, C_to, V_to, near);
 }
 
-/// A tree with one root, which is free or, if not, fixed; joints with several velocities have no axes of their own.
+/// A random tree with one root, which is free or fixed. Joints with several velocities have no limits,
+/// springs or losses along single axes, because these axes would depend on the direction of the joint.
 Model tree_to_reroot(Random<double>& random, bool free) {
   Description tree =
       told(random_mechanism(random, {.most_bodies = 12, .always_mass = true, .one_free_root = true}), random);
@@ -268,7 +271,7 @@ TEST(Rerooted, AFloatingMechanismMovesAsBefore) {
     EXPECT_LE(at.position_residual, 1e-9);
     EXPECT_LE(at.velocity_residual, 1e-9);
 
-    // v' = X v, so that τ = Xᵀ τ'.
+    // The velocities of the two models are related by v' = X v, and their forces by τ = Xᵀ τ'.
     const Eigen::Index nv = model.nv();
     Eigen::MatrixXd X(nv, nv);
     for (Eigen::Index k = 0; k < nv; ++k) {
@@ -284,7 +287,7 @@ TEST(Rerooted, AFloatingMechanismMovesAsBefore) {
                           found = X.transpose() * Square(M_other.data(), nv, nv) * X;
     EXPECT_LE((found - expected).cwiseAbs().maxCoeff(), 1e-9 * expected.cwiseAbs().maxCoeff());
 
-    // The same drive forces move all bodies in the same way.
+    // Equivalent drive forces accelerate all bodies in the same way.
     const std::vector<double> tau = random_numbers(random, model.nv(), 10);
     const Eigen::VectorXd tau_other =
         X.transpose().partialPivLu().solve(Eigen::Map<const Eigen::VectorXd>(tau.data(), nv));
@@ -311,7 +314,7 @@ TEST(Rerooted, CoordinatesOfJointsOfOneVelocityAndNamesStay) {
     Random<double> random(seed);
     Description tree = tree_to_reroot(random, seed % 2 == 0).description();
     for (BodyDescription& body : tree.bodies)
-      if (body.joint.coupling) body.joint.coupling->offset = 0;  // so that all joints can be at zero
+      if (body.joint.coupling) body.joint.coupling->offset = 0;  // so that all joints can be at 0
     const Model model = ModelBuilder(tree).build(), other = rerooted(model, any_body(model, random));
     const std::vector<double> q = random_configuration(model, seed);
     ASSERT_EQ(other.n_bodies(), model.n_bodies());
@@ -323,7 +326,7 @@ TEST(Rerooted, CoordinatesOfJointsOfOneVelocityAndNamesStay) {
       EXPECT_EQ(its.leader.has_value(), joint.leader.has_value());
       if (joint.nq == 1) one[joint.iq] = same[its.iq] = q[joint.iq];
     }
-    // Relative to any one body all others are where they were, and at zero in space as well.
+    // Seen from any one body, all others are where they were before; at the coordinates 0 also in space.
     const std::vector<SE3<>> C = poses_of(model, one), C_other = poses_of(other, same),
                              C_0 = poses_of(model, neutral(model)),
                              C_other_0 = poses_of(other, neutral(other));
@@ -417,7 +420,7 @@ TEST(Append, ByAJointIsTheOtherMechanismOnAMovingGround) {
     const Model both = append(arm, flange.name, hand, "hand ", wrist);
     ASSERT_EQ(both.nv(), arm.nv() + hand.nv() + kind.dof);
 
-    // The wrist as it is drawn alone on the ground.
+    // The wrist, drawn alone on the ground.
     const Model alone = ModelBuilder("wrist")
                             .add(BodyDescription{.name = "hand mount.base",
                                                  .joint =

@@ -11,18 +11,20 @@
 #include "tests/lie/random_quantities.hpp"
 #include "tests/support/comparison.hpp"
 
-/// Where a mechanism is drawn does not matter: a light one ten kilometres from the origin of the construction frame is
-/// the one at the origin.
+/// The place where a mechanism is drawn does not matter: a light mechanism ten kilometres from the origin of
+/// the construction frame moves like the same one at the origin.
 namespace axode::test {
 namespace {
 
-/// Where body frames are: all in the construction frame, each in its joint, or each turned somewhere near its body.
+/// Where the body frames are: all at the construction frame, each at its joint, or each near its body and
+/// turned.
 enum class BodyFrames { construction, joints, turned };
-/// In which frame inertias are given, about the centre of mass.
+/// The frame in which inertias about the centre of mass are given.
 using Inertias = GivenIn;
 
-/// A palm, and a finger of 10 g with two links, a pad that is fixed to it and a ball at its end, drawn at o. All lengths
-/// are sums of few powers of two, so that they are exact wherever o is. The tip has a joint of any kind; a prismatic one has no point.
+/// A hand that is drawn at o: a palm, and a finger of 10 g with two links, a pad that is fixed to it and a
+/// ball at its end. All lengths are sums of few powers of two, so that they are represented exactly wherever
+/// o is. The joint of the tip may have any kind; the drawing of a prismatic one has no point.
 Description hand(const Vec3<>& o, BodyFrames frames, Inertias inertias,
                  JointKind of_tip = JointKind::revolute) {
   Description hand{.name = "hand"};
@@ -58,8 +60,9 @@ Description hand(const Vec3<>& o, BodyFrames frames, Inertias inertias,
   return hand;
 }
 
-/// Their dynamics agree, in all representations whose quantities are not about the origin itself. The solution of a linear system
-/// has `solved` as its bound, for the masses of the bodies differ by two orders of magnitude.
+/// Expects the same dynamics of both models, in all representations whose quantities are not about the
+/// inertial origin. Solutions of linear systems have the larger bound `solved`, because the masses of the
+/// bodies differ by two orders of magnitude.
 void expect_same_dynamics(const Model& far, const Model& near, Random<double>& random, double bound = 1e-13) {
   constexpr double solved = 1e-9;
   ASSERT_EQ(far.nv(), near.nv());
@@ -76,7 +79,8 @@ void expect_same_dynamics(const Model& far, const Model& near, Random<double>& r
     force.expect_equal(tau, expected);
     mass_matrix<Rep>(near, workspace, q, M_expected);
     mass_matrix<Rep>(far, far_workspace, q, M);
-    for (std::size_t r = 0; r < nv; ++r)  // each entry as its own row and column let it be known
+    for (std::size_t r = 0; r < nv; ++r)  // an entry is compared relative to the diagonal entries of its row
+                                          // and column
       for (std::size_t c = 0; c < nv; ++c)
         EXPECT_NEAR(M[r * nv + c], M_expected[r * nv + c],
                     bound * std::sqrt(M_expected[r * nv + r] * M_expected[c * nv + c]));
@@ -101,7 +105,7 @@ void expect_same_dynamics(const Model& far, const Model& near, Random<double>& r
     Comparison("derivative", k < 3 ? bound : solved).expect_equal(of_far[k], of_near[k]);
 }
 
-/// law(at o, at the origin) for every way to draw the hand, from near to far.
+/// Calls law(the hand at o, the hand at the origin) for every way to draw it and for places from near to far.
 template <class Law> void for_hands(const Law& law) {
   for (const double o : {0., 1., 100., 10'000.})
     for (const BodyFrames frames : {BodyFrames::construction, BodyFrames::joints, BodyFrames::turned})
@@ -126,7 +130,8 @@ TEST(FarFromTheOrigin, JointsOfEveryKindLoseNothing) {
     for (const double o : {1., 100., 10'000.})
       for (const BodyFrames frames : {BodyFrames::construction, BodyFrames::joints, BodyFrames::turned})
         for (const Inertias inertias : {GivenIn::construction_frame, GivenIn::body_frame}) {
-          // The coordinates of a free joint are about its body frame, so that this must be near the body.
+          // The coordinates of a free joint describe its body frame, so that this frame must be near the
+          // body.
           if (kind.kind == JointKind::free && frames == BodyFrames::construction) continue;
           SCOPED_TRACE(std::string(kind.name) + " at " + std::to_string(o) + " m, body frames " +
                        std::to_string(static_cast<int>(frames)));
@@ -167,7 +172,7 @@ TEST(FarFromTheOrigin, LockedJointsLoseNothing) {
       SCOPED_TRACE(locked.front());
       const Model less_far = reduced(all_far, locked, q), less_near = reduced(all_near, locked, q);
       expect_same_dynamics(less_far, less_near, random);
-      const std::string_view last = less_near.joint(1).name;  // and once more
+      const std::string_view last = less_near.joint(1).name;  // lock one more joint
       expect_same_dynamics(reduced(less_far, {&last, 1}, neutral(less_far)),
                            reduced(less_near, {&last, 1}, neutral(less_near)), random);
     }
@@ -178,7 +183,7 @@ TEST(FarFromTheOrigin, ADrawingLosesNothing) {
   Random<double> random(3);
   for_hands([&](const Description& far, const Description& near) {
     if (far.bodies[0].inertia->in == GivenIn::body_frame)
-      return;  // a drawing has them in the construction frame
+      return;  // drawings are written with inertias in the construction frame
     std::stringstream drawing;
     write_drawing(ModelBuilder(far).build(), drawing);
     expect_same_dynamics(ModelBuilder(read_drawing_text(drawing.str(), "hand.toml")).build(),

@@ -11,8 +11,7 @@
 
 #include "tests/model/random_mechanism.hpp"
 
-/// Every rule that the builder checks: which fault is raised, for which
-/// element, in which words.
+/// Every rule that the builder checks: which fault it reports, for which element, and in which words.
 namespace axode {
 
 void PrintTo(const Fault& fault, std::ostream* out) {
@@ -33,7 +32,7 @@ using testing::UnorderedElementsAre;
 constexpr double infinity = std::numeric_limits<double>::infinity();
 constexpr double nan = std::numeric_limits<double>::quiet_NaN();
 
-/// Two bodies in a row, without a fault.
+/// A description of two bodies in a row that has no fault.
 Description two_bodies() {
   const MassProperties solid{.mass = 2, .com = {0.1, 0, 0}, .Theta = {.02, .03, .03, 0, 0, 0}};
   return {.name = "pair",
@@ -55,7 +54,7 @@ Description with(const std::function<void(Description&)>& change) {
   return description;
 }
 
-/// What build() throws: the faults of a ModelError, or none.
+/// The faults of the ModelError that build() throws; none if it throws no error.
 std::vector<Fault> faults(const Description& description, Strictness strictness = Strictness::strict) {
   try {
     ModelBuilder(description).build(strictness);
@@ -74,7 +73,7 @@ auto says(Rule rule, const char* element, const testing::Matcher<const std::stri
 // ------------------------------------------------------------------------------------
 // the table of faults
 
-/// The kind of a name, among all of them.
+/// The kind that has this name.
 template <class Kinds> auto kind_of(const std::string& name, const Kinds& kinds) {
   return *std::ranges::find_if(kinds, [&](auto kind) { return to_string(kind) == name; });
 }
@@ -169,7 +168,7 @@ void change(Description& d, const std::string& key, const std::string& text) {
   others.contains(key) ? others.at(key)() : members.at(member)();
 }
 
-/// The description after the changes of a row. The sign # stands for a number.
+/// The description after the changes of a row of the table. The sign # stands for a number.
 Description changed(std::string changes, const std::string& number) {
   Description description = two_bodies();
   for (std::size_t at; (at = changes.find('#')) != changes.npos;) changes.replace(at, 1, number);
@@ -182,8 +181,7 @@ Description changed(std::string changes, const std::string& number) {
   return description;
 }
 
-/// The severity, rule, element and message of each fault, as the table has
-/// them.
+/// The severity, rule, element and message of each fault, as the table writes them.
 std::vector<std::string> words_of(std::span<const Fault> faults) {
   std::vector<std::string> words;
   for (const Fault& fault : faults)
@@ -317,7 +315,7 @@ TEST(Faults, DegreesOfFreedomAreDescribedAllOrNot) {
     }
 }
 
-/// A rotation sheared and stretched, so that RᵀR is off the identity by `off`.
+/// A rotation matrix R that is sheared and stretched until RᵀR differs from the identity by `off`.
 SO3<> distorted(double off) {
   SO3<> R = exp_SO3(Vec3<>{0.3, -0.4, 0.5});
   R.x += off * R.y;
@@ -325,8 +323,8 @@ SO3<> distorted(double off) {
   return R;
 }
 
-/// One of the poses of a description: how to set it, and which element and
-/// thing a fault should name.
+/// One of the poses in a description: how to set it, and which element and which part of it a fault should
+/// name.
 struct Place {
   const char* element;
   std::string thing;

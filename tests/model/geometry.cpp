@@ -8,7 +8,7 @@
 #include "axode/kinematics/higher_order/product_of_exponentials.hpp"
 #include "tests/model/random_mechanism.hpp"
 
-/// The three ways in which geometry may be given are one: what follows from them does not depend on the way.
+/// The three ways to give the geometry of a mechanism lead to the same model.
 namespace axode::test {
 namespace {
 
@@ -37,7 +37,8 @@ void expect_equal_trees(const Tree<double>& a, const Tree<double>& b) {
   for (int f = 0; f < a->n_frames(); ++f) EXPECT_LE(distance(a.frame_offset[f], b.frame_offset[f]), rounding);
 }
 
-/// A, B, the screws and the inertia of every body and the pose of every frame; these are the user's.
+/// Expects the same A, B, screws and inertia of every body and the same pose of every frame, because all of
+/// these refer to the frames of the user.
 void expect_equal_bodies(const Model& a, const Model& b) {
   ASSERT_EQ(a.n_bodies(), b.n_bodies());
   ASSERT_EQ(a.n_frames(), b.n_frames());
@@ -227,7 +228,8 @@ TEST(Geometry, PosesFollowTheProductOfExponentials) {
 
 // ----------------------------------------------------------- which frame the joint frame keeps its axes from
 
-/// The joint frame, in the frame in which the axis was given, of a joint told in each of the ways.
+/// Calls f(joint frame, body) for a joint whose geometry is given in each of the ways. The joint frame is
+/// expressed in the frame in which the axis was given.
 void each_joint_frame(const JointDescription& joint,
                       const std::function<void(const SE3<>& J, const Body& body)>& f) {
   Random<double> random(20);
@@ -304,7 +306,7 @@ TEST(Geometry, InertiaIsOneHoweverItIsGiven) {
   Random<double> random(22);
   for (int trial = 0; trial < 100; ++trial) {
     const SE3<> A = random.pose();
-    const Inertia<> M = random.inertia();  // in the body frame
+    const Inertia<> M = random.inertia();  // expressed in the body frame
     for (const GivenIn in : {GivenIn::body_frame, GivenIn::construction_frame})
       for (const InertiaAbout about : {InertiaAbout::center_of_mass, InertiaAbout::frame_origin})
         for (const bool turned : {false, true}) {

@@ -9,11 +9,12 @@
 #include "axode/model/shape_kinds.hpp"
 #include "tests/model/random_mechanism.hpp"
 
-/// Whatever a description holds, it is built into a consistent model or refused with at least one fault.
+/// The builder turns every description, whatever it holds, into a consistent model or refuses it with at
+/// least one fault.
 namespace axode::test {
 namespace {
 
-/// Parts of descriptions, most of them sound, some of them nonsense.
+/// Draws parts of descriptions; most of them are valid and some are nonsense.
 class Nonsense {
  public:
   explicit Nonsense(std::uint64_t seed, double share) : random_(seed), share_(share) {}
@@ -35,7 +36,8 @@ class Nonsense {
   template <class Choices> auto any(const Choices& choices) {
     return *(std::begin(choices) + whole(0, static_cast<int>(std::size(choices)) - 1));
   }
-  /// Names that clash with each other, with those of the tree and with those of parts of joints.
+  /// A name that may clash with other such names, with names of the tree, and with names that the library
+  /// gives to parts of joints.
   std::string name() {
     static const std::vector<std::string> names{"",          "ground",    "b0",
                                                 "b1",        "b2",        "b3",
@@ -122,7 +124,7 @@ class Nonsense {
   double share_;
 };
 
-/// What every model must hold, whatever it was built from.
+/// Expects the properties that every model has, whatever it was built from.
 void expect_consistent(const Model& model) {
   const Tree<double>& tree = model.tree<double>();
   const int n = model.n_bodies();
@@ -162,7 +164,7 @@ void expect_consistent(const Model& model) {
   for (int i = 1; i <= n; ++i) EXPECT_EQ(kinds[i - 1], i);
 }
 
-/// Runs everything that takes a model; the numbers may be anything.
+/// Calls every function that takes a model. Their results may be any numbers.
 void expect_usable(const Model& model, Nonsense& nonsense) {
   Workspace<double> workspace(model);
   const std::vector<double> q = clamp(model, random_configuration(model, 7)), v(model.nv(), 0.5);
@@ -178,7 +180,7 @@ void expect_usable(const Model& model, Nonsense& nonsense) {
     const Model less = reduced(model, locked, q);
     expect_consistent(less);
     EXPECT_EQ(less.n_frames(), model.n_frames());
-  } catch (const ModelError& error) {  // huge numbers overflow when a joint moves
+  } catch (const ModelError& error) {  // huge numbers may overflow when joints are displaced
     for (const Fault& fault : error.faults())
       if (fault.severity == Severity::error) {
         EXPECT_EQ(fault.rule, Rule::non_finite_number) << error.what();
@@ -187,7 +189,7 @@ void expect_usable(const Model& model, Nonsense& nonsense) {
   EXPECT_EQ(ModelBuilder(model).build().n_bodies(), model.n_bodies());
 }
 
-/// How many of the descriptions could be built.
+/// Builds `count` random descriptions and returns how many of them were valid.
 int build_all(std::uint64_t first_seed, int count, double share_of_nonsense) {
   int built = 0;
   for (std::uint64_t seed = first_seed; seed < first_seed + static_cast<std::uint64_t>(count); ++seed) {
@@ -236,7 +238,8 @@ TEST(HostileDescriptions, OnesWithMuchNonsenseAreBuiltOrRefused) { build_all(200
 
 TEST(HostileDescriptions, PureNonsenseIsRefused) { build_all(300'000, 4000, 0.5); }
 
-/// Names and predecessors drawn from three letters: cycles, twins and orphans of every shape.
+/// Names and predecessors are drawn from three letters, which makes cycles, duplicate names and missing
+/// predecessors of every shape.
 TEST(HostileDescriptions, EveryTangleOfThreeNamesIsBuiltOrRefused) {
   const std::array<std::string, 5> names{"a", "b", "c", "ground", ""};
   int built = 0;

@@ -4,7 +4,7 @@
 #include "axode/dynamics.hpp"
 #include "tests/model/random_mechanism.hpp"
 
-/// Names find things, models never change, and edits make new ones.
+/// Names lead to indices, models never change, and edits make new models.
 namespace axode::test {
 namespace {
 

@@ -1,13 +1,14 @@
 #include "axode/dynamics.hpp"
 #include "tests/model/random_mechanism.hpp"
 
-/// What mechanisms take of memory, and models whose memory others took over.
+/// How much memory mechanisms need, and models whose memory was moved into other ones.
 namespace axode::test {
 namespace {
 
-/// Which hinges follow others: none, the last one the first, each second one the one before it, all the first.
+/// Which hinges follow others: none of them, the last one follows the first, each second one follows the one
+/// before it, or all follow the first.
 enum class Couplings { none, one, pairs, all };
-/// Hinges on the ground.
+/// A description of n hinges on the ground.
 Description hinges(int n, Couplings couplings) {
   Description description{.name = "hinges"};
   for (int i = 0; i < n; ++i) {
@@ -23,7 +24,7 @@ Description hinges(int n, Couplings couplings) {
   return description;
 }
 
-/// The same on a body that moves.
+/// The same hinges on a body that moves.
 Description on_a_carrier(Description hinges) {
   for (BodyDescription& body : hinges.bodies) body.predecessor = "carrier";
   BodyDescription carrier{.name = "carrier", .joint = {.name = "carrier joint", .kind = JointKind::free}};
@@ -53,7 +54,7 @@ TEST_P(MemoryOfCouplings, GrowsWithTheBodiesAndNotWithTheirSquare) {
 }
 
 TEST_P(MemoryOfCouplings, ManyMoreHingesThanAnIntHasPairsOf) {
-  const int n = 100'002;  // 50,001 pairs, of which an int does not hold the square either
+  const int n = 100'002;  // 50,001 pairs; the square of that number does not fit into an int
   const Model model = ModelBuilder(hinges(n, GetParam())).build();
   Workspace<> workspace(model);
   const std::size_t nv = static_cast<std::size_t>(model.nv());

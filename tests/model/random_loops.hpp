@@ -9,10 +9,11 @@
 
 #include "tests/model/random_mechanism.hpp"
 
-/// Random loops on random trees, and where they are.
+/// Random loops on random trees, and their displacements.
 namespace axode::test {
 
-/// A loop of a kind between two places, drawn or told with frames, with some of what may be left out.
+/// A random loop of a kind between two bodies or frames. Its geometry is drawn or given by frames, and some
+/// entries that may be left out are left out.
 inline LoopDescription random_loop(Random<double>& random, LoopKind kind,
                                    const std::array<std::string, 2>& between) {
   const auto chance = [&](double p) { return random.number(0, 1) < p; };
@@ -35,8 +36,9 @@ inline LoopDescription random_loop(Random<double>& random, LoopKind kind,
   return loop;
 }
 
-/// The same tree with loops of all kinds between bodies and frames that move against each other, couplings and passive
-/// joints. Every body gets a mass, without which no loop may be cut there. A tree in which nothing moves gets no loops.
+/// The same tree with loops of all kinds between bodies and frames that can move relative to each other, with
+/// couplings and passive joints. Every body gets a mass, because loops may be cut only at bodies that have
+/// one. A tree that cannot move gets no loops.
 inline Description with_loops(Description tree, Random<double>& random) {
   for (BodyDescription& body : tree.bodies) {
     const MassProperties matter = mass_properties(random.inertia());
@@ -61,14 +63,14 @@ inline Description with_loops(Description tree, Random<double>& random) {
   return tree;
 }
 
-/// How far a coupling is from closed.
+/// The residual of a coupling; it is 0 if the coupling is closed.
 inline double residual(const LoopCoupling& coupling, const std::vector<double>& q) {
   double sum = -coupling.offset;
   for (const LoopCoupling::Term& term : coupling.terms)
     sum += term.factor * q[static_cast<std::size_t>(term.coordinate)];
   return sum;
 }
-/// The pose of the second frame of a loop in the first, from the poses of all frames of the model.
+/// The pose of the second frame of a loop in its first frame, from the poses of all frames of the model.
 inline SE3<> displacement(const Model& model, const Loop& loop, const std::vector<SE3<>>& C) {
   const auto end = [&](const Loop::End& at) {
     return C[static_cast<std::size_t>(at.body)] * model.body(at.body).S_self * at.F;
@@ -76,7 +78,8 @@ inline SE3<> displacement(const Model& model, const Loop& loop, const std::vecto
   return inverse(end(loop.ends[0])) * end(loop.ends[1]);
 }
 
-/// Every loop of a part is one of the whole, whose names have a prefix, and closed or open by as much.
+/// Expects every loop of a part in the whole mechanism too, where its name has a prefix, with the same
+/// displacement or residual.
 inline void expect_same_loops(const Model& part, const std::vector<double>& q_part, const Model& whole,
                               const std::vector<double>& q_whole, const std::string& prefix = "") {
   const std::vector<SE3<>> C_part = poses_of(part, q_part), C_whole = poses_of(whole, q_whole);

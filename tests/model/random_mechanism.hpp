@@ -10,7 +10,8 @@
 #include "tests/lie/relative_error.hpp"
 #include "tests/support/random_tree.hpp"
 
-/// Random mechanisms drawn in the construction frame, and the same bodies told in the other two ways.
+/// Random mechanisms that are drawn in the construction frame, and the same mechanisms described in the two
+/// other ways.
 namespace axode::test {
 
 inline constexpr std::array all_kinds{JointKind::fixed,     JointKind::revolute,    JointKind::prismatic,
@@ -19,15 +20,15 @@ inline constexpr std::array all_kinds{JointKind::fixed,     JointKind::revolute,
 inline constexpr std::array one_dof_kinds{JointKind::revolute, JointKind::prismatic, JointKind::helical};
 inline constexpr std::array multi_dof_kinds{JointKind::spherical, JointKind::planar, JointKind::free};
 
-/// Body, frame and joint names by a letter and a number: b3, j3, f3.
+/// The name of a body, frame or joint: a letter and a number, such as b3, j3 or f3.
 inline std::string numbered(char letter, int i) { return letter + std::to_string(i); }
 
-/// Mass properties about the centre of mass, in the body frame.
+/// Mass properties about the centre of mass, expressed in the body frame.
 inline MassProperties mass_properties(const Inertia<>& M) {
   return {.mass = M.m, .com = center_of_mass(M), .Theta = inertia_about_com(M)};
 }
 
-/// A body drawn in the construction frame, with a joint of the kind.
+/// A random body that is drawn in the construction frame, with a joint of this kind.
 inline BodyDescription random_body(Random<double>& random, int number, std::string predecessor,
                                    JointKind kind) {
   return {.name = numbered('b', number),
@@ -42,7 +43,8 @@ inline BodyDescription random_body(Random<double>& random, int number, std::stri
           .inertia = mass_properties(random.inertia())};
 }
 
-/// A tree with several roots, every joint of one of the kinds, each body on an earlier one.
+/// A random tree with several roots. Each body is on an earlier one or on the ground, and its joint has one
+/// of these kinds.
 template <class Kinds> Description random_tree(Random<double>& random, int n, const Kinds& kinds) {
   Description tree{.name = "random tree", .gravity = random.vector(10)};
   for (int i = 0; i < n; ++i) {
@@ -54,10 +56,11 @@ template <class Kinds> Description random_tree(Random<double>& random, int n, co
   return tree;
 }
 
-/// A body that is drawn in the construction frame told in another way; the third way takes the joint frame J.
+/// Changes a body that is drawn in the construction frame into another way to give its geometry. The third
+/// way uses the joint frame J.
 inline BodyDescription told(BodyDescription body, Way way, const SE3<>& A_predecessor, const SE3<>& J) {
   const SE3<> A = std::get<InConstructionFrame>(body.geometry).A;
-  SE3<> frame;  // of axis and point
+  SE3<> frame;  // the frame in which axis and point are given
   if (way == Way::body_frame) {
     frame = A;
     body.geometry = InBodyFrame{inverse(A_predecessor) * A};
@@ -71,13 +74,13 @@ inline BodyDescription told(BodyDescription body, Way way, const SE3<>& A_predec
   return body;
 }
 
-/// The reference pose of the frame of a body of a drawn tree.
+/// The reference pose of a body frame of a drawn tree.
 inline SE3<> reference_pose(const Description& drawn, const std::string& name) {
   const auto body = std::ranges::find(drawn.bodies, name, &BodyDescription::name);
   return body == drawn.bodies.end() ? SE3<>{} : std::get<InConstructionFrame>(body->geometry).A;
 }
 
-/// A drawn tree with body i told in the way way_of(i); random joint frames.
+/// A drawn tree in which the geometry of body i is given in the way way_of(i), with random joint frames.
 template <class WayOf> Description told(const Description& drawn, Random<double>& random, WayOf way_of) {
   Description tree = drawn;
   for (std::size_t i = 0; i < tree.bodies.size(); ++i)
@@ -86,7 +89,7 @@ template <class WayOf> Description told(const Description& drawn, Random<double>
   return tree;
 }
 
-/// The largest absolute value.
+/// The largest absolute value in a list of numbers.
 inline double size(const std::vector<double>& x) {
   double largest = 0;
   for (const double value : x) largest = std::max(largest, std::abs(value));

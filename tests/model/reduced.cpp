@@ -5,7 +5,8 @@
 #include "tests/model/random_loops.hpp"
 #include "tests/model/random_mechanism.hpp"
 
-/// Locking joints: the reduced model moves, weighs and loads as the full one with those joints at rest.
+/// Locked joints: the reduced model has the motion, the masses and the loads of the full model with those
+/// joints at rest.
 namespace axode::test {
 namespace {
 
@@ -23,7 +24,7 @@ template <class Has> std::vector<std::string> names_of(const Has& things) {
   return names;
 }
 
-/// The motion of the full model in which the joints that the reduced one lacks rest in q.
+/// The motion of the full model in which the joints that the reduced model has not stay at rest at q.
 Motion in_full(const Model& full, const std::vector<double>& q, const Model& less, const Motion& motion) {
   Motion out{q, std::vector<double>(full.nv()), std::vector<double>(full.nv())};
   for (const Joint& from : less.joints()) {
@@ -35,7 +36,8 @@ Motion in_full(const Model& full, const std::vector<double>& q, const Model& les
   return out;
 }
 
-/// Poses and twists of every frame and the forces of every joint that is left agree, in motion and at rest.
+/// Expects the same poses and twists of every frame and the same forces of every remaining joint, in motion
+/// and at rest.
 void expect_same_mechanics(const Model& full, const std::vector<double>& q, const Model& less,
                            std::uint64_t seed) {
   Random<double> random(seed);
@@ -107,7 +109,7 @@ TEST(Reduced, TheRestMovesAndLoadsAsBefore) {
   }
 }
 
-/// Whether no joint is left that a loop of the full model could move.
+/// Whether the reduced model has no joint left that changes this coupling or loop.
 bool is_still(const LoopCoupling& coupling, const Model& full, const Model& less) {
   return std::ranges::none_of(coupling.terms, [&](const LoopCoupling::Term& term) {
     return std::ranges::any_of(less.joints(), [&](const Joint& joint) {

@@ -4,7 +4,7 @@
 #include "axode/dynamics.hpp"
 #include "tests/model/random_mechanism.hpp"
 
-/// What the builder makes of bodies and joints: merged, split, ordered, coupled.
+/// How the builder turns bodies and joints into a model: merged, split, ordered and coupled.
 namespace axode::test {
 namespace {
 
@@ -303,7 +303,8 @@ TEST(Structure, SplitJointsMoveAsTheirTwoScrews) {
 
 // -------------------------------------------------------------------------------------------------- coupling
 
-/// A tree of joints with one degree of freedom in which j2 follows j0 and j4 follows j2, which come after it.
+/// A tree of joints with one degree of freedom, in which j2 follows j0, and j4 follows j2, which comes after
+/// it in the description.
 Description coupled_tree(Random<double>& random) {
   Description tree = random_tree(random, 6, one_dof_kinds);
   tree.bodies[2].joint.coupling = Coupling{"j0", -2, 0.3};
