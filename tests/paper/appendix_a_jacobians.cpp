@@ -1,6 +1,6 @@
 #include "tests/paper/columns.hpp"
 
-/// Appendix A: Jacobians. With more than one screw to a joint, J_{i,j} has a column for each.
+/// Appendix A: Jacobians. If a joint has several screws, J_{i,j} has one column for each of them.
 namespace axode::test::paper {
 namespace {
 

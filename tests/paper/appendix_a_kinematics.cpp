@@ -1,7 +1,7 @@
 #include "tests/paper/equation.hpp"
 
-/// Appendix A: summary of basic kinematic relations. "i - 1" is the predecessor p of body i; with more than
-/// one screw to a joint, X_i q̇_i is the sum of its screws times their rates.
+/// Appendix A: summary of basic kinematic relations. "i - 1" is the predecessor p of body i. If a joint has
+/// several screws, X_i q̇_i is the sum of its screws times their rates.
 namespace axode::test::paper {
 namespace {
 
@@ -159,7 +159,7 @@ TEST(Paper, YsXhSecond) {
   });
 }
 
-/// The recursion of twists as the library's table of representations has it.
+/// The recursion of twists as the library computes it, with its table of representations.
 template <class Rep> Twist<Rep> twist_from_predecessor(const Motion& m, int i) {
   return m.link<Rep>(i).down(m.twist<Rep>(m.predecessor(i))) + m.push_Xqd<Rep>(i);
 }

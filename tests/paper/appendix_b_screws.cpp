@@ -9,7 +9,7 @@ namespace {
 
 Screw<> V_s(const Motion& m, int i) { return screw(m.twist<Spatial>(i)); }
 
-/// check(equation, motion, i, j) for all pairs of two bodies.
+/// Calls check(equation, motion, i, j) for every pair of bodies.
 template <class Check> void each_pair(const Check& check) {
   each_body([&](Equation& eq, const Motion& m, int i) {
     for (int j = 1; j <= m.n(); ++j)
@@ -21,7 +21,7 @@ template <class Check> void each_pair(const Check& check) {
 // X̂, which is 0.
 TEST(Paper, BodyFixedScrewRate) {
   each_body([](Equation& eq, const Motion& m, int i) {
-    const Screw<> iX{m.drawn(i).points[0].p, m.drawn(i).points[1].p};  // any that is constant
+    const Screw<> iX{m.drawn(i).points[0].p, m.drawn(i).points[1].p};  // any constant screw
     const Screw<Series> iX_of_t{cast<Series>(iX.w), cast<Series>(iX.v)};
     const Mat4 left = rate(hat(Ad(m.C_of_t(i), iX_of_t)));
     const Screw<> X = Ad(m.pose(i), iX);

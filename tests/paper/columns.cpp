@@ -13,9 +13,10 @@ template std::vector<SE3<Taylor<Three, 2>>> poses_on(const Motion&, const std::v
 
 namespace {
 
-/// The two parts of a column of a Jacobian.
+/// The angular and the linear part of a column of a Jacobian.
 template <class T> struct Column { Vec3<T> a, b; };
-/// J_{i,j}(q), on any scalar: from C_i and its derivative in q_j, by the definitions of appendix A.
+/// J_{i,j}(q) in any scalar type: from C_i and its derivative with respect to q_j, by the definitions of
+/// appendix A.
 template <class T>
 Column<T> column_of(Representation representation, const Motion& m, int i, int j, const std::vector<T>& q) {
   using Along = Taylor<T, 2>;
@@ -44,7 +45,7 @@ template <class T> void move(Taylor<T, 2>& x, const int* alpha, int c) {
   if (*alpha == c) x.c[1] = T(1);
 }
 
-/// With T the series in one ε for each α.
+/// The partial derivatives by T, a series in one ε for each joint α.
 template <class T>
 Vec6 partial_on(Representation representation, const Motion& m, int i, int j, const std::vector<int>& alpha) {
   std::vector<T> q(m.q().begin(), m.q().end());
@@ -60,7 +61,7 @@ template <class Columns> Matrix matrix_of(const Columns& columns) {
   return J;
 }
 
-/// J_{i,j} along the motion, to the second order in t.
+/// J_{i,j} along the motion, as a series in t up to the second order.
 Vec6OfT column_of_t(Representation representation, const Motion& m, int i, int j) {
   std::vector<Series> q(m.q().begin(), m.q().end());
   for (int k = 1; k <= m.n(); ++k) {

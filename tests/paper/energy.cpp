@@ -4,7 +4,7 @@ namespace axode::test::paper {
 
 namespace {
 
-/// T(q, v) on any scalar.
+/// T(q, v) in any scalar type.
 template <class S> S kinetic_energy(const Motion& m, const std::vector<S>& q, const std::vector<S>& v) {
   using Along = Taylor<S, 2>;
   std::vector<Along> moved(q.size());
@@ -20,7 +20,7 @@ template <class S> S kinetic_energy(const Motion& m, const std::vector<S>& q, co
 }
 
 std::size_t size_of(const Motion& m) { return m.v().size(); }
-/// M_ij = ∂²T/∂v_i∂v_j, and its partials in q.
+/// M_ij = ∂²T/∂v_i∂v_j, and its partial derivatives with respect to q.
 double mass_matrix_entry(const Motion& m, int i, int j) {
   std::vector<Two> q(m.q().begin(), m.q().end()), v(size_of(m));
   v[i].c[0].c[1] += 1;

@@ -13,7 +13,7 @@ double residual(const Matrix& l, const Matrix& r, double size = 0) {
   return difference == 0 ? 0 : difference / std::max({l.norm(), r.norm(), size});
 }
 
-/// Row by row.
+/// The entries of a matrix as text, row by row.
 std::string text_of(const Matrix& x) {
   std::ostringstream text;
   for (int r = 0; r < x.rows(); ++r) {

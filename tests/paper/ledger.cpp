@@ -11,10 +11,10 @@
 
 #include "tests/support/shared_files.hpp"
 
-/// The ledger of the paper's equations, equations.tsv: a table with the columns test, id, section, meaning, status,
-/// stage and code, one row for each equation. Every row of a stage that is reached has a test Paper.<test>; code is
-/// a header and something in it, which the test runs: tools/ledger_coverage.py checks that. The site's page about the
-/// paper is made of it.
+/// The ledger of the paper's equations, equations.tsv: a table with the columns test, id, section, meaning,
+/// status, stage and code, one row for each equation. Every row of a stage that is reached has a test
+/// Paper.<test>. The column code names a header and a function in it; tools/ledger_coverage.py checks that
+/// the test runs that function. The site's page about the paper is generated from this table.
 namespace axode::test::paper {
 namespace {
 
@@ -43,7 +43,7 @@ std::vector<Row> read_ledger() {
     if (columns.size() != 7) throw std::runtime_error("a row of the ledger has not 7 columns: " + line);
     rows.push_back({columns[0], columns[4], columns[5], columns[6]});
   }
-  rows.erase(rows.begin());  // the names of the columns
+  rows.erase(rows.begin());  // the first row has the names of the columns
   return rows;
 }
 

@@ -81,7 +81,8 @@ template <class T> void MatrixOf<T>::set_block(int row, int col, const MatrixOf&
 
 template <class T> template <std::same_as<double> U> MatrixOf<T> MatrixOf<T>::inverse() const {
   expect_fit(rows_ == cols_, rows_, cols_, " is no ", cols_, cols_);
-  MatrixOf A = *this, inverse = identity(rows_);  // elimination, with the largest entry of a column as pivot
+  MatrixOf A = *this, inverse = identity(rows_);  // elimination with the largest entry of each column as its
+                                                  // pivot
   for (int k = 0; k < rows_; ++k) {
     int pivot = k;
     for (int r = k; r < rows_; ++r)

@@ -6,16 +6,17 @@
 #include "axode/lie.hpp"
 #include "axode/scalar/taylor.hpp"
 
-/// Matrices as the paper writes them, of any size, compiled once. A column of numbers is a matrix with one column, and
-/// what the library answers becomes a matrix where one is wanted. Shapes that do not fit throw std::logic_error.
+/// Matrices of any size, with the operations that the paper writes; they are compiled once. A column of
+/// numbers is a matrix with one column. The library's results convert to matrices implicitly. Shapes that do
+/// not fit throw std::logic_error.
 namespace axode::test::paper {
 
-/// Of numbers, or of series in t.
+/// A matrix of numbers, or of series in t.
 template <class T> class MatrixOf {
  public:
   MatrixOf() = default;
-  MatrixOf(int rows, int cols);  ///< zeros
-  /// Of the library's quantities, angular part first.
+  MatrixOf(int rows, int cols);  ///< a matrix of zeros
+  /// The components of a quantity of the library, the angular part first.
   MatrixOf(const Vec3<T>& x);
   MatrixOf(const SO3<T>& R);
   MatrixOf(const SE3<T>& C);  ///< 4×4
@@ -25,17 +26,17 @@ template <class T> class MatrixOf {
   MatrixOf(const Screw<T>& X);
   template <template <class, class> class Kind, class Rep>
     requires is_screw_kind<Kind> MatrixOf(const Kind<Rep, T>& x) : MatrixOf(screw_of(x)) {}
-    /// Of the library's vectors and matrices.
+    /// The entries of a vector or matrix of Eigen.
     template <int Rows, int Cols> MatrixOf(const Eigen::Matrix<T, Rows, Cols>& x);
     MatrixOf(const Eigen::SparseMatrix<T>& x);
-    /// One entry, or a column of them.
+    /// A matrix with a single entry, or with a single column.
     MatrixOf(const T& x) : rows_(1), cols_(1), entries_{x} {}
     explicit MatrixOf(std::vector<T> column)
         : rows_(static_cast<int>(column.size())), cols_(1), entries_(std::move(column)) {}
 
     int rows() const { return rows_; }
     int cols() const { return cols_; }
-    /// Column by column.
+    /// The entries, column after column.
     const std::vector<T>& entries() const { return entries_; }
     std::vector<T>& entries() { return entries_; }
     T& operator()(int r, int c) { return entries_[static_cast<std::size_t>(c * rows_ + r)]; }
@@ -57,12 +58,13 @@ template <class T> class MatrixOf {
     MatrixOf block(int row, int col, int rows, int cols) const;
     MatrixOf col(int c) const { return block(0, c, rows_, 1); }
     MatrixOf middle_cols(int c, int n) const { return block(0, c, rows_, n); }
-    /// Puts B where its first entry is (row, col).
+    /// Replaces the block whose first entry is at (row, col) by B.
     void set_block(int row, int col, const MatrixOf& B);
 
-    // Of numbers. (Templates, as Clang 14 makes members of explicit instances whatever they require.)
+    // For matrices of numbers only. (These are templates because Clang 14 instantiates members of explicit
+    // instances even if their requirement is not met.)
     template <std::same_as<double> U = T> MatrixOf inverse() const;
-    template <std::same_as<double> U = T> double norm() const;  ///< of Frobenius
+    template <std::same_as<double> U = T> double norm() const;  ///< the Frobenius norm
     template <std::same_as<double> U = T> double squared_norm() const { return norm() * norm(); }
     template <std::same_as<double> U = T> double largest_entry() const;
     template <std::same_as<double> U = T> double trace() const;
@@ -86,7 +88,7 @@ extern template class MatrixOf<Series>;
 
 void expect_shape(int rows, int cols, int wanted_rows, int wanted_cols);
 
-/// A matrix whose name says its shape; zero at first.
+/// A matrix whose type has its shape; it begins as zeros.
 template <class T, int Rows, int Cols> class Shaped : public MatrixOf<T> {
  public:
   Shaped() : MatrixOf<T>(Rows, Cols) {}
@@ -110,11 +112,11 @@ Matrix blocks(const Matrix& A, const Matrix& B, const Matrix& C, const Matrix& D
 /// diag(A, B).
 Matrix block_diagonal(const Matrix& A, const Matrix& B);
 
-/// A column for the library's functions of vectors.
+/// The same column as a vector of Eigen.
 Eigen::VectorXd to_eigen_vector(const Matrix& x);
 inline Matrix to_matrix(const Matrix& x) { return x; }
 inline MatrixOfT to_matrix(const MatrixOfT& x) { return x; }
-/// The vector, screw, twist, rate, wrench or momentum with such components.
+/// The vector, screw, twist, rate, wrench or momentum that has these components.
 inline Vec3<> vec3(const Vec3d& x) { return {x[0], x[1], x[2]}; }
 template <class Quantity = Screw<>> Quantity from_six(const Vec6& x) {
   return {{x[0], x[1], x[2]}, {x[3], x[4], x[5]}};

@@ -28,7 +28,8 @@ template const Motion::Answer<Mixed>& Motion::answer(Asked) const;
 
 namespace {
 
-/// Neither small nor large, so that no term of an equation is lost in another.
+/// Random numbers that are neither small nor large, so that no term of an equation vanishes beside another
+/// one.
 std::vector<double> generic_numbers(Random<double>& random, int size) {
   std::vector<double> numbers = random_numbers(random, size);
   for (double& x : numbers) x = x < 0 ? x - 0.5 : x + 0.5;

@@ -18,11 +18,12 @@ inline constexpr Representation value_of = std::same_as<Rep, BodyFixed> ? Repres
                                            : std::same_as<Rep, Hybrid>  ? Representation::hybrid
                                                                         : Representation::mixed;
 
-/// A system that moves with random q, v, a at t = 0, in the frames that the user placed.
+/// A system with random q, v and a at t = 0, in the frames that the user placed.
 ///
-/// Symbols of the paper (C, V, J, Π, W, ...) are evaluated from their definitions: poses that are series in
-/// t, and point masses. Words (pose, twist, joint_wrench, ...) are what the library answers. Frames are those
-/// of the model: 0 is the ground, 1 to n() are the bodies, com(i) is that of body i in its centre of mass.
+/// Members that are named by symbols of the paper (C, V, J, Π, W, ...) are evaluated from their definitions,
+/// with poses that are series in t and with point masses. Members that are named by words (pose, twist,
+/// joint_wrench, ...) are results of the library. Frames are those of the model: 0 is the ground, 1 to n()
+/// are the bodies, and com(i) is a frame of body i in its centre of mass.
 class Motion {
  public:
   Motion(System system, std::uint64_t seed);
@@ -44,13 +45,14 @@ class Motion {
   const std::vector<double>& a() const { return a_; }
   Matrix qd(int i) const { return of_joint(i, v_); }
   Matrix qdd(int i) const { return of_joint(i, a_); }
-  Matrix X(int i) const;  ///< a column for each velocity of the joint
+  Matrix X(int i) const;  ///< one column for each velocity of the joint
   Vec6 Xqd(int i) const { return X(i) * qd(i); }
   Vec6 Xqdd(int i) const { return X(i) * qdd(i); }
-  // of a joint with one screw
+  // For joints with one screw
   double q(int i) const { return q_[model().joint(i).iq]; }
   Screw<> X_screw(int i) const { return body(i).X[0]; }
-  JointFrames joint_frames(int i) const;  ///< as drawn, or else those that the library chose
+  JointFrames joint_frames(int i) const;  ///< the frames of the drawing, or those that the library chose if
+                                          ///< the drawing has none
   SE3<> product_of_Y(int i) const;        ///< exp(Y_1 q_1) ... exp(Y_i q_i)
 
   // Configurations, twists and Jacobians by definition
@@ -62,8 +64,8 @@ class Motion {
   template <class Rep> Vec6OfT V_of_t(int f) const { return twist_of(C_[f], value_of<Rep>); }
   template <class Rep> Vec6 V(int f) const { return now(V_of_t<Rep>(f)); }
   template <class Rep> Vec6 dV(int f) const { return rate(V_of_t<Rep>(f)); }
-  /// J_{i,j}: the twist of body i when only joint j moves, at unit rate; a column for each velocity of the
-  /// joint.
+  /// J_{i,j}: the twist of body i if only joint j moves, with velocity 1. It has one column for each velocity
+  /// of the joint.
   template <class Rep> Matrix J(int i, int j) const { return J(i, j, value_of<Rep>); }
   Vec3d ddr(int f) const { return second_rate(C_[f].r); }
 
@@ -77,17 +79,18 @@ class Motion {
   // Momentum, inertia, energy and forces of the point masses on the body of frame i
   Vec6OfT Pi_of_t(int i, const PoseOfT& F) const;
   Mat6 M(int i, const PoseOfT& F) const;
-  Vec6 W(int i, const PoseOfT& F) const;  ///< of the forces that accelerate them
+  Vec6 W(int i, const PoseOfT& F) const;  ///< the wrench of the forces that accelerate them
   template <class Rep> Vec6OfT Pi_of_t(int f) const { return Pi_of_t(f, frame<Rep>(f)); }
   template <class Rep> Vec6 Pi(int f) const { return now(Pi_of_t<Rep>(f)); }
   template <class Rep> Vec6 W(int f) const { return W(f, value_of<Rep>); }
   double kinetic_energy(int i) const;
   /// W^app: the loads and the weight of body i.
   template <class Rep> Vec6 W_app(int i) const { return W_app(i, frame<Rep>(i)); }
-  /// What joint i transmits: all that bodies i and after need beyond their loads and weights.
+  /// The wrench that joint i transmits: what body i and the bodies after it need beyond their loads and
+  /// weights.
   template <class Rep> Vec6 transmitted(int i) const { return transmitted(i, frame<Rep>(i)); }
 
-  // What the library answers
+  // Results of the library
   SE3<> pose(int f) const { return pose_[f]; }
   SE3<> pose_at_zero(int f) const { return pose_at_zero_[f]; }  ///< at q = 0
   std::vector<SE3<>> poses_at(const std::vector<double>& q) const;
@@ -98,7 +101,7 @@ class Motion {
   template <class Rep> Wrench<Rep> joint_wrench(int i) const {
     return answer<Rep>(Asked::joint_wrenches).W[i - 1];
   }
-  /// The forces of joint i, one for each velocity, with loads.
+  /// The generalised forces of joint i, one for each velocity, with the loads counted.
   template <class Rep> Matrix joint_force(int i) const {
     return of_joint(i, answer<Rep>(Asked::joint_forces).tau);
   }
@@ -106,7 +109,7 @@ class Motion {
   FramePair<> frame_pair(int j, int k) const;
   template <class Rep> Link<Rep, double> link(int i) const;  ///< what body i contributes to the recursions
   template <class Rep> Twist<Rep> push_Xqd(int i) const;  ///< X_i q̇_i in the recursions of a representation
-  template <class Rep> Vec6 bias(int i) const;            ///< what they add to V̇_i
+  template <class Rep> Vec6 bias(int i) const;            ///< the terms that they add to V̇_i
 
  private:
   enum class Asked { twists, accelerations, joint_wrenches, joint_forces };
@@ -116,7 +119,8 @@ class Motion {
     std::vector<Wrench<Rep>> W;
     std::vector<double> tau;
   };
-  /// Computes what is asked for when it is asked for, so that a test runs no code of the library but its own.
+  /// Calls a function of the library when its result is first needed, so that a test runs only the code that
+  /// it is about.
   template <class Rep> const Answer<Rep>& answer(Asked asked) const;
   Matrix of_joint(int i, const std::vector<double>& x) const;
   std::vector<PoseOfT> poses_of_t(const std::vector<double>& v, const std::vector<double>& a) const;

@@ -4,7 +4,8 @@
 namespace axode::test::paper {
 namespace {
 
-/// The mixed wrench of frame f on body i, as the library computes it from the motion.
+/// The mixed wrench, at the origin of frame f, that gives its body the motion that it has, as the library
+/// computes it.
 template <class InertiaOfBody> Wrench<Mixed> W_m(const Motion& m, int f, const InertiaOfBody& M) {
   return newton_euler(M, m.pose(f).R, m.twist<Mixed>(f), m.twist_rate<Mixed>(f));
 }

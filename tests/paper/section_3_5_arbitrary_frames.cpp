@@ -1,7 +1,7 @@
 #include "tests/paper/equation.hpp"
 
-/// Section 3.5: Newton-Euler equations of body i, measured at the origin of frame j and resolved in frame k;
-/// any body or the ground each. Left sides come from point masses.
+/// Section 3.5: Newton-Euler equations of body i, measured at the origin of frame j and resolved in frame k.
+/// Each of these frames may be that of any body or of the ground. Left sides come from point masses.
 namespace axode::test::paper {
 namespace {
 

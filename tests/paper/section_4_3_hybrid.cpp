@@ -6,7 +6,7 @@
 namespace axode::test::paper {
 namespace {
 
-/// What the recursions say about body i, from the definitions.
+/// The terms of the recursions for body i, evaluated from the definitions.
 struct Step {
   Vec6 V_i, V_p, dV_i, dV_p, Xqd, Xqdd;
   Mat6 Ad_ip, ad_dr_ip;  ///< Ad_{r_{i,i-1}}, ad_{ṙ_{i,i-1}}

@@ -9,7 +9,7 @@
 namespace axode::test::paper {
 namespace {
 
-/// Loads as the motion has them.
+/// The drive forces by projection of the Newton-Euler equations, with the loads of the motion.
 Matrix by_projection(const Motion& m) {
   return closed_form::projection_equations<BodyFixed>(m.model(), m.q(), m.v(), m.a(),
                                                       {.wrenches = m.loads()});
@@ -85,7 +85,8 @@ TEST(Paper, PEsLine1) {
   });
 }
 
-/// v and Π̇ of all bodies that the library finds for Π and the drive forces.
+/// The joint velocities v and the rates Π̇ of all bodies that the library computes from Π and the drive
+/// forces.
 struct MomentumState {
   std::vector<double> v;
   std::vector<Wrench<Spatial>> dPi;

@@ -9,7 +9,7 @@
 namespace axode::test::paper {
 namespace {
 
-/// M, A, X, a, b and J of the paper.
+/// The matrices M, A, X, a, b and J of the paper.
 struct SystemOfLagrange {
   Matrix M, A, X, a, b, J;
   Matrix qd, qdd, V;
@@ -174,8 +174,8 @@ TEST(Paper, EOMComponents) {
   });
 }
 
-/// check(Γ_ijk by definition, Γ_ijk of the library, i, j, k) for the joints of all symbols with j <= k, and
-/// how large they are.
+/// Calls check(Γ_ijk by definition, Γ_ijk of the library, i, j, k) for the joints of all symbols with j <= k,
+/// and returns the size of the symbols.
 template <class Check>
 void each_symbol(const Motion& m, const std::vector<double>& library, const Check& check) {
   const std::vector<double> Gamma = christoffel_symbols_of(m);

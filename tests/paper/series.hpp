@@ -2,8 +2,8 @@
 #include "axode/model/tree.hpp"
 #include "tests/paper/matrix.hpp"
 
-/// Time derivatives without formulas: whatever moves is a series in t, and its coefficients are its
-/// derivatives at t = 0. Six-vectors are angular part first.
+/// Time derivatives without formulas: every quantity that depends on the motion is a series in t, whose
+/// coefficients give its derivatives at t = 0. Six-vectors have their angular part first.
 namespace axode::test::paper {
 
 using PoseOfT = SE3<Series>;

@@ -7,7 +7,7 @@ namespace {
 
 struct Plan {
   std::vector<int> predecessors;  ///< bodies are counted from 1, 0 is the ground
-  std::vector<JointKind> kinds;   ///< dealt out in turn, beginning with another one for each seed
+  std::vector<JointKind> kinds;   ///< the kinds of the joints; each seed begins at another place of this list
 };
 
 Plan plan(Topology topology) {
@@ -23,7 +23,7 @@ Plan plan(Topology topology) {
   return {{0, 1, 1, 2, 2, 3, 0, 7}, {free, spherical, revolute, planar, helical, spherical, free, prismatic}};
 }
 
-/// A body at q = 0 as somebody drew it; points and poses in the construction frame.
+/// A body as the user drew it, at q = 0; points and poses are in the construction frame.
 struct Draft {
   DrawnBody body;
   std::vector<PointMass> points;
@@ -43,8 +43,8 @@ Draft draw(Random<double>& random, int number, int predecessor, JointKind kind) 
   return draft;
 }
 
-/// Mass, centre of mass and moments of points, summed up in the frame F of the construction frame and told in
-/// it.
+/// The mass, centre of mass and second moments of point masses, summed up and expressed in the frame F, the
+/// pose of which is in the construction frame.
 MassProperties sum(const std::vector<PointMass>& points, const SE3<>& F, GivenIn in, InertiaAbout about,
                    const SO3<>& axes) {
   MassProperties sums{.in = in, .about = about, .axes = axes};
@@ -64,7 +64,7 @@ MassProperties sum(const std::vector<PointMass>& points, const SE3<>& F, GivenIn
   return sums;
 }
 
-/// The body in the words of the library, geometry and inertia in one of the ways that there are.
+/// The description of the body for the library, with geometry and inertia in one of the possible ways.
 BodyDescription tell(const Mechanism& mechanism, const Draft& draft, Way way, Random<double>& random) {
   BodyDescription description = told(mechanism, draft.body, way, random);
   const bool in_body = way != Way::body_frame, about_com = way != Way::joint_frames;
@@ -83,7 +83,7 @@ FrameDescription com_frame(const Draft& draft) {
           .in = GivenIn::construction_frame};
 }
 
-/// (e; p × e + h e), or (0; e) of a prismatic joint.
+/// The screw (e; p × e + h e), or (0; e) for a prismatic joint.
 Screw<> joint_screw(JointKind kind, const Vec3<>& e, const Vec3<>& p, double h) {
   return kind == JointKind::prismatic ? Screw<>{{}, e} : screw(e, p, h);
 }

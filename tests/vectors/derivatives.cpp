@@ -3,8 +3,8 @@
 #include "axode/lie/six.hpp"
 #include "tests/vectors/reference_state.hpp"
 
-/// Derivatives of every reference system: first and second ones of dynamics with and without loads, in time, in geometry, of
-/// terms and of the motion of bodies.
+/// Derivatives of every reference system: first and second derivatives of dynamics with and without loads,
+/// and derivatives with respect to time and geometry, of single terms and of the motion of bodies.
 namespace axode::test {
 namespace {
 
@@ -19,11 +19,11 @@ std::vector<std::string> derivative_files() {
   return names.empty() ? std::vector{none} : names;
 }
 
-/// A model and a state of it, as a file of derivatives has them.
+/// A model and a state of it, read from a file of derivatives.
 struct DerivativeState {
   Json file;
   Model model;
-  std::vector<std::size_t> place;  ///< in the model of the file's velocity k
+  std::vector<std::size_t> place;  ///< the index in the model of each velocity of the file
   std::vector<double> q;
   std::vector<AppliedWrench<>> wrenches;
 
@@ -52,7 +52,8 @@ struct DerivativeState {
     for (std::size_t k = 0; k < nv(); ++k) out[place[k]] = x[k];
     return out;
   }
-  /// An array over so many indices of velocities, in the order of the file.
+  /// An array with `dimensions` indices, each of them over all velocities, brought into the order of the
+  /// file.
   std::vector<double> in_file_order(std::span<const double> x, int dimensions) const {
     std::vector<double> out;
     const auto walk = [&](const auto& self, int left, std::size_t at) -> void {
@@ -63,7 +64,7 @@ struct DerivativeState {
     return out;
   }
 
-  /// A function of the catalogue; result k of n.
+  /// Calls a function of the catalogue and returns its results one by one, in the order of the file.
   std::vector<std::vector<double>> call(const char* name, catalog::Arguments<double> given, bool loaded,
                                         int dimensions) {
     const catalog::Function<double>& function = *catalog::find<BodyFixed>(name);
@@ -78,7 +79,8 @@ struct DerivativeState {
       results.push_back(in_file_order(std::span(out).subspan(k * size, size), dimensions));
     return results;
   }
-  /// The entry of a group of results, without loads or with them where these do not matter.
+  /// An entry of a group of results without loads, or of the one with loads. Entries on which loads have no
+  /// effect stand only in the group with loads.
   const Json& expected(bool loaded, const char* group, const char* key) const {
     const Json& found = file.at(loaded ? "with_loads" : "without_loads").at(group);
     return found.contains(key) ? found.at(key) : file.at("with_loads").at(group).at(key);

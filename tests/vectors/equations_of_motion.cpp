@@ -14,7 +14,7 @@ class EquationsOfMotion : public ReferenceStates {
 };
 INSTANTIATE_TEST_SUITE_P(Vectors, EquationsOfMotion, testing::ValuesIn(systems()), name_of);
 
-/// An array over pairs or triples of velocities, filled by f(span).
+/// An array over pairs or triples of velocities that f(array) fills, brought into the order of the files.
 template <class F> std::vector<double> filled(const ReferenceState& at, int dimensions, const F& f) {
   std::size_t size = 1;
   for (int k = 0; k < dimensions; ++k) size *= at.n();
@@ -22,7 +22,7 @@ template <class F> std::vector<double> filled(const ReferenceState& at, int dime
   f(out);
   return at.in_file_order(out, dimensions);
 }
-/// The rows of a matrix, one after the other.
+/// The entries of a matrix, row by row.
 std::vector<double> rows(const Eigen::MatrixXd& M) { return entries(Eigen::MatrixXd(M.transpose())); }
 
 TEST_P(EquationsOfMotion, MassMatrixAndItsInverse) {

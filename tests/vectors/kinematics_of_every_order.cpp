@@ -30,11 +30,12 @@ TEST_P(KinematicsOfReferenceSystems, TwistsUpToSnap) {
   });
 }
 
-/// The columns of the listed pairs (body, joint), and that all the others are zero.
+/// Returns the columns of the pairs (body, joint) that the file lists. Expects that all other columns are
+/// zero.
 template <class Column>
 std::vector<double> listed_columns(const ReferenceState& at,
                                    const std::vector<std::vector<Column>>& J_of_bodies) {
-  std::vector<std::vector<double>> others;  // by body and by the file's joint
+  std::vector<std::vector<double>> others;  // ordered by body and then by joint of the file
   for (const auto& J : J_of_bodies)
     for (std::size_t j = 1; j <= at.n(); ++j) others.push_back(entries(J[at.place[j]]));
   std::vector<double> listed;
@@ -79,7 +80,7 @@ TEST_P(KinematicsOfReferenceSystems, TimeDerivativesOfJacobians) {
   });
 }
 
-/// J' = D_v J and J'' = D_v D_v J + D_v' J.
+/// J̇ is the derivative of J along v, D_v J. J̈ is D_v D_v J + D_v̇ J.
 TEST_P(KinematicsOfReferenceSystems, TimeDerivativesOfJacobiansAlongVelocities) {
   Comparison dJ("Jdot", bound), ddJ("Jddot", bound);
   each_state_with("Jddot", [&](ReferenceState& at) {
@@ -152,8 +153,8 @@ TEST_P(KinematicsOfReferenceSystems, SecondPartialsOfJacobians) {
   });
 }
 
-/// The rows and columns of a matrix over the bodies in the order of the files, as its rows one after the
-/// other.
+/// The entries of a matrix over the bodies, row by row, with rows and columns brought into the order of the
+/// files.
 std::vector<double> in_file_order(const ReferenceState& at, const Eigen::MatrixXd& M) {
   const bool square = M.cols() == M.rows();
   std::vector<double> out;
@@ -196,7 +197,8 @@ TEST_P(KinematicsOfReferenceSystems, SystemMatrices) {
 }
 
 TEST_P(KinematicsOfReferenceSystems, VelocitiesAndAccelerationsAreRecoveredFromTheBodies) {
-  Comparison velocity("qd", 1e-11), acceleration("qdd", 1e-11);  // through normal equations
+  Comparison velocity("qd", 1e-11), acceleration("qdd", 1e-11);  // the library solves normal equations for
+                                                                 // these
   each_state_with("Vdot", [&](ReferenceState& at) {
     each_representation([&](auto rep, const char* letter) {
       const auto in_model_order = [&](const char* key) {

@@ -80,7 +80,8 @@ TEST_P(ReferenceMotions, AreMet) {
   }
 }
 
-/// A top on a spherical joint, or free, as heavy_top.json and free_top.json have it.
+/// Simulates a top that turns on a spherical joint or is free, and compares it with the motion in
+/// heavy_top.json or free_top.json.
 void expect_top(const Json& top, const Json& inertia, JointKind kind, double until, double bound_of_pose) {
   const auto diagonal = [&](const Json& x) {
     return Sym3<>{number(x.at(0)), number(x.at(1)), number(x.at(2)), 0, 0, 0};

@@ -5,12 +5,12 @@
 #include "tests/support/comparison.hpp"
 #include "tests/support/vectors.hpp"
 
-/// The states of the reference systems, as tests go through them.
+/// The states of the reference systems, and test suites that run through them.
 namespace axode::test {
 
-inline constexpr double bound = 1e-12;  // of the largest entry of a quantity
+inline constexpr double bound = 1e-12;  // the largest difference, relative to the largest entry of a quantity
 
-inline const std::string none = "none";  // what a suite runs on where the files are absent
+inline const std::string none = "none";  // the parameter of a suite if the files are absent
 inline std::vector<std::string> systems() {
   const std::string ending = "_model.json";
   std::vector<std::string> names;
@@ -22,19 +22,19 @@ inline std::vector<std::string> systems() {
 }
 inline std::string name_of(const testing::TestParamInfo<std::string>& system) { return system.param; }
 
-/// f(Rep{}, "b") and so on.
+/// Calls f with each representation and its letter in the files, such as f(BodyFixed{}, "b").
 template <class F> void each_representation(const F& f) {
   f(BodyFixed{}, "b"), f(Spatial{}, "s"), f(Hybrid{}, "h"), f(Mixed{}, "m");
 }
 
-/// A state of a reference system: the model, its coordinates and their derivatives.
+/// A state of a reference system: the model, its coordinates and their derivatives, and reference values.
 struct ReferenceState {
   const Json& kinematics;
   const Json& dynamics;
   Model model;
   Workspace<> workspace;
   std::vector<double> q, rates, tau;
-  std::vector<std::size_t> place;  ///< in q and v of the file's joint j at index j
+  std::vector<std::size_t> place;  ///< place[j] is the index in q and v of joint j of the file
   std::vector<AppliedWrench<>> wrenches;
 
   ReferenceState(const ReferenceSystem& system, const Json& state, Telling telling)
@@ -58,8 +58,8 @@ struct ReferenceState {
   std::vector<double> v() const { return rate(0); }
   std::vector<double> a() const { return rate(1); }
 
-  /// An array over `dimensions` indices of joints, row by row, from the order of the model to that of the
-  /// files.
+  /// An array with `dimensions` indices, each of them over the joints, brought from the order of the model
+  /// into that of the files.
   std::vector<double> in_file_order(const std::vector<double>& x, int dimensions) const {
     std::vector<double> out;
     const auto walk = [&](const auto& self, int left, std::size_t at) -> void {
@@ -71,13 +71,14 @@ struct ReferenceState {
   }
 };
 
-/// A suite over all reference systems.
+/// A test suite that runs for every reference system.
 class ReferenceStates : public testing::TestWithParam<std::string> {
  protected:
   void SetUp() override {
     if (GetParam() == none) GTEST_SKIP() << missing(vectors_folder(), "AXODE_VECTORS");
   }
-  /// check(state) for every state that has the quantity, for every way of telling the system.
+  /// Calls check(state) for every state whose file has the quantity, and for every way to describe the
+  /// system.
   template <class Check>
   static void each_state_with(const char* part, const char* quantity, const Check& check) {
     const ReferenceSystem system(GetParam());

@@ -3,7 +3,7 @@
 #include "tests/support/any_scalar.hpp"
 #include "tests/vectors/reference_state.hpp"
 
-/// Every quantity of every reference system that the library can compute, for every way of telling the
+/// Every quantity of every reference system that the library can compute, for every way to describe the
 /// system.
 namespace axode::test {
 namespace {
@@ -14,7 +14,7 @@ class ReferenceSystems : public testing::TestWithParam<std::string> {
     if (GetParam() == none) GTEST_SKIP() << missing(vectors_folder(), "AXODE_VECTORS");
   }
 
-  /// check(system, model) for every way of telling the system.
+  /// Calls check(system, model) for every way to describe the system.
   template <class Check> static void each_telling(const Check& check, bool with_gravity = true) {
     const ReferenceSystem system(GetParam());
     for (const Telling telling : tellings) {
@@ -22,7 +22,7 @@ class ReferenceSystems : public testing::TestWithParam<std::string> {
       check(system, system.build(telling, with_gravity));
     }
   }
-  /// check(at, state) for every state of every telling.
+  /// Calls check(at, state) for every state and every way to describe the system.
   template <class Check> static void each_state(const Check& check, bool with_gravity = true) {
     each_telling(
         [&](const ReferenceSystem& system, const Model& model) {
@@ -38,7 +38,8 @@ class ReferenceSystems : public testing::TestWithParam<std::string> {
 
 INSTANTIATE_TEST_SUITE_P(Vectors, ReferenceSystems, testing::ValuesIn(systems()), name_of);
 
-/// What the library computes for a model in a state of the files; bodies in the order of the files.
+/// What the library computes for a model in a state of the files. Results for the bodies are in the order of
+/// the files.
 struct Evaluation {
   const Model& model;
   Workspace<> workspace;
@@ -151,7 +152,7 @@ TEST_P(ReferenceSystems, TwistsAndAccelerations) {
   });
 }
 
-/// Σ x_k t^k/k! of every coordinate, for derivatives x_0, x_1, ... of the files.
+/// The Taylor series Σ x_k t^k/k! of every coordinate, from the derivatives x_0, x_1, ... in the files.
 template <std::size_t N>
 std::vector<Taylor<double, N>> series(const Model& model, const Json& state,
                                       std::initializer_list<const char*> derivatives) {
@@ -205,7 +206,7 @@ TEST_P(ReferenceSystems, Jacobians) {
     const auto q = series<N>(model, state, {"q", "qd", "qdd"});
     each_representation([&](auto rep, const char* letter) {
       std::vector<std::vector<Twist<decltype(rep), Taylor<double, N>>>>
-          J;  // by j: what a unit velocity moves
+          J;  // for each j: the twists of all bodies if joint j moves with velocity 1
       for (int j = 1; j <= model.n_bodies(); ++j) {
         std::vector<Taylor<double, N>> unit(q.size());
         unit[ReferenceSystem::place_of(model, j)] = 1.0;
@@ -344,8 +345,8 @@ TEST_P(ReferenceSystems, GravityForcesAndForwardDynamics) {
                            numbers(dynamics.at("gravity_vector")));
       if (!dynamics.contains("forward")) return;
       const std::vector<double> a = ReferenceSystem::in_model_order(model, dynamics.at("forward").at("qdd"));
-      // The accelerations are large where the inertia is small: the largest term of the equation is the
-      // measure.
+      // The accelerations are large because some inertias are small. Differences are therefore compared with
+      // the largest term of the equation.
       const double scale = largest(at.template inverse_dynamics<Rep>(at.zero(), a));
       tau.expect_equal(at.template inverse_dynamics<Rep>(at.v, a, {.wrenches = wrenches}),
                        numbers(state.at("tau")), scale);
