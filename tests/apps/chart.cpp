@@ -24,7 +24,7 @@ using testing::StartsWith;
 const std::string two_bars = robot("double_pendulum.toml");
 const std::string lifted = R"({"q": {"pin": 2, "elbow": 0.5}, "v": [0.1, 0.2]})";
 
-/// What stands in an SVG; none where it is not well formed.
+/// The texts of an SVG file; none if the file is not well-formed.
 std::vector<std::string> texts_of(const std::string& file) {
   tinyxml2::XMLDocument document(true, tinyxml2::PRESERVE_WHITESPACE);
   EXPECT_EQ(document.LoadFile(file.c_str()), tinyxml2::XML_SUCCESS) << file;
@@ -183,7 +183,7 @@ TEST(PlotOfATable, HasAPanelForEachFirstWordAndTablesSideBySide) {
     EXPECT_THAT(texts_of(svg), Contains(said));
 }
 
-/// Rectangles that are filled with a colour: left and right ends.
+/// The left and right ends of all rectangles that are filled with a colour.
 std::vector<std::pair<double, double>> bars_in(const std::string& file, const std::string& color) {
   const std::string svg = contents(file);
   std::vector<std::pair<double, double>> bars;
@@ -206,7 +206,9 @@ TEST(PlotOfATable, HasBarsOfEachNameBesideEachOther) {
   for (const char* said : {"model", "ratio", "one", "two", "arm", "humanoid", "leg"})
     EXPECT_THAT(texts_of(svg), Contains(said));
   auto first = bars_in(svg, " 68, 119, 170"), second = bars_in(svg, "238, 119,  51");
-  std::erase_if(first, [](const auto& bar) { return bar.second - bar.first < 30; });  // those of the legend
+  std::erase_if(first,
+                [](const auto& bar) { return bar.second - bar.first < 30; });  // leaves out the short ones in
+                                                                               // the legend
   std::erase_if(second, [](const auto& bar) { return bar.second - bar.first < 30; });
   ASSERT_EQ(first.size(), 2);
   ASSERT_EQ(second.size(), 3);

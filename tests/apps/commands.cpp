@@ -59,7 +59,7 @@ TEST(Program, ColoursAreForTerminalsWithoutNoColor) {
   EXPECT_THAT(piped.out, Not(HasSubstr("\033")));
 }
 
-/// In a table of a motion, as `axode simulate` writes it.
+/// The largest change of a coordinate in a table of a motion, as `axode simulate` writes it.
 double largest_change_of_coordinates(const std::filesystem::path& table) {
   std::ifstream stream(table);
   const auto next_row = [&stream] {
@@ -96,7 +96,7 @@ TEST(Program, AloneShowsWhatOneCanDoInExamplesThatRun) {
     EXPECT_TRUE(commands.insert(command).second) << line;
     const bool no_page = command == "view" && std::string_view(AXODE_PAGE).empty();
     if (command == "demo" || command == "study" || command == "manual" || command == "map" || no_page)
-      continue;  // long, or need another program
+      continue;  // these take long or need another program
     const Outcome ran =
         run({"sh", "-c", "cd \"$0\" && axode() { \"" AXODE_COMMAND "\" \"$@\"; } && " + example,
              folder.path().string()});
@@ -108,7 +108,7 @@ TEST(Program, AloneShowsWhatOneCanDoInExamplesThatRun) {
                                                       "demo", "manual", "completion"));
 }
 
-/// The lines below `Example:` up to the next empty one.
+/// The lines of a help text from below `Example:` to the next empty line.
 std::string example(const std::string& help) {
   std::istringstream lines(help.substr(std::min(help.find("Example:\n"), help.size())));
   std::string line, text;
@@ -147,7 +147,8 @@ INSTANTIATE_TEST_SUITE_P(Commands, Help,
 
 // ----------------------------------------------------------------------------------------------------- map
 
-/// A program in the place of Python, which says what it is given; what is run in Python itself is tested there.
+/// `axode map` is run with a program in place of Python that prints its arguments. The part that Python runs
+/// is tested in tests/python.
 TEST(Map, HandsItsWordsToPython) {
   const TemporaryFolder folder;
   const std::string python = folder.write("python", "#!/bin/sh\nshift 2\nprintf '<%s>' \"$@\"\nexit 130\n");
@@ -401,7 +402,8 @@ Json answers(const std::string& file, const std::string& base) {
   return Json::parse(outcome.out);
 }
 
-/// Both have the same shape and the same words, and numbers that differ by rounding.
+/// Expects that two JSON values have the same shape, the same words, and numbers that differ by rounding
+/// only.
 void expect_equal(const Json& x, const Json& y, const std::string& where) {
   ASSERT_EQ(x.type(), y.type()) << where;
   if (x.is_structured()) {
@@ -525,7 +527,7 @@ TEST(Codegen, WritesKernelsForAGpu) {
 
 // ----------------------------------------------------------------------------------------------------- demo
 
-/// The demo as a command, and as the program that `make demo` builds.
+/// The demo, run once as a command and once as the program that `make demo` builds.
 class Demo : public testing::TestWithParam<std::vector<std::string>> {};
 INSTANTIATE_TEST_SUITE_P(, Demo,
                          testing::Values(std::vector<std::string>{AXODE_COMMAND, "demo"},

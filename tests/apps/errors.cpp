@@ -13,8 +13,9 @@ namespace {
 using testing::HasSubstr;
 using testing::StartsWith;
 
-/// A row of tests/data/mistakes.json: the words behind `axode`, in which {FILE} is a robot of the project, the
-/// standard input, and the whole of standard error, or how it begins where the row ends in "...".
+/// A row of tests/data/mistakes.json: the arguments after `axode`, where {FILE} stands for a robot of the
+/// project, the standard input, and the expected standard error. If the row ends in "...", only the beginning
+/// of standard error is given.
 struct Mistake {
   std::string name;
   int code;

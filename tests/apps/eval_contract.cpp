@@ -20,7 +20,7 @@ constexpr std::array representation_names{"body", "spatial", "hybrid", "mixed"};
 constexpr std::array representation_values{Representation::body, Representation::spatial,
                                            Representation::hybrid, Representation::mixed};
 
-/// A state that moves every joint; the same numbers on every machine.
+/// A state in which every joint moves; its numbers are the same on every machine.
 struct Moving {
   Numbers q, v, a;
   explicit Moving(const Model& model) : q(random_configuration(model, 11)), v(model.nv()), a(model.nv()) {
@@ -73,7 +73,7 @@ TEST(Eval, NamesTheModelItsSizesAndItsJointsInOrder) {
   EXPECT_TRUE(out["results"].is_object());
 }
 
-/// Every number equals that of the library, to the last bit, in every representation.
+/// Every number that `axode eval` prints equals that of the library to the last bit, in every representation.
 class EvalInRepresentation : public testing::TestWithParam<int> {};
 
 TEST_P(EvalInRepresentation, GivesTheNumbersOfTheLibrary) {
@@ -198,8 +198,8 @@ TEST(Eval, CoupledJointsAreNamedApartAndHaveNoNumbers) {
   EXPECT_EQ(out["results"]["inverse_dynamics"].size(), nv);
 }
 
-/// One load, said in the four representations of its frame, gives the same drive forces; they are those of
-/// the library.
+/// A load gives the same drive forces in whichever of the four representations it is given, and these are the
+/// forces that the library computes.
 TEST(Eval, ALoadIsTheSameInWhicheverRepresentationItIsGiven) {
   const Model model = load(robot("arm7.toml"));
   const Moving state(model);
@@ -304,7 +304,8 @@ TEST(Eval, TenThousandBodiesInOneChain) {
          << "\"/><origin xyz=\"0 0 0.1\"/><axis xyz=\"0 1 0\"/></joint>\n";
   text << "</robot>\n";
   const std::string file = folder.write("chain.urdf", text.str());
-  // Turned by 90 degrees at its foot the chain is level: the foot carries the moment of all bodies.
+  // The first joint turns the chain by 90 degrees, so that it is level. Its drive then carries the moments of
+  // the weights of all bodies.
   const Json out = eval(file, {{"q", {{"j1", M_PI / 2}}}}, {"--want", "inverse_dynamics"});
   const Numbers tau = out["results"]["inverse_dynamics"];
   ASSERT_EQ(tau.size(), n);

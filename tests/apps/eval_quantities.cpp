@@ -10,14 +10,14 @@
 #include "axode/io.hpp"
 #include "tests/apps/run_command.hpp"
 
-/// Every quantity that `axode eval --help` lists, asked of a machine with all kinds of joints and of an
-/// arm. Their numbers are compared with the Python package's in tests/python/test_table.py.
+/// Every quantity that `axode eval --help` lists, computed for a mechanism with all kinds of joints and for
+/// an arm. The numbers are compared with those of the Python package in tests/python/test_table.py.
 namespace axode::test {
 namespace {
 
 using Json = nlohmann::ordered_json;
 
-/// The names that the help lists.
+/// The names of the quantities that the help lists.
 std::vector<std::string> quantities() {
   std::istringstream help(axode({"eval", "--help"}).out);
   std::vector<std::string> names;
@@ -37,7 +37,7 @@ std::vector<std::string> quantities() {
   return names;
 }
 
-/// A state in which everything has a value that is not zero.
+/// A state in which no quantity is zero.
 Json moving(const Model& model) {
   std::vector<double> v, a;
   for (int c = 0; c < model.nv(); ++c) v.push_back(std::sin(1.0 + c)), a.push_back(std::cos(2.0 + c));
@@ -83,7 +83,7 @@ TEST(EvalQuantities, AllAnswerInJsonAndAsATable) {
       SCOPED_TRACE(file + ", " + name);
       std::vector<std::string> options;
       if (name == "operational_space_inertia") {
-        if (file == machine) continue;  // none of its frames moves in every direction
+        if (file == machine) continue;  // no frame of this mechanism can move in every direction
         options = {"--frame", "flange"};
       }
       const Json results = answer(file, state, name, options);

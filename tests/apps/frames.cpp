@@ -1,15 +1,16 @@
 #include "apps/study/study.hpp"
 #include "tests/laws/law.hpp"
 
-/// Drive forces, accelerations of the joints and mass matrices do not depend on the frames of the bodies: in the user's,
-/// at the centres of mass and all in the construction frame they are what they are in the joint frames.
+/// Drive forces, joint accelerations and mass matrices do not depend on the body frames. The recursions give
+/// the same results in the frames of the user, in frames at the centres of mass and with all frames at the
+/// construction frame as in the joint frames.
 namespace axode::test {
 namespace {
 
 using command::Algorithm;
 using Numbers = std::vector<double>;
 
-/// A choice of body frames for a recursion, by which the comparison of algorithms computes as well.
+/// A recursion with a choice of body frames, as `axode study` runs it.
 struct Choice {
   std::string name;
   std::unique_ptr<command::Subject> (*subject)(const Model&, const command::State&);
@@ -37,7 +38,7 @@ const Case how = scalars()[0];
 
 class ChoiceOfFrames : public testing::TestWithParam<Choice> {
  protected:
-  /// What an algorithm makes of the state of a trial; those that take forces take tau.
+  /// The results of an algorithm at the state of a trial. Algorithms that take forces get them in `a_or_tau`.
   Numbers results_of(Algorithm algorithm, const Trial& t, const Numbers& a_or_tau) const {
     const command::State state{.q = t.state.q, .v = t.state.v, .a = a_or_tau, .loads = t.state.wrenches};
     return GetParam().subject(t.model, state)->results_of(algorithm);
@@ -67,7 +68,8 @@ TEST_P(ChoiceOfFrames, DoesNotChangeTheAccelerations) {
   int solved = 0, singular = 0;
   for_seeds(500, [&](std::uint64_t seed) {
     Trial trial(how, Random<double>(seed));
-    // Where M is singular to rounding, rounding decides, which differs from frame to frame.
+    // If M is singular to rounding, it depends on rounding, and so on the choice of frames, whether it is
+    // found to be singular.
     if (definiteness(trial.mass_matrix()) <= how.agreement() / 10) {
       ++singular;
       return;
@@ -91,7 +93,7 @@ TEST_P(MomentaInFrames, GiveTheSameVelocitiesAndRates) {
   for_seeds(500, [&](std::uint64_t seed) {
     Trial trial(how, Random<double>(seed));
     if (definiteness(trial.mass_matrix()) < 1e-2)
-      return;  // the rates follow from the velocities, which M has to tell
+      return;  // M must be well conditioned, because the rates are computed from the velocities
     ++compared;
     const auto momenta = [&](const Numbers& v) {
       return trial.call("momenta", {.q = trial.state.q, .v = v});
@@ -110,7 +112,7 @@ TEST_P(MomentaInFrames, GiveTheSameVelocitiesAndRates) {
   EXPECT_GE(compared, 10);
 }
 
-/// f(i, c, k) for every joint screw c, the k-th of joint i.
+/// Calls f(i, c, k) for every joint screw; screw c is the k-th screw of joint i.
 template <class F> void each_screw(const Model& model, const F& f) {
   for (int i = 1; i <= model.n_bodies(); ++i)
     for (int k = 0; k < static_cast<int>(model.body(i).X.size()); ++k) f(i, model.first_screw(i) + k, k);

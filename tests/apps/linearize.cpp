@@ -13,7 +13,8 @@
 #include "axode/model/configuration.hpp"
 #include "tests/apps/run_command.hpp"
 
-/// `axode linearize` prints and writes the linear system of the library, and the modes that it has.
+/// `axode linearize` prints and writes the linear system that the library computes, and the modes of this
+/// system.
 namespace axode::test {
 namespace {
 
@@ -40,7 +41,7 @@ MatrixXd matrix(const Json& rows) {
 }
 std::vector<double> numbers(const Json& list) { return list.get<std::vector<double>>(); }
 
-/// A mechanism in a file of its own.
+/// A mechanism that is written into a file of its own.
 class Drawn {
  public:
   explicit Drawn(const std::string& bodies)
@@ -52,7 +53,7 @@ class Drawn {
   std::string file_;
 };
 
-/// A bob of 2 kg that hangs 0.5 m below its hinge.
+/// A mass of 2 kg that hangs 0.5 m below its hinge.
 const char* const pendulum = R"([[body]]
 name = "bob"
 joint = { name = "hinge", kind = "revolute", axis = "-y", point = [0, 0, 0], damping = 0.7 }
@@ -138,7 +139,7 @@ TEST(Linearize, NamesRigidModes) {
   EXPECT_THAT(axode({"linearize", drawn.file()}).out, HasSubstr("6  rigid  drift[5] 1.00"));
 }
 
-/// That every mode (λ, δ) solves λ x = A x with x = (δ, λδ + ad_v δ), and that they are all.
+/// Expects that every mode (λ, δ) solves λ x = A x with x = (δ, λδ + ad_v δ), and that no mode is missing.
 TEST(Linearize, EveryModeIsOneOfTheMatrix) {
   for (const char* const file : {"double_pendulum.toml", "arm7.toml", "machine.toml", "humanoid.urdf"}) {
     SCOPED_TRACE(file);
@@ -188,7 +189,7 @@ TEST(Linearize, WritesJsonCsvAndNumpy) {
     }
   }
 
-  // A .zip that holds two arrays as they are.
+  // The .npz is a ZIP archive that stores two arrays without compression.
   const std::string bytes = contents(npz);
   EXPECT_EQ(bytes.substr(0, 4), "PK\x03\x04");
   for (const char* const name : {"A", "B"}) {

@@ -1,11 +1,12 @@
 #include "apps/study/study.hpp"
 #include "tests/laws/law.hpp"
 
-/// What the kernels cost: operations on numbers and on screws, in each representation and choice of body frames.
+/// The cost of the kernels: their operations on numbers and on screws, in each representation and with each
+/// choice of body frames.
 namespace axode::test {
 namespace {
 
-/// n hinges about z at every body frame's origin, or at a skew axis.
+/// A chain of n hinges. Each axis is the z-axis of the body frame, or a skew axis elsewhere.
 Model chain(int n) {
   Random<double> random(1);
   ModelBuilder builder("chain");
@@ -23,7 +24,7 @@ Model chain(int n) {
 using command::Algorithm;
 enum class Frames { joint, user, mass_center, construction };
 
-/// The operations of one call of an algorithm by the recursion in Rep.
+/// The operations of one call of an algorithm with the recursion in Rep.
 template <class Rep> Operations operations_of(Algorithm algorithm, Frames frames, const Model& model) {
   const std::vector<double> q(static_cast<std::size_t>(model.nq()), 0.3),
       v(static_cast<std::size_t>(model.nv()), 0.2);
@@ -70,10 +71,10 @@ TEST(OperationCounts, GrowInProportionToTheBodies) {
   EXPECT_EQ(thirty.total() - twenty.total(), twenty.total() - ten.total());
 }
 
-/// Operations on screws, in the order of ScrewOperation.
+/// Numbers of operations on screws, in the order of ScrewOperation.
 using Screws = std::array<long, n_screw_operations>;
 
-/// Those of a chain of n hinges, in all four choices of body frames.
+/// Expects these operations for a chain of n hinges, with all four choices of body frames.
 void expect_screws(Algorithm algorithm, Representation in, int n, const Screws& expected) {
   const Model model = chain(n);
   for (const Frames frames : {Frames::joint, Frames::user, Frames::mass_center, Frames::construction})
@@ -121,7 +122,7 @@ TEST(OperationCounts, OfForwardDynamicsTransformTwoInertiasPerBody) {
   }
 }
 
-/// Products and sums of one hinge.
+/// The multiplications and additions for one hinge.
 struct PerHinge {
   long products, sums;
   bool operator==(const PerHinge&) const = default;
@@ -139,7 +140,8 @@ std::vector<PerHinge> of_one_more_hinge(Representation in, int n) {
   return out;
 }
 
-/// In joint frames, the user's, at the centres of mass, in the construction frame; docs/comparative-study.md quotes them.
+/// The four pairs are those in joint frames, in frames of the user, at the centres of mass and in the
+/// construction frame; docs/comparative-study.md quotes them.
 TEST(OperationCounts, OfInverseDynamicsPerHingeAreTheSameForEveryHinge) {
   for (const int n : {1, 6, 35}) {
     EXPECT_EQ(of_one_more_hinge(body, n),
@@ -153,7 +155,7 @@ TEST(OperationCounts, OfInverseDynamicsPerHingeAreTheSameForEveryHinge) {
   }
 }
 
-/// What one transformation takes.
+/// The operations of one transformation.
 template <class F> PerHinge of_one(const F& f) {
   Counted::count() = {};
   f();

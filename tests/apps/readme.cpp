@@ -4,7 +4,7 @@
 #include "tests/apps/readme_example.hpp"
 #include "tests/apps/run_command.hpp"
 
-/// The first page shows what really happens.
+/// The output and the code in README.md are what the programs really print and run.
 namespace axode::test {
 namespace {
 
@@ -12,7 +12,7 @@ using testing::HasSubstr;
 
 std::string readme() { return contents(AXODE_SOURCE_DIR "/README.md"); }
 
-/// The blocks of code in one language.
+/// All blocks of code in one language.
 std::vector<std::string> blocks(const std::string& language) {
   std::vector<std::string> found;
   std::istringstream lines(readme());

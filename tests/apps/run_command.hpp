@@ -10,7 +10,7 @@
 
 #include "tests/support/run_program.hpp"
 
-/// The command `axode` as a user meets it: arguments in, text and an exit code out.
+/// Runs the command `axode` as a user does: with arguments, and with its output and exit code as the result.
 namespace axode::test {
 
 inline Outcome axode(std::vector<std::string> arguments, const std::string& input = "") {
@@ -18,7 +18,7 @@ inline Outcome axode(std::vector<std::string> arguments, const std::string& inpu
   return run(arguments, input);
 }
 
-/// What the command shows on a terminal of its own.
+/// The output of the command when it writes to a terminal.
 inline std::string axode_on_a_terminal(std::vector<std::string> arguments, const std::string& no_color,
                                        const char* term = "xterm") {
   arguments.insert(arguments.begin(), AXODE_COMMAND);

@@ -8,7 +8,7 @@
 #include "axode/integration.hpp"
 #include "tests/apps/run_command.hpp"
 
-/// What a shell knows of the command: completion, tried in the shells themselves, and the manual page.
+/// The support for shells: completion, which is tested in the shells themselves, and the manual page.
 namespace axode::test {
 namespace {
 
@@ -28,7 +28,7 @@ Words lines_of(const std::string& text) {
   return lines;
 }
 
-/// The commands, as an unknown one is answered.
+/// The names of all commands, read from the answer to an unknown command.
 Words commands() {
   const std::string error = axode({"no such command"}).err, before = "there are ";
   std::istringstream list(error.substr(error.find(before) + before.size()));
@@ -39,7 +39,7 @@ Words commands() {
   }
   return names;
 }
-/// The options with two dashes that the help of a command has.
+/// The options with two dashes in the help of a command.
 Words options(const std::string& command) {
   Words names;
   for (const std::string& line : lines_of(axode({command, "--help"}).out)) {
@@ -56,7 +56,7 @@ Words method_names() {
   return names;
 }
 
-/// The shells' own scripts, and a folder in which they look for files.
+/// Generates the completion scripts of the shells and a folder in which the shells look for files.
 class Completion : public testing::Test {
  protected:
   Completion() {
@@ -74,7 +74,7 @@ class Completion : public testing::Test {
     return run(words);
   }
 
-  /// What bash offers for the last of the words.
+  /// The words with which bash offers to complete the last of these words.
   Words bash(Words words) const {
     words.insert(words.begin(), {"bash", "-c",
                                  "source ./bash; COMP_WORDS=(\"$@\"); COMP_CWORD=$(($# - 1)); _axode; "
@@ -84,7 +84,7 @@ class Completion : public testing::Test {
     EXPECT_EQ(outcome.err, "");
     return lines_of(outcome.out);
   }
-  /// What fish offers for a line, without the descriptions.
+  /// The completions that fish offers for a line, without their descriptions.
   Words fish(const std::string& line) const {
     const Outcome outcome =
         in_shell({"fish", "--no-config", "-c", "source ./fish; complete -C \"" + line + "\""});
@@ -93,7 +93,7 @@ class Completion : public testing::Test {
     for (std::string& word : words) word.erase(std::min(word.find('\t'), word.size()));
     return words;
   }
-  /// The lines to which zsh completes these.
+  /// The lines to which zsh completes these beginnings.
   Words zsh(const Words& beginnings) const {
     Words words{"timeout", "60", "zsh", "-f", "-c", R"(
 zmodload zsh/zpty

@@ -13,7 +13,7 @@
 #include "axode/model/configuration.hpp"
 #include "tests/apps/run_command.hpp"
 
-/// `axode simulate` prints and writes the motions of the library.
+/// `axode simulate` prints and writes the motions that the library computes.
 namespace axode::test {
 namespace {
 

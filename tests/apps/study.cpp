@@ -8,7 +8,8 @@
 
 #include "tests/apps/run_command.hpp"
 
-/// `axode study`: what it prints, writes and draws says the same, for every algorithm, representation and choice of frames.
+/// The output of `axode study`: its printed table, its file and its chart show the same numbers for every
+/// algorithm, representation and choice of frames.
 namespace axode::test {
 namespace {
 
@@ -28,7 +29,8 @@ std::vector<std::string> split(const std::string& text, char separator) {
   return parts;
 }
 
-/// How many rows each algorithm has: four frames in four representations, and the fast path in one.
+/// The number of rows of each algorithm: four choices of frames in four representations, and one row for the
+/// fast path.
 const std::map<std::string, int> rows_of{{"inverse_dynamics", 17}, {"forward_dynamics", 17},
                                          {"mass_matrix", 17},      {"inverse_mass_matrix", 17},
                                          {"accelerations", 16},    {"momentum_form", 4}};

@@ -6,7 +6,7 @@
 
 #include "tests/apps/run_command.hpp"
 
-/// Files that the command writes are replaced as a whole or left as they were.
+/// Files that the command writes are replaced as a whole; if writing fails, the old file stays.
 namespace axode::test {
 namespace {
 
@@ -43,7 +43,8 @@ TEST(WrittenFile, IsAsItWasIfASignalEndsTheCommand) {
   const std::string file = folder.write("arm.c", "precious");
   const pid_t child = fork();
   if (child ==
-      0) {  // The signal is pending as soon as the command runs, and blocked, so that it hears of it while it writes.
+      0) {  // The signal is pending and blocked when the command starts, so that it arrives while the command
+            // writes.
     sigset_t signal;
     sigemptyset(&signal), sigaddset(&signal, SIGTERM);
     sigprocmask(SIG_BLOCK, &signal, nullptr);
@@ -85,7 +86,8 @@ TEST(WrittenFile, MayBeADeviceAPipeOrAnOpenFile) {
   EXPECT_EQ(full.err, "axode codegen: /dev/full: the file cannot be written: No space left on device\n");
   EXPECT_THAT(in_shell("\"$0\" codegen \"$1\" --output /dev/stdout | cat").out, StartsWith(text));
   EXPECT_EQ(in_shell("\"$0\" codegen \"$1\" --output /dev/stdout > '" + open + "'").code, 0);
-  EXPECT_EQ(contents(other), text);  // the same file as before, not one in its place
+  EXPECT_EQ(contents(other), text);  // the same file was written, not a new one in
+                                     // its place
   EXPECT_EQ(files_in(folder), 2U);
 }
 

@@ -9,7 +9,7 @@
 #include "axode/model/configuration.hpp"
 #include "tests/apps/run_command.hpp"
 
-/// `axode view` writes pages that hold what they are to show.
+/// `axode view` writes pages that hold the mechanisms and motions that they show.
 namespace axode::test {
 namespace {
 

@@ -3,7 +3,7 @@
 #include "axode/batch.hpp"
 #include "tests/support/run_program.hpp"
 
-/// The tests of batches hold for the lanes of each instruction set that the processor has.
+/// The tests of batches pass with each instruction set that the processor has.
 namespace axode::test {
 namespace {
 
@@ -14,7 +14,7 @@ bool processor_has(const std::string& set) {
   return set == "SSE2" || (__builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma"));
 }
 
-/// The outcome of some tests of this program under a limit to the instruction sets.
+/// The outcome of some tests of this program if the library may use instruction sets up to this limit only.
 Outcome run_under(const std::string& limit, const std::string& tests) {
   return run({"env", "-u", "GTEST_TOTAL_SHARDS", "-u", "GTEST_SHARD_INDEX", "AXODE_INSTRUCTION_SET=" + limit,
               "AXODE_RANDOM_TREES=20", std::filesystem::read_symlink("/proc/self/exe"), "--gtest_brief=1",

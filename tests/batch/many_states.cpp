@@ -7,8 +7,8 @@
 #include "tests/support/random_states.hpp"
 #include "tests/support/refused_arguments.hpp"
 
-/// Many states at once give what they give one by one, whatever their number, their order and the number of
-/// threads.
+/// A call on many states gives the same results as calls on each of them alone, whatever the number of
+/// states, their order and the number of threads.
 namespace axode::test {
 namespace {
 
@@ -33,7 +33,8 @@ template <class T> std::vector<T> part(const std::vector<T>& all, std::size_t k,
           all.begin() + static_cast<std::ptrdiff_t>((k + 1) * n)};
 }
 
-/// The forces that make accelerations, or rates of them, in columns: M times each of the matrices.
+/// The forces that belong to accelerations or their rates: M times each of these matrices, whose columns
+/// belong to one direction each.
 template <class T>
 std::vector<T> by_mass(const std::vector<T>& M, const std::vector<T>& all, std::size_t nv,
                        std::size_t columns) {
@@ -50,8 +51,8 @@ template <class T> double largest_of(const std::vector<T>& x) {
   return largest(std::vector<double>(x.begin(), x.end()));
 }
 
-/// Every row that runs in lanes. What M⁻¹ multiplies is compared by the forces that it needs, and derivatives to a part of
-/// the largest one of the forces.
+/// Compares every function that runs in lanes. Results that contain M⁻¹ are compared after multiplication by
+/// M, as forces, and derivatives relative to the largest of the forces.
 TYPED_TEST(ManyStates, GiveInEveryFunctionWhatTheyGiveOneByOne) {
   using T = TypeParam;
   Comparison number("number", agreement<T>), force("force", agreement<T>);
@@ -75,7 +76,9 @@ TYPED_TEST(ManyStates, GiveInEveryFunctionWhatTheyGiveOneByOne) {
     std::size_t singular_states = 0;
     for (const catalog::Function<T>& row : rows) {
       const bool derivative = row.name.find("_dynamics_") != std::string_view::npos;
-      if (!row.lanes || (derivative && seed > 100)) continue;  // derivatives take long
+      if (!row.lanes || (derivative && seed > 100))
+        continue;  // derivatives take long, so that fewer trees
+                   // must do
       SCOPED_TRACE(std::string(row.name));
       const auto given = [&](std::size_t first, std::size_t count) {
         catalog::Arguments<T> all = states.given(model, row, first, count);

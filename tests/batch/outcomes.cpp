@@ -4,7 +4,7 @@
 #include "tests/laws/law.hpp"
 #include "tests/support/refused_arguments.hpp"
 
-/// Calls on many states that a monitor ends, and results where there must be none.
+/// Calls on many states that a monitor stops, and states for which there are no results.
 namespace axode::test {
 namespace {
 
@@ -15,7 +15,8 @@ constexpr std::array functions{
     Id("inverse_dynamics"), Id("forward_dynamics"), Id("mass_matrix"), Id("inverse_mass_matrix"), Id("poses"),
     Id("joint_screws")};
 
-/// How many states are done of a function that is given q, and x for velocities, accelerations and forces alike.
+/// Runs a function that takes q and, for velocities, accelerations and forces alike, x. Returns the number of
+/// states that were done.
 std::size_t done_of(Id function, const Model& model, std::span<const double> q, std::span<const double> x,
                     std::span<double> out, int threads, const Monitor& monitor) {
   catalog::Arguments<double> given{.q = q};
@@ -28,7 +29,7 @@ std::size_t size_of(Id function, const Model& model) {
 }
 std::size_t number(int n) { return static_cast<std::size_t>(n); }
 
-/// Three hinges; the last of them moves a mass, none, or as the first does.
+/// The arm has three hinges. The last one moves a mass, moves no mass, or is coupled to the first one.
 enum class Wrist { solid, massless, coupled };
 Model arm(Wrist wrist) {
   Description arm{.name = "arm"};
@@ -74,7 +75,7 @@ TEST_P(Batches, TheFirstResultsAreThereAndTheMonitorIsAskedNoMore) {
         return false;
       };
       for (std::size_t N = 100'000; asked == 0;
-           N *= 2) {  // until the call takes long enough to be asked about
+           N *= 2) {  // until a call takes long enough for the monitor to be called
         ASSERT_LT(N, 100'000'000u);
         const std::vector<double> q = any_numbers(nq * N);
         const std::size_t size = size_of(function, model);
@@ -83,13 +84,14 @@ TEST_P(Batches, TheFirstResultsAreThereAndTheMonitorIsAskedNoMore) {
         if (asked == 0) {
           EXPECT_EQ(done, N);
         }
-        if (done == N) {  // or when all of it was done already
+        if (done == N) {  // all states were done before the monitor was called
           asked = 0;
           continue;
         }
         EXPECT_EQ(asked, 1);
         EXPECT_GT(done, 0u);
-        const std::size_t some = std::min<std::size_t>(done, 5000);  // the last ones of those that are done
+        const std::size_t some = std::min<std::size_t>(done, 5000);  // the last ones that were done are
+                                                                     // compared
         const std::span<const double> q_last = std::span(q).subspan((done - some) * nq, some * nq);
         std::vector<double> expected(size * some);
         done_of(function, model, q_last, q_last, expected, 1, {});
@@ -171,7 +173,8 @@ TEST_P(Batches, WhatIsNotFiniteIsCountedAndTheOthersAreRight) {
   }
 }
 
-/// Matrices of such a model would need 34 GB in each lane: only what makes them may ask for that.
+/// With such a model each lane would need 34 GB for matrices. Functions that return no matrices must not ask
+/// for that memory.
 TEST(LargeTreesInBatches, NeedNoMoreMemoryThanTheirResults) {
   const std::size_t n = 65537, N = 3;
   for (const bool coupled : {false, true}) {
@@ -195,7 +198,7 @@ TEST(LargeTreesInBatches, NeedNoMoreMemoryThanTheirResults) {
                          {.q = q, .v = v, .a = ones, .dq = v, .dv = v, .da = ones}, a)
                   .done,
               N);
-    EXPECT_EQ(a, tau);  // at rest and without weight, M times the direction is what the accelerations need
+    EXPECT_EQ(a, tau);  // at rest and without weight, the drive forces equal M times the accelerations
     EXPECT_EQ(
         batch::run(model, "inverse_dynamics_vjp", {.q = q, .v = v, .a = ones, .w = ones}, gradient).done, N);
     EXPECT_TRUE(batch::run(model, "forward_dynamics_jvp",

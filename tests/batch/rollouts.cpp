@@ -6,7 +6,7 @@
 #include "tests/laws/law.hpp"
 #include "tests/support/refused_arguments.hpp"
 
-/// Many motions under one drive are those of simulations, one by one.
+/// The motions of a rollout of many states under one drive equal simulations of each state alone.
 namespace axode::test {
 namespace rollouts {
 namespace {
@@ -14,7 +14,7 @@ namespace {
 using Vector = std::vector<double>;
 using Span = std::span<const double>;
 
-/// Any tree, with springs where asked for, and states of it.
+/// A random tree, some of them with a spring, and random states of it.
 struct Driven {
   Model model;
   std::size_t N, nq, nv;
@@ -43,7 +43,7 @@ struct Driven {
   Span v_of(std::size_t n) const { return Span(v).subspan(n * nv, nv); }
 };
 
-/// Drives of all kinds: those of the library, and one that is not.
+/// Drives of all kinds: those of the library and one that is a function of this test.
 std::vector<std::pair<const char*, Drive>> drives(const Driven& at, std::uint64_t seed, double step) {
   Random<double> random(seed + 2);
   const int nv = at.model.nv();
@@ -111,7 +111,8 @@ TEST(Rollouts, UnderADriveAreTheMotionsOneByOne) {
             ASSERT_EQ(q_n[k], q_3[n * q_n.size() + k]);
           }
         if (!motion.complete) continue;
-        // Forces of one part in a million more say how well these velocities are determined.
+        // A second simulation with forces that are larger by one part in a million shows how strongly these
+        // velocities depend on rounding.
         options.drive = [its = drive](double t, Span q_t, Span v_t, std::span<double> tau) {
           its(t, q_t, v_t, tau);
           for (double& tau_c : tau) tau_c *= 1 + 1e-6;
@@ -162,7 +163,7 @@ TEST(Rollouts, OfManyStepsAndInSinglePrecisionSeeTheDriveOfEachStep) {
   Vector q_out(N * (K + 1) * 5), v_out(N * (K + 1) * 4);
   ASSERT_TRUE(batch::rollout<double>(model, q, v, options.drive, K, step, q_out, v_out).ok());
   const std::vector<float> q_f(q.begin(), q.end()), v_f(v.begin(), v.end());
-  for (const std::size_t count : {N, std::size_t{1}}) {  // in lanes, and alone
+  for (const std::size_t count : {N, std::size_t{1}}) {  // all motions in lanes, and one alone
     std::vector<float> q_single(count * (K + 1) * 5), v_single(count * (K + 1) * 4);
     ASSERT_TRUE(batch::rollout<float>(model, std::span(q_f).first(5 * count), std::span(v_f).first(4 * count),
                                       options.drive, K, step, q_single, v_single)

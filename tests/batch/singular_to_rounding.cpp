@@ -2,15 +2,16 @@
 #include "axode/recursion/solvability.hpp"
 #include "tests/laws/law.hpp"
 
-/// What is singular but for rounding is refused, and what is not refused is right: by every function that inverts the
-/// mass matrix, in every representation, by the fast path and in batches.
+/// Mass matrices that are singular to rounding are refused, and all others give correct results: for every
+/// function that inverts the mass matrix, in every representation, by the fast path and in batches.
 namespace axode::test {
 namespace {
 
 class SingularToRounding : public Law {};
 INSTANTIATE_TEST_SUITE_P(Laws, SingularToRounding, testing::ValuesIn(cases_with_fast()), name_of);
 
-/// A thin body that no joint holds, drawn in any direction; its principal inertias are 1, 1 and `third`, kg m².
+/// A thin body that moves freely. Its principal moments of inertia are 1, 1 and `third`, in kg m², in a
+/// random orientation R.
 Model rod(double third, const SO3<>& R) {
   return ModelBuilder("rod")
       .add({.name = "rod",
@@ -19,7 +20,7 @@ Model rod(double third, const SO3<>& R) {
       .build();
 }
 
-/// M⁻¹ of three copies of a state.
+/// M⁻¹ from a batch of three copies of one state.
 template <class T> Answer inverse_in_batch(const Model& model, const std::vector<double>& q) {
   std::vector<T> all;
   for (int k = 0; k < 3; ++k) all.insert(all.end(), q.begin(), q.end());
@@ -42,7 +43,7 @@ template <class T> Answer accelerations_in_batch(const Model& model, const Ask& 
   return {{a.begin(), a.begin() + model.nv()}, outcome.solvability};
 }
 
-/// A state of the rod, and a torque about its axis alone.
+/// A state of the rod and a torque about its thin axis alone.
 struct Thin {
   SO3<> R;
   Model model;
@@ -53,7 +54,7 @@ struct Thin {
     ask.tau = ask.p = {axis().x, axis().y, axis().z, 0, 0, 0};
     ask.place = 1;
   }
-  Vec3<> axis() const { return R.z; }  ///< in the body frame
+  Vec3<> axis() const { return R.z; }  ///< the thin axis in the body frame
 };
 
 TEST_P(SingularToRounding, IsRefusedInEveryDirection) {

@@ -8,8 +8,8 @@
 #include "tests/support/refused_arguments.hpp"
 #include "tests/support/run_program.hpp"
 
-/// Functions for CasADi, called as CasADi calls them. Their values, derivatives and patterns are compared in
-/// tests/bridges/casadi.
+/// Generated functions for CasADi, called in the way in which CasADi calls them. Their values, derivatives
+/// and sparsity patterns are compared in tests/bridges/casadi.
 namespace axode::test {
 namespace {
 
@@ -24,13 +24,14 @@ codegen::Source source_for_casadi(const Model& model, const std::vector<Function
   return codegen::c_source(model, functions, {.prefix = "m", .abi = codegen::Abi::casadi, .states = states});
 }
 
-/// A function of a library, and what it says of itself.
+/// A function in a compiled library, with the descriptions of itself that CasADi asks for.
 class External {
  public:
   External(const Compiled& library, const std::string& name) : library_(library), name_(name) {}
   long long n_in() const { return library_.function<long long()>(name_ + "_n_in")(); }
   long long n_out() const { return library_.function<long long()>(name_ + "_n_out")(); }
-  /// Entries of all results; arguments without entries are null.
+  /// Calls the function and returns the entries of all results. Arguments without entries are passed as null
+  /// pointers.
   std::vector<Numbers> operator()(const std::vector<Numbers>& arguments) const {
     long long sizes[4];
     library_.function<int(long long*, long long*, long long*, long long*)>(name_ + "_work")(
@@ -50,7 +51,7 @@ class External {
   int status() const { return status_; }
 
  private:
-  /// How many entries result i has.
+  /// The number of entries of result i.
   std::size_t entries(int i) const {
     const long long* p = library_.function<const long long*(long long)>(name_ + "_sparsity_out")(i);
     const bool dense = p[2] == 1;

@@ -9,7 +9,7 @@
 
 namespace axode::test {
 
-/// C source, compiled by the compiler of these tests into a library that is loaded.
+/// C source that is compiled by the compiler of these tests into a shared library, which is then loaded.
 class Compiled {
  public:
   explicit Compiled(const std::string& source,

@@ -9,8 +9,9 @@
 #include "tests/support/functions.hpp"
 #include "tests/support/refused_arguments.hpp"
 
-/// Kernels for a GPU: their text, and their results on random trees when they are compiled for the processor and run thread
-/// by thread. The bridge compares every recorded function on a few mechanisms.
+/// Generated kernels for a GPU: their text, and their results on random trees when they are compiled for the
+/// processor and run thread by thread. The tests in tests/bridges compare every recorded function on a few
+/// mechanisms.
 namespace axode::test {
 namespace {
 
@@ -36,7 +37,7 @@ extern "C" void be_thread(unsigned block, unsigned size, unsigned thread) {
 )";
 const std::vector<std::string> as_cpp{"-x", "c++", "-std=c++14"};
 
-/// The contiguous results of a kernel for contiguous states.
+/// Runs a kernel for states that are stored one after the other and returns its results in the same order.
 template <class T>
 std::vector<double> run_in(const Compiled& library, const std::string& name,
                            const std::vector<std::vector<double>>& arguments, std::size_t states,
@@ -168,7 +169,8 @@ TEST(GeneratedCudaArguments, AreThoseOfC) {
             std::string::npos);
 }
 
-/// How many numbers wait at a time, at most, and whether operands come first.
+/// The largest number of results that are waiting at the same time to be used by a later statement of this
+/// order. Also expects that operands come before the statements that use them.
 int most_waiting(const std::vector<std::vector<int>>& operands, const std::vector<int>& order) {
   std::vector<int> uses(operands.size()), done(operands.size());
   for (const auto& from : operands)

@@ -11,7 +11,7 @@
 #include "tests/support/functions.hpp"
 #include "tests/support/refused_arguments.hpp"
 
-/// Generated functions give what the library gives.
+/// Generated functions give the same results as the library.
 namespace axode::test {
 namespace {
 
@@ -21,12 +21,12 @@ using codegen::Function;
 class GeneratedCode : public Law {};
 INSTANTIATE_TEST_SUITE_P(Codegen, GeneratedCode, testing::ValuesIn(scalars()), name_of);
 
-/// What a generated function makes, and returns.
+/// The results of a generated function and its return value.
 struct Result {
   std::vector<double> numbers;
   int status = 0;
 };
-/// Calls name(arguments..., out) with memory for so many numbers.
+/// Calls name(arguments..., out) with memory for `size` results.
 template <class T, class Returned = void>
 Result call_in(const Compiled& library, const std::string& name,
                const std::vector<std::vector<double>>& arguments, std::size_t size) {
@@ -51,7 +51,7 @@ Result call_in(const Compiled& library, const std::string& name,
   }
   return {cast<double>(out), status};
 }
-/// In the scalar of a case.
+/// Calls a function in the scalar type of a case.
 std::vector<double> called(const Case& c, const Compiled& library, const std::string& name,
                            const std::vector<std::vector<double>>& arguments, std::size_t size) {
   return (c.single ? call_in<float> : call_in<double>)(library, name, arguments, size).numbers;
@@ -61,7 +61,7 @@ Result solved(const Case& c, const Compiled& library, const std::string& name,
   return (c.single ? call_in<float, int> : call_in<double, int>)(library, name, arguments, size);
 }
 
-/// The generated functions of one model. Those of several models are compiled together.
+/// The generated functions of one model; the functions of several models are compiled together.
 struct Generated {
   Trial trial;
   Random<double> random;
@@ -81,7 +81,7 @@ struct Generated {
   const std::string& name(std::size_t k) const { return source.functions[k].name; }
 };
 
-/// The library's Jacobian, row by row.
+/// The Jacobian that the library computes, row by row.
 std::vector<double> library_jacobian(const Trial& trial, const Function& wanted, const Ask& at) {
   Trial in_wanted = trial.by(wanted.representation);
   Ask ask = at;
@@ -99,7 +99,7 @@ TEST_P(GeneratedCode, GivesWhatTheLibraryGives) {
   const double agreement = fastest.agreement();
   Comparison force("force", agreement), inertia("mass matrix", agreement), columns("Jacobian", agreement);
   int singular = 0, solvable = 0, doubted = 0, coupled = 0;
-  const int models = fastest.single ? 20 : 60;  // the same statements in another type
+  const int models = fastest.single ? 20 : 60;  // in float the statements are the same
   constexpr int in_a_file = 10;
   for (int first = 1; first <= models && !testing::Test::HasFailure(); first += in_a_file) {
     std::vector<std::unique_ptr<Generated>> group;
@@ -127,7 +127,7 @@ TEST_P(GeneratedCode, GivesWhatTheLibraryGives) {
         EXPECT_TRUE(ok || doubt == 1) << "a singular mass matrix is told";
         singular += !ok, doubted += ok && doubt == 1;
         if (doubt ==
-            0) {  // accelerations may be as ill-conditioned as M: compared by the forces that they need
+            0) {  // M may be ill-conditioned, so that accelerations are compared by the forces that they need
           ++solvable;
           force.expect_equal(trial.call("inverse_dynamics", {.q = ask.q, .v = ask.v, .a = found}), ask.tau);
         }
@@ -145,7 +145,7 @@ TEST_P(GeneratedCode, GivesWhatTheLibraryGives) {
   EXPECT_LE(doubted, solvable / 20) << "doubt is rare where the library finds accelerations";
 }
 
-/// With few bodies: the matrices of forward dynamics are long programs.
+/// The models have few bodies, because the derivatives of forward dynamics are long programs.
 TEST_P(GeneratedCode, HasTheDerivativesThatTheLibraryHas) {
   const Case fastest = fast(GetParam());
   Comparison inverse("inverse", fastest.agreement()), forward("forward", fastest.agreement());
@@ -226,7 +226,7 @@ TEST_P(GeneratedCode, HasTheDerivativesThatTheLibraryHas) {
   EXPECT_TRUE(fastest.single || solvable >= 20);
 }
 
-/// What a compiler says about C source.
+/// The output of a compiler for C source.
 std::string complaints(const std::string& source, std::vector<std::string> words) {
   const TemporaryFolder folder;
   const std::string file = folder.write("generated.c", source);
@@ -255,8 +255,8 @@ TEST_P(GeneratedCode, CompilesWithoutWarningsAsC99AndAsCpp) {
   }
 }
 
-/// Three hinges through one point, z, y, z, of which only the last one carries something: where the first and
-/// the last axis meet, the mass matrix is singular.
+/// Three hinges whose axes z, y and z go through one point. Only the last one moves a mass. If the first and
+/// the last axis coincide, the mass matrix is singular.
 Model wrist(double mass = 1) {
   const auto hinge = [](const char* name, const char* on, const Vec3<>& axis) {
     return BodyDescription{
@@ -292,7 +292,8 @@ template <class T> double units(T x, double exact) {
   return std::abs(static_cast<double>(x) - exact) / unit;
 }
 
-/// The turning point of a crank of 1 m moves with -sin q and cos q.
+/// The end of a crank of 1 m moves with velocity components -sin q and cos q, so that its Jacobian shows the
+/// errors of both functions.
 TEST_P(GeneratedCode, HasSinesAndCosinesOfTwoUnitsInTheLastPlace) {
   const Model crank = ModelBuilder("crank")
                           .add({.name = "crank", .joint = {.kind = JointKind::revolute, .axis = {0, 0, 1}}})
@@ -317,7 +318,7 @@ TEST_P(GeneratedCode, HasSinesAndCosinesOfTwoUnitsInTheLastPlace) {
   });
 }
 
-/// Every operation of a tape, with sines of sines.
+/// Expressions with every operation that a tape can hold, and sines of sines.
 template <class N> std::vector<N> every_operation(N x, N y, N z) {
   const N a = sin(x) * cos(y) + z / (N(2) + x * x), b = sqrt(N(1) + a * a) - N(3) * y,
           c = atan2(b, sin(a) - y);
@@ -349,8 +350,8 @@ TEST_P(GeneratedCode, ComputesWhatIsRecorded) {
   }
 }
 
-/// Of the 150 products and sums that the fast path takes for a hinge, an arm with axes at right angles needs
-/// about a third.
+/// The fast path takes 150 multiplications and additions for a hinge. An arm with axes at right angles needs
+/// about a third of these.
 TEST(GeneratedOperations, AreOnlyThoseThatTheMechanismNeeds) {
   const std::vector<Function> functions{{Id("inverse_dynamics")}, {Id("mass_matrix")}};
   const codegen::Source arm = codegen::c_source(load(robot("arm7.toml")), functions);
@@ -361,7 +362,8 @@ TEST(GeneratedOperations, AreOnlyThoseThatTheMechanismNeeds) {
   EXPECT_EQ(forces.divisions + matrix.divisions, 0);
 }
 
-/// Compilers take time for each statement that grows with the length of the function that it is in.
+/// Long functions are divided into parts, because the time that compilers take for a statement grows with the
+/// length of its function.
 TEST(GeneratedParts, AreShort) {
   const Model model = load(robot("humanoid.urdf"), Base::free);
   const Function function{Id("inverse_dynamics_derivatives")};

@@ -7,14 +7,14 @@
 #include "axode/model.hpp"
 #include "tests/codegen/compiled.hpp"
 
-/// Frames may be named as functions of other frames are.
+/// Frames may have names that generated functions of other frames have too.
 namespace axode::test {
 namespace {
 
 using catalog::Id;
 using codegen::Function;
 
-/// A pendulum with a frame for each name, each at another height.
+/// A pendulum with a frame for each name; each frame is at another height.
 Model pendulum(const std::vector<std::string>& frames) {
   ModelBuilder builder("pendulum");
   builder.add({.name = "rod",

@@ -13,7 +13,8 @@
 #include "tests/laws/law.hpp"
 #include "tests/support/refused_arguments.hpp"
 
-/// Specialised models give what the library gives, and do without their cache and without a compiler what they can.
+/// Specialised models give the same results as the library. Without their cache or without a compiler they
+/// still do what is possible.
 namespace axode::test {
 namespace {
 
@@ -31,7 +32,7 @@ template <class T> const catalog::Function<T>& row(const Function& function) {
 std::vector<Function> all_functions(const Model& model) {
   std::vector<Function> functions;
   for (const std::string_view name : codegen::recorded_functions)
-    if (name != "pose")  // they have all poses
+    if (name != "pose")  // functions for poses return all of them
       functions.push_back({*Id::of(name), model.n_frames() - 1, Representation::hybrid});
   return functions;
 }
@@ -42,7 +43,8 @@ template <class T> T largest_of(std::span<const T> x) {
   return largest;
 }
 
-/// All functions in N states, against the library's in each; what the mass matrix divides may lose digits with it.
+/// Compares all functions in N states with those of the library. Results that are divided by the mass matrix
+/// may be less exact, depending on its condition.
 template <class T>
 void expect_what_the_library_gives(const Model& model, const Specialised<T>& specialised,
                                    const std::vector<Function>& functions, std::size_t N, double tolerance) {

@@ -9,25 +9,25 @@
 #include "tests/laws/law.hpp"
 #include "tests/support/refused_arguments.hpp"
 
-/// batch::run() by a specialised model: in whatever is asked of it, it is the library's.
+/// batch::run() with a specialised model gives the same results as with the model, whatever is asked of it.
 namespace axode::test {
 namespace {
 
 using batch::Monitor;
 using catalog::Id, catalog::Input;
 
-/// The states from one on.
+/// The states from index `first` on.
 template <class T> RandomStates<T> from(std::size_t first, std::size_t N, RandomStates<T> states) {
   for (auto* x : {&states.q, &states.v, &states.a, &states.dq, &states.dv, &states.da, &states.w})
     x->erase(x->begin(), x->begin() + static_cast<std::ptrdiff_t>(x->size() / N * first));
   return states;
 }
 
-/// A function in all states by a model, or by a specialised one.
+/// Runs a function in all states, with a model or a specialised model.
 template <class T, class M>
 batch::Outcome call(Id function, const M& m, const RandomStates<T>& all, std::span<T> out, int threads = 1,
                     const Monitor& monitor = {}) {
-  const auto& [q, v, x, dq, dv, dx, w] = all;  // accelerations or forces
+  const auto& [q, v, x, dq, dv, dx, w] = all;  // x serves as accelerations or as forces
   catalog::Arguments<T> given{.q = q};
   const std::pair<Input, std::span<const T>> others[]{{Input::v, v},     {Input::a, x},      {Input::tau, x},
                                                       {Input::dq, dq},   {Input::dv, dv},    {Input::da, dx},
@@ -50,7 +50,7 @@ const std::vector<codegen::Function> batches{{Id("inverse_dynamics")},
                                              {Id("forward_dynamics_vjp")}};
 
 std::string name_of(Id quantity) { return std::string(quantity.words().name); }
-/// Numbers of a state.
+/// The size of the result for one state, in numbers.
 std::size_t size_of(Id quantity, const Model& model) {
   return catalog::find<Fast>(name_of(quantity))->size(model, 0);
 }
@@ -75,7 +75,8 @@ void expect_same(const batch::Outcome& x, const batch::Outcome& y) {
   EXPECT_EQ(x.solvability, y.solvability);
 }
 
-/// All functions in N states. What the mass matrix divides is known as well as its condition lets it be.
+/// Compares all functions in N states. Results that contain M⁻¹ are compared to the accuracy that the
+/// condition of M allows.
 template <class T>
 void expect_the_librarys(const Model& model, const Specialised<T>& specialised, std::size_t N, int threads,
                          double tolerance) {
@@ -139,7 +140,7 @@ TEST_F(SpecialisedBatches, GiveTheDerivativesOfManyStates) {
   for (const int threads : {1, 4}) expect_the_librarys(model, specialised, 1001, threads, 1e-12);
 }
 
-/// Compiled so that one state alone and states in lanes are rounded differently.
+/// The code is compiled such that a state alone and the same state in lanes would be rounded differently.
 TEST_F(SpecialisedBatches, DependOnNeitherTheirPlaceNorTheThreads) {
   const Model model = load(robot("arm7.toml"));
   const std::vector<codegen::Function> functions{{Id("poses")}, {Id("inverse_dynamics_derivatives")}};
@@ -205,7 +206,7 @@ TEST_F(SpecialisedBatches, EndWhereTheMonitorSaysSo) {
   for (const int threads : {1, 4}) {
     int asked = 0;
     for (std::size_t times = 100; asked == 0;
-         times *= 2) {  // until the call takes long enough to be asked about
+         times *= 2) {  // until a call takes long enough for the monitor to be called
       ASSERT_LT(times, 100'000u);
       RandomStates<double> all(some);
       for (std::size_t k = 1; k < times; ++k) {
@@ -226,7 +227,7 @@ TEST_F(SpecialisedBatches, EndWhereTheMonitorSaysSo) {
       EXPECT_LE(asked, 1);
       if (asked == 0) {
         EXPECT_EQ(outcome.done, N);
-      } else if (outcome.done == N) {  // all of it was done already
+      } else if (outcome.done == N) {  // all states were done before the monitor was called
         asked = 0;
       }
       EXPECT_GT(outcome.done, 0u);

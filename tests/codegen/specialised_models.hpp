@@ -12,13 +12,13 @@
 #include "tests/support/random_states.hpp"
 #include "tests/support/run_program.hpp"
 
-/// What tests of specialised models have in common.
+/// Helpers of the tests of specialised models.
 namespace axode::test {
 
-/// Compiled for nobody's impatience: what is tested does not depend on it.
+/// Options that make the compiler quick, for tests that do not depend on the speed of the code.
 inline const std::vector<std::string> quickly{"-O0", "-march=native", "-ffp-contract=fast"};
 
-/// An environment variable with another value for a while.
+/// Gives an environment variable another value until the end of the scope.
 class Variable {
  public:
   Variable(const char* name, const std::string& value) : name_(name) {
@@ -38,7 +38,7 @@ class Variable {
   const char* name_;
   std::optional<std::string> before_;
 };
-/// Each test has a cache of its own.
+/// Gives each test a cache of its own.
 class SpecialisedModels : public testing::Test {
  protected:
   TemporaryFolder folder;
@@ -46,7 +46,8 @@ class SpecialisedModels : public testing::Test {
   Variable compiler{"CC", "cc"};
 };
 
-/// Joints of every kind, a free base, a coupled joint across branches and an armature.
+/// A model with joints of every kind, a free base, a joint that is coupled to one on another branch, and an
+/// armature.
 inline Model every_joint() {
   const auto joint = [](JointKind kind, Vec3<> axis) {
     JointDescription described{.kind = kind, .axis = axis};
@@ -76,7 +77,7 @@ inline Model every_joint() {
   return builder.build();
 }
 
-/// Two hinges about one axis of which the second carries nothing.
+/// Two hinges about one axis, of which the second moves no mass, so that the mass matrix is singular.
 inline Model singular_wrist() {
   const JointDescription hinge{.kind = JointKind::revolute, .axis = {0, 0, 1}};
   return ModelBuilder("wrist")

@@ -7,7 +7,7 @@
 #include "tests/laws/law.hpp"
 #include "tests/support/refused_arguments.hpp"
 
-/// Motions by compiled forward dynamics are the library's.
+/// Motions with compiled forward dynamics equal those that the library computes.
 namespace axode::test {
 namespace compiled_rollouts {
 namespace {
@@ -18,7 +18,7 @@ using Vector = std::vector<double>;
 constexpr std::size_t K = 8;
 constexpr double step = 1e-3;
 
-/// Where N motions begin, and forces for each of their steps.
+/// The initial states of N motions, and the forces for each of their steps.
 template <class T = double> struct Starts {
   std::size_t N, nq, nv;
   std::vector<T> q, v, tau;
@@ -36,7 +36,7 @@ template <class T = double> struct Starts {
   }
 };
 
-/// What came of them.
+/// The motions and the outcome of a rollout.
 template <class T = double> struct Motion {
   batch::Outcome outcome;
   std::vector<T> q, v;
@@ -66,7 +66,8 @@ template <class T> double largest(std::span<const T> x) {
   return most;
 }
 
-/// The second are accelerations' own motions: forces of one part in a million more say how well velocities are determined.
+/// Compares two motions. The motion `other` has forces that are larger by one part in a million and shows how
+/// strongly velocities depend on rounding.
 template <class T>
 void expect_same(const Motion<T>& found, const Motion<T>& expected, const Motion<T>& other,
                  const Starts<T>& at, double tolerance) {
@@ -103,7 +104,7 @@ std::vector<std::pair<const char*, Drive>> drives(const Model& model, std::uint6
            out[c] = std::sin(9 * t + static_cast<double>(c)) - 0.1 * v[c];
        }}};
 }
-/// The same with forces of one part in a million more.
+/// The same drive with forces that are larger by one part in a million.
 Drive more(const Drive& drive) {
   return [its = drive](double t, std::span<const double> q, std::span<const double> v,
                        std::span<double> tau) mutable {
@@ -267,7 +268,8 @@ TEST_F(SpecialisedRollouts, RefuseWhatTheLibrarysRefuse) {
             "model \"shoulder\" was specialised without forward_dynamics");
 }
 
-/// a = 2 tau - v, which no model has; it returns maybe_singular where tau is above 0.9 at first.
+/// Made-up dynamics a = 2 tau - v, which no model has. It reports that M may be singular where the first
+/// entry of tau is larger than 0.9.
 template <class T>
 void made_up(long count, const T* const* arguments, T* a, T*, unsigned char* maybe_singular) {
   for (long k = 0; k < count; ++k) {
