@@ -206,9 +206,7 @@ TEST(PlotOfATable, HasBarsOfEachNameBesideEachOther) {
   for (const char* said : {"model", "ratio", "one", "two", "arm", "humanoid", "leg"})
     EXPECT_THAT(texts_of(svg), Contains(said));
   auto first = bars_in(svg, " 68, 119, 170"), second = bars_in(svg, "238, 119,  51");
-  std::erase_if(first,
-                [](const auto& bar) { return bar.second - bar.first < 30; });  // leaves out the short ones in
-                                                                               // the legend
+  std::erase_if(first, [](const auto& bar) { return bar.second - bar.first < 30; });  // those of the legend
   std::erase_if(second, [](const auto& bar) { return bar.second - bar.first < 30; });
   ASSERT_EQ(first.size(), 2);
   ASSERT_EQ(second.size(), 3);

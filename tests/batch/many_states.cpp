@@ -76,9 +76,7 @@ TYPED_TEST(ManyStates, GiveInEveryFunctionWhatTheyGiveOneByOne) {
     std::size_t singular_states = 0;
     for (const catalog::Function<T>& row : rows) {
       const bool derivative = row.name.find("_dynamics_") != std::string_view::npos;
-      if (!row.lanes || (derivative && seed > 100))
-        continue;  // derivatives take long, so that fewer trees
-                   // must do
+      if (!row.lanes || (derivative && seed > 100)) continue;  // derivatives take long
       SCOPED_TRACE(std::string(row.name));
       const auto given = [&](std::size_t first, std::size_t count) {
         catalog::Arguments<T> all = states.given(model, row, first, count);

@@ -9,7 +9,7 @@
 #include "tests/constraints/mechanisms.hpp"
 #include "tests/laws/law.hpp"
 
-/// Mechanisms in absolute coordinates: bodies that move freely, bound by their joints.
+/// Mechanisms in absolute coordinates: bodies that move freely, with constraints in place of their joints.
 namespace axode::test {
 namespace {
 
@@ -42,7 +42,7 @@ struct FreeBodies {
   Numbers q, v;
 };
 
-/// f(bodies, random) for random trees, and for mechanisms with loops, in both groups.
+/// Calls f(bodies, random) for random trees and for mechanisms with loops, with both kinds of body groups.
 template <class F> void for_free_bodies(int seeds, const F& f) {
   for (const BodyGroup kind : {BodyGroup::SE3, BodyGroup::SO3xR3}) {
     for_seeds(seeds, [&](std::uint64_t seed) {
@@ -102,7 +102,8 @@ TEST(AbsoluteSystem, RowsAreTheRatesOfTheGaps) {
     };
     gap(-h, before), gap(h, after), gap(-2 * h, twice_before), gap(2 * h, twice_after);
     free.bodies.set_nonholonomic_rates(free.q, any, 0,
-                                       slip);  // rotors of joints with several velocities have no places
+                                       slip);  // the constraints of rotors of joints with several velocities
+                                               // exist for velocities only
     for (std::size_t k = 0; k < slip.size(); ++k)
       EXPECT_NEAR(slip[k], (8 * (after[k] - before[k]) - (twice_after[k] - twice_before[k])) / (12 * h),
                   1e-8 * (1 + largest_of(slip)))
@@ -116,7 +117,7 @@ TEST(AbsoluteSystem, ClosingWrenchesAreDualToRows) {
     Numbers slip, lambda = random_numbers(random, static_cast<int>(free.rows())), f(any.size());
     free.bodies.velocity_residual(free.q, any, slip);
     for (std::size_t k = 0; k < slip.size(); ++k)
-      if (slip[k] == 0) lambda[k] = 0;  // directions that joints leave free
+      if (slip[k] == 0) lambda[k] = 0;  // directions in which joints can move
     free.bodies.add_constraint_forces(free.q, lambda, f);
     EXPECT_NEAR(product_of(f, any), product_of(lambda, slip),
                 1e-11 * (1 + largest_of(slip)) * static_cast<double>(f.size()));
@@ -125,7 +126,9 @@ TEST(AbsoluteSystem, ClosingWrenchesAreDualToRows) {
 
 TEST(AbsoluteSystem, SolvesItsEquations) {
   for_free_bodies(40, [](FreeBodies& free, Random<double>& random) {
-    if (free.model.name() == "Bricard") return;  // rows that repeat each other do not take any right side
+    if (free.model.name() == "Bricard")
+      return;  // its rows are redundant, so that some right sides have no
+               // solution
     if (!free.bodies.factorize_with_rank(free.q).ok()) return;
     const Numbers r = random_numbers(random, free.bodies.nv()),
                   any = random_numbers(random, free.bodies.nv());
@@ -143,7 +146,7 @@ TEST(AbsoluteSystem, SolvesItsEquations) {
   });
 }
 
-/// Accelerations of the joints, which are those of the bodies, whose velocities are differenced along the motion.
+/// The accelerations of the joints equal those that follow from the accelerations of the free bodies.
 TEST(AbsoluteSystem, AcceleratesAsTheTreeDoes) {
   int seen = 0, tried = 0;
   for_free_bodies(40, [&](FreeBodies& free, Random<double>& random) {

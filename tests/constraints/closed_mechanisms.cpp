@@ -12,7 +12,8 @@
 #include "tests/constraints/mechanisms.hpp"
 #include "tests/laws/law.hpp"
 
-/// Mechanisms with loops, some of them redundant by their kinds, one by geometry.
+/// Mechanisms with loops. Some have rows that are redundant because of the kinds of the loops, and one has a
+/// row that is redundant because of its geometry.
 namespace axode::test {
 namespace {
 
@@ -30,7 +31,7 @@ const Mechanism_ mechanisms[] = {{"FourBar", turned_four_bar, 5, 2, 1},
                                  {"SliderCrank", slider_crank, 5, 2, 1},
                                  {"Gough", gough, 18, 18, 6}};
 
-/// A closed state of a mechanism, away from where it was drawn.
+/// A closed state of a mechanism, away from the configuration in which it was drawn.
 struct ClosedState {
   ClosedState(const Model& model, std::uint64_t seed) : loops(model), workspace(model, cut_tree) {
     Random<double> random(seed);
@@ -91,7 +92,8 @@ TEST_P(ClosedMechanisms, HaveTheirRankAndFreedom) {
   }
 }
 
-/// As far as the loops are closed, which is what their rows agree to.
+/// The mobility is also found at configurations where the loops are closed only approximately, and redundant
+/// rows agree only approximately.
 TEST_P(ClosedMechanisms, HaveThemWhereTheyAreNearlyClosed) {
   for (std::uint64_t seed = 1; seed <= 5; ++seed) {
     ClosedState at(model, seed);
@@ -101,7 +103,7 @@ TEST_P(ClosedMechanisms, HaveThemWhereTheyAreNearlyClosed) {
   }
 }
 
-/// Least squares on the whole system is the yardstick.
+/// The reference is a least-squares solution of the whole dense system.
 TEST_P(ClosedMechanisms, MoveAsTheDenseSystemSays) {
   for (std::uint64_t seed = 1; seed <= 10; ++seed) {
     ClosedState at(model, seed);
@@ -140,7 +142,8 @@ TEST_P(ClosedMechanisms, MoveTheSameWithALoopTwice) {
   }
 }
 
-/// The same with the second loop between bodies 1e9 times as light: every row is measured by the mass it moves.
+/// A second copy of the mechanism with bodies that are 1e9 times as light changes nothing, because the size
+/// of each row is judged relative to the masses that it moves.
 TEST_P(ClosedMechanisms, MoveTheSameBesideOnesOfAnotherScale) {
   Description both = model.description();
   const Description light = model.description();
@@ -176,7 +179,8 @@ TEST_P(ClosedMechanisms, MoveTheSameBesideOnesOfAnotherScale) {
   EXPECT_LT((vector(a).tail(n) - one).norm(), 1e-8 * (1 + one.norm()));
 }
 
-/// A pair of joints that are coupled, on its own beside the mechanism, is all it takes to move it by other recursions.
+/// A coupled pair of joints beside the mechanism makes the library use other recursions; these must give the
+/// same motion.
 TEST_P(ClosedMechanisms, MoveTheSameBesideCoupledJoints) {
   Description both = model.description();
   for (const char* name : {"leader", "follower"})
@@ -222,7 +226,7 @@ TEST_P(ClosedMechanisms, AreDrivenAsTheyMove) {
     EXPECT_LT((acceleration_of(model, at, tau) - a).norm(), 1e-7 * (1 + a.norm()));
     EXPECT_LE(vector(tau).norm(), vector(at.tau).norm() * (1 + 1e-9)) << "the least forces that do it";
 
-    std::vector<int> drives;  // as many as there are freedoms
+    std::vector<int> drives;  // as many as there are degrees of freedom
     for (int c = 0; c < GetParam().freedom; ++c) drives.push_back(c);
     EXPECT_LT(inverse_dynamics(model, at.loops, at.q, at.v, numbers(a), tau, {}, drives), 1e-8);
     for (std::size_t c = drives.size(); c < tau.size(); ++c) EXPECT_EQ(tau[c], 0);
@@ -291,7 +295,7 @@ TEST_P(ClosedMechanisms, LoseTheEnergyOfAnImpact) {
   for (const double e : {0.0, 0.4, 1.0}) {
     ClosedState at(model, 3);
     Random<double> random(4);
-    at.v = random_numbers(random, model.nv());  // which tears the loops
+    at.v = random_numbers(random, model.nv());  // velocities with which the loops do not stay closed
     const MatrixXd A = jacobian_of(model, at), M = mass_of(model, at);
     Numbers after(at.v.size());
     ASSERT_TRUE(impact(model, at.loops, at.q, at.v, e, after).ok());
@@ -305,7 +309,7 @@ TEST_P(ClosedMechanisms, LoseTheEnergyOfAnImpact) {
   }
 }
 
-/// r' = R v and (A v)' = A a + γ, on the closure and off it.
+/// ṙ = R v and d/dt (A v) = A a + γ, at closed configurations and at others.
 TEST_P(ClosedMechanisms, HaveTheRatesOfDifferences) {
   for_seeds(10, [&](std::uint64_t seed) {
     ClosedState at(model, seed);
@@ -314,7 +318,7 @@ TEST_P(ClosedMechanisms, HaveTheRatesOfDifferences) {
     const Numbers v = random_numbers(random, model.nv());
     const double h = 1e-3;
     const auto moved = [&](double t) {
-      return integrate(model, q, numbers(t * vector(v)));  // with constant v, so a = 0
+      return integrate(model, q, numbers(t * vector(v)));  // v is constant, so that a = 0
     };
     const auto difference = [&](const auto& f) -> VectorXd {
       return (8 * (f(h) - f(-h)) - (f(2 * h) - f(-2 * h))) / (12 * h);
@@ -352,7 +356,8 @@ struct Derivatives {
   Numbers a_q, a_v, a_tau, l_q, l_v, l_tau;
 };
 
-/// Without Bricard's mechanism, which is another one as it opens; see the derivatives along motions.
+/// All mechanisms but Bricard's, whose rank changes when its loop opens; the derivatives along motions are
+/// tested for it.
 class OpenedMechanisms : public testing::TestWithParam<Mechanism_> {};
 
 TEST_P(OpenedMechanisms, HaveDerivativesThatAreLimitsOfDifferences) {
@@ -391,7 +396,7 @@ TEST_P(OpenedMechanisms, HaveDerivativesThatAreLimitsOfDifferences) {
   }
 }
 
-/// a' = ∂a/∂q v + ∂a/∂v a along a motion, which stays closed.
+/// The accelerations change as ∂a/∂q v + ∂a/∂v a along a motion, which keeps the loops closed.
 TEST_P(ClosedMechanisms, HaveDerivativesAlongTheirMotions) {
   for (std::uint64_t seed = 1; seed <= 5; ++seed) {
     ClosedState at(model, seed);
@@ -399,7 +404,7 @@ TEST_P(ClosedMechanisms, HaveDerivativesAlongTheirMotions) {
     const Derivatives d(model, at);
     const double h = 1e-3;
     SimulationOptions options;
-    const auto later = [&](double t) -> VectorXd {  // or before, with all velocities turned round
+    const auto later = [&](double t) -> VectorXd {  // for negative t, the same motion backwards
       Numbers v = numbers(t > 0 ? vector(at.v) : -vector(at.v));
       options.drive = [&](double, auto, auto, std::span<double> tau) {
         std::ranges::copy(at.tau, tau.begin());
@@ -421,7 +426,7 @@ INSTANTIATE_TEST_SUITE_P(, ClosedMechanisms, testing::ValuesIn(mechanisms),
 INSTANTIATE_TEST_SUITE_P(, OpenedMechanisms, testing::Values(mechanisms[0], mechanisms[2], mechanisms[3]),
                          [](const auto& info) { return std::string(info.param.name); });
 
-/// Which stresses a four-bar in space carries for nothing.
+/// The redundant rows of a four-bar in space, named by the wrenches that they could carry without any load.
 TEST(RedundantRows, AreNamedByTheirWrenches) {
   const Model model = ModelBuilder(four_bar(SO3<>{})).build();
   const LoopMobility found = loop_mobility(model, neutral(model));
@@ -431,7 +436,8 @@ TEST(RedundantRows, AreNamedByTheirWrenches) {
   EXPECT_EQ(found.redundant[2].wrench.substr(0, 21), "force along (0, 0, 1)");
 }
 
-/// A nut that a second thread guides is held for nothing by a force along the threads with a couple against their pitch.
+/// A nut on two parallel threads is constrained twice; the redundant wrench is a force along the threads with
+/// a couple that depends on their pitch.
 TEST(RedundantRows, AreNamedWithTheirPitch) {
   Description d{.name = "nut"};
   d.bodies.push_back({.name = "nut",
@@ -462,7 +468,8 @@ TEST(SecondOrder, TellsBranchesFromShakes) {
   EXPECT_EQ(branching.degrees_of_freedom, 2);
   EXPECT_EQ(branching.mobility, Mobility::branches);
 
-  for (const double way : {1.0, -1.0}) {  // the form of its dependency is definite, with either sign
+  for (const double way : {1.0, -1.0}) {  // the quadratic form of the dependency is definite, with either
+                                          // sign of it
     const Model line = ModelBuilder(ring({{0, 0, 0}, {way, 0, 0}, {2 * way, 0, 0}}, {z, z, z})).build();
     const LoopMobility shaking = loop_mobility(line, neutral(line));
     EXPECT_EQ(shaking.degrees_of_freedom, 1);
@@ -510,7 +517,7 @@ TEST(Rolling, RowsHaveTheRatesOfDifferences) {
   }
 }
 
-/// A rod and a universal joint, and the linear coupling of coordinates, against what trees know of them.
+/// Mechanisms with a linear coupling of coordinates move like trees in which a joint follows another one.
 TEST(LinearCouplings, MoveAsJointsThatFollow) {
   const auto tree = [](bool follows) {
     Description d =
@@ -551,7 +558,7 @@ TEST(FarLoops, LoseNothing) {
   const Model here = ModelBuilder(gough()).build(),
               there = ModelBuilder(displaced_by({12000, -5000, 300}, gough())).build();
   ClosedState at(here, 2);
-  Numbers q = at.q;  // the free platform's position is relative to where it was drawn
+  Numbers q = at.q;  // the pose of a free joint is relative to the pose in which its body was drawn
   LoopWorkspace<double> workspace(there);
   Numbers r(static_cast<std::size_t>(there.loops().residuals)), a(at.v.size());
   loop_residual(there, workspace, q, r);
@@ -618,7 +625,8 @@ TEST(ClosedResults, NeedMemoryOfTheirOwn) {
   EXPECT_EQ(in_place, apart);
 }
 
-/// A residual is known to the rounding of what it is made of, and no search can do better.
+/// Residuals are computed with the rounding errors of their terms, and the search must reach residuals of
+/// that size.
 TEST(Assembly, ClosesToTheRoundingOfItsTerms) {
   for (const Description& d : {slider_crank(), gough()}) {
     SCOPED_TRACE(d.name);

@@ -4,7 +4,8 @@
 #include "axode/lie/six.hpp"
 #include "tests/laws/law.hpp"
 
-/// A tree whose one joint is cut and told as a loop moves as the tree does, and the loop transmits the wrench of the joint.
+/// If one joint of a tree is cut and replaced by a loop, the mechanism moves as the tree does, and the loop
+/// transmits the wrench of the joint.
 namespace axode::test {
 namespace {
 
@@ -17,7 +18,8 @@ LoopKind as_loop(JointKind kind) {
   return LoopKind::fixed;
 }
 
-/// A random tree, and the same with the joint of one body cut: the body is free on the ground.
+/// A random tree, and the same tree with the joint of one body cut: that body then moves freely relative to
+/// the ground, and a loop takes the place of its joint.
 class CutTree {
  public:
   CutTree(std::uint64_t seed, JointKind kind) {
@@ -49,14 +51,16 @@ class CutTree {
     cut = ModelBuilder(description).build();
 
     state = random_state(*whole, random);
-    std::erase_if(state.wrenches, [&](const AppliedWrench<>& W) {  // on the body within a universal joint
+    std::erase_if(state.wrenches, [&](const AppliedWrench<>& W) {  // loads on the body between the two parts
+                                                                   // of a universal joint, which the other
+                                                                   // mechanism lacks
       return whole->frame(W.frame).name.starts_with(joint + ".");
     });
     tau = random_numbers(*whole, random);
     each_shared_joint([&](const Joint&, const Joint&) {});
   }
 
-  /// f(joint of the tree, the same of the cut one) for the joints that both have coordinates of.
+  /// Calls f(joint of the tree, joint of the other mechanism) for each joint that has coordinates in both.
   template <class F> void each_shared_joint(const F& f) {
     for (const Joint& own : whole->joints()) {
       const bool is_cut = own.name == joint || own.name.starts_with(joint + ".");
@@ -149,7 +153,7 @@ class CutJoints : public testing::TestWithParam<JointKind> {
       EXPECT_LT(norm(on_body[0].f - expected.f), bound);
     }
   }
-  /// The wrench of every joint that both mechanisms have, where the joint that was cut has no drive.
+  /// Compares the wrenches of all joints that both mechanisms have. The joint that was cut has no drive.
   static void transmits_as_the_tree(const CutTree& trees, const Numbers& a,
                                     const std::array<Numbers, 3>& motion, const Loads<>& loads,
                                     const Loads<>& loads_cut, double tolerance) {
@@ -191,7 +195,8 @@ class CutJoints : public testing::TestWithParam<JointKind> {
         }
       });
   }
-  /// Wrenches in any representation about a point, from those about the origins of the bodies.
+  /// Expects that wrenches in a representation and about a point equal those about the origins of the bodies
+  /// after the change.
   template <class Rep>
   static void expect_same(const Model& model, const std::vector<SE3<>>& C,
                           const std::vector<Wrench<BodyFixed>>& W, const std::vector<Wrench<Rep>>& moved,
@@ -206,7 +211,7 @@ class CutJoints : public testing::TestWithParam<JointKind> {
       EXPECT_LT(norm(moved[k - 1].f - expected.f), tolerance) << model.joint(i).name;
     }
   }
-  /// Of the mass matrix, as far as errors of accelerations grow with it.
+  /// The condition of the mass matrix, by which errors of accelerations grow.
   static double condition(const Model& model, const Numbers& q) {
     Workspace<double> workspace(model);
     const auto n = static_cast<Eigen::Index>(model.nv());

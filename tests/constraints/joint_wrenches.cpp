@@ -5,13 +5,15 @@
 #include "tests/laws/law.hpp"
 #include "tests/model/random_loops.hpp"
 
-/// The wrenches that the joints of mechanisms with loops transmit. cut_joints.cpp compares them with those of trees.
+/// The wrenches that joints of mechanisms with loops transmit. The tests in cut_joints.cpp compare them with
+/// those in trees.
 namespace axode::test {
 namespace {
 
 using Numbers = std::vector<double>;
 
-/// A random tree with a loop of every kind that closes where it is drawn, a coupling, and passive joints.
+/// A random tree with a loop of every kind, a coupling and passive joints; the loops are closed in the drawn
+/// configuration.
 Description closed_as_drawn(Random<double>& random) {
   Description d = with_loops(told(random_mechanism(random, {.most_bodies = 8}), random), random);
   for (BodyDescription& body : d.bodies)
@@ -22,7 +24,8 @@ Description closed_as_drawn(Random<double>& random) {
   return d;
 }
 
-/// Newton and Euler's equations of every body with the wrenches of its joints and loops, and Sᵀ W of every joint.
+/// The wrenches of joints and loops fulfil the Newton-Euler equations of every body, and Sᵀ W is the drive
+/// force of every joint.
 TEST(JointWrenchesOfClosedMechanisms, BalanceEveryBodyAndHoldTheDriveForces) {
   int rows = 0, passive = 0;
   for_seeds(60, [&](std::uint64_t seed) {
@@ -89,7 +92,8 @@ TEST(JointWrenchesOfClosedMechanisms, BalanceEveryBodyAndHoldTheDriveForces) {
   EXPECT_GT(passive, 10);
 }
 
-/// The boom of an excavator at rest: its weight at c, and a cylinder without weight from b to e, which is a bar.
+/// The boom of an excavator at rest. Its weight acts at c; a weightless hydraulic cylinder from b to e holds
+/// it like a bar.
 TEST(JointWrenchesOfClosedMechanisms, AreThoseOfStaticsInTheBoomOfAnExcavator) {
   const Vec3<> pin{0.4, 0, 1.6}, c{3, 0, 2.8}, b{0.9, 0, 1.1}, e{2.2, 0, 2.6}, y{0, 1, 0};
   BodyDescription boom{

@@ -5,7 +5,8 @@
 #include "tests/laws/law.hpp"
 #include "tests/lie/random_quantities.hpp"
 
-/// The laws of every loop joint of the table: residuals, wrenches and biases of its type go together.
+/// Laws of every loop joint of the table: its residuals, its constraint wrenches and their biases belong
+/// together.
 namespace axode::test {
 namespace {
 
@@ -15,7 +16,7 @@ using loops::LoopWrenches;
 
 constexpr double pitch = 0.3;
 
-/// A loop joint that has nothing but its wrenches.
+/// A loop joint without its own formula for the bias; the library must compute the bias from the wrenches.
 template <class Joint> struct WithoutBias {
   Joint joint;
   int rows() const { return joint.rows(); }
@@ -24,14 +25,14 @@ template <class Joint> struct WithoutBias {
   }
 };
 
-/// A frame on a body that moves with constant twist and twist rate, near time 0.
+/// The pose of a frame at the time t near 0, on a body with constant twist and twist rate.
 SE3<> moved(const SE3<>& C, const Screw<>& V, const Screw<>& dV, double t) {
   return exp(t * V + (t * t / 2) * dV) * C;
 }
 
 class LoopJoints : public testing::TestWithParam<LoopTraits> {
  protected:
-  /// f(joint, frames, motion, random) for random joints of the kind on bodies anywhere.
+  /// Calls f(joint, frames, motion, random) for random joints of the kind between frames anywhere.
   template <class F> static void each(const F& f) {
     for_seeds(100, [&](std::uint64_t seed) {
       Random<double> random(seed);
@@ -60,7 +61,7 @@ TEST_P(LoopJoints, ResidualsHaveTheRateOfTheirWrenches) {
     LoopWrenches<double> R;
     loops::residual_wrenches(joint, at, R.data());
     for (std::size_t k = 0; k < static_cast<std::size_t>(joint.residuals()); ++k) {
-      if (std::abs(a[k] - b[k]) > 0.1) continue;  // half a turn off, or half a lead, it jumps
+      if (std::abs(a[k] - b[k]) > 0.1) continue;  // the residual jumps where it is half a turn or half a lead
       const double rate = (8 * (a[k] - b[k]) - c[k] + d[k]) / (12 * h);
       EXPECT_NEAR(loops::power(R[k], motion.V_j - motion.V_i), rate, 1e-7 * (1 + std::abs(rate)));
       ++compared;
@@ -117,10 +118,11 @@ std::vector<LoopTraits> subgroups() {
   return all;
 }
 
-/// Loop joints that leave a subgroup free: residuals along their own motions and beside them.
+/// Loop joints that leave a subgroup of motions free: their residuals stay 0 along these motions and change
+/// along others.
 class Closures : public testing::TestWithParam<LoopTraits> {
  protected:
-  /// A product of exponentials of up to 20 rad and 20 m.
+  /// A motion of the subgroup: a product of exponentials of up to 20 rad and 20 m.
   SE3<> motion(Random<double>& random) const {
     SE3<> g;
     for (int twice = 0; twice < 2; ++twice) {
@@ -155,7 +157,8 @@ TEST_P(Closures, VanishOnAllOfTheJointsMotions) {
   });
 }
 
-/// All six directions that are not free make the residual move, one each: it vanishes on nothing else nearby.
+/// A small displacement in any of the six directions that is not free changes the residual, each one another
+/// component.
 TEST_P(Closures, SeeEveryOtherMotion) {
   EXPECT_EQ(closure.rows(), GetParam().rows);
   Random<double> random;

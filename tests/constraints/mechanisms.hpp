@@ -5,10 +5,10 @@
 
 #include "axode/model.hpp"
 
-/// Mechanisms with loops, drawn where they are closed.
+/// Mechanisms with loops that are closed in the drawn configuration.
 namespace axode::test {
 
-/// A slender bar from p to q that hangs on another one at p.
+/// A slender bar from p to q. Its joint, at p, connects it to another bar.
 inline BodyDescription bar(const std::string& name, const std::string& on, JointKind kind, const Vec3<>& axis,
                            const Vec3<>& p, const Vec3<>& q) {
   const Vec3<> d = q - p;
@@ -24,7 +24,7 @@ inline BodyDescription bar(const std::string& name, const std::string& on, Joint
                                 .in = GivenIn::construction_frame}};
 }
 
-/// Bars P0 P1, P1 P2, ..., the last of which is tied to the ground at its end.
+/// The bars P0 P1, P1 P2, ... in a row. A loop connects the end of the last one to the ground.
 inline Description ring(const std::vector<Vec3<>>& P, const std::vector<Vec3<>>& axes) {
   Description ring{.name = "ring", .gravity = {0, -9.81, 0}, .bodies = {}, .frames = {}};
   std::string last = "ground";
@@ -46,7 +46,8 @@ inline Description four_bar(const SO3<>& R = exp_SO3(Vec3<>{1, 2, 3})) {
   return d;
 }
 
-/// Six bars of length 1 along the edges of a cube: five rows, of which one is redundant by geometry.
+/// Six bars of length 1 along the edges of a cube. Their loop has five rows, one of which is redundant
+/// because of the geometry.
 inline Description bricard() {
   const std::vector<Vec3<>> P{{1, 0, 0}, {1, -1, 0}, {1, -1, 1}, {0, -1, 1}, {0, 0, 1}, {0, 0, 0}};
   std::vector<Vec3<>> axes;
@@ -65,7 +66,7 @@ inline Description slider_crank() {
   return d;
 }
 
-/// A platform on six legs, universal at the foot and spherical at the top.
+/// A platform on six legs. Each leg has a universal joint at its foot and a spherical joint at its top.
 inline Description gough() {
   Description d{.name = "Gough", .bodies = {}, .frames = {}};
   d.bodies.push_back({.name = "platform",
@@ -90,7 +91,8 @@ inline Description gough() {
   return d;
 }
 
-/// A sphere or a disc of radius 0.3 that rolls on the plane z = 0; gravity may lean.
+/// A sphere or a disc of radius 0.3 that rolls on the plane z = 0. Gravity need not be perpendicular to the
+/// plane.
 inline Description wheel(bool sphere, const Vec3<>& gravity = {0, 0, -9.81}) {
   Description d{.name = sphere ? "sphere" : "disc", .gravity = gravity, .bodies = {}, .frames = {}};
   d.bodies.push_back({.name = "wheel",

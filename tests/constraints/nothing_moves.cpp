@@ -3,13 +3,14 @@
 #include "tests/constraints/mechanisms.hpp"
 #include "tests/laws/law.hpp"
 
-/// Functions of mechanisms with loops where nothing moves: because there is no joint, or because the loops lock all of them.
+/// Functions of mechanisms with loops in which nothing can move, because there is no joint or because the
+/// loops lock all joints.
 namespace axode::test {
 namespace {
 
 using Numbers = std::vector<double>;
 
-/// Calls all of them, and expects that no velocity is free.
+/// Calls all functions, and expects that no velocity is free.
 void expect_rest(const Model& model) {
   const auto nv = static_cast<std::size_t>(model.nv()), m = static_cast<std::size_t>(model.loops().rows);
   LoopWorkspace<double> loops(model);

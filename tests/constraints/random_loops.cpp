@@ -7,14 +7,15 @@
 #include "axode/dynamics.hpp"
 #include "tests/laws/law.hpp"
 
-/// Loops of all kinds and couplings on random trees, open as they are.
+/// Loops of all kinds and couplings on random trees, in configurations where the loops are not closed.
 namespace axode::test {
 namespace {
 
 using Numbers = std::vector<double>;
 using Eigen::MatrixXd, Eigen::VectorXd;
 
-/// With loops of all kinds, or `few` of them, whose rows may all be kept.
+/// A random tree with loops of all kinds, or with one of these if there shall be `few`. The rows of a single
+/// loop are mostly independent.
 struct LoopedTree {
   explicit LoopedTree(std::uint64_t seed, bool few = false)
       : random(seed),
@@ -32,7 +33,7 @@ struct LoopedTree {
   std::size_t rows() const { return static_cast<std::size_t>(model.loops().rows); }
   std::size_t residuals() const { return static_cast<std::size_t>(model.loops().residuals); }
 
-  /// Where a constant velocity leads in a time, so that a = 0.
+  /// The configuration after the time t with constant velocities, so that a = 0.
   Numbers moved(double t) const { return integrate(model, q, numbers(t * vector(v))); }
   template <class F> VectorXd difference(const F& f) const {
     const double h = 1e-3;
@@ -73,7 +74,7 @@ TEST(RandomLoops, ResidualsHaveTheirRates) {
     const VectorXd said = matrix(static_cast<int>(r.size()), R) * vector(tree.v);
     for (const LoopRows& loop : tree.model.loops().all) {
       const VectorXd own = vector(r).segment(loop.first_residual, loop.residuals);
-      if (own.norm() > 1.5) continue;  // half a turn off, or half a lead, it may jump
+      if (own.norm() > 1.5) continue;  // the residual may jump where it is half a turn or half a lead
       ++seen;
       EXPECT_LT((said - rate).segment(loop.first_residual, loop.residuals).norm(), 1e-6 * (1 + said.norm()))
           << loop.name;
@@ -91,7 +92,7 @@ TEST(RandomLoops, HessianProductsAreRatesOfJacobians) {
     loop_residual(tree.model, tree.loops, tree.q, r);
     for (const LoopRows& loop : tree.model.loops().all) {
       const bool jumps = vector(r).segment(loop.first_residual, loop.residuals).norm() > 1.5;
-      for (int k = 0; k < loop.residuals; ++k)  // half a turn off, or half a lead
+      for (int k = 0; k < loop.residuals; ++k)  // the residual jumps where it is half a turn or half a lead
         if (jumps) lambda[static_cast<std::size_t>(loop.first_residual + k)] = 0;
       seen += !jumps;
     }
@@ -105,8 +106,8 @@ TEST(RandomLoops, HessianProductsAreRatesOfJacobians) {
   EXPECT_GE(seen, 5);
 }
 
-/// Rows that agree with each other, or do not: what is bound stays bound, with forces that do no work on what the rows
-/// allow.
+/// Motions fulfil the rows of the loops, and the constraint forces are combinations of these rows, so that
+/// they do no work on velocities that the rows allow. Rows that depend on each other are included.
 TEST(RandomLoops, MotionsKeepTheRowsAndForcesAreTheirs) {
   int moving = 0, kept = 0;
   for_seeds(60, [&](std::uint64_t seed) {
@@ -127,7 +128,7 @@ TEST(RandomLoops, MotionsKeepTheRowsAndForcesAreTheirs) {
     Eigen::ColPivHouseholderQR<MatrixXd> independent;
     independent.setThreshold(1e-4);
     if (tree.rows() == 0 || independent.compute(rows).rank() < rows.rows())
-      return;  // they cannot all be kept
+      return;  // dependent rows cannot all be fulfilled
     loop_bias(tree.model, tree.loops, tree.q, v, gamma);
     EXPECT_LT((rows * vector(a) + vector(gamma)).norm(),
               1e-6 * (1 + vector(gamma).norm() + vector(a).norm()));

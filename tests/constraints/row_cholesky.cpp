@@ -9,7 +9,7 @@ namespace {
 
 using Eigen::MatrixXd, Eigen::VectorXd;
 
-/// x of A x = b, and b, with b beside the matrix and by itself.
+/// Solves A x = b for the b that is stored beside the matrix, and for one that is passed alone.
 TEST(RowCholesky, SolvesForARightSideBesideTheMatrixAndForOthers) {
   Random<double> random(1);
   for (int m = 1; m <= 25; ++m) {
@@ -36,7 +36,7 @@ TEST(RowCholesky, SolvesForARightSideBesideTheMatrixAndForOthers) {
 TEST(RowCholesky, StopsAtAPivotThatIsNotSound) {
   RowCholesky<double> factor;
   factor.resize(3);
-  factor.matrix().topLeftCorner(3, 3) << 4, 2, 2, 0, 2, 1, 0, 0, 1;  // pivots 4, 1, 0
+  factor.matrix().topLeftCorner(3, 3) << 4, 2, 2, 0, 2, 1, 0, 0, 1;  // its pivots are 4, 1 and 0
   std::vector<double> pivots;
   EXPECT_FALSE(factor.factorize(3, [&](Eigen::Index, double D) {
     pivots.push_back(D);

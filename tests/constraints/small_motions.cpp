@@ -10,7 +10,7 @@
 #include "tests/constraints/mechanisms.hpp"
 #include "tests/laws/law.hpp"
 
-/// Small motions and positions of rest of mechanisms with loops.
+/// Small motions and equilibria of mechanisms with loops.
 namespace axode::test {
 namespace {
 
@@ -59,7 +59,8 @@ class SmallMotions : public testing::TestWithParam<DrawnMechanism> {
   }
 };
 
-/// The lower half of x' = A x + B δτ, of states that are closed beside one that moves.
+/// The lower half of ẋ = A x + B δτ gives the change of accelerations from a moving state to closed states in
+/// its neighbourhood.
 TEST_P(SmallMotions, HaveAccelerationsOfClosedNeighbours) {
   for (std::uint64_t seed = 1; seed <= 4; ++seed) {
     Random<double> random(seed);
@@ -100,7 +101,7 @@ TEST_P(SmallMotions, HaveAccelerationsOfClosedNeighbours) {
   }
 }
 
-/// The upper half: what becomes of a displacement where both go on for a while.
+/// The upper half gives the rate of a displacement while both motions go on.
 TEST_P(SmallMotions, HaveDisplacementsThatGoOn) {
   Random<double> random(5);
   const Numbers q = closed(integrate(model, neutral(model), random_numbers(random, model.nv(), 0.1)));
@@ -146,7 +147,8 @@ TEST_P(SmallMotions, ComeToRestWhereForcesHoldThem) {
 INSTANTIATE_TEST_SUITE_P(, SmallMotions, testing::ValuesIn(drawn_mechanisms),
                          [](const auto& info) { return std::string(info.param.name); });
 
-/// Two cranks of length 1 that hang, and a coupler between them: a pendulum whose frequency is on paper.
+/// Two cranks of length 1 that hang from the ground, with a coupler between them. It swings like a pendulum
+/// whose frequency is known.
 Model parallelogram() {
   const Vec3<> z{0, 0, 1};
   return ModelBuilder(ring({{0, 0, 0}, {0, -1, 0}, {2, -1, 0}, {2, 0, 0}}, {z, z, z, z})).build();
@@ -156,7 +158,8 @@ TEST(SmallMotionsOfAParallelogram, HaveTheFrequencyOnPaper) {
   const Model model = parallelogram();
   const Numbers q = neutral(model), still(3);
   const double of_a_crank = 1.01 / 12 + 0.25, squared = 2 * 9.81 / (2 * of_a_crank + 1);
-  for (const int velocity : {0, 1, 2}) {  // whichever tells
+  for (const int velocity : {0, 1, 2}) {  // the result does not depend on which velocity is the independent
+                                          // one
     const IndependentLinearization linear =
         independent_linearization(model, q, still, still, std::array{velocity});
     EXPECT_NEAR(linear.A(1, 0), -squared, 1e-10);

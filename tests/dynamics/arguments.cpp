@@ -4,8 +4,8 @@
 #include "tests/laws/law.hpp"
 #include "tests/support/refused_arguments.hpp"
 
-/// Wrong arguments of functions that have no row are refused, and numbers that are none pass through. Laws over every row are
-/// those of EveryFunction.
+/// The functions that have no row of the catalogue refuse wrong arguments and accept NaN. The same laws for
+/// all rows are in EveryFunction.
 namespace axode::test {
 namespace {
 
@@ -20,13 +20,13 @@ TEST_P(DynamicsArguments, PassThroughWhereTheyAreNotNumbers) {
   const auto is_none = [&](const char* function) {
     return std::isnan(largest(subject->call(function, ask).numbers));
   };
-  const auto of_the_forearm_alone = [&](const char* function) {  // of the ground and two bodies
+  const auto of_the_forearm_alone = [&](const char* function) {  // the results for the ground and two bodies
     const std::vector<double> all = subject->call(function, ask).numbers;
     const auto end = all.end() - static_cast<std::ptrdiff_t>(all.size() / 3);
     return !std::isnan(largest({all.begin(), end})) && std::isnan(largest({end, all.end()}));
   };
   for (std::vector<double>* const argument : {&ask.q, &ask.v, &ask.a}) {
-    double& last = argument->back();  // of the elbow
+    double& last = argument->back();  // the number of the elbow
     last = nan;
     EXPECT_TRUE(is_none("inverse_dynamics"));
     EXPECT_TRUE(is_none("joint_wrenches"));

@@ -11,7 +11,7 @@
 #include "axode/io.hpp"
 #include "tests/support/refused_arguments.hpp"
 
-/// Linear systems that stand in textbooks, and configurations at rest.
+/// Linear systems that are known from textbooks, and equilibria.
 namespace axode::test {
 namespace {
 
@@ -35,7 +35,7 @@ Matrix square(int n, std::initializer_list<double> entries) {
   return out;
 }
 
-/// A bob of mass m on a rod of length l, with a rotor on its hinge.
+/// A pendulum with a mass m on a rod of length l and a rotor of inertia I on its hinge.
 Model pendulum(double m, double l, double I, double damping) {
   return ModelBuilder()
       .add({.name = "bob",
@@ -63,7 +63,7 @@ TEST(Linearization, OfAPendulumHasItsFrequencyAndItsDampingRatio) {
   EXPECT_NEAR(upright.A(1, 0), omega * omega, 1e-13);
 }
 
-/// A body that is free in space, without gravity.
+/// A body that moves freely in space without gravity.
 Model drifting() {
   return ModelBuilder()
       .gravity({0, 0, 0})
@@ -103,7 +103,7 @@ Model example(const std::string& file, Base base = Base::as_described) {
   return load(AXODE_SOURCE_DIR "/examples/robots/" + file, base);
 }
 
-/// The forces that are missing at a configuration.
+/// The largest force that is missing for an equilibrium at a configuration.
 double residual_of(const Model& model, const Numbers& q, const Numbers& tau, const Loads<>& loads = {}) {
   Workspace<> workspace(model);
   const Numbers rest(tau.size());

@@ -2,12 +2,13 @@
 
 #include "tests/laws/law.hpp"
 
-/// Long chains: all representations agree, and accelerations meet the forces that they were found from.
+/// Long chains: all representations agree, and inverse dynamics of the computed accelerations gives the
+/// forces back.
 namespace axode::test {
 namespace {
 
-/// n links of 20 cm, or of another length, and 1 kg with hinges about x, y and z in turn, the first one `away` from the
-/// inertial origin, m.
+/// A chain of n links of 1 kg and, if not given otherwise, 20 cm. The hinge axes are x, y and z in turn. The
+/// first hinge is `away` from the inertial origin, m.
 Model chain(int n, double away, double length = 0.2) {
   ModelBuilder builder("chain");
   const Vec3<> axes[] = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
@@ -22,7 +23,7 @@ Model chain(int n, double away, double length = 0.2) {
   return builder.build();
 }
 
-/// ‖τ - ID(FD(τ))‖∞ / ‖τ‖∞ with τ = ID(a).
+/// The relative residual ‖τ - ID(FD(τ))‖∞ / ‖τ‖∞ with τ = ID(a).
 double residual(Trial t) {
   Ask ask = t.ask();
   ask.tau = t.inverse_dynamics();
@@ -33,7 +34,7 @@ double residual(Trial t) {
   return largest(off) / largest(ask.tau);
 }
 
-/// The residuals in the representations body, spatial, hybrid, mixed; the joints' angles are up to `bend`,
+/// The residuals in the representations body, spatial, hybrid and mixed. The joint angles are up to `bend`,
 /// rad.
 std::array<double, 4> residuals(int n, double bend, double away, std::uint64_t seed) {
   Random<double> random(seed);

@@ -4,7 +4,7 @@
 #include "tests/lie/relative_error.hpp"
 #include "tests/support/functions.hpp"
 
-/// One rigid body: its Newton-Euler equations in every representation, for any body frame and any frames j
+/// The Newton-Euler equations of one rigid body in every representation, for any body frame and any frames j
 /// and k.
 namespace axode::test {
 namespace {
@@ -14,7 +14,7 @@ class NewtonEuler : public Law {
   const double tolerance = GetParam().single ? test::tolerance<float> : test::tolerance<double>;
 
   static constexpr int samples = 500;
-  /// law(representation, random) with random quantities in the scalar of the case, a number of times.
+  /// Calls law(representation, random) several times, with random quantities in the scalar type of the case.
   template <class F> static void for_samples(const F& law) {
     with_scalar(GetParam(), [&](auto scalar) {
       Random<decltype(scalar)> random;
@@ -35,7 +35,7 @@ class NewtonEulerInFrames : public NewtonEuler {
 };
 INSTANTIATE_TEST_SUITE_P(Dynamics, NewtonEulerInFrames, testing::ValuesIn(scalars()), name_of);
 
-/// A quantity in double.
+/// The components of a quantity as doubles.
 template <template <class, class> class Kind, class Rep, class T> Six in_double(const Kind<Rep, T>& x) {
   const auto& [a, b] = x;
   return {axode::cast<double>(a), axode::cast<double>(b)};
@@ -51,7 +51,8 @@ template <class T> void expect_close(const Vec3<T>& x, const Vec3<T>& reference,
   expect_close({axode::cast<double>(x), {}}, {axode::cast<double>(reference), {}}, bound);
 }
 
-/// A body of point masses, where it is and how it moves. Everything else follows from Newton.
+/// A body of point masses, its pose and its motion. All other quantities follow from Newton's law for the
+/// point masses.
 template <class T> struct Cloud {
   SE3<T> C;
   Twist<BodyFixed, T> V;

@@ -2,7 +2,7 @@
 
 #include "tests/laws/law.hpp"
 
-/// Mechanisms whose equations of motion stand in textbooks, worked out by hand.
+/// Mechanisms whose equations of motion are in textbooks; the expected numbers are worked out by hand.
 namespace axode::test {
 namespace {
 
@@ -88,7 +88,7 @@ TEST_P(Textbook, NutOnAScrew) {  // (I + m h²) q'' + m g h
   expect_drives(model, {{2}, {30}, {a}}, {(I + m * h * h) * a + m * g * h});
 }
 
-TEST_P(Textbook, MassesOnAPulley) {  // Atwood: one coordinate, two masses
+TEST_P(Textbook, MassesOnAPulley) {  // Atwood's machine: one coordinate for two masses
   const double m1 = 3, m2 = 2, a = 0.6;
   const Model model =
       ModelBuilder()
@@ -108,7 +108,7 @@ TEST_P(Textbook, FreeFallNeedsNoDrive) {
                                 .joint = {.kind = JointKind::free},
                                 .inertia = MassProperties{.mass = 4, .Theta = {0.1, 0.1, 0.1}}})
                           .build();
-  const double s = 0.6, c = 0.8;  // half the angle about x
+  const double s = 0.6, c = 0.8;  // sine and cosine of half the angle about x
   const double R_yz = 2 * s * c, R_zz = c * c - s * s;
   // v' = Rᵀ g - ω × v in the axes of the stone.
   const Vec3<> w{1, -2, 0.5}, v{3, 1, -1}, fall = Vec3<>{0, -g * R_yz, -g * R_zz} - cross(w, v);
@@ -131,8 +131,9 @@ TEST_P(Textbook, FreeRotationObeysEuler) {  // τ = Θ ω' + ω × Θ ω
 }
 
 TEST_P(Textbook, HeavyTopPrecessesSteadily) {
-  // Precession Ω about the vertical, spin n about the axis, nutation θ: the moment of the weight keeps it
-  // going where Ω (J n + (J - I) Ω cos θ) = m g l, I about the support, n relative to the precessing frame.
+  // A top with precession Ω about the vertical, spin n about its axis and nutation θ. Under its weight it
+  // precesses steadily if Ω (J n + (J - I) Ω cos θ) = m g l, with I about the support and n relative to the
+  // precessing frame.
   const double m = 1.2, l = 0.2, I = 0.08, J = 0.02, theta = 0.5, precession = 3;
   const double spin = (m * g * l / precession - (J - I) * precession * std::cos(theta)) / J;
   const auto turn = [](Vec3<> axis) { return JointDescription{.kind = JointKind::revolute, .axis = axis}; };
@@ -158,7 +159,7 @@ TEST_P(Textbook, PlanarSlideOnAnIncline) {
                 .joint = {.kind = JointKind::planar, .axis = {std::sin(slope), 0, std::cos(slope)}},
                 .inertia = MassProperties{.mass = m, .Theta = {J, J, J}}})
           .build();
-  // The disc is not turned, its x-axis points down the slope; v' = a + ω × v.
+  // The disc does not turn at this instant, and its x-axis points down the slope; v̇ = a + ω × v.
   const double w = 3, vx = 1, vy = 2, ax = 0.5, ay = -0.25, dw = 4;
   expect_drives(model, {{0, 0.3, 0.1}, {w, vx, vy}, {dw, ax, ay}},
                 {J * dw, m * (ax - w * vy) - m * g / 2, m * (ay + w * vx)});
@@ -179,7 +180,8 @@ TEST_P(Textbook, LossesResistTheMotion) {
 }
 
 TEST_P(Textbook, JointsOfACantileverTransmitItsWeight) {
-  const double m = 3, l = 0.8;  // a beam along x, held by a hinge about the vertical, which feels none of it
+  const double m = 3, l = 0.8;  // a beam along x on a hinge about the vertical, so that its weight causes no
+                                // drive force
   const Model model = ModelBuilder()
                           .add({.name = "beam",
                                 .joint = {.kind = JointKind::revolute, .axis = {0, 0, 1}},

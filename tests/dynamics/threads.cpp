@@ -4,14 +4,15 @@
 #include "tests/laws/law.hpp"
 #include "tests/support/functions.hpp"
 
-/// Threads share a model; each has a workspace of its own, and no call leaves anything behind in it.
+/// Several threads may use one model, each with a workspace of its own. No call leaves anything in the
+/// workspace that changes later results.
 namespace axode::test {
 namespace {
 
 class Threads : public Law {};
 INSTANTIATE_TEST_SUITE_P(Dynamics, Threads, testing::ValuesIn(cases_with_fast()), name_of);
 
-/// A fingerprint of the bits of every result: of every function at all states, one after the other.
+/// Hashes of the bits of all results: of every function at all states, one after the other.
 using Fingerprints = std::vector<std::size_t>;
 template <class T>
 Fingerprints results(const Case& c, const Model& model, const std::vector<Arguments<T>>& states) {

@@ -5,7 +5,8 @@
 
 #include "axode/view/mesh_formats.hpp"
 
-/// Whatever the bytes of a mesh are, its check says in one short sentence what is wrong, or nothing.
+/// For every sequence of bytes, the check of a mesh returns one short sentence about what is wrong, or
+/// nothing.
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   using namespace axode::view;
   const std::string_view bytes(reinterpret_cast<const char*>(data), size);

@@ -9,7 +9,8 @@
 
 namespace axode::test {
 
-/// Whatever the bytes of a file are, its reader gives faults or a model, and a model can be written. Nothing else may be thrown.
+/// For every sequence of bytes, a reader of files returns faults or a model, and every such model can be
+/// written. No other exception may be thrown.
 inline int fuzz(io::Reading (*read)(std::string_view, const std::string&, Strictness),
                 const std::uint8_t* data, std::size_t size) {
   const std::string_view text(reinterpret_cast<const char*>(data), size);

@@ -7,8 +7,8 @@
 #include "tests/laws/law.hpp"
 #include "tests/support/functions.hpp"
 
-/// The algorithms allocate nothing once the workspace exists. Operator new and Eigen take their memory from malloc() and
-/// aligned_alloc(), of which this program counts every call.
+/// The algorithms allocate no memory once the workspace exists. Operator new and Eigen get their memory from
+/// malloc() and aligned_alloc(), whose calls this program counts.
 namespace {
 
 std::atomic<long> allocations{0}, releases{0};
@@ -46,7 +46,7 @@ void free(void* memory) {
 namespace axode::test {
 namespace {
 
-/// How many times f() allocates and releases.
+/// The number of allocations and releases during f().
 template <class F> long memory_operations(const F& f) {
   const long before = allocations + releases;
   f();
@@ -68,7 +68,7 @@ TEST(NoAllocation, IsWhatTheCounterWouldNotice) {
 class NoAllocation : public Law {};
 INSTANTIATE_TEST_SUITE_P(Guards, NoAllocation, testing::ValuesIn(cases_with_fast()), name_of);
 
-/// Whether a function takes the model: of trees without mass not every one does.
+/// Whether a function accepts the model; some functions refuse trees without mass.
 template <class F> bool takes(const F& call) {
   try {
     call();
@@ -106,7 +106,7 @@ TEST_P(NoAllocation, InEveryFunction) {
 class NoAllocationBeside : public Law {};
 INSTANTIATE_TEST_SUITE_P(Guards, NoAllocationBeside, testing::ValuesIn(cases()), name_of);
 
-/// law(Rep(), T()) for the types of a case.
+/// Calls law(Rep(), T()) with the types of a case.
 template <class F> void with_types(const Case& c, const F& law) {
   with_scalar(c, [&](auto scalar) {
     with_representation(c.representation, [&](auto representation) { law(representation, scalar); });
