@@ -5,7 +5,7 @@
 #include "tests/constraints/mechanisms.hpp"
 #include "tests/integration/motions.hpp"
 
-/// Motion in absolute coordinates, told in those of the joints.
+/// Motion in absolute coordinates, with results in the coordinates of the joints.
 namespace axode::test {
 namespace {
 
@@ -89,7 +89,7 @@ void expect_orders(const Model& model, Span q, Span v, double until, int steps,
       ASSERT_TRUE(coarse.complete && fine.complete) << coarse.stop_reason << fine.stop_reason;
       const double error = error_of(fine, exact);
       EXPECT_LT(error, 0.02);
-      if (error > 1e-8) {  // not yet rounding
+      if (error > 1e-8) {  // above this, rounding has no effect on the order yet
         EXPECT_GT(std::log2(error_of(coarse, exact) / error), order - 0.4) << "error " << error;
       }
     }
@@ -156,7 +156,8 @@ TEST(AbsoluteCoordinates, RattleKeepsTheEnergyInABand) {
   }
 }
 
-/// What rolls, whose rows bind velocities alone, in motion, and what drives and damps it.
+/// A mechanism that rolls in motion, with the forces that drive and damp it. The constraints of rolling are
+/// constraints on velocities only.
 struct Rolling {
   Model model;
   AssemblyResult at;
@@ -169,7 +170,7 @@ struct Rolling {
         forces(std::move(acting)),
         until(end) {}
 };
-/// A sphere whose centre of mass is off its centre.
+/// A sphere whose centre of mass is not its centre.
 Description lopsided_sphere() {
   Description d = wheel(true);
   d.name = "lopsided sphere";
@@ -178,7 +179,7 @@ Description lopsided_sphere() {
   return d;
 }
 std::vector<Rolling> what_rolls() {
-  SimulationOptions motors;  // of the cart's wheels
+  SimulationOptions motors;  // for the wheels of the cart
   motors.drive = [](double t, Span, Span v, std::span<double> tau) {
     std::ranges::fill(tau, 0.0);
     tau[6] = 0.01 * std::sin(3 * t) - 1e-4 * v[6], tau[7] = 0.01 * std::cos(3 * t) - 1e-4 * v[7];
@@ -189,7 +190,7 @@ std::vector<Rolling> what_rolls() {
       {load(AXODE_SOURCE_DIR "/examples/robots/cart.toml"), {0, 0, 1, .3, 0, 0, 0, 0, 0, 0, 0}, motors, 0.1}};
 }
 
-/// The largest of B v in rows without a place.
+/// The largest violation B v of the rows that constrain velocities only.
 double rolling_slip(const Trajectory& motion) {
   AbsoluteSystem bodies(motion.model(), BodyGroup::SE3);
   Numbers q, v, slip(static_cast<std::size_t>(bodies.rows(ConstraintLevel::velocity)));
@@ -234,7 +235,8 @@ TEST(AbsoluteCoordinates, WhatRollsDoesSoAtTheEndsOfSteps) {
         EXPECT_LT(largest_of(motion.position_residuals), 1e-12);
         if (std::string_view(name) != "generalised-alpha, index 3") {
           EXPECT_LT(largest_of(motion.velocity_residuals), 1e-12);
-        } else if (rolling.model.n_bodies() == 1) {  // whose joint coordinates tell its motion as it is
+        } else if (rolling.model.n_bodies() == 1) {  // the joint coordinates of a single body describe its
+                                                     // motion completely
           EXPECT_LT(rolling_slip(motion), 1e-12);
         }
       }
@@ -251,7 +253,7 @@ TEST(AbsoluteCoordinates, RattleIsReversibleWithWhatRolls) {
       }
 }
 
-/// Although nothing is symplectic there.
+/// The error of the energy does not grow, although the scheme is not symplectic for rolling.
 TEST(AbsoluteCoordinates, RattleKeepsTheEnergyOfWhatRollsInABand) {
   const std::vector<Rolling> all = what_rolls();
   for (std::size_t k = 0; k < 2; ++k)
@@ -269,8 +271,9 @@ TEST(AbsoluteCoordinates, RattleKeepsTheEnergyOfWhatRollsInABand) {
     }
 }
 
-/// An edge mill: the wheel runs round a post that holds its axle, so that the row of its slip along the axle repeats one of the
-/// post's. That one is kept, which has a place to come back to.
+/// An edge mill: a wheel runs round a post that holds its axle, so that the row for its slip along the axle
+/// is redundant beside a row of the post. The library must keep the row of the post, because that one
+/// constrains positions too.
 TEST(AbsoluteCoordinates, PlacesAreHeldWhereWhatRollsRepeatsThem) {
   Description mill = wheel(false, {1, 0.5, -9.81});
   BodyDescription axle{.name = "axle", .joint = {.kind = JointKind::free}};
@@ -292,7 +295,8 @@ TEST(AbsoluteCoordinates, PlacesAreHeldWhereWhatRollsRepeatsThem) {
     }
 }
 
-/// The N-four-bar's energy error with spectral radius 0.95, as published for h = 1 ms: 1.14e-3 J.
+/// The energy error of the N-four-bar with spectral radius 0.95 equals the published one, 1.14e-3 J for h = 1
+/// ms.
 TEST(AbsoluteCoordinates, TheFourBarsEnergyErrorIsThePublishedOne) {
   Description d{.name = "N-four-bar", .gravity = {0, -9.81, 0}, .bodies = {}, .frames = {}};
   const auto slender = [&](const char* name, const std::string& on, const Vec3<>& p, const Vec3<>& q) {
@@ -314,7 +318,7 @@ TEST(AbsoluteCoordinates, TheFourBarsEnergyErrorIsThePublishedOne) {
   EXPECT_NEAR(std::max(most - motion.body_energies[0], motion.body_energies[0] - least), 1.14e-3, 0.005e-3);
 }
 
-/// Ten thousand kilometres from the inertial origin digits are those of the mechanism.
+/// A mechanism ten thousand kilometres from the inertial origin loses no digits.
 TEST(AbsoluteCoordinates, DoNotDependOnWhereTheMechanismStands) {
   const auto chain_at = [](const Vec3<>& p) {
     Description d{.name = "chain", .gravity = {0, 0, -9.81}, .bodies = {}, .frames = {}};
@@ -339,7 +343,7 @@ TEST(AbsoluteCoordinates, DoNotDependOnWhereTheMechanismStands) {
     }
 }
 
-/// A disc that is drawn ten kilometres from the inertial origin, where the frame of its free motion stays.
+/// A disc that is drawn ten kilometres from the inertial origin, at which the frame of its free motion stays.
 TEST(AbsoluteCoordinates, DoNotDependOnHowFarAFreeBodyIsFromItsFrame) {
   const Vec3<> center{0, 0, .3}, w{0.4, 6, 0.7};
   const auto disc_at = [&](const Vec3<>& p) {
@@ -352,7 +356,7 @@ TEST(AbsoluteCoordinates, DoNotDependOnHowFarAFreeBodyIsFromItsFrame) {
     const Vec3<> v = cross(w, center) - cross(w, p + center);
     return Numbers{w.x, w.y, w.z, v.x, v.y, v.z};
   };
-  /// Where the centre is by then, and where it faces.
+  /// The position and the orientation of the disc at the end.
   const auto end_of = [&](const Trajectory& motion, const Vec3<>& p) {
     const Span q = last_q(motion);
     const SO3<> R = rotation(Quaternion<>{q[0], q[1], q[2], q[3]});
@@ -373,7 +377,7 @@ TEST(AbsoluteCoordinates, DoNotDependOnHowFarAFreeBodyIsFromItsFrame) {
 
 TEST(AbsoluteCoordinates, MeetEventsAndTellWhatIsBetween) {
   const Closed mechanism(four_bar());
-  SimulationOptions options;  // until the crank turns back
+  SimulationOptions options;  // the motion ends before the crank turns back
   options.events = {{.value = [](double, Span, Span v) { return v[0]; }, .terminal = true}};
   const Trajectory joints =
       simulate(mechanism.model, mechanism.at.q, mechanism.at.v, 2, {1e-10, 1e-12}, options);
@@ -387,7 +391,8 @@ TEST(AbsoluteCoordinates, MeetEventsAndTellWhatIsBetween) {
   }
 }
 
-/// Joints that turn by several turns in a step, seen by a spring, by a drive, by a coupled joint and by a coupling.
+/// Joints that turn several times in one step. A spring, a drive, a coupled joint and a coupling depend on
+/// the angle.
 Model turning_joints() {
   Description d{.name = "turning joints", .gravity = {0, 0, 0}};
   const auto add = [&](const char* name, const char* on, JointKind kind, Vec3<> axis, Dof dof = {}) {
@@ -415,7 +420,8 @@ Model turning_joints() {
   return ModelBuilder(d).build();
 }
 
-/// Poses do not tell whole turns, so that they must be counted with the motion, whatever the length of the steps.
+/// Poses do not contain the number of whole turns. These must be counted along the motion, for steps of any
+/// length.
 TEST(AbsoluteCoordinates, AnglesCountTheWholeTurnsOfLongSteps) {
   const Model model = turning_joints();
   Numbers q = neutral(model), v(q.size());
@@ -461,7 +467,7 @@ template <class F> void expect_refused(const F& f, const char* part) {
   }
 }
 
-/// Springs, dampers and drives whose own motion is over long before a step is.
+/// Stiff springs, dampers and drives, whose own motion decays within a small part of a step.
 TEST(AbsoluteCoordinates, GeneralizedAlphaTakesStiffJointsInLongSteps) {
   constexpr double stiffness = 1e4, damping = 1e3;
   Description chain{.name = "chain", .gravity = {0, 0, -9.81}, .bodies = {}, .frames = {}};

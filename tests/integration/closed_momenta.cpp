@@ -3,12 +3,13 @@
 #include "tests/integration/motions.hpp"
 #include "tests/support/refused_arguments.hpp"
 
-/// Schemes on (q, p) on mechanisms with loops: orders, reversal, energies that stay, momenta to rounding.
+/// Schemes in (q, p) for mechanisms with loops: their orders, reversibility, energies without drift, and
+/// momenta that stay to rounding.
 namespace axode::test {
 namespace closed_momenta {
 namespace {
 
-/// A four-bar whose ground floats.
+/// A four-bar whose frame is not fixed to the ground but moves freely.
 Description floating(const Vec3<>& g) {
   Description d = four_bar();
   d.name = "floating four-bar", d.gravity = g;
@@ -100,7 +101,7 @@ TEST(ConservingSchemesWithLoops, KeepTheMomentumOfWhatFloatsToRounding) {
   }
 }
 
-/// A chain, one joint of which is a loop joint of a body that would float, moves as the chain does.
+/// A chain with one joint cut and replaced by a loop moves as the chain does.
 TEST(ConservingSchemesWithLoops, CutJointsMoveAsTheTreeDoes) {
   Description tree{.name = "chain", .gravity = {0, -9.81, 0}, .bodies = {}, .frames = {}};
   const Vec3<> P[]{{0, 0, 0}, {1, 0, 0}, {1.5, 0.5, 0.3}, {2, 0, 1}};

@@ -6,7 +6,8 @@
 #include "tests/integration/motions.hpp"
 #include "tests/support/refused_arguments.hpp"
 
-/// Schemes on (q, p): orders, symplecticity, reversal, momenta to rounding, energies that stay.
+/// Schemes in (q, p): their orders, symplecticity, reversibility, momenta that stay to rounding, and energies
+/// without drift.
 namespace axode::test {
 namespace {
 
@@ -133,7 +134,7 @@ TEST(ConservingSchemes, AgreeWithTheDynamicsOfAnyTree) {
     options.loads = random_state(subject.model, random).wrenches;
     const Trajectory exact = simulate(subject.model, subject.state.q, subject.state.v, 0.02,
                                       {.relative = 1e-11, .absolute = 1e-12}, options);
-    if (!exact.complete) return;  // joints that move no mass
+    if (!exact.complete) return;  // some joints move no mass
     const auto expect_order = [&](const auto& run, double ratio) {
       const Trajectory coarse = run(1e-3), fine = run(0.5e-3);
       ASSERT_TRUE(fine.complete && coarse.complete) << fine.stop_reason << coarse.stop_reason;
@@ -154,7 +155,8 @@ TEST(ConservingSchemes, AgreeWithTheDynamicsOfAnyTree) {
   });
 }
 
-/// The largest entry of J B(p_0) Jᵀ - B(p_1) of one step, B being the Poisson matrix [[0, 1], [-1, Λ]], Λ w = ad_wᵀ p.
+/// How far a step is from being symplectic: the largest entry of J B(p_0) Jᵀ - B(p_1), with the derivative J
+/// of the step and the Poisson matrix B = [[0, 1], [-1, Λ]], Λ w = ad_wᵀ p.
 template <class Run> double symplectic_error(const Model& model, const State<double>& at, const Run& run) {
   const ConfigurationGroup<double> group(model.tree<double>());
   const std::size_t nv = at.v.size();
@@ -233,8 +235,8 @@ TEST(ConservingSchemes, GoBackTheWayTheyCame) {
       });
 }
 
-/// The largest change of the momentum of all bodies about the inertial origin, from that at t = 0 and what `gained` says,
-/// against the sum of their sizes.
+/// The largest difference between the total momentum about the inertial origin and the one at t = 0 plus
+/// `gained`, relative to the sum of the momenta of the bodies.
 double momentum_error(const Trajectory& motion, const Vec3<>& g) {
   const Model& model = motion.model();
   Workspace<> workspace(model);
@@ -280,7 +282,7 @@ TEST(ConservingSchemes, CountImpulsesOnWhatFloats) {
   EXPECT_LE(norm(after.p - before.p - Vec3<>{4, 5, -6}), 1e-11);
 }
 
-/// n links of 1 m that hang in a row.
+/// A chain of n links of 1 m that hangs from the ground.
 Model chain(int n, JointKind kind) {
   Description description{.name = "chain"};
   for (int k = 0; k < n; ++k) {
@@ -309,8 +311,9 @@ TEST(ConservingSchemes, KeepTheEnergyOfAChainInABand) {
   EXPECT_LE(band(4e-3, 4), 1e-3);
 }
 
-/// A floating tree with four kinds of joints, of which the first is 10 m from the centre of the base. A step in which v changes
-/// twice by as much is not a step that has been found: where it was taken for one, the energy was off by 1e-8 J at once.
+/// A floating tree with four kinds of joints, the first of which is 10 m from the centre of the base. If
+/// the iteration of a step changes v twice by the same amount, it has not converged. When such steps were
+/// accepted, the energy had an error of 1e-8 J at once.
 TEST(ConservingSchemes, SolveStepsToRoundingWhereJointsAreFarOut) {
   std::mt19937_64 generator(7);
   std::uniform_real_distribution<double> number(-1, 1);

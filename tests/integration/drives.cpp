@@ -8,7 +8,8 @@
 #include "tests/laws/law.hpp"
 #include "tests/support/refused_arguments.hpp"
 
-/// Drives of simulations: samples, and controllers that lead to a configuration or along a motion.
+/// Drives of simulations: samples, and controllers that move a mechanism to a configuration or along a
+/// motion.
 namespace axode::test {
 namespace drives {
 namespace {
@@ -16,7 +17,7 @@ namespace {
 using Numbers = std::vector<double>;
 using Span = std::span<const double>;
 
-/// Any tree that moves mass with every joint, and a state of it.
+/// A random tree in which every joint moves mass, and a state of it.
 struct Driven {
   Model model;
   State<double> at;

@@ -3,8 +3,8 @@
 #include "tests/constraints/mechanisms.hpp"
 #include "tests/integration/motions.hpp"
 
-/// Joints with dry friction stick, slide and turn: laws of Coulomb on random trees, the energy that goes, motions in
-/// closed form, orders, and mechanisms with loops.
+/// Joints with dry friction stick, slide and turn back. The tests check Coulomb's laws on random trees, the
+/// dissipated energy, motions in closed form, orders of methods, and mechanisms with loops.
 namespace axode::test {
 namespace friction {
 namespace {
@@ -45,11 +45,11 @@ TEST(Friction, HoldsWhatItCan) {
   }
 }
 
-/// v' = -2 from 3 m/s stops it after 1.5 s and 2.25 m.
+/// With v̇ = -2 m/s² a body at 3 m/s stops after 1.5 s and 2.25 m.
 TEST(Friction, StopsWhereItShould) {
   const Trajectory motion =
       simulate_fixed(block(2), Numbers{0}, Numbers{3}, 4, 0.4, runge_kutta(4), with_losses);
-  EXPECT_EQ(motion.size(), 12u);  // a step in two
+  EXPECT_EQ(motion.size(), 12u);  // one of the steps is divided in two
   EXPECT_NEAR(last_q(motion)[0], 2.25, 1e-12);
   Numbers q(1), v(1), a(1);
   for (const auto& [t, v_t] : {std::pair{0.6, 1.8}, {1.4, 0.2}, {1.6, 0.0}, {3.9, 0.0}}) {
@@ -59,7 +59,7 @@ TEST(Friction, StopsWhereItShould) {
   }
 }
 
-/// At the end of a step as well: v is 0 there without rounding.
+/// The body stops at the end of a step too, and its velocity there is exactly 0.
 TEST(Friction, StopsBetweenSteps) {
   const Trajectory motion =
       simulate_fixed(block(2), Numbers{0}, Numbers{3}, 4, 0.25, runge_kutta(1), with_losses);
@@ -69,8 +69,8 @@ TEST(Friction, StopsBetweenSteps) {
   EXPECT_EQ(motion.a(6)[0], 0);
 }
 
-/// A force of 3 sin t against a friction of 2 N: it sticks until sin t = 2/3, slides with v = 3 (cos t_0 - cos t) - 2 (t - t_0) until
-/// that is 0, sticks, and so on, the other way.
+/// A force 3 sin t acts against a friction of 2 N. The body sticks until sin t = 2/3, slides with v = 3 (cos
+/// t_0 - cos t) - 2 (t - t_0) until that is 0, sticks, and then does the same in the other direction.
 TEST(Friction, FollowsTheClosedForm) {
   const Model model = block(2);
   const SimulationOptions options = driven([](double t) { return 3 * std::sin(t); });
@@ -78,7 +78,7 @@ TEST(Friction, FollowsTheClosedForm) {
     return 3 * std::cos(t_0) * (t - t_0) - 3 * (std::sin(t) - std::sin(t_0)) - (t - t_0) * (t - t_0);
   };
   const double t_0 = std::asin(2.0 / 3);
-  double low = 2, high = 4;  // where it comes to rest
+  double low = 2, high = 4;  // the bounds of a bisection for the time at which it stops
   for (int k = 0; k < 100; ++k) {
     const double t = (low + high) / 2, v = 3 * (std::cos(t_0) - std::cos(t)) - 2 * (t - t_0);
     (v > 0 ? low : high) = t;
@@ -88,7 +88,7 @@ TEST(Friction, FollowsTheClosedForm) {
   ASSERT_TRUE(motion.complete) << motion.stop_reason;
   Numbers q(1), v(1);
   const double pi = std::acos(-1.0);
-  for (int k = 0; k < 6; ++k) {  // half a turn each
+  for (int k = 0; k < 6; ++k) {  // one half of a period each
     motion.at(k * pi + 0.5 * t_0, q, v);
     EXPECT_NEAR(q[0], k % 2 == 0 ? 0 : stroke, 1e-8) << k;
     EXPECT_EQ(v[0], 0) << k;
@@ -119,7 +119,7 @@ TEST(Friction, KeepsTheOrdersOfMethods) {
       2, 0.1);
 }
 
-/// Random trees, all of whose joints have dry friction.
+/// A random tree with dry friction in all of its joints.
 Description with_friction(Description tree, Random<double>& random, double most = 8) {
   for (BodyDescription& body : tree.bodies) {
     body.joint.dof.resize(static_cast<std::size_t>(traits(body.joint.kind).dof));
@@ -150,7 +150,8 @@ struct Rubbing {
   }
 };
 
-/// What slides is resisted by f; what rests by no more.
+/// Expects that the friction of every sliding joint is f against its motion, and that of every resting joint
+/// at most f.
 void expect_coulomb(const Rubbing& at, const Trajectory& motion, int& sticking, int& sliding) {
   ASSERT_TRUE(motion.complete) << motion.stop_reason;
   const Tree<double>& tree = at.model.tree<double>();
@@ -203,7 +204,7 @@ TEST(Friction, IsCoulombsForStiffMethods) {
   EXPECT_GE(sliding, 300);
 }
 
-/// Between ends of steps no hinge turns back, so that friction has taken f |Δq|; and damping nothing, without any.
+/// The energy that friction takes, Σ f |Δq|. No hinge turns back within a step, and there is no damping.
 double lost_to_friction(const Model& model, const Trajectory& motion) {
   double lost = 0;
   for (std::size_t k = 1; k < motion.size(); ++k) {
@@ -243,7 +244,8 @@ TEST(Friction, TakesTheEnergyThatIsMissing) {
   });
 }
 
-/// Mechanisms of one freedom are held where the friction of all joints, by how fast they go, is more than the weight.
+/// Mechanisms with one degree of freedom stay at rest if the friction of all joints, weighted by their
+/// relative velocities, is larger than the force of the weight.
 TEST(Friction, HoldsLoopsTogether) {
   for (Description drawn : {four_bar(), bricard()}) {
     SCOPED_TRACE(drawn.name);
@@ -253,7 +255,8 @@ TEST(Friction, HoldsLoopsTogether) {
     LoopWorkspace<double> closed(weak);
     Numbers a(q.size());
     ASSERT_TRUE(forward_dynamics(weak, closed, Span(q), rest, rest, a).ok());
-    Workspace<> workspace(weak, cut_tree);  // of the tree, whose weight moves it along a
+    Workspace<> workspace(weak, cut_tree);  // of the cut tree; a is the direction in which its weight moves
+                                            // the mechanism
     Numbers g(q.size());
     inverse_dynamics(weak, workspace, Span(q), rest, rest, g);
     double power = 0, resisting = 0;
@@ -272,7 +275,8 @@ TEST(Friction, HoldsLoopsTogether) {
   }
 }
 
-/// What sticks is held by how accelerations respond to forces, where these act.
+/// The friction of sticking joints is found from the response of the accelerations to forces, with the loops
+/// closed.
 TEST(Friction, KnowsHowLoopsRespond) {
   for (const Description& drawn : {four_bar(), bricard(), gough()}) {
     SCOPED_TRACE(drawn.name);
@@ -311,7 +315,7 @@ TEST(Friction, TakesTheEnergyThatIsMissingInLoops) {
       const double lost = energy(0) - energy(motion.size() - 1);
       EXPECT_GT(lost, 0.1);
       EXPECT_NEAR(lost_to_friction(model, motion), lost, 1e-7);
-      EXPECT_EQ(motion.v(motion.size() - 1)[0], 0);  // at rest by then
+      EXPECT_EQ(motion.v(motion.size() - 1)[0], 0);  // it has come to rest
     }
   }
 }

@@ -9,13 +9,13 @@
 #include "axode/model/configuration.hpp"
 #include "tests/laws/law.hpp"
 
-/// Mechanisms whose motions are tested, and what is compared.
+/// The mechanisms and the comparisons of the tests of motions.
 namespace axode::test {
 
 using Numbers = std::vector<double>;
 using Span = std::span<const double>;
 
-/// Any tree, and a state of it.
+/// A random tree and a state of it.
 struct Mover {
   Model model;
   State<double> state;
@@ -41,7 +41,7 @@ inline double energy_of(const Model& model, Span q, Span v) {
   Workspace<> workspace(model);
   return kinetic_energy(model, workspace, q, v) + potential_energy(model, workspace, q);
 }
-/// The largest change of the energy until then.
+/// The largest change of the energy up to a time.
 inline double energy_error(const Trajectory& motion, double until = std::numeric_limits<double>::infinity()) {
   const double before = energy_of(motion.model(), motion.q(0), motion.v(0));
   double most = 0;
@@ -52,7 +52,7 @@ inline double energy_error(const Trajectory& motion, double until = std::numeric
 inline Span last_q(const Trajectory& motion) { return motion.q(motion.size() - 1); }
 inline Span last_v(const Trajectory& motion) { return motion.v(motion.size() - 1); }
 
-/// A symmetric scheme comes back to where it began with all velocities turned round.
+/// Expects that a symmetric scheme returns to its initial state if all velocities are reversed at the end.
 template <class Run>
 void expect_way_back(const Model& model, const Numbers& q, const Numbers& v, double bound, double away,
                      const Run& run) {
@@ -98,7 +98,7 @@ inline Description two_links() {
   return arm;
 }
 
-/// One spherical, one free and one planar joint, and a hinge: nothing in it is singular.
+/// A model with a spherical, a free and a planar joint and a hinge; none of its configurations is singular.
 inline Model test_tree(Vec3<> gravity = {0, 0, -9.81}) {
   Description tree{.name = "tree", .gravity = gravity};
   const auto add = [&](const char* name, const char* on, JointKind kind, Vec3<> point) {
@@ -122,7 +122,7 @@ inline State<double> test_state(const Model& model) {
   state.wrenches.clear();
   return state;
 }
-/// Drives that follow time, and lose energy.
+/// Options with drives that depend on time and take energy away.
 inline SimulationOptions driven_and_damped() {
   SimulationOptions options;
   options.drive = [](double t, Span, Span v, std::span<double> tau) {

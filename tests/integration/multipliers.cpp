@@ -5,7 +5,8 @@
 #include "tests/constraints/mechanisms.hpp"
 #include "tests/integration/motions.hpp"
 
-/// The multipliers of generalised-alpha: what a joint, or the ground under what rolls, exerts at the end of a second.
+/// The multipliers of generalised-alpha after one second: the forces that a joint exerts, or the ground on a
+/// rolling body.
 namespace axode::test {
 namespace {
 
@@ -20,7 +21,8 @@ Model fast_top() {
   return ModelBuilder(d).build();
 }
 
-/// The force of the joint on the body, N in inertial axes, as the motion has it: m (c'' - g).
+/// The force of the joint on the body, from the acceleration c̈ of its centre of mass in the motion: m (c̈ -
+/// g), N, in inertial axes.
 Vec3<> force_of(const Model& model, const Trajectory& motion) {
   const Span q = last_q(motion), w = last_v(motion), dw = motion.a(motion.size() - 1);
   const SO3<> R = rotation(Quaternion<>{q[0], q[1], q[2], q[3]});
@@ -28,7 +30,7 @@ Vec3<> force_of(const Model& model, const Trajectory& motion) {
   return 15.0 * (R * (cross(alpha, c) + cross(omega, cross(omega, c))) - model.gravity());
 }
 
-/// Relative errors of the scheme's own multipliers after 1 s.
+/// The relative error of the scheme's own multipliers after 1 s.
 double multiplier_error(const Model& model, Coordinates kind, bool stabilized, int steps,
                         const Vec3<>& exact) {
   SimulationOptions options;
@@ -53,13 +55,14 @@ TEST(Multipliers, OfGeneralizedAlphaAreOfOrderTwoButForTheTransientOfIndexThree)
                  fine = multiplier_error(model, kind, stabilized, 2048, exact);
     EXPECT_NEAR(std::log2(coarse / fine), order, 0.15) << coarse << " " << fine;
   }
-  // On SO(3) × R³ what the start leaves of order one dies out with the spectral radius; here 0.9 of it stays each step.
+  // On SO(3) × R³ the start causes an error of the first order. It decays with the spectral radius: in each
+  // step 0.9 of it remain.
   const double coarse = multiplier_error(model, Coordinates::absolute_SO3xR3, false, 1024, exact),
                fine = multiplier_error(model, Coordinates::absolute_SO3xR3, false, 2048, exact);
   EXPECT_GT(std::log2(coarse / fine), 0.8) << coarse << " " << fine;
 }
 
-/// What carries a disc and keeps it from slipping, against that of its exact state.
+/// Compares the force that carries a disc and keeps it from slipping with that of the exact motion.
 TEST(Multipliers, OfWhatRollsAreOfOrderTwo) {
   const Model model = ModelBuilder(wheel(false)).build();
   const AssemblyResult at = assemble(model, neutral(model), Numbers{0.4, 6, 0.7, 0, 0, 0});

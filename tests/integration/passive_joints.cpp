@@ -4,7 +4,7 @@
 #include "tests/constraints/mechanisms.hpp"
 #include "tests/laws/law.hpp"
 
-/// Controllers of mechanisms with passive joints, with loops and without.
+/// Controllers for mechanisms with passive joints, with and without loops.
 namespace axode::test {
 namespace passive_joints {
 namespace {
@@ -18,7 +18,7 @@ Numbers call(Drive drive, Span q, Span v) {
   return tau;
 }
 
-/// The accelerations that ComputedTorque wants, here of gains 4 and 3 and a reference at rest.
+/// The accelerations that ComputedTorque is to cause with gains of 4 and 3 and a reference at rest.
 const Numbers kp{4}, kd{3};
 Numbers wanted(const Model& model, Span q, Span v, Span q_d) {
   Numbers w = difference(model, q, q_d);
@@ -59,7 +59,7 @@ TEST(PassiveJoints, OfTreesGetNoForceAndDrivesMoveAsWanted) {
   EXPECT_GT(passive, 20);
 }
 
-/// Mechanisms of which the drives are as many as the freedoms.
+/// A mechanism with as many drives as degrees of freedom.
 Model closed(const char* name) {
   Description d = std::string_view(name) == "gough" ? gough() : four_bar();
   for (BodyDescription& body : d.bodies)
@@ -107,7 +107,8 @@ TEST(PassiveJoints, OfClosedMechanismsGetNoForceAndDrivesMoveAsWanted) {
   }
 }
 
-/// More drives than freedoms: the motion that they can make, with the least forces, in whatever units.
+/// With more drives than degrees of freedom the controller causes the nearest motion that is possible, with
+/// the least forces, and in all units the same one.
 TEST(PassiveJoints, AreNotNeededWhereDrivesAreRedundant) {
   const Model model = ModelBuilder(four_bar()).build();
   ASSERT_EQ(std::ranges::count(model.loops().driven, 1), 3);

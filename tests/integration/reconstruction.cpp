@@ -6,7 +6,7 @@
 
 #include "tests/support/refused_arguments.hpp"
 
-/// Poses from twists: orders of the methods, and twists of both kinds.
+/// Poses that are reconstructed from twists: the orders of the methods, for body-fixed and spatial twists.
 namespace axode::test {
 namespace {
 
@@ -34,7 +34,8 @@ template <class Rep> void expect_orders() {
   for (int order = 1; order <= 5; ++order) {
     SCOPED_TRACE(order);
     const int n = order == 5 ? 32 : 64;
-    const double near = order == 5 ? 0.5 : 0.25;  // Dormand's and Prince's is better than its order for long
+    const double near = order == 5 ? 0.5 : 0.25;  // for steps of this size the method of Dormand and Prince
+                                                  // is more exact than its order says
     EXPECT_NEAR(
         order_of([&](const auto& t) { return reconstruct<Rep>(start, turning<Rep>, t, runge_kutta(order)); },
                  n, exact),

@@ -8,15 +8,16 @@
 #include "tests/laws/law.hpp"
 #include "tests/support/refused_arguments.hpp"
 
-/// Sensitivities of motions: limits of differences of motions, and transposed, and matrices, of each other.
+/// Sensitivities of motions: they equal limits of differences of motions, and the forward derivatives,
+/// gradients and matrices agree with each other.
 namespace axode::test {
 namespace {
 
 using Numbers = std::vector<double>;
 using Eigen::MatrixXd, Eigen::VectorXd;
 
-/// Any tree, some with springs and stops, or one that its geometric parameters displace, and a motion of it of a few steps by
-/// a method of any order.
+/// A motion of a few steps by a method of any order. Its mechanism is a random tree, some with springs and
+/// stops, or one whose geometric parameters are to be changed.
 struct SensitiveMotion {
   Mechanism drawn;
   Model model;
@@ -28,7 +29,7 @@ struct SensitiveMotion {
   bool losses;
 
   enum class For { state, geometry };
-  /// With joint losses in every second one; `smooth` without dry friction, which jumps.
+  /// Every second motion has joint losses. A `smooth` one has no dry friction, which would jump.
   explicit SensitiveMotion(std::uint64_t seed, bool smooth = false, For what = For::state)
       : drawn([&] {
           Random<double> random(seed);
@@ -64,7 +65,7 @@ struct SensitiveMotion {
     return random_numbers(random, static_cast<int>(rows) * model.nv());
   }
 
-  /// The state after each step, by simulate_fixed(); none where it cannot go on.
+  /// The states after each step of simulate_fixed(); nothing if the motion cannot go on.
   struct States {
     std::vector<Numbers> q, v;
   };
@@ -85,7 +86,8 @@ struct SensitiveMotion {
     return out;
   }
   std::optional<States> states() const { return states(model, start.q, start.v, tau); }
-  /// What a displaced motion is away from the motion, displacements and velocities of all states.
+  /// The differences of all states of a motion from those of another one: displacements first, and then
+  /// velocities.
   VectorXd away(const States& from, const std::optional<States>& to) const {
     VectorXd x = VectorXd::Constant(static_cast<Eigen::Index>(2 * (K + 1) * nv()), std::nan(""));
     if (!to) return x;
@@ -99,7 +101,7 @@ struct SensitiveMotion {
     return x;
   }
 
-  /// rollout_jvp(), as away().
+  /// The result of rollout_jvp(), in the order of away().
   VectorXd jvp(const Numbers& dq, const Numbers& dv, const Numbers& dtau) const {
     Numbers q_out((K + 1) * nv()), v_out(q_out);
     EXPECT_TRUE(
@@ -124,7 +126,7 @@ struct SensitiveMotion {
 Numbers moved_by(const Numbers& x, double eps, const Numbers& dx) {
   return numbers(VectorXd(vector(x) + eps * vector(dx)));
 }
-/// The limit of (x(eps) - x(-eps)) / 2 eps.
+/// The limit of (x(eps) - x(-eps)) / (2 eps) for small eps.
 template <class F> VectorXd central_difference(const F& x) {
   const double h = 1e-4;
   return (8 * (x(h) - x(-h)) - (x(2 * h) - x(-2 * h))) / (12 * h);
@@ -182,7 +184,7 @@ TEST(Sensitivities, OfStepsMultiplyToThoseOfTheMotion) {
     const VectorXd expected = at.jvp(dq, dv, dtau);
     VectorXd x(2 * n), all(expected.size());
     x << vector(dq), vector(dv);
-    VectorXd sizes = x.cwiseAbs();  // of what is added up, step by step
+    VectorXd sizes = x.cwiseAbs();  // the sizes of the terms that are added up, step by step
     Workspace<> workspace(at.model);
     double scale = largest_entry(expected);
     for (std::size_t k = 0; k <= at.K; ++k) {
@@ -210,7 +212,7 @@ TEST(Sensitivities, OfStepsMultiplyToThoseOfTheMotion) {
   });
 }
 
-/// The mechanism with all that joint i moves displaced by D, a pose in the construction frame.
+/// The mechanism after everything that joint i moves was displaced by D, a pose in the construction frame.
 Mechanism displaced_by(Mechanism mechanism, std::size_t i, const SE3<>& D) {
   std::vector<bool> goes(mechanism.bodies.size());
   for (std::size_t j = 0; j < goes.size(); ++j) {

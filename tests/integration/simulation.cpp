@@ -8,7 +8,8 @@
 #include "tests/integration/motions.hpp"
 #include "tests/support/refused_arguments.hpp"
 
-/// Motions under forces: orders of the schemes on the group, what they keep, dense output, events, and what is refused.
+/// Motions under forces: the orders of the schemes, the quantities that they conserve, dense output, events,
+/// and refused arguments.
 namespace axode::test {
 namespace {
 
@@ -125,8 +126,8 @@ TEST(Simulation, IsTheSameWhereverTheSceneStands) {
 }
 
 TEST(Simulation, OfAStiffSpringIsQuietWhereTheMotionIs) {
-  // A spring of 1e8 N m/rad at the first of two hinges, in equilibrium with the weight at the start; explicit methods would
-  // need steps of 0.07 ms.
+  // A spring of 1e8 N m/rad at the first of two hinges balances the weight at the start. Explicit methods
+  // would need steps of 0.07 ms.
   const Model model = ModelBuilder(two_links()).build();
   const double stiffness = 1e8;
   Workspace<> workspace(model);
@@ -156,7 +157,7 @@ TEST(Simulation, KeepsEnergyAndMomentumAsFarAsItsToleranceGoes) {
     };
     const Trajectory motion = simulate(subject.model, subject.state.q, subject.state.v, 0.2,
                                        {.relative = 1e-10, .absolute = 1e-12});
-    if (!motion.complete) return;  // joints that move no mass
+    if (!motion.complete) return;  // some joints move no mass
     const double before = energy(motion.q(0), motion.v(0)), after = energy(last_q(motion), last_v(motion));
     Workspace<> workspace(subject.model);
     const double scale = std::max(
@@ -183,11 +184,12 @@ TEST(Simulation, InBetweenIsAsGoodAsTheSteps) {
     return error;
   };
   const double coarse = worst(0.02), fine = worst(0.01);
-  EXPECT_LE(fine, coarse / 14);  // of fourth order at least
+  EXPECT_LE(fine, coarse / 14);  // the order is four at least
   EXPECT_LE(fine, 1e-5);
 }
 
-/// Bodies that turn by more than half a turn, and by several turns, in a step. With Θ_z = Θ_x they screw steadily.
+/// Bodies that turn by more than half a turn in one step, or by several turns. With Θ_z = Θ_x their twists
+/// are constant.
 struct FastBodies {
   Model model;
   Numbers q, v;
@@ -211,8 +213,8 @@ struct FastBodies {
   }
 };
 
-/// Compares a motion with an exact one, at the ends of its steps and between, as far as it goes: in such long steps
-/// compositions of high order may not converge.
+/// Compares a motion with an exact one, at the ends of its steps and between them, up to the end of the
+/// shorter one: with such long steps compositions of high order may not converge.
 void expect_to_follow(const Trajectory& motion, const Trajectory& exact, double tolerance) {
   ASSERT_GT(motion.size(), 4U) << motion.stop_reason;
   const Model& model = motion.model();
@@ -251,7 +253,7 @@ TEST(Simulation, InBetweenFollowsBodiesThatTurnFast) {
       try {
         motion = method.simulate({model, q, v, 2, method.adapts ? 0 : 0.17, {}, 0.8, options});
       } catch (const std::invalid_argument&) {
-        continue;  // the scheme is for other coordinates
+        continue;  // this scheme computes in other coordinates
       }
       expect_to_follow(motion, exact, 1e-7);
     }
@@ -266,7 +268,7 @@ TEST(Simulation, InBetweenFollowsBodiesThatTurnFastAndNutate) {
   expect_to_follow(simulate(fast.model, fast.q, v, 4, {1e-5, 1e-6}), exact, 1e-3);
 }
 
-/// An event of an attitude comes many times in one step.
+/// Events that depend on the orientation of a fast body occur many times in one step.
 TEST(Simulation, MeetsEventsOfBodiesThatTurnFast) {
   const FastBodies fast;
   const Model& model = fast.model;
@@ -291,7 +293,8 @@ TEST(Simulation, MeetsEventsOfBodiesThatTurnFast) {
   }
 }
 
-/// Two four-bars side by side can move in three ways where they are flat, and swing through there ten times.
+/// Two four-bars side by side that can move in three ways in the flat configuration, through which they swing
+/// ten times.
 TEST(Simulation, PassesWhereBranchesMeetAsWellAsItsToleranceSays) {
   const Model model = load(AXODE_SOURCE_DIR "/examples/robots/n_four_bar.toml");
   for (const double speed : {0.9, 0.97, 1.0, 1.1, 1.3, 1.5}) {
@@ -304,7 +307,7 @@ TEST(Simulation, PassesWhereBranchesMeetAsWellAsItsToleranceSays) {
   }
 }
 
-/// A body of 1 kg that slides along an axis.
+/// A model with a body of 1 kg that slides along an axis.
 Model slide(const Vec3<>& axis) {
   return ModelBuilder("slide")
       .add({.name = "block",
@@ -335,7 +338,8 @@ TEST(Simulation, MeetsEventsWhereTheyAre) {
   }
 }
 
-/// What rises through a height and falls back within one step, however short it stays above.
+/// A body that rises above a height and falls back within one step causes two events, however short the time
+/// between them is.
 TEST(Simulation, MeetsEventsTwiceInOneStep) {
   Description drop{.name = "ball"};
   drop.bodies.push_back({.name = "ball",
@@ -383,7 +387,7 @@ TEST(Simulation, EndsWhereStepsBecomeHopelesslyShort) {
               testing::HasSubstr("a force is discontinuous at a state in which the motion stays"));
   EXPECT_LE(stuck.steps, 100'000u);
 }
-/// A force of sin t in inertial axes moves a body of 2 kg, which turns, by (t - sin t)/2; with drag it is that of a drive.
+/// A force sin t in inertial axes moves a turning body of 2 kg by (t - sin t)/2.
 TEST(Simulation, FeelsLoadsThatAreComputed) {
   Description space{.name = "space", .gravity = {}};
   space.bodies.push_back({.name = "body",
@@ -405,7 +409,7 @@ TEST(Simulation, FeelsLoadsThatAreComputed) {
       try {
         motion = method.simulate({model, q, v, until, method.adapts ? 0 : 0.002, {}, 0.8, options});
       } catch (const std::invalid_argument&) {
-        continue;  // of the other coordinates
+        continue;  // this scheme computes in other coordinates
       }
       ASSERT_TRUE(motion.complete) << name << motion.stop_reason;
       Workspace<> workspace(model);
@@ -415,7 +419,7 @@ TEST(Simulation, FeelsLoadsThatAreComputed) {
     }
 }
 
-/// A long motion that begins with many short steps is none of these.
+/// A long motion that begins with many short steps must not be taken for one that is stuck.
 TEST(Simulation, WaitsUntilWhatIsStiffHasDiedOut) {
   SimulationOptions options;
   options.drive = [](double t, Span q, Span v, std::span<double> tau) {

@@ -7,15 +7,15 @@
 #include "axode/model/configuration.hpp"
 #include "tests/integration/motions.hpp"
 
-/// Springs, dampers and stops: forces are gradients of the energy, derivatives those of the forces, and motions under them
-/// keep or lose energy as they should.
+/// Springs, dampers and stops: their forces are gradients of the energy, their derivatives those of the
+/// forces, and motions under them conserve or lose energy accordingly.
 namespace axode::test {
 namespace springs {
 namespace {
 
 enum class Loss { none, some };
 
-/// A random tree with springs, and a state of it beyond the limits as well.
+/// A random tree with springs, and a state of it in which some joints are beyond their limits.
 struct Sprung {
   Model model;
   Numbers q, v;
@@ -148,7 +148,7 @@ TEST(Springs, SingleAndDoublePrecisionAgree) {
   });
 }
 
-/// Whether a joint of several velocities does, where its spring's energy may jump.
+/// Whether a joint with several velocities is near half a turn, where the energy of its spring may jump.
 bool nears_half_a_turn(const Model& model, const Trajectory& motion) {
   const Numbers rest = neutral(model);
   for (std::size_t k = 0; k < motion.size(); ++k) {
@@ -259,7 +259,7 @@ TEST(Springs, ModelsMadeFromOthersKeepThem) {
   });
 }
 
-/// A body on a slide, and a second one on the first.
+/// A mechanism with a body on a slide, and a second one on the first.
 Description slides() {
   Description model{.name = "slides"};
   for (int k = 0; k < 2; ++k) {
@@ -332,7 +332,7 @@ TEST(Springs, StopsHoldAndNeverPull) {
   EXPECT_DOUBLE_EQ(force(0.4, 1), -1.8e4);
   EXPECT_EQ(force(0.4, -2), 0) << "a stop does not pull";
 
-  // Dropped onto the lower stop, it comes to rest on it.
+  // The body falls onto the lower stop and comes to rest there.
   const double weight = 2 * 9.81;
   for (const Trajectory& motion : {simulate(built, Numbers{0.1}, Numbers{0}, 20),
                                    simulate_stiff(built, Numbers{0.1}, Numbers{0}, 20, 1e-3)}) {
@@ -344,13 +344,13 @@ TEST(Springs, StopsHoldAndNeverPull) {
       if (motion.t()[k] > 19) highest = std::max(highest, motion.q(k)[0]);
     }
     EXPECT_GT(deepest, -0.2 - 0.02);
-    EXPECT_LT(highest, 0.0);  // from 0.1 at the start
+    EXPECT_LT(highest, 0.0);  // it started at 0.1
     EXPECT_GT(motion.q(last)[0], -0.2 - 4 * weight / 1e5);
   }
 }
 
 TEST(Springs, StiffOnesTakeAFewIterationsOfNewtonsMethod) {
-  // A spring of 1e8 N m/rad at the first of two hinges, in equilibrium with the weight at the start.
+  // A spring of 1e8 N m/rad at the first of two hinges balances the weight at the start.
   Description arm = two_links();
   const double stiffness = 1e8;
   const Model plain = ModelBuilder(arm).build();

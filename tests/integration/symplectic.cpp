@@ -3,13 +3,13 @@
 #include "tests/integration/motions.hpp"
 #include "tests/model/random_mechanism.hpp"
 
-/// Steps on the closed configurations of mechanisms with loops keep the symplectic form of the momenta there.
+/// For mechanisms with loops the steps conserve the symplectic form on the closed states (q, p).
 namespace axode::test {
 namespace {
 
 using Matrix = Eigen::MatrixXd;
 
-/// A mechanism in motion, away from where it is drawn.
+/// A mechanism in motion, away from the configuration in which it is drawn.
 struct MovingMechanism {
   Model model;
   AssemblyResult at;
@@ -20,7 +20,7 @@ struct MovingMechanism {
           return assemble(model, integrate(model, neutral(model), away), random_numbers(random, model.nv()));
         }()) {}
 };
-/// Five bodies, the last of which closes a loop where it is drawn.
+/// A mechanism of five bodies with a loop at the last one, which is closed in the drawn configuration.
 Description random_loop_of_five(Random<double>& random) {
   constexpr std::array joints{JointKind::revolute, JointKind::universal, JointKind::spherical,
                               JointKind::prismatic, JointKind::planar};
@@ -37,7 +37,7 @@ Description random_loop_of_five(Random<double>& random) {
   return d;
 }
 
-/// dqᵀ dp' - dq'ᵀ dp + p [dq, dq'] of every two columns (dq, dp) of Z.
+/// The symplectic form dqᵀ dp' - dq'ᵀ dp + p [dq, dq'] for all pairs of columns (dq, dp) of Z.
 Matrix form(const ConfigurationGroup<double>& group, const Numbers& p, const Matrix& Z) {
   const auto nv = static_cast<Eigen::Index>(p.size());
   const Matrix dq = Z.topRows(nv), dp = Z.bottomRows(nv);
@@ -47,8 +47,9 @@ Matrix form(const ConfigurationGroup<double>& group, const Numbers& p, const Mat
   return dq.transpose() * dp - dp.transpose() * dq - dq.transpose() * turning;
 }
 
-/// By how much a step changes the form on the tangent space of closed states, of the largest entry. Tangents are those of states
-/// that were moved along a coordinate or a velocity and closed again, and of what becomes of them.
+/// The largest change of the form in one step, relative to its largest entry, for tangents at closed states.
+/// A tangent is a difference of two states that were displaced along a coordinate or a velocity and closed
+/// again; after the step it is the difference of their successors.
 template <class Run> double form_error(const MovingMechanism& mechanism, const Run& run) {
   const Model& model = mechanism.model;
   const ConfigurationGroup<double> group(model.tree<double>());
@@ -69,7 +70,7 @@ template <class Run> double form_error(const MovingMechanism& mechanism, const R
   };
   const std::array own = ends_of_step(mechanism.at);
   constexpr double e = 1e-3;
-  Matrix Z(4 * nv, 2 * nv);  // of both ends
+  Matrix Z(4 * nv, 2 * nv);  // the tangents at both ends of the step
   for (Eigen::Index k = 0; k < 2 * nv; ++k) {
     const auto moved = [&](double by) {
       Numbers x(mechanism.at.v.size()), v = mechanism.at.v;
@@ -129,7 +130,7 @@ TEST(SymplecticSteps, KeepTheFormOnClosedConfigurations) {
   EXPECT_GT(seen, 6);
 }
 
-/// Bricard's ring is closed as far as its redundant row lets it be.
+/// Bricard's ring has a larger bound, because its loop closes less exactly with its redundant row.
 TEST(SymplecticSteps, KeepTheFormOnRingsAndManyLoops) {
   for (const auto& [description, tolerance] :
        {std::pair{four_bar(), 1e-10}, {bricard(), 1e-8}, {gough(), 1e-10}}) {

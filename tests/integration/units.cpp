@@ -3,8 +3,9 @@
 #include "tests/integration/motions.hpp"
 #include "tests/support/random_loops.hpp"
 
-/// Motions do not depend on units: in other units of length, mass and time every coordinate of every step is multiplied by its
-/// unit. Schemes that compare numbers with an absolute threshold stop their iterations elsewhere.
+/// Motions do not depend on units. In other units of length, mass and time every coordinate of every step is
+/// multiplied by the factor of its unit. Schemes that compare numbers with an absolute threshold differ,
+/// because their iterations end earlier or later.
 namespace axode::test {
 namespace {
 
@@ -12,13 +13,13 @@ struct Scheme {
   const char* method;
   const char* coordinates = "relative";
 };
-/// What a name stands for in a table of names.
+/// The entry of a table that has this name.
 template <class Table> const auto& named(const Table& table, std::string_view name) {
   const auto found = std::ranges::find(table, name, [](const auto& row) { return row.first; });
   if (found == table.end()) throw std::logic_error("no row " + std::string(name));
   return found->second;
 }
-/// Steps of one length, from (q, v) on under constant forces of the drives and their damping.
+/// The motion from (q, v) with steps of one length. The drives have constant forces and damping.
 Trajectory motion_of(const Model& model, const State<double>& at, const Numbers& tau, const Numbers& damping,
                      double step, const Scheme& scheme) {
   SimulationOptions options{.coordinates = named(coordinate_kinds, scheme.coordinates)};
@@ -28,7 +29,7 @@ Trajectory motion_of(const Model& model, const State<double>& at, const Numbers&
   return named(methods, scheme.method).simulate({model, at.q, at.v, 20 * step, step, {}, 0.8, options});
 }
 
-/// The end of the motion, and what of it is left in the units of the first.
+/// Expects the same end of the motion after a change of units and back.
 void expect_the_same_motion(const Units& units, const Description& description, const State<double>& at,
                             const Numbers& tau, double step, const Scheme& scheme, Comparison& positions,
                             Comparison& velocities) {
@@ -74,7 +75,7 @@ TEST(UnitsOfMotions, OfTreesMultiplyEveryStep) {
     });
 }
 
-/// Rows of loops are couples and forces, which only units of length tell apart.
+/// The rows of loops are couples or forces, and only the unit of length makes a difference between these.
 TEST(UnitsOfMotions, OfMassAndTimeMultiplyStepsOfMechanismsWithLoops) {
   Comparison positions("q", 1e-10), velocities("v", 1e-9);
   for (const Units& units : {Units{.mass = 0x1p-20, .time = 0x1p12}, Units{.mass = 0x1p20, .time = 0x1p-10}})
@@ -97,7 +98,8 @@ TEST(UnitsOfMotions, OfMassAndTimeMultiplyStepsOfMechanismsWithLoops) {
     });
 }
 
-/// An implicit step whose sizes overflow takes every change for rounding, and its first guess for the end.
+/// If the sizes in an implicit step overflow, every change seems to be rounding, and the first guess would be
+/// taken for the solution.
 TEST(UnitsOfMotions, SquaresOfAccelerationsMayOverflow) {
   Description top{.name = "top", .gravity = {}};
   BodyDescription body{.name = "body", .predecessor = "ground"};

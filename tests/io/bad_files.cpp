@@ -16,7 +16,7 @@ namespace {
 
 using ::testing::HasSubstr;
 
-/// One row of tests/data/bad/expected.tsv: a fault that a file must bring about.
+/// A row of tests/data/bad/expected.tsv: a fault that the reader must report for a file.
 struct Expectation {
   std::string file, rule, message;
   int line = 0;
@@ -30,7 +30,7 @@ std::vector<Expectation> expectations() {
   std::ifstream table(bad_folder() / "expected.tsv");
   std::vector<Expectation> rows;
   std::string text;
-  std::getline(table, text);  // the heading
+  std::getline(table, text);  // skips the heading
   while (std::getline(table, text)) {
     std::istringstream row(text);
     Expectation e;
@@ -91,7 +91,7 @@ TEST(BadFiles, EachHasARowInTheTable) {
   }
 }
 
-// What others forgive, or what can be computed although no matter can be so.
+// Faults that other programs accept, or with which one can compute although no real body is like that.
 TEST(BadFiles, ThoseThatAreOnlyDoubtfulAreLoadedWithTheSameFaultsAsWarnings) {
   const std::set<std::string> doubtful{"limits_crossed.urdf",
                                        "limits_crossed.toml",

@@ -179,7 +179,7 @@ TEST(Drawing, SpringsAndStopsActOnJointsAndBetweenFrames) {
               1e-12);
 }
 
-/// A crane far from the origin, its bodies' frames where `frames` says.
+/// A crane far from the origin, with its body frames at the given places.
 Model crane(const std::string& column_frame, const std::string& jib_frame) {
   return model_of("[[body]]\nname = \"column\"\n" + column_frame + R"(
     joint = { name = "slew", kind = "revolute", axis = "z", point = [10, 20, 0] }
@@ -208,7 +208,7 @@ TEST(Drawing, TheFrameOfABodyIsTheConstructionFrameOrAtItsJointOrItsCentreOfMass
   EXPECT_EQ(norm(moved.body(1).A.r - Vec3<>{10, 20, 0}), 0);
   EXPECT_EQ(norm(moved.body(2).A.r - Vec3<>{12.1, 20, 3}), 0);
   EXPECT_EQ(norm(center_of_mass(moved.body(2).M)), 0);
-  EXPECT_EQ(norm(moved.body(1).X[0].v), 0);  // its joint passes through it
+  EXPECT_EQ(norm(moved.body(1).X[0].v), 0);  // the axis of its joint passes through the origin of its frame
   EXPECT_EQ(test::disparity(test::frames_at_zero(drawn).at("hook"), test::frames_at_zero(moved).at("hook")),
             0);
   const std::string in_words = "A = { position = [10, 20, 0] }",
@@ -339,7 +339,7 @@ TEST(Drawing, EveryKeyIsUnderstood) {
   EXPECT_EQ(model.joint(model.joint_index("sleeve.translation")).kind, Subgroup::prismatic);
 
   const BodyDescription& plate = model.description().bodies[0];
-  ASSERT_EQ(plate.shapes.size(), 6U);  // the last two are told as [[body.mesh]]
+  ASSERT_EQ(plate.shapes.size(), 6U);  // the file gives the last two as [[body.mesh]]
   EXPECT_EQ(plate.shapes[0].kind, ShapeKind::cylinder);
   EXPECT_EQ(plate.shapes[0].name, "rim");
   EXPECT_EQ(plate.shapes[0].role, ShapeDescription::Role::collision);

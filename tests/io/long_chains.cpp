@@ -12,8 +12,9 @@ namespace {
 
 constexpr int most = 10000;
 
-/// Runs with(n) for the most and for a quarter of it: it takes about four times as long, and not the sixteen times of n². In
-/// processor time, which other programs hardly change, and in one of three attempts.
+/// Expects that with(n) takes a time that is proportional to n: for the largest n about four times as long as
+/// for a quarter of it, and not sixteen times as for n². It measures processor time, on which other programs
+/// have little effect, and one success in three attempts is enough.
 template <class With> void expect_linear(const With& with) {
   const auto seconds = [&](int n) {
     const std::clock_t start = std::clock();
@@ -30,7 +31,7 @@ template <class With> void expect_linear(const With& with) {
 
 std::string number(int i) { return std::to_string(i); }
 
-/// inner(i) stands inside the joint that moves link i.
+/// A chain of n links as a URDF file. The text inner(i) is inside the joint that moves link i.
 template <class Inner> std::string urdf_chain(int n, Inner inner) {
   std::string text = "<robot name=\"chain\">\n<link name=\"b0\"/>\n";
   for (int i = 1; i <= n; ++i)

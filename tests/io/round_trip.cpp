@@ -56,7 +56,7 @@ void expect_same_shapes(const std::vector<ShapeDescription>& one,
       EXPECT_LT(norm(one[k].pose.R.*axis - other[k].pose.R.*axis), tolerance);
   }
 }
-/// Of bodies of the same names, and of the ground.
+/// Expects the same shapes on bodies of the same name, and on the ground.
 void expect_same_shapes(const Description& one, const Description& other) {
   expect_same_shapes(one.shapes, other.shapes);
   for (const BodyDescription& body : one.bodies) {
@@ -96,7 +96,8 @@ ShapeDescription random_shape(test::Random<double>& random) {
   return shape;
 }
 
-/// A random tree, its bodies told in all three ways, with limits, losses, couplings, shapes and frames.
+/// A random tree with geometry given in all three ways, and with limits, losses, couplings, shapes and
+/// frames.
 Description random_description(std::uint64_t seed) {
   test::Random<double> random(seed);
   const int n = static_cast<int>(random.number(1, 25));
@@ -481,7 +482,7 @@ TEST(Load, TheBaseIsHeldAsAsked) {
   EXPECT_EQ(kind_of(Base::free, "column"), "free");
   EXPECT_EQ(kind_of(Base::fixed, "chip"), "fixed");
   EXPECT_THROW(load(examples / "double_pendulum.toml", Base::free),
-               ModelError);  // nothing is fixed to the ground
+               ModelError);  // no body is fixed to the ground
 }
 
 TEST(Load, SeveralFreeBodiesAreFixedTogether) {
@@ -502,7 +503,7 @@ TEST(Load, SeveralFreeBodiesAreFixedTogether) {
   EXPECT_EQ(ModelBuilder(with_free_base(two)).build().joint(1).name, "free_base_2");
 }
 
-/// The URDFs that the project ships, and those of other projects where they are at hand.
+/// The URDF files of the project, and those of other projects if they are present.
 std::vector<std::filesystem::path> robots() {
   std::vector<std::filesystem::path> files =
       test::files_ending_in(std::filesystem::path(AXODE_SOURCE_DIR) / "examples/robots", ".urdf");
@@ -510,7 +511,7 @@ std::vector<std::filesystem::path> robots() {
   return files;
 }
 
-/// The mass matrix, and the drive forces of a random motion.
+/// The mass matrix, and the drive forces of a random motion, as one list of numbers.
 std::vector<double> dynamics(const Model& model, std::uint64_t seed) {
   std::mt19937_64 random(seed);
   const auto n = static_cast<std::size_t>(model.nv());

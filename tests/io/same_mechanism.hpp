@@ -9,7 +9,7 @@
 
 #include "axode/io.hpp"
 
-/// How far two models are from saying the same.
+/// The difference between two models.
 namespace axode::test {
 
 inline double disparity(const Vec3<>& a, const Vec3<>& b) { return norm(a - b) / std::max(1.0, norm(a)); }
@@ -35,14 +35,14 @@ inline bool same(const Dof& a, const Dof& b) {
          a.stop_damping == b.stop_damping;
 }
 
-/// Pose of every frame in the inertial frame at q = 0.
+/// The pose of every frame in the inertial frame at q = 0, by the name of the frame.
 inline std::map<std::string, SE3<>> frames_at_zero(const Model& model) {
   std::map<std::string, SE3<>> poses;
   for (const Frame& frame : model.frames()) poses[frame.name] = model.body(frame.body).A * frame.pose;
   return poses;
 }
 
-/// That of loops: where their frames are at q = 0, and their numbers.
+/// The difference of two lists of loops: of the frames of loop joints at q = 0, and of their numbers.
 inline double disparity(const Loops& one, const Loops& other, const Model& a, const Model& b) {
   const double infinity = std::numeric_limits<double>::infinity();
   if (one.joints.size() != other.joints.size() || one.couplings.size() != other.couplings.size() ||
@@ -67,7 +67,7 @@ inline double disparity(const Loops& one, const Loops& other, const Model& a, co
     const LoopCoupling &x = one.couplings[k], &y = other.couplings[k];
     if (x.name != y.name || x.first_row != y.first_row || x.terms.size() != y.terms.size()) return infinity;
     largest = std::max(largest, std::abs(x.offset - y.offset));
-    std::vector<double> factors(a.nv());  // by velocity: terms may be in another order
+    std::vector<double> factors(a.nv());  // one for each velocity, because the terms may have another order
     for (const LoopCoupling::Term& term : x.terms) factors[term.velocity] += term.factor;
     for (const LoopCoupling::Term& term : y.terms) factors[term.velocity] -= term.factor;
     for (const double left : factors) largest = std::max(largest, std::abs(left));
@@ -77,11 +77,12 @@ inline double disparity(const Loops& one, const Loops& other, const Model& a, co
 
 enum class Compare {
   everything,
-  named_frames,  ///< bodies may carry other names and frames of their own; what the first names, the second has too
+  named_frames,  ///< bodies may have other names and frames; every frame name of the first model exists in
+                 ///< the second one
 };
 
-/// The largest difference of reference poses, joint screws, inertias, frames and gravity, relative where
-/// larger than one; infinite where names, kinds, limits, couplings or the order differ.
+/// The largest difference of reference poses, joint screws, inertias, frames and gravity, relative for
+/// numbers larger than 1. It is infinite if names, kinds, limits, couplings or the order differ.
 inline double disparity(const Model& a, const Model& b, Compare compare = Compare::everything) {
   const double infinity = std::numeric_limits<double>::infinity();
   if (a.n_bodies() != b.n_bodies() || a.nq() != b.nq() || a.nv() != b.nv()) return infinity;

@@ -176,7 +176,8 @@ TEST(Sdf, AWorldHasAGravityOfItsOwnAndAModelOurs) {
 
 // ---------------------------------------------------------------- joints
 
-/// The axis in the world of a revolute joint whose child is turned by a quarter about x, in a model turned about y.
+/// The axis in the world frame of a revolute joint whose child link is turned by 90 degrees about x, in a
+/// model that is turned about y.
 Vec3<> axis_of(const std::string& version, const std::string& axis) {
   const Model model = model_of(in_model(pose("0 0 0 0 1.5707963267948966 0") + link("a") +
                                             link("b", pose("0 0 0 1.5707963267948966 0 0")) + held("a") +

@@ -16,7 +16,7 @@
 namespace axode::sdf_peer {
 namespace {
 
-/// A model whose elements are placed relative to each other in every way that SDFormat has.
+/// A random model whose elements are placed relative to each other in every way that SDFormat has.
 class RandomModel {
  public:
   explicit RandomModel(unsigned seed) : random_(seed) {}
@@ -25,7 +25,7 @@ class RandomModel {
     const std::string inner = model("m", 0);
     return "<sdf version='1.9'><world name='w'>" + inner + "</world></sdf>";
   }
-  std::vector<std::string> links, joints;  ///< by their paths within the model
+  std::vector<std::string> links, joints;  ///< their paths within the model
 
  private:
   int below(int n) { return std::uniform_int_distribution(0, n - 1)(random_); }
@@ -91,7 +91,7 @@ SE3<> ours(const ignition::math::Pose3d& C) {
 }
 Vec3<> ours(const ignition::math::Vector3d& a) { return {a.X(), a.Y(), a.Z()}; }
 
-/// About the origin of the link, in its axes.
+/// Converts an inertia to that about the origin of the link, along its axes.
 Inertia<> ours(const ignition::math::Inertiald& theirs) {
   const ignition::math::Matrix3d Theta = theirs.Moi();  // about the centre of mass, in the axes of the link
   return inertia_from_com(
@@ -99,7 +99,7 @@ Inertia<> ours(const ignition::math::Inertiald& theirs) {
       Sym3<>{Theta(0, 0), Theta(1, 1), Theta(2, 2), Theta(0, 1), Theta(0, 2), Theta(1, 2)});
 }
 
-/// Where a model within the outermost one is in the world, by its path; empty for that one itself.
+/// The pose in the world of a nested model, by its path in the outermost model. An empty path means that one.
 SE3<> pose_of(const sdf::World& world, const std::string& path) {
   const sdf::Model* model = world.ModelByIndex(0);
   ignition::math::Pose3d pose;

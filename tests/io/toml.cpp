@@ -10,7 +10,7 @@
 namespace axode::io::toml {
 namespace {
 
-/// The value of the key x, or null.
+/// The value of the key x, or null if there is none.
 const Value* x_of(const Document& document) {
   if (document.failure) return nullptr;
   const auto found = document.root().table()->find("x");

@@ -272,7 +272,8 @@ TEST(Urdf, ShapesKeepWhatIsSaidOfThem) {
   EXPECT_EQ(shapes[0].role, ShapeDescription::Role::visual);
   EXPECT_EQ(shapes[0].pose.r.y, 2);
   EXPECT_EQ(shapes[0].scale.z, 0.002);
-  EXPECT_EQ(shapes[0].color, (std::array<double, 4>{1, 0, 0, 1}));  // named before it is told
+  EXPECT_EQ(shapes[0].color, (std::array<double, 4>{1, 0, 0, 1}));  // the file uses the name of this material
+                                                                    // before it defines it
   EXPECT_EQ(shapes[1].name, "hull");
   EXPECT_EQ(shapes[1].file, "a.stl");
   EXPECT_EQ(shapes[1].role, ShapeDescription::Role::collision);

@@ -1,6 +1,6 @@
 #include "tests/kinematics/derivatives.hpp"
 
-/// The centre of mass, how it moves, and the momentum about it.
+/// The centre of mass, its motion, and the momentum about it.
 namespace axode::test {
 namespace {
 
@@ -11,7 +11,7 @@ INSTANTIATE_TEST_SUITE_P(Kinematics, CenterOfMass, testing::ValuesIn(scalars()),
 
 const TreeRecipe trees_with_mass{.most_bodies = 20, .always_mass = true};
 
-/// Mass-weighted mean of the bodies' centres of mass, in the frames that the user placed.
+/// The mean of the centres of mass of the bodies, weighted with their masses, from their frames.
 Vec3<S> mean_position(const Model& model, const std::vector<SE3<S>>& frames) {
   Vec3<S> h;
   for (int i = 1; i <= model.n_bodies(); ++i) {
@@ -21,7 +21,7 @@ Vec3<S> mean_position(const Model& model, const std::vector<SE3<S>>& frames) {
   return S(1 / model.total_mass()) * h;
 }
 
-/// Σ M_i V_i of all bodies, with moments about the centre of mass.
+/// The total momentum Σ M_i V_i of all bodies, with moments about the centre of mass.
 Momentum<Hybrid, S> momentum_about_com(const Model& model, const Tree<S>& tree, const std::vector<S>& q,
                                        const std::vector<S>& v) {
   const std::vector<SE3<S>> C = frame_poses(tree, q);
@@ -36,7 +36,7 @@ Momentum<Hybrid, S> momentum_about_com(const Model& model, const Tree<S>& tree, 
   return {sum.l, sum.p};
 }
 
-/// A random tree that moves, as series in time.
+/// A random tree in motion, as series in time.
 struct MovingTree {
   Trial trial;
   Tree<S> tree;
@@ -47,7 +47,7 @@ struct MovingTree {
         tree(on<S>(trial.model)),
         q(moving<2>(tree, trial.state.q, trial.state.v, trial.zero())) {}
   int nv() const { return trial.model.nv(); }
-  /// The momentum for a unit of velocity c.
+  /// The momentum if velocity c is 1 and all others are 0.
   Momentum<Hybrid, S> momentum(int c) const {
     return momentum_about_com(trial.model, tree, q, on<S>(unit(nv(), c)));
   }
@@ -65,7 +65,7 @@ TEST_P(CenterOfMass, IsTheMeanOfTheMatterWeightedByMass) {
     for (const DrawnBody& body : drawn.bodies) {
       const int frame = trial.model.frame_index(body.name);
       if (!body.matter || trial.model.frame(frame).body == 0)
-        continue;  // what is fixed to the ground does not move
+        continue;  // bodies that are fixed to the ground do not move
       const double m = body.matter->mass;
       const Vec3<> c = C[static_cast<std::size_t>(frame)] * (inverse(body.A) * body.matter->com);
       mass += m, h += m * c, reach = std::max(reach, norm(c));

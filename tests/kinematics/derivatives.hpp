@@ -10,7 +10,7 @@
 #include "tests/laws/law.hpp"
 #include "tests/support/any_scalar.hpp"
 
-/// Motions on scalars that carry derivatives, and the derivatives that they carry.
+/// Motions in scalar types that carry derivatives, and functions that extract these derivatives.
 namespace axode::test {
 
 /// The four representations in double.
@@ -21,11 +21,11 @@ inline Model random_model(Random<double>& random, const TreeRecipe& recipe) {
   return ModelBuilder(told(random_mechanism(random, recipe), random)).build();
 }
 
-/// The same tree, or state, on another scalar.
+/// The same tree or state in another scalar type.
 template <class T> Tree<T> on(const Model& model) { return axode::cast<T>(model.tree<double>()); }
 template <class T> std::vector<T> on(const std::vector<double>& x) { return {x.begin(), x.end()}; }
 
-/// q ⊕ dv.
+/// The configuration q ⊕ dv.
 template <class T>
 std::vector<T> moved(const Tree<T>& tree, const std::vector<T>& q, const std::vector<T>& dv) {
   std::vector<T> out(q.size());
@@ -35,8 +35,8 @@ std::vector<T> moved(const Tree<T>& tree, const std::vector<T>& q, const std::ve
   return out;
 }
 
-/// The series q(t) that starts at q and has the left-trivialised velocities v(t): the coefficients of q' =
-/// d/dε (q ⊕ ε v) give those of q one order further.
+/// The series q(t) that begins at q and has the left-trivialised velocities v(t). From the coefficients of q̇
+/// = d/dε (q ⊕ ε v) up to one order follow those of q of the next order.
 template <std::size_t N>
 std::vector<Taylor<double, N>> flow(const Model& model, const std::vector<double>& q0,
                                     const std::vector<Taylor<double, N>>& v) {
@@ -52,7 +52,7 @@ std::vector<Taylor<double, N>> flow(const Model& model, const std::vector<double
   return q;
 }
 
-/// The Jacobian of a place on any scalar.
+/// The Jacobian of a place in any scalar type.
 template <class Rep, class T>
 std::vector<Twist<Rep, T>> jacobian_on(const Tree<T>& tree, const std::vector<T>& q, const Place<T>& place) {
   std::vector<Twist<BodyFixed, T>> columns(static_cast<std::size_t>(tree->nv));
@@ -64,7 +64,7 @@ std::vector<Twist<Rep, T>> jacobian_on(const Tree<T>& tree, const std::vector<T>
   return J;
 }
 
-/// f of every number in a quantity.
+/// Applies f to every number in a quantity.
 template <class T, class F> auto each_number(const Vec3<T>& a, const F& f) {
   return Vec3<decltype(f(a.x))>{f(a.x), f(a.y), f(a.z)};
 }
@@ -89,14 +89,14 @@ template <class Quantity> auto time_derivative(const Quantity& x, std::size_t k)
   return each_number(x, [&](const auto& series) { return derivative(series, k); });
 }
 
-/// The k-th entry of e_k, one unit velocity.
+/// The unit vector e_k: velocity k is 1, and all others are 0.
 inline std::vector<double> unit(int size, int k) {
   std::vector<double> e(static_cast<std::size_t>(size));
   e[static_cast<std::size_t>(k)] = 1;
   return e;
 }
 
-/// A place somewhere on a model, in a frame or beside one.
+/// A random place on a model: a frame, or one with a random offset from a frame.
 inline Place<> random_place(const Model& model, Random<double>& random) {
   const int frame = std::min(model.n_frames() - 1, static_cast<int>(random.number(0, model.n_frames())));
   const double kind = random.number(0, 3);

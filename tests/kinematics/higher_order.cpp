@@ -1,8 +1,8 @@
 #include "tests/kinematics/derivatives.hpp"
 #include "tests/support/refused_arguments.hpp"
 
-/// Jerk, snap and beyond: the recursion on coefficients agrees with the kernels of every representation run
-/// on power series, and with the explicit formulas.
+/// Jerk, snap and higher derivatives: the recursion on coefficients gives the same as the kernels of every
+/// representation on power series, and as explicit formulas.
 namespace axode::test {
 namespace {
 
@@ -17,7 +17,8 @@ constexpr std::size_t N = highest + 2;
 using Series = Taylor<double, N>;
 const TreeRecipe small_trees{.most_bodies = 10};
 
-/// A tree in a motion of which the velocities and their first `highest` derivatives are drawn.
+/// A random tree in a motion with random velocities and random derivatives of these up to the order
+/// `highest`.
 struct Motion {
   Random<double> random;
   Model model;
@@ -50,7 +51,7 @@ struct Motion {
   }
 };
 
-/// The k-th derivatives of twists, in a representation of choice.
+/// The k-th derivative of a twist in a representation.
 template <class T>
 Six twist_derivative(Representation in, const HigherOrderMotion<T>& motion, const Place<>& place, int k) {
   return with_representation(in, [&](auto rep) {
@@ -63,7 +64,7 @@ std::vector<Six> twist_derivatives(Representation in, const HigherOrderMotion<>&
   for (int f = 0; f < frames; ++f) V_k.push_back(twist_derivative(in, motion, f, k));
   return V_k;
 }
-/// And of a Jacobian.
+/// The k-th derivative of a Jacobian in a representation, column by column.
 std::vector<Six> jacobian_derivative(Representation in, const HigherOrderMotion<>& motion,
                                      const Place<>& place, int nv, int k) {
   std::vector<Six> out;
@@ -75,7 +76,7 @@ std::vector<Six> jacobian_derivative(Representation in, const HigherOrderMotion<
   return out;
 }
 
-/// Twists as series.
+/// A twist as a series in time.
 struct SixSeries {
   Vec3<Series> a, b;
 
@@ -88,7 +89,7 @@ std::vector<Six> derivatives(const std::vector<SixSeries>& twists, int k) {
   for (const SixSeries& V : twists) all.push_back(V.derivative(k));
   return all;
 }
-/// By the recursion in a representation, on series.
+/// The twists of all frames from the recursion in a representation, computed on series.
 std::vector<SixSeries> frame_twists_in(Representation in, const Motion& at, const std::vector<Series>& v) {
   std::vector<SixSeries> all;
   with_representation(in, [&](auto rep) {
@@ -221,7 +222,7 @@ TEST_P(HigherOrder, InSinglePrecisionAgreesToItsDigits) {
 
 // ------------------------------------------------------------------------------------- explicit formulas of the jerk
 
-/// Joint screws on the path to a body, from the root outwards.
+/// A joint screw on the path to a body. The path goes from the root outwards.
 struct Column {
   int joint, c;
   double ratio;
@@ -237,14 +238,14 @@ std::vector<Column> path_columns(const Model& model, int body) {
   return columns;
 }
 
-/// A tree in a motion, with what the formulas for the jerk of one body are made of.
+/// A random tree in motion, with the quantities that the formulas for the jerk of one body need.
 struct JerkOf {
   Motion at;
   HigherOrderMotion<> motion;
   Trial trial;
   std::vector<SE3<>> C;
   std::vector<Column> columns;
-  std::vector<Screw<>> X;  ///< of each column, in the frame of its body, for a unit velocity
+  std::vector<Screw<>> X;  ///< the screw of each column in the frame of its body, for a velocity of 1
   int body;
 
   explicit JerkOf(std::uint64_t seed)

@@ -5,7 +5,7 @@
 #include "tests/kinematics/derivatives.hpp"
 #include "tests/support/refused_arguments.hpp"
 
-/// Inverse kinematics finds configurations that put places where they shall be.
+/// Inverse kinematics finds configurations in which places have given poses.
 namespace axode::test {
 namespace {
 
@@ -15,7 +15,7 @@ Model example(const std::string& file, Base base = Base::as_described) {
   return load(AXODE_SOURCE_DIR "/examples/robots/" + file, base);
 }
 
-/// Poses of frames of a model.
+/// Computes poses of frames of a model.
 class PosesOf {
  public:
   explicit PosesOf(const Model& model)
@@ -163,7 +163,7 @@ TEST(InverseKinematics, SaysThatAPlaceIsOutOfReachAndHowFar) {
 TEST(InverseKinematics, KeepsTheLimitsUnlessToldOtherwise) {
   const Model arm = example("arm7.toml");
   const int tool = arm.frame_index("flange");
-  const std::vector<double> beyond{0.3, 0.4, 0.1, 2.6, 0.2, 0.5, 0.3};  // A4 ends at 2.0944
+  const std::vector<double> beyond{0.3, 0.4, 0.1, 2.6, 0.2, 0.5, 0.3};  // the limit of A4 is 2.0944
   const PoseTarget target{.place = tool, .pose = PosesOf(arm)(beyond, tool)};
   const auto kept = inverse_kinematics(arm, {{target}}, beyond);
   EXPECT_TRUE(within_limits(arm, kept.q));
@@ -179,7 +179,7 @@ double distance(const Model& model, const std::vector<double>& q, const std::vec
   return std::sqrt(std::inner_product(way.begin(), way.end(), way.begin(), 0.0));
 }
 
-/// The direction in which the arm moves with its flange at rest.
+/// The direction in which the joints of the arm can move while its flange is at rest.
 Eigen::VectorXd self_motion(const Model& arm, const std::vector<double>& q) {
   Workspace<> workspace(arm);
   std::vector<Twist<BodyFixed>> columns(7);

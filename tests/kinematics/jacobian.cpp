@@ -1,7 +1,7 @@
 #include "tests/kinematics/derivatives.hpp"
 #include "tests/support/refused_arguments.hpp"
 
-/// Jacobians are what makes twists of velocities.
+/// A Jacobian times velocities is a twist.
 namespace axode::test {
 namespace {
 
@@ -32,7 +32,8 @@ TEST_P(Jacobian, TimesTheVelocitiesIsTheTwistOfEveryFrame) {
   });
 }
 
-/// For every frame the sum of its columns along the path, for each velocity, and how many there are.
+/// The columns of the screws on the path to a frame, summed up for each velocity, and the number of these
+/// columns.
 struct SumOfColumns {
   std::vector<Six> J;
   std::size_t count;
@@ -75,7 +76,7 @@ TEST_P(Jacobian, IsTheSumOfItsColumnsAlongThePath) {
   });
 }
 
-/// Of some places in one call.
+/// The Jacobians of several places, from one call.
 template <class Rep, class T>
 std::vector<Six> jacobians_of(const Trial& trial, const std::vector<Place<>>& places) {
   const Model& model = trial.model;

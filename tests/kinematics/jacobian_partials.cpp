@@ -1,7 +1,7 @@
 #include "tests/kinematics/derivatives.hpp"
 #include "tests/support/refused_arguments.hpp"
 
-/// Closed forms of partial derivatives agree with what scalars that carry derivatives say.
+/// Closed forms of partial derivatives agree with derivatives from scalar types that carry derivatives.
 namespace axode::test {
 namespace {
 
@@ -45,10 +45,11 @@ struct Sample {
   }
 };
 
-/// Dual numbers nested to a depth carry the mixed derivative along one direction at each level.
+/// Dual numbers that are nested `depth` times. They carry the mixed derivative along one direction for each
+/// level.
 template <int depth> struct Nested { using Type = Dual<typename Nested<depth - 1>::Type, 1>; };
 template <> struct Nested<0> { using Type = double; };
-/// The unit of a level, 0 the outermost.
+/// The infinitesimal unit of a level; level 0 is the outermost.
 template <int depth> typename Nested<depth>::Type infinitesimal(int level) {
   if constexpr (depth == 0)
     return 0;
@@ -63,8 +64,8 @@ template <int depth> double mixed_derivative(const typename Nested<depth>::Type&
     return mixed_derivative<depth - 1>(x.dx[0]);
 }
 
-/// The Jacobian at ((q ⊕ ε_n u_n) ⊕ ...) ⊕ ε_1 u_1, in all representations, and its derivative in ε_1, ...,
-/// ε_n.
+/// The Jacobian at ((q ⊕ ε_n u_n) ⊕ ...) ⊕ ε_1 u_1 in all representations, and its derivative with respect to
+/// ε_1, ..., ε_n.
 template <int depth> class NestedJacobian {
  public:
   using T = typename Nested<depth>::Type;
@@ -99,7 +100,8 @@ template <int depth> class NestedJacobian {
   Place<T> place_;
 };
 
-/// The tensor of all partials, from nested dual numbers: for each multi-index the derivative of every column.
+/// The tensor of all partial derivatives from nested dual numbers: calls store() for each multi-index with
+/// the derivative of every column.
 template <int order, class Store> void each_partial(const Sample& sample, const Store& store) {
   const int nv = sample.model.nv();
   int entries_of_tensor = 1;
@@ -107,7 +109,7 @@ template <int order, class Store> void each_partial(const Sample& sample, const 
   for (int entry = 0; entry < entries_of_tensor; ++entry) {
     NestedJacobian<order> at(sample);
     for (int level = 0, rest = entry, size = entries_of_tensor / std::max(nv, 1); level < order; ++level) {
-      at.move(level, unit(nv, rest / size));  // the outermost derivative moves first
+      at.move(level, unit(nv, rest / size));  // the direction of the outermost derivative comes first
       rest %= size, size /= std::max(nv, 1);
     }
     store(at);
@@ -180,7 +182,7 @@ TEST(JacobianPartials, ContractedWithDirectionsAreDerivativesAlongThem) {
       each_representation([&](auto rep) {
         using Rep = decltype(rep);
         std::vector<Twist<Rep>> sum = sample.partials<Rep>(order);
-        for (int k = order; k > 0; --k) {  // u_k belongs to the slowest index that is left
+        for (int k = order; k > 0; --k) {  // u_k belongs to the slowest of the indices that remain
           const std::size_t size = sum.size() / static_cast<std::size_t>(nv);
           std::vector<Twist<Rep>> contracted(size);
           for (std::size_t e = 0; e < sum.size(); ++e)
@@ -203,7 +205,7 @@ TEST(JacobianPartials, AlongThreeDirectionsAreThoseOfNestedDuals) {
     const int nv = sample.model.nv();
     const std::vector<double> u = random_numbers(sample.random, 3 * nv);
     NestedJacobian<3> at(sample);
-    for (int level = 0; level < 3; ++level)  // the last direction is the outermost
+    for (int level = 0; level < 3; ++level)  // the last direction belongs to the outermost level
       at.move(level, {u.begin() + (2 - level) * nv, u.begin() + (3 - level) * nv});
     each_representation([&](auto rep) {
       using Rep = decltype(rep);
@@ -267,9 +269,9 @@ Model chain(JointKind kind, int n) {
 }
 template <class Rep> bool is_zero(const Twist<Rep>& X) { return largest(entries(X)) == 0; }
 
-/// Body-fixed: zero unless every derivative lies outward of the column's joint; spatial: unless every
-/// derivative lies inward of it (eqs. der1, der2Jb, Jsder, Jsder2 and erratum 2). Joints beyond the place
-/// have no part in either.
+/// A body-fixed derivative is zero unless all joints of the derivative are outward of the column's joint. A
+/// spatial one is zero unless all of them are inward of it (eqs. der1, der2Jb, Jsder, Jsder2 and erratum 2).
+/// Joints beyond the place have no effect on either.
 TEST(JacobianPartials, AreExactlyZeroWhereThePaperSaysSoAndNowhereElse) {
   const int n = 6, body = 5;
   Sample sample(chain(JointKind::revolute, n), 1, body);
@@ -289,7 +291,7 @@ TEST(JacobianPartials, AreExactlyZeroWhereThePaperSaysSoAndNowhereElse) {
     }
 }
 
-/// ∂J^h_ij/∂q_k is [J_ij, vJ_ik] for j <= k, a linear velocity, and [wJ_ik, J_ij] for k < j, which is not
+/// ∂J^h_ij/∂q_k is [J_ij, vJ_ik], a linear velocity, for j <= k. For k < j it is [wJ_ik, J_ij], which is not
 /// zero.
 TEST(JacobianPartials, OfHybridScrewsHaveTwoCasesOfWhichNoneIsZero) {
   const int n = 6, body = 5;
@@ -326,7 +328,7 @@ TEST(JacobianPartials, OfSecondOrderCommuteBetweenDifferentJoints) {
   });
 }
 
-/// D_k D_l - D_l D_k is the derivative along [e_k, e_l], D_k the outer one.
+/// D_k D_l - D_l D_k is the derivative along [e_k, e_l]; D_k is the outer derivative.
 TEST(JacobianPartials, OfSecondOrderWithinABallJointDifferByTheBracketOfTheirDirections) {
   Comparison commutator("commutator", agreement<double>);
   Sample sample(chain(JointKind::spherical, 3), 3, Place<>(3, Vec3<>{0.1, 0.2, 0.3}));

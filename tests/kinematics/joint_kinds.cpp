@@ -1,7 +1,7 @@
 #include "tests/laws/law.hpp"
 #include "tests/support/series.hpp"
 
-/// Every kind of joint by itself: what its coordinates, velocities and accelerations mean.
+/// Every kind of joint alone: the meaning of its coordinates, velocities and accelerations.
 namespace axode::test {
 namespace {
 
@@ -9,7 +9,7 @@ using enum JointKind;
 constexpr JointKind moving_kinds[] = {revolute,  prismatic, helical, cylindrical,
                                       universal, spherical, planar,  free};
 
-/// Two joints of one kind in a row, in any place.
+/// Two joints of one kind in a row, at random places.
 Model two_joints(JointKind kind, Random<double>& random) {
   ModelBuilder builder;
   for (const char* name : {"first", "second"}) {
@@ -28,7 +28,7 @@ Model two_joints(JointKind kind, Random<double>& random) {
 
 class JointKinds : public Law {
  protected:
-  /// law(trial) for every kind of joint.
+  /// Calls law(trial) for every kind of joint.
   template <class F> static void for_every_kind(const F& law) {
     for (const JointKind kind : moving_kinds) {
       SCOPED_TRACE(std::string(to_string(kind)));
@@ -48,7 +48,7 @@ TEST_P(JointKinds, TwistsAreTheRatesOfPoses) {
   for_every_kind([&](Trial& trial) {
     const std::vector<SE3<>> C = trial.poses();
     const std::vector<Six> V = trial.twists();
-    const std::vector<Vec3<>> dC = rates_of_poses(trial.model, trial.state);  // four columns of each
+    const std::vector<Vec3<>> dC = rates_of_poses(trial.model, trial.state);  // four columns for each frame
     for (std::size_t f = 0; f < C.size(); ++f) {
       const auto [w, v] = changed_twist(Representation::spatial, GetParam().representation, C[f], V[f]);
       rate.expect_equal(cross(w, C[f].R.x), dC[4 * f], 1);
@@ -67,7 +67,7 @@ TEST_P(JointKinds, AccelerationsAreTheRatesOfTwists) {
   });
 }
 
-/// The one body of a mechanism with one joint; its frame is the joint frame.
+/// A mechanism of one body with one joint, whose frame is the joint frame.
 Trial one_joint(JointKind kind, std::vector<double> q, std::vector<double> v, double pitch = 0) {
   const Model model = ModelBuilder().add({.name = "body", .joint = {.kind = kind, .pitch = pitch}}).build();
   std::vector<double> a(v.size());

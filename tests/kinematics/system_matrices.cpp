@@ -3,7 +3,8 @@
 #include "tests/kinematics/derivatives.hpp"
 #include "tests/support/refused_arguments.hpp"
 
-/// The kinematics of the whole system as matrices: factorisations, and what they are good for backwards.
+/// The kinematics of the whole system as matrices: factorisations of the Jacobian, and velocities from
+/// twists.
 namespace axode::test {
 namespace {
 
@@ -11,7 +12,7 @@ using Eigen::MatrixXd, Eigen::VectorXd;
 
 const TreeRecipe medium_trees{.most_bodies = 15};
 
-/// The functions of the library, in a representation of choice and with dense matrices.
+/// The matrices of the library in a representation, as dense matrices.
 struct DenseSystem {
   MatrixXd A, D, X;
   Eigen::Index stored_in_D, stored_in_X;
@@ -115,7 +116,7 @@ TEST_P(System, VelocitiesAndAccelerationsAreRecoveredFromTheMotionOfTheBodies) {
   });
 }
 
-/// Twists that no velocities make: the residual X v - (I - D) V is orthogonal to every joint screw.
+/// For twists that no velocities cause, the residual X v - (I - D) V is orthogonal to every joint screw.
 TEST_P(System, VelocitiesOfImpossibleTwistsLeaveTheLeastResidual) {
   Comparison normal("normal equations", 1e-10);
   for_seeds(50, [&](std::uint64_t seed) {
@@ -131,8 +132,8 @@ TEST_P(System, VelocitiesOfImpossibleTwistsLeaveTheLeastResidual) {
   });
 }
 
-/// J^b' = -A a D J, which is -A a J (eq. u:Jb_dot matrix) where every joint has one degree of freedom, and
-/// V' = J a - A a V (eq. VbdotMat).
+/// J̇^b = -A a D J; if every joint has one degree of freedom, this is -A a J (eq. u:Jb_dot matrix). And V̇ =
+/// J a - A a V (eq. VbdotMat).
 TEST(BodyFixedSystem, JacobianChangesByTheMatrixOfJointTwists) {
   Comparison rate("rate", agreement<double>), acceleration("acceleration", agreement<double>);
   int singles = 0;

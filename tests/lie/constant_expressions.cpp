@@ -2,7 +2,7 @@
 
 #include "axode/lie.hpp"
 
-/// What needs no square root is computed by the compiler.
+/// Functions that need no square root can be evaluated by the compiler.
 namespace axode::test {
 namespace {
 

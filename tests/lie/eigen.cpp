@@ -9,7 +9,7 @@
 #include "tests/lie/random_quantities.hpp"
 #include "tests/lie/relative_error.hpp"
 
-/// Eigen's view of the quantities: there and back, structure, orders of components.
+/// Conversions between the quantities and Eigen's types: both ways, structure, and order of components.
 namespace axode::test {
 namespace {
 

@@ -19,7 +19,7 @@ struct Case {
   SE3<> exp;
   Quaternion<> quaternion;
   Screw<> dexp, dexp_inv, ddexp, ddexp_inv;
-  Screw<> other_log;  // at half a turn, the logarithm with the opposite axis; else X
+  Screw<> other_log;  // the logarithm with the opposite axis at half a turn; X at other angles
 };
 
 std::vector<Case> cases() {
@@ -43,7 +43,7 @@ std::vector<Case> cases() {
   return all;
 }
 
-/// Checks the error of every case and reports the largest.
+/// Expects that the error of every case is below the bound, and reports the largest one.
 template <class Error> void expect_below_bound(const Error& error) {
   static const std::vector<Case> all = cases();
   ASSERT_GT(all.size(), 100u);

@@ -5,7 +5,7 @@
 #include "tests/lie/random_quantities.hpp"
 #include "tests/lie/relative_error.hpp"
 
-/// Inertia about any frame, Binet's tensor, and which inertias a mass distribution can have.
+/// Inertia about any frame, Binet's tensor, and the inertias that a mass distribution can have.
 namespace axode::test {
 namespace {
 
@@ -122,7 +122,7 @@ struct Body {
 };
 Sym3<> principal(double a, double b, double c) { return {a, b, c, 0, 0, 0}; }
 
-/// realisability of a body of mass 2 in a random pose.
+/// The realisability of a body of mass 2 in a random pose.
 double realisability_in(Random<double>& random, const Sym3<>& Theta_c) {
   return realisability(transform(random.pose(), Inertia<>{2.0, {}, Theta_c}));
 }

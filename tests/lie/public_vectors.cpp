@@ -51,7 +51,7 @@ TEST(PublicVectors, EveryFunctionOnSE3) {
     expect_close(dexp_inv_matrix(X), field6("dexp_inv"), "dexp_inv");
     expect_close(ddexp_inv_matrix(X, Z), field6("ddexp_inv"), "ddexp_inv");
     const Vector6<double> log_exp = matrix_of<6, 1>(c.at("log_exp"));
-    Screw<> other = from_eigen<Screw<>>(log_exp);  // at half a turn the opposite axis is as right
+    Screw<> other = from_eigen<Screw<>>(log_exp);  // at half a turn the opposite axis is correct too
     if (std::abs(norm(other.w) - std::numbers::pi) < 1e-12) {
       other.w = -other.w;
       other.v = dexp_inv(other.w, C.r);

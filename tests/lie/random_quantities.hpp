@@ -9,8 +9,9 @@
 
 namespace axode::test {
 
-/// Random quantities of order one. The seed is fixed, so that a failure repeats, and every failure prints it. No two are
-/// drawn in one call's arguments, whose order compilers choose: with all of them the quantities are the same.
+/// Random quantities of the order of one. The seed is fixed, so that failures repeat, and every failure
+/// prints it. No two quantities are drawn in the arguments of one call, because compilers evaluate these in
+/// different orders; so all of them draw the same numbers.
 template <class T> class Random {
  public:
   explicit Random(std::uint64_t seed = 1)
@@ -33,12 +34,12 @@ template <class T> class Random {
   SO3<T> rotation() { return exp_SO3(rotation_vector(T(0), T(3.1))); }
   SE3<T> pose() { return {rotation(), vector(T(2))}; }
   Screw<T> screw() { return {vector(), vector()}; }
-  /// Any pair of vectors: a twist, twist rate, wrench or momentum.
+  /// A random twist, twist rate, wrench or momentum, or any other pair of vectors.
   template <class Quantity> Quantity any() { return {vector(), vector()}; }
   Sym3<T> tensor() {
     return {number(-1, 1), number(-1, 1), number(-1, 1), number(-1, 1), number(-1, 1), number(-1, 1)};
   }
-  /// The inertia of six point masses in random places.
+  /// The inertia of six point masses at random places.
   Inertia<T> inertia() {
     Inertia<T> M;
     for (int k = 0; k < 6; ++k) {

@@ -8,16 +8,16 @@
 
 #include "axode/eigen.hpp"
 
-/// Normwise distances between quantities of the same kind.
+/// Distances between quantities of the same kind, by norms.
 namespace axode::test {
 
-/// The scalars over which laws are tested, with their names.
+/// The scalar types for which laws are tested, with their names.
 using Scalars = testing::Types<double, float>;
 struct ScalarNames {
   template <class T> static std::string GetName(int) { return std::same_as<T, double> ? "double" : "float"; }
 };
 
-/// A few hundred roundings.
+/// The tolerance of laws: a few hundred rounding errors.
 template <class T> inline constexpr T tolerance = T(500) * std::numeric_limits<T>::epsilon();
 
 /// The largest error to reference values of more digits, normwise and relative to the reference.

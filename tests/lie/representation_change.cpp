@@ -6,12 +6,12 @@
 #include "tests/lie/random_quantities.hpp"
 #include "tests/lie/relative_error.hpp"
 
-/// Changes of representation of twists, their rates, wrenches and momenta: between the four representations,
-/// and to any pair of frames.
+/// Changes of twists, twist rates, wrenches and momenta between the four representations, and to any pair of
+/// frames.
 namespace axode::test {
 namespace {
 
-/// All sixteen pairs of representations.
+/// Calls law for all sixteen pairs of representations.
 template <class Law> void for_each_pair(const Law& law) {
   const std::tuple<BodyFixed, Spatial, Hybrid, Mixed> all;
   std::apply(
@@ -95,7 +95,7 @@ TYPED_TEST(Change, MatricesOfThePaperTakeTwistsToEachOther) {
   }
 }
 
-/// A smooth motion C(t) = C0 exp(X1 t + X2 t² + X3 t³) as a power series in time, and a free point and frame.
+/// A smooth motion C(t) = C0 exp(X1 t + X2 t² + X3 t³) as a power series in time, a point and a frame.
 using Series = Taylor<double, 4>;
 Series series(double c0, double c1, double c2, double c3) { return Series({c0, c1, c2, c3}); }
 Vec3<Series> series(const Vec3<>& c0, const Vec3<>& c1, const Vec3<>& c2, const Vec3<>& c3) {
@@ -114,13 +114,13 @@ SE3<Series> motion(Random<double>& random) {
 Series rate(const Series& a) { return series(a.c[1], 2 * a.c[2], 3 * a.c[3], 0); }
 Vec3<Series> rate(const Vec3<Series>& a) { return {rate(a.x), rate(a.y), rate(a.z)}; }
 SO3<Series> rate(const SO3<Series>& R) { return {rate(R.x), rate(R.y), rate(R.z)}; }
-/// The coefficient of tᵏ.
+/// The coefficient of tᵏ in a series.
 Vec3<> at(const Vec3<Series>& a, std::size_t k) { return {a.x.c[k], a.y.c[k], a.z.c[k]}; }
 SO3<> at(const SO3<Series>& R, std::size_t k) { return {at(R.x, k), at(R.y, k), at(R.z, k)}; }
 SE3<> at(const SE3<Series>& C, std::size_t k) { return {at(C.R, k), at(C.r, k)}; }
 template <class Rep> Twist<Rep> value(const Twist<Rep, Series>& V) { return {at(V.w, 0), at(V.v, 0)}; }
 template <class Rep> TwistRate<Rep> slope(const Twist<Rep, Series>& V) { return {at(V.w, 1), at(V.v, 1)}; }
-/// Angular velocity from its definition, ω̃^s = R' Rᵀ.
+/// The angular velocity from its definition ω̃^s = Ṙ Rᵀ.
 Vec3<Series> angular_velocity(const SO3<Series>& R) {
   const SO3<Series> w = rate(R) * transpose(R);
   return {w.y.z, w.z.x, w.x.y};
@@ -160,7 +160,7 @@ TEST(ChangeAlongAMotion, TheRateOfAChangedTwistIsItsTimeDerivative) {
   });
 }
 
-/// Frames F_j and F_k that move on their own.
+/// Frames F_j and F_k that move independently of the body.
 struct MovingFrames {
   SE3<Series> C_j, C_k;
   FramePair<Series> series() const { return {C_j.r, rate(C_j.r), C_k.R, angular_velocity(C_k.R)}; }
@@ -236,7 +236,7 @@ TEST(FramePair, SpatialBodyFixedAndHybridAreSpecialPairs) {
   }
 }
 
-/// The table "Which acceleration is this?" of docs/notation.md.
+/// The statements of the table "Which acceleration is this?" in docs/notation.md.
 TEST(TwistRates, WhichAccelerationTheyHold) {
   Random<double> random;
   for (int k = 0; k < 50; ++k) {

@@ -8,7 +8,7 @@
 
 #include "tests/lie/random_quantities.hpp"
 
-/// Inertias of solids are the integrals over their matter.
+/// The inertias of solids equal the integrals over their volume.
 namespace axode::test {
 namespace {
 
@@ -25,7 +25,8 @@ void expect_equal(const Inertia<>& M, const Inertia<>& expected, double toleranc
     EXPECT_NEAR(x, y, tolerance);
 }
 
-/// A solid of revolution about z, of the mass, from its squared radius at a height: Simpson's rule on discs.
+/// The inertia of a solid of revolution about z that has this mass, from its squared radius as a function of
+/// the height: Simpson's rule over discs.
 template <class SquaredRadius>
 Inertia<> of_discs(double mass, double top, const std::vector<double>& breaks, SquaredRadius&& squared) {
   double volume = 0, across = 0, along = 0;
@@ -64,7 +65,7 @@ struct Mesh {
   std::vector<Vec3<>> vertices;
   std::vector<std::array<int, 3>> faces;
 };
-/// A box about the origin.
+/// The mesh of a box around the origin.
 Mesh box(const Vec3<>& size) {
   Mesh mesh;
   for (const double x : {-0.5, 0.5})

@@ -94,7 +94,8 @@ TEST(Dual, OfSeriesCarriesTheDerivativeOfEveryCoefficient) {
   EXPECT_NEAR(f.dx[0].c[1], std::cos(1.0) - 2 * 0.5 * std::sin(1.0), 1e-15);
 }
 
-/// d exp at X = 0 is the identity, and log takes it back; nothing divides by the angle.
+/// The derivative of exp at X = 0 is the identity, and log is its inverse. Nothing is divided by the angle
+/// there.
 TEST(DualThroughTheGroup, ExpAndLogAreSmoothAtZero) {
   using T = Dual<double, 6>;
   const auto variable = [](std::size_t k, double value) {

@@ -15,7 +15,7 @@ template <class S> class SineAndCosine : public testing::Test {};
 using Scalars = testing::Types<double, float>;
 TYPED_TEST_SUITE(SineAndCosine, Scalars);
 
-/// How far x is from the exact value, in units of the last place of the exact value.
+/// The error of x in units of the last place of the exact value.
 template <class S> double ulps(S x, long double exact) {
   int exponent = 0;
   std::frexp(static_cast<S>(exact), &exponent);
@@ -43,7 +43,8 @@ TYPED_TEST(SineAndCosine, AreWithinTwoUnitsInTheLastPlace) {
     for (int k = 0; k < 64'000; ++k) {
       const double x = std::uniform_real_distribution(-range, range)(engine), quarter = std::acos(-1.0) / 2;
       angles.push_back(static_cast<S>(x));
-      angles.push_back(static_cast<S>(std::round(x / quarter) * quarter));  // where one of them is nearly 0
+      angles.push_back(static_cast<S>(std::round(x / quarter) * quarter));  // at these angles the sine or the
+                                                                            // cosine is nearly 0
     }
   EXPECT_LE((worst<S, 2>(angles)), 2);
   EXPECT_LE((worst<S, 4>(angles)), 2);

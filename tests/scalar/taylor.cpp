@@ -62,7 +62,7 @@ TEST(Taylor, ArcusTangens) {
                                24 * (5 * std::pow(x, 4) - 10 * x * x + 1) * std::pow(u, 5)};
   expect_derivatives(atan2(variable(x), 1), arctangent);
   expect_derivatives(atan2(2 * variable(x), 2), arctangent);
-  const Series t = variable(2.8);  // an angle that moves steadily, through the third quadrant
+  const Series t = variable(2.8);  // an angle that increases steadily, through the third quadrant
   expect_derivatives(atan2(sin(t), cos(t)), {2.8, 1, 0, 0, 0, 0});
   expect_derivatives(atan2(sin(-t), cos(-t)), {-2.8, -1, 0, 0, 0, 0});
 }

@@ -13,7 +13,7 @@ namespace {
 
 using Operation = Tape::Operation;
 
-/// What the tape holds for a, with the numbers x for the inputs of array 0.
+/// Evaluates what a tape has recorded. The numbers x are the inputs of array 0.
 class Values {
  public:
   Values(const Tape& tape, const std::vector<double>& x) {
@@ -51,12 +51,12 @@ class Values {
   std::vector<double> values_;
 };
 
-/// Same number, by the same operations.
+/// Expects that two traces are the same number by the same operations.
 void expect_same(const Trace& a, const Trace& b) {
   EXPECT_EQ(a.node(), b.node());
   EXPECT_EQ(a.factor(), b.factor());
 }
-/// The constant c.
+/// Expects that a trace is the constant c.
 void expect_constant(const Trace& a, double c) {
   EXPECT_TRUE(a.is_constant());
   EXPECT_EQ(a.factor(), c);

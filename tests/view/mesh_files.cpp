@@ -10,7 +10,7 @@
 #include "tests/support/run_program.hpp"
 #include "tests/view/scene_json.hpp"
 
-/// Meshes are found where their names say, and shown where a reader can rely on them.
+/// Mesh files are searched where their names point to, and shown only if a reader can rely on them.
 namespace axode::test {
 namespace {
 
@@ -160,7 +160,7 @@ TEST(MeshFiles, CutShortAnywhereAreRefusedOrWholeWithoutTheRest) {
     EXPECT_NE(read_mesh(folder.write("a.stl", triangles.substr(0, n))).error, "") << n;
 }
 
-/// An environment variable while this lives.
+/// Gives an environment variable another value until the end of the scope.
 class Setting {
  public:
   Setting(const char* name, const std::string& value) : name_(name) {
@@ -188,7 +188,7 @@ class FindMesh : public testing::Test {
     folder_.write("elsewhere/arm/only_here.stl", "");
     folder_.write("secret", "");
   }
-  /// Where it is in the folder, or why it is not.
+  /// The path of the mesh that was found, relative to the folder, or the reason why none was found.
   std::string find(const std::string& name, const std::string& referenced_from = "arm/urdf/arm.urdf") const {
     const FoundMesh found = find_mesh(name, {folder_.file(referenced_from), 1});
     if (found.error.empty())
@@ -236,7 +236,7 @@ TEST_F(FindMesh, InThePackagesOfTheEnvironment) {
   const Setting ros("ROS_PACKAGE_PATH", folder_.file("elsewhere") + ":" + folder_.file("src/my_folder"));
   EXPECT_EQ(find("package://arm/only_here.stl"), "elsewhere/arm/only_here.stl");
   EXPECT_EQ(find("package://arm/urdf/beside.stl"),
-            "arm/urdf/beside.stl");  // not in the first package of that name
+            "arm/urdf/beside.stl");  // the first package of that name does not have this file
   EXPECT_EQ(find("package://tool/tip.stl"), "src/my_folder/tip.stl");
   EXPECT_THAT(find("package://arm/no.stl"), HasSubstr("elsewhere/arm\", which has no file \"no.stl\""));
 }

@@ -11,7 +11,7 @@
 #include "tests/support/shared_files.hpp"
 #include "tests/view/scene_json.hpp"
 
-/// What a page is given is the mechanism and its motion.
+/// The data for a page describe the mechanism and its motion.
 namespace axode::test {
 namespace {
 
@@ -140,7 +140,7 @@ ShownMotion shown(const Trajectory& motion) {
   return {all(motion.t()), all(motion.q()), all(motion.v()), all(motion.a()), all(motion.tau())};
 }
 
-/// A motion from the drawn pose with loops closed.
+/// A motion that begins near the drawn configuration, with loops closed.
 ShownMotion motion_of(const Model& model, double until) {
   const AssemblyResult closed =
       assemble(model, neutral(model), std::vector<double>(static_cast<std::size_t>(model.nv()), 0.1));
@@ -187,8 +187,8 @@ TEST(SceneOfAMotion, MomentaOfBodiesAddUpAndEnergyIsKept) {
   }
 }
 
-/// Power by power: what a joint transmits drives its velocities as its drive, spring and rotor say, loops and springs
-/// between bodies or not.
+/// The power of the wrench that a joint transmits equals the powers of its drive, its spring and its rotor.
+/// This holds with and without loops and springs between bodies.
 TEST(SceneOfAMotion, JointWrenchesDoThePowerOfDrivesSpringsAndRotors) {
   for (const char* file : {"humanoid.urdf", "arm7.toml", "double_pendulum.toml", "four_bar.toml",
                            "andrews.toml", "governor.toml", "bricard.toml"}) {
@@ -315,7 +315,7 @@ TEST(Page, RefusesAPageWithoutAPlaceForTheScene) {
   EXPECT_EQ(out.str(), "");
 }
 
-/// Points of joints, frames and loop ends on a body, in its frame.
+/// The points of joints, frames and loop ends on a body, in its frame.
 std::vector<Eigen::Vector3d> points_on(const Json& scene, std::size_t body) {
   std::vector<Eigen::Vector3d> points;
   const auto add = [&](const Json& pose) { points.push_back(pose_from(pose).translation()); };
@@ -362,7 +362,7 @@ TEST(StandIns, ReachFromPointToPointOfTheirBody) {
         points.insert(points.end(), {center, 2 * center - (pose.translation() - half)});
         EXPECT_LT(distance_to_nearest(pose.translation() + half, points), 1e-12);
         ++bars;
-      } else if (i != 0 && !shape["color"].is_null()) {  // the part of a joint
+      } else if (i != 0 && !shape["color"].is_null()) {  // a part that stands for a joint
         EXPECT_LT(distance_to_nearest(pose.translation(), points), 1e-12);
       }
     }
@@ -381,7 +381,8 @@ TEST(StandIns, APlateJoinsTheTopsOfLegs) {
   EXPECT_EQ(plate["points"].size(), 6U);
 }
 
-/// A page computes the hull: of a body with very many points it gets the outermost ones.
+/// A page computes the convex hull of a body. If a body has very many points, the page gets only the
+/// outermost ones.
 TEST(StandIns, OfManyPointsHaveTheCornersOfTheirHull) {
   ModelBuilder builder("hedgehog");
   builder.add(BodyDescription{.name = "body",
@@ -410,15 +411,16 @@ TEST(StandIns, DrivesHaveAColorOfTheirOwnAndHingesOnTheGroundAMount) {
     mounts += shape["body"] == 0;
     pins[shape["color"].dump()] += shape["kind"] == "cylinder";
   }
-  EXPECT_EQ(mounts, 2);  // of the crank and the rocker
+  EXPECT_EQ(mounts, 2);  // those of the crank and the rocker
   const int driven = static_cast<int>(std::ranges::count(model.joints(), false, &Joint::passive));
   EXPECT_EQ(driven, 1);
   EXPECT_EQ(pins["[0.88,0.54,0.12,1.0]"], driven);
-  EXPECT_EQ(pins["[0.31,0.36,0.42,1.0]"], 2 + 2);  // of two passive joints, and of both ends of the loop
+  EXPECT_EQ(pins["[0.31,0.36,0.42,1.0]"], 2 + 2);  // those of two passive joints and of both ends of the loop
 }
 
 TEST(StandIns, AnAxisymmetricBodyIsTheCylinderWithItsInertia) {
-  for (const double ratio : {0.1, 0.9, 1.4, 1.9}) {  // moments about the axis and across it
+  for (const double ratio : {0.1, 0.9, 1.4, 1.9}) {  // the moment of inertia about the axis, divided by that
+                                                     // across it
     const double m = 3, across = 0.4, along = ratio * across;
     const Model model =
         ModelBuilder("wheel")
@@ -432,7 +434,8 @@ TEST(StandIns, AnAxisymmetricBodyIsTheCylinderWithItsInertia) {
                  l2 = std::pow(shape["length"].get<double>(), 2);
     EXPECT_NEAR(m * r2 / 2, along, 1e-12);
     EXPECT_NEAR(m * (r2 / 4 + l2 / 12), across, 1e-12);
-    EXPECT_NEAR(std::abs(pose_from(shape["pose"]).linear()(1, 2)), 1, 1e-12);  // its axis is y
+    EXPECT_NEAR(std::abs(pose_from(shape["pose"]).linear()(1, 2)), 1,
+                1e-12);  // the axis of the cylinder is y
   }
 }
 

@@ -7,7 +7,7 @@
 
 #include "axode/view.hpp"
 
-/// A scene as a page reads it.
+/// A scene, read in the way in which a page reads it.
 namespace axode::test {
 
 using Json = nlohmann::json;
@@ -27,7 +27,7 @@ inline Eigen::Isometry3d pose_from(const Json& x) {
   return C;
 }
 
-/// J(q): what the joint of a body does to its frame.
+/// The displacement J(q) of the frame of a body by its joint.
 inline Eigen::Isometry3d motion_of(const Json& bodies, const Json& joint, std::span<const double> q) {
   using Eigen::AngleAxisd, Eigen::Vector3d;
   const std::string kind = joint["kind"];
@@ -46,7 +46,7 @@ inline Eigen::Isometry3d motion_of(const Json& bodies, const Json& joint, std::s
   return kind == "free" ? Eigen::Translation3d(x[4], x[5], x[6]) * R : R;
 }
 
-/// The poses of the ground and the bodies, by the formula of the scene alone.
+/// The poses of the ground and the bodies, computed from the scene alone.
 inline std::vector<Eigen::Isometry3d> poses_of(const Json& scene, std::span<const double> q) {
   const Json& bodies = scene["bodies"];
   std::vector<Eigen::Isometry3d> C{Eigen::Isometry3d::Identity()};
