@@ -7,7 +7,7 @@ from pathlib import Path
 
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 
-# What is compiled here is not kept beside what users keep.
+# Libraries that these tests compile do not go into the cache of the user.
 _CACHE = tempfile.TemporaryDirectory(prefix="axode-")
 os.environ["XDG_CACHE_HOME"] = _CACHE.name
 

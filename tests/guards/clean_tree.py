@@ -1,7 +1,7 @@
-"""The repository speaks of itself alone: clean_tree.py SOURCE_DIR.
+"""The files of the repository refer to nothing outside of it: clean_tree.py SOURCE_DIR.
 
-No file holds a path of somebody's machine, no file or folder has a catch-all name, and what users run never
-looks outside the repository.
+No file contains a path of somebody's machine, no file or folder has a catch-all name, and programs for users never
+look outside the repository.
 """
 
 import re
@@ -18,7 +18,8 @@ FOR_USERS = ("axode/", "apps/", "python/", "examples/", "docs/", "README.md", "M
 
 
 def tracked_files(source):
-    """Files known to git or about to be; outside a git checkout, every file but what was built."""
+    """Files that git tracks, and new files that it does not ignore. Outside a git checkout, every file that was not
+    built."""
     git = subprocess.run(["git", "-C", source, "ls-files", "--cached", "--others", "--exclude-standard", "-z"],
                          capture_output=True, text=True) if (source / ".git").exists() else None
     if git and git.returncode == 0:

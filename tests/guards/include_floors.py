@@ -1,4 +1,5 @@
-"""A file of axode/ includes only files of its own floor or of an earlier one: include_floors.py SOURCE_DIR."""
+"""Files of axode/ include only files of their own floor (a folder such as lie/) or of a lower floor:
+include_floors.py SOURCE_DIR."""
 
 import re
 import sys

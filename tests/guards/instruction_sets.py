@@ -1,7 +1,8 @@
-"""No function that was compiled for AVX is one that other code has as well: instruction_sets.py NM OBJECT...
+"""Functions in objects compiled for AVX must not replace functions of other code: instruction_sets.py NM OBJECT...
 
-The linker keeps one copy of an inline function that several objects have. Were it the one of an object compiled for AVX, the
-program would stop on processors without: so what those objects define weakly must belong to their own Batch types.
+If several objects have the same inline function, the linker keeps one copy of it. If that copy came from an object
+compiled for AVX, the program would crash on processors without AVX. So every weak definition in such an object must
+belong to its own Batch types.
 """
 
 import re

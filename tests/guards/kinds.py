@@ -4,7 +4,7 @@ import re
 import sys
 from pathlib import Path
 
-# Where each enumeration is, and where its enumerators have to be named besides, with what around them.
+# The file of each enumeration, and the other files that must name its enumerators, with the text around the name.
 DRAWING = ("docs/drawing-format.md", "`{}`")
 ENUMERATIONS = {
     "JointKind": (
@@ -25,7 +25,7 @@ def enumerators(name, text):
 
 
 def forgotten(read):
-    """What is missing of the kinds; read(path) is the text of a file."""
+    """The kinds that are missing in a file; read(path) returns the text of a file."""
     return [
         f"{path} has no {words.format(kind)}, which {name} has in {home}"
         for name, (home, places) in ENUMERATIONS.items()

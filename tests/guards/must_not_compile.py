@@ -1,4 +1,5 @@
-"""What mixes representations or kinds does not compile: must_not_compile.py FILE CASE COMPILER [FLAG...].
+"""Expressions that mix representations or kinds of quantities do not compile: must_not_compile.py FILE CASE COMPILER
+[FLAG...].
 
 A case stands in FILE between `#ifdef CASE  // expect: <part of the compiler's message>` and `#endif`; several parts, of
 which one must appear, are separated by ` or `. With the CASE `no_case` the file must compile, so that nothing but

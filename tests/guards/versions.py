@@ -1,4 +1,4 @@
-"""Every file that has the version has the one of CMakeLists.txt: versions.py SOURCE_DIR."""
+"""Every file that contains the version has the version in CMakeLists.txt: versions.py SOURCE_DIR."""
 
 import re
 import sys

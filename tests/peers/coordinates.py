@@ -1,4 +1,4 @@
-"""Coordinates of robots by joint, in which a mimic joint is a function of its leader."""
+"""Coordinates of robots by joint. The coordinate of a mimic joint is a function of that of its leader."""
 
 import xml.etree.ElementTree as ElementTree
 
@@ -8,7 +8,7 @@ FREE_BASE = "free_base"
 
 
 def mimic_joints(file):
-    """Follower -> (leader, ratio, offset) of the joints that move, from the file itself."""
+    """Follower -> (leader, ratio, offset) of the mimic joints that move, read from the file."""
     found = {}
     for joint in ElementTree.parse(file).getroot().findall("joint"):
         mimic = joint.find("mimic")
@@ -19,20 +19,22 @@ def mimic_joints(file):
 
 
 class CoupledCoordinates:
-    """What a robot in another library has besides: `mimic`, and velocities(values) in that library's order."""
+    """Common part of the robots in other libraries. These have `mimic`, and velocities(values) in the order of their
+    library."""
 
     def __init__(self, file):
         self.mimic = mimic_joints(file)
 
     def follow(self, name, values, with_offset):
-        """The coordinate, or velocity, of a joint from lists of numbers by independent joint."""
+        """The coordinate, or the velocity, of a joint from lists of numbers for the independent joints."""
         if name not in self.mimic:
             return values[name][0]
         leader, ratio, offset = self.mimic[name]
         return ratio * self.follow(leader, values, with_offset) + (offset if with_offset else 0)
 
     def velocity_map(self, joints):
-        """P with the other library's v = P times the velocities of independent joints in the order of `joints`."""
+        """The matrix P with which the velocities v of the other library are P times those of the independent joints
+        in the order of `joints`."""
         sizes = [6 if name == FREE_BASE else 1 for name in joints]
         columns = []
         for at in np.eye(sum(sizes)):

@@ -1,8 +1,7 @@
 """A robot in MuJoCo, in the conventions of axode.
 
-MuJoCo's free joint has its velocity as (linear part in inertial axes; angular part in body axes) and its
-position before its quaternion w x y z. Its reader of URDF knows no mimic joints: they are coupled by a matrix
-here.
+MuJoCo's free joint has its velocity as (linear part in inertial axes; angular part in body axes) and its position
+before its quaternion w x y z. Its URDF reader ignores mimic joints, so that this file couples them by a matrix.
 """
 
 import xml.etree.ElementTree as ElementTree
@@ -17,7 +16,7 @@ class CannotLoad(Exception):
 
 
 def without_geometry(file, base):
-    """The URDF as text, without what needs a mesh, on a floating joint where the base is free."""
+    """The text of a URDF without elements that need a mesh, and with a floating joint if the base is free."""
     root = ElementTree.parse(file).getroot()
     for link in root.findall("link"):
         for element in link.findall("visual") + link.findall("collision"):
@@ -51,7 +50,7 @@ class Robot(CoupledCoordinates):
         self.joints = {self.model.joint(k).name: self.model.joint(k) for k in range(self.model.njnt)}
 
     def set(self, values):
-        """q and v from lists of numbers by joint."""
+        """Sets q and v from lists of numbers by joint."""
         for name, joint in self.joints.items():
             if name == FREE_BASE:
                 x, y, z, w, *position = values["q"][name]

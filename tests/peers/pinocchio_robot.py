@@ -27,7 +27,7 @@ class Robot(CoupledCoordinates):
         return [name for name in self.joints if name not in self.mimic]
 
     def coordinates(self, values):
-        """Pinocchio's q from lists of numbers by joint."""
+        """The q of Pinocchio from lists of numbers by joint."""
         q = np.zeros(self.model.nq)
         for name, joint in self.joints.items():
             if name == FREE_BASE:
@@ -39,7 +39,7 @@ class Robot(CoupledCoordinates):
         return q
 
     def velocities(self, values):
-        """Pinocchio's v, or a, from lists of numbers by joint."""
+        """The v or a of Pinocchio from lists of numbers by joint."""
         v = np.zeros(self.model.nv)
         for name, joint in self.joints.items():
             v[joint.idx_v:joint.idx_v + joint.nv] = (values[name][3:] + values[name][:3] if name == FREE_BASE
@@ -70,7 +70,7 @@ class Robot(CoupledCoordinates):
         return on_joints
 
     def joint_wrench(self, name):
-        """What a joint transmits, in the frame of its child link."""
+        """The wrench that a joint transmits, in the frame of its child link."""
         force = self.data.f[self.model.getJointId(name)]
         return np.concatenate([force.angular, force.linear])
 
@@ -99,7 +99,7 @@ class Robot(CoupledCoordinates):
         return self._rows(of, representation)
 
     def jacobian_rate(self, link, representation):
-        """Its time derivative; after computeJointJacobiansTimeVariation."""
+        """The time derivative of the Jacobian; after computeJointJacobiansTimeVariation."""
         def of(frame):
             return pin.getFrameJacobianTimeVariation(self.model, self.data, self.links[link], frame)
         return self._rows(of, representation)

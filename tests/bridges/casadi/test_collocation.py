@@ -1,4 +1,4 @@
-"""The example finds motions that the library moves along, with the Hessian that differences have."""
+"""The motions that the example finds are motions of the library, and its Hessian equals that of differences."""
 
 import os
 import re

@@ -1,4 +1,4 @@
-"""Functions for CasADi are those of the library, and their derivatives those of the functions as CasADi sees them."""
+"""Functions for CasADi give the values of the library, and their derivatives equal those that CasADi computes itself."""
 
 import doctest
 import os
@@ -26,7 +26,7 @@ MODELS = {
 FRAMES = {"arm": "flange", "machine": "chip", "walker": "left leg"}
 
 
-# Made of SX, so that CasADi differentiates them itself.
+# Expressions (SX), which CasADi can differentiate itself.
 FROM_CASADI = ["coordinate_rates", "integrate", "difference"]
 
 
@@ -47,7 +47,7 @@ def function(name, quantity):
 
 
 def arguments(F, m, seed=0):
-    """A random state, its quaternions not of length 1 but near it."""
+    """A random state whose quaternions have a length that is near 1, but not 1."""
     random = np.random.default_rng(seed)
     length = 1 + 0.1 * random.random() * (m.nq != m.nv)
     q = {"q": m.random(seed=seed) * length, "q0": m.random(seed=seed) * length, "q1": m.random(seed=seed + 1)}
@@ -68,14 +68,14 @@ def weights(F, seed=1):
 
 
 def jacobian(F, x):
-    """Of everything by everything, as CasADi makes it for expressions."""
+    """The derivatives of all results by all arguments, as CasADi computes them for expressions."""
     symbols = [ca.MX.sym(F.name_in(k), F.sparsity_in(k)) for k in range(F.n_in())]
     y = in_one(F.call(symbols))
     return np.array(ca.Function("J", symbols, [ca.horzcat(*[ca.jacobian(y, s) for s in symbols])]).call(x)[0])
 
 
 def by_differences(f, x, h=1e-5):
-    """Of f(list of vectors), a vector, by all their entries."""
+    """The derivative of the vector f(list of vectors) by all entries of these vectors, by differences."""
     sizes = np.cumsum([0] + [part.numel() for part in x])
     all_x = numbers(x)
     columns = []

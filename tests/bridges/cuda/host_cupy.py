@@ -1,6 +1,7 @@
-"""What axode.cuda uses of CuPy, where there is no GPU: its kernels are compiled for the processor, and run a thread after the other.
+"""A stand-in for the part of CuPy that axode.cuda uses, for machines without a GPU: kernels are compiled for the
+processor and run one thread after the other.
 
-Arrays say that they are on a GPU. What this cannot show is that a GPU computes the same.
+Arrays say that they are on a GPU. That a GPU computes the same cannot be shown with it.
 """
 
 import ctypes

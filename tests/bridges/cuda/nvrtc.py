@@ -8,7 +8,7 @@ LIBRARY = next(iter(sorted(Path(sysconfig.get_path("purelib")).glob("nvidia/cuda
 
 
 def compiled(source, architecture, *options):
-    """(PTX or None, what the compiler says)."""
+    """(PTX or None, the messages of the compiler)."""
     library, program = ctypes.CDLL(str(LIBRARY)), ctypes.c_void_p()
     words = [f"--gpu-architecture={architecture}".encode(), *(option.encode() for option in options)]
 

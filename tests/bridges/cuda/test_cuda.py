@@ -1,4 +1,4 @@
-"""Kernels for GPUs compile, and compute what the library does: here on the processor, and on a GPU where there is one."""
+"""Kernels for GPUs compile and give the same results as the library: on the processor, and on a GPU if there is one."""
 
 import importlib
 import importlib.util

@@ -1,4 +1,4 @@
-"""Files of states for these tests, and what is in files of results."""
+"""Writes files of states for these tests, and reads files of results."""
 
 import numpy as np
 import pyarrow as pa
@@ -15,7 +15,8 @@ def lists(x):
 
 
 def state_columns(m, state, layout="lists"):
-    """Columns of a dict of arrays: lists of one length, lists of any, or one for each coordinate as in run.csv."""
+    """The columns of a table from a dict of arrays: lists of fixed length, lists of any length, or one column for
+    each coordinate as in run.csv."""
     columns = {}
     for what, x in state.items():
         if x.ndim == 1:
@@ -50,5 +51,5 @@ def read(path, name):
 
 
 def same(x, y):
-    """To the last bit."""
+    """Whether two arrays are equal to the last bit."""
     return x.dtype == y.dtype and x.shape == y.shape and x.tobytes() == np.ascontiguousarray(y).tobytes()

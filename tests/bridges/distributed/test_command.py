@@ -1,4 +1,4 @@
-"""`axode map` on the shell, the page, the docstrings and the example."""
+"""`axode map` in the shell, and its documentation page, docstrings and example."""
 
 import doctest
 import os

@@ -1,4 +1,4 @@
-"""Work that was ended goes on where it was: nothing is lost, nothing is computed twice, and no file is there by half."""
+"""Work that was interrupted continues: nothing is lost, nothing is computed twice, and no file is incomplete."""
 
 import functools
 import os
@@ -41,7 +41,7 @@ if __name__ == "__main__":
 
 @pytest.fixture
 def folder(tmp_path):
-    """With a program and its states."""
+    """A folder with a program and a file of states."""
     (tmp_path / "program.py").write_text(PROGRAM)
     write(tmp_path / "in.parquet", ARM, states(ARM, 500), row_group_size=120)  # parts of 50, 50 and 20 rows
     return tmp_path
@@ -54,7 +54,7 @@ def start(folder, *words, **environment):
 
 
 def check(folder, output, pids):
-    """All rows are there once, in order; `pids` processes have computed them."""
+    """Expects that each row is there once and in order, and that `pids` processes have computed them."""
     state = states(ARM, 500)
     assert same(read(folder / output, "tau"), axode.inverse_dynamics(ARM, state["q"], state["v"], state["a"]))
     assert same(read(folder / output, "t"), state["t"])
@@ -83,7 +83,7 @@ def test_what_a_killed_program_has_written_is_not_computed_again(output, threads
 
 
 def test_a_program_that_is_killed_while_it_joins_the_parts_goes_on(folder):
-    """All parts are there, the file is not."""
+    """The program is killed when all parts exist, but not the joined file."""
     def killed_at_the_end(done, rows):
         if done == rows:
             raise MemoryError  # stands for whatever ends it there
@@ -150,7 +150,7 @@ def test_a_job_is_continued_by_the_same_call_only(folder):
 
 
 class Scaled:
-    """An object that is called."""
+    """A callable object."""
 
     def __init__(self, factor):
         self.factor = factor
@@ -173,7 +173,7 @@ def scaled_by(factor):
 
 
 def without_text(expression):
-    """A function whose source nobody can look up."""
+    """A function whose source Python cannot find."""
     return eval(f"lambda m, q: {expression}")
 
 

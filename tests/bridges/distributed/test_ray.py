@@ -1,4 +1,5 @@
-"""On a Ray cluster of two workers: the same results, nothing lost and nothing twice where one of them is killed."""
+"""A Ray cluster of two workers gives the same results. If one worker is killed, nothing is lost and nothing is
+computed twice."""
 
 import os
 import signal
@@ -60,7 +61,7 @@ def test_nothing_is_lost_and_nothing_twice_where_a_worker_is_killed(output, tmp_
     log.mkdir()
 
     def torques(m, q, v, a, t):
-        """Says which part it computes in which process, and is long at one of them, at first."""
+        """Records which part it computes in which process. At the first time one of the parts takes long."""
         first = not list(log.glob("0.200*"))
         (log / f"{t[0]:.3f} {os.getpid()} {time.monotonic_ns()}").touch()
         time.sleep(60 if t[0] == 0.2 and first else 0.02)
@@ -86,12 +87,12 @@ def test_nothing_is_lost_and_nothing_twice_where_a_worker_is_killed(output, tmp_
 
 
 def test_a_worker_that_ends_between_writing_and_saying_so_writes_once(tmp_path):
-    """Ray computes the part again, and finds it there."""
+    """Ray starts the part again, which finds that its file exists."""
     class Rows(NamedTuple):
         rows: int
 
     class Ending:
-        """A task whose worker ends as soon as its file is there."""
+        """A task whose worker ends as soon as the file of the task exists."""
 
         def load(self, part):
             return part

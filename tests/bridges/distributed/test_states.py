@@ -1,4 +1,5 @@
-"""Functions of states from Parquet to Parquet give what direct calls give, and say what is wrong with a file."""
+"""Functions of states that read and write Parquet files give the same results as direct calls, and their errors say
+what is wrong with a file."""
 
 import inspect
 import shutil
@@ -158,7 +159,7 @@ def table_with(name, column, N=40):
 
 
 def rows(N=40, **changed):
-    """Lists of seven numbers, of which some rows are others."""
+    """A column of lists of seven numbers, with some rows replaced by others."""
     return pa.array([changed.get(f"row{k}", [0.1] * 7) for k in range(N)], pa.list_(pa.float64()))
 
 
@@ -328,7 +329,7 @@ def test_functions_of_somebody_else_that_fail_or_misunderstand_are_named(tmp_pat
 
 
 def test_memory_does_not_grow_with_the_states(tmp_path):
-    """Parts at work are all that is held: of four times the states no more."""
+    """Memory holds only the parts that are being computed, so that four times the number of states needs no more."""
     most = []
     for N in (20_000, 80_000):
         file = write(tmp_path / f"{N}.parquet", ARM, {"q": np.resize(states(ARM, 100)["q"], (N, 7))}, row_group_size=N)

@@ -1,4 +1,4 @@
-"""Sweeps and Monte Carlo give a row for each point, in one process as on a cluster."""
+"""Sweeps and Monte Carlo studies give one row for each point, in one process and on a cluster."""
 
 import axode
 import numpy as np
@@ -12,7 +12,7 @@ ARM = MECHANISMS["arm"]
 
 
 def variant(m, seed):
-    """Peak torques of an arm whose masses are drawn."""
+    """The peak torques of an arm with random masses."""
     rng = np.random.default_rng(seed)
     drawn = m.with_parameters(m.parameters * np.repeat(rng.normal(1, 0.05, m.n_bodies), 10).clip(0.5, 1.5))
     tau = axode.gravity_torques(drawn, m.random(seed=1, n=20))

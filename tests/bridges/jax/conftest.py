@@ -1,4 +1,4 @@
-"""What is compiled here is run a few times: XLA shall not take long over it."""
+"""Sets options with which XLA compiles quickly, because these tests run each compiled function only a few times."""
 
 import jax
 

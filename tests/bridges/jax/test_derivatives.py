@@ -1,4 +1,5 @@
-"""Derivatives of axode.jax, forward, in reverse and twice, are those of the functions of the numbers as they are."""
+"""Derivatives of axode.jax, in forward mode, in reverse mode and of second order, equal those of the functions of
+plain numbers."""
 
 import axode
 import axode.jax
@@ -13,14 +14,14 @@ NEAR = 4e-7  # of quaternions that are not refused
 
 
 def differences(f, x):
-    """The derivative by each number, an axis behind."""
+    """The derivatives by each number of the argument, along an additional last axis."""
     step = np.eye(x.size).reshape(x.size, *x.shape) * NEAR
     columns = [(np.asarray(f(x + d)) - np.asarray(f(x - d))) / (2 * NEAR) for d in step]
     return np.stack(columns, axis=-1).reshape(*np.shape(columns[0]), *x.shape)
 
 
 def scalars(m):
-    """Weighed sums of all results of functions of q."""
+    """Functions of q that return a weighted sum of all results."""
     random = np.random.default_rng(1)
     q, v, x, _ = random_states(m, 1)
     _, v, x = q[0], v[0], x[0]

@@ -1,4 +1,5 @@
-"""Functions of axode.jax are those of axode, under every transformation that makes many states of one."""
+"""Functions of axode.jax give the same results as those of axode, under every transformation that applies them to
+many states."""
 
 import axode
 import axode.jax
@@ -12,7 +13,7 @@ SHORT = 1e-5  # s; the machine moves fast
 
 
 def functions(m):
-    """Name -> the function here, that of axode, and of which of q, v and two more they are."""
+    """Name -> the function of axode.jax, that of axode, and the arguments that they take out of q, v and two more."""
     last = m.frame_names[-1]
     point = [0.1, -0.2, 0.3]
     return {

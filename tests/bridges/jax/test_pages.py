@@ -1,4 +1,4 @@
-"""The page shows what happens, docstrings too, and the example swims."""
+"""The code of the page and of the docstrings gives what they show, and the example runs."""
 
 import ast
 import doctest

@@ -1,4 +1,4 @@
-"""What goes wrong is said in a sentence; programs outlive models; numbers of 32 bits, threads and memory."""
+"""Errors are sentences, compiled programs outlive models, numbers may have 32 bits; and threads and memory."""
 
 import gc
 import pickle
@@ -217,7 +217,7 @@ def test_memory_does_not_grow():
 
 
 def test_the_declarations_are_those_of_jaxlib(tmp_path):
-    """xla_ffi.hpp beside c_api.h, member by member."""
+    """xla_ffi.hpp declares the same as c_api.h of jaxlib, member by member."""
     members = {
         ("Sized", "XLA_FFI_Buffer"): [("struct_size", "struct_size"), ("extensions", "extension_start")],
         ("Version", "XLA_FFI_Api_Version"): [("major", "major_version"), ("minor", "minor_version")],

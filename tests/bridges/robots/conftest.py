@@ -1,4 +1,5 @@
-"""Pinocchio is found by way of a .pth file, and those of the environment below are not read by themselves."""
+"""Reads the .pth files of the environment below this one, by which Pinocchio is found; Python does not do that
+itself."""
 
 import site
 import sys

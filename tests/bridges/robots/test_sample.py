@@ -1,8 +1,8 @@
 """Robots and worlds that others wrote: every file that their packages ship is read as MuJoCo and Pinocchio read it, and converted.
 
-What is compared are the poses of all bodies that both know and the mass matrix, in random states; of MJCF the bias forces too.
-A file that we refuse is one that its own reader refuses, but for what `REFUSED` names. `pytest -rs` says why a comparison was
-left out.
+The tests compare the poses of all bodies that both know and the mass matrix in random states; for MJCF the bias
+forces too. A file may be refused only if the other reader refuses it too, or if `REFUSED` names it. `pytest -rs` says
+why a comparison was left out.
 """
 
 import sys
@@ -23,18 +23,18 @@ from mujoco_robot import without_geometry  # noqa: E402
 
 STATES = 2
 PACKAGES = ["dm-control", "gymnasium", "pybullet", "example-robot-data", "icub-models", "gym-ignition-models"]
-#: Of a thousand like it: an object of one link each.
+#: A few of a thousand similar files, each with an object of one link.
 ONE_OF_MANY = "pybullet_data/random_urdfs/"
 MANY = ("050", "450", "850")
 
-#: What others read and we do not, or only in part, by the end of the path.
+#: Files that others read and axode does not or only in part, by the end of their paths.
 REFUSED = {
     "ur_description/urdf/ur3.urdf": "no attribute name",  # MuJoCo reads a robot without links in it
     "pybullet_data/torus_deform.urdf": "has no <link>",  # a soft body
 }
-#: What MuJoCo refuses in a URDF, or in what we write, and we do not.
+#: Messages with which MuJoCo refuses a URDF, or a file that axode writes, although axode accepts it.
 MUJOCO_REFUSES = ["inertia must satisfy", "positive eigenvalues", "must be larger than mjMINVAL", "repeated element"]
-#: What MJCF and URDF have no words for.
+#: Messages for models that MJCF or URDF cannot express.
 NO_WORDS = ["no density can produce", "moves and has no mass", "armature", "gravity: is", "ellipsoid", "has a spring",
             "is spherical", "is free and hangs", "is passive", "closes", "loop", "several degrees of freedom", "coupl",
             "is helical", "follows", "elastic", "URDF has no", "URDF has none", "MJCF has no word"]
@@ -55,7 +55,7 @@ def sample():
 
 
 def root_of(file):
-    """The root element of a mechanism's file; nothing of any other."""
+    """The root element of a file if that describes a mechanism; otherwise nothing."""
     text = file.read_text(errors="replace")
     return next((root for root in ("<robot", "<mujoco", "<sdf") if root in text), None)
 
@@ -67,7 +67,7 @@ FILES = [pytest.param(file, id=name) for name, file in SAMPLE.items()] or [
 
 @pytest.fixture(autouse=True)
 def in_a_folder_of_its_own(tmp_path, monkeypatch):
-    """MuJoCo writes its warnings to a file where it runs."""
+    """Runs the test in a folder of its own, because MuJoCo writes warnings to a file in the working folder."""
     monkeypatch.chdir(tmp_path)
 
 
@@ -98,7 +98,7 @@ def model(file, base=None):
 
 
 def compiled(text):
-    """MuJoCo's model, or a skip where it asks more of matter than we do."""
+    """MuJoCo's model of a file. Skips the test if MuJoCo refuses inertias that axode accepts."""
     try:
         return mujoco.MjModel.from_xml_string(text)
     except ValueError as error:
@@ -108,7 +108,7 @@ def compiled(text):
 
 
 def written(write, m):
-    """What a writer makes of a model, or a skip where it has no words for all of it."""
+    """The file that a writer makes from a model. Skips the test if the format cannot express all of it."""
     try:
         return write(m, strict=True)
     except axode.ModelError as error:
@@ -127,7 +127,8 @@ def without_shapes(m):
 
 
 def common_frames(m, theirs):
-    """(key, our frame) of what both know, from (key, their name). A link called `ground` is no inertial frame there."""
+    """(key, our frame) of the frames that both have, from pairs (key, name in the other library), where a link called
+    `ground` is not the inertial frame."""
     known = {name: k for k, name in enumerate(m.frame_names)}
     known["ground"] = known.get("ground_2", known["ground"])
     known["root of the robot"] = known.get("world")  # as `without_geometry` calls it
@@ -156,7 +157,8 @@ def check_with_mujoco(m, there, bias=False):
 
 
 def rate_of_free_joints(m, q, v):
-    """P' v, where the axes of a free joint's linear velocity turn: R (w x v)."""
+    """The rate P' of the velocity map times v. It is R (w x v) for free joints, whose linear velocities have other
+    axes in the other library."""
     rate = np.zeros(m.nv)
     for joint in m.joints:
         if joint.kind == "free":
@@ -179,7 +181,7 @@ def check_with_pinocchio(m, there):
 
 
 def check_same(a, b, names=None):
-    """Two of our models with the same joints."""
+    """Expects the same dynamics of two models of axode with the same joints."""
     assert a.joint_names == b.joint_names
     frames = [name for name in (names or a.frame_names) if name in set(a.frame_names) & set(b.frame_names)]
     for q in states(a):
@@ -218,7 +220,7 @@ def test_urdf_as_pinocchio(file, base):
 @pytest.mark.parametrize("base", ["fixed", "free"])
 @pytest.mark.parametrize("file", [it for it in FILES if it.id.endswith(".urdf")])
 def test_urdf_as_mujoco(file, base):
-    """MuJoCo drops the inertia of what has no mass and is fixed to others."""
+    """MuJoCo drops the inertia of bodies without mass that are fixed to others."""
     m = model(file, base)
     if any("mass is 0" in str(warning) for warning in m.warnings):
         pytest.skip("a link has an inertia and no mass")
@@ -257,7 +259,8 @@ def test_as_urdf(file, tmp_path):
 @pytest.mark.parametrize("base", [None, "free"])
 @pytest.mark.parametrize("file", FILES)
 def test_as_mjcf(file, base):
-    """Back again massless bodies may be called otherwise, and two coordinates that are coupled are a joint and its follower."""
+    """A model that was written and read again may have other names of massless bodies, and a joint with a follower
+    instead of two coupled coordinates."""
     m = without_shapes(model(file, base))
     there = compiled(written(axode.mjcf, m))
     check_with_mujoco(m, there)

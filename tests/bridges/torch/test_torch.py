@@ -1,4 +1,5 @@
-"""axode.torch: values of the library, gradients that differences confirm, and what PyTorch asks of its operations."""
+"""axode.torch: its values equal those of the library, its gradients those of differences, and its operations have the
+properties that PyTorch requires."""
 
 import copy
 import doctest
@@ -31,7 +32,8 @@ ARM = MECHANISMS["arm"]
 
 
 def solid(m):
-    """The same mechanism with more in every body, so that no mass matrix is nearly singular for differences."""
+    """The same mechanism with more mass and inertia in every body, so that no mass matrix is so nearly singular that
+    differences are inexact."""
     more = np.tile([1.0, 0, 0, 0, 0.1, 0.1, 0.1, 0, 0, 0], m.n_bodies)
     return m.with_parameters(m.parameters + more)
 
@@ -262,7 +264,7 @@ def test_quaternions_count_by_their_direction():
 # What PyTorch asks of operations
 
 def operations():
-    """Each with arguments that need gradients where it has them."""
+    """The operations, each with arguments that require gradients if it has gradients."""
     key = axode.torch.handle(ARM)
     q, v, a, w = leaves(states(ARM, 2))
     pi = torch.tensor(ARM.parameters).expand(2, -1).clone().requires_grad_()
