@@ -1,4 +1,4 @@
-"""Every function of the state, as f(m, q, v, a) of states that are one row or many: the rows of the table, and others."""
+"""Every function of the state as f(m, q, v, a), for one state or many: the rows of the table, and others."""
 
 import axode
 import numpy as np
@@ -7,12 +7,12 @@ from mechanisms import REPRESENTATIONS
 
 
 def tool(m):
-    """The last frame, which is farthest from the ground."""
+    """The last frame of a mechanism, which is the farthest from the ground."""
     return m.frame_names[-1]
 
 
 def load_on(m, q):
-    """A wrench that is another one in every state."""
+    """A load whose wrench differs from state to state."""
     if not m.body_names:
         return []
     return [axode.Load(frame=tool(m), representation="hybrid", wrench=np.ones(np.shape(q)[:-1] + (6,)) * q[..., :1]),
@@ -20,7 +20,7 @@ def load_on(m, q):
 
 
 def given_to(row, m, q, v, a):
-    """The arguments of the function of a row behind the model, by name."""
+    """The arguments of the function of a row, by name, except the model."""
     numbers = {"q": q, "v": v, "a": a, "tau": a, "p": v, "dq": v, "dv": a, "da": 2 * v, "dtau": 2 * v, "w": v - a}
     settings = {"frame": tool(m), "base": m.frame_names[min(1, m.n_bodies)], "loads": load_on(m, q)}
     given = {name: (numbers | settings)[name] for name in row.takes if name in numbers or name in settings}
@@ -29,7 +29,7 @@ def given_to(row, m, q, v, a):
 
 
 def in_one(results, q):
-    """The results of a function that has several, one behind the other in each state."""
+    """The results of a function with several results as one array, one result after the other in each state."""
     return np.stack(results, axis=np.ndim(q) - 1) if isinstance(results, tuple) else results
 
 
@@ -44,7 +44,7 @@ def rates(v, a):
 
 
 def steps(a):
-    """Forces of two steps."""
+    """The drive forces of two steps."""
     return np.stack([a, 0.5 * a], axis=-2)
 
 

@@ -1,4 +1,4 @@
-"""Robots of other libraries, in the conventions of axode, are in tests/peers."""
+"""Adds tests/peers to the path, with robots in other libraries that use the conventions of axode."""
 
 import os
 import sys
@@ -10,7 +10,7 @@ import pytest
 # Threads of BLAS wait for each other in a loop: with other work on the cores the small matrices here take 15 times as long.
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 
-# What is compiled here is not kept beside what users keep.
+# Libraries that these tests compile do not go into the cache of the user.
 _CACHE = tempfile.TemporaryDirectory(prefix="axode-")
 os.environ["XDG_CACHE_HOME"] = _CACHE.name
 

@@ -19,6 +19,6 @@ def random_states(m, N, seed=0):
 
 
 def close(x, y, tolerance=1e-11):
-    """Equal to a part of the largest entry."""
+    """Whether two arrays are equal, up to a part of the largest entry."""
     scale = max(np.abs(y).max(initial=0), 1e-300)
     return np.shape(x) == np.shape(y) and np.abs(np.subtract(x, y)).max(initial=0) <= tolerance * scale

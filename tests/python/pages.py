@@ -1,4 +1,4 @@
-"""Pages of the documentation, read and run as their reader would."""
+"""Reads pages of the documentation and runs their code in the way in which a reader would."""
 
 import contextlib
 import io
@@ -14,7 +14,8 @@ SOURCE = Path(__file__).resolve().parents[2]
 
 
 class Block(NamedTuple):
-    """A block of code; behind its language stands the name of a file that it is, or what it requires."""
+    """A block of code. After its language it may have the name of the file that it shows, or a package that it
+    requires."""
 
     line: int
     language: str
@@ -36,7 +37,7 @@ def printed_by_python(block, page, names):
 
 
 def printed_by_shell(block, environment):
-    """Of the lines that begin with $, and what is shown of it."""
+    """Runs the lines that begin with $, and returns their output together with the output that the block shows."""
     lines = block.text.splitlines(keepends=True)
     script = "".join(line[2:] for line in lines if line.startswith("$ "))
     done = subprocess.run(["sh", "-c", script], env=environment, text=True, stdout=subprocess.PIPE, stderr=subprocess.STDOUT)
@@ -44,7 +45,8 @@ def printed_by_shell(block, environment):
 
 
 def run_page(page, environment):
-    """Blocks of one page in their order, in the working folder: files, lines for the shell, and one program of Python."""
+    """Runs the blocks of one page in their order, in the working folder: files, lines for the shell, and one Python
+    program."""
     for robot in axode.robots.iterdir():
         shutil.copy(robot, ".")
     names, all_blocks = {"__name__": "__main__"}, list(blocks(page))

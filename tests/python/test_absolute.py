@@ -1,4 +1,4 @@
-"""Motion in absolute coordinates: bodies that move freely, bound by their joints."""
+"""Motion in absolute coordinates: bodies that move freely, with constraints in place of their joints."""
 
 import axode
 import numpy as np

@@ -1,4 +1,4 @@
-"""Wrong arguments: errors that name the argument, what was expected and what came, and never a crash."""
+"""Wrong arguments cause errors that name the argument, the expected value and the given one, and never a crash."""
 
 import functools
 import inspect

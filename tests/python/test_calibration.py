@@ -1,4 +1,4 @@
-"""What is calibrated is the geometry that was measured, as well as the noise allows, and as far as poses show it."""
+"""Calibration finds the geometry that was measured, as exactly as the noise allows, and as far as poses depend on it."""
 
 import re
 
@@ -16,7 +16,7 @@ FAR = axode.lie.exp([0.3, -0.5, 2, 3, 1, -2])  # where the device is
 
 
 def built(m, seed=0, angle=0.03, length=0.03):
-    """m with errors of every joint."""
+    """The mechanism m with errors in the geometry of every joint."""
     pi = np.random.default_rng(seed).normal(size=(m.n_bodies, 6)) * np.repeat([angle, length], 3)
     return with_geometry(m, pi)
 
@@ -26,7 +26,7 @@ def seen(m, q, frame, device=FAR):
 
 
 def noisy(C, deviations, random):
-    """Poses with noise of these standard deviations, rad and m."""
+    """The poses with noise of these standard deviations, in rad and m."""
     return C @ axode.lie.exp(random.normal(size=(len(C), 6)) * np.repeat(deviations, 3))
 
 
@@ -36,7 +36,7 @@ def measured(m, frame, N, deviations=(0, 0), seed=0, device=FAR):
 
 
 def error(found, true, frame, device=FAR, n=40):
-    """The largest of poses in other configurations, rad and m."""
+    """The largest error of poses in other configurations, in rad and m."""
     q = true.random(seed=999, n=n)
     off = axode.lie.inverse(seen(true, q, frame, device)) @ seen(found.model, q, frame, found.device)
     return np.abs(axode.lie.log(off)).max()
@@ -189,7 +189,7 @@ def test_tool_and_device_alone_are_found_exactly():
 
 
 def in_joint_frames(m):
-    """m with the frames of its bodies in their joints, where the prior holds."""
+    """The mechanism m with body frames in the joints, to which the prior refers."""
     drawing = m.to_dict()
     for body in drawing["body"]:
         if body["joint"] != "fixed":

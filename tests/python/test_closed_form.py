@@ -1,4 +1,4 @@
-"""The closed forms have the documented shapes and places, and take one state; C++ tests hold what they compute."""
+"""The closed forms have the documented shapes and places, and take one state. Their numbers are tested in C++."""
 
 import inspect
 
@@ -14,7 +14,7 @@ FORMS = ["paper", "skew", "spatial", "christoffel"]
 
 
 def blocks(matrices):
-    """The block-diagonal matrix of (n, 6, 6)."""
+    """The block-diagonal matrix with the n blocks of an array (n, 6, 6)."""
     n = len(matrices)
     return np.einsum("iab,ij->iajb", matrices, np.eye(n)).reshape(6 * n, 6 * n)
 

@@ -1,4 +1,4 @@
-"""Generated C is what the command writes; C++ tests compile it and call it."""
+"""The generated C is the same as that of the command. The C++ tests compile and call it."""
 
 import subprocess
 import sys

@@ -1,4 +1,5 @@
-"""States in the orders of Pinocchio and MuJoCo: they mean the same, and come back as they were."""
+"""States in the orders of Pinocchio and MuJoCo have the same meaning there, and converted back they are the same as
+before."""
 
 import random
 import re
@@ -18,8 +19,7 @@ LIMIT = '<limit lower="-1" upper="1" effort="1" velocity="1"/>'
 
 
 def tree(seed, kinds, axes=("0 0 1",), followers=0):
-    """A URDF of random shape whose names are in another order than its elements, and these in another than the
-    tree."""
+    """A URDF of a random tree. The order of its elements differs from that of the tree and from that of their names."""
     chance = random.Random(seed)
     n = chance.randrange(4, 14)
     links, joints = [f"link {k}" for k in range(n)], [f"joint {k}" for k in range(1, n)]
@@ -67,7 +67,7 @@ TREES = range(40)
 # ---------------------------------------------------------------- Pinocchio
 
 class Pinocchio:
-    """What a model of Pinocchio says of states that were converted to it."""
+    """A model in Pinocchio, with its results for states that were converted to its order."""
 
     def __init__(self, model):
         import pinocchio as pin
@@ -93,7 +93,7 @@ class Pinocchio:
             assert close(V[k], twists)
 
     def check_forces(self, m, mimic=False):
-        """P' tau_there = tau for the matrix P with v_there = P v, and a_there = P a."""
+        """Checks P' tau_there = tau and a_there = P a for the matrix P with v_there = P v."""
         for q, v, a, _ in zip(*random_states(m, STATES)):
             P = convert.to_pinocchio(m, np.tile(q, (m.nv, 1)), np.eye(m.nv), mimic=mimic)[1].T
             q_there, v_there = convert.to_pinocchio(m, q, v, mimic=mimic)
@@ -187,7 +187,7 @@ def test_pinocchio_moves_as_we_do_with_joints_that_urdf_does_not_have():
 # ---------------------------------------------------------------- MuJoCo
 
 class MuJoCo:
-    """What a model of MuJoCo says of states that were converted to it."""
+    """A model in MuJoCo, with its results for states that were converted to its order."""
 
     def __init__(self, model):
         import mujoco
@@ -209,7 +209,8 @@ class MuJoCo:
             assert close(V[k], twists)
 
     def check_forces(self, m):
-        """P' tau_there = tau for v_there = P v, where a_there = P a + P' v."""
+        """Checks P' tau_there = tau for the matrix P with v_there = P v; here a_there is P a plus the rate of P times
+        v."""
         for q, v, a, _ in zip(*random_states(m, STATES)):
             P, h = self.map(m, q), 1e-6
             self.data.qpos[:], self.data.qvel[:] = convert.to_mujoco(m, q, v)
@@ -237,7 +238,7 @@ def compiled(file, base):
 
 
 def test_mujoco_moves_as_we_do(robot, base):
-    """Also where it would refuse the inertias of the file."""
+    """MuJoCo and axode agree about motions, also of files whose inertias MuJoCo would refuse."""
     mujoco = pytest.importorskip("mujoco")
     import mujoco_robot
     text = mujoco_robot.without_geometry(robot, base)

@@ -1,4 +1,4 @@
-"""What the pages show is what happens, and nothing public is left out."""
+"""The pages show the real output of their code, and leave out no public name."""
 
 import csv
 import inspect
@@ -22,7 +22,7 @@ MODULES = [axode, axode.lie, axode.closed_form, axode.codegen, axode.convert, ax
 
 @pytest.fixture(scope="module")
 def installed(tmp_path_factory):
-    """The environment of somebody who has installed the command and the library."""
+    """The environment of a user who has installed the command and the library."""
     release, prefix = SOURCE / "build/release", tmp_path_factory.mktemp("installed")
     if not (release / "axode").exists():
         pytest.skip("there is no build/release/axode; `make build` builds it")
@@ -39,7 +39,7 @@ def test_what_a_page_shows_is_what_happens(page, installed, tmp_path, monkeypatc
 
 @pytest.fixture
 def robots(tmp_path, monkeypatch):
-    """The working folder, with the mechanisms that come along."""
+    """The working folder, with the mechanisms that come with the project."""
     for robot in axode.robots.iterdir():
         shutil.copy(robot, tmp_path)
     monkeypatch.chdir(tmp_path)
@@ -60,7 +60,7 @@ def test_every_command_in_the_text_of_the_readme_runs_as_typed(robots, installed
 
 
 def assert_moves(table):
-    """Coordinates in a table of a motion change."""
+    """Expects that some coordinates in a table of a motion change."""
     with open(table, encoding="utf-8") as stream:
         names = next(csv.reader(stream))
         rows = np.array([[float(x) for x in row] for row in csv.reader(stream)])

@@ -1,4 +1,4 @@
-"""Every public name explains itself, with an example that runs and gives what it says."""
+"""Every public name has a docstring, with an example that runs and gives the output that it shows."""
 
 import ast
 import doctest
@@ -26,7 +26,7 @@ def public_objects():
 
 
 OBJECTS = dict(public_objects())
-# Records and methods of one line are explained by the functions that give them.
+# Records and methods with a docstring of one line are explained by the functions that return them.
 WITHOUT_EXAMPLE = {"axode.Body", "axode.Joint", "axode.Fault", "axode.InverseKinematics",
                    "axode.MassMatrixFactor.solve", "axode.MassMatrixFactor.inverse"}
 

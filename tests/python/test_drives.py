@@ -15,7 +15,7 @@ TARGET = np.array([0.0, 0.5, 0.0, -1.0, 0.0, 0.8, 0.0])
 
 
 def agree(m, start, drive, function, until=0.2):
-    """One motion under a drive, and under the function of Python's that it is, in the same steps."""
+    """Expects the same motion, step by step, under a drive and under the equivalent Python function."""
     one = axode.simulate(m, *start, until, method="rk4", step=1e-3, tau=drive)
     other = axode.simulate(m, *start, until, method="rk4", step=1e-3, tau=function)
     np.testing.assert_allclose(one.q, other.q, atol=1e-12)

@@ -1,4 +1,4 @@
-"""Arguments at the edges of what there is: the largest numbers, the deepest nesting, the longest trees, the fewest."""
+"""Extreme arguments: the largest numbers, the deepest nesting, the longest trees, and arguments without any entries."""
 
 import subprocess
 import sys

@@ -1,4 +1,4 @@
-"""The examples run from any folder, and what they print is so."""
+"""The examples run from any folder, and the statements that they print are true."""
 
 import os
 import re
@@ -17,7 +17,7 @@ EXAMPLES = Path(__file__).resolve().parents[2] / "examples/python"
 
 
 def run(folder, name, *arguments):
-    """What the example prints."""
+    """Runs an example and returns its output."""
     done = subprocess.run([sys.executable, EXAMPLES / name, *arguments], cwd=folder, capture_output=True, text=True,
                           env={**os.environ, "MPLBACKEND": "Agg"})
     assert done.returncode == 0 and done.stderr == "", done.stderr
@@ -25,7 +25,7 @@ def run(folder, name, *arguments):
 
 
 def numbers_behind(text, words):
-    """The numbers of the line that begins with these words, in their order."""
+    """The numbers in the line of the output that begins with these words."""
     line = next(line for line in text.splitlines() if line.startswith(words))
     return [float(number) for number in re.findall(r"(?<![\w^.])-?\d+\.?\d*(?:e-?\d+)?", line.removeprefix(words))]
 

@@ -1,4 +1,4 @@
-"""The factors of the mass matrix: what they refuse, and what runs beside them."""
+"""The factors of the mass matrix: arguments that they refuse, and threads that run at the same time."""
 
 import sys
 import threading

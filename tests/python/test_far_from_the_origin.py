@@ -1,4 +1,5 @@
-"""Where a mechanism is drawn does not matter: ten kilometres away a finger of 10 g is the finger at the origin."""
+"""The place where a mechanism is drawn does not matter: ten kilometres away a finger of 10 g moves like one at the
+origin."""
 
 import axode
 import numpy as np
@@ -10,7 +11,8 @@ WAYS = ["fast", *(way for way in REPRESENTATIONS if way != "spatial")]  # those 
 
 
 def bodies(o):
-    """A hand, drawn at o; all lengths are sums of few powers of two, exact wherever it is."""
+    """The bodies of a hand that is drawn at o. All lengths are sums of few powers of two, so that they are exact
+    wherever it is."""
     def body(name, on, joint, mass, com):
         return {"name": name, "on": on, "joint": {"name": f"{name} joint", **joint, "point": list(o + joint["point"])},
                 "mass": mass, "com": list(o + com),
@@ -47,7 +49,8 @@ def from_dict(o, tmp_path):
 
 
 def agree(far, near):
-    """The largest error of forces and of entries of M, as a part of what their rows and columns let expect."""
+    """The largest difference of forces and of entries of M; those of M relative to the diagonal entries of their row
+    and column."""
     q, v, a, _ = random_states(near, 8)
     worst = 0
     for way in WAYS:

@@ -1,4 +1,5 @@
-"""Formats of others: MuJoCo finds in our models of its files what it finds in them, and in the files that we write what we do."""
+"""File formats of other programs. MuJoCo computes the same from its files as axode does from the models that it reads
+from them, and the same from the files that axode writes."""
 
 import struct
 import sys
@@ -16,7 +17,7 @@ STATES = 5
 MATTER = '<inertial pos="0.1 0.05 0.2" quat="0.8 0.1 0.5 0.2" mass="1.3" diaginertia="1 1.1 0.9"/>'
 MATTER += '<site/><geom type="box" size="0.1 0.1 0.1"/>'
 
-#: Everything that a file may say of joints.
+#: A file with everything that MJCF can express about joints.
 EVERYTHING = f"""<mujoco model="everything">
   <compiler angle="degree" eulerseq="zyx"/>
   <option gravity="1 2 -9"/>
@@ -46,7 +47,7 @@ EVERYTHING = f"""<mujoco model="everything">
   </worldbody>
 </mujoco>"""
 
-#: Everything that ties coordinates and bodies.
+#: A file with everything that couples coordinates and bodies.
 TIED = f"""<mujoco>
   <compiler angle="radian"/>
   <default><joint axis="0 1 0"/></default>
@@ -85,7 +86,7 @@ TIED = f"""<mujoco>
 
 @pytest.fixture(autouse=True)
 def in_a_folder_of_its_own(tmp_path, monkeypatch):
-    """MuJoCo writes its warnings to a file where it runs."""
+    """Runs the test in a folder of its own, because MuJoCo writes warnings to a file in the working folder."""
     monkeypatch.chdir(tmp_path)
 
 
@@ -102,7 +103,8 @@ def names_of(there):
 
 
 def velocity_rate(m, q, v):
-    """P' v, where free and planar joints turn the axes of their linear velocities: R (w x v)."""
+    """The rate P' of the velocity map times v. It is R (w x v) for free and planar joints, whose linear velocities
+    have other axes in MuJoCo."""
     rate = np.zeros(m.nv)
     for joint in m.joints:
         if joint.kind == "free":
@@ -114,7 +116,7 @@ def velocity_rate(m, q, v):
 
 
 def check_same(m, there, names, armature_of_free_joints=True, least=0.0):
-    """Poses, mass matrix and bias forces in random states."""
+    """Compares poses, the mass matrix and bias forces in random states."""
     data = mujoco().MjData(there)
     q, v, _, _ = random_states(m, STATES)
     C, M = axode.poses(m, q), axode.mass_matrix(m, q)
@@ -152,7 +154,7 @@ def test_mujoco_finds_the_same_in_our_model_of_its_file():
 
 
 def test_mujoco_finds_the_same_in_the_model_that_comes_with_it():
-    """Its base has an armature, which does not turn with the base there."""
+    """The base of this model has an armature, whose axes in MuJoCo do not turn with the base."""
     file = next((mujoco_folder() / "testdata").glob("model.xml"), None)
     if file is None:
         pytest.skip("this MuJoCo comes without models")

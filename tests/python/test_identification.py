@@ -1,4 +1,5 @@
-"""What is identified is what made the torques, as well as the noise allows, and can be built."""
+"""Identification finds the parameters that caused the torques, as exactly as the noise allows, and they are
+physically consistent."""
 
 import subprocess
 import sys
@@ -27,7 +28,7 @@ def measured(m, N, deviation=0.0, seed=0, **forces):
 
 
 def varied(m, seed=0, size=0.1):
-    """m with other masses and inertias that matter can have."""
+    """The mechanism m with other masses and inertias that are physically consistent."""
     random = np.random.default_rng(seed)
     pi = m.parameters.reshape(-1, 10)
     return m.with_parameters((random.uniform(1 - size, 1 + size, (len(pi), 1)) * pi).ravel())
@@ -39,7 +40,7 @@ def lowest_eigenvalue(m, but=()):
 
 
 def chi_squared(found, true):
-    """Of the base parameters by their deviations, for each degree of freedom."""
+    """The chi-squared value of the base parameters with their standard deviations, per degree of freedom."""
     errors = found.base_parameters - found.base_matrix @ true
     return np.mean((errors / found.base_deviations) ** 2)
 

@@ -1,4 +1,4 @@
-"""Ctrl-C is answered in the middle of every call on many states or items."""
+"""Ctrl-C interrupts every call on many states or items before it has ended."""
 
 import functools
 import os
@@ -88,7 +88,8 @@ LONG = {
 
 
 def processor_time():
-    """Of the program, and of the kernel for it, which takes long to hand out memory where a machine has little."""
+    """The processor time of the program and of the kernel for it. The latter takes long to provide memory on machines
+    that have little."""
     usage = resource.getrusage(resource.RUSAGE_SELF)
     return np.array([usage.ru_utime, usage.ru_stime])
 

@@ -1,6 +1,6 @@
-"""That the numbers of functions that are no rows of the table are in the places, axes and orders which the docstrings say.
+"""Functions without a row in the table return their numbers in the places, axes and orders that the docstrings state.
 
-What rows give is compared with the command in test_table.py.
+Functions with a row are compared with the command in test_table.py.
 """
 
 import axode
@@ -19,7 +19,7 @@ def state(mechanism, seed=1):
 
 
 def rate(m, q, v, f, h=1e-5):
-    """Central differences of f along v."""
+    """The rate of f along v, by central differences."""
     return (f(m.integrate(q, h * v)) - f(m.integrate(q, -h * v))) / (2 * h)
 
 

@@ -1,4 +1,5 @@
-"""SE(3), screws and single bodies: the numbers are in their places, and arrays of items are the items one by one."""
+"""SE(3), screws and single bodies: numbers are in their places, and arrays of items give the same results as the
+items one by one."""
 
 import inspect
 import itertools
@@ -15,7 +16,7 @@ N = 40
 
 
 def rotation_vectors(*angles):
-    """(N, 3) with random angles up to pi, the first of which are these."""
+    """An array (N, 3) of rotation vectors with random angles up to pi, except that the first angles are given."""
     e = RANDOM.normal(size=(N, 3))
     e /= np.linalg.norm(e, axis=1, keepdims=True)
     all_angles = RANDOM.uniform(0, np.pi, N)
@@ -34,7 +35,7 @@ R = C[:, :3, :3]
 
 
 def random_inertia(n=N):
-    """(n, 6, 6) of random bodies."""
+    """An array (n, 6, 6) of inertias of random bodies."""
     axes = lie.exp_SO3(RANDOM.uniform(-2, 2, (n, 3)))
     second_moments = RANDOM.uniform(0.1, 1, (n, 3))
     principal = second_moments.sum(axis=1, keepdims=True) - second_moments
@@ -57,7 +58,7 @@ E = R[:, :, 0]
 QUATERNION = lie.quaternion(R)
 CAY = lie.cay(X)
 POSITIVE = 0.1 + np.abs(U)
-ITEMS = {  # of every argument of every function; words are the same for all
+ITEMS = {  # items for every argument of every function; words are the same for all items
     "exp": (X,), "log": (C,), "exp_SO3": (XI,), "log_SO3": (R,), "inverse": (C,), "rotation_to": (E,),
     "quaternion": (R,), "rotation": (QUATERNION,), "quaternion_product": (QUATERNION, QUATERNION[::-1]),
     "exp_quaternion": (XI,), "log_quaternion": (QUATERNION,), "scalar_first": (QUATERNION,),
@@ -85,12 +86,12 @@ def of_each(functions, *arrays):
 
 
 def expm(A):
-    """By its power series, which is exact for what is not large."""
+    """The matrix exponential by its power series, which is exact for small matrices."""
     return sum(np.linalg.matrix_power(A, k) / math.factorial(k) for k in range(40))
 
 
 def rate(f, x, u, h=1e-6):
-    """Central difference of f(x) when x moves along u."""
+    """The rate of f(x) when x moves along u, by central differences."""
     return (f(x + h * u) - f(x - h * u)) / (2 * h)
 
 
@@ -102,7 +103,7 @@ def cayley(A):
 
 AWAY = np.linalg.norm(XI, axis=1) < np.pi - 1e-9  # at pi either direction is right
 UNIT = np.broadcast_to(np.eye(6), (N, 6, 6))
-#: (what a function gives, what it is, to which part), one of each: C++ tests hold the laws.
+#: (the result of a function, the expected result, the tolerance), one of each. The laws themselves are tested in C++.
 IS = {
     "exp": lambda: (lie.exp(X), of_each(expm, lie.hat(X)), 1e-14), "exp_SO3": lambda: (lie.exp_SO3(XI), R, 1e-14),
     "log": lambda: (lie.log(C)[AWAY], X[AWAY], 1e-12), "log_SO3": lambda: (lie.log_SO3(R)[AWAY], XI[AWAY], 1e-12),
@@ -224,7 +225,7 @@ def items_of(name):
 
 
 def argument_names(name):
-    """From the signature, with which the docstring begins."""
+    """The names of the arguments, from the signature with which the docstring begins."""
     signature = getattr(lie, name).__doc__.split("\n")[0]
     inside = signature[signature.index("(") + 1:signature.rindex(") ->")]
     return [part.split(":")[0] for part in inside.split(", ") if ":" in part]

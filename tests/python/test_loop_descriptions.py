@@ -1,4 +1,4 @@
-"""Loops, couplings and passive joints of a mechanism: told, copied and refused."""
+"""Loops, couplings and passive joints in the description of a mechanism: given, copied and refused."""
 
 import copy
 import pickle

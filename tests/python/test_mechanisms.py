@@ -10,7 +10,8 @@ import pytest
 
 
 class Expected(NamedTuple):
-    """`size` is a length, m; `v` a start, made to keep the loops closed; energies are in J."""
+    """Expected numbers of a mechanism: `size` is a length in m, `v` are initial velocities, which are changed such
+    that the loops stay closed, and energies are in J."""
 
     rows: int
     rank: int

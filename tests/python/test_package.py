@@ -1,4 +1,4 @@
-"""What an installed package brings besides its functions."""
+"""The files that an installed package has besides its functions."""
 
 import inspect
 import json

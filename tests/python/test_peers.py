@@ -1,4 +1,4 @@
-"""What axode computes, from Python, is what Pinocchio and MuJoCo compute: on every robot, its base fixed and free."""
+"""The Python package computes the same as Pinocchio and MuJoCo, for every robot with a fixed and with a free base."""
 
 from functools import lru_cache
 
@@ -19,7 +19,7 @@ FAST = ["fast", *REPRESENTATIONS]
 
 
 def assert_close(ours, theirs, of=0.0, bound=1e-10):
-    """Equal to a part of the largest entry, or of `of`."""
+    """Expects that two arrays are equal, up to a part of the largest entry or of `of`."""
     ours, theirs = np.asarray(ours), np.asarray(theirs)
     assert ours.shape == theirs.shape
     error, size = np.max(np.abs(ours - theirs), initial=0), max(np.max(np.abs(theirs), initial=0), of)
@@ -27,7 +27,7 @@ def assert_close(ours, theirs, of=0.0, bound=1e-10):
 
 
 def random_state(robot, random):
-    """Numbers by joint, and a few loads on links."""
+    """Random numbers for each joint, and a few loads on links."""
     values = {key: {name: random.uniform(-1, 1, 6 if name == FREE_BASE else 1).tolist()
                     for name in robot.independent_joints()} for key in ("q", "v", "a", "tau")}
     for name in robot.independent_joints():
@@ -63,12 +63,12 @@ class Case:
 
     @property
     def all_loads(self):
-        """Wrenches (N, 6), which are zero in the states of the others."""
+        """An array of wrenches (N, 6) for each load; a load acts in its own states only, and is zero in all others."""
         return [axode.Load(frame=frame, representation=rep, wrench=np.outer(np.arange(STATES) == k, W))
                 for k in range(STATES) for frame, rep, W in self.loads[k]]
 
     def singular(self):
-        """Whether a mass matrix is, once its diagonal is scaled to ones."""
+        """Whether a mass matrix is nearly singular after its diagonal was scaled to 1."""
         M = axode.mass_matrix(self.m, self.q)
         d = np.sqrt(np.einsum("kii->ki", M))
         return np.any(d <= 0) or np.min(np.linalg.eigvalsh(M / (d[:, :, None] * d[:, None]))) <= 1e-12
@@ -106,7 +106,7 @@ def test_forward_dynamics(case, representation):
     free = axode.forward_dynamics(m, case.q, case.v, case.tau, representation)
     loaded = axode.forward_dynamics(m, case.q, case.v, case.tau, representation, case.all_loads)
     for k, (q, v, _) in enumerate(case.theirs):
-        # What their inverse dynamics asks for our accelerations is the force that was given.
+        # Pinocchio's inverse dynamics of our accelerations gives the forces back.
         for a, loads in (free[k], []), (loaded[k], case.loads[k]):
             tau = P.T @ case.robot.inverse_dynamics(q, v, P @ a, loads)
             assert_close(tau, case.tau[k], of=M * np.abs(a).max())
@@ -321,7 +321,7 @@ class MuJoCoCase:
         self.robot.model.opt.disableflags |= off.mjDSBL_CONSTRAINT | off.mjDSBL_SPRING | off.mjDSBL_DAMPER
 
     def states(self):
-        """k, P and P' v of every state, which is then MuJoCo's."""
+        """Sets each state in MuJoCo and gives its index k, the matrix P and its rate times v."""
         for k, values in enumerate(self.case.values):
             self.robot.set(values)
             P = self.robot.velocity_map(self.case.independent)
@@ -333,13 +333,13 @@ class MuJoCoCase:
             yield k, P, dP_v
 
     def force(self, P, dP_v, a):
-        """What MuJoCo's inverse dynamics asks for our accelerations, as our forces."""
+        """The forces that MuJoCo's inverse dynamics gives for our accelerations, in our coordinates."""
         self.robot.data.qacc[:] = P @ a + dP_v
         mujoco.mj_inverse(self.robot.model, self.robot.data)
         return P.T @ self.robot.data.qfrc_inverse
 
     def bodies(self):
-        """Our moving bodies, and their numbers there."""
+        """Our moving bodies, and their indices in MuJoCo."""
         renamed = {"world": "root of the robot"}
         return [(name, self.robot.model.body(renamed.get(name, name)).id) for name in self.case.m.body_names]
 

@@ -6,7 +6,7 @@ import pytest
 from mechanisms import MECHANISMS, close, random_states
 
 K, N, STEP = 4, 3, 5e-3
-# Whose joints have six, three, three and one velocities.
+# The joints of this mechanism have six, three, three and one velocities.
 OTHERS = axode.Model.from_bodies([
     {"name": name, "on": on, "joint": {"kind": kind, **more}, "mass": 1.3, "com": [0.1, 0.2, -0.1],
      "inertia": [0.5, 0.7, 0.6, 0.02, 0.01, 0.03]}

@@ -1,4 +1,5 @@
-"""What is singular but for rounding is refused, and numbers that overflow are an error and never a silent NaN."""
+"""Mass matrices that are singular to rounding are refused, and numbers that overflow cause an error and never a
+silent NaN."""
 
 import axode
 import numpy as np
@@ -30,7 +31,7 @@ def test_a_thin_rod_is_refused_with_its_states(name, way):
             assert np.isnan(refused.value.result).all()
 
 
-#: Of numbers of 1e200 these have no products of two.
+#: Functions whose results contain no products of two numbers, so that numbers of 1e200 do not overflow.
 LINEAR = ["spring_forces", "spring_force_derivatives", "generalized_loads", "generalized_load_derivatives", "load_powers",
           "twists", "momenta", "body_momenta", "spatial_momentum", "centroidal_momentum", "jacobian_rate",
           "centroidal_momentum_matrix_rate", "coriolis_matrix"]

@@ -1,4 +1,5 @@
-"""Specialised models give what the library gives, in any number of processes, and without a cache or a compiler say so."""
+"""Specialised models give the same results as the library, in any number of processes. Without a cache or a compiler
+they raise an error that says so."""
 
 import os
 import shutil
@@ -24,14 +25,14 @@ CHEAP = ["inverse_dynamics", "mass_matrix", "poses"]
 
 @pytest.fixture(autouse=True)
 def cache(tmp_path, monkeypatch):
-    """Its folder."""
+    """The folder of the cache."""
     monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path))
     monkeypatch.delenv("CC", raising=False)
     return tmp_path / "axode"
 
 
 def arguments(m, function, N=None):
-    """(q, ...) of N states, or of one."""
+    """The arguments (q, ...) of N states, or of one state."""
     state = [x if N is not None else x[0] for x in random_states(m, N or 1, seed=1)[:3]]
     if N == 0:
         state = [x[:0] for x in state]
@@ -169,7 +170,7 @@ def test_without_a_compiler_there_is_one_sentence_and_the_library(monkeypatch):
 
 
 def specialised_elsewhere(**environment):
-    """What a new process prints that specialises a model: one that has asked no compiler for its version yet."""
+    """The output of a new process that specialises a model, and has not asked the compiler for its version before."""
     program = "import axode; m = axode.load(axode.robots / 'double_pendulum.toml'); print(m.specialise(['poses']).poses([0, 0]).shape)"
     return subprocess.run([sys.executable, "-c", program], env={**os.environ, **environment}, capture_output=True, text=True)
 

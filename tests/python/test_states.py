@@ -1,4 +1,4 @@
-"""What holds for every function of the state, whatever it computes."""
+"""Properties that every function of the state has."""
 
 import inspect
 import sys
@@ -16,7 +16,7 @@ EVERYTHING = pytest.mark.parametrize("call", CALLS)
 
 
 def some(m):
-    """Tensors of large mechanisms are large: two states of them do."""
+    """A number of states for a call: only two if the results are large, such as tensors of large mechanisms."""
     return 2 if m.nv > 20 else 9
 
 

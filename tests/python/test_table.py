@@ -1,4 +1,5 @@
-"""What the rows of axode.table say, against what the functions of the package, specialised models and generated code do."""
+"""The rows of axode.table describe correctly the functions of the package, of specialised models and of generated
+code."""
 
 import json
 import re
@@ -26,7 +27,8 @@ def cut(m):
 
 
 def arguments(m, row, seed=1):
-    """One state: closed, moving as the loops allow, with accelerations that they allow under any forces."""
+    """The arguments for one state. Its loops are closed, and its velocities and accelerations keep them closed; the
+    forces are random."""
     rng = np.random.default_rng(seed)
     q, _ = axode.assemble(m, m.neutral())
     A = axode.loop_jacobian(m, q)
@@ -96,7 +98,7 @@ COMMAND = Path(sysconfig.get_path("scripts")) / "axode"
 
 
 def told(file, state, names, *words):
-    """What the command prints, by name."""
+    """The results that the command prints, by name."""
     done = subprocess.run([COMMAND, "eval", axode.robots / file, "--state", "-", "--want", ",".join(names), "--format",
                            "json", *words], input=json.dumps(state), capture_output=True, text=True)
     assert done.returncode == 0, done.stderr
@@ -104,7 +106,7 @@ def told(file, state, names, *words):
 
 
 def in_order(value):
-    """An array of what JSON holds; the entries of an object are in their order."""
+    """A value of JSON as an array; the entries of an object keep their order."""
     value = list(value.values()) if isinstance(value, dict) else value
     return np.array([in_order(x) for x in value]) if isinstance(value, list) else value
 

@@ -1,4 +1,4 @@
-"""Tools that measure, and draw what was measured."""
+"""Tools that measure, and that draw measured numbers."""
 
 import subprocess
 import sys

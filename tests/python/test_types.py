@@ -1,4 +1,4 @@
-"""The types of the package are there and right, as mypy sees them."""
+"""The package has type hints, and mypy finds them correct."""
 
 import subprocess
 import sys

@@ -1,4 +1,4 @@
-"""`axode.view`: pages, and what is pushed to them, as a browser sees it."""
+"""`axode.view`: pages, and the states that are sent to them, as a browser receives them."""
 
 import csv
 import http.client
@@ -31,7 +31,7 @@ HOSTILE = '</script><script>alert(1)</script>" onload="alert(2)" & <b>\u2028'
 
 
 class Elements(HTMLParser):
-    """The elements of a text with their attributes, and the text in the scene."""
+    """Parses a page: its elements with their attributes, and the text of the scene."""
 
     def __init__(self, text):
         super().__init__()
@@ -194,7 +194,7 @@ def test_meshes_are_shown_or_told_of(tmp_path):
 
 
 class Listener:
-    """Who listens to the states of a viewer, as the page does."""
+    """A client that receives the states of a viewer, as a page does."""
 
     def __init__(self, live):
         where = urlsplit(live)
@@ -285,7 +285,7 @@ def test_where_there_is_no_browser_the_address_is_told(monkeypatch, no_thread_is
 
 
 class Browser:
-    """A headless Chromium that says where the bodies on a page stand."""
+    """A headless Chromium that returns the poses of the bodies on a page."""
 
     def __init__(self):
         self.node = subprocess.Popen(["node", Path(__file__).with_name("page_poses.mjs"), MODULES, CHROMIUM],
@@ -298,7 +298,7 @@ class Browser:
         return {name: np.reshape(C, (4, 4)).T for name, C in json.loads(line).items()}
 
     def expect(self, m, q, address=""):
-        """The poses on the page are those of q, at once or soon."""
+        """Expects that the page shows the poses at q, at once or after a short time."""
         expected = dict(zip(["ground", *m.body_names], axode.poses(m, q)))
         size = max(1.0, np.abs(axode.poses(m, q)).max())
         deadline = time.monotonic() + 60
@@ -324,7 +324,8 @@ def browser():
 
 
 def test_pages_show_what_is_pushed(browser, tmp_path, monkeypatch):
-    """Of joints of every kind, in a notebook; and where a script has opened a browser. In one browser, which takes long to start."""
+    """Pages show the states that are sent to them, with joints of every kind: in a notebook, and from a script that
+    opened a browser. All of it uses one browser, which takes long to start."""
     for file, held in [("machine.toml", None), ("humanoid.urdf", "free")]:
         m = axode.load(axode.robots / file, held)
         q = m.random(seed=1, n=3)
