@@ -5,7 +5,7 @@ import type { State } from "./state";
 
 declare global {
   interface Window {
-    /** For programs around the page, and tests. Poses are 4 × 4 matrices, column by column. */
+    /** Functions for programs around the page, and for tests. Poses are 4 × 4 matrices, column by column. */
     axode: {
       setState: (q: number[]) => void;
       setTime: (t: number) => void;
@@ -20,7 +20,9 @@ declare global {
   }
 }
 
-/** Lets programs around the page show states: by calls, by messages, and by the stream that the scene names. */
+/**
+ * Lets programs around the page send states: by calls, by messages, and by the stream that the scene names.
+ */
 export function listenAround(state: State, stage: Stage, player: Player | null, layers: readonly Layer[], setLayer: (id: string, on: boolean) => void): void {
   const { scene } = state;
   window.axode = {

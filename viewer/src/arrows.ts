@@ -3,7 +3,7 @@ import { cone, rod } from "./glyphs";
 
 const Z = new Vector3(0, 0, 1);
 
-/** Arrows of one colour; those of angular quantities have two heads. */
+/** Arrows of one colour. Arrows of angular quantities have two heads. */
 export class Arrows extends Group {
   private readonly shafts: InstancedMesh;
   private readonly heads: InstancedMesh;
@@ -23,7 +23,10 @@ export class Arrows extends Group {
     this.heads = many(cone(0.15, 0.42, 0), most * this.headsEach);
   }
 
-  /** Vectors in metres of the drawing, from where they start. Those too short to be seen are left out. */
+  /**
+   * Draws vectors, in metres of the drawing, at the points where they begin. Vectors too short to be seen are
+   * left out.
+   */
   show(vectors: { from: Vector3; vector: Vector3 }[], unit: number): void {
     let k = 0;
     const matrix = new Matrix4();

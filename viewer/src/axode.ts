@@ -15,15 +15,21 @@ import type { History } from "./history";
 import type { Scene } from "./scene";
 import { axisOf, nearest, screwOf } from "./screws";
 
-/** One position of the instantaneous screw axis: direction, and the point from which it is drawn both ways. */
+/**
+ * The instantaneous screw axis at one time: its direction, and the point from which it is drawn to both
+ * sides.
+ */
 export interface Generator {
   centre: Vector3;
   e: Vector3;
-  /** How clearly it is seen: from 1 at the centre of mass down to 0 far away from it. */
+  /** How opaque it is drawn: from 1 at the centre of mass down to 0 far away from it. */
   clear: number;
 }
 
-/** The two axodes of a body: null where it does not turn, or turns about an axis too far away to be drawn. */
+/**
+ * The two axodes of a body. An entry is null if the body does not turn, or turns about an axis too far away
+ * to draw.
+ */
 export interface Axodes {
   /** In the inertial frame. */
   fixed: (Generator | null)[];
@@ -31,10 +37,10 @@ export interface Axodes {
   moving: (Generator | null)[];
 }
 
-/** How much of the largest angular velocity counts as none. */
+/** Angular velocities below this part of the largest one count as zero. */
 const LEAST_TURNING = 1e-3;
 
-/** Angular velocity below which body i is said not to turn, from the largest that it has in the motion. */
+/** The angular velocity below which body i counts as not turning, from its largest one in the motion. */
 export function leastTurning(scene: Scene, i: number): number {
   const twists = scene.motion?.twists ?? [];
   const most = twists.reduce((w, sample) => Math.max(w, Math.hypot(...sample[i - 1].slice(0, 3))), 0);
@@ -42,9 +48,9 @@ export function leastTurning(scene: Scene, i: number): number {
 }
 
 /**
- * The ruled surfaces that the instantaneous screw axis of body i sweeps over the motion. Each generator is centred where
- * it passes nearest to the centre of mass, so that one and the same segment is drawn in both. They fade with the distance
- * from it, and are gone at `far`.
+ * The ruled surfaces that the instantaneous screw axis of body i sweeps over the motion. The centre of each
+ * generator is the point nearest to the centre of mass, so that both surfaces show the same segment of it.
+ * Generators fade with the distance from the centre of mass, and are not drawn beyond `far`.
  */
 export function axodes(scene: Scene, history: History, i: number, far: number): Axodes {
   const fixed: (Generator | null)[] = [];
@@ -72,7 +78,7 @@ export function axodes(scene: Scene, history: History, i: number, far: number): 
   return { fixed, moving };
 }
 
-/** Along a generator, from -1 to 1, and how opaque the surface is there. */
+/** Positions along a generator, from -1 to 1, and the opacity of the surface there. */
 const ALONG = [
   [-1, 0.1],
   [-0.7, 0.32],
@@ -82,7 +88,7 @@ const ALONG = [
 ];
 const LINES = 72;
 
-/** Whether two neighbours belong to one surface, or the axis has jumped. */
+/** Whether two neighbouring generators belong to one surface; otherwise the axis has jumped between them. */
 function together(a: Generator | null, b: Generator | null, half: number): boolean {
   return a !== null && b !== null && a.e.dot(b.e) > 0.7 && a.centre.distanceTo(b.centre) < 1.5 * half;
 }
@@ -136,7 +142,7 @@ export function ruledSurface(generators: (Generator | null)[], half: number, [fr
   return group;
 }
 
-/** Frees what ruledSurface() made. */
+/** Frees the memory of what ruledSurface() made. */
 export function dispose(group: Group): void {
   for (const child of group.children as (Mesh | LineSegments)[]) {
     child.geometry.dispose();

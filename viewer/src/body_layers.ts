@@ -23,7 +23,7 @@ import { sidesOfSymbols } from "./processor";
 import type { Joint, Shape } from "./scene";
 import { shapeGroup } from "./shapes";
 
-/** Layers of the bodies as they stand; none of them needs a motion. */
+/** The layers of the bodies at rest, which need no motion. */
 export function bodyLayers(view: View): Layer[] {
   return [
     shapes(view, "shapes", "Shapes", colors.bodies[0], true, (s) => s.role === "visual" && !s.stand_in),
@@ -123,7 +123,10 @@ function names({ scene, state, stage }: View): Layer {
   };
 }
 
-/** Of helical joints the lead is drawn as it is while it can be seen, else as the nearest that can. */
+/**
+ * The lead with which a helical joint is drawn: its own if that can be seen, or else the nearest one that
+ * can.
+ */
 function drawnLead(pitch: number, unit: number): number {
   const lead = (2 * Math.PI * pitch) / unit;
   return Math.sign(lead || 1) * Math.min(1.5, Math.max(0.22, Math.abs(lead)));
@@ -166,7 +169,9 @@ function joints(view: View): Layer | null {
   );
 }
 
-/** Ends of loop joints, farther apart than this part of the size of the scene, are said to be open. */
+/**
+ * The ends of a loop joint count as open if their distance is more than this part of the size of the scene.
+ */
 const OPEN = 1e-4;
 
 function loops({ scene, state, stage }: View): Layer | null {
@@ -215,7 +220,7 @@ function loops({ scene, state, stage }: View): Layer | null {
   };
 }
 
-/** Whether the two ends of a loop joint of this kind have to meet. */
+/** Whether the two ends of a loop joint of this kind must be at the same point. */
 function apartIsOpen(kind: string): boolean {
   return ["fixed", "revolute", "spherical", "universal"].includes(kind);
 }

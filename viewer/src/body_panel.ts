@@ -49,7 +49,7 @@ const QUANTITIES = [
   { kind: "momenta", title: "Momentum", rows: ["angular", "linear"], units: ["N m s", "N s"] },
 ] as const;
 
-/** Numbers of the chosen body. Returns what writes them anew. */
+/** Fills the panel with numbers of the chosen body. Returns the function that updates them. */
 export function fillBodyPanel(panel: HTMLElement, state: State): () => void {
   const { scene } = state;
   const [bodyId, asId] = [freshId(), freshId()];

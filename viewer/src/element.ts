@@ -22,12 +22,14 @@ export function byId<T extends HTMLElement>(id: string): T {
 }
 
 let last = 0;
-/** An id that no other element has. */
+/** An id that no other element of the page has. */
 export function freshId(): string {
   return `e${++last}`;
 }
 
-/** A number to read: four significant digits, a true minus sign, and 0 where it is nothing but rounding. */
+/**
+ * A number as text: four significant digits, a true minus sign, and 0 for numbers that are rounding errors.
+ */
 export function format(x: number): string {
   if (!Number.isFinite(x)) return "∞";
   const magnitude = Math.abs(x);

@@ -12,7 +12,10 @@ import {
 import { mergeGeometries } from "three/addons/utils/BufferGeometryUtils.js";
 import { colors } from "./palette";
 
-/** Symbols, about one unit large; what has an axis has it along z. A ring has `sides` sides, what is thinner fewer. */
+/**
+ * Symbols of about one unit in size. The axis of a symbol is z. A ring has `sides` sides, and thinner parts
+ * have fewer.
+ */
 
 function painted(geometry: BufferGeometry, color: string): BufferGeometry {
   const { r, g, b } = new Color(color);
@@ -32,7 +35,7 @@ export function cone(radius: number, length: number, tip: number, sides = 16): B
   return new ConeGeometry(radius, length, sides).rotateX(Math.PI / 2).translate(0, 0, tip - length / 2);
 }
 
-/** So much of the sides of a ring. */
+/** A part of the number of sides of a ring, for thinner things. */
 function part(sides: number, of: number): number {
   return Math.max(3, Math.round(of * sides));
 }
@@ -50,7 +53,10 @@ export function triad(sides: number): BufferGeometry {
   ]);
 }
 
-/** A tube along a helix about z that climbs `lead` in each turn (to the left where negative), from z = -height/2 on. */
+/**
+ * A tube along a helix about z that rises by `lead` in each turn, from z = -height/2 on. A negative lead
+ * winds to the left.
+ */
 export function helix(radius: number, lead: number, turns: number, tube: number, sides = 28): BufferGeometry {
   const along = Math.max(2, Math.ceil(turns * sides));
   const around = 6;
@@ -83,7 +89,7 @@ export function helix(radius: number, lead: number, turns: number, tube: number,
     .setIndex(faces);
 }
 
-/** Merges what was made by three and what was made here. */
+/** Merges geometries of three.js and geometries of this file. */
 function together(...parts: BufferGeometry[]): BufferGeometry {
   return mergeGeometries(
     parts.map((part) => {
@@ -103,7 +109,7 @@ function ring(radius: number, tube: number, sides: number, angle?: number): Buff
   return new TorusGeometry(radius, tube, part(sides, 0.2), sides, angle);
 }
 
-/** An axis with a head, and a ring whose own head says which way is positive. */
+/** An axis with a head, and a ring whose head shows the positive direction. */
 export function hinge(sides: number): BufferGeometry {
   const turn = 1.6 * Math.PI;
   const head = cone(0.13, 0.32, 0.2, part(sides, 0.4)).rotateX(-Math.PI / 2).translate(0.62, 0, 0).rotateZ(turn);
@@ -133,7 +139,7 @@ export function plate(sides: number): BufferGeometry {
   return together(new BoxGeometry(1.5, 1.5, 0.05), rod(0.035, 0, 0.8, part(sides, 0.3)), cone(0.1, 0.28, 1.05, part(sides, 0.4)));
 }
 
-/** The sign of a centre of mass: a ball whose eighths are black and white in turn. */
+/** The symbol of a centre of mass: a ball whose eighths are black and white in turn. */
 export function quarteredBall(sides: number): BufferGeometry {
   const sphere = new SphereGeometry(1, 4 * part(sides, 0.2), 2 * part(sides, 0.3)).toNonIndexed();
   const position = sphere.getAttribute("position");

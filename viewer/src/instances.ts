@@ -1,15 +1,15 @@
 import { Color, DynamicDrawUsage, InstancedMesh, Matrix4, type BufferGeometry, type Material } from "three";
 
-/** One thing of many that look alike: where it is on its body. */
+/** One of many things of the same shape, with its pose on its body. */
 export interface Item {
   body: number;
   pose: Matrix4;
   color?: string | Color;
-  /** Whether its size is in units of symbols, or in metres. */
+  /** Whether its size is in units of symbols; otherwise it is in metres. */
   symbol?: boolean;
 }
 
-/** Things of one geometry and material, each fixed to a body, drawn in one call. */
+/** Things of one geometry and material, each of them fixed to a body. One call draws all of them. */
 export class Instances extends InstancedMesh {
   constructor(
     geometry: BufferGeometry,
@@ -22,7 +22,7 @@ export class Instances extends InstancedMesh {
     this.paint();
   }
 
-  /** Gives every item its own colour, those of a chosen body another. */
+  /** Gives every thing its own colour, except those of the chosen body, which get another one. */
   paint(chosen = -1, color?: string): void {
     if (!this.items.some((item) => item.color)) return;
     this.items.forEach((item, k) => {

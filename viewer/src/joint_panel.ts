@@ -19,7 +19,7 @@ const COMPONENTS: Record<string, string[]> = {
   free: ["rx", "ry", "rz", "x", "y", "z"],
 };
 
-/** What the sliders of a joint show of its coordinates: of a quaternion its rotation vector. */
+/** The numbers that the sliders of a joint show for its coordinates: for a quaternion its rotation vector. */
 function handlesFrom(joint: Joint, x: readonly number[]): number[] {
   if (!hasQuaternion(joint)) return x.slice();
   return [...logQuaternion(new Quaternion(x[0], x[1], x[2], x[3])).toArray(), ...x.slice(4)];
@@ -31,8 +31,8 @@ function coordinatesFrom(joint: Joint, handles: readonly number[]): number[] {
 }
 
 /**
- * Sliders for the coordinates of all joints; `length` is how far those of lengths reach that have no limits. Returns what
- * moves the sliders to where the joints are.
+ * Makes sliders for the coordinates of all joints. Sliders of lengths without limits reach up to `length`.
+ * Returns the function that moves the sliders to the coordinates of the state.
  */
 export function fillJointPanel(panel: HTMLElement, state: State, length: number): () => void {
   const { scene } = state;

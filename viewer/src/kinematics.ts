@@ -39,7 +39,7 @@ export class Tree {
     this.after = bodies.map((body, i) => (i === 0 ? new Matrix4() : matrixOf(body.S_self).invert()));
   }
 
-  /** Coordinates of joint i, that of a coupled one from its leader. */
+  /** The coordinates of joint i; those of a coupled joint follow from its leader. */
   coordinates(i: number, q: readonly number[]): number[] {
     const { iq, nq, leader } = this.bodies[i].joint;
     return leader ? [leader.ratio * this.coordinates(leader.joint, q)[0] + leader.offset] : q.slice(iq, iq + nq);
@@ -61,7 +61,7 @@ export class Tree {
   }
 }
 
-/** Mass of all bodies, and where its centre is. */
+/** The mass of all bodies and their centre of mass. */
 export function centreOfMass(scene: Scene, poses: readonly Matrix4[]): { mass: number; com: Vector3 } {
   const com = new Vector3();
   let mass = 0;

@@ -4,7 +4,7 @@ import type { Stage } from "./stage";
 
 const FONT = '600 26px system-ui, "Segoe UI", Roboto, "DejaVu Sans", sans-serif';
 const HEIGHT = 44;
-/** Of a line of text on the screen, in pixels. */
+/** The distance of two lines of text on the screen, in pixels. */
 const ROW = 0.36 * HEIGHT;
 
 interface Label {
@@ -13,7 +13,7 @@ interface Label {
   at: Vector3;
 }
 
-/** Names beside things, of one size on the screen. */
+/** Names beside things, in a constant size on the screen. */
 export class Labels extends Group {
   private sprites: Sprite[] = [];
 
@@ -32,7 +32,10 @@ export class Labels extends Group {
     if (this.sprites.length > 0) this.add(...this.sprites);
   }
 
-  /** At their things, or below, or not at all where others are: what comes first is what stays. */
+  /**
+   * Places each name beside its thing, or below it, or hides it if other names are in the way. Earlier names
+   * have precedence.
+   */
   place(poses: readonly Matrix4[], { camera, canvas, pixel }: Stage): void {
     camera.updateMatrixWorld();
     const seen = new Vector3();
@@ -55,15 +58,18 @@ export class Labels extends Group {
   }
 }
 
-/** Where the left end of a text is, and how long it is, in pixels; 0 where it is not seen. */
+/** The left end and the width of a text on the screen, in pixels. The width is 0 if the text is not seen. */
 interface Place {
   x: number;
   y: number;
   width: number;
 }
 
-/** How many rows below its place each text stands, so that none lies on one before it: below those of one and the same place.
- * Null where others are in the way, for farther off it would be the name of something else. */
+/**
+ * For each text, by how many rows it is moved down, so that it covers none of the texts before it. Texts may
+ * move only below texts at the same place. If others are in the way the entry is null, because farther away
+ * the text would seem to name something else.
+ */
 export function rowsOf(places: readonly Place[], height: number): (number | null)[] {
   const taken = new Map<number, (Place & { row: number })[]>(); // by height
   return places.map(({ x, y, width }) => {

@@ -3,7 +3,7 @@ import type { Layer } from "./layers";
 import { representations, type Representation } from "./screws";
 import type { State } from "./state";
 
-/** Switches of all layers, and how their symbols are drawn. */
+/** Fills the panel with switches of all layers, and settings of how their symbols are drawn. */
 export function fillLayerPanel(panel: HTMLElement, layers: readonly Layer[], state: State, setLayer: (id: string, on: boolean) => void): () => void {
   const rows = layers.map((layer) => {
     const id = freshId();
@@ -66,7 +66,10 @@ function arrowChoices(state: State): HTMLElement[] {
   ];
 }
 
-/** A choice of the representation of twists, wrenches and momenta; there may be several, which agree. */
+/**
+ * A choice of the representation of twists, wrenches and momenta. There may be several such elements; all
+ * show the same choice.
+ */
 export function representationChoice(state: State, id: string): HTMLSelectElement {
   const options = Object.entries(representations).map(([key, { title }]) => element("option", { value: key }, title));
   const choice = element(

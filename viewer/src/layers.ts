@@ -8,21 +8,21 @@ import type { Scene } from "./scene";
 import type { Stage } from "./stage";
 import type { State } from "./state";
 
-/** Something that can be switched on and off. */
+/** Something in the view that can be switched on and off. */
 export interface Layer {
   id: string;
   title: string;
-  /** One line about what is seen; asked for anew whenever the state changes. */
+  /** One line about what the layer shows. It is called again whenever the state changes. */
   hint: () => string;
   /** Colour of its box in the list. */
   swatch: string;
   on: boolean;
   root: Object3D;
-  /** Whether bodies do not hide it. */
+  /** Whether the layer is drawn over the bodies, so that these do not hide it. */
   over?: boolean;
-  /** Brings it to the state; called only while it is on. */
+  /** Updates the layer after a change of the state. It is called only while the layer is on. */
   update: () => void;
-  /** Draws in other colours, where it has some that depend on the background. */
+  /** Draws the layer in other colours, if some of its colours depend on the background. */
   paint?: (palette: Palette) => void;
 }
 
@@ -35,12 +35,12 @@ export interface View {
   meshes: Part[][];
 }
 
-/** All layers that a scene has something for. */
+/** All layers for which the scene has data. */
 export function makeLayers(view: View): Layer[] {
   return [...bodyLayers(view), ...motionLayers(view)];
 }
 
-/** Takes the place of what a group has shown. */
+/** Replaces the children of a group. */
 export function replace(group: Group, ...children: Object3D[]): void {
   group.clear();
   if (children.length > 0) group.add(...children);

@@ -21,7 +21,10 @@ function bytesOf(base64: string): ArrayBuffer {
   return bytes.buffer;
 }
 
-/** Nothing but what lies in the page is opened: what a mesh refers to elsewhere is left out, with a warning. */
+/**
+ * A manager that opens only what is in the page. Other files to which a mesh refers are left out, with a
+ * warning.
+ */
 function manager(file: string, warn: (text: string) => void): LoadingManager {
   const made = new LoadingManager();
   made.setURLModifier((url) => {
@@ -32,7 +35,7 @@ function manager(file: string, warn: (text: string) => void): LoadingManager {
   return made;
 }
 
-/** With the normals of its triangles. */
+/** The geometry with the normals of its triangles. */
 function faceted(geometry: BufferGeometry): BufferGeometry {
   const separate = geometry.index ? geometry.toNonIndexed() : geometry;
   separate.computeVertexNormals();
@@ -82,7 +85,7 @@ function drawable(geometry: BufferGeometry): boolean {
   return true;
 }
 
-/** The parts of every mesh file; what cannot be read has none, and there is a warning. */
+/** The parts of every mesh file. A file that cannot be read has no parts, and causes a warning. */
 export async function readMeshes(files: readonly MeshFile[], warn: (text: string) => void): Promise<Part[][]> {
   return Promise.all(
     files.map(async (file) => {

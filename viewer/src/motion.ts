@@ -50,7 +50,10 @@ export function coordinatesAt(scene: Scene, motion: Motion, { index, fraction }:
   return q;
 }
 
-/** Weights, at s in [0, 1], of the value at 1 and of the rates at 0 and 1 in the cubic that begins with 0. */
+/**
+ * The weights, at s in [0, 1], of the value at 1 and of the rates at 0 and 1 in the cubic whose value at 0 is
+ * 0.
+ */
 function weights(s: number): [number, number, number] {
   return [s * s * (3 - 2 * s), s * (1 - s) ** 2, s * s * (s - 1)];
 }
@@ -75,7 +78,7 @@ function onGroup(joint: Joint, s: number, h: number, a: number[], b: number[], v
   return joint.kind === "spherical" ? turn.toArray() : [...turn.toArray(), ...r.toArray()];
 }
 
-/** Where a joint of several velocities is, and how it moves, in its own frame. */
+/** The displacement of a joint with several velocities, and its twist, in the joint frame. */
 function placeOf({ kind }: Joint, x: readonly number[]): Place {
   if (kind === "planar") return { turn: new Quaternion().setFromAxisAngle(new Vector3(0, 0, 1), x[0]), r: new Vector3(x[1], x[2], 0) };
   return { turn: new Quaternion(x[0], x[1], x[2], x[3]), r: new Vector3(x[4] ?? 0, x[5] ?? 0, x[6] ?? 0) };

@@ -7,7 +7,10 @@ import { replace, type Layer, type View } from "./layers";
 import { colors } from "./palette";
 import { axisOf, nearest, represent, representations, screwOf, type Representation } from "./screws";
 
-/** Layers of a motion: instantaneous screw axis and axodes of the chosen body, twists, wrenches, momenta. */
+/**
+ * The layers of a motion: instantaneous screw axis and axodes of the chosen body, twists, wrenches and
+ * momenta.
+ */
 export function motionLayers(view: View): Layer[] {
   const { motion } = view.scene;
   if (!motion) return [];
@@ -21,14 +24,17 @@ export function motionLayers(view: View): Layer[] {
 const NO_MOTION = "play or scrub: this pose is not of the motion";
 const GROUND = "choose a body that moves";
 
-/** Half of what is drawn of an axis: so many units of symbols, or what reaches the joint of the body. */
+/**
+ * Half of the length with which an axis is drawn: a number of units of symbols, or more if it takes more to
+ * reach the joint of the body.
+ */
 function halfAxis({ scene, state, stage }: View): number {
   const { S_self, com } = scene.bodies[state.selected];
   const toJoint = new Vector3(...com).distanceTo(new Vector3(S_self[0], S_self[1], S_self[2]));
   return Math.max(5 * stage.unit * state.symbolScale, Math.min(1.15 * toJoint, stage.radius));
 }
 
-/** Axes farther from the centre of mass, in sizes of the scene, are not drawn. */
+/** Axes are not drawn if their distance from the centre of mass is more than this many sizes of the scene. */
 const FAR = 2;
 
 function screwAxis(view: View): Layer {
@@ -127,7 +133,7 @@ function axodeLayers(view: View): Layer[] {
   ];
 }
 
-/** Length of the longest arrow of a motion, in units of symbols. */
+/** The length of the longest arrow in a motion, in units of symbols. */
 const LONGEST = 4.5;
 
 function vectors(

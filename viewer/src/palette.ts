@@ -1,4 +1,4 @@
-/** Colours of what is drawn; those of the page around it are in page.css. */
+/** The colours of what is drawn. The colours of the page around it are in page.css. */
 export interface Palette {
   back: string;
   grid: string;

@@ -3,7 +3,7 @@ import type { State } from "./state";
 
 const SPEEDS = [0.05, 0.1, 0.25, 0.5, 1, 2, 5, 10];
 
-/** Plays a motion: the time cursor, and what moves it. */
+/** Plays a motion. It has the time cursor and the controls that move it. */
 export class Player {
   playing = false;
   private loop = true;
@@ -72,7 +72,7 @@ export class Player {
     this.say();
   }
 
-  /** To the next or the previous sample. */
+  /** Goes to the next or to the previous sample. */
   step(sign: number): void {
     this.pause();
     const times = this.state.scene.motion!.t;

@@ -14,7 +14,7 @@ interface Quantity {
 const STROKES = ["#3b82c4", "#e08a1e", "#2f9e58", "#d8434f", "#8d63c9", "#8c6d4f", "#d66fb0", "#7f8a95", "#a7a32b", "#19a7c4"];
 const HEIGHT = 150;
 
-/** Units that occur among some numbers, each once. */
+/** The units of these numbers, each of them once. */
 function unitsOf(scene: Scene, which: "velocity" | "force"): string {
   const units = scene.bodies.slice(1).flatMap(({ joint }) => (joint.nv > 0 ? degrees(joint.kind).map((d) => d[which]) : []));
   return [...new Set(units)].join(", ");
@@ -38,7 +38,7 @@ function quantities(scene: Scene): Quantity[] {
   return [...all, ...motion.series];
 }
 
-/** A number beside an axis, with the digits that tell it from its neighbours. */
+/** A number beside an axis, with as many digits as its neighbours need to differ. */
 function tickText(x: number, step: number): string {
   if (Math.abs(x) < 1e-9 * step) return "0";
   const decimals = Math.max(0, -Math.floor(Math.log10(step) + 1e-9));
@@ -46,7 +46,7 @@ function tickText(x: number, step: number): string {
   return text.replace("-", "−");
 }
 
-/** Plots over time, each of which can be switched; a click or drag in one moves the time cursor. */
+/** Plots over time, each of which can be switched off. A click or drag in a plot moves the time cursor. */
 export class Plots {
   private readonly drawn = new Map<string, { plot: uPlot; cursor: HTMLElement; box: HTMLElement }>();
   private readonly drawings = element("div", { class: "drawings" });

@@ -1,7 +1,9 @@
 let known: boolean | undefined;
 
-/** Whether there is no graphics card, so that the processor draws: then shadows would take three quarters of the time of a frame,
- * and of what is left smooth edges half. */
+/**
+ * Whether there is no graphics card, so that the processor draws. Shadows would then take three quarters of
+ * the time for a frame, and smooth edges half of the rest.
+ */
 export function drawsOnProcessor(): boolean {
   return (known ??= asked());
 }
@@ -12,10 +14,13 @@ function asked(): boolean {
   return !!context && !!names && /swiftshader|llvmpipe|softpipe/i.test(String(context.getParameter(names.UNMASKED_RENDERER_WEBGL)));
 }
 
-/** Where there are more things of a kind than this, each is small on the screen. */
+/** If there are more things of a kind than this, each of them is small on the screen. */
 export const MANY = 60;
 
-/** Sides of what is round in a symbol of which there are so many. To the processor a frame is above all its triangles. */
+/**
+ * The number of sides of round parts in a symbol that occurs `count` times. If the processor draws, the
+ * number of triangles decides how long a frame takes.
+ */
 export function sidesOfSymbols(count: number): number {
   return count > MANY && drawsOnProcessor() ? 12 : 40;
 }

@@ -1,18 +1,23 @@
-/** Parts of the full resolution, in each direction. */
+/** The parts of the full resolution, in each direction, that may be used. */
 const SCALES = [1, 0.75, 0.5];
 const COARSEST = SCALES.length - 1;
-/** A frame may take so many milliseconds. */
+/** The longest time that a frame may take, in milliseconds. */
 const BUDGET = 28;
-/** Of so many frames the median counts, so that one which is late for reasons of its own changes nothing. */
+/** The median of this many frames counts, so that a single late frame changes nothing. */
 const FRAMES = 5;
-/** The coarsest resolution is kept where frames take at most this part of their time at the full one. */
+/** The coarsest resolution is kept if frames then take at most this part of their time at the full one. */
 const WORTHWHILE = 0.9;
-/** Where they did not, as on a screen of 30 frames a second, it is tried again where frames take so many times as long. */
+/**
+ * If it was not kept, as on a screen with 30 frames a second, it is tried again when frames take this many
+ * times as long.
+ */
 const LONGER = 1.5;
 
-/** At which part of the full resolution something is drawn while it moves: at less, step by step, where frames take too long, and
- * at all of it again where that did not help. From one rest to the next it goes down and back once at most, so that nothing
- * flickers. */
+/**
+ * Chooses the resolution at which the scene is drawn while it moves. If frames take too long the resolution
+ * is reduced step by step; if that did not help, it is the full one again. Between two rests it goes down and
+ * back at most once, so that nothing flickers.
+ */
 export class Resolution {
   private step = 0;
   private times: number[] = [];
@@ -24,7 +29,7 @@ export class Resolution {
     return SCALES[this.step];
   }
 
-  /** Takes how long a frame took, in milliseconds; says whether the scale is another one now. */
+  /** Notes the time that a frame took, in milliseconds. Returns whether the scale has changed. */
   took(time: number): boolean {
     if (this.settled) return false;
     this.times.push(time);
@@ -45,7 +50,7 @@ export class Resolution {
     return this.step !== before;
   }
 
-  /** Full resolution, since nothing moves; says whether it was another one. */
+  /** Returns to the full resolution, because nothing moves. Returns whether the scale has changed. */
   rest(): boolean {
     const coarse = this.step > 0;
     this.step = 0;

@@ -47,7 +47,7 @@ export interface Shape {
   length: number;
   scale: Vec3;
   mesh: number;
-  /** Of a hull, which is that of balls of the radius about these points. */
+  /** Points of a hull, which is the convex hull of balls of this radius about these points. */
   points: Vec3[];
   color: [number, number, number, number] | null;
   stand_in: boolean;
@@ -78,7 +78,7 @@ export interface Motion {
   v: number[][];
   tau: number[][] | null;
   series: Series[];
-  /** Spatial, angular part first; by sample, then by body from body 1 on. */
+  /** Spatial twists, angular part first: for each sample and then for each body from body 1 on. */
   twists: number[][][] | null;
   wrenches: number[][][] | null;
   momenta: number[][][] | null;
@@ -98,7 +98,7 @@ export interface Scene {
   loops: Loop[];
   q: number[];
   warnings: string[];
-  /** Where states come from while a program runs. */
+  /** The address from which states come while a program runs. */
   live?: string;
   motion: Motion | null;
   coordinate_names: string[];
@@ -111,7 +111,7 @@ function fail(what: string): never {
   throw new Error(`This page cannot show its scene: ${what}.`);
 }
 
-/** The scene of a text; throws an Error that says what is wrong with it. */
+/** Reads the scene from a text. Throws an Error that says what is wrong with it. */
 export function readScene(text: string): Scene {
   let scene: Scene | null;
   try {
@@ -149,7 +149,7 @@ export function readScene(text: string): Scene {
 const ANGLE = { coordinate: "rad", velocity: "rad/s", force: "N m" };
 const LENGTH = { coordinate: "m", velocity: "m/s", force: "N" };
 
-/** Units along each degree of freedom of a joint; the angular ones come first. */
+/** The units of the degrees of freedom of a joint; the angular ones come first. */
 export function degrees(kind: JointKind): (typeof ANGLE)[] {
   switch (kind) {
     case "revolute":

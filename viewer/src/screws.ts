@@ -19,7 +19,7 @@ export interface ScrewAxis {
   pitch: number;
 }
 
-/** Axis of a screw (w; v): e = w/|w|, p = w × v/|w|², h = w·v/|w|². Null where w is below `least`. */
+/** The axis of a screw (w; v): e = w/|w|, p = w × v/|w|², h = w·v/|w|². It is null if w is below `least`. */
 export function axisOf({ w, v }: Screw, least: number): ScrewAxis | null {
   const ww = w.lengthSq();
   if (!(ww > least * least)) return null;
@@ -63,7 +63,9 @@ export function wrenchAbout({ w, v }: Screw, r: Vector3): Screw {
   return { w: w.clone().sub(new Vector3().crossVectors(r, v)), v: v.clone() };
 }
 
-/** A spatial twist or wrench of a body with pose C as a representation has it: arrows to draw, and numbers to show. */
+/**
+ * A spatial twist or wrench of a body with pose C, changed into a representation: as arrows and as numbers.
+ */
 export function represent(
   spatial: Screw,
   dual: boolean,

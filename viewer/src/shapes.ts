@@ -21,7 +21,7 @@ import { colors } from "./palette";
 import { drawsOnProcessor, MANY } from "./processor";
 import type { Scene, Shape } from "./scene";
 
-/** Unit geometries; round ones have so many sides. */
+/** Geometries of size 1; round ones have `sides` sides. */
 function solids(sides: number) {
   return {
     box: new BoxGeometry(1, 1, 1),
@@ -36,7 +36,7 @@ const fine = solids(40);
 const coarse = solids(16);
 const coarsest = solids(8);
 
-/** What so many shapes are made of, that a frame takes no longer than it may. */
+/** The geometries for a number of shapes, chosen such that a frame does not take too long. */
 function solidsFor(count: number): typeof fine {
   return count <= MANY ? fine : drawsOnProcessor() ? coarsest : coarse;
 }
@@ -69,7 +69,7 @@ function hull(shape: Shape): BufferGeometry {
   return geometry;
 }
 
-/** What a shape is drawn with: unit geometries, each scaled and moved. */
+/** The parts of which a shape is drawn: geometries of size 1, scaled and moved. */
 function pieces(shape: Shape, meshes: readonly Part[][], solid: typeof fine): { geometry: BufferGeometry; material: Material | null; local: Matrix4 }[] {
   const { box, sphere, dome, cylinder, tube } = solid;
   const scaled = (geometry: BufferGeometry, x: number, y: number, z: number, height = 0) => ({
@@ -114,7 +114,7 @@ function material(opacity: number, collision: boolean, mesh: boolean): MeshStand
   });
 }
 
-/** Shapes of one layer, gathered by what they look like. */
+/** The shapes of one layer. Shapes of the same appearance are drawn together. */
 export function shapeGroup(scene: Scene, shapes: readonly Shape[], meshes: readonly Part[][]): Group {
   const depth = scene.bodies.map(() => 0);
   scene.bodies.forEach((body, i) => i > 0 && (depth[i] = depth[body.predecessor] + 1));
@@ -150,7 +150,10 @@ export function shapeGroup(scene: Scene, shapes: readonly Shape[], meshes: reado
   return group;
 }
 
-/** Balls of stand-ins may be in one place, one for each axis; so that they do not flicker none is exactly as large as another. */
+/**
+ * Changes the sizes of balls a little. Stand-ins may have several balls at one place, one for each axis,
+ * which would flicker if they had the same size.
+ */
 function apart(pose: Matrix4, depth: number): void {
   const size = 1 + 0.006 * (depth % 5);
   pose.scale(new Vector3(size, size, size));
@@ -160,12 +163,14 @@ function rgb(color: readonly number[]): string {
   return `rgb(${color.slice(0, 3).map((part) => Math.round(255 * Math.min(1, Math.max(0, part)))).join(",")})`;
 }
 
-/** The colour of a body whose shapes have none of their own. */
+/** The colour of a body whose shapes have no colour of their own. */
 function plain(body: number): string {
   return body === 0 ? colors.ground : colors.bodies[(body - 1) % colors.bodies.length];
 }
 
-/** How far the scene reaches as it stands now: points at the ends of its shapes, its joints and centres of mass. */
+/**
+ * The extent of the scene at these poses: points at the ends of its shapes, its joints and centres of mass.
+ */
 export function reach(scene: Scene, poses: readonly Matrix4[], meshes: readonly Part[][]): Vector3[] {
   const points: Vector3[] = [];
   const corner = new Vector3();

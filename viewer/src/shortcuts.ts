@@ -1,15 +1,18 @@
 import { byId, element } from "./element";
 
 export interface Shortcut {
-  /** As KeyboardEvent.key has it. */
+  /** The key as KeyboardEvent.key names it. */
   key: string;
-  /** As people read it. */
+  /** The key as it is shown to people. */
   shown: string;
   does: string;
   run: () => void;
 }
 
-/** Keys of the whole page, and the panel that lists them. Where something takes text or arrows, they stay its own. */
+/**
+ * Handles the keys of the whole page, and makes the panel that lists them. An element that takes text or
+ * arrow keys keeps these keys for itself.
+ */
 export function listen(shortcuts: readonly Shortcut[]): void {
   const list = byId("keys");
   for (const { shown, does } of shortcuts) {

@@ -28,26 +28,26 @@ import { palettes } from "./palette";
 import { drawsOnProcessor } from "./processor";
 import { Resolution } from "./resolution";
 
-/** Nothing moves where nothing was drawn for so many milliseconds. */
+/** The scene counts as resting if nothing was drawn for this many milliseconds. */
 const REST = 150;
 
-/** 1, 2 or 5 times a power of ten, at most x. */
+/** The largest number of the form 1, 2 or 5 times a power of ten that is not larger than x. */
 function round(x: number): number {
   const power = 10 ** Math.floor(Math.log10(x));
   return power * (x >= 5 * power ? 5 : x >= 2 * power ? 2 : 1);
 }
 
-/** Camera, lights, the ground, and drawing when something has changed. */
+/** Camera, lights and ground. It draws when something has changed. */
 export class Stage {
   readonly space = new Space();
-  /** What is drawn over the bodies, so that they do not hide it. */
+  /** Objects that are drawn over the bodies, so that these do not hide them. */
   readonly over = new Space();
   readonly bodies = new Group();
   readonly ground = new Group();
   readonly camera = new PerspectiveCamera(32, 1, 0.01, 100);
   /** Metres between the lines of the grid. */
   gridStep = 1;
-  /** Size of a symbol, before the user's own factor. */
+  /** The size of a symbol, before the factor that the user chose. */
   unit = 0.1;
   radius = 1;
   /** Called before a frame is drawn. */
@@ -59,7 +59,7 @@ export class Stage {
   private points: readonly Vector3[] = [];
   private readonly up: Vector3;
   private pending = 0;
-  /** When the frame that is pending was asked for. */
+  /** When the frame that is pending was requested. */
   private asked = 0;
   private readonly resolution = new Resolution();
   private untilRest = 0;
@@ -116,12 +116,14 @@ export class Stage {
     this.invalidate();
   }
 
-  /** Empties the canvas, so that it has to be drawn in the same task. */
+  /** Sets the resolution. This empties the canvas, so that it must be drawn again in the same task. */
   private setPixelRatio(): void {
     this.renderer.setPixelRatio(this.resolution.scale * Math.min(window.devicePixelRatio, 2));
   }
 
-  /** Length, one metre away, of what covers one pixel: sprites of constant size are scaled by it. */
+  /**
+   * The length that covers one pixel at a distance of one metre. Sprites of constant size are scaled by it.
+   */
   get pixel(): number {
     return (2 * Math.tan((this.camera.fov * Math.PI) / 360)) / Math.max(1, this.canvas.clientHeight);
   }
@@ -140,7 +142,7 @@ export class Stage {
     });
   }
 
-  /** Pictures of what rests are sharp. */
+  /** Draws in full resolution when the scene comes to rest. */
   private rest(): void {
     if (this.pending || !this.resolution.rest()) return;
     this.setPixelRatio();
@@ -162,7 +164,7 @@ export class Stage {
     return this.frames;
   }
 
-  /** Sizes symbols, camera and ground after what there is: points of the scene now, and of all its motion. */
+  /** Chooses the sizes of symbols, camera and ground from points of the scene now, and of all its motion. */
   measure(now: readonly Vector3[], ever: readonly Vector3[]): void {
     const still = new Sphere().setFromPoints(now.length > 0 ? [...now] : [new Vector3()]);
     const whole = new Sphere().setFromPoints(ever.length > 0 ? [...ever] : [new Vector3()]);
@@ -232,7 +234,10 @@ export class Stage {
     return point.clone().addScaledVector(this.up, this.groundHeight - point.dot(this.up));
   }
 
-  /** Moves the camera so that all of the scene is seen, from where it is or from a direction in the inertial frame. */
+  /**
+   * Moves the camera so that all of the scene is seen, from its present direction or from a direction in the
+   * inertial frame.
+   */
   fit(direction?: readonly [number, number, number]): void {
     this.resize();
     const from = direction ? new Vector3(...direction) : this.camera.position.clone().sub(this.controls.target);
@@ -245,7 +250,7 @@ export class Stage {
     this.invalidate();
   }
 
-  /** How far from the centre, in a direction, every point is seen. */
+  /** The distance from the centre, in a direction, from which every point is seen. */
   private farEnough(direction: Vector3): number {
     const looking = new Matrix4().lookAt(direction, new Vector3(), this.up).invert();
     const high = Math.tan((this.camera.fov * Math.PI) / 360) / 1.12;
@@ -256,7 +261,7 @@ export class Stage {
     }, 0.8 * this.radius);
   }
 
-  /** Turns the camera about what it looks at, by angles in rad; zooms by a factor. */
+  /** Turns the camera about the point that it looks at, by angles in rad, and zooms by a factor. */
   orbit(around: number, above: number, zoom = 1): void {
     const from = this.camera.position.clone().sub(this.controls.target);
     const side = new Vector3().crossVectors(this.up, from).normalize();
@@ -296,7 +301,7 @@ export class Stage {
   }
 }
 
-/** The axis that points against gravity most; z without gravity. */
+/** The coordinate axis that is most nearly opposite to gravity, or z without gravity. */
 function upward([x, y, z]: readonly number[]): Vector3 {
   const sizes = [Math.abs(x), Math.abs(y), Math.abs(z)];
   const most = Math.max(...sizes);

@@ -3,21 +3,27 @@ import { coordinatesAt, interpolate, momentOf, type Moment } from "./motion";
 import type { Scene } from "./scene";
 import { screwOf, type Representation, type Screw } from "./screws";
 
-/** What is shown: coordinates, the moment of the motion they belong to, and what was chosen. */
+/**
+ * The state of the page: coordinates, the time in the motion to which they belong, and the choices of the
+ * user.
+ */
 export class State {
   q: number[];
   readonly tree: Tree;
-  /** Where the time cursor is. */
+  /** The time of the time cursor. */
   t: number;
-  /** Null when the bodies stand where somebody put them, not where the motion has them. */
+  /**
+   * The place of `t` in the motion. It is null while the bodies are where the user put them, and not where
+   * the motion has them.
+   */
   moment: Moment | null = null;
   selected: number;
-  /** Whether somebody chose it: then it has another colour. */
+  /** Whether the user chose the body; then it has another colour. */
   chosen = false;
   representation: Representation = "hybrid";
-  /** Whether arrows are drawn of every body, or of the chosen one. */
+  /** Whether arrows are drawn for every body, or for the chosen one only. */
   everyBody = false;
-  /** Of symbols and of arrows, relative to what the page chose. */
+  /** The size of symbols and arrows, relative to that which the page chose. */
   symbolScale = 1;
   arrowScale = 1;
   private readonly listeners: (() => void)[] = [];
@@ -39,7 +45,7 @@ export class State {
     for (const listener of this.listeners) listener();
   }
 
-  /** Shows coordinates that somebody chose. */
+  /** Shows coordinates that the user chose. */
   setCoordinates(q: readonly number[]): void {
     if (q.length !== this.scene.nq || !q.every(Number.isFinite)) {
       throw new Error(`q must be ${this.scene.nq} finite numbers, got ${q.length}.`);
@@ -68,7 +74,10 @@ export class State {
     this.changed();
   }
 
-  /** A spatial screw of body i now; null where none is known. */
+  /**
+   * The twist, wrench or momentum of body i at the shown time, in the spatial representation; null if the
+   * scene has none.
+   */
   screw(kind: "twists" | "wrenches" | "momenta", i: number): Screw | null {
     const samples = this.scene.motion?.[kind];
     if (!samples || !this.moment || i === 0) return null;

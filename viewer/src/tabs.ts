@@ -1,6 +1,9 @@
 import { byId, element } from "./element";
 
-/** Tabs of the panel, and what to call after another was shown; returns what shows one of them. */
+/**
+ * Makes the tabs of the panel. `shown` is called after another tab was shown. Returns the function that shows
+ * a tab.
+ */
 export function makeTabs(titles: Record<string, string>, shown: () => void): (id: string, focus?: boolean) => void {
   const list = byId("tabs");
   const ids = Object.keys(titles);

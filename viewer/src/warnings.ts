@@ -1,6 +1,6 @@
 import { byId, element } from "./element";
 
-/** Lists warnings, in a tab that is there only where there are some. Returns what adds another. */
+/** Lists warnings in a tab that exists only if there are some. Returns the function that adds a warning. */
 export function fillWarnings(panel: HTMLElement, given: readonly string[]): (text: string) => void {
   const known = new Set<string>();
   const list = element("ul");
