@@ -1,4 +1,4 @@
-// Every function that a control loop calls, in one thread, on states drawn at random.
+// Every function that a control loop calls, in one thread, on random states.
 #include "axode/catalog.hpp"
 #include "axode/derivatives.hpp"
 #include "bench/subjects.hpp"
@@ -8,7 +8,7 @@ namespace {
 using namespace axode;
 using namespace axode::bench;
 
-/// f(model, workspace, q, v, a, out) with an Entry for each frame.
+/// Measures f(model, workspace, q, v, a, out), where `out` has an Entry for each frame.
 template <class Entry, class F>
 void measure_frames(const std::string& function, const std::string& variant, const F& f) {
   measure(function, variant, [f](benchmark::State& state, const Model& model) {
@@ -22,7 +22,7 @@ void measure_frames(const std::string& function, const std::string& variant, con
   });
 }
 
-/// A derivative of the dynamics, in the direction or with the weights of the jerk.
+/// Measures a function for derivatives of the dynamics. Its directions, or its weights, are random numbers.
 void measure_derivative(const catalog::Function<double>& function, const std::vector<Model>& subjects) {
   measure(
       std::string(function.name), "fast",
@@ -72,7 +72,7 @@ template <class Rep> void measure_representation(const std::string& name) {
   });
 }
 
-/// Twists of all frames, and their rates.
+/// Measures the twists of all frames, and their rates.
 template <class Rep> void measure_motion(const std::string& name) {
   const auto frames = [](const Model& m) { return static_cast<std::size_t>(m.n_frames()); };
   measure_frames<Twist<Rep>>("twists", name,
@@ -84,7 +84,7 @@ template <class Rep> void measure_motion(const std::string& name) {
                                    accelerations<Rep>(m, w, q, v, a, out.first(frames(m)));
                                  });
 }
-/// Those of every body in one call.
+/// Measures the Jacobians of all bodies in one call.
 template <class Rep> void measure_jacobians(const std::string& name) {
   measure("body_jacobians", name, [](benchmark::State& state, const Model& model) {
     Workspace<> workspace(model);

@@ -1,4 +1,4 @@
-// What `axode codegen` writes for one robot, beside the fast path, which takes any robot.
+// The code that `axode codegen` writes for one robot, compared with the fast path, which takes any robot.
 #include <memory>
 
 #include "axode/io.hpp"
@@ -40,7 +40,7 @@ void measure_generated(const Model& robot, OfState* inverse_dynamics, Solve* for
   one("jacobian", [=](auto&, auto&, auto& q, auto&, auto&, auto out) { jacobian(q.data(), out.data()); });
 }
 
-/// Of the last frame.
+/// Measures the Jacobian of the last frame.
 void measure_jacobian(const Model& robot) {
   const auto J = std::make_shared<std::vector<Twist<BodyFixed>>>(static_cast<std::size_t>(robot.nv()));
   measure_function("jacobian", "fast",
@@ -59,7 +59,7 @@ const bool registered = [] {
   measure_generated(humanoid, humanoid_inverse_dynamics, humanoid_forward_dynamics, humanoid_mass_matrix,
                     humanoid_jacobian_right_sole);
   measure_jacobian(arm), measure_jacobian(humanoid);
-  const auto fast = [&](const char* function, const auto& f) {  // the arm is measured with all others
+  const auto fast = [&](const char* function, const auto& f) {  // functions.cpp measures the arm
     measure_function(function, "fast", f, {humanoid});
   };
   fast("inverse_dynamics", [](const Model& m, auto& w, auto& q, auto& v, auto& a, auto out) {

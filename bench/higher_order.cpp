@@ -1,4 +1,4 @@
-// Jerk of all bodies, by one recursion on truncated series.
+// The jerk of all bodies, by one recursion on truncated series.
 #include "bench/subjects.hpp"
 
 namespace {

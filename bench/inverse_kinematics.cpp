@@ -1,5 +1,5 @@
-// Inverse kinematics of the arm: 10,000 poses that it can take, from its neutral configuration; the median
-// time.
+// Inverse kinematics of the arm for 10,000 poses that it can reach, from its neutral configuration. The
+// result is the median time.
 #include <benchmark/benchmark.h>
 
 #include <algorithm>

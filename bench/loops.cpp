@@ -1,4 +1,5 @@
-// Mechanisms with closed loops, at closed states: dynamics, and what integrations ask of the loops.
+// Mechanisms with closed loops, at closed states: their dynamics, and the functions of loops that
+// integrations call.
 #include <algorithm>
 
 #include "axode/constraints.hpp"
@@ -12,7 +13,7 @@ using namespace axode;
 using namespace axode::bench;
 using Numbers = std::vector<double>;
 
-/// A closed mechanism at its states, with memory for results.
+/// A closed mechanism with its states, and memory for results.
 struct Subject {
   const Model& model;
   LoopWorkspace<> workspace;
@@ -33,7 +34,7 @@ struct Subject {
   LoopSystem<double>& system() { return workspace.system(model); }
 };
 
-/// f(subject) at one state after the other.
+/// Measures f(subject), at one state after the other.
 template <class F>
 void measure_closed(const std::string& function, const std::string& variant, const F& f,
                     const std::vector<ClosedMechanism>& mechanisms) {

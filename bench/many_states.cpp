@@ -1,4 +1,4 @@
-// 4,096 states at once; the time is that of one state, on one core and on two.
+// 4,096 states in one call. The result is the time for one state, on one core and on two.
 #include "axode/batch.hpp"
 #include "bench/subjects.hpp"
 
@@ -25,7 +25,7 @@ template <class T> struct Block {
   }
 };
 
-/// f(model, block, threads) on every model whose results fit into memory.
+/// Measures f(model, block, threads) for every model whose results fit into memory.
 template <class T, class F> void measure_batch(const std::string& function, bool matrix, const F& f) {
   for (const int threads : {1, 2})
     measure(function,

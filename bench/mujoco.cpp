@@ -1,4 +1,4 @@
-// The same functions of MuJoCo, on the same mechanisms and states, through its C interface.
+// The same functions of MuJoCo, for the same mechanisms and states, through its C interface.
 #include <mujoco/mujoco.h>
 
 #include <algorithm>
@@ -16,7 +16,7 @@ using namespace axode;
 using namespace axode::bench;
 static_assert(mjVERSION_HEADER >= 3010000, "the benchmarks need MuJoCo 3.10 or later");
 
-/// Why a mechanism is not measured with MuJoCo.
+/// The reason why a mechanism is not measured with MuJoCo.
 struct LeftOut : std::runtime_error {
   using std::runtime_error::runtime_error;
 };
@@ -34,8 +34,8 @@ const char* kind_in_mjcf(const Tree<double>& tree, int i) {
   }
 }
 
-/// The mechanism in MuJoCo's format, body frames in the joint frames. Nothing acts but drives, gravity and
-/// inertia.
+/// The mechanism in MuJoCo's format, with body frames in the joint frames. No forces act but those of drives,
+/// gravity and inertia.
 std::string mjcf(const Model& model) {
   const Tree<double>& tree = model.tree<double>();
   std::ostringstream out;
@@ -47,7 +47,7 @@ std::string mjcf(const Model& model) {
          "boundmass='0'/><option";
   numbers("gravity", tree.g.x, tree.g.y, tree.g.z);
   out << "><flag constraint='disable'/></option><worldbody>";
-  std::vector<int> open{0};  // the bodies from the ground to the one before
+  std::vector<int> open{0};  // the elements that are open: the path from the ground to the previous body
   for (int i = 1; i <= tree->n; ++i) {
     for (; open.back() != tree->parent[i]; open.pop_back()) out << "</body>";
     open.push_back(i);
@@ -84,8 +84,8 @@ std::shared_ptr<const mjModel> compile(const std::string& text) {
 
 using PeerData = std::unique_ptr<mjData, void (*)(mjData*)>;
 
-/// A state in MuJoCo's coordinates: positions before quaternions w x y z; the twist of a free base is mixed,
-/// and linear before angular.
+/// A state in MuJoCo's coordinates. Positions stand before quaternions w x y z. The twist of a free base is
+/// mixed, with its linear part before the angular one.
 struct PeerState {
   std::vector<double> q, v, a, tau;
 
@@ -148,9 +148,11 @@ void inverse_dynamics_of(const mjModel* m, mjData* d, const PeerState& x, mjtNum
   set(x.v, d->qvel), set(x.a, d->qacc);
   mj_comVel(m, d);
   mj_rne(m, d, 1, tau);
-  for (int k = 0; k < m->nv; ++k) tau[k] += m->dof_armature[k] * d->qacc[k];  // as mj_inverse adds it
+  for (int k = 0; k < m->nv; ++k)
+    tau[k] += m->dof_armature[k] * d->qacc[k];  // mj_inverse adds these forces
+                                                // too
 }
-/// Into qacc_smooth.
+/// Computes the accelerations into qacc_smooth.
 void forward_dynamics_of(const mjModel* m, mjData* d, const PeerState& x) {
   sparse_mass_matrix_of(m, d, x);
   mj_factorM(m, d);
@@ -160,7 +162,7 @@ void forward_dynamics_of(const mjModel* m, mjData* d, const PeerState& x) {
   mj_fwdAcceleration(m, d);
 }
 
-/// Throws where two numbers differ by more than 1e-9 of the largest.
+/// Throws an exception if two numbers differ by more than 1e-9 of the largest one.
 void expect_equal(const char* what, std::span<const double> theirs, std::span<const double> ours) {
   double largest = 0;
   for (const double x : ours) largest = std::max(largest, std::abs(x));
@@ -173,8 +175,8 @@ void expect_equal(const char* what, std::span<const double> theirs, std::span<co
   }
 }
 
-/// Throws where MuJoCo computes something else than we do: inverse dynamics, the mass matrix column by
-/// column, and the forces behind the accelerations of forward dynamics.
+/// Throws an exception if MuJoCo computes other results than axode: inverse dynamics, the mass matrix column
+/// by column, and the forces that belong to the accelerations of forward dynamics.
 void expect_same_mechanism(const Model& model, const mjModel* m) {
   const PeerData d(mj_makeData(m), mj_deleteData);
   Workspace<> workspace(model);
@@ -205,7 +207,8 @@ void expect_same_mechanism(const Model& model, const mjModel* m) {
   }
 }
 
-/// The mechanisms that MuJoCo takes and for which it computes the same; says which are left out.
+/// The mechanisms that MuJoCo accepts and for which it computes the same. Prints which mechanisms are left
+/// out.
 const std::vector<std::pair<Model, std::shared_ptr<const mjModel>>>& peers() {
   static const auto all = [] {
     std::vector<std::pair<Model, std::shared_ptr<const mjModel>>> out;
@@ -223,7 +226,7 @@ const std::vector<std::pair<Model, std::shared_ptr<const mjModel>>>& peers() {
   return all;
 }
 
-/// f(model, data, state, out) of MuJoCo on every model; out has room for two square matrices.
+/// Measures f(model, data, state, out) of MuJoCo for every model; `out` has room for two square matrices.
 template <class F> void measure_peer(const std::string& function, const F& f) {
   for (const auto& [subject, compiled] : peers())
     measure(function, "mujoco",

@@ -1,4 +1,4 @@
-// The same functions of Pinocchio, on the same mechanisms and states.
+// The same functions of Pinocchio, for the same mechanisms and states.
 #include <pinocchio/multibody.hpp>
 
 #include <pinocchio/algorithm/aba-derivatives.hpp>
@@ -22,7 +22,7 @@ using namespace axode;
 using namespace axode::bench;
 using pinocchio::Data;
 
-/// The mechanism with every axis along z, for which Pinocchio has its fastest joints.
+/// The mechanism in Pinocchio, with every axis along z, because its joints about z are the fastest ones.
 pinocchio::Model peer(const Model& model) {
   const Tree<double>& tree = model.tree<double>();
   pinocchio::Model out;
@@ -48,7 +48,7 @@ pinocchio::Model peer(const Model& model) {
   return out;
 }
 
-/// States in Pinocchio's order: positions before quaternions, linear before angular.
+/// States in Pinocchio's order: positions before quaternions, linear parts before angular ones.
 struct PeerStates {
   using Sequence = std::vector<std::vector<double>>;
   std::vector<Eigen::VectorXd> q, v, a;
@@ -67,7 +67,7 @@ struct PeerStates {
   }
 };
 
-/// f(model, data, q, v, a) of Pinocchio on every model.
+/// Measures f(model, data, q, v, a) of Pinocchio for every model.
 template <class F>
 void measure_peer(const std::string& function, const F& f, const std::vector<Model>& subjects = models()) {
   measure(
@@ -85,7 +85,8 @@ void measure_peer(const std::string& function, const F& f, const std::vector<Mod
       subjects);
 }
 
-/// Its loops, all of them balls, and how their forces are solved for.
+/// The loops of a mechanism in Pinocchio, all of them spherical, and the settings with which it solves for
+/// their forces.
 struct PeerLoops {
   std::vector<pinocchio::RigidConstraintModel> models;
   std::vector<pinocchio::RigidConstraintData> data;
@@ -105,7 +106,7 @@ struct PeerLoops {
   }
 };
 
-/// How far its accelerations are from ours, as a part of the largest.
+/// The largest difference between Pinocchio's accelerations and ours, relative to the largest acceleration.
 double difference(const ClosedMechanism& mechanism, const ClosedStates& states, std::size_t s,
                   Eigen::VectorXd theirs) {
   const Model& model = mechanism.model;
@@ -115,12 +116,12 @@ double difference(const ClosedMechanism& mechanism, const ClosedStates& states, 
   Eigen::VectorXd a(model.nv());
   benchmark::DoNotOptimize(forward_dynamics<double>(model, workspace, q.first(nq), v.first(nv), tau.first(nv),
                                                     std::span(a.data(), nv)));
-  theirs.head<3>().swap(theirs.segment<3>(3));  // of the free body
+  theirs.head<3>().swap(theirs.segment<3>(3));  // for the free body
   return (theirs.head(model.nv()) - a).cwiseAbs().maxCoeff() / a.cwiseAbs().maxCoeff();
 }
 
-/// init(model, data, loops) and solve(model, data, q, v, tau, loops) of Pinocchio, where they find the accelerations that we
-/// do.
+/// Measures init(model, data, loops) and solve(model, data, q, v, tau, loops) of Pinocchio for the mechanisms
+/// for which it finds the same accelerations as axode.
 template <class Init, class Solve>
 void measure_constrained_peer(const std::string& variant, const pinocchio::ProximalSettings& settings,
                               const Init& init, const Solve& solve) {
@@ -189,13 +190,15 @@ const bool registered = [] {
       },
       small_models());
   using L = PeerLoops;
-  measure_constrained_peer(  // rows are independent: nothing on the diagonal, one step
+  measure_constrained_peer(  // the rows are independent, so that nothing is added to the diagonal and one
+                             // step is enough
       "pinocchio", {1e-12, 0, 1},
       [](const M& m, Data& d, const L& l) { initConstraintDynamics(m, d, l.models, l.data); },
       [](const M& m, Data& d, const V& q, const V& v, const V& tau, L& l) {
         constraintDynamics(m, d, q, v, tau, l.models, l.data, l.settings);
       });
-  measure_constrained_peer(  // less than 1e-8 costs digits, more costs steps
+  measure_constrained_peer(  // with less than 1e-8 on the diagonal it loses digits, with more it needs more
+                             // steps
       "lcaba", {1e-12, 1e-8, 10},
       [](const M& m, Data& d, const L& l) { computeJointMinimalOrdering(m, d, l.models); },
       [](const M& m, Data& d, const V& q, const V& v, const V& tau, L& l) {

@@ -18,7 +18,7 @@ class Random {
   std::mt19937_64 engine_{1};
 };
 
-/// A hinge in general position.
+/// A link with a hinge in general position.
 BodyDescription link(Random& random, int i, int predecessor) {
   return {.name = std::to_string(i),
           .predecessor = predecessor == 0 ? "ground" : std::to_string(predecessor),
@@ -67,7 +67,8 @@ Description drawing(const std::string& name) {
   description.name = name;
   return description;
 }
-/// The rod of the leg as a slender bar on a universal joint, with a ball at its other end.
+/// The leg with its rod as a slender bar, which has a universal joint at one end and a ball joint at the
+/// other.
 Description leg_with_bar(double mass) {
   Description leg = drawing("leg");
   const LoopDescription rod = leg.loops.front();

@@ -8,18 +8,19 @@
 
 #include "axode/axode.hpp"
 
-/// What the benchmarks are run on: mechanisms and their states. A benchmark is called
-/// <function>/<model>/<variant>; the variants of one function and model are compared.
+/// The mechanisms and states of the benchmarks. The name of a benchmark is <function>/<model>/<variant>; the
+/// variants of one function and model are compared.
 namespace axode::bench {
 
-/// The project's arm; robots of $AXODE_ROBOTS (default ../shared/robots), where they are, legged ones with a
-/// free base and with couplings undone; chains of hinges with axes in general position; a binary tree of 63
-/// hinges.
+/// The project's arm; the robots of $AXODE_ROBOTS (default ../shared/robots), if they exist, with a free base
+/// for those with legs and without their couplings; chains of hinges with axes in general position; and a
+/// binary tree of 63 hinges.
 const std::vector<Model>& models();
-/// Those with so few velocities that cubes of their number fit into a cache.
+/// The models with so few velocities that arrays of nv³ numbers fit into a cache.
 const std::vector<Model>& small_models();
 
-/// More states than a cache line holds, so that no branch or value is predicted from the run before.
+/// 64 random states, which a benchmark takes in turn. They are more than a cache line holds, so that the
+/// processor predicts no branch and no value from the previous run.
 struct States {
   static constexpr std::size_t count = 64;
   std::vector<std::vector<double>> q, v, a, jerk;
@@ -31,19 +32,19 @@ struct States {
   std::size_t k_ = 0;
 };
 
-/// A mechanism with loops, and the same for a peer whose loops are balls alone: a rod without mass is a body there, last of
-/// all, that weighs next to nothing.
+/// A mechanism with loops, and the same mechanism for a library that has spherical loops only. There a
+/// massless rod is a body of almost no mass, which comes last.
 struct ClosedMechanism {
   Model model, of_balls;
 };
 
-/// The Gough platform, the leg, and the leg with a rod that is a body in both.
+/// The Gough platform, the leg, and the leg with a rod that is a body in both models.
 const std::vector<ClosedMechanism>& closed_mechanisms();
 /// A four-bar linkage, the Gough platform, the leg with a rod, and a cart on three wheels.
 const std::vector<ClosedMechanism>& loop_mechanisms();
 
-/// Closed configurations near that of the drawing, velocities that keep them closed, and drive forces; with the
-/// coordinates of the rod, which has no drives.
+/// Closed configurations near that of the drawing, velocities that keep the loops closed, and drive forces.
+/// They include the coordinates of the rod, which has no drives.
 struct ClosedStates {
   std::vector<std::vector<double>> q, v, tau;
 
@@ -62,7 +63,7 @@ void measure(const std::string& function, const std::string& variant, const F& f
     benchmark::RegisterBenchmark((function + "/" + model.name() + "/" + variant).c_str(), f, model);
 }
 
-/// Runs f() and keeps what it wrote.
+/// Runs f() and makes sure that the compiler does not remove its results.
 template <class Out, class F> void repeat(benchmark::State& state, Out* out, const F& f) {
   for (auto _ : state) {
     f();
@@ -71,7 +72,8 @@ template <class Out, class F> void repeat(benchmark::State& state, Out* out, con
   }
 }
 
-/// f(model, workspace, q, v, a, out) on every model; out has a number for each pair of velocities.
+/// Measures f(model, workspace, q, v, a, out) for every model; `out` has a number for each pair of
+/// velocities.
 template <class F>
 void measure_function(const std::string& function, const std::string& variant, const F& f,
                       const std::vector<Model>& subjects = models()) {

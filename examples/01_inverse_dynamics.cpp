@@ -1,4 +1,4 @@
-// The drive torques that a robot needs for a motion: load a file, give q, v and a, read tau.
+// The drive torques that a robot needs for a motion: load a file, give q, v and a, and read tau.
 #include <cstdio>
 #include <vector>
 

@@ -1,5 +1,6 @@
-// A crane straight from its drawing: axes, points, masses, all in one frame with every joint at zero. That is the frame
-// of every body as well, so the pose of a body is its displacement; what is at a place of its own has a frame, "load".
+// A crane from its drawing: axes, points and masses are all given in one frame, with every joint at zero.
+// That frame is also the frame of every body, so that the pose of a body is its displacement. A frame "load"
+// marks the place of the load.
 #include <cstdio>
 #include <vector>
 

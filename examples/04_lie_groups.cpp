@@ -1,4 +1,4 @@
-// Screws and motions: exp and log, the differential of exp, and the screw axis of a displacement.
+// Screws and displacements: exp and log, the differential of exp, and the screw axis of a displacement.
 #include <cstdio>
 #include <numbers>
 

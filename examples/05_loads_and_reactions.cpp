@@ -1,4 +1,5 @@
-// A tool that pushes: applied wrenches, the torques they cost, and the wrenches that the bearings carry.
+// A tool that pushes against a wall: the wrench that acts on it, the torques that it takes, and the wrenches
+// in the bearings.
 #include <cstdio>
 #include <vector>
 

@@ -1,4 +1,4 @@
-// Models never change; edits make new ones: a payload in the hand, and joints that are locked.
+// Models never change, but edits make new models: one with a payload in the hand, and one with locked joints.
 #include <cstdio>
 #include <string_view>
 #include <vector>
@@ -8,7 +8,7 @@
 
 using namespace axode;
 
-/// The torque that holds a joint at rest in q.
+/// The torque that a drive needs to hold a joint at rest at q.
 double holding_torque(const Model& model, const char* joint, const std::vector<double>& q) {
   Workspace<> workspace(model);
   const std::vector<double> rest(model.nv());

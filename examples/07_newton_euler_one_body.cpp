@@ -1,4 +1,5 @@
-// Newton and Euler for one body: the wrench behind a motion in four representations, and the way back.
+// The Newton-Euler equations of one body: the wrench that causes a motion in four representations, and the
+// motion that a wrench causes.
 #include <cstdio>
 
 #include "axode/eigen.hpp"

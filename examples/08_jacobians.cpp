@@ -1,4 +1,5 @@
-// The Jacobian of a tool: how fast it moves for a unit velocity of each joint, and where it cannot move well.
+// The Jacobian of a tool: its velocity for a unit velocity of each joint, and the direction in which it moves
+// worst.
 #include <Eigen/SVD>
 #include <cstdio>
 #include <vector>
@@ -31,7 +32,7 @@ int main(int argc, char** argv) {
   std::printf("the joints move it at %.3f m/s in its best direction and at %.3f m/s in its worst\n", s[0],
               s[2]);
 
-  // A point in the tool's frame, 10 cm ahead of it, as an observer on the first link sees it move.
+  // The Jacobian of a point 10 cm ahead of the tool's frame, seen by an observer on the first link.
   relative_jacobian<Hybrid>(arm, workspace, q, {tool, Vec3<>{0, 0, 0.1}}, 1, J);
   std::printf("seen from %s, joint %s moves that point at %.3f m/s and joint %s at %.3f m/s\n",
               arm.body(1).name.c_str(), arm.joint(1).name.c_str(), norm(J[0].v), arm.joint(2).name.c_str(),

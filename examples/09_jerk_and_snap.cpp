@@ -1,4 +1,4 @@
-// Velocity, acceleration, jerk and snap of a tool, and how its Jacobian changes, from one evaluation.
+// Velocity, acceleration, jerk and snap of a tool and the rate of its Jacobian, from one evaluation.
 #include <cstdio>
 #include <vector>
 
@@ -11,7 +11,8 @@ int main(int argc, char** argv) {
   const Model arm = load(argc > 1 ? argv[1] : AXODE_ROBOTS_DIR "/arm7.toml");
   const int tool = arm.n_frames() - 1, order = 3;
 
-  // Every joint moves as q(t) = 0.3 + 0.5 t - 0.2 t²: v = 0.5, v' = -0.4, and nothing further.
+  // Every joint moves with q(t) = 0.3 + 0.5 t - 0.2 t², so that v = 0.5, v' = -0.4 and all higher derivatives
+  // are 0.
   std::vector<double> q = neutral(arm), rates((order + 1) * arm.nv());
   for (double& angle : q) angle = 0.3;
   for (int c = 0; c < arm.nv(); ++c) rates[c] = 0.5, rates[arm.nv() + c] = -0.4;

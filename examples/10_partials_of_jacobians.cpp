@@ -1,4 +1,5 @@
-// How a Jacobian changes with the configuration: all partial derivatives, or one direction without them.
+// The change of a Jacobian with the configuration: all partial derivatives, or the derivative along one
+// direction without them.
 #include <cstdio>
 #include <vector>
 
@@ -25,7 +26,7 @@ int main() {
   print("the same as a screw product  ", ad(J[A2], J[A5]));
   print("the screw of A5 when A2 turns", dJ[A2 * n + A5]);
 
-  // The second derivative of all screws on the way q + t u; the tensor of 343 columns is never built.
+  // The second derivative of all screws along q + t u. The tensor, which has 343 columns, is never computed.
   const std::vector<double> u(n, 0.1);
   std::vector<double> twice_u(u);
   twice_u.insert(twice_u.end(), u.begin(), u.end());

@@ -1,5 +1,5 @@
-// The Jacobian of the whole system as a product of sparse matrices, and joint rates recovered from the
-// bodies' twists.
+// The Jacobian of the whole system as a product of sparse matrices, and joint velocities computed from the
+// twists of the bodies.
 #include "axode/kinematics/system_matrices.hpp"
 
 #include <cstdio>

@@ -1,4 +1,4 @@
-// What a robot does when its drives let go: accelerations from forces, and the mass matrix behind them.
+// A robot whose drives are switched off: the accelerations from the forces, and the mass matrix.
 #include <Eigen/Eigenvalues>
 #include <cstdio>
 #include <vector>
@@ -20,8 +20,7 @@ int main(int argc, char** argv) {
     std::printf("%s\n", to_string(arm, fall).c_str());
     return 1;
   }
-  std::vector<double> tau(
-      arm.nv());  // and back: the forces that those accelerations take are those of the drives
+  std::vector<double> tau(arm.nv());  // inverse dynamics gives the forces of the drives back
   inverse_dynamics(arm, workspace, q, v, a, tau);
 
   std::printf("%-6s %14s %22s\n", "joint", "falls, rad/s^2", "takes from its drive, N m");
@@ -29,7 +28,7 @@ int main(int argc, char** argv) {
     for (int c = joint.iv; c < joint.iv + joint.nv; ++c)
       std::printf("%-6s %14.4f %22.1e\n", joint.name.c_str(), a[c], tau[c]);
 
-  Eigen::MatrixXd M(arm.nv(), arm.nv());  // symmetric: rows or columns, it does not matter
+  Eigen::MatrixXd M(arm.nv(), arm.nv());  // it is symmetric, so that rows and columns may be exchanged
   mass_matrix(arm, workspace, q, as_span(M));
   const Eigen::VectorXd inertias = Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(M).eigenvalues();
   std::printf("the lightest combination of joints has %.2e kg m^2, the heaviest %.2f kg m^2\n", inertias[0],

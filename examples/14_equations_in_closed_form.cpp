@@ -1,4 +1,4 @@
-// The paper's equations of motion in matrices of the whole system, and that they agree with the recursions.
+// The paper's equations of motion in matrices of the whole system, which agree with the recursions.
 #include <cstdio>
 #include <vector>
 
@@ -27,7 +27,8 @@ int main() {
   std::printf("  spatial momentum balance    %.1e\n", differs(closed_form::momentum_balance(arm, q, v, a)));
   std::printf("  Lagrange, M a + C v + g     %.1e\n", differs(closed_form::lagrange_equations(arm, q, v, a)));
 
-  // M' - 2C is skew for some of the matrices C, which passivity-based controllers need; not for the paper's.
+  // For some of the matrices C, M' - 2C is skew symmetric, as passivity-based controllers need it; for the
+  // paper's C it is not.
   std::vector<double> dM(arm.nv() * arm.nv() * arm.nv());
   mass_matrix_partials(arm, workspace, q, dM);
   Eigen::MatrixXd M_rate = Eigen::MatrixXd::Zero(arm.nv(), arm.nv());

@@ -1,4 +1,5 @@
-// A humanoid that floats without gravity and waves its arms: in momenta, what is conserved stays in sight.
+// A humanoid that floats without gravity and waves its arms. In momentum variables one can see what is
+// conserved.
 #include <cstdio>
 #include <vector>
 
@@ -22,7 +23,7 @@ int main() {
   std::printf("time      energy        total angular momentum             total linear momentum\n");
   const double dt = 1e-3;
   for (int step = 0; step <= 200; ++step) {
-    // q' = M(q)⁻¹ p and p' = τ + Jᵀ W + (ad_V J)ᵀ Π; a step of the simplest kind, first p, then q.
+    // q' = M(q)⁻¹ p and p' = τ + Jᵀ W + (ad_V J)ᵀ Π. The simplest step takes first p and then q.
     if (!momentum_form(humanoid, workspace, q, p, tau, v, dp).ok()) return 1;
     if (step % 50 == 0) report(step * dt);
     for (int c = 0; c < humanoid.nv(); ++c) p[c] += dt * dp[c];

@@ -12,7 +12,7 @@ using namespace axode;
 int main() {
   const Model arm = load(AXODE_ROBOTS_DIR "/arm7.toml");
   const int last = arm.n_bodies();
-  // What is measured: the same arm with 1.5 kg at 12 cm in front of the flange.
+  // The measured robot is the same arm with 1.5 kg at 12 cm in front of the flange.
   Description description = arm.description();
   const SE3<> flange = arm.frame(arm.frame_index("flange")).pose;
   description.bodies.push_back(

@@ -1,4 +1,4 @@
-// What a tool shows to the world: the inertia that a wrench meets, and how a blow runs through the joints.
+// The inertia of a tool that a wrench meets, and the velocities of all joints after a blow on the tool.
 #include <array>
 #include <cstdio>
 #include <vector>

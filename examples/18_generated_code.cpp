@@ -1,4 +1,4 @@
-// The dynamics of one arm as C that needs nothing else: what a controller without axode compiles and calls.
+// The dynamics of one arm as C without dependencies, which a controller can compile and call without axode.
 #include <cstdio>
 #include <vector>
 

@@ -1,5 +1,5 @@
-// Small motions about an equilibrium: where a double pendulum rests, how fast it swings there, and that the linear system
-// foretells how it moves.
+// Small motions about an equilibrium: the configuration in which a double pendulum rests, its natural
+// frequencies, and the motion that the linear system predicts.
 #include <Eigen/Eigenvalues>
 #include <cmath>
 #include <cstdio>

@@ -1,5 +1,6 @@
-// Motion in time: a humanoid tumbles without weight. Its energy and its momentum tell how good each method is, an event says
-// when its base has come up, and states in between are as good as those at the ends of steps.
+// Motion in time: a humanoid tumbles without weight. Its energy and its momentum show how exact each method
+// is, an event says when its base has come up, and states between the steps are as exact as those at their
+// ends.
 #include <cmath>
 #include <cstdio>
 #include <vector>

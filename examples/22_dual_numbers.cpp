@@ -1,5 +1,6 @@
-// Derivatives by anything: inverse dynamics of an arm on dual numbers, which carry derivatives along three directions. One
-// of them is a joint, one a velocity, and one the mass of a tool, for which the library has no function of its own.
+// Derivatives with respect to anything: inverse dynamics of an arm with dual numbers, which carry derivatives
+// along three directions. These are a coordinate, a velocity, and the mass of a tool, for which the library
+// has no function of its own.
 #include <cmath>
 #include <cstdio>
 #include <vector>

@@ -1,4 +1,5 @@
-// What a user writes to compute drive forces; `make bench` measures how long it takes to compile.
+// A program that computes drive forces, as a user would write it. `make bench` measures how long it takes to
+// compile.
 #include <vector>
 
 #include "axode/axode.hpp"
