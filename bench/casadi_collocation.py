@@ -1,4 +1,5 @@
-"""Forward dynamics in CasADi, ours beside the same operations in CasADi's own expressions: casadi_collocation.py [--compiled].
+"""Forward dynamics in CasADi: the function of axode compared with the same operations in CasADi's own expressions:
+casadi_collocation.py [--compiled].
 
 First one state: the function and its derivatives, in microseconds of processor time for each of 200 states in a map, medians. Then
 the optimisations of examples/python/10_casadi_collocation.py with IPOPT and exact Hessians, in seconds of processor time: to make the
@@ -32,7 +33,7 @@ OURS = axode.casadi.function
 
 
 def traced(m, quantity, states=1):
-    """A generated function as an expression: its statements, done with SX."""
+    """A generated function as an expression of CasADi: its statements, executed with SX."""
     source = axode.codegen.c_source(m, [quantity], prefix="m")
     name, result = source.functions[0].name, "a" if quantity == "forward_dynamics" else "C"
     body = source.text[source.text.rindex(f"{name}("):]
@@ -58,7 +59,7 @@ def family(F):
 
 
 def compiled(F, folder):
-    """The same from C that CasADi writes."""
+    """The same function, compiled from C that CasADi writes."""
     generator = ca.CodeGenerator("expression.c")
     for each in family(F).values():
         generator.add(each)
@@ -71,7 +72,7 @@ def compiled(F, folder):
 
 
 def microseconds(F, states=200, repetitions=9):
-    """Of processor time for one state."""
+    """The processor time for one state, in microseconds."""
     mapped, random = F.map(states), np.random.default_rng(0)
     x = [ca.DM(random.uniform(-1, 1, mapped.size_in(k))) for k in range(mapped.n_in())]
     times = []

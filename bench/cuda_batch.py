@@ -1,4 +1,4 @@
-"""Times of axode's kernels on a GPU, beside its batches on the processor: cuda_batch.py [--threads N].
+"""Times of axode's kernels on a GPU, compared with its batches on the processor: cuda_batch.py [--threads N].
 
 For the arm and the humanoid with a free base, in float64 and float32, medians of the time from the launch to the end of the
 kernel, with arguments and results on the GPU; transfers and compiling do not count. GRiD's published times of a call for

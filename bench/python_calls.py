@@ -1,4 +1,4 @@
-"""Times of calls from Python beside Pinocchio's: python_calls.py [--states N].
+"""Times of calls from Python, compared with those of Pinocchio: python_calls.py [--states N].
 
 Medians of several runs, in microseconds. What a call costs beyond the C++ that it runs is read off the body-fixed
 recursion, which takes one state after the other: a call for one state less the time of each of many in one call.
@@ -28,7 +28,7 @@ def microseconds(call, repetitions=9):
 
 
 def robots():
-    """The same mechanisms in both libraries; URDF has no word for armature."""
+    """The same mechanisms in both libraries; URDF cannot express armature."""
     drawing = axode.load(axode.robots / "arm7.toml").to_dict()
     for body in drawing["body"]:
         if isinstance(body["joint"], dict):
@@ -38,7 +38,7 @@ def robots():
 
 
 def nanoseconds(call, states, repetitions=9):
-    """Of processor time for each state, which other programs on the machine do not count for."""
+    """The processor time for each state, in nanoseconds. Other programs on the machine do not count in it."""
     timer = timeit.Timer(call, timer=time.process_time)
     number = max(1, timer.autorange()[0] // 4)
     return statistics.median(timer.repeat(repetitions, number)) / number / states * 1e9

@@ -1,4 +1,4 @@
-"""How Sphinx makes the site of these pages: `make docs`."""
+"""The configuration with which Sphinx builds the site from these pages: `make docs`."""
 
 import re
 import sys

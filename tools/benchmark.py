@@ -1,4 +1,5 @@
-"""Measures every function beside its peers, each with GCC and with Clang, and compares the better ones.
+"""Measures every function and the same functions of other libraries, each compiled with GCC and with Clang, and
+compares the better times.
 
     build/venv/bin/python tools/benchmark.py build/bench build/bench-clang --plot docs/performance.svg
 
@@ -59,7 +60,7 @@ def run(build, arguments):
 
 
 def compare(times):
-    """Our variants over the better compiler of each peer."""
+    """The times of our variants divided by those of each peer, with the better compiler of each."""
     best = defaultdict(lambda: (float("inf"), None))
     for compiler, measured in times.items():
         for key, nanoseconds in measured.items():

@@ -1,4 +1,4 @@
-"""Charts of tables, by `axode plot` of the release build."""
+"""Draws charts of tables with `axode plot` of the release build."""
 
 import csv
 import subprocess

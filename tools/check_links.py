@@ -39,7 +39,7 @@ def broken_links(file):
 
 
 class Page(HTMLParser):
-    """Links of a page, what it loads, and what can be linked to."""
+    """The links of a page, the files that it loads, and the anchors in it."""
 
     LOADS = {"script": "src", "img": "src", "iframe": "src", "source": "src", "link": "href"}
 

@@ -1,4 +1,5 @@
-"""Draws the mechanisms with loops that come with the package, as they are drawn: closed, with every joint at zero.
+"""Draws the mechanisms with loops that come with the package in their drawn configuration: closed, with every joint
+at zero.
 
     build/venv/bin/python tools/draw_mechanisms.py docs/mechanisms.svg
 
@@ -32,7 +33,7 @@ CLOSING = HINGE | {"markersize": 8, "markerfacecolor": "none", "markeredgecolor"
 
 
 def place(body):
-    """Of the joint of a body, or its centre of mass where that says where it is."""
+    """The place of the joint of a body, or its centre of mass if the joint has no place."""
     return body["com"] if body["joint"] == "fixed" else body["joint"].get("point", body["com"])
 
 
@@ -41,7 +42,7 @@ def floats(body):
 
 
 def ends(loop):
-    """Where a loop is, on the first and on the second body."""
+    """The points of a loop on the first and on the second body."""
     return loop.get("points") or [loop.get("center") or loop["point"]] * 2
 
 
@@ -63,7 +64,7 @@ def outline(corners):
 
 
 def rim(loop, view):
-    """Of what rolls: a circle about the axis of a wheel, or the outline of a sphere."""
+    """The rim of a rolling body: a circle about the axis of a wheel, or the outline of a sphere."""
     center, turn = np.array(loop["center"]), np.linspace(0, 2 * np.pi, 49)
     radius = center[2] - loop["point"][2]
     circle = radius * np.array([np.cos(turn), np.sin(turn)])

@@ -34,7 +34,8 @@ class Message(NamedTuple):
 
 
 def of_cpp(file, source):
-    """The messages of a C++ source. What is between the `+` signs of one message is {}; a comma ends a message."""
+    """The messages of a C++ source. An expression between the `+` signs of one message becomes {}; a comma ends a
+    message."""
     code_is_written = file.startswith("axode/codegen/")
     source = re.sub(r"\bfmt::format\(|\b(?:std::)?string\(|\bto_string\(", lambda m: " " * len(m[0]), source)
     pieces, line, use, previous, depth, end = [], 0, "text", "", 0, False

@@ -1,4 +1,4 @@
-"""Measures the integrators on one mechanism each for what matters, and refreshes the tables and figures of a page.
+"""Measures properties of the integrators, each on one mechanism, and updates the tables and figures of a page.
 
     build/venv/bin/python tools/motion_study.py docs/integration.md
     build/venv/bin/python tools/motion_study.py docs/integration.md --only heavy_top cost
@@ -23,7 +23,7 @@ METHODS = ["dopri5", "rk4", "euler", "generalized_alpha", "midpoint", "suzuki4",
 
 
 class Page:
-    """A Markdown file with tables to refresh, and figures beside it."""
+    """A Markdown file with tables to update, and figures beside it."""
 
     def __init__(self, file):
         self.file = file
@@ -40,7 +40,7 @@ class Page:
         print(f"{name}\n{table}", flush=True)
 
     def figure(self, name, tables):
-        """Of {title: table}, with a curve for each method."""
+        """Draws a figure of {title: table}, with a curve for each method."""
         chart.draw(self.file.with_name(f"integration-{name}.svg"), tables, "--log", "xy")
 
 
@@ -54,7 +54,7 @@ def number(x, digits=1):
 
 
 def slope(steps, errors):
-    """The order, of the ends of a window."""
+    """The order of a method, from the errors at both ends of a window."""
     return np.log(errors[0] / errors[-1]) / np.log(steps[-1] / steps[0])
 
 
@@ -238,14 +238,15 @@ def sum_of_bodies(m, q, v):
 
 
 def weightless_error(m, t, q, v):
-    """Of Pi^s about the inertial origin, over the sum of those of the bodies."""
+    """The error of Pi^s about the inertial origin, relative to the sum of the momenta of the bodies."""
     Pi = axode.spatial_momentum(m, q, v)
     return (parts(Pi - Pi[0]) / sum_of_bodies(m, q, v)).max(axis=1)
 
 
 def falling_error(m, t, q, v):
-    """Of L_c and P - m g t, over the sums of those of the bodies. L_c does not depend on where the centre is and how
-    fast: it is found from the state against a frame that falls with it, where digits are not lost."""
+    """The errors of L_c and P - m g t, relative to the sums of the momenta of the bodies. L_c does not depend on the
+    position and velocity of the centre. It is computed relative to a frame that falls with the centre, so that no
+    digits are lost."""
     P = axode.spatial_momentum(m, q, v)[:, 3:]
     expected = P[0] + m.total_mass * t[:, None] * np.array(m.gravity)
     linear = np.linalg.norm(P - expected, axis=1) / sum_of_bodies(m, q, v)[:, 1]
@@ -283,7 +284,8 @@ def humanoid(page):
 # ---- loops -----------------------------------------------------------------------------------------------------------
 # Velocities at the start, and steps, s.
 LOOPS = {"n_four_bar": ([-1, 1, 0, -1, -1], (0.02, 0.01, 0.005)), "bricard": ([0] * 5, (0.02, 0.01, 0.005))}
-# Of Andrews' squeezer at the start and after 0.03 s, as published: Hairer and Wanner; Test Set for IVP Solvers.
+# Published coordinates of Andrews' squeezer at the start and after 0.03 s: Hairer and Wanner; Test Set for IVP
+# Solvers.
 ANDREWS = {"beta": (-0.0617138900142764496, 15.81077119629904), "Theta": (0, -15.75637105984298),
            "gamma": (0.455279819163070380, 0.04082224013073101), "Phi": (0.222668390165885885, -0.5347301163226948),
            "delta": (0.487364979543842550, 0.5244099658805304), "Omega": (-0.222668390165885885, 0.5347301163226948),
@@ -292,7 +294,7 @@ MOTOR = 0.033  # N m
 
 
 def ways_to_go(steps, tolerances=(1e-6, 1e-8, 1e-10)):
-    """Method, what is shown of its steps, options of `simulate`."""
+    """For each run: the method, the text about its steps, and the options of `simulate`."""
     return ([("rk4", f"{step:g} s", {"method": "rk4", "step": step}) for step in steps] +
             [("dopri5", f"rtol = {number(rtol, 0)}", {"rtol": rtol, "atol": rtol / 100}) for rtol in tolerances])
 
@@ -443,7 +445,7 @@ STEPS = 300
 
 
 def medians(calls, repetitions=9):
-    """Processor time of each, s; they take turns."""
+    """The median processor time of each function, s; the functions take turns."""
     seconds = [[] for _ in calls]
     for repetition in range(repetitions + 1):
         for call, times in zip(calls, seconds, strict=True):

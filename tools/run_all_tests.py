@@ -1,7 +1,8 @@
-"""Builds and tests every configuration that must hold, and counts: what `make test` and `make nightly` run.
+"""Builds and tests every required configuration, and counts the outcomes: `make test` and `make nightly` run this
+program.
 
-Prints the slowest tests and what each part took of the processor. The last line reads `N passed, N failed` (and `, N skipped`
-if some were). Exits with 1 after any failure, and with --complete also after too few tests.
+Prints the slowest tests and the processor time of each part. The last line reads `N passed, N failed` (and `, N
+skipped` if some were). Exits with 1 after any failure, and with --complete also after too few tests.
 """
 
 import argparse
@@ -59,7 +60,7 @@ def run(*command, environment=None):
 
 
 def run_quietly(*command):
-    """A command whose arguments are too many to be printed."""
+    """Runs a command that has too many arguments to be printed."""
     print("+", *command[:3], "...", flush=True)
     return subprocess.run(command, cwd=SOURCE).returncode == 0
 
@@ -70,7 +71,7 @@ def processor_seconds():
 
 
 class Costs:
-    """CPU seconds by configuration and part."""
+    """The CPU seconds of each configuration and part."""
 
     def __init__(self):
         self.rows = []
@@ -96,7 +97,7 @@ class Costs:
 
 
 def part_of(output):
-    """Which part of the tree a file of a build belongs to."""
+    """The part of the tree to which a file of a build belongs."""
     steps = Path(output).parts
     if steps[0] == "tests" and len(steps) > 1:
         return "build tests/" + (steps[2] if steps[1] == "CMakeFiles" else steps[1]).removeprefix("test_").split(".")[0]
@@ -106,12 +107,12 @@ def part_of(output):
 
 
 def compiled(log):
-    """What a log of ninja holds: one line for each file that was built."""
+    """The entries of a log of ninja: one line for each file that was built."""
     return set(log.read_text().splitlines()[1:]) if log.exists() else set()
 
 
 def time_by_part(lines):
-    """Seconds of building by part of the tree."""
+    """The seconds that building each part of the tree took."""
     parts = Counter()
     for start, end, *_, output, _ in (line.split("\t") for line in lines):
         if not Path(output).is_absolute():
@@ -142,7 +143,8 @@ def print_slowest():
 
 
 def outcomes_of_ctest(junit):
-    """Name -> passed, failed or skipped. What ctest could not run is skipped only where the test itself said so."""
+    """Name -> passed, failed or skipped. A test that ctest could not run counts as skipped only if the test itself
+    said so."""
     found = {}
     for case in ElementTree.parse(junit).getroot().iter("testcase"):
         reason = case.find("skipped")
@@ -157,7 +159,7 @@ def outcomes_of_ctest(junit):
 
 
 def outcomes_of_program(xml):
-    """The same, of a program of GoogleTest or of pytest."""
+    """Name -> passed, failed or skipped, for a program of GoogleTest or for pytest."""
     found = {}
     for case in ElementTree.parse(xml).getroot().iter("testcase") if xml.exists() else []:
         if case.get("status", "run") == "run":
@@ -239,7 +241,8 @@ def check_style(jobs, costs):
 
 
 def make_environments(bridges):
-    """Starts to make the Python environments of the tests and of bridges; the result waits for them, and says what went wrong."""
+    """Starts to make the Python environments of the tests and of bridges. The result is a function that waits for
+    them and prints what went wrong."""
     wanted = ["build/venv/tests", *(f"build/bridges/{bridge}/ready" for bridge in sorted(bridges))]
     print("+ make", *wanted, "&\n", flush=True)
     log = tempfile.TemporaryFile("w+")
@@ -265,7 +268,7 @@ def test_python(jobs, costs):
 
 
 def test_bridge(name, jobs, costs):
-    """Outcomes of one bridge's tests; skipped where what it leads to cannot be installed."""
+    """Outcomes of the tests of one bridge; skipped if the other package cannot be installed."""
     folder = SOURCE / "build/bridges" / name
     if not READY.exists() or not costs.measure(f"bridge {name}", "install", lambda: run(
             "make", "--no-print-directory", f"build/bridges/{name}/ready")):
@@ -274,7 +277,7 @@ def test_bridge(name, jobs, costs):
 
 
 def fuzz(jobs, costs):
-    """One outcome for each reader of files: no input of ten minutes' search makes it fail."""
+    """One outcome for each reader of files: passed if no input that was found in ten minutes makes it fail."""
     if not build("fuzz", jobs, costs):
         return {"build": "failed"}
     folder = SOURCE / "build/fuzz/tests/fuzz"

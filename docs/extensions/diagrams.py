@@ -1,4 +1,4 @@
-"""Mermaid's diagrams are drawn when the site is built, and are pictures in it."""
+"""Draws the diagrams of Mermaid when the site is built, so that the site has them as pictures."""
 
 import mermaidx
 from docutils import nodes

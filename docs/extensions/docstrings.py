@@ -1,4 +1,4 @@
-"""Docstrings are plain text with examples, and functions are those of a compiled module: what Sphinx has to be told of both."""
+"""Prepares docstrings for Sphinx: they are plain text with examples, and belong to functions of a compiled module."""
 
 import re
 
@@ -10,7 +10,7 @@ LONG = {"numpy.typing.ArrayLike": "ArrayLike", "numpy.typing.NDArray[numpy.float
 
 
 def literal(line):
-    """A line of which only `code` means something."""
+    """A line of plain text in which only `code` has a special meaning."""
     parts = line.split("`")
     return "".join(f"``{part}``" if k % 2 and k + 1 < len(parts) else re.sub(r"([\\*_|])", r"\\\1", part)
                    for k, part in enumerate(parts))

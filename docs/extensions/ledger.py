@@ -1,4 +1,4 @@
-"""The paper's equations as tables: what tests/paper/equations.tsv and the tests themselves say of each."""
+"""The paper's equations as tables, from tests/paper/equations.tsv and the comments of the tests."""
 
 import csv
 import re
@@ -14,7 +14,7 @@ STATES = {"holds": "", "erratum": " *corrected*"}
 
 
 def line_of(file, text):
-    """Where the code of a file first has a text."""
+    """The number of the first line of a file whose code contains a text."""
     word = re.compile(rf"(?<!\w){re.escape(text)}(?!\w)")
     for number, line in enumerate(file.read_text(encoding="utf-8").splitlines(), start=1):
         if word.search(line) and not line.lstrip().startswith("//"):
@@ -23,7 +23,7 @@ def line_of(file, text):
 
 
 def tests():
-    """Test -> (file, line, what the comment above it says)."""
+    """Test -> (file, line, text of the comment above it)."""
     found = {}
     for file in sorted((SOURCE / "tests/paper").glob("section_*.cpp")) + sorted((SOURCE / "tests/paper").glob("appendix_*.cpp")):
         lines = file.read_text(encoding="utf-8").splitlines()

@@ -1,4 +1,4 @@
-"""Links to files of the repository that are no pages of the site lead to pages that show them."""
+"""Makes pages of the site that show files of the repository, for links to files that are no pages themselves."""
 
 import posixpath
 from pathlib import Path
@@ -25,7 +25,7 @@ def page_of(path):
 
 
 class LinksToSources(SphinxTransform):
-    """Before Sphinx takes links to files for downloads. A link may have a `line`."""
+    """Changes links to files of the repository before Sphinx takes them for downloads. A link may have a `line`."""
 
     default_priority = 1
 
@@ -55,7 +55,7 @@ def resolve(app, doctree, docname):
 
 
 def with_contents(paths):
-    """The files that are shown: those of a folder as well."""
+    """The files that are shown; for a folder, all files in it too."""
     found = set()
     for path in paths:
         found |= {path, *(with_contents(sorted(path.iterdir())) if path.is_dir() else ())}
@@ -63,7 +63,7 @@ def with_contents(paths):
 
 
 def shown(path):
-    """The body of the page of a file or folder."""
+    """The body of the page that shows a file or folder."""
     if path.is_dir():
         rows = "".join(f'<li><a href="{relative_uri(page_of(path) + ".html", page_of(part) + ".html")}">{part.name}</a></li>'
                        for part in sorted(path.iterdir()) if part.name != "__pycache__")

@@ -37,7 +37,8 @@ rigid = (q, v, J * a + tau)
 
 
 def largest_error(theta: Array, omega: Array, torque: Array) -> float:
-    """How far the links stray, in mrad, from where they should be at the start (Runge-Kutta, four calls for a step)."""
+    """The largest error of the links, in mrad. The motion begins without error and is computed by Runge-Kutta's
+    method, with four calls for a step."""
     stiffness, damping = 2e3 * J, 80.0 * J
     x = np.stack([q[0], v[0], q[0] + tau[0] / K, v[0] + dtau[0] / K])  # links, their rates, motors, their rates
 

@@ -17,13 +17,13 @@ hanging, still = np.zeros(2), np.zeros(2)
 
 
 def end_off(u: NDArray[np.float64], target: NDArray[np.float64]) -> NDArray[np.float64]:
-    """By how much the end of the motion is off a target at rest: displacements, then velocities."""
+    """The difference between the end of the motion and a target at rest: displacements, then velocities."""
     q, v = axode.rollout(pendulum, hanging, still, u, step)
     return np.concatenate([pendulum.difference(target, q[-1]), v[-1]])
 
 
 def end_by_forces(u: NDArray[np.float64]) -> NDArray[np.float64]:
-    """S, the derivative of the end by all drive forces."""
+    """The matrix S of derivatives of the end with respect to all drive forces."""
     S = np.zeros((4, 0))
     for A, B in zip(*axode.rollout_derivatives(pendulum, hanging, still, u, step)):
         S = np.hstack([A @ S, B])

@@ -18,7 +18,7 @@ Array = NDArray[np.float64]
 
 
 class Motion(NamedTuple):
-    """States (points, n) and forces (intervals, nv), the step between intervals, and what IPOPT says."""
+    """States (points, n) and forces (intervals, nv), the length of an interval, and the status that IPOPT returned."""
 
     q: Array
     v: Array
@@ -74,7 +74,8 @@ def least_forces(m: axode.Model, seconds: float, intervals: int, start: Array, g
 
 
 def off_when_simulated(m: axode.Model, motion: Motion, degree: int = 3, steps: int = 40) -> float:
-    """By how much intervals end elsewhere, in rad and rad/s, where the library simulates each of them."""
+    """The largest differences, in rad and rad/s, between the ends of the intervals and simulations of each interval
+    by the library."""
     tau = np.repeat(motion.tau[:, None], steps, axis=1)
     q, v = axode.rollout(m, motion.q[:-1:degree], motion.v[:-1:degree], tau, motion.step / steps)
     return float(max(np.abs(q[:, -1] - motion.q[degree::degree]).max(), np.abs(v[:, -1] - motion.v[degree::degree]).max()))

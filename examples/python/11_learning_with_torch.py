@@ -20,7 +20,7 @@ noise = 0.1
 
 
 def measured(n: int, seed: int) -> tuple[torch.Tensor, ...]:
-    """q, v, a and tau of n samples."""
+    """Measured samples: q, v, a and tau, n of each."""
     q = torch.tensor(drawn.random(seed=seed, n=n))
     v, a = 4 * torch.rand(2, n, drawn.nv) - 2
     friction = 1.2 * torch.tanh(v / 0.1) * (1 + 0.3 * torch.exp(-(v / 0.4) ** 2)) + 0.5 * v
@@ -56,7 +56,7 @@ class Payload(torch.nn.Module):  # type: ignore[misc, unused-ignore]
 
 
 class Arm(torch.nn.Module):  # type: ignore[misc, unused-ignore]
-    """tau of the rigid arm, and what a small network adds for each joint and its velocity."""
+    """The torques of the rigid arm, plus those that a small network adds for each joint and its velocity."""
 
     def __init__(self, with_residual: bool) -> None:
         super().__init__()

@@ -51,7 +51,8 @@ waves = np.stack([np.sin(2 * np.pi * times / period), np.cos(2 * np.pi * times /
 
 
 def motion(u: jax.Array) -> tuple[jax.Array, jax.Array]:
-    """All configurations, and torques, under the sines and cosines u (2, links - 1), N m."""
+    """All configurations and torques of the motion. The torques have the sine and cosine amplitudes u (2, links - 1),
+    N m."""
     def one_step(state: tuple[jax.Array, jax.Array], torques: jax.Array) -> tuple[Any, jax.Array]:
         q, v = state
         tau = forces_of_the_fluid(q, v).at[3:].add(torques)

@@ -19,7 +19,8 @@ v, a = 0.4 * rhythm * np.cos(rhythm * t), -0.4 * rhythm**2 * np.sin(rhythm * t)
 
 
 def built(m: axode.Model, seed: int) -> axode.Model:
-    """Every link with all of its inertia 3 % off, and a payload of 0 to 12 kg that is held some cm off the middle."""
+    """An arm whose links differ from the drawing by some 3 % in all of their inertia, with a payload of 0 to 12 kg
+    that is held some cm off the middle."""
     random = np.random.default_rng(seed)
     parameters = m.parameters.reshape(m.n_bodies, 10) * random.normal(1, 0.03, (m.n_bodies, 1))
     held = axode.lie.exp([0, 0, 0, *random.normal([0, 0, 0.1], 0.02)])
@@ -28,7 +29,7 @@ def built(m: axode.Model, seed: int) -> axode.Model:
 
 
 def peaks(m: axode.Model, seed: int) -> dict[str, object]:
-    """The largest torque of each drive along the motion, N m, and what the arm weighs, kg."""
+    """The largest torque of each drive along the motion, N m, and the mass of the arm, kg."""
     variant = built(m, seed)
     return {"mass": variant.total_mass, "peak": np.abs(axode.inverse_dynamics(variant, q, v, a)).max(axis=0)}
 
