@@ -33,8 +33,8 @@ template <class T>
 void inverse_dynamics_geometry_vjp(const Model& model, Workspace<T>& workspace, Numbers<T> q, Numbers<T> v,
                                    Numbers<T> a, Numbers<T> w, std::type_identity_t<std::span<T>> gradient,
                                    const std::type_identity_t<Loads<T>>& loads = {});
-/// Computes the gradient of w·a of forward dynamics with respect to π: n_bodies × 6 numbers. O(n). NaN if the
-/// status is not ok().
+/// Computes the gradient of Σ w_c a_c, a weighted sum of the accelerations of forward dynamics, with respect
+/// to the geometric parameters π: n_bodies × 6 numbers. O(n). NaN if the status is not ok().
 template <class T>
 Solvability forward_dynamics_geometry_vjp(const Model& model, Workspace<T>& workspace, Numbers<T> q,
                                           Numbers<T> v, Numbers<T> tau, Numbers<T> w,

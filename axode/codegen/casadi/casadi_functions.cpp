@@ -304,8 +304,8 @@ class Family {
     }
     return all;
   }
-  /// The derivatives of the gradients by the inputs, by the outputs (they are 0), and by the weights (the
-  /// transposed Jacobian).
+  /// The derivatives of the gradients of the weighted results with respect to the inputs, to the outputs, of
+  /// which they are independent, and to the weights, for which they are the transposed Jacobian.
   std::vector<CasadiOutput> second_derivatives() {
     Recording& H = recordings_[hessian];
     for (int i = 0; i < n_; ++i)
