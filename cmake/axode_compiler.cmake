@@ -1,4 +1,4 @@
-# How every target of the project is compiled.
+# The options with which every target of the project is compiled.
 
 if(PROJECT_IS_TOP_LEVEL)
   set(CMAKE_EXPORT_COMPILE_COMMANDS ON)
@@ -19,8 +19,8 @@ if(PROJECT_IS_TOP_LEVEL)
   endif()
 endif()
 
-# Warnings, target architecture and sanitizers. All of it stays inside the project: nothing is passed on to
-# those who link to it.
+# Warnings, target architecture and sanitizers. They apply to the targets of the project only, and are not
+# passed on to projects that link to it.
 function(axode_compile_options target)
   target_compile_features(${target} PUBLIC cxx_std_20)
   set_target_properties(${target} PROPERTIES CXX_EXTENSIONS OFF POSITION_INDEPENDENT_CODE ON)

@@ -1,4 +1,5 @@
-# Installation, and how others find it: find_package(axode CONFIG [COMPONENTS core io view batch codegen]) and pkg-config.
+# Installation, and the files by which other projects find axode: find_package(axode CONFIG [COMPONENTS core
+# io view batch codegen]) and pkg-config.
 include(CMakePackageConfigHelpers)
 
 install(TARGETS axode_core axode_float axode_axode EXPORT axode-core-targets)
@@ -24,7 +25,8 @@ set(package_dir ${CMAKE_INSTALL_LIBDIR}/cmake/axode)
 foreach(component core io view batch codegen)
   install(EXPORT axode-${component}-targets NAMESPACE axode:: DESTINATION ${package_dir})
 endforeach()
-# Matrices of Eigen cross the boundary of the library, so whoever links to it needs the Eigen that it was built with: 3.4, 5, ...
+# Matrices of Eigen are arguments of functions in the library, so that programs that link to it need the
+# version of Eigen with which it was built: 3.4, 5, ...
 set(EIGEN_LIKE_OURS ${Eigen3_VERSION_MAJOR})
 if(Eigen3_VERSION VERSION_LESS 5)
   set(EIGEN_LIKE_OURS 3.4)
@@ -35,7 +37,7 @@ write_basic_package_version_file(${PROJECT_BINARY_DIR}/axode-config-version.cmak
 install(FILES ${PROJECT_BINARY_DIR}/axode-config.cmake ${PROJECT_BINARY_DIR}/axode-config-version.cmake
         DESTINATION ${package_dir})
 
-# Who links to static libraries needs their private dependencies as well.
+# Programs that link to static libraries need the private dependencies of these too.
 set(PKG_CONFIG_IO_REQUIRES "Requires: axode tinyxml2")
 set(PKG_CONFIG_VIEW_REQUIRES "Requires: axode tinyxml2 qhull_r")
 set(PKG_CONFIG_BATCH_REQUIRES "Requires: axode tbb")

@@ -88,7 +88,7 @@ add_library(axode::axode ALIAS axode_axode)
 set_target_properties(axode_axode PROPERTIES EXPORT_NAME axode)
 target_link_libraries(axode_axode INTERFACE axode_float axode_core)
 
-# axode_add_objects(<library> <name> <source>...): a part of a library, which others may be made of as well.
+# axode_add_objects(<library> <name> <source>...): a part of a library, which other libraries may contain too.
 function(axode_add_objects library name)
   add_library(${name} OBJECT ${ARGN})
   axode_compile_options(${name})
@@ -97,8 +97,8 @@ function(axode_add_objects library name)
   target_sources(${library} PRIVATE $<TARGET_OBJECTS:${name}>)
 endfunction()
 
-# axode_instantiate(<library> <name> <definitions> <source>...): the sources under these definitions, as part of the
-# library.
+# axode_instantiate(<library> <name> <definitions> <source>...): compiles the sources with these definitions,
+# as a part of the library.
 function(axode_instantiate library name definitions)
   list(TRANSFORM ARGN PREPEND ${PROJECT_SOURCE_DIR}/axode/)
   list(TRANSFORM ARGN APPEND .cpp)
@@ -110,7 +110,7 @@ function(axode_instantiate library name definitions)
   set_target_properties(${name} PROPERTIES UNITY_BUILD ON UNITY_BUILD_BATCH_SIZE 0)
 endfunction()
 
-# It is compiled in two parts: the demo does with the first, in double.
+# This library is compiled in two parts, because the demo needs only the first one, in double.
 set(floors_to_dynamics lie scalar model table recursion fast kinematics dynamics)
 set(floors_beyond_dynamics derivatives constraints contact integration catalog)
 set(library_of_double axode_core)
@@ -120,13 +120,13 @@ foreach(quick IN LISTS AXODE_PER_REPRESENTATION_AND_FAST AXODE_QUICK_PER_SCALAR)
   set_source_files_properties(${PROJECT_SOURCE_DIR}/axode/${quick}.cpp PROPERTIES SKIP_UNITY_BUILD_INCLUSION ON)
 endforeach()
 
-# What nearly all of it includes.
+# The precompiled header, with the headers that nearly all sources include.
 axode_add_objects(axode_core axode_often_included ${PROJECT_SOURCE_DIR}/axode/workspace.cpp)
 target_precompile_headers(axode_often_included PRIVATE <algorithm> <array> <cmath> <functional> <memory> <optional> <span>
                           <string> <unordered_map> <variant> <vector> ${PROJECT_SOURCE_DIR}/axode/model/model.hpp
                           ${PROJECT_SOURCE_DIR}/axode/model/workspace.hpp)
 
-# axode_add_part(<part>): the objects of these floors.
+# axode_add_part(<part>): adds the objects of these floors.
 function(axode_add_part part)
   set(sources)
   foreach(floor IN LISTS floors_${part})
@@ -160,7 +160,7 @@ endfunction()
 axode_add_part(to_dynamics)
 axode_add_part(beyond_dynamics)
 
-# Many states at once: the same kernels for each instruction set, chosen at run time.
+# Many states at once: the same kernels are compiled for each instruction set, and chosen at run time.
 find_package(TBB REQUIRED)
 axode_add_library(axode_batch batch)
 target_sources(axode_batch PRIVATE ${PROJECT_SOURCE_DIR}/axode/batch/batch.cpp
@@ -208,5 +208,5 @@ target_link_libraries(
   axode_view PUBLIC $<BUILD_INTERFACE:axode_core> $<INSTALL_INTERFACE:axode::axode>
   PRIVATE tinyxml2::tinyxml2 Qhull::qhull_r $<BUILD_INTERFACE:nlohmann_json::nlohmann_json>)
 
-# For a build beside this one that takes the libraries as they are, see AXODE_LIBRARIES.
+# Exports the libraries for another build that uses them as they are, see AXODE_LIBRARIES.
 export(TARGETS axode_core axode_float axode_axode axode_batch axode_codegen axode_io axode_view NAMESPACE axode:: FILE ${PROJECT_BINARY_DIR}/axode-built.cmake)

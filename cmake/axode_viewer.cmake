@@ -31,7 +31,7 @@ file(GLOB_RECURSE sources CONFIGURE_DEPENDS ${source}/src/* ${source}/test/*)
 
 file(MAKE_DIRECTORY ${AXODE_VIEWER_FOLDER})
 
-# `npm install` takes the locked versions, as `npm ci` does, and what else a platform needs besides.
+# `npm install` takes the locked versions, as `npm ci` does, and also packages that only some platforms need.
 set(fetched ${AXODE_VIEWER_FOLDER}/node_modules/.package-lock.json)
 set(or_else "{ echo 'The viewer could not be built; -DAXODE_VIEWER=OFF builds axode without it.' >&2; exit 1; }")
 add_custom_command(

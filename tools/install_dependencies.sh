@@ -1,5 +1,5 @@
 #!/bin/sh
-# Installs what is missing of the Debian 12 packages that axode is built and tested with.
+# Installs the Debian 12 packages with which axode is built and tested, as far as they are missing.
 # Does nothing, and needs no network, when all are there. Uses sudo only when not root.
 set -eu
 
@@ -16,7 +16,8 @@ if ! command -v dpkg-query >/dev/null; then
   exit 0
 fi
 
-# For the viewer and its test, unless they are there from elsewhere: packages of others may not be installed beside them.
+# The viewer and its tests need these programs. If they come from another source, Debian's packages are not installed,
+# because they may be in conflict with those.
 command -v npm >/dev/null || packages="$packages nodejs npm"
 command -v "${CHROMIUM:-chromium}" >/dev/null || packages="$packages chromium"
 
