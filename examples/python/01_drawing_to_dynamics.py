@@ -23,8 +23,8 @@ crane = (
 print(crane)
 
 # %% [markdown]
-# What holds it still, level and with the trolley 2 m out? The slewing drive has nothing to hold; the luffing drive
-# carries both weights, each at its lever.
+# Which drive forces hold the crane at rest, with the jib level and the trolley 2 m out? The slewing drive needs none;
+# the luffing drive carries both weights, each with its lever.
 
 # %%
 q, rest = np.array([0.0, 0.0, 2.0]), np.zeros(3)  # rad, rad, m
@@ -34,14 +34,16 @@ print(f"\nto hold it: slew {tau[0]:.1f} N m, luff {tau[1]:.1f} N m, travel {tau[
 print(f"luff by hand: {9.81 * levers:.1f} N m")
 
 # %% [markdown]
-# The same with 500 kg on the hook. A wrench is moment, then force; "hybrid" is in inertial axes, at the frame.
+# The same with 500 kg on the hook. A wrench is a moment and then a force; "hybrid" means that both are in inertial
+# axes and act at the frame.
 
 # %%
 weight = axode.Load(frame="hook", representation="hybrid", wrench=[0, 0, 0, 0, 0, -500 * 9.81])
 print(f"with 500 kg on the hook: luff {axode.inverse_dynamics(crane, q, rest, rest, loads=[weight])[1]:.1f} N m")
 
 # %% [markdown]
-# Forward dynamics is the way back. While the crane slews, let the brake of the trolley slip: it runs out.
+# Forward dynamics computes accelerations from forces. While the crane slews, let the brake of the trolley slip: the
+# trolley runs out.
 
 # %%
 v = np.array([0.3, 0.0, 0.0])  # rad/s, rad/s, m/s

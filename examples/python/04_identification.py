@@ -1,8 +1,8 @@
 """The parameters of an arm from motions and torques with noise, outliers, joint losses and a tool nobody has drawn."""
 
 # %% [markdown]
-# What is measured: the arm of the drawing, but heavier, with friction in its joints and a tool at its flange. Torques
-# have noise of 0.5 % of what the drives can do, and one of fifty is wrong altogether.
+# The measured arm is that of the drawing, but heavier, with friction in its joints and a tool at its flange. Torques
+# have noise of 0.5 % of the largest torques of the drives, and one of fifty is completely wrong.
 
 # %%
 import axode
@@ -31,7 +31,7 @@ wrong = random.random(tau.shape) < 0.02
 tau[wrong] += 100 * noise[np.nonzero(wrong)[1]]
 
 # %% [markdown]
-# Base parameters are what the motions show; the model is one that can be built.
+# The motions depend only on the base parameters. The model that is found has these, and is physically consistent.
 
 # %%
 found = axode.identification.identify(drawn, q, v, a, tau, joint_losses=True, robust=True)
@@ -51,7 +51,7 @@ for name, joint, s, s_true in zip(found.model.velocity_names, found.model.joints
     print(f"{name:5} {joint.damping[0]:8.3f} {joint.friction[0]:9.3f} {s:7.3f} {s_true:7.3f}")
 
 # %% [markdown]
-# The proof is another motion.
+# The model is tested with another motion.
 
 # %%
 q, v, a = drawn.random(seed=1, n=500), *random.uniform(-2, 2, (2, 500, 7))

@@ -1,9 +1,9 @@
 """The geometry of an arm from poses that a tracker has measured, with outliers, and what such poses cannot show."""
 
 # %% [markdown]
-# What is measured: the arm as it was built, every joint off by half a degree and some millimetres, with a reflector at
-# its flange. The tracker stands somewhere in the hall, its noise is 0.1 mm and 0.2 mrad, and one pose of thirty is
-# wrong.
+# The measured arm is the one that was built: every joint is off by half a degree and some millimetres, and a
+# reflector is at its flange. The tracker stands somewhere in the hall, its noise is 0.1 mm and 0.2 mrad, and one pose
+# of thirty is wrong.
 
 # %%
 import axode
@@ -29,7 +29,8 @@ wrong = random.random(120) < 1 / 30
 C[wrong] = C[wrong] @ axode.lie.exp(random.normal(0, 0.03, (wrong.sum(), 6)))
 
 # %% [markdown]
-# Reflector and tracker are sought as well. Of 54 parameters 34 combinations show, 4 for each hinge, and 6.
+# The poses of reflector and tracker are unknown too. The measured poses depend on 34 combinations of the 54
+# parameters: 4 for each hinge, and 6 more.
 
 # %%
 found = axode.calibration.calibrate(drawn, {"frame": "flange", "q": q, "pose": C}, robust=True)
@@ -42,7 +43,8 @@ for name in found.unidentifiable_names[:4]:
     print(f"  {name}")
 
 # %% [markdown]
-# The proof is other poses; those of the drawing get the best place of the tracker and the reflector.
+# The result is tested with other poses. For comparison, the poses of the drawing are computed with the best places of
+# the tracker and the reflector.
 
 # %%
 q = drawn.random(seed=1, n=500)

@@ -1,8 +1,8 @@
 """The gait of a swimming snake: torques that take it furthest, by shooting through its motion with gradients from JAX."""
 
 # %% [markdown]
-# Six links, on a plane and in a viscous fluid that resists across a link ten times as much as along it. The joints have
-# springs, as of a flexible body, and a drive each. All numbers are in m, kg and s.
+# Six links move on a plane, in a viscous fluid whose resistance across a link is ten times as large as along it. Each
+# joint has a spring, like a flexible body, and a drive. All numbers are in m, kg and s.
 
 # %%
 from typing import Any
@@ -27,8 +27,8 @@ for k in range(links):
 snake = builder.build().with_gravity([0, 0, 0])
 
 # %% [markdown]
-# The fluid's wrench on a link is linear in its twist. What it does to the joints is found without a Jacobian: the transpose
-# of the map from v to all twists, which JAX has from `vjp`.
+# The fluid's wrench on a link is linear in its twist. Its forces on the joints are computed without a Jacobian, by
+# the transpose of the map from v to all twists, which JAX gives by `vjp`.
 
 # %%
 resistance = np.zeros((snake.n_frames, 6))
@@ -64,8 +64,8 @@ def motion(u: jax.Array) -> tuple[jax.Array, jax.Array]:
 
 
 # %% [markdown]
-# It shall come far with little torque. At the beginning all drives beat together: what bends to and fro along one path gets
-# nowhere. The gradient finds the phases.
+# The snake is to swim far with little torque. At first all drives work in phase: a body that bends to and fro along
+# the same path does not move on. The gradient finds the phases.
 
 # %%
 def cost(u: jax.Array) -> jax.Array:

@@ -35,7 +35,8 @@ def peaks(m: axode.Model, seed: int) -> dict[str, object]:
 
 
 # %% [markdown]
-# Without a second word this happens in this process. `local` starts Ray on the cores of this machine, and an address is that of a cluster.
+# Without further arguments the study runs in this process. `local` starts Ray on the cores of this machine, and an
+# address is that of a cluster.
 
 # %%
 cluster = sys.argv[1] if len(sys.argv) > 1 else None

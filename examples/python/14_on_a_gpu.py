@@ -1,8 +1,8 @@
 """Feed-forward torques for many candidate motions at once, on a GPU if there is one."""
 
 # %% [markdown]
-# A planner that draws thousands of candidates wants the torques of all of them. The arm's inverse dynamics are written as CUDA, one
-# state a thread. The source needs no GPU; running it does.
+# A planner with thousands of candidate motions needs the torques of all of them. The inverse dynamics of the arm are
+# written as CUDA code, in which each thread computes one state. The source needs no GPU; running it does.
 
 # %%
 import axode
@@ -36,7 +36,7 @@ except (ImportError, RuntimeError) as error:  # no CuPy, no driver, no GPU
 print(f"{len(q)} states {where}")
 
 # %% [markdown]
-# A candidate counts as possible where no drive is asked for more than it has.
+# A candidate is possible if it needs from no drive more torque than that can give.
 
 # %%
 peak = np.abs(tau).reshape(200, 100, 7).max(axis=1)
