@@ -19,7 +19,7 @@ class BoundModel {
   explicit BoundModel(Model model) : model_(std::move(model)) {}
   BoundModel(BoundModel&&) = default;
   BoundModel(const BoundModel&) = delete;
-  operator const Model&() const { return model_; }  // a bound model is a model
+  operator const Model&() const { return model_; }  // NOLINT(google-explicit-constructor): it is a model
   const Model* operator->() const { return &model_; }
   const Model& operator*() const { return model_; }
 
