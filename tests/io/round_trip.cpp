@@ -328,9 +328,9 @@ TEST(Writers, ContactThatAFormatCannotSayIsLeftOutByName) {
                            "body \"finger\": has a shape with friction or restitution",
                            "joint \"finger_joint\": has hard stops", "contact: has friction"})
     EXPECT_THAT(by_urdf, HasSubstr(part));
-  for (const char* part : {"body \"finger\": has a shape with the restitution 0.25",
-                           "joint \"finger_joint\": has hard stops", "contact: has a margin and a threshold",
-                           "contact: ignores bodies \"puck\" and \"ground\""})
+  for (const char* part :
+       {"body \"finger\": has a shape with the restitution 0.25", "joint \"finger_joint\": has hard stops",
+        "contact: has a margin and a threshold", "contact: ignores bodies \"puck\" and \"ground\""})
     EXPECT_THAT(by_mjcf, HasSubstr(part));
   for (const char* part : {"type=\"plane\" size=\"0 0 1\"", "friction=\"0 0 0\"",
                            "friction=\"0.9 0.002 0.001\" condim=\"6\"", "friction=\"0.4 0 0\""})

@@ -364,19 +364,20 @@ TEST(Sdf, ShapesAreKept) {
     return "<visual name='v'>" + more + "<geometry>" + geometry + "</geometry></visual>";
   };
   const Model model = model_of(in_model(
-      link("a",
-           pose("1 0 0 0 0 0") +
-               shape("<box><size>1 2 3</size></box>", pose("0 0 1 0 0 0", "relative_to='b'")) +
-               shape("<sphere><radius>1</radius></sphere>",
-                     "<transparency>0.5</transparency><material><diffuse>0.1 0.2 0.3</diffuse></material>") +
-               shape("<cylinder><radius>1</radius><length>2</length></cylinder>") +
-               shape("<capsule><radius>1</radius><length>2</length></capsule>") +
-               shape("<ellipsoid><radii>1 2 3</radii></ellipsoid>") +
-               shape("<mesh><uri>model://a/b.stl</uri><scale>1 2 3</scale></mesh>") +
-               "<collision name='c'><geometry><plane><normal>0 2 0</normal><size>1 1</size></plane></geometry>"
-               "<surface><friction><ode><mu>0.7</mu></ode></friction>"
-               "<bounce><restitution_coefficient>0.2</restitution_coefficient></bounce></surface></collision>"
-               "<collision name='d'><geometry><polyline/></geometry></collision>") +
+      link(
+          "a",
+          pose("1 0 0 0 0 0") +
+              shape("<box><size>1 2 3</size></box>", pose("0 0 1 0 0 0", "relative_to='b'")) +
+              shape("<sphere><radius>1</radius></sphere>",
+                    "<transparency>0.5</transparency><material><diffuse>0.1 0.2 0.3</diffuse></material>") +
+              shape("<cylinder><radius>1</radius><length>2</length></cylinder>") +
+              shape("<capsule><radius>1</radius><length>2</length></capsule>") +
+              shape("<ellipsoid><radii>1 2 3</radii></ellipsoid>") +
+              shape("<mesh><uri>model://a/b.stl</uri><scale>1 2 3</scale></mesh>") +
+              "<collision name='c'><geometry><plane><normal>0 2 0</normal><size>1 1</size></plane></geometry>"
+              "<surface><friction><ode><mu>0.7</mu></ode></friction>"
+              "<bounce><restitution_coefficient>0.2</restitution_coefficient></bounce></surface></collision>"
+              "<collision name='d'><geometry><polyline/></geometry></collision>") +
       link("b")));
   const std::vector<ShapeDescription>& shapes = model.description().bodies[0].shapes;
   std::vector<ShapeKind> kinds;
