@@ -14,7 +14,7 @@
 #include "apps/shell/commands.hpp"
 #include "apps/shell/table.hpp"
 #include "apps/shell/terminal.hpp"
-#include "axode/constraints/higher_order/local_mobility.hpp"
+#include "axode/constraints/local_mobility/local_mobility.hpp"
 #include "axode/model/configuration.hpp"
 
 namespace axode::command {

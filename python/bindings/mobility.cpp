@@ -1,4 +1,4 @@
-#include "axode/constraints/higher_order/local_mobility.hpp"
+#include "axode/constraints/local_mobility/local_mobility.hpp"
 
 #include "python/bindings/support/bindings.hpp"
 #include "python/bindings/support/conversions.hpp"

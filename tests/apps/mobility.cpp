@@ -3,7 +3,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include "axode/constraints/higher_order/local_mobility.hpp"
+#include "axode/constraints/local_mobility/local_mobility.hpp"
 #include "axode/io.hpp"
 #include "axode/model/configuration.hpp"
 #include "tests/apps/run_command.hpp"

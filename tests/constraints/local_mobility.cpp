@@ -1,8 +1,8 @@
-#include "axode/constraints/higher_order/local_mobility.hpp"
+#include "axode/constraints/local_mobility/local_mobility.hpp"
 
 #include <cmath>
 
-#include "axode/constraints/higher_order/walks.hpp"
+#include "axode/constraints/local_mobility/walks.hpp"
 #include "axode/constraints/loops.hpp"
 #include "axode/constraints/mobility.hpp"
 #include "axode/model/configuration.hpp"

@@ -2,7 +2,7 @@
 #include <limits>
 #include <set>
 
-#include "axode/constraints/higher_order/local_mobility.hpp"
+#include "axode/constraints/local_mobility/local_mobility.hpp"
 #include "axode/constraints/loops.hpp"
 #include "axode/io.hpp"
 #include "axode/model/configuration.hpp"

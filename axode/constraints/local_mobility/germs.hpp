@@ -2,7 +2,7 @@
 #include <Eigen/Core>
 #include <vector>
 
-#include "axode/constraints/higher_order/elimination.hpp"
+#include "axode/constraints/local_mobility/elimination.hpp"
 
 namespace axode::higher_order {
 

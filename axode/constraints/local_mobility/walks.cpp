@@ -1,4 +1,4 @@
-#include "axode/constraints/higher_order/walks.hpp"
+#include "axode/constraints/local_mobility/walks.hpp"
 
 #include <algorithm>
 #include <array>

@@ -3,8 +3,8 @@
 #include <span>
 #include <vector>
 
-#include "axode/constraints/higher_order/polynomial_ring.hpp"
-#include "axode/constraints/higher_order/walks.hpp"
+#include "axode/constraints/local_mobility/polynomial_ring.hpp"
+#include "axode/constraints/local_mobility/walks.hpp"
 #include "axode/model/model.hpp"
 
 namespace axode::higher_order {

@@ -1,9 +1,9 @@
-#include "axode/constraints/higher_order/closure.hpp"
+#include "axode/constraints/local_mobility/closure.hpp"
 
 #include <algorithm>
 #include <cmath>
 
-#include "axode/constraints/higher_order/closure_series.hpp"
+#include "axode/constraints/local_mobility/closure_series.hpp"
 #include "axode/model/configuration.hpp"
 #include "axode/recursion/least_squares.hpp"
 

@@ -3,7 +3,7 @@
 #include <functional>
 #include <vector>
 
-#include "axode/constraints/higher_order/polynomial_ring.hpp"
+#include "axode/constraints/local_mobility/polynomial_ring.hpp"
 
 namespace axode::higher_order {
 

@@ -1,8 +1,8 @@
-#include "axode/constraints/higher_order/elimination.hpp"
+#include "axode/constraints/local_mobility/elimination.hpp"
 
 #include <algorithm>
 
-#include "axode/constraints/higher_order/decompositions.hpp"
+#include "axode/constraints/local_mobility/decompositions.hpp"
 
 namespace axode::higher_order {
 

@@ -1,4 +1,4 @@
-#include "axode/constraints/higher_order/branches.hpp"
+#include "axode/constraints/local_mobility/branches.hpp"
 
 #include <algorithm>
 #include <array>
@@ -6,7 +6,7 @@
 #include <limits>
 #include <random>
 
-#include "axode/constraints/higher_order/decompositions.hpp"
+#include "axode/constraints/local_mobility/decompositions.hpp"
 
 namespace axode::higher_order {
 namespace {

@@ -2,8 +2,8 @@
 #include <Eigen/Core>
 #include <vector>
 
-#include "axode/constraints/higher_order/polynomial_ring.hpp"
-#include "axode/constraints/higher_order/walks.hpp"
+#include "axode/constraints/local_mobility/polynomial_ring.hpp"
+#include "axode/constraints/local_mobility/walks.hpp"
 
 /// Series of the product of exponentials of a loop, by brackets alone. A series is a matrix of polynomials,
 /// 6 × ring.size().

@@ -1,10 +1,10 @@
-#include "axode/constraints/higher_order/germs.hpp"
+#include "axode/constraints/local_mobility/germs.hpp"
 
 #include <algorithm>
 #include <random>
 
-#include "axode/constraints/higher_order/decompositions.hpp"
-#include "axode/constraints/higher_order/directions.hpp"
+#include "axode/constraints/local_mobility/decompositions.hpp"
+#include "axode/constraints/local_mobility/directions.hpp"
 
 namespace axode::higher_order {
 namespace {

@@ -1,4 +1,4 @@
-#include "axode/constraints/higher_order/closure_series.hpp"
+#include "axode/constraints/local_mobility/closure_series.hpp"
 
 namespace axode::higher_order {
 namespace {

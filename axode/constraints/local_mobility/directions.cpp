@@ -1,4 +1,4 @@
-#include "axode/constraints/higher_order/directions.hpp"
+#include "axode/constraints/local_mobility/directions.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -6,7 +6,7 @@
 #include <optional>
 #include <random>
 
-#include "axode/constraints/higher_order/decompositions.hpp"
+#include "axode/constraints/local_mobility/decompositions.hpp"
 #include "axode/recursion/least_squares.hpp"
 
 namespace axode::higher_order {

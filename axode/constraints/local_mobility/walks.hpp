@@ -3,7 +3,7 @@
 #include <span>
 #include <vector>
 
-#include "axode/constraints/higher_order/local_mobility.hpp"
+#include "axode/constraints/local_mobility/local_mobility.hpp"
 
 namespace axode::higher_order {
 

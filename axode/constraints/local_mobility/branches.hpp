@@ -1,8 +1,8 @@
 #pragma once
 #include <vector>
 
-#include "axode/constraints/higher_order/closure.hpp"
-#include "axode/constraints/higher_order/germs.hpp"
+#include "axode/constraints/local_mobility/closure.hpp"
+#include "axode/constraints/local_mobility/germs.hpp"
 
 namespace axode::higher_order {
 

@@ -1,4 +1,4 @@
-#include "axode/constraints/higher_order/polynomial_ring.hpp"
+#include "axode/constraints/local_mobility/polynomial_ring.hpp"
 
 #include <stdexcept>
 #include <string>

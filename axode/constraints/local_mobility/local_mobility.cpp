@@ -1,4 +1,4 @@
-#include "axode/constraints/higher_order/local_mobility.hpp"
+#include "axode/constraints/local_mobility/local_mobility.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -9,10 +9,10 @@
 #include <stdexcept>
 
 #include "axode/constraints/check_loops.hpp"
-#include "axode/constraints/higher_order/branches.hpp"
-#include "axode/constraints/higher_order/closure.hpp"
-#include "axode/constraints/higher_order/closure_series.hpp"
-#include "axode/constraints/higher_order/directions.hpp"
+#include "axode/constraints/local_mobility/branches.hpp"
+#include "axode/constraints/local_mobility/closure.hpp"
+#include "axode/constraints/local_mobility/closure_series.hpp"
+#include "axode/constraints/local_mobility/directions.hpp"
 #include "axode/model/configuration.hpp"
 
 namespace axode {

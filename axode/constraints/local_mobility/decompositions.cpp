@@ -1,4 +1,4 @@
-#include "axode/constraints/higher_order/decompositions.hpp"
+#include "axode/constraints/local_mobility/decompositions.hpp"
 
 #include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
