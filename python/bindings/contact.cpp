@@ -1,3 +1,8 @@
+#include <nanobind/stl/optional.h>
+
+#include <limits>
+#include <optional>
+
 #include "axode/contact.hpp"
 #include "axode/view/mesh_hull.hpp"
 #include "python/bindings/support/bindings.hpp"
@@ -12,10 +17,11 @@ namespace {
 
 using namespace nb::literals;
 
-nb::list distances_of(const BoundModel& m, ArrayLike q, double margin) {
+nb::list distances_of(const BoundModel& m, ArrayLike q, std::optional<double> margin) {
   const States states = one_state(m, q);
   Distances distances(m, ContactShapes(m, hull_of_mesh));
-  const std::span<const ShapeDistance> found = distances.evaluate(states.q(0), margin);
+  const std::span<const ShapeDistance> found =
+      distances.evaluate(states.q(0), margin.value_or(std::numeric_limits<double>::infinity()));
   const std::size_t nv = static_cast<std::size_t>(m->nv());
   std::vector<double> J(found.size() * nv);
   distances.jacobian(J);
@@ -33,11 +39,11 @@ nb::list distances_of(const BoundModel& m, ArrayLike q, double margin) {
 }  // namespace
 
 void add_contact(nb::module_& module) {
-  module.def("distances", &distances_of, "m"_a, "q"_a, "margin"_a = std::numeric_limits<double>::infinity(),
-             nb::sig("def distances(m: Model, q: numpy.typing.ArrayLike, margin: float = float(\"inf\")) -> "
+  module.def("distances", &distances_of, "m"_a, "q"_a, "margin"_a = nb::none(),
+             nb::sig("def distances(m: Model, q: numpy.typing.ArrayLike, margin: float | None = None) -> "
                      "list[axode.records.ShapeDistance]"),
              R"(
-Signed distances of the collision shapes that may touch, at q (nq,), where they are less than `margin` (m), see `ShapeDistance`.
+Signed distances of the collision shapes that may touch, at q (nq,), where they are less than `margin` (m; None: all), see `ShapeDistance`.
 
 Each has its nearest points, a certificate and its exact Jacobian. ValueError for a shape that cannot touch, such as a mesh
 without a hull.
@@ -47,7 +53,7 @@ without a hull.
 ...     "name": "slide", "joint": {"kind": "prismatic", "axis": "x"}, "mass": 1, "com": [0, 0, 0], "inertia": [1, 1, 1],
 ...     "shape": [ball]}]})
 >>> [near] = axode.distances(slider, [0.5])
->>> near.a, near.b, near.distance, near.jacobian
+>>> near.a, near.b, round(near.distance, 12), near.jacobian
 ('ground shape 1', 'slide shape 1', 0.3, array([1.]))
 )");
 }
