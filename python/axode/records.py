@@ -12,7 +12,7 @@ from .support import signatures
 __all__ = ["Equilibrium", "ForwardDynamicsDerivatives", "ForwardDynamicsHessian", "IndependentEquations", "IndependentLinearization", "InverseDynamicsDerivatives",
            "InverseDynamicsHessian", "InverseKinematics", "JointState", "Linearization", "Load", "LocalMobility", "LoopMobility", "MotionBranch", "BranchPoint", "RedundantRow",
            "MomentumFormDerivatives", "MotionChange", "MotionDerivatives", "RolloutDerivatives", "RolloutGradient",
-           "StateDerivatives", "Target"]
+           "ShapeDistance", "StateDerivatives", "Target"]
 
 Representation = Literal["body", "spatial", "hybrid", "mixed"]
 
