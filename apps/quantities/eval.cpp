@@ -62,11 +62,14 @@ keyed by frame: six rows of nv entries; their partial derivatives are lists of t
 /// Functions of a state that `eval` does not offer, each with the place where it is offered.
 constexpr std::pair<std::string_view, std::string_view> elsewhere[]{
     {"assemble", "ask for \"assembly\", or close the loops of the state by --assemble"},
+    {"closure_derivatives",
+     "a state has no derivatives of loop joints to take it along; it is a function of the library alone"},
     {"independent_linearization", "use axode linearize"},
     {"jacobian_columns", "ask for \"jacobian\", whose columns off the path of the frame are 0"},
     {"jacobian_derivative_along", "ask for \"jacobian_partials\", its derivatives along all directions"},
     {"jacobian_derivatives", "ask for \"jacobian_derivative\" with --order"},
     {"linearize", "use axode linearize"},
+    {"local_mobility", "use axode mobility"},
     {"loop_hessian_product",
      "a state has no multipliers to take it with; it is a function of the library alone"},
     {"motion_vjp", "ask for \"motion_derivatives\", the matrices whose product with weights it is"},

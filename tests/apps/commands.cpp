@@ -26,9 +26,9 @@ TEST(Program, HelpListsTheCommandsAndTheExitCodes) {
   const Outcome outcome = axode({"--help"});
   EXPECT_EQ(outcome.code, 0);
   EXPECT_EQ(outcome.err, "");
-  for (const char* said :
-       {"info", "check", "convert", "eval", "linearize", "plot", "view", "map", "codegen", "study", "demo",
-        "Exit codes:", "0  all is well", "1  a file is missing", "2  the command line is wrong"})
+  for (const char* said : {"info", "check", "convert", "eval", "linearize", "mobility", "plot", "view", "map",
+                           "codegen", "study", "demo", "Exit codes:", "0  all is well",
+                           "1  a file is missing", "2  the command line is wrong"})
     EXPECT_THAT(outcome.out, HasSubstr(said));
 }
 
@@ -104,8 +104,8 @@ TEST(Program, AloneShowsWhatOneCanDoInExamplesThatRun) {
   }
   EXPECT_GT(largest_change_of_coordinates(folder.path() / "run.csv"), 0.05);
   EXPECT_THAT(commands, testing::UnorderedElementsAre("info", "check", "convert", "eval", "simulate",
-                                                      "linearize", "plot", "view", "map", "codegen", "study",
-                                                      "demo", "manual", "completion"));
+                                                      "linearize", "mobility", "plot", "view", "map",
+                                                      "codegen", "study", "demo", "manual", "completion"));
 }
 
 /// The lines of a help text from below `Example:` to the next empty line.
