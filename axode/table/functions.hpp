@@ -30,81 +30,98 @@ inline constexpr std::string_view add_springs = "spring_forces(q, v) are to be a
 /// motions.
 inline constexpr Count at_a_time =
     refused("simulate and forward_dynamics_at count them, because they know the time");
+/// Contacts of collision shapes and hard stops act by impulses over a step, which a function of a state does
+/// not have.
+inline constexpr Count without_contacts =
+    of_the_tree("simulate with contact and ContactDynamics count contacts and hard stops");
 inline constexpr Counts of_motion{.loops = of_the_tree(),
                                   .passive_joints = of_the_tree(),
                                   .springs = of_the_tree(),
                                   .joint_losses = of_the_tree(),
-                                  .motions = of_the_tree()};
+                                  .motions = of_the_tree(),
+                                  .contacts = of_the_tree()};
 inline constexpr Counts of_loads{.loops = of_the_tree(),
                                  .passive_joints = of_the_tree(),
                                  .springs = of_the_tree(),
                                  .joint_losses = optional,
-                                 .motions = of_the_tree()};
+                                 .motions = of_the_tree(),
+                                 .contacts = of_the_tree()};
 inline constexpr Counts of_columns{
     .loops = of_the_tree("loops allow only velocities v with loop_jacobian(q) v = 0"),
     .passive_joints = of_the_tree(),
     .springs = of_the_tree(),
     .joint_losses = of_the_tree(),
-    .motions = of_the_tree()};
+    .motions = of_the_tree(),
+    .contacts = of_the_tree()};
 inline constexpr Counts of_terms{
     .loops = of_the_tree(
         "independent_equations has the terms that belong to independent velocities of closed loops"),
     .passive_joints = of_the_tree(),
     .springs = of_the_tree(),
     .joint_losses = of_the_tree(),
-    .motions = of_the_tree()};
+    .motions = of_the_tree(),
+    .contacts = of_the_tree()};
 inline constexpr Counts of_gravity{
     .loops = of_the_tree(
         "inverse_dynamics with v = a = 0 gives the drive forces that hold a mechanism with loops"),
     .passive_joints = of_the_tree(),
     .springs = of_the_tree(),
     .joint_losses = of_the_tree(),
-    .motions = of_the_tree()};
+    .motions = of_the_tree(),
+    .contacts = of_the_tree()};
 inline constexpr Counts of_springs{.loops = of_the_tree(),
                                    .passive_joints = of_the_tree(),
                                    .springs = counted,
                                    .joint_losses = of_the_tree(),
-                                   .motions = of_the_tree()};
+                                   .motions = of_the_tree(),
+                                   .contacts = of_the_tree()};
 inline constexpr Counts of_forces{
     .loops = counted,
     .passive_joints = {Word::optional, "a LoopWorkspace, or drives in Python, leaves them without forces"},
     .springs = of_the_tree(subtract_springs),
     .joint_losses = optional,
-    .motions = of_the_tree("tau has the forces that they take")};
+    .motions = of_the_tree("tau has the forces that they take"),
+    .contacts = without_contacts};
 inline constexpr Counts of_wrenches{.loops = counted,
                                     .passive_joints = of_the_tree(),
                                     .springs = of_the_tree(),
                                     .joint_losses = optional,
-                                    .motions = of_the_tree()};
+                                    .motions = of_the_tree(),
+                                    .contacts = of_the_tree()};
 inline constexpr Counts of_accelerations{.loops = counted,
                                          .passive_joints = of_the_tree(),
                                          .springs = of_the_tree(add_springs),
                                          .joint_losses = optional,
-                                         .motions = at_a_time};
+                                         .motions = at_a_time,
+                                         .contacts = without_contacts};
 inline constexpr Counts of_impulses{.loops = counted,
                                     .passive_joints = of_the_tree(),
                                     .springs = of_the_tree(),
                                     .joint_losses = of_the_tree(),
-                                    .motions = refused("reduced locks the joints that they move")};
+                                    .motions = refused("reduced locks the joints that they move"),
+                                    .contacts = of_the_tree()};
 inline constexpr Counts of_momentum_form{
     .loops = refused("forward_dynamics counts them; momenta(q, v) of its motion are those of the mechanism"),
     .passive_joints = of_the_tree(),
     .springs = of_the_tree(add_springs),
     .joint_losses = optional,
-    .motions = at_a_time};
+    .motions = at_a_time,
+    .contacts = of_the_tree()};
 inline constexpr Counts of_derivatives_of_forces{
     .loops = refused("forward_dynamics_derivatives and independent_linearization count them"),
     .passive_joints = of_the_tree(),
     .springs = of_the_tree("spring_force_derivatives(q, v) are to be subtracted"),
     .joint_losses = optional,
-    .motions = of_the_tree()};
+    .motions = of_the_tree(),
+    .contacts = of_the_tree()};
 inline constexpr Counts of_derivatives_of_accelerations{
     .loops =
         refused("forward_dynamics_derivatives, forward_dynamics_jvp and forward_dynamics_vjp count them"),
     .passive_joints = of_the_tree(),
     .springs = of_the_tree(add_springs),
     .joint_losses = optional,
-    .motions = at_a_time};
+    .motions = at_a_time,
+    .contacts = without_contacts};
 
 }  // namespace table
 

@@ -127,11 +127,11 @@ TEST(WhatFunctionsCount, AWorkspaceKnowsTheTree) {
 }
 
 /// If a function answers for the mechanism without some property, its results do not change when that
-/// property is taken away.
+/// property is taken away or, if it is contact, added.
 TEST(WhatFunctionsCount, OtherPropertiesChangeNothingThatIsOfTheTree) {
   struct Property {
     catalog::Count catalog::Counts::*count;
-    void (*remove)(Description&);
+    void (*change)(Description&);
   };
   const Property properties[]{{&catalog::Counts::springs,
                                [](Description& d) {
@@ -143,13 +143,26 @@ TEST(WhatFunctionsCount, OtherPropertiesChangeNothingThatIsOfTheTree) {
                                [](Description& d) {
                                  for (BodyDescription& body : d.bodies) body.joint.passive = false;
                                }},
-                              {&catalog::Counts::joint_losses, [](Description& d) {
+                              {&catalog::Counts::joint_losses,
+                               [](Description& d) {
                                  for (BodyDescription& body : d.bodies)
                                    for (Dof& dof : body.joint.dof) dof.damping = dof.friction = 0;
+                               }},
+                              {&catalog::Counts::contacts, [](Description& d) {
+                                 const ShapeDescription ball{.role = ShapeDescription::Role::collision,
+                                                             .kind = ShapeKind::sphere,
+                                                             .radius = 10};
+                                 for (BodyDescription& body : d.bodies) {
+                                   body.shapes.push_back(ball);
+                                   if (body.joint.dof.size() != 1 || body.joint.coupling) continue;
+                                   body.joint.dof[0].lower = -1;
+                                   body.joint.dof[0].upper = 1;
+                                   body.joint.dof[0].hard_stops = true;
+                                 }
                                }}};
   for_rows(5, [&](const Whole& whole, const Row& row, const Case&) {
     for (const Property& property : properties) {
-      const Model without = whole.with(property.remove);
+      const Model without = whole.with(property.change);
       Workspace<> one(whole.model, cut_tree), other(without, cut_tree);
       const Word word = (row.counts.*property.count).word;
       if (word != Word::of_the_tree) continue;

@@ -13,6 +13,11 @@ Trajectory simulate_contact(const Model& model, const ContactShapes& shapes, std
   check_step(step);
   if (options.coordinates != Coordinates::relative)
     throw std::invalid_argument("contact needs relative coordinates, and these are absolute");
+  if (!model.motions().empty() || !options.motions.empty())
+    throw std::invalid_argument(
+        "contact does not count prescribed motions; simulate without contact, or drive the joints by tau");
+  if (options.local_coordinates != LocalCoordinates::exponential)
+    throw std::invalid_argument("contact steps in exponential local coordinates, and these are Cayley's");
   SimulationOptions free = options;  // losses of joints belong to the step with contact
   free.joint_losses = false;
   ContactSimulationRun run(model, q, v, until, free, options.joint_losses);
