@@ -1,6 +1,6 @@
-// Clearance: an arm moves its flange to a target and keeps its links 3 cm away from a ball that stands in the way. The
-// rows of the distances' Jacobian are inequalities of each step of the inverse kinematics. Without them a link would
-// enter the ball by 3 cm.
+// Clearance: an arm moves its flange to a target and keeps its links 3 cm away from a ball that stands in the
+// way. The rows of the distances' Jacobian are inequalities of each step of the inverse kinematics. Without
+// them a link would enter the ball by 3 cm.
 #include <Eigen/Dense>
 #include <algorithm>
 #include <cstdio>
@@ -37,7 +37,8 @@ int main() {
   const int flange = arm.frame_index("flange"), nv = arm.nv();
   Workspace<> workspace(arm);
 
-  // The pairs of the ball with all other shapes; the ball is shape 0, because shapes of the ground come first.
+  // The pairs of the ball with all other shapes; the ball is shape 0, because shapes of the ground come
+  // first.
   std::vector<std::array<int, 2>> pairs;
   for (const auto& pair : ContactShapes(arm).pairs())
     if (pair[0] == 0) pairs.push_back(pair);

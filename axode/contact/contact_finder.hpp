@@ -18,8 +18,8 @@ class ContactFinder {
 
   /// Finds the points with a gap below `margin` (m), in ascending order of their pairs of shapes. `C` has the
   /// pose of the internal frame of every body in the inertial frame, as BodyPoses gives them: n_bodies + 1
-  /// entries, entry 0 for the ground, all finite. Returns false if there are more points than the capacity; then the
-  /// points that fit are there. Allocates nothing.
+  /// entries, entry 0 for the ground, all finite. Returns false if there are more points than the capacity;
+  /// then the points that fit are there. Allocates nothing.
   [[nodiscard]] bool find(std::span<const SE3<>> C, double margin) noexcept;
 
   /// The points of the last call of find().

@@ -38,25 +38,25 @@ struct MeshHull {
   Hull hull;
   Vec3<> origin;
 };
-/// Gives the hull of the mesh of a shape, whose file is referenced from a source. Throws std::invalid_argument
-/// with a sentence if there is none. hull_of_mesh() of axode/view.hpp reads files.
+/// Gives the hull of the mesh of a shape, whose file is referenced from a source. Throws
+/// std::invalid_argument with a sentence if there is none. hull_of_mesh() of axode/view.hpp reads files.
 using MeshHulls = std::function<MeshHull(const ShapeDescription&, const Source&)>;
 
 /// The collision shapes of a model: those of the ground first, then those of the bodies in the order of the
 /// description. Copies are cheap and share the data.
 class ContactShapes {
  public:
-  /// Meshes touch with their convex hulls, and are refused if `hulls` is empty. Throws std::invalid_argument with
-  /// a sentence for a mesh without a hull, for a shape without a size, and for two planes that move against each
-  /// other. Allocates.
+  /// Meshes touch with their convex hulls, and are refused if `hulls` is empty. Throws std::invalid_argument
+  /// with a sentence for a mesh without a hull, for a shape without a size, and for two planes that move
+  /// against each other. Allocates.
   explicit ContactShapes(const Model& model, const MeshHulls& hulls = {});
 
   int size() const { return static_cast<int>(data_->shapes.size()); }
   const ContactShape& operator[](int i) const { return data_->shapes[i]; }
 
   /// Pairs of shapes (i, j), i < j, that may touch, in ascending order. Shapes on one body, on two moving
-  /// bodies that a joint or a loop joint connects, and on bodies of an ignored pair do not touch. Rods connect
-  /// no bodies in this sense.
+  /// bodies that a joint or a loop joint connects, and on bodies of an ignored pair do not touch. Rods
+  /// connect no bodies in this sense.
   std::span<const std::array<int, 2>> pairs() const { return data_->pairs; }
   bool may_touch(int i, int j) const { return data_->may_touch[i * data_->shapes.size() + j] != 0; }
 

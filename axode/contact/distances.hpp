@@ -29,8 +29,8 @@ struct ShapeDistance {
 class Distances {
  public:
   /// For the given pairs of shapes, or for all that may touch. `shapes` are those of the model. Throws
-  /// std::invalid_argument for a shape that does not exist, a pair of one shape and a pair of planes, and what
-  /// ContactShapes refuses. Allocates.
+  /// std::invalid_argument for a shape that does not exist, a pair of one shape and a pair of planes, and
+  /// what ContactShapes refuses. Allocates.
   explicit Distances(const Model& model);
   Distances(const Model& model, ContactShapes shapes);
   Distances(const Model& model, ContactShapes shapes, std::vector<std::array<int, 2>> pairs);
@@ -44,10 +44,10 @@ class Distances {
                                           double margin = std::numeric_limits<double>::infinity());
   std::span<const ShapeDistance> found() const { return found_; }
 
-  /// The Jacobian of the distances that evaluate() has found, at its q: nv numbers for each of them, the rate of
-  /// the distance for a unit of each velocity (D10.11), m/rad or m/m. It is exact if the nearest points are
-  /// unique, and a one-sided derivative otherwise. O(depth) for each distance, and nv to clear the row. Throws
-  /// std::invalid_argument if J has another size.
+  /// The Jacobian of the distances that evaluate() has found, at its q: nv numbers for each of them, the rate
+  /// of the distance for a unit of each velocity (D10.11), m/rad or m/m. It is exact if the nearest points
+  /// are unique, and a one-sided derivative otherwise. O(depth) for each distance, and nv to clear the row.
+  /// Throws std::invalid_argument if J has another size.
   void jacobian(std::span<double> J) const;
 
   const ContactShapes& shapes() const { return shapes_; }

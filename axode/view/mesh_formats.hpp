@@ -15,8 +15,8 @@ std::string fault_of_dae(std::string_view bytes);
 std::string fault_of_glb(std::string_view bytes);
 std::string fault_of_gltf(std::string_view bytes);
 
-/// The corners of all triangles of an STL, and the vertices of an OBJ, in the units of the file. The bytes must
-/// have passed the checks above.
+/// The corners of all triangles of an STL, and the vertices of an OBJ, in the units of the file. The bytes
+/// must have passed the checks above.
 std::vector<Vec3<>> vertices_of_stl(std::string_view bytes);
 std::vector<Vec3<>> vertices_of_obj(std::string_view bytes);
 

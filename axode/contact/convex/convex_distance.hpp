@@ -11,8 +11,8 @@ struct ConvexDistance {
   double distance = 0;
   Vec3<> normal;            ///< unit vector n from a to b
   Vec3<> point_a, point_b;  ///< witness points on the boundaries of a and b, m
-  /// |point_b - point_a - distance n|, m. The true distance is at most `distance + residual` if the bodies are
-  /// apart or the overlap is proved; otherwise this holds among the normals around n.
+  /// |point_b - point_a - distance n|, m. The true distance is at most `distance + residual` if the bodies
+  /// are apart or the overlap is proved; otherwise this holds among the normals around n.
   double residual = 0;
   double core_overlap = 0;   ///< overlap of the cores along n, m; 0 if the cores are apart
   double overlap_bound = 0;  ///< a sure lower bound of the overlap of the cores, m, see expand()
@@ -29,9 +29,9 @@ struct WarmStart {
   int vertex_a = 0, vertex_b = 0;
 };
 
-/// Computes the signed distance d = max over unit n of s(n) of two bodies with poses A and B (D10.2): the least
-/// distance if they are apart, and minus the length of the least translation that separates them if they
-/// overlap. Works by the point of least norm, proximal steps, Newton's method and an expanding polytope
+/// Computes the signed distance d = max over unit n of s(n) of two bodies with poses A and B (D10.2): the
+/// least distance if they are apart, and minus the length of the least translation that separates them if
+/// they overlap. Works by the point of least norm, proximal steps, Newton's method and an expanding polytope
 /// (D10.5 to D10.10). Takes 0.3 to 3 µs for simple bodies, and up to 15 µs for overlapping hulls of 1000
 /// vertices. A pose with a number that is not finite gives a distance that is not a number.
 [[nodiscard]] ConvexDistance convex_distance(const ConvexShape& a, const SE3<>& A, const ConvexShape& b,

@@ -5,8 +5,8 @@
 namespace axode {
 
 /// A convex body: the core, which is the convex hull of a box, a cylinder, an ellipsoid or a hull, plus a
-/// ball (D10.4). The core of a sphere is a point, that of a capsule a segment. The core of an ellipsoid is the
-/// ellipsoid less the ball of its least radius of curvature.
+/// ball (D10.4). The core of a sphere is a point, that of a capsule a segment. The core of an ellipsoid is
+/// the ellipsoid less the ball of its least radius of curvature.
 struct ConvexShape {
   enum class Core { box, cylinder, ellipsoid, hull } core = Core::box;
   Vec3<> size{};       ///< half sizes of the core, or semi-axes of an ellipsoid, along the axes, m

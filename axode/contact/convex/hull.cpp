@@ -93,8 +93,8 @@ class HullBuilder {
     }
     hull_.first_corner.push_back(static_cast<int>(hull_.corners.size()));
   }
-  /// Adds the corners of the convex polygon around the vertices of some triangles, seen against n, by Andrew's
-  /// monotone chain.
+  /// Adds the corners of the convex polygon around the vertices of some triangles, seen against n, by
+  /// Andrew's monotone chain.
   void outline(const std::vector<std::size_t>& members, const Vec3<>& n) {
     struct Corner {
       double x, y;

@@ -18,8 +18,8 @@ struct Hull {
   std::array<int, 27> start{};  ///< the vertex that is farthest along the middle of each sector
 };
 
-/// The hull of vertices that are all extreme points, from its triangles, which are counter-clockwise seen from
-/// outside. Neighbouring triangles whose unit normals differ by less than `coplanar` make one face,
+/// The hull of vertices that are all extreme points, from its triangles, which are counter-clockwise seen
+/// from outside. Neighbouring triangles whose unit normals differ by less than `coplanar` make one face,
 /// which is the convex polygon of their vertices. Triangles that are nearly segments make no face. Throws
 /// std::invalid_argument if fewer than four vertices are given, or if the triangles are not a closed convex
 /// surface around the origin.

@@ -11,8 +11,8 @@ namespace {
 /// three vertices, and s.
 using Equations = std::array<std::array<double, 7>, 6>;
 
-/// Solves the first `size` equations by Gauss-Jordan elimination with pivots. The solution is in the last column,
-/// which is column `size`. Returns false if the matrix is singular.
+/// Solves the first `size` equations by Gauss-Jordan elimination with pivots. The solution is in the last
+/// column, which is column `size`. Returns false if the matrix is singular.
 bool solve(Equations& m, int size) noexcept {
   for (int c = 0; c < size; ++c) {
     int pivot = c;

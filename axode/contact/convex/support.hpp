@@ -4,8 +4,8 @@
 
 #include "axode/contact/convex/convex_shape.hpp"
 
-/// Support functions of cores, h(n) = max of n·x over the core. They consist of smooth branches: a vertex, the
-/// rim of a cap, or the whole surface of an ellipsoid.
+/// Support functions of cores, h(n) = max of n·x over the core. They consist of smooth branches: a vertex,
+/// the rim of a cap, or the whole surface of an ellipsoid.
 namespace axode::convex {
 
 inline Vec3<> unit(const Vec3<>& a) { return (1 / norm(a)) * a; }
@@ -28,7 +28,8 @@ inline int sector(const Vec3<>& n) {
   return third(n.x) + 3 * third(n.y) + 9 * third(n.z);
 }
 
-/// The point of the core on one branch of its support function, at the unit normal n in the axes of the shape.
+/// The point of the core on one branch of its support function, at the unit normal n in the axes of the
+/// shape.
 inline Vec3<> branch_point(const ConvexShape& shape, int branch, const Vec3<>& n) {
   const Vec3<>& h = shape.size;
   switch (shape.core) {
@@ -79,8 +80,8 @@ inline Vec3<> support_point(const ConvexShape& shape, const Vec3<>& n) {
   return branch_point(shape, support_branch(shape, n, 0), n) + shape.radius * n;
 }
 
-/// The second derivative of the support function of the core at the unit normal n, as a matrix in the tangents
-/// u and v: the entries uu, uv, vv. It is the inverse of the curvature of the surface.
+/// The second derivative of the support function of the core at the unit normal n, as a matrix in the
+/// tangents u and v: the entries uu, uv, vv. It is the inverse of the curvature of the surface.
 inline std::array<double, 3> support_hessian(const ConvexShape& shape, const Vec3<>& n, const Vec3<>& u,
                                              const Vec3<>& v) {
   const Vec3<>& h = shape.size;

@@ -13,8 +13,8 @@ namespace axode {
 
 namespace {
 
-/// The vertices of a hull that are within the margin of a plane: all of them or, if there are many, the deepest
-/// one and those that are farthest along eight directions in the plane.
+/// The vertices of a hull that are within the margin of a plane: all of them or, if there are many, the
+/// deepest one and those that are farthest along eight directions in the plane.
 void touch_plane_by_hull(const SE3<>& plane, const Hull& hull, const SE3<>& pose, PointList& out) noexcept {
   constexpr int directions = 8;
   struct Farthest {

@@ -9,8 +9,8 @@ namespace axode {
 
 /// The half-space of a plane against any other shape; the points are on the surface of that shape. A sphere
 /// and an ellipsoid have their lowest point, a capsule the lowest points of both half balls, a box and a hull
-/// their vertices, of more than 16 that are within the margin the deepest and the outermost ones. A cylinder has four points on either rim: the lowest one, and three more a quarter of a
-/// turn apart.
+/// their vertices, of more than 16 that are within the margin the deepest and the outermost ones. A cylinder
+/// has four points on either rim: the lowest one, and three more a quarter of a turn apart.
 void touch_plane(const SE3<>& plane, const ContactShape& shape, const SE3<>& pose, PointList& out) noexcept;
 
 /// Two spheres or capsules. Capsules have a point where their axes are nearest, and a point at either end of

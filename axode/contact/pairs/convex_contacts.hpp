@@ -13,9 +13,9 @@ void touch_convex(const ContactShape& a, const SE3<>& A, const ContactShape& b, 
                   PointList& out) noexcept;
 
 /// Two boxes, as touch_convex(), with the normal of greatest separation among the face normals of both and
-/// the common perpendiculars of their edges. A face of a is preferred to one of b, and a face to two edges, as
-/// long as this costs no more than rounding and 1e-6 of the size. Boxes that are apart in a direction that is
-/// none of these go through touch_convex().
+/// the common perpendiculars of their edges. A face of a is preferred to one of b, and a face to two edges,
+/// as long as this costs no more than rounding and 1e-6 of the size. Boxes that are apart in a direction that
+/// is none of these go through touch_convex().
 void touch_boxes(const ContactShape& a, const SE3<>& A, const ContactShape& b, const SE3<>& B,
                  PointList& out) noexcept;
 

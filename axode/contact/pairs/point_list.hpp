@@ -11,8 +11,8 @@ class PointList {
  public:
   PointList(std::span<ContactPoint> memory, double margin) : memory_(memory), margin_(margin) {}
 
-  /// Selects the pair of shapes whose points follow. If `flipped`, the normals that add() receives point from b
-  /// to a.
+  /// Selects the pair of shapes whose points follow. If `flipped`, the normals that add() receives point from
+  /// b to a.
   void select(int a, int b, bool flipped) noexcept {
     a_ = a;
     b_ = b;
