@@ -10,6 +10,10 @@ class App;
 
 namespace axode::command {
 
+/// The state in which a motion starts, as the description says, without forces. Joints that follow a motion
+/// have its first coordinate and velocity. Throws InputError if the description says others.
+State starting_state(const Model& model);
+
 /// Options that decide whether and how the loops of a state are closed before it is used.
 struct Assembling {
   bool wanted = false;

@@ -23,10 +23,6 @@ struct State {
 /// The state with every joint at zero and at rest, without forces.
 State neutral_state(const Model& model);
 
-/// The state in which a motion starts, as the description says, without forces. Joints that follow a motion
-/// have its first coordinate and velocity. Throws InputError if the description says others.
-State starting_state(const Model& model);
-
 /// A state in motion that is the same in every call, without forces.
 State random_state(const Model& model);
 
