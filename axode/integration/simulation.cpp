@@ -5,8 +5,8 @@
 #include <stdexcept>
 #include <string>
 
-#include "axode/integration/absolute_simulation_run.hpp"
-#include "axode/integration/momenta/momentum_simulation_run.hpp"
+#include "axode/integration/runs/absolute_simulation_run.hpp"
+#include "axode/integration/runs/momentum_simulation_run.hpp"
 #include "axode/integration/schemes/closed_midpoint.hpp"
 #include "axode/integration/schemes/constrained_alpha.hpp"
 #include "axode/integration/schemes/explicit_steps.hpp"

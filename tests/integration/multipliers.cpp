@@ -1,6 +1,6 @@
 #include "axode/constraints/assembly.hpp"
 #include "axode/constraints/constrained_dynamics.hpp"
-#include "axode/integration/absolute_simulation_run.hpp"
+#include "axode/integration/runs/absolute_simulation_run.hpp"
 #include "axode/integration/schemes/constrained_alpha.hpp"
 #include "tests/constraints/mechanisms.hpp"
 #include "tests/integration/motions.hpp"

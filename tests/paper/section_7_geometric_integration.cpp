@@ -24,7 +24,8 @@ template <class Rep> SE3<> reconstructed(const SE3<>& C_0, const Screw<>& X, con
   };
   std::vector<double> times;
   for (int k = 0; k <= 10; ++k) times.push_back(0.99 + 0.001 * k);
-  return reconstruct<Rep>(reconstruction::moved<Rep>(C_0, X_at(times[0])), twist_at, times, runge_kutta(5))
+  return reconstruct<Rep>(reconstruction::moved<Rep>(C_0, exp(X_at(times[0]))), twist_at, times,
+                          runge_kutta(5))
       .back();
 }
 

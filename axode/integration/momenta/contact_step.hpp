@@ -4,7 +4,7 @@
 #include "axode/contact/contact_finder.hpp"
 #include "axode/contact/law/contact_system.hpp"
 #include "axode/contact/law/velocity_solver.hpp"
-#include "axode/integration/momenta/contact_simulation_run.hpp"
+#include "axode/integration/runs/contact_simulation_run.hpp"
 
 namespace axode {
 

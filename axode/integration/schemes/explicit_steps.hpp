@@ -4,9 +4,9 @@
 #include <limits>
 #include <vector>
 
+#include "axode/integration/runs/simulation_run.hpp"
 #include "axode/integration/schemes/anderson_iteration.hpp"
 #include "axode/integration/schemes/munthe_kaas.hpp"
-#include "axode/integration/simulation_run.hpp"
 
 /// Loops over the steps of explicit methods. A Run has the present q, v and a on the group of tree(),
 /// computes accelerations by accelerate(), and accepts the end of a step by take_up_to().

@@ -1,5 +1,5 @@
 #pragma once
-#include "axode/integration/momenta/momentum_simulation_run.hpp"
+#include "axode/integration/runs/momentum_simulation_run.hpp"
 #include "axode/integration/schemes/midpoint.hpp"
 #include "axode/model/finite.hpp"
 

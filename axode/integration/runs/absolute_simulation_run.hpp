@@ -6,8 +6,8 @@
 #include <vector>
 
 #include "axode/constraints/absolute/absolute_system.hpp"
+#include "axode/integration/runs/simulation_run.hpp"
 #include "axode/integration/schemes/anderson_iteration.hpp"
-#include "axode/integration/simulation_run.hpp"
 #include "axode/model/finite.hpp"
 
 namespace axode {

@@ -2,9 +2,9 @@
 #include "axode/dynamics/inverse_dynamics.hpp"
 #include "axode/dynamics/momentum/momentum.hpp"
 #include "axode/eigen.hpp"
+#include "axode/integration/runs/simulation_run.hpp"
 #include "axode/integration/schemes/floating_bases.hpp"
 #include "axode/integration/schemes/phase_space.hpp"
-#include "axode/integration/simulation_run.hpp"
 #include "axode/model/finite.hpp"
 
 namespace axode {

@@ -1,4 +1,4 @@
-#include "axode/integration/simulation_run.hpp"
+#include "axode/integration/runs/simulation_run.hpp"
 
 #include <numbers>
 #include <stdexcept>
