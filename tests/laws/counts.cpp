@@ -154,7 +154,9 @@ TEST(WhatFunctionsCount, OtherPropertiesChangeNothingThatIsOfTheTree) {
                                                              .radius = 10};
                                  for (BodyDescription& body : d.bodies) {
                                    body.shapes.push_back(ball);
-                                   if (body.joint.dof.size() != 1 || body.joint.coupling) continue;
+                                   const std::vector<Dof>& dof = body.joint.dof;
+                                   if (dof.size() != 1 || body.joint.coupling) continue;
+                                   if (dof[0].stop_stiffness > 0) continue;
                                    body.joint.dof[0].lower = -1;
                                    body.joint.dof[0].upper = 1;
                                    body.joint.dof[0].hard_stops = true;
