@@ -9,10 +9,11 @@ from numpy.typing import ArrayLike, NDArray
 
 from .support import signatures
 
-__all__ = ["Equilibrium", "ForwardDynamicsDerivatives", "ForwardDynamicsHessian", "IndependentEquations", "IndependentLinearization", "InverseDynamicsDerivatives",
-           "InverseDynamicsHessian", "InverseKinematics", "JointState", "Linearization", "Load", "LocalMobility", "LoopMobility", "MotionBranch", "BranchPoint", "RedundantRow",
-           "MomentumFormDerivatives", "MotionChange", "MotionDerivatives", "RolloutDerivatives", "RolloutGradient",
-           "ShapeDistance", "StateDerivatives", "Target"]
+__all__ = ["BranchPoint", "DynamicsAtTime", "Equilibrium", "ForwardDynamicsDerivatives", "ForwardDynamicsHessian",
+           "IndependentEquations", "IndependentLinearization", "InverseDynamicsDerivatives", "InverseDynamicsHessian",
+           "InverseKinematics", "JointState", "KinematicMotion", "Linearization", "Load", "LocalMobility",
+           "LoopMobility", "MomentumFormDerivatives", "MotionBranch", "MotionChange", "MotionDerivatives",
+           "RedundantRow", "RolloutDerivatives", "RolloutGradient", "ShapeDistance", "StateDerivatives", "Target"]
 
 Representation = Literal["body", "spatial", "hybrid", "mixed"]
 

@@ -91,7 +91,9 @@ nb::object assembled(const BoundModel& m, ArrayLike q, nb::handle v, nb::handle 
   const std::vector<int> held = velocities(m, hold, "hold");
   const AssemblyResult found = states.unlocked(1000, [&](const batch::Monitor& monitor) {
     return assemble(m, states.q(0), of_v ? (*of_v)[0] : std::span<const double>(),
-                    {tolerance, iterations, held, [&] { return monitor(0, 0); }});
+                    {.tolerance = tolerance, .iterations = iterations, .held = held, .monitor = [&] {
+                       return monitor(0, 0);
+                     }});
   });
   if (found.status != AssemblyStatus::closed)
     raise_of_assembly(to_string(*m, found), to_array(found.q), found.residual);

@@ -300,7 +300,7 @@ array([0.2, 0.2, 0.2, 0.2, 0.2, 0.2, 0.2])
 
 Joints that the drawing does not name are at zero and at rest.
 
->>> arm.initial_state()[1].any()
+>>> bool(arm.initial_state()[1].any())
 False
 )")
       .def(

@@ -14,7 +14,7 @@ auto fields(Like<Vec3<>> auto& a) { return std::tie(a.x, a.y, a.z); }
 auto fields(Like<Sym3<>> auto& A) { return std::tie(A.xx, A.yy, A.zz, A.xy, A.xz, A.yz); }
 auto fields(Like<SO3<>> auto& R) { return std::tie(R.x, R.y, R.z); }
 auto fields(Like<SE3<>> auto& C) { return std::tie(C.R, C.r); }
-auto fields(Like<Source> auto& s) { return std::tie(s.file, s.line); }
+auto fields(Like<axode::Source> auto& s) { return std::tie(s.file, s.line); }
 auto fields(Like<Fault> auto& f) { return std::tie(f.severity, f.rule, f.element, f.message, f.source); }
 auto fields(Like<Dof> auto& d) {
   return std::tie(d.lower, d.upper, d.velocity, d.effort, d.damping, d.friction, d.armature, d.stiffness,

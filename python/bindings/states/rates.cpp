@@ -175,7 +175,7 @@ True
       nb::sig("def second_order_inverse_dynamics(m: Model, q: numpy.typing.ArrayLike, "
               "v: numpy.typing.ArrayLike, a: numpy.typing.ArrayLike, jerk: numpy.typing.ArrayLike, "
               "snap: numpy.typing.ArrayLike, loads: collections.abc.Sequence[axode.Load] | None = None, *, "
-              "joint_losses: bool = False, representation: axode.Representation = 'body', "
+              "joint_losses: bool = False, representation: typing.Literal['body', 'hybrid'] = 'body', "
               "threads: int = 1) -> tuple[numpy.typing.NDArray[numpy.float64], ...]"),
       R"(
 (tau, tau', tau''), as `inverse_dynamics_rates` gives them, by Newton-Euler recursions that are differentiated twice.
