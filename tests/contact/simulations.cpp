@@ -214,17 +214,51 @@ TEST(ContactSimulation, AnOverlapPartsSlowly) {
   EXPECT_NEAR(last(motion, false)[6], 0.1, 1e-9);
 }
 
-TEST(ContactSimulation, AStopReflectsByItsRestitution) {
+/// A block on a slide with a stop that throws it back.
+Description block_with_stop() {
   Description description{.gravity = {}};
   BodyDescription body{.name = "block"};
   body.joint = {.kind = JointKind::prismatic, .axis = {1, 0, 0}};
   body.inertia = MassProperties{.mass = 2, .Theta = {1, 1, 1, 0, 0, 0}};
   body.joint.dof = {Dof{.upper = 0.5, .hard_stops = true, .restitution = 0.6}};
   description.bodies.push_back(body);
-  const Model model = ModelBuilder(description).build();
-  const Trajectory motion = simulate_contact(model, std::vector<double>{0}, std::vector<double>{1}, 1, 1e-2);
+  return description;
+}
+Trajectory with_stop(const Description& description, const SimulationOptions& options = {}) {
+  const std::vector<double> q{0}, v{1};
+  return simulate_contact(ModelBuilder(description).build(), q, v, 1, 1e-2, options);
+}
+
+TEST(ContactSimulation, AStopReflectsByItsRestitution) {
+  const Trajectory motion = with_stop(block_with_stop());
   ASSERT_TRUE(motion.complete) << motion.stop_reason;
   EXPECT_NEAR(last(motion, true)[0], -0.6, 1e-12);
+}
+
+TEST(ContactSimulation, RefusesWhatItDoesNotCount) {
+  const auto refusal = [](const Description& description, const SimulationOptions& options) {
+    try {
+      static_cast<void>(with_stop(description, options));
+    } catch (const std::invalid_argument& error) {
+      return std::string(error.what());
+    }
+    return std::string();
+  };
+  const MotionDescription moved{.of = "block_joint", .coefficients = {0, 1}};
+  Description described = block_with_stop();
+  described.motions.push_back(moved);
+  EXPECT_EQ(refusal(described, {}).find("contact does not count prescribed motions, and model"), 0U);
+  SimulationOptions options;
+  options.motions.push_back({"block_joint", MotionFunction(moved)});
+  EXPECT_EQ(refusal(block_with_stop(), options),
+            "contact does not count the prescribed motion of \"block_joint\"; simulate without contact, or "
+            "drive the joints by tau");
+  options = {.local_coordinates = LocalCoordinates::cayley};
+  EXPECT_EQ(refusal(block_with_stop(), options),
+            "contact steps in exponential local coordinates, and these are Cayley's");
+  options = {.coordinates = Coordinates::absolute};
+  EXPECT_EQ(refusal(block_with_stop(), options),
+            "contact needs relative coordinates, and these are absolute");
 }
 
 }  // namespace

@@ -11,6 +11,7 @@ import sys
 
 
 # Calls std::terminate; an address; constants, which Clang leaves in every object.
+BATCH = re.compile(r"Batch<(double|float), |5BatchI[df]Lm")  # nm leaves names mangled that it does not understand
 HARMLESS = {"__clang_call_terminate", "DW.ref.__gxx_personality_v0", *(f"axode::series::{name}" for name in "abcg")}
 
 
@@ -22,7 +23,7 @@ def shared_functions(nm, objects):
         listing = subprocess.run([nm, "--demangle", "--defined-only", file], check=True, capture_output=True, text=True)
         for line in listing.stdout.splitlines():
             kind, name = line.split(maxsplit=2)[1:] if not line.startswith(" ") else (None, None)
-            if kind in ("W", "V", "w", "v", "u") and name not in HARMLESS and not re.search(r"Batch<(double|float), ", name):
+            if kind in ("W", "V", "w", "v", "u") and name not in HARMLESS and not BATCH.search(name):
                 found.append(f"{file}: {name}")
     return found
 

@@ -4,6 +4,7 @@
 
 #include "axode/integration/momenta/contact_step.hpp"
 #include "axode/integration/schemes/explicit_steps.hpp"
+#include "axode/table/check_counts.hpp"
 
 namespace axode {
 
@@ -13,9 +14,11 @@ Trajectory simulate_contact(const Model& model, const ContactShapes& shapes, std
   check_step(step);
   if (options.coordinates != Coordinates::relative)
     throw std::invalid_argument("contact needs relative coordinates, and these are absolute");
-  if (!model.motions().empty() || !options.motions.empty())
-    throw std::invalid_argument(
-        "contact does not count prescribed motions; simulate without contact, or drive the joints by tau");
+  constexpr const char* instead = "simulate without contact, or drive the joints by tau";
+  catalog::refuse_motions("contact", instead, model);
+  if (!options.motions.empty())
+    throw std::invalid_argument("contact does not count the prescribed motion of \"" +
+                                options.motions.front().of + "\"; " + instead);
   if (options.local_coordinates != LocalCoordinates::exponential)
     throw std::invalid_argument("contact steps in exponential local coordinates, and these are Cayley's");
   SimulationOptions free = options;  // losses of joints belong to the step with contact
