@@ -34,8 +34,8 @@ namespace {
 
 struct Options {
   ModelOptions mechanism;
-  std::string state, target, method = "dopri5", coordinates = "relative", local_coordinates = "exponential",
-                             format = "table";
+  std::string state, target, method, coordinates = "relative", local_coordinates = "exponential",
+                                     format = "table";
   std::vector<double> gains;
   double until = 1, relative = 1e-8, absolute = 1e-10, spectral_radius = 0.8;
   std::optional<double> step;
@@ -69,7 +69,7 @@ those of second order err more where a body turns fast.
 
 --contact, or METHOD contact, takes fixed steps in which collision shapes touch with Coulomb's friction, and
 hard stops stop. The largest certificate of a step says how exactly the laws of contact hold: 1e-12 is
-rounding.
+rounding. A drawing with [contact] is simulated so unless another METHOD is named.
 
 With --pd a controller drives all joints, except passive joints and free joints on the ground, towards the
 q and v of --target by tau = KP (q_target - q) + KD (v_target - v); the difference of rotations is a
@@ -154,6 +154,11 @@ Drive drive_of(const Model& model, const State& state, const Options& options) {
   return ProportionalDerivative(model, {kp, kd}, {model, target.q, target.v}, constant);
 }
 
+std::string method_of(const Options& options, const Model& model) {
+  if (options.contact) return "contact";
+  return options.method.empty() ? std::string(usual_method(model)) : options.method;
+}
+
 Trajectory motion_of(const Model& model, const State& state, const Drive& drive, const Options& options) {
   SimulationOptions acting;
   acting.drive = drive;
@@ -165,14 +170,17 @@ Trajectory motion_of(const Model& model, const State& state, const Drive& drive,
     progress.tell(t);
     return interrupted == 0;
   };
-  const Method method = choose("--method", options.contact ? "contact" : options.method, methods);
+  const std::string named = method_of(options, model);
+  const Method method = choose("--method", named, methods);
   acting.coordinates = choose("--coordinates", options.coordinates, coordinate_kinds);
   acting.local_coordinates = choose("--local-coordinates", options.local_coordinates, local_coordinate_kinds);
   if (options.step) check_step(*options.step);
   if (!method.adapts && !options.step)
-    throw UsageError("--step is missing; " + (options.contact ? "contact" : options.method) +
-                     " takes fixed steps");
-  if (options.contact || options.method == "contact")
+    throw UsageError("--step is missing; " + named + " takes fixed steps" +
+                     (named == options.method || options.contact
+                          ? ""
+                          : ", and is the method if the drawing has [contact]"));
+  if (named == "contact")
     return simulate_contact(model, ContactShapes(model, hull_of_mesh), state.q, state.v, options.until,
                             *options.step, acting);
   return method.simulate({model,
@@ -263,7 +271,7 @@ Json as_json(const Trajectory& motion, const Rows& rows, const Options& options)
     return all;
   };
   Json json{{"model", model.name()},
-            {"method", options.contact ? "contact" : options.method},
+            {"method", method_of(options, model)},
             {"computed_in", options.coordinates},
             {"coordinates", coordinate_names(model)},
             {"velocities", velocity_names(model)},
@@ -463,7 +471,9 @@ void add_simulate(CLI::App& app, int& exit_code) {
   simulate->add_option("--state", options->state, "JSON, - for standard input; the initial state if left out")
       ->type_name("FILE");
   simulate->add_option("--until", options->until, "The end, s; 1 if left out")->type_name("NUMBER");
-  simulate->add_option("--method", options->method, "How to integrate; dopri5 if left out")
+  simulate
+      ->add_option("--method", options->method,
+                   "How to integrate; if left out, dopri5, or contact if the drawing has [contact]")
       ->type_name("METHOD");
   simulate->add_option("--coordinates", options->coordinates, "In which coordinates; relative if left out")
       ->type_name(words(coordinate_kinds));

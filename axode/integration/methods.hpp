@@ -74,6 +74,11 @@ inline constexpr std::array<std::pair<std::string_view, Method>, 14> methods{
      {"half_explicit", {false, detail::simulate_half_explicit}},
      {"generalized_alpha_index3", {false, detail::simulate_stiff<false>}}}};
 
+/// The method where none is named: with contact if the description of the mechanism says something of it.
+inline std::string_view usual_method(const Model& model) {
+  return model.description().contact ? "contact" : "dopri5";
+}
+
 /// The kinds of coordinates by name.
 inline constexpr std::array<std::pair<std::string_view, Coordinates>, 3> coordinate_kinds{
     {{"relative", Coordinates::relative},

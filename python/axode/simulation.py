@@ -25,7 +25,7 @@ Array = NDArray[np.float64]
 def simulate(m: Model, q: ArrayLike, v: ArrayLike, until: float, *,
              method: Literal["dopri5", "rk4", "euler", "generalized_alpha", "generalized_alpha_index3", "midpoint",
                              "suzuki4", "kahan_li6", "rk4_momenta", "rattle", "rattle_suzuki4", "rattle_kahan_li6",
-                             "half_explicit", "contact"] = "dopri5",
+                             "half_explicit", "contact"] | None = None,
              coordinates: Literal["relative", "absolute", "absolute_SO3xR3"] = "relative",
              local_coordinates: Literal["exponential", "cayley"] = "exponential",
              step: float | None = None, rtol: float = 1e-8, atol: float = 1e-10, spectral_radius: float = 0.8,
@@ -34,7 +34,7 @@ def simulate(m: Model, q: ArrayLike, v: ArrayLike, until: float, *,
              joint_losses: bool = False, times: ArrayLike | None = None,
              events: Sequence[Callable[[float, Array, Array], float]] | None = None,
              motions: Mapping[str, Callable[[float], ArrayLike]] | None = None,
-             contact: bool = False, progress: bool = False) -> Trajectory:
+             contact: bool | None = None, progress: bool = False) -> Trajectory:
     """Simulates a mechanism from (q, v) at t = 0 until a time (s), on the Lie group of its configurations.
 
     method: "dopri5" takes steps as long as rtol and atol allow, errors being measured in the algebra (rad, m; rad/s,
@@ -45,7 +45,8 @@ def simulate(m: Model, q: ArrayLike, v: ArrayLike, until: float, *,
         implicit), "suzuki4" and "kahan_li6" (fourth and sixth, made of it) are symplectic: errors of the energy stay
         bounded; "rk4_momenta" is explicit. All four keep the momentum of what floats to rounding. They take no events,
         stops and dry friction. Every method keeps loops closed; those on (q, p) that are symplectic take nothing that rolls.
-        "contact" takes steps in which collision shapes touch with Coulomb's friction and hard stops stop.
+        "contact" takes steps in which collision shapes touch with Coulomb's friction and hard stops stop. If left out, it
+        is "dopri5", or "contact" if the drawing has `[contact]`.
     coordinates: what the motion is computed in; it is told in coordinates of the joints in any case. "relative": these;
         "absolute": bodies are points of SE(3), and every joint is a constraint; "absolute_SO3xR3": of SO(3) x R^3. In
         absolute ones "dopri5", "rk4" and "euler" bring joints and loops back after each step, and others hold them:
@@ -68,8 +69,9 @@ def simulate(m: Model, q: ArrayLike, v: ArrayLike, until: float, *,
     motions: functions t -> (s, ds, dds) that joints of one velocity or lengths of rods follow, by the names of these,
         besides those of the drawing; the derivatives must be exact. They are counted in relative coordinates by "dopri5",
         "rk4", "euler" and "generalized_alpha". One that cannot be followed ends the motion.
-    contact: whether shapes touch: the same as method="contact". `certificates` of the motion say for each step how exactly
-        the laws of contact hold; 1e-12 is rounding.
+    contact: whether shapes touch, by the method "contact"; if left out, they do if the drawing has `[contact]` and no other
+        method is named. `certificates` of the motion say for each step how exactly the laws of contact hold; 1e-12 is
+        rounding.
     progress: whether a bar is shown, which needs tqdm (`pip install tqdm`).
 
     ValueError for wrong shapes, numbers that are not finite, until < 0 and step <= 0. SimulationError, with the
@@ -83,6 +85,8 @@ def simulate(m: Model, q: ArrayLike, v: ArrayLike, until: float, *,
         tau = tau.on(m)
     if contact:
         method = "contact"
+    elif contact is not None:
+        method = method or "dopri5"
     bar, report = None, None
     if progress:
         bar = progress_bar(float(until), unit="s", bar_format="{l_bar}{bar}| {n:.3g}/{total:.3g} s [{remaining}]")

@@ -211,6 +211,12 @@ BoundTrajectory simulate_of(const BoundModel& m, ArrayLike q, ArrayLike v, doubl
                                   .c_str());
     }
   }
+  nb::object usual;
+  if (method.is_none()) {
+    const std::string_view name = usual_method(*m);
+    usual = nb::str(name.data(), name.size());
+    method = usual;
+  }
   const Method& way = chosen("method", method, methods);
   if (!way.adapts && step.is_none())
     throw nb::value_error(
@@ -522,10 +528,10 @@ Its methods to_parquet (with pyarrow) and to_csv write files. ModuleNotFoundErro
                (x.motion.t().empty() ? "" : " to t = " + std::to_string(x.motion.t().back()) + " s") +
                (x.motion.complete ? ")" : ", " + x.motion.stop_reason + ")");
       });
-  module.def("simulate_motion", &simulate_of, "m"_a, "q"_a, "v"_a, "until"_a, "method"_a, "coordinates"_a,
-             "local_coordinates"_a, "step"_a.none(), "rtol"_a, "atol"_a, "spectral_radius"_a, "tau"_a.none(),
-             "loads"_a.none(), "joint_losses"_a, "times"_a.none(), "events"_a, "motions"_a.none(),
-             "progress"_a.none(), "See axode.simulate.");
+  module.def("simulate_motion", &simulate_of, "m"_a, "q"_a, "v"_a, "until"_a, "method"_a.none(),
+             "coordinates"_a, "local_coordinates"_a, "step"_a.none(), "rtol"_a, "atol"_a, "spectral_radius"_a,
+             "tau"_a.none(), "loads"_a.none(), "joint_losses"_a, "times"_a.none(), "events"_a,
+             "motions"_a.none(), "progress"_a.none(), "See axode.simulate.");
   module.def("rollout_under", &rollout_of, "m"_a, "q"_a, "v"_a, "tau"_a, "step"_a, "compiled"_a = nb::none(),
              nb::kw_only(), "threads"_a = 1, "joint_losses"_a = false, "See axode.rollout.");
   module.def("rollout_driven", &driven_rollout_of, "m"_a, "q"_a, "v"_a, "drive"_a, "steps"_a, "step"_a,

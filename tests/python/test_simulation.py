@@ -366,5 +366,11 @@ def test_what_falls_on_a_floor_stays_there(tmp_path):
     motion = axode.simulate(ball, start, np.zeros(6), 0.5, step=1e-3, contact=True)
     assert abs(motion.q[-1, 6] - 0.1) < 1e-12 and np.abs(motion.v[-1]).max() < 1e-12
     assert len(motion.certificates) == motion.steps and motion.certificates.max() < 1e-9
+    file.write_text(FALLING + "[contact]\n")
+    touching = axode.load(file)
+    assert np.array_equal(axode.simulate(touching, start, np.zeros(6), 0.5, step=1e-3).q, motion.q)
+    with pytest.raises(ValueError, match="step: method 'contact' takes fixed steps"):
+        axode.simulate(touching, start, np.zeros(6), 0.5)
+    assert axode.simulate(touching, start, np.zeros(6), 0.5, contact=False).q[-1, 6] < 0
     through = axode.simulate(ball, start, np.zeros(6), 0.5, step=1e-3, method="midpoint")
     assert through.q[-1, 6] < 0 and len(through.certificates) == 0
