@@ -3,6 +3,16 @@
 #include "axode/recursion/forward_kinematics.hpp"
 
 namespace axode {
+namespace {
+
+/// Sets the coefficients of order n.
+template <class Series> void set(Vec3<Series>& of, std::size_t n, const Vec3<>& x) {
+  of.x.c[n] = x.x;
+  of.y.c[n] = x.y;
+  of.z.c[n] = x.z;
+}
+
+}  // namespace
 
 LoopSeries::LoopSeries(const Model& model, int order)
     : model_(model),
@@ -18,8 +28,8 @@ Screw<LoopSeries::Series> LoopSeries::about(const Vec3<>& shift, const Screw<>* 
     const auto n = static_cast<std::size_t>(k);
     const Vec3<>& w = X[k].w;
     const Vec3<> v = X[k].v + cross(shift, w);
-    out.w.x.c[n] = w.x, out.w.y.c[n] = w.y, out.w.z.c[n] = w.z;
-    out.v.x.c[n] = v.x, out.v.y.c[n] = v.y, out.v.z.c[n] = v.z;
+    set(out.w, n, w);
+    set(out.v, n, v);
   }
   return out;
 }
@@ -32,7 +42,7 @@ SE3<LoopSeries::Series> LoopSeries::frame_series(const Loop::End& end, const Vec
     for (int k = 0; k <= order(); ++k) {
       const auto n = static_cast<std::size_t>(k);
       const Vec3<> x = coefficient(k);
-      out.x.c[n] = x.x, out.y.c[n] = x.y, out.z.c[n] = x.z;
+      set(out, n, x);
     }
     return out;
   };

@@ -14,7 +14,8 @@ struct Germ {
   bool multiple = false;                 ///< whether the equations hold doubly along the germ
 };
 
-/// The real germs of {g = 0} at 0, for an elimination with g and `scale`, by elimination, blow-ups (D13.11) and deflation (D13.12) in turn.
+/// Returns the real germs of {g = 0} at 0, for an elimination with g and `scale`. Elimination, blow-ups
+/// (D13.11) and deflation (D13.12) take turns.
 std::vector<Germ> germs(PolynomialRings& rings, const PolynomialRing& ring, const Eigen::MatrixXd& g,
                         const std::vector<double>& scale, int depth = 0);
 

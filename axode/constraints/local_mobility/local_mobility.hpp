@@ -114,9 +114,9 @@ std::vector<std::string> mobility_words(const Model& model, const LocalMobility&
 /// Finds what a mechanism with loops can do at a closed q (nq): mobility by order, branches of the
 /// configuration space with tangents and curvatures, cusps and shakiness.
 ///
-/// The closures are expanded to order K by brackets of joint screws (D13.3 to D13.6), the velocities that they
-/// determine are eliminated (D13.8), and the remaining equations are solved by blow-ups (D13.11) and deflation
-/// (D13.12). Every branch is traced by closed points. Allocates; about 1 ms for a loop of six joints with one
+/// The closures are expanded to order K by brackets of joint screws (D13.3 to D13.6), the velocities that
+/// they determine are eliminated (D13.8), and the remaining equations are solved by blow-ups (D13.11) and
+/// deflation (D13.12). Every branch is traced by closed points. Allocates; about 1 ms for a loop of six joints with one
 /// branch; it grows with the number of polynomials' terms, C(2d + K, K) for d degrees of freedom. Throws
 /// std::invalid_argument for a wrong or open q, a rolling contact, or an order that is negative, 1, above 20
 /// or too large for d.

@@ -49,8 +49,8 @@ struct FaultySubject {
 bool check_pose(const FaultySubject& at, const std::string& what, const SE3<>& C);
 bool check_shape(const FaultySubject& at, const ShapeDescription& shape);
 bool check_numbers(const BodyDescription& body, FaultCollector& faults);
-/// These check elements whose numbers are finite, except that loops, springs, motions and contact may have any
-/// numbers.
+/// The following functions check single elements. Their numbers must be finite, except those of loops,
+/// springs, motions and contact, which may be any numbers.
 void check_joint(const BodyDescription& body, FaultCollector& faults);
 void check_inertia(const BodyDescription& body, FaultCollector& faults);
 void check_spring(const FaultySubject& at, const SpringDescription& spring);

@@ -194,7 +194,8 @@ class StatesOf {
         if (std::abs(length - 1) <= tolerance) {
           for (int c = 0; c < 4; ++c) a[c] /= length;
         } else if (std::isnan(length)) {
-          a[0] = a[1] = a[2] = 0, a[3] = 1;
+          std::fill_n(&a[0], 3, 0.0);
+          a[3] = 1;
           undefined_.push_back(k);
         } else {
           throw std::invalid_argument("q: the quaternion of joint \"" + model_.joint(i).name +
