@@ -2,6 +2,9 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <array>
+
 #include "axode/contact/law/problem_derivative.hpp"
 #include "tests/contact/rigid_problems.hpp"
 
@@ -68,6 +71,22 @@ TEST(VelocitySolver, TakesNoStepFromItsOwnSolution) {
     VelocitySolver solver;
     solver.reserve(solved.problem.nv(), solved.problem.rows());
     EXPECT_EQ(solver.solve(solved.problem, solved.lambda.data()).factorizations, 0) << rigid.name;
+  }
+}
+
+/// A contact has one scale: its normal entry of the Delassus operator or half of its largest (D11.6).
+TEST(Certificate, ScalesAContactByItsNormalRowOrHalfOfItsLargest) {
+  for (const auto& [normal, tangential, expected] : {std::array{1.0, 3.0, 4.5}, std::array{3.0, 4.0, 9.0}}) {
+    VelocityProblem problem(3);
+    const std::vector<int> support{0, 1, 2};
+    double* Y = problem.add(ContactLaw::contact, 3, support);
+    std::fill_n(Y, 9, 0.0);
+    Y[0] = normal;
+    Y[4] = Y[8] = tangential;
+    std::ranges::fill(problem.c, 1);
+    std::ranges::fill(problem.r, 0);
+    problem.finish();
+    EXPECT_EQ(problem.squared_scales(), std::vector<double>(3, expected));
   }
 }
 
