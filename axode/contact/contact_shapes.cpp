@@ -4,6 +4,7 @@
 #include <cmath>
 #include <set>
 #include <stdexcept>
+#include <string>
 #include <utility>
 
 #include "axode/model/shape_kinds.hpp"
@@ -123,6 +124,7 @@ ContactShapes::ContactShapes(const Model& model, const MeshHulls& hulls) {
   Data data;
   data.shapes = std::move(compilation.shapes);
   data.hulls = std::move(compilation.hulls);
+  data.n_bodies = model.n_bodies();
   data.margin = compilation.common.margin;
   data.threshold = compilation.common.threshold;
 
@@ -150,6 +152,13 @@ ContactShapes::ContactShapes(const Model& model, const MeshHulls& hulls) {
       data.may_touch[i * n + j] = data.may_touch[j * n + i] = 1;
     }
   data_ = std::make_shared<const Data>(std::move(data));
+}
+
+void check_shapes(const Model& model, const ContactShapes& shapes) {
+  if (shapes.n_bodies() == model.n_bodies()) return;
+  throw std::invalid_argument("the collision shapes are those of a model with " +
+                              std::to_string(shapes.n_bodies()) + " bodies, and model \"" + model.name() +
+                              "\" has " + std::to_string(model.n_bodies()) + "; make them from this model");
 }
 
 SurfacePair ContactShapes::surface(int i, int j) const {

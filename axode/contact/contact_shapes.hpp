@@ -51,6 +51,8 @@ class ContactShapes {
   /// against each other. Allocates.
   explicit ContactShapes(const Model& model, const MeshHulls& hulls = {});
 
+  /// The number of moving bodies of the model. Shapes serve only models with as many.
+  int n_bodies() const { return data_->n_bodies; }
   int size() const { return static_cast<int>(data_->shapes.size()); }
   const ContactShape& operator[](int i) const { return data_->shapes[i]; }
 
@@ -74,8 +76,12 @@ class ContactShapes {
     std::vector<std::array<int, 2>> pairs;
     std::vector<char> may_touch;  ///< size × size
     double margin = 0, threshold = 0;
+    int n_bodies = 0;
   };
   std::shared_ptr<const Data> data_;
 };
+
+/// Throws std::invalid_argument if the shapes belong to a model with another number of bodies.
+void check_shapes(const Model& model, const ContactShapes& shapes);
 
 }  // namespace axode

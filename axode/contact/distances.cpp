@@ -59,6 +59,7 @@ Distances::Distances(const Model& model, ContactShapes shapes)
 
 Distances::Distances(const Model& model, ContactShapes shapes, std::vector<std::array<int, 2>> pairs)
     : model_(model), shapes_(std::move(shapes)), pairs_(std::move(pairs)), poses_(model.topology()) {
+  check_shapes(model, shapes_);
   for (const auto& [i, j] : pairs_) {
     for (const int k : {i, j})
       if (k < 0 || k >= shapes_.size())

@@ -49,7 +49,8 @@ struct SimulationOptions {
   /// friction is -f sign(v).
   bool joint_losses = false;
   std::vector<Event> events = {};
-  /// A function that is called with the time at the end of each step. If it returns false, the motion ends.
+  /// A function that is called with the time at the end of each step. A step with contact that takes many
+  /// iterations calls it during the step as well. If it returns false, the motion ends.
   std::function<bool(double t)> monitor = {};
 };
 

@@ -203,6 +203,36 @@ TEST(ContactSimulation, LoopsAreClosedAtTheEndsOfSteps) {
 }
 
 /// Where a body begins inside the floor, it comes out slowly and does not jump.
+/// Tangents of a contact are a convention, which jumps for horizontal normals; the motion is none.
+TEST(ContactSimulation, ARotatedSceneHasTheRotatedMotion) {
+  const auto end_of = [](double angle) {
+    const double c = std::cos(angle), s = std::sin(angle);
+    const SO3<> R{{c, 0, -s}, {0, 1, 0}, {s, 0, c}};  // about y
+    Scene scene({.friction = 0.3});
+    scene.description.gravity = R * Vec3<>{0, 0, -9.81};
+    scene.description.shapes[0].pose.R = R;
+    BodyDescription tilting{.name = "tilting", .geometry = InConstructionFrame{{R, {}}}};
+    tilting.joint = {
+        .kind = JointKind::revolute, .axis = R * Vec3<>{0.3, 1, 0}, .point = R * Vec3<>{0, 0, 1}};
+    tilting.inertia = MassProperties{.mass = 3, .Theta = {1, 1, 1, 0, 0, 0}};
+    tilting.shapes.push_back(touching(ShapeKind::box, {.friction = 0.3}, 0.5));
+    scene.description.bodies.push_back(tilting);
+    scene.add("ball", ShapeKind::sphere, 0.1, {.friction = 0.3});
+    scene.description.bodies.back().geometry = InConstructionFrame{{R, R * Vec3<>{0.2, 0.1, 0.62}}};
+    const Model model = scene.build();
+    std::vector<double> v(7);
+    v[1 + 4] = 0.5;
+    const Trajectory motion = simulate_contact(model, neutral(model), v, 0.4, 2e-3);
+    EXPECT_TRUE(motion.complete) << motion.stop_reason;
+    return last(motion, false);
+  };
+  const std::vector<double> straight = end_of(0.4);
+  for (const double angle : {1.0, std::acos(-1.0) / 2, 2.5}) {
+    const std::vector<double> turned = end_of(angle);
+    for (std::size_t k = 0; k < straight.size(); ++k) EXPECT_NEAR(turned[k], straight[k], 1e-8) << angle;
+  }
+}
+
 TEST(ContactSimulation, AnOverlapPartsSlowly) {
   const Model model = Scene({.friction = 0.5}).add("ball", ShapeKind::sphere, 0.1, {.friction = 0.5}).build();
   const Trajectory motion = simulate_contact(model, at({0, 0, 0.09}), std::vector<double>(6), 0.5, 1e-2);

@@ -106,6 +106,22 @@ TEST(Certificate, HasNoUnit) {
   EXPECT_NEAR(certificate(heavy.build(), lambda.data(), scratch.data()), expected, 1e-12 * expected);
 }
 
+/// Nor do masses and velocities whose squares overflow or vanish.
+TEST(Certificate, IsThatOfNumbersOfAnySize) {
+  const auto of_size = [](double size) {
+    VelocityProblem problem(1);
+    const std::vector<int> support{0};
+    *problem.add(ContactLaw::stop, 1, support) = 1;
+    problem.finish();
+    problem.w[0] = -size;
+    const double lambda = size / 2;
+    std::vector<double> scratch(10);
+    return certificate(problem, &lambda, scratch.data());
+  };
+  EXPECT_NEAR(of_size(1), 1.0 / 3, 1e-15);
+  for (const double size : {1e-300, 1e-170, 1e170, 1e300}) EXPECT_NEAR(of_size(size), 1.0 / 3, 1e-15) << size;
+}
+
 TEST(VelocitySolver, SaysThatNumbersAreNotFinite) {
   VelocityProblem problem = box_on_plane(2, {}, {1, 0.3, 0}).build();
   problem.w[2] = std::numeric_limits<double>::quiet_NaN();

@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "axode/contact/convex/support.hpp"
+#include "axode/model/finite.hpp"
 
 namespace axode {
 namespace {
@@ -23,6 +24,8 @@ class HullBuilder {
       : triangles_(triangles), coplanar_(coplanar) {
     hull_.vertices = std::move(vertices);
     if (hull_.vertices.size() < 4) fail("has " + std::to_string(hull_.vertices.size()) + " vertices, not 4");
+    if (!std::ranges::all_of(hull_.vertices, [](const Vec3<>& v) { return finite(v); }))
+      fail("has a vertex that is not finite");
     for (const Triangle& t : triangles_)
       for (const int i : t)
         if (i < 0 || i >= std::ssize(hull_.vertices))

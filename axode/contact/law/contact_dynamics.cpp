@@ -5,6 +5,8 @@
 #include <stdexcept>
 #include <string>
 
+#include "axode/kinematics/check_arguments.hpp"
+
 namespace axode {
 namespace {
 
@@ -40,12 +42,14 @@ ContactDynamics::ContactDynamics(const Model& model, int contact_rows, std::size
 
 void ContactDynamics::check(std::span<const double> q, std::span<const double> v, std::span<const double> tau,
                             std::span<const Contact> contacts, const Options& options,
-                            std::span<const double> start) const {
+                            std::span<const double> start, const Loads<>& loads) const {
   const Model& model = system_.model();
   check_numbers("q", q, index(model.nq()));
   check_numbers("v", v, index(model.nv()));
   check_numbers("tau", tau, index(model.nv()));
   check_numbers("start", start, start.size());
+  check_configuration(model, q);
+  check_loads(model, loads);
   if (!(options.h > 0 && std::isfinite(options.h)))
     throw std::invalid_argument("ContactDynamics: the step h is " + std::to_string(options.h) +
                                 " s; it must be positive");
@@ -54,25 +58,23 @@ void ContactDynamics::check(std::span<const double> q, std::span<const double> v
                                 " m/s; it must not be negative");
   for (std::size_t k = 0; k < contacts.size(); ++k) {
     const Contact& c = contacts[k];
-    const std::string name = "ContactDynamics: contact " + std::to_string(k);
+    const auto refuse = [&](const std::string& what) {
+      throw std::invalid_argument("ContactDynamics: contact " + std::to_string(k) + what);
+    };
     for (const int body : {c.a, c.b})
       if (body < 0 || body > model.n_bodies())
-        throw std::invalid_argument(name + " is on body " + std::to_string(body) +
-                                    "; the model has bodies 0 to " + std::to_string(model.n_bodies()));
-    if (c.a == c.b) throw std::invalid_argument(name + " is between a body and itself");
+        refuse(" is on body " + std::to_string(body) + "; the model has bodies 0 to " +
+               std::to_string(model.n_bodies()));
+    if (c.a == c.b) refuse(" is between a body and itself");
     const SurfacePair& s = c.surface;
     for (const double mu : {s.friction, s.spin_friction, s.rolling_friction})
       if (!(mu >= 0 && std::isfinite(mu)))
-        throw std::invalid_argument(name + " has a friction of " + std::to_string(mu) +
-                                    "; it must be finite and not negative");
+        refuse(" has a friction of " + std::to_string(mu) + "; it must be finite and not negative");
     if (!(s.restitution >= 0 && s.restitution <= 1))
-      throw std::invalid_argument(name + " has a restitution of " + std::to_string(s.restitution) +
-                                  "; it must be between 0 and 1");
+      refuse(" has a restitution of " + std::to_string(s.restitution) + "; it must be between 0 and 1");
     if (!(std::abs(norm(c.normal) - 1) < 1e-9))
-      throw std::invalid_argument(name + " has a normal of length " + std::to_string(norm(c.normal)) +
-                                  "; it must be a unit vector");
-    if (!std::isfinite(c.gap + dot(c.point, c.point)))
-      throw std::invalid_argument(name + " has a gap or a point that is not finite");
+      refuse(" has a normal of length " + std::to_string(norm(c.normal)) + "; it must be a unit vector");
+    if (!std::isfinite(c.gap + dot(c.point, c.point))) refuse(" has a gap or a point that is not finite");
   }
 }
 
@@ -100,7 +102,7 @@ ContactStatus ContactDynamics::solve(std::span<const double> q, std::span<const 
                                      std::span<const double> tau, std::span<const Contact> contacts,
                                      const Options& options, std::span<const double> start,
                                      const Loads<>& loads) {
-  check(q, v, tau, contacts, options, start);
+  check(q, v, tau, contacts, options, start, loads);
   ContactStatus status;
   h_ = options.h;
   status.mass_matrix = system_.set(q.data(), contacts, options.h);

@@ -70,7 +70,8 @@ class ContactDynamics {
 
  private:
   void check(std::span<const double> q, std::span<const double> v, std::span<const double> tau,
-             std::span<const Contact> contacts, const Options& options, std::span<const double> start) const;
+             std::span<const Contact> contacts, const Options& options, std::span<const double> start,
+             const Loads<>& loads) const;
   void classify(std::size_t contacts) noexcept;
   void set_r(std::span<const Contact> contacts, const Options& options) noexcept;
   Eigen::MatrixXd derivative(const Eigen::MatrixXd& dx, const Eigen::MatrixXd& du,

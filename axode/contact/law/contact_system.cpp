@@ -15,6 +15,15 @@ ContactFrame contact_frame(const Vec3<>& n) noexcept {
   return {n, {1 + s * n.x * n.x * c, s * b, -s * n.x}, {b, s + n.y * n.y * c, -n.y}};
 }
 
+ContactFrame turned(const ContactFrame& axes, const Vec3<>& n) noexcept {
+  const Vec3<> across = axes.t1 - dot(n, axes.t1) * n;
+  const double length = norm(across);
+  constexpr double parallel = 0.1;  // the normal has turned so far that no axes belong together
+  if (!(length > parallel)) return contact_frame(n);
+  const Vec3<> t1 = (1 / length) * across;
+  return {n, t1, cross(n, t1)};
+}
+
 ContactSystem::ContactSystem(const Model& model, int contact_rows, std::size_t capacity, bool dry_friction)
     : model_(model), contact_rows_(contact_rows), loops_(model), problem_(model.nv()) {
   const Topology& topology = *tree().operator->();
@@ -32,10 +41,9 @@ ContactSystem::ContactSystem(const Model& model, int contact_rows, std::size_t c
   for (int i = 1; i <= model.n_bodies(); ++i)
     root_body_[index(i)] = topology.parent[i] == 0 ? i : root_body_[index(topology.parent[i])];
   eliminated_at_.resize(nv);
-  for (int c = 0; c < model.nv(); ++c) eliminated_at_[index(c)] = body_of_velocity(topology, c);
   for (int i = 0; i <= model.n_bodies(); ++i)
-    for (int t = topology.ties.begin[i]; t < topology.ties.begin[i + 1]; ++t)
-      if (topology.ties.up[t] < 0) eliminated_at_[index(topology.ties.velocity[t])] = i;
+    loops_.bodies().each_pivot(tree(), i,
+                               [&](int c, const double&, const double&) { eliminated_at_[index(c)] = i; });
   const std::size_t loop_rows = index(model.loops().rows);
   const std::size_t blocks = capacity + stops_.size() + dry_.size() + loop_rows;
   problem_.reserve(blocks);
@@ -71,7 +79,6 @@ Solvability ContactSystem::set(const double* q, std::span<const Contact> contact
   room_.clear();
   active_.clear();
   ends_of_path_ = {-1, -1};
-  n_contacts_ = contacts.size();
   loops_.update_kinematics(q);
   const Solvability verdict = loops_.factorize();
   if (!verdict.ok()) return verdict;
@@ -100,21 +107,17 @@ void ContactSystem::find_path(int a, int b) {
   if (ends_of_path_ == std::array{a, b}) return;
   ends_of_path_ = {a, b};
   const Topology& topology = *tree().operator->();
-  const Topology::Ties& ties = topology.ties;
   path_.clear();
   support_.clear();
-  const auto add = [&](int c) { support_.push_back(c); };
+  const auto add = [&](int c, const double&, const double&) { support_.push_back(c); };
   for (int i = a, j = b; i > 0 || j > 0;) {
     const int k = std::max(i, j);
     path_.push_back({k, (j == k ? 1 : 0) - (i == k ? 1 : 0)});
     if (i == k) i = topology.parent[k];
     if (j == k) j = topology.parent[k];
-    if (ties.own[k] < 0)
-      for (int s = 0; s < topology.first_screw[k + 1] - topology.first_screw[k]; ++s) add(topology.iv[k] + s);
-    for (int t = ties.begin[k]; t < ties.begin[k + 1]; ++t)
-      if (ties.up[t] < 0) add(ties.velocity[t]);
+    loops_.bodies().each_pivot(tree(), k, add);
   }
-  for (int t = ties.begin[0]; t < ties.begin[1]; ++t) add(ties.velocity[t]);
+  loops_.bodies().each_pivot(tree(), 0, add);
   std::ranges::sort(support_);
   for (std::size_t k = 0; k < support_.size(); ++k) place_[index(support_[k])] = static_cast<int>(k);
 }
@@ -285,14 +288,15 @@ void ContactSystem::move_bodies(const double* v) noexcept {
   }
 }
 
-void ContactSystem::contact_velocity(const Contact& contact, double* u) const noexcept {
+void ContactSystem::contact_velocity(const Contact& contact, const ContactFrame& axes,
+                                     double* u) const noexcept {
   const auto velocity = [&](int body) {
     const Vec3<> O = body > 0 ? loops_.root_origins()[root_body_[index(body)]] : Vec3<>{};
     return V_[index(body)].v + cross(V_[index(body)].w, contact.point - O);
   };
   const Vec3<> at_point = velocity(contact.b) - velocity(contact.a);
   const Vec3<> turning = V_[index(contact.b)].w - V_[index(contact.a)].w;
-  const auto& [n, t1, t2] = contact_frame(contact.normal);
+  const auto& [n, t1, t2] = axes;
   const std::array<double, LawBlock::most_rows> rows{dot(n, at_point), dot(t1, at_point), dot(t2, at_point),
                                                      dot(n, turning),  dot(t1, turning),  dot(t2, turning)};
   std::copy_n(rows.begin(), contact_rows_, u);

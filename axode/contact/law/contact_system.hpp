@@ -28,6 +28,9 @@ struct ContactFrame {
   Vec3<> n, t1, t2;
 };
 ContactFrame contact_frame(const Vec3<>& normal) noexcept;
+/// The axes of a contact, turned to another normal without a turn about it, so that velocities at two times
+/// are in the same axes also where contact_frame() jumps.
+ContactFrame turned(const ContactFrame& axes, const Vec3<>& normal) noexcept;
 
 /// A limit of a joint that stops it: side (q - limit) ≥ 0.
 struct JointStop {
@@ -63,14 +66,15 @@ class ContactSystem {
   /// Computes the poses of the internal frames of all bodies at q, n_bodies + 1 entries, for a ContactFinder.
   /// It moves the kinematics to q, and the rows and factors of an earlier set() are no longer valid.
   void poses(const double* q, SE3<>* C) noexcept;
-  /// The velocities of the rows of a contact (contact_rows() numbers) for velocities v, at the q of the last
-  /// poses() or set(), after move_bodies(v).
+  /// Computes the twists of all bodies for velocities v, at the q of the last poses() or set().
   void move_bodies(const double* v) noexcept;
-  void contact_velocity(const Contact& contact, double* u) const noexcept;
+  /// Computes the velocities of the rows of a contact (contact_rows() numbers) along given axes, after
+  /// move_bodies().
+  void contact_velocity(const Contact& contact, const ContactFrame& axes, double* u) const noexcept;
   /// The largest speed of points of a body up to a distance from its origin, m/s, after move_bodies().
   double speed(int body, double distance) const noexcept;
-  /// What is open of each row of the loops (0 for rows without a residual), at the q of the last poses() or
-  /// set().
+  /// Computes by how far each loop is open, at the q of the last poses() or set(): a number for each row of the
+  /// loops, rad or m. It is 0 for rows that constrain velocities alone, as those of a rolling contact do.
   void loop_openings(const double* q, double* openings) noexcept;
 
   /// Factorises the mass matrix and makes all rows at q; of the stops only those with less room than
@@ -82,7 +86,6 @@ class ContactSystem {
   /// The rows as a problem of velocities. The caller sets r in physical units and w, and calls finish().
   VelocityProblem& problem() { return problem_; }
   const VelocityProblem& problem() const { return problem_; }
-  std::size_t n_contacts() const { return n_contacts_; }
   std::span<const int> active_stops() const { return active_; }  ///< indices of stops()
   /// The first row after those of contacts, stops and dry joints: that of the loops.
   int first_loop_row() const { return first_loop_row_; }
@@ -147,7 +150,6 @@ class ContactSystem {
   std::vector<PathBody> path_;        ///< in descending order of the bodies
   std::vector<int> support_, place_;  ///< velocities of the path; place_[velocity]: its index in support_
   std::array<int, 2> ends_of_path_{-1, -1};
-  std::size_t n_contacts_ = 0;
   int first_loop_row_ = 0;
 };
 

@@ -14,8 +14,8 @@ class DenseFactor {
   /// The n × n matrix, to be filled before factorize().
   Eigen::Map<Matrix> matrix(Eigen::Index n) noexcept { return {memory_.data(), n, n}; }
   void factorize(Eigen::Index n) noexcept;
-  /// The same for a symmetric positive definite matrix, of which the lower half is read: Cholesky's factor.
-  /// A pivot that is not positive leaves NaN.
+  /// Factorises a symmetric positive definite matrix by Cholesky's method, which takes half as long. Only the
+  /// entries on and below the diagonal are read. If the matrix is not positive definite, solve() gives NaN.
   void factorize_symmetric(Eigen::Index n) noexcept;
   /// x := A⁻¹ x.
   void solve(Eigen::Index n, double* x) const noexcept;

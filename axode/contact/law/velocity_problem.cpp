@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 namespace axode {
 
@@ -120,25 +121,30 @@ void VelocityProblem::delassus(Eigen::Ref<Eigen::MatrixXd> G) const noexcept {
     }
 }
 
+double certificate_of(const VelocityProblem& p, const double* residual, const double* t) noexcept {
+  using Vector = Eigen::Map<const Eigen::VectorXd>;
+  const Vector left(residual, p.rows()), d2(p.squared_scales().data(), p.rows()), motion(t, p.nv());
+  const double size = p.w.norm() + motion.norm();
+  constexpr double least = 1e-140, most = 1e140;  // squares of numbers beyond these vanish or overflow
+  if (size > least && size < most) return std::sqrt((d2.array() * left.array().square()).sum()) / size;
+  const double largest = std::max(p.w.lpNorm<Eigen::Infinity>(), motion.lpNorm<Eigen::Infinity>());
+  if (largest == 0) return left.isZero(0) ? 0 : std::numeric_limits<double>::infinity();
+  return (d2.array().sqrt() * left.array() / largest).matrix().norm() /
+         ((p.w / largest).norm() + (motion / largest).norm());
+}
+
 double certificate(const VelocityProblem& p, const double* lambda, double* scratch) noexcept {
-  const int m = p.rows(), nv = p.nv();
-  double *const u = scratch, *const z = scratch + m;
-  Eigen::Map<Eigen::VectorXd> x(scratch + 2 * m, nv);
-  x.setZero();
-  p.add_product(1, lambda, x.data());
-  const double size = p.w.norm() + x.norm();
-  x += p.w;
+  const int m = p.rows();
+  double *const u = scratch, *const z = scratch + m, *const t = scratch + 2 * m;
+  std::fill_n(t, p.nv(), 0.0);
+  p.add_product(1, lambda, t);
   std::copy_n(p.r.data(), m, u);
-  p.add_transposed(x.data(), u);
-  const std::vector<double>& d2 = p.squared_scales();
-  for (int k = 0; k < m; ++k) z[k] = lambda[k] - u[k] / d2[static_cast<std::size_t>(k)];
-  double sum = 0;
-  for (const VelocityProblem::Block& b : p.blocks()) {
-    resolve(b, z + b.first, u + b.first);
-    for (int k = b.first; k < b.first + b.rows; ++k)
-      sum += d2[static_cast<std::size_t>(k)] * (lambda[k] - u[k]) * (lambda[k] - u[k]);
-  }
-  return std::sqrt(sum) / (size + 1e-300);
+  p.add_transposed(p.w.data(), u);
+  p.add_transposed(t, u);
+  for (int k = 0; k < m; ++k) z[k] = lambda[k] - u[k] / p.squared_scales()[static_cast<std::size_t>(k)];
+  for (const VelocityProblem::Block& b : p.blocks()) resolve(b, z + b.first, u + b.first);
+  for (int k = 0; k < m; ++k) u[k] = lambda[k] - u[k];
+  return certificate_of(p, u, t);
 }
 
 }  // namespace axode

@@ -105,7 +105,7 @@ double VelocitySolver::certify(const double* lambda) noexcept {
   z_ = l - u_.cwiseQuotient(d2);
   resolve_all(residual_.data());
   residual_ = l - residual_;
-  return std::sqrt((d2.array() * residual_.array().square()).sum()) / (size_ + t_.norm() + 1e-300);
+  return certificate_of(*problem_, residual_.data(), t_.data());
 }
 
 /// λ - resolve(λ_0 - u/R), measured by the masses.

@@ -38,7 +38,8 @@ Clipped keep_below(const Clipped& in, bool segment, const Height& height, std::u
     if (p_in) out.add(p, in.label[i]);
     if (p_in == o_in || (segment && next == 0)) continue;
     // The edge that follows a corner where the polygon leaves is on the side itself.
-    out.add(p + (x / (x - y)) * (o - p), p_in ? side : in.label[i]);
+    const double part = std::clamp(x / (x - y), 0.0, 1.0);  // both heights may be rounding errors
+    out.add(p + part * (o - p), p_in ? side : in.label[i]);
   }
   return out;
 }

@@ -2,15 +2,12 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 namespace axode {
 namespace {
 
 constexpr double accepted = 1e-9;
-/// Gaps up to this size are closed, m or rad.
-constexpr double closed = 1e-12;
-/// Overlaps beyond this size are parted, m.
-constexpr double overlap = 1e-10;
 
 std::size_t index(Eigen::Index k) { return static_cast<std::size_t>(k); }
 
@@ -42,6 +39,14 @@ ContactStep::ContactStep(ContactSimulationRun& run, const Model& model, ContactS
   const ContactShapes& shapes = finder_.shapes();
   for (int i = 0; i < shapes.size(); ++i)
     reach_of_shape_.push_back(norm(shapes[i].pose.r) + shapes[i].convex.extent);
+  for (int i = 0; i < shapes.size(); ++i)
+    if (shapes[i].kind != ShapeKind::plane) size_ = std::max(size_, shapes[i].convex.extent);
+}
+
+/// The gap up to which a contact is closed, m: what rounding leaves of places as far out as the contact.
+double ContactStep::closed(const Contact& contact) const {
+  constexpr double of_size = 1e-12, of_places = 32 * std::numeric_limits<double>::epsilon();
+  return std::max(of_size * size_, of_places * (norm(contact.point) + size_));
 }
 
 Failure ContactStep::run(double t, double h, const Vector& q_0, const Vector& v_0) {
@@ -52,7 +57,7 @@ Failure ContactStep::run(double t, double h, const Vector& q_0, const Vector& v_
     bool any = false;
     for (int k = 0; k < parts; ++k) {
       if (Failure failure = attempt(t + k * h / parts, h / parts, q_part, v_part)) return failure;
-      worst = std::max(worst, certificate);
+      worst = std::max(certificate, worst);
       any = any || touched;
       q_part = q;
       v_part = v;
@@ -192,6 +197,8 @@ Failure ContactStep::move(double t, double h, const Vector& q_0, const Vector& v
   std::vector<double> before;
   double least = std::numeric_limits<double>::infinity();
   for (int k = 0; k < most; ++k) {
+    if (k > first_fixed)
+      if (Failure failure = run_->interruption(t)) return failure;
     apply(start_, v_0, v_after_);
     if (Failure failure = run_->fly(t, h, q_0, v_after_)) return failure;
     if (Failure failure = find(run_->q_middle, margin, middle_, t)) return failure;
@@ -199,7 +206,9 @@ Failure ContactStep::move(double t, double h, const Vector& q_0, const Vector& v
     for (std::size_t c = 0; c < start_.contacts.size(); ++c) {
       const std::size_t row = index(problem.blocks()[c].first);
       const Contact* same = with_key(middle_, start_.contacts[c].key, c);
-      end_.system.contact_velocity(same ? *same : start_.contacts[c], &slip_[row]);
+      const Contact& contact = same ? *same : start_.contacts[c];
+      const ContactFrame axes = turned(contact_frame(start_.contacts[c].normal), contact.normal);
+      end_.system.contact_velocity(contact, axes, &slip_[row]);
     }
     if (Failure failure = find(run_->q_end, margin, found_, t + h)) return failure;
     set_r_of_start(h, k < first_fixed);
@@ -270,7 +279,7 @@ void ContactStep::select_active() {
     const Contact* same = with_key(start_.contacts, found_[k].key, k);
     const bool pressed = same && start_.lambda[index(start_.system.contact_rows()) *
                                                static_cast<std::size_t>(same - start_.contacts.data())] > 0;
-    if (pressed || found_[k].gap <= closed) end_.contacts.push_back(found_[k]);
+    if (pressed || found_[k].gap <= closed(found_[k])) end_.contacts.push_back(found_[k]);
   }
 }
 
@@ -295,7 +304,7 @@ Failure ContactStep::land(double t, double h) {
   const bool any_bounces = std::ranges::any_of(bounces_, [](char x) { return x != 0; });
   for (double bounciness = 1; bounciness >= 0; bounciness -= 0.25) {
     set_r_of_end(bounciness);
-    certificate = std::max(before, solve(end_));
+    certificate = std::max(solve(end_), before);
     apply(end_, run_->v_end, v);
     constexpr double rounding = 1e-12;
     if (!any_bounces || work() <= rounding * problem.w.squaredNorm()) break;
@@ -319,7 +328,8 @@ void ContactStep::set_r_of_end(double bounciness) {
     if (bounces_[at]) set(row, bounciness * contact.surface.restitution * start_.u[row_0]);
     if (!slides_[at]) continue;
     const Contact* in_middle = with_key(middle_, contact.key, k);
-    const ContactFrame from = contact_frame(in_middle ? in_middle->normal : same->normal);
+    const ContactFrame from =
+        turned(contact_frame(same->normal), in_middle ? in_middle->normal : same->normal);
     const ContactFrame to = contact_frame(contact.normal);
     const auto turn = [&](std::size_t first) {
       const Vec3<> slip = slip_[row_0 + first] * from.t1 + slip_[row_0 + first + 1] * from.t2;
@@ -353,25 +363,23 @@ double ContactStep::work() const {
 }
 
 Failure ContactStep::separate(double t, double h) {
-  const bool overlaps =
-      std::ranges::any_of(found_, [](const Contact& contact) { return contact.gap < -overlap; });
+  constexpr double parted = 100;  // overlaps beyond this multiple of what counts as closed
+  const bool overlaps = std::ranges::any_of(
+      found_, [&](const Contact& contact) { return contact.gap < -parted * closed(contact); });
   if (!overlaps) return {};
   for (Contact& contact : found_) contact.surface = {};
-  if (Failure failure = run_->checked(t + h, end_.system.set(q.data(), found_, h))) return failure;
+  // Dry friction holds velocities, and no displacements: its bound is 0.
+  if (Failure failure = run_->checked(t + h, end_.system.set(q.data(), found_, 0))) return failure;
   VelocityProblem& problem = end_.system.problem();
   const double most = 5 * finder_.shapes().threshold() * h;
   problem.w.setZero();
-  for (std::size_t k = 0; k < problem.blocks().size(); ++k) {
-    const LawBlock& b = problem.blocks()[k];
-    std::fill_n(problem.c.begin() + b.first + 1, b.rows - 1, 0.0);
-    if (b.law == ContactLaw::dry_friction) continue;
-    const std::size_t row = index(b.first);
-    const std::size_t unilateral = found_.size() + end_.system.active_stops().size();
-    problem.r[row] = k < unilateral ? std::max(end_.system.room()[k], -most) : 0;
-  }
-  end_.system.loop_openings(q.data(), openings_.data());
+  const std::span<const double> room = end_.system.room();
+  const std::size_t unilateral = found_.size() + end_.system.active_stops().size();
+  for (std::size_t k = 0; k < unilateral; ++k)
+    problem.r[index(problem.blocks()[k].first)] = std::max(room[k], -most);
   const std::size_t first = index(end_.system.first_loop_row());
-  for (std::size_t row = first; row < problem.r.size(); ++row) problem.r[row] = openings_[row - first];
+  for (std::size_t row = first; row < problem.r.size(); ++row)
+    problem.r[row] = room[unilateral + row - first];
   problem.finish();
   std::vector<double> lambda(problem.r.size(), 0.0);
   solver_.reserve(problem.nv(), problem.rows());

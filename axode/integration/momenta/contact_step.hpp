@@ -57,6 +57,7 @@ class ContactStep {
   Failure land(double t, double h);
   void set_r_of_end(double bounciness);
   void select_active();
+  double closed(const Contact& contact) const;
   /// Moves q so that overlaps and loops close, by the motion that moves the masses least (D11.15).
   Failure separate(double t, double h);
   double solve(End& end);  ///< returns the certificate
@@ -73,6 +74,7 @@ class ContactStep {
   End start_, end_;
   VelocitySolver solver_;
   std::vector<double> reach_of_shape_;  ///< from the origin of the body, m
+  double size_ = 0;                     ///< extent of the largest shape that is no plane, m
   std::vector<SE3<>> C_;
   std::vector<Contact> middle_, found_;
   std::vector<double> slip_;      ///< velocities of the rows in the middle, in the axes of the start

@@ -12,6 +12,7 @@ Trajectory simulate_contact(const Model& model, const ContactShapes& shapes, std
                             std::span<const double> v, double until, double step,
                             const SimulationOptions& options) {
   check_step(step);
+  check_shapes(model, shapes);
   if (options.coordinates != Coordinates::relative)
     throw std::invalid_argument("contact needs relative coordinates, and these are absolute");
   constexpr const char* instead = "simulate without contact, or drive the joints by tau";

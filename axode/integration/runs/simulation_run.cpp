@@ -52,7 +52,7 @@ SimulationRun::SimulationRun(const Model& model, Span q_0, Span v_0, double unti
     throw std::invalid_argument("until is " + std::to_string(until) + "; expected a time of 0 s or more");
   check_loads(model, loads());
   if (loops_) {
-    loops_->motions().check_times(until);
+    loops_->motions().check_times(0, until);
     check_friction_of_motions();
     loops_->check(q_0, v_0);
   }
@@ -368,8 +368,11 @@ Failure SimulationRun::record(double t, StepEnd end) {
   ++trajectory.steps;
   if (!options_.events.empty())
     if (Failure failure = find_events(before, t)) return failure;
-  if (!ended_ && options_.monitor && !options_.monitor(t)) return {t, "it was interrupted"};
-  return {};
+  return ended_ ? Failure{} : interruption(t);
+}
+
+Failure SimulationRun::interruption(double t) const {
+  return options_.monitor && !options_.monitor(t) ? Failure{t, "it was interrupted"} : Failure{};
 }
 
 // Events.

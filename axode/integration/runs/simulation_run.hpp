@@ -80,6 +80,8 @@ class SimulationRun {
   Failure take(double t, const StepEnd& end);
   /// Appends the end of a step without projection, for schemes that keep loops closed themselves.
   Failure take_closed(double t, Span q_end, Span v_end);
+  /// Asks the monitor whether the motion goes on.
+  Failure interruption(double t) const;
   /// Ends the motion for a reason.
   void stop(const Failure& failure);
   bool done() const { return trajectory.size() == 0 || ended_ || !trajectory.complete || now() >= until_; }
