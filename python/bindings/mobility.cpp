@@ -52,8 +52,10 @@ nb::object branch_of(const MotionBranch& branch, const std::vector<std::string>&
 
 nb::object local_mobility_of(const BoundModel& m, ArrayLike q, int order, double length) {
   const States state = one_state(m, q);
-  const LocalMobility found = state.released(
-      100000, [&] { return local_mobility(m, state.q(0), {.order = order, .length = length}); });
+  const LocalMobility found = state.unlocked(100000, [&](const batch::Monitor& monitor) {
+    return local_mobility(m, state.q(0),
+                          {.order = order, .length = length, .monitor = [&] { return monitor(0, 0); }});
+  });
   const std::vector<std::string> names = names_of(found.coordinates);
   std::vector<int> velocities;
   for (const ClosureCoordinate& coordinate : found.coordinates) velocities.push_back(coordinate.velocity);

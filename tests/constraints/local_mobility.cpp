@@ -272,6 +272,34 @@ TEST(LocalMobility, IsRegularNearASingularity) {
   EXPECT_GT(found.branches[0].II.norm(), 100);
 }
 
+/// The default order falls with the number of free velocities, so that many independent loops are answered.
+TEST(LocalMobility, TakesMechanismsWithManyLoops) {
+  Drawing drawing;
+  constexpr int loops = 12;
+  for (int k = 0; k < loops; ++k) {
+    const std::string name = "m" + std::to_string(k);
+    const double y = 10.0 * k;
+    drawing.body(name + "a", "ground", pin({0, y, 0}))
+        .body(name + "b", name + "a", pin({0, y + 1, 0}))
+        .body(name + "c", "ground", pin({2, y, 0}));
+    drawing.description.loops.push_back(
+        {.between = {name + "b", name + "c"}, .axis = {0, 0, 1}, .point = {2, y + 1.5, 0}});
+  }
+  const Model model = drawing.model();
+  const LocalMobility found = local_mobility(model, neutral(model));
+  EXPECT_EQ(found.local_mobility, loops);
+  EXPECT_EQ(mobility_words(model, found), std::vector<std::string>{"regular"});
+}
+
+TEST(LocalMobility, EndsWhereItsMonitorWantsIt) {
+  const Model model = four_bars(3).model();
+  int asked = 0;
+  const LocalMobility found = local_mobility(model, neutral(model), {.monitor = [&] { return ++asked < 3; }});
+  EXPECT_EQ(asked, 3);
+  EXPECT_TRUE(found.coordinates.empty());
+  EXPECT_FALSE(found.settled);
+}
+
 TEST(LocalMobility, RefusesWhatItCannotAnswer) {
   const Model model = four_bars(1).model();
   std::vector<double> q = neutral(model);
@@ -283,6 +311,9 @@ TEST(LocalMobility, RefusesWhatItCannotAnswer) {
   EXPECT_THROW(closure_derivatives(model, q, Eigen::MatrixXd::Zero(4, 0)), std::invalid_argument);
   q[0] = 0.1;
   EXPECT_THROW(static_cast<void>(local_mobility(model, q)), std::invalid_argument) << "the loop is open";
+  q[0] = std::nan("");
+  EXPECT_THROW(static_cast<void>(local_mobility(model, q)), std::invalid_argument);
+  EXPECT_THROW(closure_derivatives(model, q, Eigen::MatrixXd::Zero(4, 2)), std::invalid_argument);
   Drawing rolling;
   rolling.body("wheel", "ground", {JointKind::free, {}, {}});
   rolling.description.loops.push_back({.between = {"ground", "wheel"},

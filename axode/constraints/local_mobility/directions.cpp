@@ -214,7 +214,8 @@ Eigen::VectorXd polished(const PolynomialRing& ring, const Eigen::MatrixXd& F, c
   return (x - e).norm() < farthest ? x : e;
 }
 
-std::vector<Direction> searched_zeros(const PolynomialRing& ring, const std::vector<Form>& rows) {
+std::vector<Direction> searched_zeros(const PolynomialRings& rings, const PolynomialRing& ring,
+                                      const std::vector<Form>& rows) {
   const int starts = 80 * (ring.variables() - 1);
   constexpr int of_a_cone = 14;
   const Eigen::MatrixXd F = leading_forms(ring, rows);
@@ -223,6 +224,7 @@ std::vector<Direction> searched_zeros(const PolynomialRing& ring, const std::vec
   std::vector<Direction> out;
   std::vector<int> found(static_cast<std::size_t>(ring.variables()) + 1, 0);
   for (int k = 0; k < starts; ++k) {
+    rings.ask();
     Eigen::VectorXd start(ring.variables());
     for (double& entry : start) entry = normal(random);
     const std::optional<Eigen::VectorXd> zero = search(ring, F, start);
@@ -241,8 +243,9 @@ std::vector<Direction> searched_zeros(const PolynomialRing& ring, const std::vec
 
 }  // namespace
 
-std::vector<Direction> common_zeros(const PolynomialRing& ring, const std::vector<Form>& rows) {
-  return ring.variables() == 2 ? binary_zeros(ring, rows) : searched_zeros(ring, rows);
+std::vector<Direction> common_zeros(const PolynomialRings& rings, const PolynomialRing& ring,
+                                    const std::vector<Form>& rows) {
+  return ring.variables() == 2 ? binary_zeros(ring, rows) : searched_zeros(rings, ring, rows);
 }
 
 bool arc_exists(PolynomialRings& rings, const PolynomialRing& ring, const std::vector<Form>& rows,

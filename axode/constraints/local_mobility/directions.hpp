@@ -15,7 +15,8 @@ struct Direction {
 /// Directions e with F_i(e) = 0 for the leading form F_i of every row. All are found for two variables, as
 /// common roots of binary forms. For more variables a search from random starts finds them, with the same
 /// starts in every call; of a cone of dimension above 1 some directions stand for the others.
-std::vector<Direction> common_zeros(const PolynomialRing& ring, const std::vector<Form>& rows);
+std::vector<Direction> common_zeros(const PolynomialRings& rings, const PolynomialRing& ring,
+                                    const std::vector<Form>& rows);
 
 /// Whether an arc u = e t + u_2 t² + ... has g(u(t)) = O(t^(order + 1)) for all rows (D13.14).
 bool arc_exists(PolynomialRings& rings, const PolynomialRing& ring, const std::vector<Form>& rows,

@@ -2,16 +2,18 @@
 
 #include <algorithm>
 
-#include "axode/constraints/local_mobility/decompositions.hpp"
-
 namespace axode::higher_order {
+
+int rank_of(const SingularValues& svd) {
+  const double largest = svd.s.size() > 0 ? svd.s[0] : 0;
+  return svd.rank(rank_tolerance * std::max(1.0, largest));
+}
 
 Elimination eliminate(PolynomialRings& rings, const Equations& phi, const Eigen::MatrixXd& A, int K) {
   const SingularValues svd = singular_values(A);
   Elimination out;
   out.singular_values = svd.s;
-  const double largest = svd.s.size() > 0 ? svd.s[0] : 0;
-  out.rank = svd.rank(rank_tolerance * std::max(1.0, largest));
+  out.rank = rank_of(svd);
   const Eigen::Index d = A.cols() - out.rank;
   if (d == 0) return out;
   const PolynomialRing& ring = rings.at(static_cast<int>(d), K);
@@ -22,6 +24,7 @@ Elimination eliminate(PolynomialRings& rings, const Equations& phi, const Eigen:
                                          svd.U.leftCols(out.rank).transpose();
   if (out.rank > 0)
     for (int k = 2; k <= K; ++k) {
+      rings.ask();
       const Eigen::MatrixXd r = phi(ring, out.z, k);
       out.z.middleCols(ring.begin(k), ring.count(k)) -=
           pseudo_inverse * r.middleCols(ring.begin(k), ring.count(k));

@@ -3,6 +3,7 @@
 #include <functional>
 #include <vector>
 
+#include "axode/constraints/local_mobility/decompositions.hpp"
 #include "axode/constraints/local_mobility/polynomial_ring.hpp"
 
 namespace axode::higher_order {
@@ -27,6 +28,9 @@ struct Elimination {
   std::vector<double> scale;
   Eigen::MatrixXd g;  ///< the remaining equations g(u) = 0, whose terms begin with degree 2
 };
+
+/// The rank of a derivative.
+int rank_of(const SingularValues& svd);
 
 /// Eliminates the range of A = ∂φ/∂z at 0, up to degree K.
 Elimination eliminate(PolynomialRings& rings, const Equations& phi, const Eigen::MatrixXd& A, int K);

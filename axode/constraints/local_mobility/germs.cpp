@@ -133,7 +133,7 @@ std::vector<Germ> germs(PolynomialRings& rings, const PolynomialRing& ring, cons
   int K = ring.degree();
   for (const Form& row : rows) K = std::min(K, ring.degree() - row.degree);
   std::vector<Germ> out;
-  for (const Direction& direction : common_zeros(ring, rows)) {
+  for (const Direction& direction : common_zeros(rings, ring, rows)) {
     if (K < 1 || depth > deepest) {
       const PolynomialRing& line = rings.at(1, 1);
       out.push_back({&line, line.linear(direction.e), false, false});

@@ -14,13 +14,14 @@
 #include "axode/constraints/local_mobility/closure_series.hpp"
 #include "axode/constraints/local_mobility/directions.hpp"
 #include "axode/model/configuration.hpp"
+#include "axode/model/finite.hpp"
 
 namespace axode {
 namespace higher_order {
 namespace {
 
 constexpr int highest_order = 20;
-/// The open part of a loop, in rad and characteristic lengths, which is neglected.
+/// The open part of a loop that is neglected, in rad and m for lengths up to 1 m.
 constexpr double negligible_gap = 1e-8;
 
 int default_order(int d) {
@@ -56,6 +57,8 @@ std::vector<int> mobility_by_order(PolynomialRings& rings, const PolynomialRing&
                                    const std::vector<Form>& rows, int K) {
   const int d = ring.variables();
   std::vector<int> out{d};
+  std::vector<Direction> found;
+  std::size_t searched = 0;  // the number of forms whose zeros were found
   for (int k = 2; k <= K; ++k) {
     std::vector<Form> known;
     std::ranges::copy_if(rows, std::back_inserter(known), [&](const Form& row) { return row.degree <= k; });
@@ -67,8 +70,11 @@ std::vector<int> mobility_by_order(PolynomialRings& rings, const PolynomialRing&
       out.push_back(0);
       continue;
     }
-    std::vector<Direction> found = common_zeros(ring, known);
-    std::ranges::stable_sort(found, std::greater{}, &Direction::dimension);
+    if (known.size() != searched) {
+      found = common_zeros(rings, ring, known);
+      std::ranges::stable_sort(found, std::greater{}, &Direction::dimension);
+      searched = known.size();
+    }
     const auto reached = std::ranges::find_if(
         found, [&](const Direction& at) { return arc_exists(rings, ring, rows, at.e, k); });
     out.push_back(reached == found.end() ? 0 : reached->dimension);
@@ -76,7 +82,7 @@ std::vector<int> mobility_by_order(PolynomialRings& rings, const PolynomialRing&
   return out;
 }
 
-MobilityProbe probe(const Closure& closure, const Eigen::MatrixXd& kernel,
+MobilityProbe probe(const PolynomialRings& rings, const Closure& closure, const Eigen::MatrixXd& kernel,
                     const std::vector<MotionBranch>& branches) {
   double size = 0.04;
   for (const MotionBranch& branch : branches) size = std::min(size, 0.04 * reach(branch));
@@ -86,6 +92,7 @@ MobilityProbe probe(const Closure& closure, const Eigen::MatrixXd& kernel,
   std::normal_distribution<double> normal;
   const Eigen::MatrixXd none(0, closure.size());
   for (int k = 0; k < out.starts; ++k) {
+    rings.ask();
     Eigen::VectorXd u(kernel.cols());
     for (double& entry : u) entry = normal(random);
     Eigen::VectorXd x = size * (kernel * u.normalized());
@@ -98,7 +105,10 @@ MobilityProbe probe(const Closure& closure, const Eigen::MatrixXd& kernel,
   return out;
 }
 
-/// What the branches and the orders together say.
+/// Fills in the conclusions of an analysis: local_mobility, the properties from branch_point to shaky, settled
+/// and settled_at_order, rigid_at_order, and decided_by_rank. They follow from the rank, from
+/// mobility_by_order, from the branches whose points close the loops, and from the closed points that lie on
+/// no branch; all these must be known.
 void judge(LocalMobility& found) {
   std::set<int> dimensions;
   bool all_close = true, all_settled = true, singular = true;
@@ -153,7 +163,7 @@ void follow(PolynomialRings& rings, const Closure& closure, const Elimination& l
   std::vector<Germ> all = germs(rings, ring, left.g, left.scale);
   for (Germ& germ : all) germ.z = ring.substitute(left.z, *germ.ring, germ.z);
   found.branches = branches(closure, all);
-  found.probe = probe(closure, left.z.middleCols(1, ring.variables()), found.branches);
+  found.probe = probe(rings, closure, left.z.middleCols(1, ring.variables()), found.branches);
 }
 
 /// The analysis of a closure, which may be repeated with another order.
@@ -165,13 +175,12 @@ class Analysis {
         phi_([&closure](const PolynomialRing& ring, const Eigen::MatrixXd& x, int degree) {
           return closure.log_series(ring, x, degree);
         }) {
-    PolynomialRings rings;
-    rank_ = eliminate(rings, phi_, A_, 1).rank;
+    rank_ = rank_of(singular_values(A_));
   }
   int differential_mobility() const { return closure_.size() - rank_; }
 
-  LocalMobility run(int order) const {
-    PolynomialRings rings;
+  LocalMobility run(int order, const std::function<bool()>& monitor) const {
+    PolynomialRings rings(monitor);
     const Elimination left = eliminate(rings, phi_, A_, order);
     LocalMobility found;
     found.coordinates = closure_.coordinates();
@@ -203,6 +212,7 @@ LocalMobility local_mobility(const Model& model, std::span<const double> q,
                              const LocalMobilityOptions& options) {
   using namespace higher_order;
   check_configuration(model, q);
+  if (!finite(q)) throw std::invalid_argument("q is not finite");
   check_order(options.order);
   if (!(options.length >= 0 && std::isfinite(options.length)))
     throw std::invalid_argument("length is " + to_text(options.length) +
@@ -212,17 +222,23 @@ LocalMobility local_mobility(const Model& model, std::span<const double> q,
   const Analysis analysis(closure);
   const int d = analysis.differential_mobility();
   const auto too_large = [&](int order, double most) { return PolynomialRing::products(d, order) > most; };
+  constexpr double affordable = 5e4;
   int order = options.order > 0 ? options.order : default_order(d);
+  while (options.order == 0 && order > 2 && too_large(order, affordable)) --order;
   if (too_large(order, PolynomialRing::most_products))
     throw std::invalid_argument("order " + std::to_string(order) + " is too high for the " +
                                 std::to_string(d) + " velocities that the loops leave; choose a lower one");
-  LocalMobility found = analysis.run(order);
-  constexpr int raises = 2, step = 2;
-  constexpr double affordable = 5e4;
-  for (int k = 0; k < raises && options.order == 0 && !found.settled; ++k) {
-    order += step;
-    if (too_large(order, affordable)) break;
-    found = analysis.run(order);
+  LocalMobility found;
+  try {
+    found = analysis.run(order, options.monitor);
+    constexpr int raises = 2, step = 2;
+    for (int k = 0; k < raises && options.order == 0 && !found.settled; ++k) {
+      order += step;
+      if (too_large(order, affordable)) break;
+      found = analysis.run(order, options.monitor);
+    }
+  } catch (const AnalysisEnded&) {
+    return {};
   }
   for (const LoopRows& loop : model.loops().all) found.loops.push_back(loop.name);
   for (MotionBranch& branch : found.branches) in_units(branch, closure.unit());
@@ -266,6 +282,7 @@ std::vector<ClosureCoordinate> closure_coordinates(const Model& model) {
 std::vector<Eigen::MatrixXd> closure_derivatives(const Model& model, std::span<const double> q,
                                                  const Eigen::Ref<const Eigen::MatrixXd>& derivatives) {
   check_configuration(model, q);
+  if (!finite(q)) throw std::invalid_argument("q is not finite");
   const higher_order::Walks walks = higher_order::walks(model, q);
   const auto n = static_cast<Eigen::Index>(walks.coordinates.size()), K = derivatives.cols();
   if (derivatives.rows() != n || K < 1 || K > higher_order::highest_order)

@@ -1,5 +1,6 @@
 #pragma once
 #include <Eigen/Core>
+#include <functional>
 #include <span>
 #include <string>
 #include <vector>
@@ -17,11 +18,13 @@ struct ClosureCoordinate {
 
 struct LocalMobilityOptions {
   /// The highest order K of the constraints. 0 stands for 10, 9, 7, 7 for a differential mobility of 1, 2, 3,
-  /// 4 and 5 above, and for up to 4 more if that does not settle the mobility and is affordable.
+  /// 4 and 5 above; for less if that takes too long, and for up to 4 more if the mobility is not settled then.
   int order = 0;
   /// The length by which lengths are divided before they are compared with angles, m; 0 stands for the mean
   /// distance between the centres of two joints.
   double length = 0;
+  /// A function that is called now and then. If it returns false, the analysis ends with an empty result.
+  std::function<bool()> monitor = {};
 };
 
 /// A point of a branch near q that Newton's method has closed.

@@ -91,14 +91,21 @@ Eigen::MatrixXd PolynomialRing::derivative(const Eigen::Ref<const Eigen::MatrixX
 Eigen::MatrixXd PolynomialRing::substitute(const Eigen::Ref<const Eigen::MatrixXd>& p,
                                            const PolynomialRing& into,
                                            const Eigen::Ref<const Eigen::MatrixXd>& z) const {
-  Eigen::MatrixXd out = into.zero(p.rows()), powers = into.zero(size());
-  powers(0, 0) = 1;
-  out.col(0) = p.col(0);
-  for (int i = 1; i < size(); ++i) {
-    const int k = first_factor_[static_cast<std::size_t>(i)];
-    powers.row(i) = into.times(powers.row(quotient(i, k)), z.row(k));
-    out += p.col(i) * powers.row(i);
-  }
+  // Monomials are visited depth first, so that only one product of each degree is kept.
+  Eigen::MatrixXd out = into.zero(p.rows());
+  std::vector<Eigen::RowVectorXd> products(static_cast<std::size_t>(degree_) + 1, into.zero(1));
+  products[0][0] = 1;
+  const auto visit = [&](const auto& self, int i) -> void {
+    const auto n = static_cast<std::size_t>(degree_of(i));
+    out += p.col(i) * products[n];
+    if (degree_of(i) == degree_) return;
+    const int last = i == 0 ? variables_ - 1 : first_factor_[static_cast<std::size_t>(i)];
+    for (int k = 0; k <= last; ++k) {
+      products[n + 1] = into.times(products[n], z.row(k));
+      self(self, product(i, 1 + k));
+    }
+  };
+  visit(visit, 0);
   return out;
 }
 

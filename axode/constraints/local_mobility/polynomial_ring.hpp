@@ -1,5 +1,6 @@
 #pragma once
 #include <Eigen/Core>
+#include <functional>
 #include <map>
 #include <memory>
 #include <span>
@@ -72,12 +73,21 @@ class PolynomialRing {
   std::map<std::vector<int>, int> numbers_;  ///< monomials by their exponents
 };
 
-/// The rings of an analysis, each made once.
+/// Ends an analysis whose monitor wants it to end.
+struct AnalysisEnded {};
+
+/// The rings of an analysis, each made once, and its monitor.
 class PolynomialRings {
  public:
+  explicit PolynomialRings(std::function<bool()> monitor = {}) : monitor_(std::move(monitor)) {}
+  /// Throws AnalysisEnded if the monitor returns false.
+  void ask() const {
+    if (monitor_ && !monitor_()) throw AnalysisEnded{};
+  }
   const PolynomialRing& at(int variables, int degree);
 
  private:
+  std::function<bool()> monitor_;
   std::map<std::pair<int, int>, std::unique_ptr<PolynomialRing>> rings_;
 };
 
