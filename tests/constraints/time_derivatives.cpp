@@ -229,6 +229,9 @@ TEST(TimeDerivativesWithLoops, OfWrongArgumentsAreRefused) {
   rates[2 * nv] = 1;  // of the platform alone
   EXPECT_THAT(message_of([&] { static_cast<void>(inverse_dynamics_rates(model, workspace, q, rates, tau)); }),
               testing::HasSubstr("row 2 does not keep loop"));
+  rates[2 * nv] = NAN;
+  EXPECT_THAT(message_of([&] { static_cast<void>(inverse_dynamics_rates(model, workspace, q, rates, tau)); }),
+              testing::HasSubstr("rates is not finite"));
   EXPECT_THAT(message_of([&] { static_cast<void>(inverse_dynamics_rates(model, workspace, q, tau, tau)); }),
               testing::HasSubstr("rates has"));
 }

@@ -196,6 +196,25 @@ TEST(PrescribedMotions, ThatCannotBeFollowedEndAtTheFoldAndNameIt) {
               HasSubstr("the motion of \"slide\" would need speeds and forces without bound"));
 }
 
+/// Far from 0 a step of time may be below the resolution of the time.
+TEST(PrescribedMotions, ThatCannotBeFollowedEndAtAnyTime) {
+  Description d = slider_crank();
+  const double start = bent(built(d), 1).q[2], begin = 1e6;
+  const Model tree = built(d);
+  const std::vector<PrescribedMotion> out{{"slide", MotionFunction([=](double t) {
+                                             return MotionValue{start + 1e3 * (t - begin), 1e3, 0, 0};
+                                           })}};
+  const Numbers times{begin, begin + 1e-3};
+  const KinematicMotion motion = kinematic_motion(tree, bent(tree, 1).q, times, out);
+  EXPECT_FALSE(motion.complete);
+  EXPECT_LT(motion.reached, times[1]);
+  int asked = 0;
+  const KinematicMotion ended =
+      kinematic_motion(tree, bent(tree, 1).q, times, out, [&] { return ++asked < 2; });
+  EXPECT_EQ(asked, 2);
+  EXPECT_EQ(ended.stop_reason, "it was interrupted");
+}
+
 TEST(PrescribedMotions, ThatContradictEachOtherEndTheMotion) {
   Description d = slider_crank();
   const AssemblyResult start = bent(built(d), 1);
@@ -317,6 +336,13 @@ TEST(PrescribedMotions, AreRefusedWhereTheyAreNotCountedAndWhereTheyCannotStart)
   second.motions = {{"turn", wave(1, 0, 0)}};
   EXPECT_THAT([&] { return simulate(model, start.q, start.v, 1, {}, second); },
               refuses("\"turn\" has two motions"));
+  const MotionFunction samples(
+      {.of = "turn", .kind = MotionDescription::Kind::samples, .times = {0, 1, 2}, .values = {1, 1, 1}});
+  for (const double t : {-1.0, 3.0, std::nan("")})
+    EXPECT_THROW(static_cast<void>(forward_dynamics_at(built(slider_crank()), t, start.q, start.v, Numbers(3),
+                                                       {}, std::vector{PrescribedMotion{"turn", samples}})),
+                 std::invalid_argument)
+        << t;
   second.motions = {{"trun", wave(1, 0, 0)}};
   EXPECT_THAT([&] { return simulate(model, start.q, start.v, 1, {}, second); },
               refuses("has no joint and no rod \"trun\"; did you mean \"turn\"?"));

@@ -5,6 +5,7 @@
 #include "axode/constraints/check_loops.hpp"
 #include "axode/constraints/higher_order/loop_series.hpp"
 #include "axode/derivatives/displacement/force_series.hpp"
+#include "axode/model/finite.hpp"
 #include "axode/recursion/least_squares.hpp"
 
 namespace axode {
@@ -23,7 +24,7 @@ void check_motion(const Model& model, const LoopSeries& loops, Numbers<double> r
     const double size = 1 + known.norm() + own.norm();
     for (const LoopRows& loop : model.loops().all) {
       const double error = (known + own).segment(loop.first_row, loop.rows).norm();
-      if (error > tolerance * size)
+      if (!(error <= tolerance * size))
         throw std::invalid_argument("rates: row " + std::to_string(k) + " does not keep loop \"" + loop.name +
                                     "\" closed: derivative " + std::to_string(k) + " of A v is " +
                                     to_text(error) +
@@ -47,6 +48,7 @@ double inverse_dynamics_rates(const Model& model, LoopWorkspace<>& workspace, Nu
                                 " rows of nv = " + std::to_string(nv));
   check_size("rates", rates.size(), static_cast<std::size_t>((orders + 1) * nv), "a row more than tau");
   check_separate("tau", tau, "rates", std::span<const double>(rates));
+  if (!finite(rates)) throw std::invalid_argument("rates is not finite");
   check_closed(system, q, rates.first(static_cast<std::size_t>(nv)));
   LoopSeries loops(model, static_cast<int>(orders));
   loops.run(q.data(), rates.data());

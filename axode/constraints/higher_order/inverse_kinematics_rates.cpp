@@ -106,6 +106,7 @@ RatesReached inverse_kinematics_rates(const Model& model, Numbers<double> q,
                                       std::type_identity_t<std::span<const TwistTarget<Rep>>> targets,
                                       std::span<double> rates) {
   check_configuration(model, q);
+  if (!finite(q)) throw std::invalid_argument("q is not finite");
   const std::size_t nv = static_cast<std::size_t>(model.nv());
   const std::size_t none = targets.empty() ? 0 : targets.front().V.size();
   const std::size_t orders = nv == 0 ? none : rates.size() / nv;

@@ -7,11 +7,10 @@
 #include "axode/model/building/builder.hpp"
 #include "axode/model/building/nearest_name.hpp"
 #include "axode/model/building/placement.hpp"
+#include "axode/model/building/value_checks.hpp"
 
 namespace axode {
 namespace {
-
-std::string quoted(std::string_view name) { return '"' + std::string(name) + '"'; }
 
 /// All motions of a mechanism, with the names of their rows.
 struct Motions {
@@ -81,9 +80,7 @@ MotionRows::MotionRows(const Model& model, std::span<const PrescribedMotion> mor
   for (PrescribedMotion& motion : motions.all) {
     const Loop* rod = rod_named(model_, motion.of);
     const LoopRows& rows = rod != nullptr ? static_cast<const LoopRows&>(*rod) : loops.couplings[coupling++];
-    const auto loop = std::ranges::find(loops.all, rows.name, &LoopRows::name) - loops.all.begin();
     rows_.push_back({.of = motion.of,
-                     .loop = static_cast<int>(loop),
                      .place = {.row = rows.first_row, .residual = rows.first_residual},
                      .drawn = rod != nullptr ? rod->size : 0,
                      .function = std::move(motion.function)});
@@ -107,13 +104,13 @@ double MotionRows::next_jump(double t) const {
   return next;
 }
 
-void MotionRows::check_times(double until) const {
+void MotionRows::check_times(double from, double until) const {
   for (const Row& row : rows_) {
     const MotionFunction& f = row.function;
-    if (!(f.begin() <= 0) || !(until <= f.end()))
+    if (!(f.begin() <= from) || !(until <= f.end()))
       throw std::invalid_argument("motions: the motion of " + quoted(row.of) + " is known from " +
-                                  to_text(f.begin()) + " s to " + to_text(f.end()) +
-                                  " s; a simulation from 0 s to " + to_text(until) + " s needs more samples");
+                                  to_text(f.begin()) + " s to " + to_text(f.end()) + " s, and times from " +
+                                  to_text(from) + " s to " + to_text(until) + " s need more samples");
   }
 }
 

@@ -13,7 +13,6 @@ class MotionRows {
  public:
   struct Row {
     std::string of;  ///< joint or rod
-    int loop;        ///< index in loops().all of model()
     PrescribedRow<double> place;
     double drawn;  ///< the length of a rod as drawn, 0 for a joint
     MotionFunction function;
@@ -36,10 +35,10 @@ class MotionRows {
 
   /// The first time after t at which a step of an integration should end; infinite if there is none.
   double next_jump(double t) const;
-  /// Throws std::invalid_argument if a motion is not known from 0 to `until`.
-  void check_times(double until) const;
-  /// The name of a motion whose row differs from 0 by more than a tolerance, and the value; empty if there
-  /// is none.
+  /// Throws std::invalid_argument if a motion is not known from one time to another.
+  void check_times(double from, double until) const;
+  /// The motion whose row differs from 0 most, by its joint or rod; empty if no row differs by more than the
+  /// tolerance.
   std::string worst(std::span<const double> rows, double tolerance) const;
 
  private:

@@ -1,7 +1,13 @@
 #include "axode/constraints/prescribed/prescribed_motion.hpp"
 
+#include <cmath>
+#include <stdexcept>
+#include <string>
+#include <utility>
+
 #include "axode/constraints/prescribed/motion_rows.hpp"
 #include "axode/kinematics/check_arguments.hpp"
+#include "axode/model/finite.hpp"
 
 namespace axode {
 
@@ -13,7 +19,12 @@ DynamicsAtTime forward_dynamics_at(const Model& model, double t, std::span<const
   check_size("v", v.size(), nv, "nv");
   check_size("tau", tau.size(), nv, "nv");
   check_loads(model, loads);
+  for (const auto& [name, x] : {std::pair{"q", q}, {"v", v}, {"tau", tau}})
+    if (!finite(x))
+      throw std::invalid_argument("forward_dynamics_at: " + std::string(name) + " is not finite");
+  if (!std::isfinite(t)) throw std::invalid_argument("forward_dynamics_at: t is " + to_text(t) + " s");
   MotionRows rows(model, motions);
+  rows.check_times(t, t);
   LoopSystem<double> system(rows.model());
   rows.impose(t, system);
   DynamicsAtTime found{.solvability = {}, .a = std::vector<double>(nv), .lambda = {}, .motion_forces = {}};

@@ -36,7 +36,9 @@ std::string nearby_singularity(MotionRows& motions, LoopSystem<double>& system, 
   system.make_rows(ConstraintLevel::velocity);
   system.write(all.data());
   Matrix A = all(chosen, Eigen::indexing::all);
-  A.rowwise().normalize();
+  if (chosen.empty()) return {};
+  for (std::size_t k = 0; k < chosen.size(); ++k)
+    A.row(static_cast<Eigen::Index>(k)) /= system.scale()[chosen[k]];
   const Eigen::SelfAdjointEigenSolver<Matrix> squares(A * A.transpose());
   const double least = std::sqrt(std::max(0.0, squares.eigenvalues()[0])),
                most = std::sqrt(squares.eigenvalues()[squares.eigenvalues().size() - 1]);

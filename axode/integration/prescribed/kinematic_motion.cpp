@@ -7,6 +7,7 @@
 
 #include "axode/constraints/check_loops.hpp"
 #include "axode/constraints/prescribed/singularity.hpp"
+#include "axode/eigen.hpp"
 #include "axode/integration/configuration_group.hpp"
 #include "axode/model/configuration.hpp"
 #include "axode/model/finite.hpp"
@@ -99,9 +100,10 @@ class KinematicSolver {
 
   /// Goes from one instant to a later time, in as many steps as needed. Returns false at the last instant
   /// that can be reached.
-  bool go(double t, double whole, Instant& at) {
+  bool go(double t, double whole, const std::function<bool()>& monitor, Instant& at) {
     double h = t - at.t;
     while (at.t < t) {
+      if (monitor && !monitor()) return false;
       h = std::min(h, t - at.t);
       const bool last = h >= t - at.t;
       Instant next{last ? t : at.t + h, at.q, {}, {}, {}};
@@ -119,7 +121,7 @@ class KinematicSolver {
         h *= 2;
       } else {
         h /= 2;
-        if (h < shortest * whole) return false;
+        if (h < shortest * whole || at.t + h <= at.t) return false;
       }
     }
     return true;
@@ -131,10 +133,6 @@ class KinematicSolver {
   const MotionRows& motions() const { return motions_; }
 
  private:
-  static std::span<const double> as_span(const Vector& x) {
-    return {x.data(), static_cast<std::size_t>(x.size())};
-  }
-
   MotionRows motions_;
   const Model& model_;
   LoopSystem<double> system_;
@@ -153,15 +151,16 @@ void append(const Instant& at, KinematicMotion& motion) {
 }  // namespace
 
 KinematicMotion kinematic_motion(const Model& model, std::span<const double> q, std::span<const double> times,
-                                 std::span<const PrescribedMotion> motions) {
+                                 std::span<const PrescribedMotion> motions,
+                                 const std::function<bool()>& monitor) {
   check_configuration(model, q);
   if (!finite(q) || !finite(times))
     throw std::invalid_argument("kinematic motion: q or a time is not finite");
   if (times.empty() || std::ranges::adjacent_find(times, std::ranges::greater_equal()) != times.end())
     throw std::invalid_argument("kinematic motion: times are empty or do not increase");
   KinematicSolver solver(model, motions);
-  solver.motions().check_times(times.back());
-  Instant at{times.front(), Eigen::Map<const Vector>(q.data(), std::ssize(q)), {}, {}, {}};
+  solver.motions().check_times(times.front(), times.back());
+  Instant at{times.front(), as_eigen(q), {}, {}, {}};
   if (!solver.close(at.t, longest, at.q))
     throw std::invalid_argument(
         "kinematic motion: q is not near a configuration that closes the loops and follows the motions at t "
@@ -176,8 +175,17 @@ KinematicMotion kinematic_motion(const Model& model, std::span<const double> q, 
   KinematicMotion motion;
   append(at, motion);
   for (const double t : times.subspan(1)) {
-    if (!solver.go(t, times.back() - times.front(), at)) {
+    bool interrupted = false;
+    const std::function<bool()> go_on = [&] {
+      interrupted = monitor && !monitor();
+      return !interrupted;
+    };
+    if (!solver.go(t, times.back() - times.front(), go_on, at)) {
       motion.complete = false;
+      if (interrupted) {
+        motion.stop_reason = "it was interrupted";
+        break;
+      }
       const std::string where = solver.singularity(at);
       motion.stop_reason = "the motions cannot be followed after t = " + to_text(at.t) + " s" +
                            (where.empty() ? "" : ": the mechanism is " + where);

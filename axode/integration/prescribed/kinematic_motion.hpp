@@ -1,4 +1,5 @@
 #pragma once
+#include <functional>
 #include <span>
 #include <string>
 #include <vector>
@@ -21,9 +22,11 @@ struct KinematicMotion {
 /// It begins near q at the first time and follows the branch on which it begins; the times increase. If a
 /// motion cannot be followed further, the result ends there and has the reason. Masses, springs and forces
 /// do not matter. Throws std::invalid_argument if q is not near a configuration that follows the motions,
-/// with the remedy, if motions leave the mechanism a velocity, and for times that do not increase.
-/// Allocates; O(m nv²) for each time.
+/// with the remedy, if motions leave the mechanism a velocity, and for times that do not increase. The
+/// monitor is called at every step; if it returns false, the result ends there. Allocates; O(m nv²) for each
+/// time.
 KinematicMotion kinematic_motion(const Model& model, std::span<const double> q, std::span<const double> times,
-                                 std::span<const PrescribedMotion> motions = {});
+                                 std::span<const PrescribedMotion> motions = {},
+                                 const std::function<bool()>& monitor = {});
 
 }  // namespace axode

@@ -7,11 +7,10 @@
 #include "axode/model/building/inspection.hpp"
 #include "axode/model/building/nearest_name.hpp"
 #include "axode/model/building/placement.hpp"
+#include "axode/model/building/value_checks.hpp"
 
 namespace axode {
 namespace {
-
-std::string quoted(std::string_view name) { return '"' + std::string(name) + '"'; }
 
 bool has_error(const std::vector<Fault>& faults) {
   return std::any_of(faults.begin(), faults.end(),

@@ -304,11 +304,17 @@ class Inspection {
       loops.emplace(loop_name(description_.loops[k], k), description_.loops[k].kind);
     std::unordered_set<std::string_view> moved;
     std::unordered_set<std::string> names;
+    for (const auto& [name, kind] : joints) names.insert(name);
+    for (const auto& [name, kind] : loops) names.insert(name);
+    for (std::size_t k = 0; k < description_.couplings.size(); ++k)
+      names.insert(coupling_name(description_.couplings[k], k));
     for (const MotionDescription& motion : description_.motions) {
       const FaultySubject at{faults_, quoted(motion_name(motion)), motion.source};
       const std::string says = "moves " + quoted(motion.of);
       if (!names.insert(motion_name(motion)).second)
-        at.error(Rule::duplicate_name, "the name is taken; names of motions must differ");
+        at.error(Rule::duplicate_name,
+                 "the name is taken; names of motions must differ, also from those of joints, loops and "
+                 "couplings");
       if (const auto joint = joints.find(motion.of); joint != joints.end()) {
         if (!can_couple(joint->second))
           at.error(

@@ -5,13 +5,12 @@
 #include <algorithm>
 
 #include "axode/integration/prescribed/kinematic_motion.hpp"
-#include "axode/recursion/solvability.hpp"
 #include "python/bindings/states/states.hpp"
 #include "python/bindings/support/bindings.hpp"
 #include "python/bindings/support/conversions.hpp"
+#include "python/bindings/support/long_call.hpp"
 #include "python/bindings/support/named_tuple.hpp"
 #include "python/bindings/support/one_state.hpp"
-#include "python/bindings/support/raise.hpp"
 #include "python/bindings/support/text.hpp"
 
 /// Prescribed motions; functions of time are Python's.
@@ -22,9 +21,13 @@ using namespace nb::literals;
 std::vector<PrescribedMotion> motions_from(nb::handle given) {
   std::vector<PrescribedMotion> motions;
   if (given.is_none()) return motions;
-  if (!nb::isinstance<nb::dict>(given))
-    throw nb::type_error("motions: expected a dict from joints and rods to functions of time");
-  for (const auto& [key, function] : nb::borrow<nb::dict>(given)) {
+  if (!nb::hasattr(given, "items"))
+    throw nb::type_error("motions: expected a mapping from joints and rods to functions of time");
+  for (const nb::handle item : nb::iter(given.attr("items")())) {
+    const nb::object key = item[0], function = item[1];
+    if (!nb::isinstance<nb::str>(key))
+      throw nb::type_error(
+          ("motions: expected names of joints and rods as keys, got " + type_of(key)).c_str());
     const std::string of = text_of(key), name = "motions[\"" + of + "\"]";
     if (!nb::isinstance<nb::callable>(function))
       throw nb::type_error(
@@ -49,9 +52,10 @@ nb::object dynamics_of(const BoundModel& m, double t, ArrayLike q, ArrayLike v, 
   const Items velocities = states.velocities("v", v), forces = states.velocities("tau", tau);
   const DynamicsAtTime found =
       forward_dynamics_at(*m, t, states.q(0), velocities[0], forces[0], {}, motions_from(motions));
-  if (!found.solvability.ok())
-    raise_of_states("SingularError", to_string(*m, found.solvability), {0}, to_array(found.a));
-  return named_tuple("axode.records", "DynamicsAtTime", to_array(found.a), to_array(found.lambda),
+  NewArray a = states.result({m->nv()});
+  std::ranges::copy(found.a, a.data());
+  states.refuse({found.solvability}, a);
+  return named_tuple("axode.records", "DynamicsAtTime", a.array(), to_array(found.lambda),
                      to_array(found.motion_forces));
 }
 
@@ -69,8 +73,13 @@ nb::object kinematic_motion_of(const BoundModel& m, ArrayLike times, nb::handle 
     const States states = one_state(m, {q.ptr()});
     return std::vector<double>(states.q(0).begin(), states.q(0).end());
   }();
-  const KinematicMotion found =
-      kinematic_motion(*m, start, {at.data(), static_cast<std::size_t>(at.size())}, motions_from(motions));
+  const std::vector<PrescribedMotion> more = motions_from(motions);
+  LongCall call(more.empty());  // functions of Python need the interpreter's lock
+  const batch::Monitor monitor = call.monitor();
+  batch::MonitorThrottle throttle(monitor, 0);
+  const KinematicMotion found = kinematic_motion(*m, start, {at.data(), static_cast<std::size_t>(at.size())},
+                                                 more, [&] { return throttle.should_continue(0); });
+  call.end();
   const std::size_t n = found.t.size();
   return named_tuple("axode.records", "KinematicMotion", to_array(found.t), rows_of(found.q, m->nq(), n),
                      rows_of(found.v, m->nv(), n), rows_of(found.a, m->nv(), n),
