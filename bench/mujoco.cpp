@@ -1,4 +1,4 @@
-// The same functions of MuJoCo, for the same mechanisms and states, through its C interface.
+// Measures the functions of MuJoCo that correspond to those of axode, on the same mechanisms and states, through its C interface.
 #include <mujoco/mujoco.h>
 
 #include <algorithm>

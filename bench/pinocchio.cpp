@@ -1,4 +1,4 @@
-// The same functions of Pinocchio, for the same mechanisms and states.
+// Measures the functions of Pinocchio that correspond to those of axode, on the same mechanisms and states.
 #include <pinocchio/multibody.hpp>
 
 #include <pinocchio/algorithm/aba-derivatives.hpp>

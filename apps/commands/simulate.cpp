@@ -2,9 +2,7 @@
 
 #include <CLI/CLI.hpp>
 #include <array>
-#include <chrono>
 #include <cmath>
-#include <csignal>
 #include <memory>
 #include <optional>
 
@@ -18,6 +16,7 @@
 #include "apps/files/text_file.hpp"
 #include "apps/shell/choice.hpp"
 #include "apps/shell/commands.hpp"
+#include "apps/shell/progress.hpp"
 #include "apps/shell/table.hpp"
 #include "apps/shell/terminal.hpp"
 #include "axode/constraints/prescribed/prescribed_motion.hpp"
@@ -93,47 +92,6 @@ with t, q, v, a, tau and the energy, under names; .npz these as arrays: q = nump
 --plot draws q, v, tau and the energies over time. Ctrl-C ends the motion; what there is by then is
 written.)";
 
-volatile std::sig_atomic_t interrupted = 0;
-void interrupt(int) { interrupted = 1; }
-
-/// Catches Ctrl-C while the object exists.
-class Interruptible {
- public:
-  Interruptible() : before_(std::signal(SIGINT, interrupt)) {}
-  ~Interruptible() { std::signal(SIGINT, before_); }
-  Interruptible(const Interruptible&) = delete;
-
- private:
-  void (*before_)(int);
-};
-
-/// A progress bar on a terminal with the remaining time. It appears after one second.
-class Progress {
- public:
-  explicit Progress(double until) : until_(until) {}
-  ~Progress() {
-    if (shown_) fmt::print(stderr, "\r{:60}\r", "");
-  }
-  void tell(double t) {
-    const auto now = Clock::now();
-    if (!is_terminal(stderr) || now - told_ < std::chrono::milliseconds(100)) return;
-    told_ = now;
-    const double gone = std::chrono::duration<double>(now - start_).count();
-    if (gone < 1 || t <= 0) return;
-    shown_ = true;
-    const int done = static_cast<int>(30 * t / until_);
-    fmt::print(stderr, "\r[{:#<{}}{:{}}] {} of {} s, {:.0f} s left ", "", done, "", 30 - done,
-               significant(t, 4), significant(until_, 4), gone * (until_ - t) / t);
-    std::fflush(stderr);
-  }
-
- private:
-  using Clock = std::chrono::steady_clock;
-  double until_;
-  Clock::time_point start_ = Clock::now(), told_ = start_;
-  bool shown_ = false;
-};
-
 /// The constant drive forces of the state, and the controller of the options.
 Drive drive_of(const Model& model, const State& state, const Options& options) {
   const Drive constant = [&state](double, std::span<const double>, std::span<const double>,
@@ -168,7 +126,7 @@ Trajectory motion_of(const Model& model, const State& state, const Drive& drive,
   Progress progress(options.until);
   acting.monitor = [&](double t) {
     progress.tell(t);
-    return interrupted == 0;
+    return !interruptible.interrupted();
   };
   const std::string named = method_of(options, model);
   const Method method = choose("--method", named, methods);
@@ -506,8 +464,10 @@ void add_simulate(CLI::App& app, int& exit_code) {
   simulate->add_flag("--kinematic", options->kinematic,
                      "Without dynamics, if motions of the drawing use up the mobility");
   simulate->add_flag("--joint-losses", options->joint_losses, "Count damping and friction of the joints");
-  simulate->add_flag("--contact", options->contact,
-                     "Let collision shapes and hard stops act; the same as --method contact");
+  simulate
+      ->add_flag("--contact", options->contact,
+                 "Let collision shapes and hard stops act; the same as --method contact")
+      ->excludes("--method");
   simulate->add_option("--output", options->outputs, "Write a .json, .csv or .npz; may be given again")
       ->type_name("FILE")
       ->allow_extra_args(false);

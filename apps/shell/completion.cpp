@@ -66,7 +66,8 @@ complete -c axode -f -a '(__axode)'
 constexpr std::array<std::pair<std::string_view, const char*>, 3> shells{
     {{"bash", bash}, {"zsh", zsh}, {"fish", fish}}};
 
-/// What is valid at a place of the command line: names of files, or words with their descriptions.
+/// The shell may put one of these in place of the last word of a command line: a name of a file, which the
+/// shell lists itself, or a word, which has a description that may be empty.
 struct Offer {
   bool files = false;
   bool list = false;  ///< whether commas separate several words

@@ -51,7 +51,7 @@ def simulate(m: Model, q: ArrayLike, v: ArrayLike, until: float, *,
         "absolute": bodies are points of SE(3), and every joint is a constraint; "absolute_SO3xR3": of SO(3) x R^3. In
         absolute ones "dopri5", "rk4" and "euler" bring joints and loops back after each step, and others hold them:
         "rattle", "rattle_suzuki4" and "rattle_kahan_li6" (of second, fourth and sixth order, no events; symplectic, or with
-        with rolling contacts only symmetric), "half_explicit" (third order), "generalized_alpha" (stabilised, index 2) and
+        rolling contacts only symmetric), "half_explicit" (third order), "generalized_alpha" (stabilised, index 2) and
         "generalized_alpha_index3".
     local_coordinates: those of a step on the group. With "cayley" every method keeps its order; those of second order err
         more where a body turns fast (docs/integration.md). In absolute coordinates only explicit methods take it.
@@ -83,10 +83,12 @@ def simulate(m: Model, q: ArrayLike, v: ArrayLike, until: float, *,
     """
     if isinstance(tau, (Sampled, PD, ComputedTorque)):
         tau = tau.on(m)
-    if contact:
-        method = "contact"
-    elif contact is not None:
-        method = method or "dopri5"
+    if contact is not None:
+        if not isinstance(contact, (bool, np.bool_)):
+            raise TypeError(f"contact: expected True, False or None, got {type(contact).__name__}")
+        if method is not None and (method == "contact") != contact:
+            raise ValueError(f"contact is {contact} and method is {method!r}; leave one of them out")
+        method = method or ("contact" if contact else "dopri5")
     bar, report = None, None
     if progress:
         bar = progress_bar(float(until), unit="s", bar_format="{l_bar}{bar}| {n:.3g}/{total:.3g} s [{remaining}]")

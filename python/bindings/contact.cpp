@@ -19,7 +19,9 @@ using namespace nb::literals;
 
 nb::list distances_of(const BoundModel& m, ArrayLike q, std::optional<double> margin) {
   const States states = one_state(m, q);
-  Distances distances(m, ContactShapes(m, hull_of_mesh));
+  Distances distances = states.released(1000, [&] {  // files of meshes may be read
+    return Distances(m, ContactShapes(m, hull_of_mesh));
+  });
   const std::span<const ShapeDistance> found =
       distances.evaluate(states.q(0), margin.value_or(std::numeric_limits<double>::infinity()));
   const std::size_t nv = static_cast<std::size_t>(m->nv());

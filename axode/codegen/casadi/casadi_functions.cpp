@@ -102,8 +102,8 @@ class Accelerations {
   static void subtract(Numbers& x, const Numbers& y) {
     for (std::size_t k = 0; k < x.size(); ++k) x[k] -= y[k];
   }
-  /// Of the recordings made by make(composition, state, solution), one for each way to solve with M, returns
-  /// the one with the fewest operations.
+  /// Returns the recording with the fewest operations among those that make(composition, state, solution)
+  /// makes, one for each way to solve with M.
   template <class Make> Recording shortest(const Make& make) const {
     Recording best;
     for (const Recording& solution : solutions_) {

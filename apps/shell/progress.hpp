@@ -1,0 +1,39 @@
+#pragma once
+#include <chrono>
+
+namespace axode::command {
+
+/// Catches Ctrl-C while the object exists.
+class Interruptible {
+ public:
+  Interruptible();
+  ~Interruptible();
+  Interruptible(const Interruptible&) = delete;
+  Interruptible& operator=(const Interruptible&) = delete;
+
+  /// Whether Ctrl-C was pressed.
+  bool interrupted() const;
+
+ private:
+  void (*before_)(int);
+};
+
+/// A progress bar on a terminal with the remaining time. It appears after one second.
+class Progress {
+ public:
+  explicit Progress(double until) : until_(until) {}
+  ~Progress();
+  Progress(const Progress&) = delete;
+  Progress& operator=(const Progress&) = delete;
+
+  /// Shows how far the simulated time is, s.
+  void tell(double t);
+
+ private:
+  using Clock = std::chrono::steady_clock;
+  double until_;
+  Clock::time_point start_ = Clock::now(), told_ = start_;
+  bool shown_ = false;
+};
+
+}  // namespace axode::command
