@@ -97,8 +97,8 @@ template <class T, class S = T> class ConfigurationGroup {
         first(y));
   }
 
-  // Computes ad_xᵀ p. This map and the next two are transposed: they act on momenta p.
-  /// ad_xᵀ p.
+  // The next three maps are transposed: they act on momenta p.
+  /// Computes ad_xᵀ p.
   void ad_transpose(const auto& x, const auto& p, auto&& out) const noexcept {
     each_dual_block(first(x), first(p), first(out),
                     [](const Screw<T>& X, const Screw<T>& P) { return ad(-X, P); });

@@ -125,6 +125,7 @@ TEST(Certificate, MeasuresHowFarImpulsesAreFromTheLaw) {
     const char *file, *state;
     double at_0, at_09;
   };
+  int compared = 0;
   for (const auto& [file, name, at_0, at_09] :
        {Figure{"ball_drills", "drills and slides", 0.0165653273560, 0.00163760312114},
         Figure{"four_bar", "rubs", 0.147534387775, 0.0128955364341},
@@ -148,9 +149,11 @@ TEST(Certificate, MeasuresHowFarImpulsesAreFromTheLaw) {
         for (std::size_t k = 0; k < x.size(); ++k)
           x[k] = problem.c[k] > 0 ? part * lambda[k] / problem.c[k] : 0;
         EXPECT_NEAR(certificate(problem, x.data(), scratch.data()), expected, 1e-11 * expected) << file;
+        ++compared;
       }
     }
   }
+  EXPECT_EQ(compared, 6);
 }
 
 TEST_P(ContactStates, HaveTheDerivativeByDriveForces) {

@@ -94,9 +94,8 @@ def processor_time():
     return np.array([usage.ru_utime, usage.ru_stime])
 
 
-@pytest.mark.parametrize("call", LONG)
-def test_ctrl_c_is_answered_long_before_the_call_would_have_ended(call):
-    make, f = LONG[call]
+def part_until_interrupted(make, f):
+    """Interrupts a call after a sixteenth of its processor time. Returns the part of the program's time that it took."""
     whole = 0.8  # seconds of processor time, which do not depend on what else the machine does
     N, took = 500, np.zeros(2)
     while took.sum() < whole / 10:
@@ -113,10 +112,18 @@ def test_ctrl_c_is_answered_long_before_the_call_would_have_ended(call):
         with pytest.raises(KeyboardInterrupt):
             signal.setitimer(signal.ITIMER_PROF, whole / 16)
             f(*arguments)
-        assert (processor_time() - start)[0] < of_program / 2
+        return (processor_time() - start)[0] / of_program
     finally:
         signal.setitimer(signal.ITIMER_PROF, 0)
         signal.signal(signal.SIGPROF, before)
+
+
+@pytest.mark.parametrize("call", LONG)
+def test_ctrl_c_is_answered_long_before_the_call_would_have_ended(call):
+    make, f = LONG[call]
+    # The kernel's share differs between two runs where memory is slow to come. A call that is not interrupted in its
+    # midst takes all of its time in every attempt.
+    assert any(part_until_interrupted(make, f) < 1 / 2 for _ in range(3))
     few = make(10)
     assert np.shape(f(*few))[0] == 10  # and the next call is as if nothing had been
 

@@ -121,17 +121,32 @@ std::vector<std::array<std::string, 2>> Table::pairs_of_names(std::string_view k
   return pairs;
 }
 
-std::vector<std::pair<std::string, double>> Table::named_numbers(std::string_view key) {
-  std::vector<std::pair<std::string, double>> all;
+template <class T, class Read>
+std::vector<std::pair<std::string, T>> Table::named(std::string_view key, const Read& read) {
+  std::vector<std::pair<std::string, T>> all;
   auto inner = table(key);
   if (!inner) return all;
   inner->rename(std::string(key) + " of " + element_);
   for (const auto& [name, entry] : inner->entries_) {
     if (!printable(name))
       inner->error(Rule::wrong_value, in_quotes(name) + " must not hold control characters", entry.value);
-    if (const auto x = inner->number(name)) all.emplace_back(name, *x);
+    if (std::optional<T> x = read(*inner, name, *entry.value)) all.emplace_back(name, std::move(*x));
   }
   return all;
+}
+
+std::vector<std::pair<std::string, double>> Table::named_numbers(std::string_view key) {
+  return named<double>(
+      key, [](Table& inner, const std::string& name, const toml::Value&) { return inner.number(name); });
+}
+
+std::vector<std::pair<std::string, std::vector<double>>> Table::named_lists(std::string_view key) {
+  using Numbers = std::vector<double>;
+  return named<Numbers>(key, [](Table& inner, const std::string& name, const toml::Value& entry) {
+    if (entry.number() == nullptr) return inner.list(name, "it needs a number, or numbers in brackets");
+    const std::optional<double> x = inner.number(name);
+    return x ? std::optional(Numbers{*x}) : std::nullopt;
+  });
 }
 
 std::optional<std::vector<double>> Table::list(std::string_view key, std::string_view need) {
@@ -150,23 +165,6 @@ std::optional<std::vector<double>> Table::list(std::string_view key, std::string
   if (good) return all;
   wrong(key, *node, need);
   return std::nullopt;
-}
-
-std::vector<std::pair<std::string, std::vector<double>>> Table::named_lists(std::string_view key) {
-  std::vector<std::pair<std::string, std::vector<double>>> all;
-  auto inner = table(key);
-  if (!inner) return all;
-  inner->rename(std::string(key) + " of " + element_);
-  for (const auto& [name, entry] : inner->entries_) {
-    if (!printable(name))
-      inner->error(Rule::wrong_value, in_quotes(name) + " must not hold control characters", entry.value);
-    if (entry.value->number() != nullptr) {
-      if (const auto x = inner->number(name)) all.emplace_back(name, std::vector{*x});
-    } else if (auto x = inner->list(name, "it needs a number, or numbers in brackets")) {
-      all.emplace_back(name, std::move(*x));
-    }
-  }
-  return all;
 }
 
 std::optional<Sym3<>> Table::symmetric(std::string_view key) {

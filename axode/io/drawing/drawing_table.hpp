@@ -161,6 +161,9 @@ class Table {
   std::vector<Table> tables(std::string_view key, const std::string& need);
 
  private:
+  /// All keys of a table, with the value that read(table, name, entry) finds for each.
+  template <class T, class Read>
+  std::vector<std::pair<std::string, T>> named(std::string_view key, const Read& read);
   /// Reads the N numbers of an array. A number that is not finite is a fault.
   enum class Found { good, wrong, not_finite };
   template <std::size_t N>
