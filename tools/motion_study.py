@@ -18,26 +18,13 @@ from pathlib import Path
 import axode
 import chart
 import numpy as np
+from page import Page
 
 METHODS = ["dopri5", "rk4", "euler", "generalized_alpha", "midpoint", "suzuki4", "kahan_li6", "rk4_momenta"]
 
 
-class Page:
-    """A Markdown file with tables to update, and figures beside it."""
-
-    def __init__(self, file):
-        self.file = file
-
-    def table(self, name, header, rows):
-        lines = [header, ["---", *["--:"] * (len(header) - 1)], *rows]
-        table = "".join("| " + " | ".join(str(cell) for cell in line) + " |\n" for line in lines)
-        text = self.file.read_text(encoding="utf-8")
-        begin, end = re.escape(f"<!-- {name} -->\n"), re.escape("<!-- end -->")
-        text, found = re.subn(f"({begin}).*?({end})", lambda match: match[1] + table + match[2], text, flags=re.DOTALL)
-        if found != 1:
-            raise SystemExit(f"{self.file}: expected one table between <!-- {name} --> and <!-- end -->, found {found}")
-        self.file.write_text(text, encoding="utf-8")
-        print(f"{name}\n{table}", flush=True)
+class IntegrationPage(Page):
+    """The page with figures beside it."""
 
     def figure(self, name, tables):
         """Draws a figure of {title: table}, with a curve for each method."""
@@ -555,7 +542,7 @@ def main():
     parser.add_argument("page", type=Path, help="the page, docs/integration.md")
     parser.add_argument("--only", nargs="+", choices=SECTIONS, default=list(SECTIONS), help="sections to measure again")
     arguments = parser.parse_args()
-    page = Page(arguments.page)
+    page = IntegrationPage(arguments.page)
     try:
         for name in arguments.only:
             SECTIONS[name](page)

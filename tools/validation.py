@@ -10,7 +10,6 @@ tests/validation, beside the published numbers. Tables and lists of sources stan
 """
 
 import argparse
-import re
 import sys
 import textwrap
 import time
@@ -26,6 +25,7 @@ import flight  # noqa: E402
 import iftomm  # noqa: E402
 import ivp  # noqa: E402
 import spatial  # noqa: E402
+from page import Page, table  # noqa: E402
 
 SECTIONS = {"iftomm": iftomm.CASES, "test set": ivp.CASES, "spatial": spatial.CASES, "flight": flight.CASES,
             "closed forms": closed_forms.CASES}
@@ -57,25 +57,13 @@ def row(name, comparison, seconds):
 
 def block(name, found):
     """The table of a section, and a list of the sources of its references."""
-    lines = [HEADER, ["---"] * 2 + ["--:"] * 4 + ["---", "--:"]]
-    lines += [row(case, *measured) for case, measurements in found.items() for measured in measurements]
-    table = "".join("| " + " | ".join(cells) + " |\n" for cells in lines)
+    rows = [row(case, *measured) for case, measurements in found.items() for measured in measurements]
     sources = ""
     for case, measurements in found.items():
         for source in dict.fromkeys(comparison.source for comparison, _ in measurements):
             sources += textwrap.fill(f"* {case}: {source}", 110, subsequent_indent="  ",
                                      break_long_words=False, break_on_hyphens=False) + "\n"
-    return f"{table}\n{sources}"
-
-
-def refresh(page, name, text):
-    begin, end = re.escape(f"<!-- {name} -->\n"), re.escape("<!-- end -->")
-    new, found = re.subn(f"({begin}).*?({end})", lambda match: match[1] + text + match[2],
-                         page.read_text(encoding="utf-8"), flags=re.DOTALL)
-    if found != 1:
-        raise SystemExit(f"{page}: expected one table between <!-- {name} --> and <!-- end -->, found {found}; "
-                         "the command writes between these lines")
-    page.write_text(new, encoding="utf-8")
+    return f"{table(HEADER, rows, '--::::-:')}\n{sources}"
 
 
 def main():
@@ -95,7 +83,7 @@ def main():
         if found:
             print(f"{section}\n{block(section, found)}", flush=True)
         if arguments.page:
-            refresh(arguments.page, section, block(section, found))
+            Page(arguments.page).part(section, block(section, found))
         failed += [f"{name}: {comparison.quantity}: {number(comparison.error)} exceeds the bound "
                    f"{number(comparison.bound)}"
                    for name, measurements in found.items() for comparison, _ in measurements

@@ -151,6 +151,7 @@ template <class T, class Frames> class FramedTree {
 
  public:
   const std::vector<T>&pitch = tree_.pitch, &ratio = tree_.ratio, &offset = tree_.offset;
+  const std::vector<T>& inertia_scale = tree_.inertia_scale;
   const std::vector<T>&armature = tree_.armature, &damping = tree_.damping, &friction = tree_.friction;
   const Vec3<T>& g = tree_.g;
   std::vector<SE3<T>> B, frame_offset;  ///< poses in the chosen frames, as are all members below

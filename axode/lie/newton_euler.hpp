@@ -7,20 +7,32 @@
 /// body; if its origin is the centre of mass, the first moment h of M is 0.
 namespace axode {
 
-/// W = M V' - ad_Vᵀ M V (eqs. NEs, NEb, NEb0), with M in the same frame as V.
+/// The wrench that a body needs to keep its twist V, the terms of the equations without V': -ad_Vᵀ M V.
 template <AtFrameOrigin Rep, class T>
-constexpr Wrench<Rep, T> newton_euler(const Inertia<T>& M, const Twist<Rep, T>& V,
-                                      const TwistRate<Rep, T>& dV) {
-  return M * dV + coad(V, M * V);
+constexpr Wrench<Rep, T> velocity_wrench(const Inertia<T>& M, const Twist<Rep, T>& V) {
+  return coad(V, M * V);
 }
-
-/// W^h = M^h V'^h + ad_ω M^h (ω; 0) (eqs. NEh, NEh0), with M^h = Ad_R⁻ᵀ M^b Ad_R⁻¹.
+/// In hybrid twists it is ad_ω M^h (ω; 0).
 template <class T>
-constexpr Wrench<Hybrid, T> newton_euler(const Inertia<T>& M, const Twist<Hybrid, T>& V,
-                                         const TwistRate<Hybrid, T>& dV) {
+constexpr Wrench<Hybrid, T> velocity_wrench(const Inertia<T>& M, const Twist<Hybrid, T>& V) {
   const ScrewOperationScope<T> scope(ScrewOperation::bracket);
   const Momentum<Hybrid, T> Pi = M * Twist<Hybrid, T>{V.w, {}};
-  return M * dV + Wrench<Hybrid, T>{cross(V.w, Pi.l), cross(V.w, Pi.p)};
+  return {cross(V.w, Pi.l), cross(V.w, Pi.p)};
+}
+/// In mixed twists M is in the body frame, and R is the rotation of the body frame.
+template <class T>
+constexpr Wrench<Mixed, T> velocity_wrench(const Inertia<T>& M, const SO3<T>& R, const Twist<Mixed, T>& V) {
+  const ScrewOperationScope<T> scope(ScrewOperation::bracket);
+  return {cross(V.w, M.Theta * V.w), R * cross(V.w, cross(V.w, M.h))};
+}
+
+/// W = M V' - ad_Vᵀ M V (eqs. NEs, NEb, NEb0), with M in the same frame as V; and W^h = M^h V'^h + ad_ω M^h
+/// (ω; 0) (eqs. NEh, NEh0), with M^h = Ad_R⁻ᵀ M^b Ad_R⁻¹.
+template <class Rep, class T>
+  requires(AtFrameOrigin<Rep> || std::same_as<Rep, Hybrid>)
+constexpr Wrench<Rep, T> newton_euler(const Inertia<T>& M, const Twist<Rep, T>& V,
+                                      const TwistRate<Rep, T>& dV) {
+  return M * dV + velocity_wrench(M, V);
 }
 
 /// The mixed Newton-Euler equations: the angular part is in body axes, the linear part in inertial axes

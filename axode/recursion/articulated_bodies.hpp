@@ -22,6 +22,7 @@ namespace axode {
 /// that of their ties. See (D4.2) to (D4.11) of docs/derivations.
 template <class Rep, class T> struct ArticulatedBodies {
   BodyLinks<Rep, T> links;
+  Inertia<T>* M_body;  ///< rigid inertia of each body, as Link::inertia() returns it
   ArticulatedInertia<Rep, T>* M;
   ArticulatedInertia<Rep, T>* F;  ///< magnitude of the numbers from which M is computed
   Twist<Rep, T>* S;
@@ -39,6 +40,7 @@ template <class Rep, class T> struct ArticulatedBodies {
 
   explicit ArticulatedBodies(Arena& arena)
       : links(arena),
+        M_body(arena.per_body<Inertia<T>>()),
         M(arena.per_body<ArticulatedInertia<Rep, T>>()),
         F(arena.per_body<ArticulatedInertia<Rep, T>>()),
         S(arena.per_screw<Twist<Rep, T>>()),
@@ -61,15 +63,32 @@ template <class Rep, class T> struct ArticulatedBodies {
   }
   /// Factorises M at the configuration for which `links` were computed.
   template <TreeOf<T> AnyTree> Solvability factorize(const AnyTree& tree, const T* armature) noexcept {
-    PivotCheck<T> check;
-    factorize(tree, armature, check);
-    return check.verdict(*tree.operator->());
+    put_screws_and_inertias(tree);
+    return eliminate_joints(tree, armature);
   }
   /// Factorises M at the configuration for which `links` were computed; check.add() is called with each pivot
   /// and the magnitude of the numbers from which it was computed.
   template <TreeOf<T> AnyTree, class Check>
   void factorize(const AnyTree& tree, const T* armature, Check& check) noexcept {
+    put_screws_and_inertias(tree);
+    eliminate_joints(tree, armature, check);
+  }
+  /// Computes the screws S and the rigid inertias `M_body` at the configuration for which `links` were computed.
+  template <TreeOf<T> AnyTree> void put_screws_and_inertias(const AnyTree& tree) noexcept {
     joint_columns(tree, links.link, S);
+    for (int i = 1; i <= tree->n; ++i) M_body[i] = links.link[i].inertia(tree.M[i]);
+  }
+  /// Factorises M of which `links`, S and `M_body` are given. Rounding errors of pivots are estimated only where a
+  /// pivot is small, or where velocities are shared.
+  template <TreeOf<T> AnyTree> Solvability eliminate_joints(const AnyTree& tree, const T* armature) noexcept {
+    if (tree->coupled_bodies.empty() && eliminate_quickly(tree, armature)) return {};
+    PivotCheck<T> check;
+    eliminate_joints(tree, armature, check);
+    return check.verdict(*tree.operator->());
+  }
+  /// Factorises M of which `links`, S and `M_body` are given, and estimates the rounding error of every pivot.
+  template <TreeOf<T> AnyTree, class Check>
+  void eliminate_joints(const AnyTree& tree, const T* armature, Check& check) noexcept {
     const Topology::Ties& ties = tree->ties;
     for (int t = 0; t < ties.begin[tree->n + 1]; ++t) {
       U_tie[t] = {};
@@ -79,9 +98,8 @@ template <class Rep, class T> struct ArticulatedBodies {
     M[0] = {};
     F[0] = {};
     for (int i = 1; i <= tree->n; ++i) {
-      const Inertia<T> own = links.link[i].inertia(tree.M[i]);
-      M[i] = articulated(links.link[i], own);
-      F[i] = size_of<Rep>(own);
+      M[i] = articulated(links.link[i], M_body[i]);
+      F[i] = size_of<Rep>(M_body[i]);
     }
     for (int i = tree->n; i > 0; --i) {
       for (int t = ties.begin[i]; t < ties.begin[i + 1]; ++t)
@@ -109,42 +127,36 @@ template <class Rep, class T> struct ArticulatedBodies {
     for (int t = ties.begin[0]; t < ties.begin[1]; ++t) eliminate_tie(tree, 0, t, armature, check);
   }
 
-  /// Factorises M for trees without ties, without the magnitudes F by which rounding errors of pivots are
-  /// judged. `links` and, by joint_columns(), S must have been computed before. Returns false if a pivot is
-  /// so small that M may be singular; the factors are then incomplete.
-  template <TreeOf<T> AnyTree> bool factorize_quickly(const AnyTree& tree, const T* armature) noexcept {
-    M[0] = {};
-    for (int i = 1; i <= tree->n; ++i) M[i] = articulated(links.link[i], links.link[i].inertia(tree.M[i]));
-    for (int i = tree->n; i > 0; --i) {
-      const int first = tree->first_screw[i];
-      for (int s = tree->first_screw[i + 1] - 1; s >= first; --s) {
-        U[s] = M[i] * S[s];
-        D[s] = (U[s] | S[s]) + armature[tree->iv[i] + s - first];
-        if (!(D[s] > pivot_threshold<T> * tree.inertia_scale[s])) return false;
-        eliminate(M[i], U[s], D[s]);
-      }
-      M[tree->parent[i]] += links.link[i].up(M[i]);
-    }
-    return true;
-  }
-
   /// Replaces x by M⁻¹ x, after factorize(). O(n).
   template <TreeOf<T> AnyTree> void solve(const AnyTree& tree, T* x) noexcept {
     backward_sweep(tree, x);
     forward_sweep(tree, x);
+  }
+  /// Replaces the drive forces x by accelerations, after factorize(). Body i needs the wrench W[i] to keep its
+  /// twist, and `bias` has the terms of V'_i = down V'_p + S a + bias_i that do not depend on a; entry 0 is the
+  /// acceleration of the ground. O(n).
+  template <TreeOf<T> AnyTree>
+  void accelerate(const AnyTree& tree, const TwistRate<Rep, T>* bias, T* x) noexcept {
+    W[0] = {};
+    clear_ties(tree);
+    for (int i = tree->n; i > 0; --i) backward_step(tree, i, x, bias);
+    backward_step_at_ground(tree, x);
+    forward_sweep(tree, x, bias);
   }
 
   /// The backward sweep of a solution, from the leaves to the roots: u = L⁻ᵀ x for all velocities, with
   /// M = Lᵀ D L. each_pivot() reads u.
   template <TreeOf<T> AnyTree> void backward_sweep(const AnyTree& tree, const T* x) noexcept {
     for (int i = 0; i <= tree->n; ++i) W[i] = {};
-    for (int t = 0; t < tree->ties.begin[tree->n + 1]; ++t) u_tie[t] = T(0);
+    clear_ties(tree);
     for (int i = tree->n; i > 0; --i) backward_step(tree, i, x);
     backward_step_at_ground(tree, x);
   }
   /// The step of the backward sweep at body i. The steps of all other bodies of its subtree come before; they
-  /// have added their wrenches to W[i].
-  template <TreeOf<T> AnyTree> void backward_step(const AnyTree& tree, int i, const T* x) noexcept {
+  /// have added their wrenches to W[i]. `bias` is that of accelerate(), if there is one.
+  template <TreeOf<T> AnyTree>
+  void backward_step(const AnyTree& tree, int i, const T* x,
+                     const TwistRate<Rep, T>* bias = nullptr) noexcept {
     const Topology::Ties& ties = tree->ties;
     for (int t = ties.begin[i]; t < ties.begin[i + 1]; ++t)
       if (turn(ties, i, t) == before) backward_step_of_tie(tree, i, t, x);
@@ -162,6 +174,12 @@ template <class Rep, class T> struct ArticulatedBodies {
       }
     }
     if (own_tie_ends(ties, i)) backward_step_of_tie(tree, i, ties.own[i], x);
+    if (bias != nullptr) {
+      const Twist<Rep, T> of_bias{bias[i].w, bias[i].v};
+      W[i] += M[i] * of_bias;
+      for (int t = ties.begin[i]; t < ties.begin[i + 1]; ++t)
+        if (ties.up[t] >= 0) u_tie[t] += U_tie[t] | of_bias;
+    }
     for (int t = ties.begin[i]; t < ties.begin[i + 1]; ++t)
       if (ties.up[t] >= 0) u_tie[ties.up[t]] += u_tie[t];
     W[tree->parent[i]] += links.link[i].up(W[i]);
@@ -180,13 +198,17 @@ template <class Rep, class T> struct ArticulatedBodies {
       if (ties.up[t] < 0) f(ties.velocity[t], u_tie[t], row(ties, t)[t]);
   }
 
-  /// The forward sweep of a solution, from the roots to the leaves: x = L⁻¹ D⁻¹ u.
-  template <TreeOf<T> AnyTree> void forward_sweep(const AnyTree& tree, T* x) noexcept {
+  /// The forward sweep of a solution, from the roots to the leaves: x = L⁻¹ D⁻¹ u. `bias` is that of
+  /// accelerate(), if there is one.
+  template <TreeOf<T> AnyTree>
+  void forward_sweep(const AnyTree& tree, T* x, const TwistRate<Rep, T>* bias = nullptr) noexcept {
     const Topology::Ties& ties = tree->ties;
-    X[0] = {};
+    const auto of_bias = [&](int i) { return Twist<Rep, T>{bias[i].w, bias[i].v}; };
+    X[0] = bias != nullptr ? of_bias(0) : Twist<Rep, T>{};
     for (int t = ties.begin[1]; t-- > ties.begin[0];) forward_step_of_tie(tree, 0, t, x);
     for (int i = 1; i <= tree->n; ++i) {
       X[i] = links.link[i].down(X[tree->parent[i]]);
+      if (bias != nullptr) X[i] += of_bias(i);
       if (own_tie_ends(ties, i)) forward_step_of_tie(tree, i, ties.own[i], x);
       const int first = tree->first_screw[i];
       for (int s = first; s < tree->first_screw[i + 1]; ++s) {
@@ -206,6 +228,27 @@ template <class Rep, class T> struct ArticulatedBodies {
   }
 
  private:
+  /// Factorises M for trees without ties, without the magnitudes F by which rounding errors of pivots are
+  /// judged. Returns false if a pivot is so small that M may be singular; the factors are then incomplete.
+  template <TreeOf<T> AnyTree> bool eliminate_quickly(const AnyTree& tree, const T* armature) noexcept {
+    M[0] = {};
+    for (int i = 1; i <= tree->n; ++i) M[i] = articulated(links.link[i], M_body[i]);
+    for (int i = tree->n; i > 0; --i) {
+      const int first = tree->first_screw[i];
+      for (int s = tree->first_screw[i + 1] - 1; s >= first; --s) {
+        U[s] = M[i] * S[s];
+        D[s] = (U[s] | S[s]) + armature[tree->iv[i] + s - first];
+        if (!(D[s] > T(pivot_threshold<T>) * tree.inertia_scale[s])) return false;
+        eliminate(M[i], U[s], D[s]);
+      }
+      M[tree->parent[i]] += links.link[i].up(M[i]);
+    }
+    return true;
+  }
+  /// Sets the forces on the ties to 0 before a backward sweep.
+  template <class AnyTree> void clear_ties(const AnyTree& tree) noexcept {
+    for (int t = 0; t < tree->ties.begin[tree->n + 1]; ++t) u_tie[t] = T(0);
+  }
   /// When a tie of a body is eliminated: before the screws of the joint of the body; after these have
   /// entered, as the joint itself shares the velocity; or later, at a predecessor.
   enum Turn { before, after, later };

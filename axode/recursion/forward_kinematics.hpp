@@ -98,6 +98,10 @@ template <class Rep, class T> struct BodyLinks {
   /// Computes the links at q and returns them; entry 0 is the ground.
   template <TreeOf<T> AnyTree> Link<Rep, T>* run(const AnyTree& tree, const T* q) noexcept {
     joint_poses(tree, q, C_pi);
+    return run(tree);
+  }
+  /// Computes the links from the poses C_pi of the joints, and moves those of the root bodies to `origin`.
+  template <TreeOf<T> AnyTree> Link<Rep, T>* run(const AnyTree& tree) noexcept {
     move_to_roots(*tree.operator->(), C_pi, origin);
     link[0] = Link<Rep, T>::root();
     for (int i = 1; i <= tree->n; ++i) link[i] = link[tree->parent[i]].child(C_pi[i]);

@@ -201,6 +201,16 @@ constexpr Wrench<Rep, T> impulse(const Link<Rep, T>& link, const Inertia<T>& M, 
   }
 }
 
+/// The wrench that keeps the twist V of a body. M is the inertia as Link::inertia() returns it.
+template <class Rep, class T>
+constexpr Wrench<Rep, T> velocity_wrench(const Link<Rep, T>& link, const Inertia<T>& M,
+                                         const Twist<Rep, T>& V) {
+  if constexpr (std::same_as<Rep, Mixed>)
+    return velocity_wrench(M, link.R, V);
+  else
+    return velocity_wrench(M, V);
+}
+
 /// The inertia matrix of a rigid body in Rep. M is the inertia as Link::inertia() returns it.
 template <class Rep, class T>
 constexpr ArticulatedInertia<Rep, T> articulated(const Link<Rep, T>& link, const Inertia<T>& M) {

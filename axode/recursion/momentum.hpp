@@ -32,7 +32,9 @@ template <class T> struct MomentumForm {
                   T* dp) noexcept {
     spatial.run(tree, q);
     bodies.links.link = spatial.link;
-    Solvability verdict = bodies.factorize(tree, tree.armature.data());
+    bodies.S = spatial.J;
+    bodies.M_body = spatial.M_body;
+    Solvability verdict = bodies.eliminate_joints(tree, tree.armature.data());
     for (int c = 0; c < tree->nv; ++c) velocity[c] = p[c];
     if (verdict.ok()) bodies.solve(tree, velocity);
     verdict = solved(verdict, tree->nv, velocity);

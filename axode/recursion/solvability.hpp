@@ -5,6 +5,7 @@
 #include <limits>
 #include <span>
 #include <string>
+#include <type_traits>
 
 #include "axode/model/model.hpp"
 #include "axode/scalar/sine_cosine.hpp"
@@ -37,8 +38,9 @@ inline int body_of_velocity(const Topology& topology, int c) noexcept {
 /// its velocity at q = 0, the mass matrix may be singular and a kernel that tracks rounding errors takes
 /// over. The threshold is a third of the digits, so that after two such pivots in a row some digits remain
 /// for the next one. (In other configurations the inertia may be larger than at q = 0.)
-template <std::floating_point S>
-inline constexpr S pivot_threshold = std::same_as<S, float> ? S(4e-3) : S(1e-6);
+template <class T>
+inline constexpr auto pivot_threshold =
+    std::conditional_t<std::floating_point<T>, T, double>(unit_roundoff<T> > 1e-10 ? 4e-3 : 1e-6);
 
 /// Determines from the pivots of an elimination whether the mass matrix is singular. See (D4.10) of
 /// docs/derivations.

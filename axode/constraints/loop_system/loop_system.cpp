@@ -299,8 +299,7 @@ template <class T> Solvability LoopSystem<T>::factorize(const T* q, const RowRan
 
 template <class T> Solvability LoopSystem<T>::factorize_with_armature(const T* armature) noexcept {
   auto& bodies = dynamics_->bodies;
-  const bool fast = tree()->coupled_bodies.empty() && bodies.factorize_quickly(tree(), armature);
-  const Solvability verdict = fast ? Solvability{} : bodies.factorize(tree(), armature);
+  const Solvability verdict = bodies.factorize(tree(), armature);
   const auto put = [&](int c, const T&, const T& D) { root_[c] = T(1) / sqrt(D); };
   for (int i = 0; i <= tree()->n; ++i) bodies.each_pivot(tree(), i, put);
   return verdict;

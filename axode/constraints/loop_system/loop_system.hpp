@@ -11,7 +11,8 @@
 #include "axode/constraints/loops/loop_table.hpp"
 #include "axode/fast/forward_dynamics.hpp"
 #include "axode/model/workspace.hpp"
-#include "axode/recursion/forward_dynamics.hpp"
+#include "axode/recursion/articulated_bodies.hpp"
+#include "axode/recursion/inverse_dynamics.hpp"
 
 namespace axode {
 
@@ -240,6 +241,13 @@ template <class T> class LoopSystem {
   void pull_loop(const LoopPath& path, const State& at) noexcept;
   void multiply_rows() noexcept;  ///< computes Yᵀ Y, on and above the diagonal
 
+  /// The motion and the wrenches of the cut tree at a state, and its articulated bodies.
+  struct TreeDynamics {
+    InverseDynamicsRecursion<Spatial, T> recursion;
+    ArticulatedBodies<Spatial, T> bodies;
+
+    explicit TreeDynamics(Arena& arena) : recursion(arena), bodies(arena) {}
+  };
   /// Scratch of accelerate_fast(): the fast articulated bodies, and positions and velocities of the body
   /// origins relative to the origins of their roots.
   struct FastKernel {
@@ -254,7 +262,7 @@ template <class T> class LoopSystem {
   };
 
   Model model_;
-  WithScratch<T, ForwardDynamicsRecursion<Spatial, T>> dynamics_;
+  WithScratch<T, TreeDynamics> dynamics_;
   WithScratch<T, FastKernel> fast_;
   LoopTable table_;
   Link<Spatial, T>* link_ = nullptr;

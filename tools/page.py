@@ -1,0 +1,33 @@
+"""Pages of docs/ of which a command writes parts, each between `<!-- name -->` and `<!-- end -->`."""
+
+import re
+
+
+class Page:
+    """A Markdown file with parts to write."""
+
+    def __init__(self, file):
+        self.file = file
+
+    def part(self, name, text):
+        """Replaces the text of a part."""
+        begin, end = re.escape(f"<!-- {name} -->\n"), re.escape("<!-- end -->")
+        before = self.file.read_text(encoding="utf-8")
+        after, found = re.subn(f"({begin}).*?({end})", lambda match: match[1] + text + match[2], before,
+                               flags=re.DOTALL)
+        if found != 1:
+            raise SystemExit(f"{self.file}: expected one part between <!-- {name} --> and <!-- end -->, found {found}; "
+                             "the command writes between these lines")
+        self.file.write_text(after, encoding="utf-8")
+
+    def table(self, name, header, rows):
+        """Replaces a part by a table of which all columns but the first hold numbers, and prints it."""
+        text = table(header, rows, "-" + ":" * (len(header) - 1))
+        self.part(name, text)
+        print(f"{name}\n{text}", flush=True)
+
+
+def table(header, rows, columns):
+    """The text of a table. `columns` has a sign for each column: - for words, : for numbers."""
+    lines = [header, ["---" if column == "-" else "--:" for column in columns], *rows]
+    return "".join("| " + " | ".join(str(cell) for cell in line) + " |\n" for line in lines)
