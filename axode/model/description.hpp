@@ -230,8 +230,9 @@ struct InitialStateDescription {
   Source source = {};
 };
 
-/// Settings of contact for the whole mechanism: the table [contact] of a drawing. Single shapes have their own
-/// ContactProperties. A mechanism with these settings is simulated with contact unless another method is named.
+/// Settings of contact for the whole mechanism: the table [contact] of a drawing. Single shapes have their
+/// own ContactProperties. A mechanism with these settings is simulated with contact unless another method is
+/// named.
 struct ContactDescription {
   double friction = 0.6;    ///< coefficient of sliding friction of shapes that have none of their own
   double margin = 0.01;     ///< gap below which a contact is considered, m

@@ -73,20 +73,22 @@ template <class Rep, class T> struct ArticulatedBodies {
     put_screws_and_inertias(tree);
     eliminate_joints(tree, armature, check);
   }
-  /// Computes the screws S and the rigid inertias `M_body` at the configuration for which `links` were computed.
+  /// Computes the screws S and the rigid inertias `M_body` at the configuration for which `links` were
+  /// computed.
   template <TreeOf<T> AnyTree> void put_screws_and_inertias(const AnyTree& tree) noexcept {
     joint_columns(tree, links.link, S);
     for (int i = 1; i <= tree->n; ++i) M_body[i] = links.link[i].inertia(tree.M[i]);
   }
-  /// Factorises M of which `links`, S and `M_body` are given. Rounding errors of pivots are estimated only where a
-  /// pivot is small, or where velocities are shared.
+  /// Factorises M of which `links`, S and `M_body` are given. Rounding errors of pivots are estimated only
+  /// where a pivot is small, or where velocities are shared.
   template <TreeOf<T> AnyTree> Solvability eliminate_joints(const AnyTree& tree, const T* armature) noexcept {
     if (tree->coupled_bodies.empty() && eliminate_quickly(tree, armature)) return {};
     PivotCheck<T> check;
     eliminate_joints(tree, armature, check);
     return check.verdict(*tree.operator->());
   }
-  /// Factorises M of which `links`, S and `M_body` are given, and estimates the rounding error of every pivot.
+  /// Factorises M of which `links`, S and `M_body` are given, and estimates the rounding error of every
+  /// pivot.
   template <TreeOf<T> AnyTree, class Check>
   void eliminate_joints(const AnyTree& tree, const T* armature, Check& check) noexcept {
     const Topology::Ties& ties = tree->ties;
@@ -132,9 +134,9 @@ template <class Rep, class T> struct ArticulatedBodies {
     backward_sweep(tree, x);
     forward_sweep(tree, x);
   }
-  /// Replaces the drive forces x by accelerations, after factorize(). Body i needs the wrench W[i] to keep its
-  /// twist, and `bias` has the terms of V'_i = down V'_p + S a + bias_i that do not depend on a; entry 0 is the
-  /// acceleration of the ground. O(n).
+  /// Replaces the drive forces x by accelerations, after factorize(). Body i needs the wrench W[i] to keep
+  /// its twist, and `bias` has the terms of V'_i = down V'_p + S a + bias_i that do not depend on a; entry 0
+  /// is the acceleration of the ground. O(n).
   template <TreeOf<T> AnyTree>
   void accelerate(const AnyTree& tree, const TwistRate<Rep, T>* bias, T* x) noexcept {
     W[0] = {};

@@ -32,8 +32,8 @@ static void @NAME@(
 
 constexpr const char* turn_in_lanes = R"(#if AXODE_LANES > 1
 static void @NAME@_lanes(
-    const axode_lanes *AXODE_RESTRICT angle, axode_lanes *AXODE_RESTRICT sine, axode_lanes *AXODE_RESTRICT cosine,
-    int count) {
+    const axode_lanes *AXODE_RESTRICT angle, axode_lanes *AXODE_RESTRICT sine,
+    axode_lanes *AXODE_RESTRICT cosine, int count) {
   axode_mask large = {0};
   int k, l, any = 0;
   for (k = 0; k < count; ++k) {
@@ -53,7 +53,10 @@ static void @NAME@_lanes(
   for (l = 0; l < AXODE_LANES; ++l) any |= large[l] != 0;
   for (k = 0; any && k < count; ++k)
     for (l = 0; l < AXODE_LANES; ++l)
-      if (angle[k][l] > 1e5 || angle[k][l] < -1e5) sine[k][l] = sin(angle[k][l]), cosine[k][l] = cos(angle[k][l]);
+      if (angle[k][l] > 1e5 || angle[k][l] < -1e5) {
+        sine[k][l] = sin(angle[k][l]);
+        cosine[k][l] = cos(angle[k][l]);
+      }
 }
 #endif
 )";
@@ -61,8 +64,8 @@ static void @NAME@_lanes(
 /// half as many.
 constexpr const char* turn_one_by_one = R"(#if AXODE_LANES > 1
 static void @NAME@_lanes(
-    const axode_lanes *AXODE_RESTRICT angle, axode_lanes *AXODE_RESTRICT sine, axode_lanes *AXODE_RESTRICT cosine,
-    int count) {
+    const axode_lanes *AXODE_RESTRICT angle, axode_lanes *AXODE_RESTRICT sine,
+    axode_lanes *AXODE_RESTRICT cosine, int count) {
   @NAME@((const @T@ *)angle, (@T@ *)sine, (@T@ *)cosine, count * AXODE_LANES);
 }
 #endif
@@ -103,8 +106,10 @@ std::string c_sine_cosine(const std::string& name, const Precision& precision, A
                                      {"LOOK", all ? "    large |= (x > 1e5) | (x < -1e5);\n" : ""},
                                      {"MEND", all ? R"(  if (large)
     for (k = 0; k < count; ++k)
-      if (angle[k] > 1e5 || angle[k] < -1e5)
-        sine[k] = (@T@)sin(angle[k]), cosine[k] = (@T@)cos(angle[k]);
+      if (angle[k] > 1e5 || angle[k] < -1e5) {
+        sine[k] = (@T@)sin(angle[k]);
+        cosine[k] = (@T@)cos(angle[k]);
+      }
 )"
                                                   : ""}}),
                         name, precision);

@@ -14,8 +14,8 @@ namespace axode::higher_order {
 /// freedom is exp(Σ S_k x_k), so that the configuration is q0 ⊕ x. Only joints in loops have coordinates.
 class Closure {
  public:
-  /// A length of 0 stands for the mean distance between two joints. Throws std::invalid_argument with the name of a
-  /// rolling contact.
+  /// A length of 0 stands for the mean distance between two joints. Throws std::invalid_argument with the
+  /// name of a rolling contact.
   Closure(const Model& model, std::span<const double> q0, double length = 0);
 
   int size() const { return static_cast<int>(coordinates_.size()); }

@@ -105,8 +105,8 @@ MobilityProbe probe(const PolynomialRings& rings, const Closure& closure, const 
   return out;
 }
 
-/// Fills in the conclusions of an analysis: local_mobility, the properties from branch_point to shaky, settled
-/// and settled_at_order, rigid_at_order, and decided_by_rank. They follow from the rank, from
+/// Fills in the conclusions of an analysis: local_mobility, the properties from branch_point to shaky,
+/// settled and settled_at_order, rigid_at_order, and decided_by_rank. They follow from the rank, from
 /// mobility_by_order, from the branches whose points close the loops, and from the closed points that lie on
 /// no branch; all these must be known.
 void judge(LocalMobility& found) {

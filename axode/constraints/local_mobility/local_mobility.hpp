@@ -18,7 +18,8 @@ struct ClosureCoordinate {
 
 struct LocalMobilityOptions {
   /// The highest order K of the constraints. 0 stands for 10, 9, 7, 7 for a differential mobility of 1, 2, 3,
-  /// 4 and 5 above; for less if that takes too long, and for up to 4 more if the mobility is not settled then.
+  /// 4 and 5 above; for less if that takes too long, and for up to 4 more if the mobility is not settled
+  /// then.
   int order = 0;
   /// The length by which lengths are divided before they are compared with angles, m; 0 stands for the mean
   /// distance between the centres of two joints.
@@ -119,10 +120,10 @@ std::vector<std::string> mobility_words(const Model& model, const LocalMobility&
 ///
 /// The closures are expanded to order K by brackets of joint screws (D13.3 to D13.6), the velocities that
 /// they determine are eliminated (D13.8), and the remaining equations are solved by blow-ups (D13.11) and
-/// deflation (D13.12). Every branch is traced by closed points. Allocates; about 1 ms for a loop of six joints with one
-/// branch; it grows with the number of polynomials' terms, C(2d + K, K) for d degrees of freedom. Throws
-/// std::invalid_argument for a wrong or open q, a rolling contact, or an order that is negative, 1, above 20
-/// or too large for d.
+/// deflation (D13.12). Every branch is traced by closed points. Allocates; about 1 ms for a loop of six
+/// joints with one branch; it grows with the number of polynomials' terms, C(2d + K, K) for d degrees of
+/// freedom. Throws std::invalid_argument for a wrong or open q, a rolling contact, or an order that is
+/// negative, 1, above 20 or too large for d.
 [[nodiscard]] LocalMobility local_mobility(const Model& model, std::span<const double> q,
                                            const LocalMobilityOptions& options = {});
 

@@ -22,9 +22,9 @@ struct ConvexDistance {
   bool proved() const noexcept;
 };
 
-/// The state of an earlier call for a pair of shapes, with which the next call for this pair starts: the normal in
-/// the axes of a, and the hull vertices that were found last. It changes only the time of the next call, not its
-/// result, even if it comes from another pair.
+/// The state of an earlier call for a pair of shapes, with which the next call for this pair starts: the
+/// normal in the axes of a, and the hull vertices that were found last. It changes only the time of the next
+/// call, not its result, even if it comes from another pair.
 struct WarmStart {
   Vec3<> normal{};
   int vertex_a = 0, vertex_b = 0;

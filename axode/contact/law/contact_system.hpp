@@ -73,8 +73,8 @@ class ContactSystem {
   void contact_velocity(const Contact& contact, const ContactFrame& axes, double* u) const noexcept;
   /// The largest speed of points of a body up to a distance from its origin, m/s, after move_bodies().
   double speed(int body, double distance) const noexcept;
-  /// Computes by how far each loop is open, at the q of the last poses() or set(): a number for each row of the
-  /// loops, rad or m. It is 0 for rows that constrain velocities alone, as those of a rolling contact do.
+  /// Computes by how far each loop is open, at the q of the last poses() or set(): a number for each row of
+  /// the loops, rad or m. It is 0 for rows that constrain velocities alone, as those of a rolling contact do.
   void loop_openings(const double* q, double* openings) noexcept;
 
   /// Factorises the mass matrix and makes all rows at q; of the stops only those with less room than

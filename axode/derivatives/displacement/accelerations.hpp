@@ -53,8 +53,11 @@ template <class T> struct AccelerationsAndColumns {
       int n = 0, end = first;
       for (int c = first; c < std::min(first + L::width, nv); ++c) end = std::max(end, tree->velocity_end[c]);
       T* const columns_of = matrix + first;
-      for (int r = 0; r < end; ++r)
-        if (tree->velocity_end[r] > first) rows[n] = r, u[n++] = L::load(columns_of + r * nv, nv - first);
+      for (int r = 0; r < end; ++r) {
+        if (tree->velocity_end[r] <= first) continue;
+        rows[n] = r;
+        u[n++] = L::load(columns_of + r * nv, nv - first);
+      }
       for (int r = 0; r < nv; r += 4) {  // four rows of the result at once, so that their sums do not wait
                                          // for each other
         const int row[]{r, std::min(r + 1, nv - 1), std::min(r + 2, nv - 1), std::min(r + 3, nv - 1)};

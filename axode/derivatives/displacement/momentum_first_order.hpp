@@ -148,8 +148,13 @@ template <class T> struct MomentumFirstOrder {
           for (int k = tree->first_screw[j]; k < tree->first_screw[j + 1]; ++k) {
             const std::ptrdiff_t v_k = tree->iv[j] + k - tree->first_screw[j];
             const auto at = [&](int n) { return line.array(n)[k]; };
-            if (j > i) Mv_by_q(v_l, v_k, at(0)), by_q(v_l, v_k, at(1)), by_v(v_l, v_k, at(2));
-            Mv_by_q(v_k, v_l, at(3)), by_q(v_k, v_l, at(4)), by_v(v_k, v_l, at(5));
+            const auto put = [&](std::ptrdiff_t row, std::ptrdiff_t column, int n) {
+              Mv_by_q(row, column, at(n));
+              by_q(row, column, at(n + 1));
+              by_v(row, column, at(n + 2));
+            };
+            if (j > i) put(v_l, v_k, 0);
+            put(v_k, v_l, 3);
           }
       }
   }

@@ -38,7 +38,10 @@ template <class G, class T> struct InverseDynamicsTangent {
     body[0] = {};
     for (int i = 1; i <= tree->n; ++i) {
       const int p = tree->parent[i];
-      if (p != i - 1) x = motion[p], d = tangent[p];
+      if (p != i - 1) {
+        x = motion[p];
+        d = tangent[p];
+      }
       const auto& body_i = constants<G, T>(tree, i);
       Body& b = body[i];
       const Factor w_p(x.w), dw_p(x.dw), tw_p(d.w), tdw_p(d.dw);
@@ -94,7 +97,10 @@ template <class G, class T> struct InverseDynamicsTangent {
       b.tangent_f = body_i.m * d.a + (cross(Factor(d.dw), h) + (cross(tw_, w_h) + cross(w_, tw_h)));
       b.tangent_m =
           Theta * Spread(d.dw) + ((cross(tw_, Factor(L)) + cross(w_, Factor(tL))) + cross(h, Factor(d.a)));
-      if (tree->branches[i]) motion[i] = x, tangent[i] = d;
+      if (tree->branches[i]) {
+        motion[i] = x;
+        tangent[i] = d;
+      }
     }
   }
 
