@@ -18,6 +18,8 @@ namespace {
 using Vector = Eigen::VectorXd;
 using Matrix = Eigen::MatrixXd;
 
+/// Residuals and steps are without unit here: lengths are divided by the size of the loops, so that neither the
+/// path of the search nor the answer depends on the unit of length.
 class Assembly {
  public:
   /// In the model every motion is a loop, see MotionRows.
@@ -30,10 +32,16 @@ class Assembly {
     result_.q.assign(q.begin(), q.end());
     result_.v.assign(v.begin(), v.end());
     result_.v.resize(static_cast<std::size_t>(model_.nv()));
+    system_.update_kinematics(neutral(model_).data());
+    size_ = size();
+    unit_of_velocity_.setOnes(model_.nv());
+    for (int i = 1; i <= model_.n_bodies(); ++i)
+      for (int k = 0; k < model_.joint(i).nv; ++k)
+        if (is_length(model_.joint(i), k)) unit_of_velocity_[model_.joint(i).iv + k] = size_;
     result_.status = close();
     const bool closed = result_.status == AssemblyStatus::closed;
     if (closed && !v.empty() && !adapt_velocities()) result_.status = AssemblyStatus::singular;
-    report(residual_of(result_.q));
+    report(residual_of(result_.q).cwiseProduct(units_of_rows(ConstraintLevel::position)));
     return std::move(result_);
   }
 
@@ -42,7 +50,7 @@ class Assembly {
 
   AssemblyStatus close() {
     Vector r = residual_of(result_.q);
-    const double enough = options_.tolerance * size();
+    const double enough = options_.tolerance;
     double damping = 1e-4;
     int slow = 0;  // number of consecutive steps that hardly reduced the residual
     const auto closed = [&] { return std::isfinite(r.norm()) && r.norm() <= enough; };
@@ -59,7 +67,8 @@ class Assembly {
       }
       bool better = false;
       for (int attempt = 0; attempt < 30 && !better; ++attempt) {
-        const std::vector<double> q = integrate(model_, result_.q, as_numbers(step(R, r, damping)));
+        const std::vector<double> q =
+            integrate(model_, result_.q, as_numbers(unit_of_velocity_.cwiseProduct(step(R, r, damping))));
         const Vector r_there = residual_of(q);
         better = r_there.norm() < r.norm();
         damping *= better ? 0.1 : 10;
@@ -80,8 +89,8 @@ class Assembly {
     S.diagonal().array() += small;
     return -R.transpose() * S.ldlt().solve(r);
   }
-  /// The damped step that closes the loops to first order, at most half a radian or metre. The constant part
-  /// of the damping prevents that redundant rows contribute to the step.
+  /// The damped step that closes the loops to first order, at most half a radian or half the size of the loops.
+  /// The constant part of the damping prevents that redundant rows contribute to the step.
   static Vector step(const Matrix& R, const Vector& r, double damping) {
     const Vector x = least(R, r, damping * r.norm() + 1e-12 * R.squaredNorm());
     const double largest = x.cwiseAbs().maxCoeff();
@@ -94,7 +103,41 @@ class Assembly {
     Vector r(model_.loops().residuals);
     system_.update_kinematics(q.data());
     system_.residual(q.data(), r.data());
-    return r;
+    return r.cwiseQuotient(units_of_rows(ConstraintLevel::position));
+  }
+  /// The unit of each row of a level: the size of the loops for a row along which a force acts, 1 for a row about
+  /// which a couple acts, and the unit of the first term for a coupling.
+  Vector units_of_rows(ConstraintLevel level) {
+    system_.make_rows(level);
+    Vector units = Vector::Ones(system_.size(level));
+    Vector one = Vector::Zero(system_.size(level));
+    const LoopTable& table = system_.table();
+    for (std::size_t k = 0; k < table.paths.size(); ++k) {
+      const LoopPath& path = table.paths[k];
+      const LoopPath::Range rows = level == ConstraintLevel::position ? path.residuals : path.rows;
+      for (int r = rows.first; r < rows.first + rows.count; ++r) {
+        if (k >= table.joints.size()) {
+          units[r] = unit_of(model_.loops().couplings[k - table.joints.size()]);
+          continue;
+        }
+        one[r] = 1;
+        if (norm(system_.wrench(k, one.data()).f) > 0) units[r] = size_;
+        one[r] = 0;
+      }
+    }
+    return units;
+  }
+  double unit_of(const LoopCoupling& coupling) const {
+    const LoopCoupling::Term& first = coupling.terms.front();
+    return std::abs(first.factor) * unit_of_velocity_[first.velocity];
+  }
+  /// Whether velocity k of a joint is that of a length.
+  static bool is_length(const Joint& joint, int k) {
+    const std::array<bool, 6> free = free_directions(joint.kind);
+    int seen = 0;
+    for (int direction = 0; direction < 6; ++direction)
+      if (free[static_cast<std::size_t>(direction)] && seen++ == k) return direction >= 3;
+    return false;
   }
   /// The matrix R or A of a level at the present kinematics. Columns of held velocities are 0.
   Matrix rows(ConstraintLevel level) {
@@ -102,7 +145,7 @@ class Assembly {
     system_.make_rows(level);
     system_.write(R.data());
     for (const int c : options_.held) R.col(c).setZero();
-    return R;
+    return units_of_rows(level).cwiseInverse().asDiagonal() * R * unit_of_velocity_.asDiagonal();
   }
   bool adapt_velocities() {
     if (options_.held.empty()) return impact(model_, workspace_, result_.q, result_.v, 0.0, result_.v).ok();
@@ -110,23 +153,27 @@ class Assembly {
     Vector rates(model_.loops().rows);
     system_.make_rows(ConstraintLevel::velocity);
     system_.velocity_residual(result_.v.data(), rates.data());
+    rates = rates.cwiseQuotient(units_of_rows(ConstraintLevel::velocity)).eval();
     const Matrix A = rows(ConstraintLevel::velocity);
     Eigen::Map<Vector> v(result_.v.data(), model_.nv());
     for (int n = 0; n < 3; ++n) {  // each step leaves a small part of the rates
       const Vector dv = least(A, rates, 1e-8 * A.squaredNorm());
-      v += dv;
+      v += unit_of_velocity_.cwiseProduct(dv);
       rates += A * dv;
     }
     return true;
   }
-  /// The largest distance of a body in a loop from the origin of its root, at least 1 m.
+  /// The size of the loops at the present configuration, which is that of the drawing: the largest distance of a body or of an end of a loop
+  /// from the origin of its root or of its body, and 1 m if there is no such distance.
   double size() const {
-    double largest = 1;
-    for (const LoopPath& path : system_.table().paths)
+    double largest = 0;
+    for (const LoopPath& path : system_.table().paths) {
       for (const int i : path.bodies) largest = std::max(largest, norm(system_.link(i).C.r));
-    return largest;
+      for (const Loop::End& end : path.ends) largest = std::max(largest, norm(end.F.r));
+    }
+    return largest > 0 ? largest : 1;
   }
-  /// A bound on the rounding of the residual at the present configuration, rad and m.
+  /// A bound on the rounding of the residual at the present configuration.
   double rounding() const {
     double sum = 0;
     const LoopTable& table = system_.table();
@@ -143,11 +190,11 @@ class Assembly {
     for (const LoopCoupling::Term& term : coupling.terms)
       largest =
           std::max(largest, std::abs(term.factor * result_.q[static_cast<std::size_t>(term.coordinate)]));
-    return largest;
+    return largest / unit_of(coupling);
   }
   double largest_term(const LoopPath& path) const {
     const std::vector<double>& q = result_.q;
-    double length = 0, angle = 0, lever = 1;
+    double length = 0, angle = 0, lever = size_;
     for (const int root : path.root)
       if (root > 0) length = std::max(length, norm(system_.root_origins()[root]));
     for (const Loop::End& end : path.ends) length = std::max(length, norm(end.F.r));
@@ -160,7 +207,7 @@ class Assembly {
         largest = std::max(largest, std::abs(q[static_cast<std::size_t>(joint.iq + k)]));
       }
     }
-    return std::max({length, lever, lever * angle});
+    return std::max({length, lever, lever * angle}) / size_;
   }
   void report(const Vector& r) {
     result_.residual = r.norm();
@@ -172,6 +219,8 @@ class Assembly {
   const AssemblyOptions& options_;
   LoopWorkspace<double> workspace_;
   LoopSystem<double>& system_;
+  double size_ = 1;          ///< of the loops, m
+  Vector unit_of_velocity_;  ///< of each velocity: size_ for a length, and 1 for an angle
   AssemblyResult result_;
 };
 

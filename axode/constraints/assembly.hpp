@@ -41,7 +41,8 @@ std::string to_string(const Model& model, const AssemblyResult& result);
 /// method on the group. If v is not empty, also finds the velocities after an impact that closes the loops
 /// and follows the motions, the nearest to v in kinetic energy. Redundant rows are allowed; where two
 /// branches of the motion meet, convergence is slow. A residual that stops decreasing within the rounding of
-/// the poses and coordinates, or within a thousand times the tolerance, counts as closed. Limits of
+/// the poses and coordinates, or within a thousand times the tolerance, counts as closed. Lengths are
+/// measured by the size of the loops in the drawing, so that the unit of length does not matter. Limits of
 /// coordinates are ignored. Allocates; O(m nv²) an iteration. Throws std::invalid_argument for wrong sizes
 /// and for numbers in q or v that are not finite.
 [[nodiscard]] AssemblyResult assemble(const Model& model, std::span<const double> q,

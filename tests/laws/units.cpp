@@ -333,5 +333,27 @@ TEST(UnitsOfLoops, OfLengthChangeNeitherAccelerationsNorMobility) {
     });
 }
 
+/// The guess tears the loops.
+TEST(UnitsOfLoops, OfLengthDoNotChangeHowLoopsAreClosed) {
+  Comparison configurations("q", 1e-9);
+  int closed_loops = 0;
+  for (const Units& units : {Units{.length = 0x1p-10}, Units{.length = 0x1p10}})
+    for_seeds(60, [&](std::uint64_t seed) {
+      ClosedInUnits in(units, seed);
+      State<double> torn = in.one.state;
+      torn.q = integrate(in.one.model, torn.q, random_numbers(in.random, in.one.model.nv(), 0.03));
+      const State<double> other_torn = in_units(units, in.one.model, torn);
+      const AssemblyResult closed = assemble(in.one.model, torn.q, torn.v),
+                           other_closed = assemble(in.other, other_torn.q, other_torn.v);
+      EXPECT_EQ(other_closed.status, closed.status);
+      if (closed.status != AssemblyStatus::closed) return;
+      ++closed_loops;
+      const Units back{.length = 1 / units.length};
+      const Numbers q = in_units(back, in.one.model, State<double>{.q = other_closed.q, .v = {}, .a = {}}).q;
+      configurations.expect_equal(q, closed.q);
+    });
+  EXPECT_GT(closed_loops, 60);
+}
+
 }  // namespace
 }  // namespace axode::test
