@@ -128,3 +128,20 @@ def test_every_name_that_the_page_for_newcomers_gives_exists():
             assert hasattr({"": axode, "m": axode.Model, "lie": axode.lie}[owner], last), name
         for name in re.findall(r"`(.*?)`", cpp):
             assert re.search(rf"(?:[\w>&] |class ){name}[ ({{]", headers), name
+
+
+def test_the_comparative_study_has_the_counts_of_the_command(monkeypatch):
+    command = SOURCE / "build/release/axode"
+    if not command.exists():
+        pytest.skip("there is no build/release/axode; `make build` builds it")
+    monkeypatch.syspath_prepend(SOURCE / "tools")
+    import comparative_study
+
+    column = comparative_study.MODELS.index("arm7") + 2
+    page = (SOURCE / "docs/comparative-study.md").read_text(encoding="utf-8")
+    rows = comparative_study.study(command, [Path(str(axode.robots / "arm7.toml"))])
+    for algorithm in comparative_study.ALGORITHMS:
+        table = re.search(f"<!-- {algorithm} -->\n(.*?)<!-- end -->", page, re.DOTALL)[1]
+        cells = [[cell.strip() for cell in line.split("|")[1:-1]] for line in table.splitlines()[2:]]
+        counted = [comparative_study.operations(row) for key, row in rows.items() if key[1] == algorithm]
+        assert [int(line[column].split(" ")[0].replace(",", "")) for line in cells] == counted, algorithm
