@@ -34,6 +34,7 @@ set(AXODE_PER_SCALAR
     kinematics/poses
     constraints/constrained_derivatives
     constraints/constrained_dynamics
+    constraints/embedding/drive_elimination
     constraints/loop_system/independent_rows
     constraints/loop_system/loop_rows
     constraints/loop_system/loop_system

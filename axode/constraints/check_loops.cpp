@@ -6,14 +6,16 @@
 
 namespace axode {
 
+void check_drives(const Model& model, std::span<const int> drives) {
+  for (const int c : drives)
+    if (c < 0 || c >= model.nv())
+      throw std::invalid_argument("drives holds " + std::to_string(c) + "; velocities are 0 to " +
+                                  std::to_string(model.nv() - 1));
+}
+
 std::vector<int> driven(const Model& model, std::span<const int> drives) {
-  if (!drives.empty()) {
-    for (const int c : drives)
-      if (c < 0 || c >= model.nv())
-        throw std::invalid_argument("drives holds " + std::to_string(c) + "; velocities are 0 to " +
-                                    std::to_string(model.nv() - 1));
-    return {drives.begin(), drives.end()};
-  }
+  check_drives(model, drives);
+  if (!drives.empty()) return {drives.begin(), drives.end()};
   std::vector<int> all;
   for (int c = 0; c < model.nv(); ++c)
     if (model.loops().driven[static_cast<std::size_t>(c)]) all.push_back(c);
@@ -41,19 +43,6 @@ void check_closed(LoopSystem<double>& system, Numbers<double> q, Numbers<double>
                                   "shell --assemble, as \"axode eval FILE --assemble\"");
 }
 
-std::vector<double> acceleration_residual(LoopSystem<double>& system, Numbers<double> a) {
-  const Loops& loops = system.model().loops();
-  std::vector<double> rates(static_cast<std::size_t>(loops.rows)), products(rates);
-  system.bias(rates.data());  // A a + γ - s'' of loop joints, because force() was called with a
-  system.make_rows(ConstraintLevel::velocity);
-  system.times(a.data(), products.data());
-  for (const LoopCoupling& coupling : loops.couplings) {
-    const auto row = static_cast<std::size_t>(coupling.first_row);
-    rates[row] += products[row];
-  }
-  return rates;
-}
-
 void check_accelerations(LoopSystem<double>& system, Numbers<double> q, Numbers<double> v,
                          Numbers<double> a) {
   constexpr double tolerance = 1e-3;  // it is wide, because accelerations from measurements or finite
@@ -63,10 +52,10 @@ void check_accelerations(LoopSystem<double>& system, Numbers<double> q, Numbers<
     return Eigen::Map<const Eigen::VectorXd>(x.data(), std::ssize(x)).norm();
   };
   const double size = 1 + norm(a) + norm(v) * norm(v);
-  const std::vector<double> rates = acceleration_residual(system, a);
+  const std::span<const double> rates = system.acceleration_residual(a.data());
   for (const LoopRows& loop : loops.all) {
-    const double error = norm(std::span(rates).subspan(static_cast<std::size_t>(loop.first_row),
-                                                       static_cast<std::size_t>(loop.rows)));
+    const double error =
+        norm(rates.subspan(static_cast<std::size_t>(loop.first_row), static_cast<std::size_t>(loop.rows)));
     if (error <= tolerance * size) continue;
     check_closed(system, q, v);
     throw std::invalid_argument(

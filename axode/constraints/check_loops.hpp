@@ -18,6 +18,8 @@ LoopSystem<T>& checked(const Model& model, LoopWorkspace<T>& workspace, Numbers<
   return checked(model, workspace, q);
 }
 
+/// Throws std::invalid_argument for a velocity that does not exist.
+void check_drives(const Model& model, std::span<const int> drives);
 /// The velocities with drives: the given ones or, if there are none, those of all joints that are not
 /// passive. Throws std::invalid_argument for a velocity that does not exist.
 std::vector<int> driven(const Model& model, std::span<const int> drives);
@@ -27,10 +29,9 @@ inline constexpr double closed_enough = 1e-6;
 /// Throws std::invalid_argument, with the loop and its residual, if q leaves a loop open or v does not keep
 /// it closed. Updates the kinematics of the system.
 void check_closed(LoopSystem<double>& system, Numbers<double> q, Numbers<double> v);
-/// A a + γ - s'' of all rows. It follows force() at (q, v, a), and makes the rows of velocities.
-std::vector<double> acceleration_residual(LoopSystem<double>& system, Numbers<double> a);
 /// Throws std::invalid_argument, with the loop, if |A a + γ| is more than a thousandth of 1 + |a| + |v|², or
-/// with the fault of q or v if that is the cause. It follows force() at (q, v, a).
+/// with the fault of q or v if that is the cause. It follows force() and make_rows(), or
+/// force_fast(), at (q, v, a).
 void check_accelerations(LoopSystem<double>& system, Numbers<double> q, Numbers<double> v, Numbers<double> a);
 /// Throws std::invalid_argument if `left`, the part of the required forces that no drive can produce, is more
 /// than 1e-8. `task` completes the message "the drives cannot ...".

@@ -44,6 +44,7 @@ template <class T>
 Eigen::VectorX<T> closed_forces(LoopSystem<T>& system, Numbers<T> q, Numbers<T> v, Numbers<T> a,
                                 const Loads<T>& loads) {
   Eigen::VectorX<T> need = tree_forces(system, q, v, a, loads);
+  system.make_rows(ConstraintLevel::velocity);
   if constexpr (std::same_as<T, double>)  // in single precision this difference is rounding
     check_accelerations(system, q, v, a);
   return need;
@@ -130,8 +131,17 @@ T inverse_dynamics(const Model& model, LoopWorkspace<T>& workspace, Numbers<T> q
     check_separate("tau", tau, "forces", forces);
   }
   if (!lambda.empty()) check_rows("lambda", lambda.size(), model.loops().rows, "loops().rows");
+  check_drives(model, drives);
+  check_size("a", a.size(), v.size(), "nv");
+  check_loads(model, loads);
+  const std::span<T> f = system.force_fast(q.data(), v.data(), a.data(), loads);
+  if constexpr (std::same_as<T, double>)  // in single precision this difference is rounding
+    check_accelerations(system, q, v, a);
+  for (std::size_t c = 0; c < forces.size(); ++c) f[c] -= forces[c];
+  if (system.drive_forces(drives, f.data(), tau.data(), lambda.empty() ? nullptr : lambda.data()))
+    return T(0);
   const std::vector<int> at = driven(model, drives);
-  Eigen::VectorX<T> need = closed_forces(system, q, v, a, loads);
+  Eigen::VectorX<T> need = tree_forces(system, q, v, a, loads);
   for (std::size_t c = 0; c < forces.size(); ++c) need[static_cast<Eigen::Index>(c)] -= forces[c];
   const DriveForces<T> found(system, need, at);
   std::ranges::copy(found.tau, tau.begin());

@@ -26,7 +26,9 @@ Solvability forward_dynamics(const Model& model, LoopWorkspace<T>& workspace, Nu
 /// mechanism needs, τ is the least one (D7.10). `forces` (nv, may be empty), such as spring_forces, act in
 /// addition. Returns the part of the required forces, by norm, that no drive can produce: 0 to rounding if
 /// the drives can produce a. Throws std::invalid_argument, in double precision, if a does not keep the loops
-/// closed. Allocates; O(nv³).
+/// closed. The forces are found limb by limb, see docs/derivations/constraint-embedding.md: O(limbs) for
+/// limbs of bounded size, without allocating. If some motion has no drive, if `lambda` is not unique, or near
+/// singularities, a general method allocates and costs O(nv³).
 template <class T>
 [[nodiscard]] T inverse_dynamics(const Model& model, LoopWorkspace<T>& workspace, Numbers<T> q, Numbers<T> v,
                                  Numbers<T> a, std::type_identity_t<std::span<T>> tau,

@@ -47,6 +47,13 @@ template <class G, class T> struct FastInverseDynamics {
   /// the acceleration -g of the ground.
   template <class S>
   void forward(const Tree<S>& tree, const T* q, const T* v, const T* a, const Vec3<T>& g) noexcept {
+    forward(tree, q, v, a, g, [](int, const Motion&, const Vector&) {});
+  }
+  /// Does what forward() does, and in addition calls put(i, motion, v_J) for every body,
+  /// where v_J is the linear part of its joint's motion S v.
+  template <class S, class Put>
+  [[gnu::always_inline]] void forward(const Tree<S>& tree, const T* q, const T* v, const T* a,
+                                      const Vec3<T>& g, Put&& put) noexcept {
     angles.run(tree, q);
     Motion last(Vector{}, Vector{}, Vector(-g));
     motion[0] = last;
@@ -55,6 +62,7 @@ template <class G, class T> struct FastInverseDynamics {
       if (p != i - 1) last = motion[p];
       const auto& body_i = constants<G, T>(tree, i);
       Body& b = body[i];
+      Vector linear{};
       if (is_hinge(tree, i)) [[likely]] {
         const T s = angles.sine[i - 1], c = angles.cosine[i - 1], dq = v[tree->iv[i]];
         const auto Rt = body_i.rows(s, c);
@@ -71,7 +79,8 @@ template <class G, class T> struct FastInverseDynamics {
         const Matrix Rt(transpose(C.R));
         b.R = Matrix(C.R);
         b.r = Vector(C.r);
-        const Factor r(b.r), w_J(Vector(V.w)), v_J(Vector(V.v));
+        linear = Vector(V.v);
+        const Factor r(b.r), w_J(Vector(V.w)), v_J(linear);
         const Vector w = Rt * last.w_each, w_i = w + Vector(V.w);
         const Vector a_i = last.a + (cross(last.dw_, r) + cross(last.w_, Factor(cross(last.w_, r))));
         last = Motion(w_i, Rt * last.dw_each + (cross(Factor(w), w_J) + Vector(A.w)),
@@ -82,6 +91,7 @@ template <class G, class T> struct FastInverseDynamics {
       b.f = body_i.m * last.a + (cross(last.dw_, h) + cross(last.w_, Factor(cross(last.w_, h))));
       b.m = Theta * last.dw_each + (cross(last.w_, Factor(Theta * last.w_each)) + cross(h, Factor(last.a)));
       if (tree->branches[i]) motion[i] = last;
+      put(i, last, linear);
     }
   }
 
@@ -124,7 +134,13 @@ template <class T> struct InverseDynamicsRecursion<Fast, T> {
   }
   void run(const Tree<T>& tree, const T* q, const T* v, const T* a, const Loads<T>& loads,
            const Vec3<T>& g) noexcept {
-    fast.forward(tree, q, v, a, g);
+    run(tree, q, v, a, loads, g, [](int, const auto&, const auto&) {});
+  }
+  /// Does what run() does, and calls put() as FastInverseDynamics::forward() does.
+  template <class Put>
+  [[gnu::always_inline]] void run(const Tree<T>& tree, const T* q, const T* v, const T* a,
+                                  const Loads<T>& loads, const Vec3<T>& g, Put&& put) noexcept {
+    fast.forward(tree, q, v, a, g, put);
     if (loads.wrenches.empty()) return;
     C[0] = {};
     for (int i = 1; i <= tree->n; ++i) {

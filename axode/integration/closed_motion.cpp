@@ -42,7 +42,8 @@ std::string ClosedMotion::unfollowed(Span q, Span v, Span a) {
   if (motions_.empty() || (system.weakest_row() >= 1 && std::ranges::none_of(rank_.redundant, is_redundant)))
     return {};
   system.force(q.data(), v.data(), a.data(), {}, x_.data());
-  const std::vector<double> rates = acceleration_residual(system, a);
+  system.make_rows(ConstraintLevel::velocity);
+  const std::span<const double> rates = system.acceleration_residual(a.data());
   constexpr double tolerance = 1e-6;
   const std::string name = motions_.worst(rates, tolerance * (1 + norm(a) + norm(v) * norm(v)));
   return name.empty() ? name

@@ -1,9 +1,9 @@
 #include "axode/constraints/loop_system/loop_system.hpp"
 #include "axode/recursion/instantiate.hpp"
 
-/// Accelerations of mechanisms with loops by the fast articulated bodies (D4.12), with all quantities about
-/// the origins of the bodies. For the bodies at which loops end, poses and motion about the origins of their
-/// roots are computed as well, because the rows need them.
+/// Accelerations of mechanisms with loops by the fast articulated bodies (D4.12), and forces by the fast
+/// inverse dynamics. All quantities are about the origins of the bodies. For the bodies at which loops end,
+/// poses and motion about the origins of their roots are computed as well, because the rows need them.
 namespace axode {
 
 template <class T>
@@ -79,6 +79,47 @@ bool LoopSystem<T>::accelerate_fast(const T* q, const T* v, const T* tau, const 
   return true;
 }
 
+template <class T>
+std::span<T> LoopSystem<T>::force_fast(const T* q, const T* v, const T* a, const Loads<T>& loads) noexcept {
+  using Bodies = typename FastKernel::Bodies;
+  using Triple = typename Bodies::Vector;
+  using Factor = typename Bodies::Factor;
+  using Spread = typename Bodies::Spread;
+  const Tree<T>& t = tree();
+  auto& inverse = fast_->inverse;
+  auto* const motion = fast_->motion;
+  auto* const V = dynamics_->recursion.motion.bodies.V;
+  auto* const dV = dynamics_->recursion.motion.bodies.dV;
+  link_ = dynamics_->recursion.motion.bodies.link;
+  origin_ = dynamics_->recursion.origin;
+  link_[0] = Link<Spatial, T>::root();
+  V[0] = {};
+  dV[0] = {{}, -t.g};
+  motion[0] = {typename Bodies::Matrix(SO3<T>{}), {}, {}, {}};
+  inverse.run(t, q, v, a, loads, t.g, [&](int i, const auto& now, const Triple& v_J) {
+    const int p = t->parent[i];
+    const auto& [R_p, r_p, v_p, w_p] = motion[p];
+    const auto& b = inverse.fast.body[i];
+    const typename Bodies::Matrix R(R_p * Spread(b.R.x), R_p * Spread(b.R.y), R_p * Spread(b.R.z));
+    const Triple d = R_p * Spread(b.r), w = R * now.w_each;
+    const Triple r = p > 0 ? r_p + d : Triple{};
+    Triple r_dot = v_p + cross(Factor(w_p), Factor(d));
+    if (!is_hinge(t, i)) r_dot += R * Spread(v_J);
+    motion[i] = {R, r, r_dot, w};
+    if (p == 0) origin_[i] = d;
+    link_[i].C = {{R.x, R.y, R.z}, r};
+    if (!table_.ends[index(i)]) return;
+    const Triple dw = R * now.dw_each;
+    const Factor at(r);
+    V[i] = {w, r_dot + cross(at, Factor(w))};
+    dV[i] = {dw, R * Spread(now.a) + cross(at, Factor(dw)) + cross(Factor(r_dot), Factor(w))};
+  });
+  inverse.project(t, v, a, loads.joint_losses, forces_.data());
+  update_loops();
+  make_rows(ConstraintLevel::velocity);
+  return {forces_.data(), index(model_.nv())};
+}
+
 /// Computes entries of Y as pull_rows() does, with the wrenches about the origin of each body on the path.
 template <class T>
 template <int n>
@@ -111,6 +152,8 @@ void LoopSystem<T>::pull_rows_fast(const LoopPath& path, const State& at, int ro
   });
 }
 
+template std::span<AXODE_T> LoopSystem<AXODE_T>::force_fast(const AXODE_T*, const AXODE_T*, const AXODE_T*,
+                                                            const Loads<AXODE_T>&) noexcept;
 template bool LoopSystem<AXODE_T>::accelerate_fast(const AXODE_T*, const AXODE_T*, const AXODE_T*,
                                                    const Loads<AXODE_T>&, AXODE_T*, AXODE_T*,
                                                    const RowRank&) noexcept;

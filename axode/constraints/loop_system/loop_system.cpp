@@ -13,7 +13,9 @@ LoopSystem<T>::LoopSystem(const Model& of)
       fast_(of.topology()),
       table_(of),
       at_(of.loops().joints.size()),
-      entries_(of.loops().all.size()) {
+      entries_(of.loops().all.size()),
+      drives_(of, table_),
+      driven_(index(of.nv())) {
   const int m = of.loops().rows, nv = of.nv();
   for (std::size_t k = 0; k < entries_.size(); ++k)
     for (const LoopColumn& column : table_.paths[k].columns)  // only the entries of couplings are constant
@@ -130,6 +132,30 @@ void LoopSystem<T>::force(const T* q, const T* v, const T* a, const Loads<T>& lo
   update_loops();
 }
 
+template <class T> std::span<const T> LoopSystem<T>::acceleration_residual(const T* a) noexcept {
+  const auto* const V = dynamics_->recursion.motion.bodies.V;
+  const auto* const dV = dynamics_->recursion.motion.bodies.dV;
+  table_.each([&](std::size_t k, const auto& joint) {
+    loops::bias(joint, at_[k].frames, at_[k].W.data(), motion_of_ends(k, V, dV),
+                rest_.data() + table_.paths[k].rows.first);
+  });
+  for (const LoopPath& path : table_.of_couplings()) {
+    T& row = rest_[path.rows.first];
+    row = T(0);
+    for (const LoopColumn& column : path.columns) row += T(column.factor) * a[column.velocity];
+  }
+  for (const PrescribedRow<T>& it : prescribed_) rest_[it.row] -= it.dds;
+  return {rest_.data(), index(model_.loops().rows)};
+}
+
+template <class T>
+bool LoopSystem<T>::drive_forces(std::span<const int> drives, const T* f, T* tau, T* lambda) noexcept {
+  if (drives.empty()) return drives_.solve(entries_, model_.loops().driven.data(), f, tau, lambda);
+  std::ranges::fill(driven_, 0);
+  for (const int c : drives) driven_[index(c)] = 1;
+  return drives_.solve(entries_, driven_.data(), f, tau, lambda);
+}
+
 template <class T> void LoopSystem<T>::update_loops() noexcept {
   joint_columns(tree(), link_, dynamics_->bodies.S);
   update_loop_ends();
@@ -194,15 +220,20 @@ template <class T> void LoopSystem<T>::make_wrenches(ConstraintLevel level) noex
 template <class T> void LoopSystem<T>::make_entries() noexcept {
   for (std::size_t k = 0; k < at_.size(); ++k) {
     const LoopPath& path = table_.paths[k];
-    T* entry = entries_[k].data();
-    const std::size_t rows = index(count(path));
-    loops::LoopWrenches<T> first;
-    for (std::size_t r = 0; r < rows; ++r) first[r] = on_first(at_[k], at_[k].W[r]);
-    for (const LoopColumn& column : path.columns)
-      for (std::size_t r = 0; r < rows; ++r) {
+    each_register_of_rows<T>(count(path), [&](int row, auto n) {
+      using Wrenches = RowsInLanes<T, n()>;
+      const Wrenches second(at_[k].W, row);
+      Wrenches first = -second;
+      first.move(-at_[k].shift);
+      T* entry = entries_[k].data() + row;
+      for (const LoopColumn& column : path.columns) {
         const Twist<Spatial, T>& J = dynamics_->bodies.S[column.screw];
-        *entry++ = column.side > 0 ? at_[k].W[r] | J : -(first[r] | J);
+        const Wrenches& F = column.side > 0 ? second : first;
+        const auto rates = dot(Wrenches::all(J.w), F.m) + dot(Wrenches::all(J.v), F.f);
+        for (std::size_t r = 0; r < n(); ++r) entry[r] = rates[r];
+        entry += count(path);
       }
+    });
   }
 }
 

@@ -6,10 +6,12 @@
 #include <span>
 #include <vector>
 
+#include "axode/constraints/embedding/drive_elimination.hpp"
 #include "axode/constraints/loop_system/row_cholesky.hpp"
 #include "axode/constraints/loop_system/rows_in_lanes.hpp"
 #include "axode/constraints/loops/loop_table.hpp"
 #include "axode/fast/forward_dynamics.hpp"
+#include "axode/fast/inverse_dynamics.hpp"
 #include "axode/model/workspace.hpp"
 #include "axode/recursion/articulated_bodies.hpp"
 #include "axode/recursion/inverse_dynamics.hpp"
@@ -63,6 +65,17 @@ template <class T> class LoopSystem {
                          const RowRank& rank = {}) noexcept;
   /// Computes the forces M a + h (nv) of the tree at a motion.
   void force(const T* q, const T* v, const T* a, const Loads<T>& loads, T* tau) noexcept;
+  /// Computes M a + h with the fast kernel, and the rows A of velocities. Returns the nv forces; they are
+  /// valid until the next call. Afterwards only acceleration_residual() and drive_forces() may be called.
+  std::span<T> force_fast(const T* q, const T* v, const T* a, const Loads<T>& loads) noexcept;
+  /// A a + γ - s'' of all rows at the motion of the last force() or force_fast() with the accelerations a.
+  /// The rows A must have been made. The numbers are valid until the next call.
+  std::span<const T> acceleration_residual(const T* a) noexcept;
+  /// Computes the least drive forces τ (nv) and, unless it is null, the multipliers λ, such that τ + Aᵀ λ =
+  /// f, with drives at the given velocities or, if there are none, at those of all joints that are not
+  /// passive. The rows A must have been made. Returns false without results if the elimination is not
+  /// certain, see DriveElimination.
+  bool drive_forces(std::span<const int> drives, const T* f, T* tau, T* lambda) noexcept;
   /// Computes v after an impact of the loops, A v⁺ = -e A v, and the impulses (D7.12). With prescribed rows
   /// A v - s' takes the place of A v.
   Solvability impact(const T* q, const T* v, const T& e, T* v_after, T* impulses) noexcept;
@@ -93,6 +106,8 @@ template <class T> class LoopSystem {
   /// Computes the wrenches and the entries of the rows of a level, A or R.
   void make_rows(ConstraintLevel level) noexcept;
   void make_wrenches(ConstraintLevel level) noexcept;  ///< computes the wrenches, but not the entries
+  /// The entries of the rows of each loop: a column of its rows for each LoopColumn of its path.
+  const std::vector<std::vector<T>>& entries() const { return entries_; }
   /// Writes the entries of the rows as a dense matrix, m × nv.
   void write(T* A) const noexcept;
   /// Computes out = A x; add_transposed_times() adds Aᵀ λ to out.
@@ -248,17 +263,27 @@ template <class T> class LoopSystem {
 
     explicit TreeDynamics(Arena& arena) : recursion(arena), bodies(arena) {}
   };
-  /// Scratch of accelerate_fast(): the fast articulated bodies, and positions and velocities of the body
-  /// origins relative to the origins of their roots.
+  /// Scratch of accelerate_fast() and force_fast(): the fast kernels, and the motion of the bodies about the
+  /// origins of their roots.
   struct FastKernel {
     using Bodies = typename FastForwardDynamics<T>::Bodies;
     struct OriginMotion {
       typename Bodies::Vector r, v;
     };
+    struct BodyMotion {
+      typename Bodies::Matrix R;
+      typename Bodies::Vector r, v, w;
+    };
     FastForwardDynamics<T> tree;
+    InverseDynamicsRecursion<Fast, T> inverse;
     OriginMotion* moving;
+    BodyMotion* motion;
 
-    explicit FastKernel(Arena& arena) : tree(arena), moving(arena.per_body<OriginMotion>()) {}
+    explicit FastKernel(Arena& arena)
+        : tree(arena),
+          inverse(arena),
+          moving(arena.per_body<OriginMotion>()),
+          motion(arena.per_body<BodyMotion>()) {}
   };
 
   Model model_;
@@ -277,7 +302,9 @@ template <class T> class LoopSystem {
                                          ///< each LoopColumn
   RowByRow Y_, G_;
   RowCholesky<T> factor_;
-  RowByRow left_;  ///< Y minus its projection on the independent rows
+  DriveElimination<T> drives_;
+  std::vector<char> driven_;  ///< nv: whether each velocity has a drive
+  RowByRow left_;             ///< Y minus its projection on the independent rows
   Eigen::RowVectorX<T> along_;
   Matrix basis_;
   Vector root_;  ///< D^-½ (nv)
