@@ -4,6 +4,10 @@
 #include "axode/constraints/constrained_derivatives.hpp"
 #include "axode/constraints/constrained_dynamics.hpp"
 #include "axode/constraints/constrained_operational_space.hpp"
+#include "axode/constraints/embedding/platform_placement.hpp"
+#include "axode/constraints/embedding/task_rates.hpp"
+#include "axode/constraints/embedding/task_singularities.hpp"
+#include "axode/constraints/embedding/task_space.hpp"
 #include "axode/constraints/equilibrium.hpp"
 #include "axode/constraints/higher_order/constrained_rates.hpp"
 #include "axode/constraints/higher_order/inverse_kinematics_rates.hpp"
@@ -15,4 +19,4 @@
 #include "axode/constraints/prescribed/prescribed_motion.hpp"
 
 /// Closed loops: rows and residuals of loop joints, dynamics, assembly, mobility, small motions; prescribed
-/// motions and equilibria, also of trees.
+/// motions and equilibria, also of trees; parallel manipulators in task space.

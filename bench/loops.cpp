@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "axode/constraints.hpp"
+#include "axode/constraints/embedding/task_space.hpp"
 #include "axode/constraints/loop_system/loop_system.hpp"
 #include "axode/integration/simulation.hpp"
 #include "bench/subjects.hpp"
@@ -50,6 +51,38 @@ void measure_closed(const std::string& function, const std::string& variant, con
             {mechanism.model});
 }
 
+/// A platform in its task space, with accelerations that the loops allow at each state.
+struct PlatformSubject : Subject {
+  TaskSpace space;
+  std::vector<Numbers> accelerations;
+  Numbers dV = Numbers(static_cast<std::size_t>(space.freedom()));
+
+  explicit PlatformSubject(const ClosedMechanism& mechanism)
+      : Subject(mechanism), space(model, neutral(model)) {
+    for (s = 0; s < states.q.size(); ++s) {
+      static_cast<void>(forward_dynamics<double>(model, workspace, q(), v(), tau(), a));
+      accelerations.push_back(a);
+    }
+  }
+};
+
+/// Measures f(subject) with the platforms among the mechanisms.
+template <class F>
+void measure_platforms(const std::string& function, const std::string& variant, const F& f) {
+  for (const ClosedMechanism& mechanism : loop_mechanisms()) {
+    if (TaskSpace(mechanism.model, neutral(mechanism.model)).platform() == 0) continue;
+    measure(function, variant,
+            [&mechanism, f](benchmark::State& state, const Model&) {
+              PlatformSubject subject(mechanism);
+              repeat(state, subject.a.data(), [&] {
+                subject.s = subject.states.next();
+                f(subject);
+              });
+            },
+            {mechanism.model});
+  }
+}
+
 constexpr double step = 1e-3, steps = 10;
 
 const bool registered = [] {
@@ -68,6 +101,17 @@ const bool registered = [] {
             forward_dynamics<double>(at.model, at.workspace, at.q(), at.v(), at.tau(), at.a, at.lambda));
       },
       all);
+  measure_platforms("platform_inverse_dynamics", "axode", [](PlatformSubject& at) {
+    benchmark::DoNotOptimize(
+        inverse_dynamics<double>(at.model, at.workspace, at.q(), at.v(), at.accelerations[at.s], at.a));
+  });
+  measure_platforms("platform_forward_dynamics", "loops", [](PlatformSubject& at) {
+    benchmark::DoNotOptimize(
+        forward_dynamics<double>(at.model, at.workspace, at.q(), at.v(), at.tau(), at.a));
+  });
+  measure_platforms("platform_forward_dynamics", "task_space", [](PlatformSubject& at) {
+    benchmark::DoNotOptimize(at.space.forward_dynamics(at.q(), at.v(), at.tau(), at.dV));
+  });
   measure_closed(
       "loops_impact", "axode",
       [](Subject& at) {

@@ -6,26 +6,18 @@
 
 #include "axode/constraints/check_loops.hpp"
 #include "axode/constraints/loop_system/independent_rows.hpp"
+#include "axode/constraints/vector_text.hpp"
 
 namespace axode {
 namespace {
 
-std::string text(const Vec3<>& a) {
-  std::string out = "(";
-  for (const double x : {a.x, a.y, a.z}) {
-    if (out.size() > 1) out += ", ";
-    out += to_text(std::round(1e4 * x) / 1e4 + 0.0);
-  }
-  return out += ')';
-}
-
 /// Describes a wrench about the point O of the inertial frame in words.
 std::string in_words(const Wrench<Spatial>& W, const Vec3<>& O) {
   const double f = norm(W.f), m = norm(W.m);
-  if (!(f > 1e-9 * m)) return "couple about " + text((1 / m) * W.m);
+  if (!(f > 1e-9 * m)) return "couple about " + rounded_text((1 / m) * W.m);
   const double pitch = dot(W.m, W.f) / (f * f);
-  std::string words =
-      "force along " + text((1 / f) * W.f) + " through " + text(O + (1 / (f * f)) * cross(W.f, W.m));
+  std::string words = "force along " + rounded_text((1 / f) * W.f) + " through " +
+                      rounded_text(O + (1 / (f * f)) * cross(W.f, W.m));
   if (std::abs(pitch) > 1e-9) words += " with pitch " + to_text(pitch);
   return words;
 }

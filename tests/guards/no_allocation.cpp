@@ -3,6 +3,9 @@
 #include <cerrno>
 #include <cstdlib>
 
+#include "axode/constraints/constrained_dynamics.hpp"
+#include "axode/constraints/embedding/task_space.hpp"
+#include "axode/io.hpp"
 #include "tests/contact/two_shapes.hpp"
 #include "tests/laws/law.hpp"
 #include "tests/support/functions.hpp"
@@ -195,6 +198,28 @@ TEST(NoAllocation, InContactPointsAndDistances) {
               0);
   }
   EXPECT_GT(touching, 100U);
+}
+
+TEST(NoAllocation, InInverseDynamicsWithLoopsAndInTaskSpaces) {
+  for (const char* const file : {"gough.toml", "delta.toml", "four_bar.toml", "five_bar_arm.toml"}) {
+    const Model model = load(std::filesystem::path(AXODE_SOURCE_DIR "/examples/robots") / file);
+    TaskSpace space(model, neutral(model));
+    LoopWorkspace<double> loops(model);
+    const std::vector<double> q = neutral(model), V(static_cast<std::size_t>(space.freedom()), 0.3);
+    std::vector<double> v(static_cast<std::size_t>(model.nv())), a(v), tau(v), dV(V);
+    double missing = 1;
+    bool solved = true;
+    EXPECT_EQ(memory_operations([&] {
+                solved = space.velocities(q, V, v).ok() && space.accelerations(q, v, V, a).ok() &&
+                         space.inverse_dynamics(q, v, V, tau).ok() &&
+                         space.forward_dynamics(q, v, tau, dV).ok();
+              }),
+              0)
+        << file;
+    EXPECT_EQ(memory_operations([&] { missing = inverse_dynamics(model, loops, q, v, a, tau); }), 0) << file;
+    EXPECT_TRUE(solved) << file;
+    EXPECT_EQ(missing, 0) << file;
+  }
 }
 
 }  // namespace

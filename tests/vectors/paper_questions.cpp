@@ -1,4 +1,6 @@
 #include "axode/constraints.hpp"
+#include "axode/constraints/embedding/platform_placement.hpp"
+#include "axode/constraints/embedding/task_rates.hpp"
 #include "axode/constraints/higher_order/constrained_rates.hpp"
 #include "axode/constraints/higher_order/inverse_kinematics_rates.hpp"
 #include "axode/constraints/loop_system/loop_system.hpp"
@@ -204,6 +206,47 @@ TEST_P(ParallelManipulators, HaveTheirJacobiansForcesAndTimeDerivatives) {
     std::size_t k = 0;
     for (const char* const key : {"Q", "dQ", "ddQ"})
       forces.expect_equal(at.of_drives(std::span<const double>(tau).subspan(nv * k++, nv)),
+                          numbers(state.at(key)));
+  }
+}
+
+/// Limb by limb, from the pose of the platform alone.
+TEST_P(ParallelManipulators, AreResolvedLimbByLimb) {
+  Comparison lengths("lengths", bound), J("J", bound), M("M", bound), bias("bias", bound),
+      forces("forces", 1e-11), accelerations("dV", 1e-11);
+  for (const Json& state : file.at("states")) {
+    Platform at(file, state);
+    const Model& model = at.model;
+    const std::size_t nv = static_cast<std::size_t>(model.nv());
+    TaskSpace space(model, neutral(model), "platform");
+    ASSERT_EQ(space.freedom(), 6);
+    at.q = neutral(model);
+    ASSERT_TRUE(place_platform(space, {so3(state.at("R")), vec3(state.at("r"))}, at.q).reached);
+    lengths.expect_equal(at.leg_lengths(), numbers(state.at("lengths")));
+
+    const std::vector<double> V = numbers(state.at("V")), dV = numbers(state.at("dV"));
+    std::vector<double> rates, v(nv), a(nv), tau(nv), dV_found(6);
+    for (const char* const key : {"V", "dV", "ddV", "dddV"})
+      for (const double x : numbers(state.at(key))) rates.push_back(x);
+    ASSERT_TRUE(space.velocities(at.q, V, v).ok());
+    ASSERT_TRUE(space.accelerations(at.q, v, dV, a).ok());
+    const TaskEquations equations = space.equations(at.q, v);
+    const auto rows = [](const Eigen::MatrixXd& A) { return entries(Eigen::MatrixXd(A.transpose())); };
+    J.expect_equal(rows(equations.J), numbers(state.at("J")));
+    M.expect_equal(rows(equations.M), numbers(state.at("M")));
+    bias.expect_equal(entries(equations.h), numbers(state.at("bias")));
+
+    ASSERT_TRUE(space.inverse_dynamics(at.q, v, dV, tau).ok());
+    forces.expect_equal(at.of_drives(tau), numbers(state.at("Q")));
+    EXPECT_EQ(inverse_dynamics<double>(model, at.workspace, at.q, v, a, tau), 0);
+    forces.expect_equal(at.of_drives(tau), numbers(state.at("Q")));
+    ASSERT_TRUE(space.forward_dynamics(at.q, v, tau, dV_found).ok());
+    accelerations.expect_equal(dV_found, dV);
+    std::vector<double> all(3 * nv);
+    ASSERT_TRUE(inverse_dynamics_rates(space, at.q, rates, all).ok());
+    std::size_t k = 0;
+    for (const char* const key : {"Q", "dQ", "ddQ"})
+      forces.expect_equal(at.of_drives(std::span<const double>(all).subspan(nv * k++, nv)),
                           numbers(state.at(key)));
   }
 }

@@ -1,0 +1,257 @@
+#include "axode/constraints/embedding/task_singularities.hpp"
+
+#include <Eigen/SVD>
+#include <algorithm>
+#include <cmath>
+
+#include "axode/constraints/check_loops.hpp"
+#include "axode/constraints/embedding/task_kernel.hpp"
+#include "axode/constraints/vector_text.hpp"
+#include "axode/eigen.hpp"
+#include "axode/lie/screw_geometry.hpp"
+#include "axode/model/configuration.hpp"
+
+namespace axode {
+namespace {
+
+using Matrix = Eigen::MatrixXd;
+using Vector = Eigen::VectorXd;
+
+/// Entries of null vectors that are named, relative to the largest one.
+constexpr double considerable = 0.1;
+
+std::string listed(const std::vector<std::string>& names) {
+  std::string all;
+  for (std::size_t k = 0; k < names.size(); ++k)
+    all += (k == 0 ? "" : k + 1 == names.size() ? " and " : ", ") + ('"' + names[k] + '"');
+  return all;
+}
+
+/// Describes a twist about the inertial origin. An axis that is farther away than 1e6 lengths is none.
+std::string in_words(const Twist<Spatial>& V, double length) {
+  if (!(norm(V.w) * 1e6 * length > norm(V.v))) return "along " + rounded_text((1 / norm(V.v)) * V.v);
+  const ScrewAxis<> axis = screw_axis(Screw<>{V.w, V.v});
+  std::string words = "about the axis along " + rounded_text(axis.e) + " through " + rounded_text(axis.p);
+  if (std::abs(axis.h) > 1e-6 * length) words += " with the pitch " + rounded_text(axis.h) + " m/rad";
+  return words;
+}
+
+/// The matrices of the limbs and of the platform without units: lengths are measured in `length`, twists of
+/// the platform about `center`.
+class Scaled {
+ public:
+  Scaled(TaskKernel& kernel, std::span<const double> q) : kernel_(kernel), model_(kernel.model()) {
+    LoopSystem<double>& system = kernel.system();
+    system.update_kinematics(q.data());
+    find_center(system);
+    system.make_rows(ConstraintLevel::velocity);
+    LoopSystem<double>::RowByRow A(model_.loops().rows, model_.nv());
+    system.write(A.data());
+    A_ = A;
+    for (std::size_t k = 0; k < model_.loops().joints.size(); ++k) {  // rows of couples are multiplied
+      const LoopPath::Range rows = system.table().paths[k].rows;
+      for (int r = rows.first; r < rows.first + rows.count; ++r) {
+        const Vector unit = Vector::Unit(A_.rows(), r);
+        if (norm(system.wrench(k, unit.data()).f) == 0) A_.row(r) *= length;
+      }
+    }
+    rate_.setOnes(model_.nv());
+    const std::vector<bool> angles = angle_velocities();
+    for (Eigen::Index c = 0; c < rate_.size(); ++c)
+      if (angles[static_cast<std::size_t>(c)]) rate_[c] = 1 / length;
+    A_ = A_ * rate_.asDiagonal();
+    make_twists();
+  }
+
+  Matrix of(const std::vector<int>& rows, const std::vector<int>& velocities) const {
+    return A_(rows, velocities);
+  }
+  /// The twist, about the inertial origin, of carrying velocities without unit.
+  Twist<Spatial> twist(const Vector& carrying) const {
+    const Vector X = twists_ * carrying;  // (length ω; v) about the centre
+    const Vec3<> w{X[0] / length, X[1] / length, X[2] / length}, v{X[3], X[4], X[5]};
+    return {w, v + cross(center, w)};
+  }
+  const Matrix& twists() const { return twists_; }
+
+  double length = 1;
+  Vec3<> center{};
+
+ private:
+  void find_center(const LoopSystem<double>& system) {
+    std::vector<Vec3<>> points;
+    if (kernel_.platform == 0) return;
+    const int root = kernel_.platform;
+    const SE3<> C = system.link(root).C;
+    const Vec3<> origin = system.root_origins()[root];
+    pose_ = {C.R, C.r + origin};
+    for (const LoopPath& path : system.table().paths)
+      for (const Loop::End& end : path.ends)
+        if (end.body == kernel_.platform) points.push_back(pose_ * end.F.r);
+    if (points.empty()) return;
+    Vec3<> sum{};
+    for (const Vec3<>& p : points) sum = sum + p;
+    center = (1.0 / static_cast<double>(points.size())) * sum;
+    double distance = 0;
+    for (const Vec3<>& p : points) distance += norm(p - center);
+    distance /= static_cast<double>(points.size());
+    if (distance > 0) length = distance;
+  }
+  /// Whether each velocity is that of an angle.
+  std::vector<bool> angle_velocities() const {
+    std::vector<bool> angles(static_cast<std::size_t>(model_.nv()));
+    for (int i = 1; i <= model_.n_bodies(); ++i) {
+      const Joint& joint = model_.joint(i);
+      for (int d = 0; d < joint.nv; ++d)
+        angles[static_cast<std::size_t>(joint.iv + d)] =
+            norm(model_.body(i).X[static_cast<std::size_t>(d)].w) > 0;
+    }
+    return angles;
+  }
+  /// (length ω; v) of the platform about the centre for a unit of each carrying velocity without unit.
+  void make_twists() {
+    const std::vector<int>& carrying = kernel_.carrying();
+    twists_.setZero(6, std::ssize(carrying));
+    if (kernel_.platform == 0) return;
+    const int first = model_.joint(kernel_.platform).iv;
+    const SE3<> body = pose_ * model_.tree<double>().frame_offset[static_cast<std::size_t>(kernel_.platform)];
+    for (std::size_t j = 0; j < carrying.size(); ++j) {
+      const Screw<> X =
+          Ad(body, model_.body(kernel_.platform).X[static_cast<std::size_t>(carrying[j] - first)]);
+      const Vec3<> v = X.v - cross(center, X.w);
+      const double rate = rate_[carrying[j]];
+      twists_.col(static_cast<Eigen::Index>(j)) << rate * length * X.w.x, rate * length * X.w.y,
+          rate * length * X.w.z, rate * v.x, rate * v.y, rate * v.z;
+    }
+  }
+
+  TaskKernel& kernel_;
+  Model model_;
+  SE3<> pose_;  ///< of the internal frame of the platform
+  Matrix A_, twists_;
+  Vector rate_;  ///< the velocity for a unit of a velocity without unit
+};
+
+/// The singular value that vanishes first if the rank falls below `rank`, relative to the largest one.
+double distance_of(const Eigen::JacobiSVD<Matrix>& svd, Eigen::Index rank) {
+  const Vector& sigma = svd.singularValues();
+  if (rank == 0 || sigma.size() == 0) return 1;
+  if (rank > sigma.size()) return 0;
+  return sigma[0] > 0 ? sigma[rank - 1] / sigma[0] : 0;
+}
+
+std::vector<std::string> considerable_names(const Vector& x, const std::vector<int>& velocities,
+                                            const std::vector<std::string>& names) {
+  std::vector<std::string> out;
+  for (std::size_t j = 0; j < velocities.size(); ++j)
+    if (std::abs(x[static_cast<Eigen::Index>(j)]) > considerable * x.cwiseAbs().maxCoeff())
+      out.push_back(names[static_cast<std::size_t>(velocities[j])]);
+  return out;
+}
+
+/// A twist whose larger part, ω or v about the centre in lengths, has the norm 1.
+Twist<Spatial> normalized(const Twist<Spatial>& V, const Scaled& scaled) {
+  const double size = std::max(norm(V.w), norm(V.v - cross(scaled.center, V.w)) / scaled.length);
+  return {(1 / size) * V.w, (1 / size) * V.v};
+}
+
+}  // namespace
+
+std::vector<TaskSingularity> singularities(TaskSpace& space, std::span<const double> q, double within) {
+  using enum TaskSingularity::Type;
+  TaskKernel& kernel = space.kernel();
+  const Model& model = space.model();
+  check_configuration(model, q);
+  check_closed(kernel.system(), q, std::vector<double>(static_cast<std::size_t>(model.nv())));
+  const std::vector<std::string> names = velocity_names(model);
+  const Scaled scaled(kernel, q);
+  const std::vector<int>& carrying = kernel.carrying();
+  const auto s = static_cast<Eigen::Index>(carrying.size());
+  std::vector<TaskSingularity> found;
+
+  // F_l = -A_l⁺ A_pl of the driven velocities, and the wrenches by which the limbs hold the platform.
+  std::vector<int> driven_velocities;
+  std::vector<Eigen::RowVectorXd> drive_rows, held;
+  for (std::size_t l = 0; l < kernel.parts().size(); ++l) {
+    const TaskKernel::Part& part = kernel.parts()[l];
+    if (part.rows.empty()) continue;
+    const auto rows = static_cast<Eigen::Index>(part.rows.size());
+    const Matrix A_p = scaled.of(part.rows, carrying);
+    Matrix U = Matrix::Identity(rows, rows);
+    if (!part.velocities.empty()) {
+      const Eigen::JacobiSVD<Matrix> svd(scaled.of(part.rows, part.velocities),
+                                         Eigen::ComputeFullU | Eigen::ComputeFullV);
+      U = svd.matrixU();
+      const double distance = distance_of(svd, part.dependent);
+      if (distance < within) {
+        TaskSingularity at{.type = limb, .limb = static_cast<int>(l), .distance = distance, .twist = {}};
+        at.joints = considerable_names(svd.matrixV().col(part.dependent - 1), part.velocities, names);
+        at.sentence = "type 1: joints of the limb " + kernel.name_of_limb(at.limb) +
+                      " can move while the platform is at rest: " + listed(at.joints);
+        found.push_back(at);
+      }
+      Matrix F = Matrix::Zero(std::ssize(part.velocities), s);
+      for (int k = 0; k < part.dependent; ++k)
+        if (svd.singularValues()[k] > 1e-12 * svd.singularValues()[0])
+          F -= svd.matrixV().col(k) * (U.col(k).transpose() * A_p) / svd.singularValues()[k];
+      for (std::size_t j = 0; j < part.velocities.size(); ++j) {
+        const int c = part.velocities[j];
+        if (model.loops().driven[static_cast<std::size_t>(c)] == 0) continue;
+        driven_velocities.push_back(c);
+        drive_rows.push_back(F.row(static_cast<Eigen::Index>(j)));
+      }
+    }
+    for (Eigen::Index k = part.dependent; k < rows; ++k) held.push_back(U.col(k).transpose() * A_p);
+  }
+  for (Eigen::Index j = 0; j < s; ++j) {
+    if (model.loops().driven[static_cast<std::size_t>(carrying[static_cast<std::size_t>(j)])] == 0) continue;
+    driven_velocities.push_back(carrying[static_cast<std::size_t>(j)]);
+    drive_rows.push_back(Eigen::RowVectorXd::Unit(s, j));
+  }
+  if (s == 0) return found;
+  const auto stacked = [&](const std::vector<Eigen::RowVectorXd>& rows) {
+    Matrix out(std::ssize(rows), s);
+    for (std::size_t k = 0; k < rows.size(); ++k) out.row(static_cast<Eigen::Index>(k)) = rows[k];
+    return out;
+  };
+  // Unit twists of the platform, so that the singular values are those of twists.
+  const auto basis = [](const Matrix& A) {
+    return Matrix(Eigen::JacobiSVD<Matrix>(A, Eigen::ComputeThinU | Eigen::ComputeThinV)
+                      .solve(Matrix::Identity(A.rows(), A.rows())));
+  };
+  const Matrix to_carrying = kernel.platform > 0 && s == 6 ? basis(scaled.twists()) : Matrix::Identity(s, s);
+  const auto free_motion = [&](TaskSingularity& at, const Vector& x) {
+    at.twist = normalized(scaled.twist(to_carrying * x), scaled);
+    return in_words(at.twist, scaled.length);
+  };
+
+  Matrix N = Matrix::Identity(s, s);
+  if (!held.empty()) {
+    const Eigen::Index rank = s - space.kernel().independent();
+    const Eigen::JacobiSVD<Matrix> svd(stacked(held) * to_carrying,
+                                       Eigen::ComputeFullU | Eigen::ComputeFullV);
+    if (const double distance = distance_of(svd, rank); distance < within) {
+      TaskSingularity at{.type = constraint, .distance = distance, .twist = {}};
+      at.sentence = "constraint singularity: no limb holds the platform against a motion " +
+                    free_motion(at, svd.matrixV().col(rank - 1));
+      found.push_back(at);
+    }
+    N = svd.matrixV().rightCols(s - rank);
+  }
+  if (N.cols() == 0) return found;
+  const Matrix J = stacked(drive_rows) * to_carrying * N;
+  const Eigen::JacobiSVD<Matrix> svd(J, Eigen::ComputeFullU | Eigen::ComputeFullV);
+  if (const double distance = distance_of(svd, N.cols()); distance < within) {
+    TaskSingularity at{.type = TaskSingularity::Type::drives, .distance = distance, .twist = {}};
+    at.sentence = "type 2: the platform can move while all drives are locked, " +
+                  free_motion(at, N * svd.matrixV().col(N.cols() - 1));
+    if (N.cols() <= J.rows()) {
+      at.joints = considerable_names(svd.matrixU().col(N.cols() - 1), driven_velocities, names);
+      at.sentence += "; these drives hold each other: " + listed(at.joints);
+    }
+    found.push_back(at);
+  }
+  return found;
+}
+
+}  // namespace axode
