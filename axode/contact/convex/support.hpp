@@ -8,18 +8,19 @@
 /// the rim of a cap, or the whole surface of an ellipsoid.
 namespace axode::convex {
 
-inline Vec3<> unit(const Vec3<>& a) { return (1 / norm(a)) * a; }
+template <class T> Vec3<T> unit(const Vec3<T>& a) { return (T(1) / norm(a)) * a; }
 /// A unit vector that is perpendicular to the unit vector n.
-inline Vec3<> perpendicular(const Vec3<>& n) {
-  return unit(std::abs(n.x) < 0.6 ? Vec3<>{0, -n.z, n.y} : Vec3<>{-n.y, n.x, 0});
+template <class T> Vec3<T> perpendicular(const Vec3<T>& n) {
+  const bool across_x = n.x < T(0.6) && -n.x < T(0.6);
+  return unit(across_x ? Vec3<T>{T(0), -n.z, n.y} : Vec3<T>{-n.y, n.x, T(0)});
 }
 
 /// The unit vector in the direction of the part of n that is perpendicular to the unit vector `axis`, or
 /// `otherwise` if n is along the axis. It is perpendicular to the axis to rounding.
-inline Vec3<> across(const Vec3<>& axis, const Vec3<>& n, const Vec3<>& otherwise) {
-  const Vec3<> side = cross(axis, n);
-  const double sine = norm(side);
-  return sine > 1e-12 ? cross((1 / sine) * side, axis) : otherwise;
+template <class T> Vec3<T> across(const Vec3<T>& axis, const Vec3<T>& n, const Vec3<T>& otherwise) {
+  const Vec3<T> side = cross(axis, n);
+  const T sine2 = dot(side, side);
+  return sine2 > T(1e-24) ? cross((T(1) / sqrt(sine2)) * side, axis) : otherwise;
 }
 
 /// One of the 27 sectors of directions, about the vertices, edge centres and face centres of a cube.

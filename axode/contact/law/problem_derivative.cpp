@@ -24,27 +24,30 @@ bool near_kink(const LawBlock& b, const double* z, double size) {
   return sum > 0 && std::abs(std::sqrt(sum) - z[0]) < tiny;
 }
 
-}  // namespace
-
-ProblemDerivative differentiate(const VelocityProblem& p, const double* lambda,
-                                const Eigen::Ref<const Eigen::MatrixXd>& dx,
-                                const Eigen::Ref<const Eigen::MatrixXd>& du) {
-  const Eigen::Index m = p.rows(), nv = p.nv(), k = dx.cols();
-  ProblemDerivative out;
-  out.motion = dx;
-  out.multipliers.setZero(m, k);
-  if (m == 0) return out;
-  Eigen::MatrixXd Y = Eigen::MatrixXd::Zero(nv, m), G(m, m);
+/// Y as a dense matrix, nv × rows.
+Eigen::MatrixXd dense_columns(const VelocityProblem& p) {
+  Eigen::MatrixXd Y = Eigen::MatrixXd::Zero(p.nv(), p.rows());
   for (const VelocityProblem::Block& b : p.blocks()) {
     const auto columns = p.columns(b);
     const auto at = p.support(b);
     for (int i = 0; i < b.width; ++i)
       Y.row(at[static_cast<std::size_t>(i)]).segment(b.first, b.rows) = columns.row(i);
   }
-  p.delassus(G);
-  const Eigen::Map<const Eigen::VectorXd> l(lambda, m), d2(p.squared_scales().data(), m), r(p.r.data(), m);
-  const Eigen::VectorXd x = p.w + Y * l, z = l - (Y.transpose() * x + r).cwiseQuotient(d2);
-  const double size = x.norm() + p.w.norm();
+  return Y;
+}
+
+}  // namespace
+
+LawDerivative differentiate_law(const VelocityProblem& p, const double* lambda, const double* u,
+                                const Eigen::Ref<const Eigen::MatrixXd>& by_lambda,
+                                const Eigen::Ref<const Eigen::MatrixXd>& by_data, double speed,
+                                double change) {
+  const Eigen::Index m = p.rows();
+  LawDerivative out;
+  out.multipliers.setZero(m, by_data.cols());
+  if (m == 0) return out;
+  const Eigen::Map<const Eigen::VectorXd> l(lambda, m), d2(p.squared_scales().data(), m), velocity(u, m);
+  const Eigen::VectorXd z = l - velocity.cwiseQuotient(d2);
   Eigen::MatrixXd Z = Eigen::MatrixXd::Zero(m, m);
   for (const VelocityProblem::Block& b : p.blocks()) {
     with_rows(b, [&](auto n) {
@@ -52,11 +55,11 @@ ProblemDerivative differentiate(const VelocityProblem& p, const double* lambda,
       static_cast<void>(differentiate<n()>(b, z.data() + b.first, Z_b));
       Z.block<n(), n()>(b.first, b.first) = Z_b;
     });
-    if (near_kink(b, z.data() + b.first, size / std::sqrt(d2[b.first]))) out.at_kink = true;
+    if (near_kink(b, z.data() + b.first, speed / std::sqrt(d2[b.first]))) out.at_kink = true;
   }
   const Eigen::MatrixXd ZD = Z * d2.cwiseInverse().asDiagonal();
-  const Eigen::MatrixXd A = Eigen::MatrixXd::Identity(m, m) - Z + ZD * G;
-  const Eigen::MatrixXd b = -ZD * (Y.transpose() * dx + du);
+  const Eigen::MatrixXd A = Eigen::MatrixXd::Identity(m, m) - Z + ZD * by_lambda;
+  const Eigen::MatrixXd b = -ZD * by_data;
   const Eigen::VectorXd d = d2.cwiseSqrt();
   const auto solve = [&](const Eigen::VectorXd& weight) -> Eigen::MatrixXd {
     const Eigen::VectorXd inverse = weight.cwiseInverse();
@@ -64,15 +67,28 @@ ProblemDerivative differentiate(const VelocityProblem& p, const double* lambda,
     return inverse.asDiagonal() * least_squares(scaled, d.asDiagonal() * b, rank_part);
   };
   out.multipliers = solve(d);
-  out.motion += Y * out.multipliers;
   const double left = (d.asDiagonal() * (A * out.multipliers - b)).norm();
   // Another metric chooses another share of the load; a unique motion is the same.
   Eigen::VectorXd other = d;
   for (Eigen::Index row = 0; row < m; ++row) other[row] *= 1 + 0.5 * std::sin(static_cast<double>(row));
-  const Eigen::MatrixXd motion = dx + Y * solve(other);
-  out.unique = (motion - out.motion).norm() <= same_motion * (out.motion.norm() + dx.norm()) &&
+  const Eigen::MatrixXd Y = dense_columns(p), motion = Y * out.multipliers;
+  out.unique = (Y * solve(other) - motion).norm() <= same_motion * (motion.norm() + change) &&
                left <= same_motion * (d.asDiagonal() * b).norm();
   return out;
+}
+
+ProblemDerivative differentiate(const VelocityProblem& p, const double* lambda,
+                                const Eigen::Ref<const Eigen::MatrixXd>& dx,
+                                const Eigen::Ref<const Eigen::MatrixXd>& du) {
+  const Eigen::Index m = p.rows();
+  const Eigen::MatrixXd Y = dense_columns(p);
+  Eigen::MatrixXd G(m, m);
+  p.delassus(G);
+  const Eigen::Map<const Eigen::VectorXd> l(lambda, m), r(p.r.data(), m);
+  const Eigen::VectorXd x = p.w + Y * l, u = Y.transpose() * x + r;
+  const LawDerivative law =
+      differentiate_law(p, lambda, u.data(), G, Y.transpose() * dx + du, x.norm() + p.w.norm(), dx.norm());
+  return {law.multipliers, dx + Y * law.multipliers, law.unique, law.at_kink};
 }
 
 }  // namespace axode

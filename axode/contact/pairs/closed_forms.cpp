@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "axode/contact/convex/support.hpp"
+#include "axode/contact/pairs/displaced.hpp"
 
 namespace axode {
 
@@ -15,7 +16,9 @@ namespace {
 
 /// The vertices of a hull that are within the margin of a plane: all of them or, if there are many, the
 /// deepest one and those that are farthest along eight directions in the plane.
-void touch_plane_by_hull(const SE3<>& plane, const Hull& hull, const SE3<>& pose, PointList& out) noexcept {
+template <class T>
+void touch_plane_by_hull(const SE3<T>& plane, const Hull& hull, const SE3<T>& pose,
+                         PointList<T>& out) noexcept {
   constexpr int directions = 8;
   struct Farthest {
     double along = -std::numeric_limits<double>::infinity();
@@ -24,7 +27,7 @@ void touch_plane_by_hull(const SE3<>& plane, const Hull& hull, const SE3<>& pose
       if (x > along) *this = {x, i};
     }
   };
-  const SE3<> C = inverse(plane) * pose;
+  const SE3<> C = value(inverse(plane) * pose);
   std::array<Farthest, directions + 1> chosen;
   int near = 0;
   for (int i = 0; i < std::ssize(hull.vertices); ++i) {
@@ -38,7 +41,7 @@ void touch_plane_by_hull(const SE3<>& plane, const Hull& hull, const SE3<>& pose
       for (const double along : {x, -x}) chosen[k++].update(along, i);
   }
   const auto add = [&](int i) {
-    const Vec3<> p = pose * hull.vertices[i];
+    const Vec3<T> p = pose * cast<T>(hull.vertices[i]);
     out.add(p, plane.R.z, dot(plane.R.z, p - plane.r), static_cast<std::uint32_t>(i));
   };
   if (near <= 2 * directions) {
@@ -53,28 +56,35 @@ void touch_plane_by_hull(const SE3<>& plane, const Hull& hull, const SE3<>& pose
 
 }  // namespace
 
-void touch_plane(const SE3<>& plane, const ContactShape& shape, const SE3<>& pose, PointList& out) noexcept {
-  const Vec3<>&n = plane.R.z, &axis = pose.R.z;
+template <class T>
+void touch_plane(const SE3<T>& plane, const ContactShape& shape, const SE3<T>& pose,
+                 PointList<T>& out) noexcept {
+  const Vec3<T>&n = plane.R.z, &axis = pose.R.z;
   std::uint32_t feature = 0;
-  const auto add = [&](const Vec3<>& p) { out.add(p, n, dot(n, p - plane.r), feature++); };
+  const auto add = [&](const Vec3<T>& p) { out.add(p, n, dot(n, p - plane.r), feature++); };
   switch (shape.kind) {
-    case ShapeKind::sphere: add(pose.r - shape.radius * n); break;
+    case ShapeKind::sphere: add(pose.r - T(shape.radius) * n); break;
     case ShapeKind::capsule:
       for (const double end : {-shape.half_length, shape.half_length})
-        add(pose.r + end * axis - shape.radius * n);
+        add(pose.r + T(end) * axis - T(shape.radius) * n);
       break;
     case ShapeKind::box:
       for (const double x : {-shape.half.x, shape.half.x})
         for (const double y : {-shape.half.y, shape.half.y})
-          for (const double z : {-shape.half.z, shape.half.z}) add(pose * Vec3<>{x, y, z});
+          for (const double z : {-shape.half.z, shape.half.z}) add(pose * Vec3<T>{T(x), T(y), T(z)});
       break;
     case ShapeKind::cylinder: {
-      const Vec3<> d = shape.radius * convex::across(axis, -n, pose.R.x), e = cross(axis, d);
+      const Vec3<T> d = T(shape.radius) * convex::across(axis, -n, pose.R.x), e = cross(axis, d);
       for (const double end : {-shape.half_length, shape.half_length})
-        for (const Vec3<>& rim : {d, e, -d, -e}) add(pose.r + end * axis + rim);
+        for (const Vec3<T>& rim : {d, e, -d, -e}) add(pose.r + T(end) * axis + rim);
       break;
     }
-    case ShapeKind::ellipsoid: add(pose * convex::support_point(shape.convex, transpose(pose.R) * -n)); break;
+    case ShapeKind::ellipsoid: {
+      const Vec3<T> m = transpose(pose.R) * -n, h = cast<T>(shape.half);
+      const Vec3<T> s = convex::unit(Vec3<T>{h.x * m.x, h.y * m.y, h.z * m.z});
+      add(pose * Vec3<T>{h.x * s.x, h.y * s.y, h.z * s.z});
+      break;
+    }
     case ShapeKind::mesh: touch_plane_by_hull(plane, *shape.convex.hull, pose, out); break;
     case ShapeKind::plane: break;
   }
@@ -83,89 +93,93 @@ void touch_plane(const SE3<>& plane, const ContactShape& shape, const SE3<>& pos
 namespace {
 
 /// The axis of a sphere or capsule: centre + t half for t from -1 to 1.
-struct Axis {
-  Vec3<> center, half;
-  double radius;
+template <class T> struct Axis {
+  Vec3<T> center, half;
+  T radius;
 
-  Axis(const ContactShape& shape, const SE3<>& pose)
+  Axis(const ContactShape& shape, const SE3<T>& pose)
       : center(pose.r),
-        half(shape.kind == ShapeKind::capsule ? shape.half_length * pose.R.z : Vec3<>{}),
+        half(shape.kind == ShapeKind::capsule ? T(shape.half_length) * pose.R.z : Vec3<T>{}),
         radius(shape.radius) {}
-  Vec3<> at(double t) const { return center + t * half; }
+  Vec3<T> at(const T& t) const { return center + t * half; }
   /// Parameter of the point that is nearest to p.
-  double nearest(const Vec3<>& p) const {
-    const double length2 = dot(half, half);
-    return length2 > 0 ? std::clamp(dot(half, p - center) / length2, -1.0, 1.0) : 0;
+  T nearest(const Vec3<T>& p) const {
+    const T length2 = dot(half, half);
+    return length2 > T(0) ? std::clamp(dot(half, p - center) / length2, T(-1), T(1)) : T(0);
   }
 };
 
 /// Parameter on a of the nearest points of two axes (Ericson, Real-Time Collision Detection, section 5.1.9).
-double nearest_parameter(const Axis& a, const Axis& b) {
-  const Vec3<> r = a.center - b.center;
-  const double aa = dot(a.half, a.half), ab = dot(a.half, b.half), bb = dot(b.half, b.half);
-  const double determinant = aa * bb - ab * ab;
-  if (!(determinant > 1e-14 * aa * bb)) return a.nearest(b.center);
-  const double s = std::clamp((ab * dot(b.half, r) - bb * dot(a.half, r)) / determinant, -1.0, 1.0);
+template <class T> T nearest_parameter(const Axis<T>& a, const Axis<T>& b) {
+  const Vec3<T> r = a.center - b.center;
+  const T aa = dot(a.half, a.half), ab = dot(a.half, b.half), bb = dot(b.half, b.half);
+  const T determinant = aa * bb - ab * ab;
+  if (!(determinant > T(1e-14) * aa * bb)) return a.nearest(b.center);
+  const T s = std::clamp((ab * dot(b.half, r) - bb * dot(a.half, r)) / determinant, T(-1), T(1));
   return a.nearest(b.at(b.nearest(a.at(s))));
 }
 
 }  // namespace
 
-void touch_round(const ContactShape& shape_a, const SE3<>& A, const ContactShape& shape_b, const SE3<>& B,
-                 PointList& out) noexcept {
-  const Axis a(shape_a, A), b(shape_b, B);
+template <class T>
+void touch_round(const ContactShape& shape_a, const SE3<T>& A, const ContactShape& shape_b, const SE3<T>& B,
+                 PointList<T>& out) noexcept {
+  const Axis<T> a(shape_a, A), b(shape_b, B);
   struct Candidate {
-    Vec3<> p, n;
-    double gap;
+    Vec3<T> p, n;
+    T gap;
   };
-  const auto between = [&](const Vec3<>& p, const Vec3<>& o) -> Candidate {
-    const double distance = norm(o - p), gap = distance - a.radius - b.radius;
-    Vec3<> n = cross(a.half, b.half);  // the direction in which axes that cross part soonest
-    if (distance > 0)
-      n = (1 / distance) * (o - p);
+  const auto between = [&](const Vec3<T>& p, const Vec3<T>& o) -> Candidate {
+    const T distance = length(o - p), gap = distance - a.radius - b.radius;
+    Vec3<T> n = cross(a.half, b.half);  // the direction in which axes that cross part soonest
+    if (distance > T(0))
+      n = (T(1) / distance) * (o - p);
     else
-      n = norm(n) > 0 ? convex::unit(n) : convex::perpendicular(norm(a.half) > 0 ? A.R.z : B.R.z);
-    return {p + (a.radius + gap / 2) * n, n, gap};
+      n = dot(n, n) > T(0) ? convex::unit(n)
+                           : convex::perpendicular(dot(a.half, a.half) > T(0) ? A.R.z : B.R.z);
+    return {p + (a.radius + T(0.5) * gap) * n, n, gap};
   };
   const auto add = [&](const Candidate& c, std::uint32_t feature) { out.add(c.p, c.n, c.gap, feature); };
 
-  const double s = nearest_parameter(a, b);
+  const T s = nearest_parameter(a, b);
   const Candidate nearest = between(a.at(s), b.at(b.nearest(a.at(s))));
-  if (!(nearest.gap < out.margin())) return;
-  if (!(dot(a.half, a.half) > 0 && dot(b.half, b.half) > 0)) return add(nearest, 0);
+  if (!(nearest.gap < T(out.margin()))) return;
+  if (!(dot(a.half, a.half) > T(0) && dot(b.half, b.half) > T(0))) return add(nearest, 0);
 
   // The part of a that lies beside b ends at an end of a or beside an end of b.
-  const double first = dot(a.half, b.half) < 0 ? 1 : -1;  // the end of b on the side of t = -1
+  const double first = dot(a.half, b.half) < T(0) ? 1 : -1;  // the end of b on the side of t = -1
   const auto end = [&](double of_a, double of_b) {
-    const double t = dot(a.half, b.at(of_b) - a.center) / dot(a.half, a.half);
-    const bool at_a = of_a < 0 ? t <= -1 : t >= 1;
-    return at_a ? between(a.at(of_a), b.at(b.nearest(a.at(of_a))))
-                : between(a.at(a.nearest(b.at(of_b))), b.at(of_b));
+    const T t = dot(a.half, b.at(T(of_b)) - a.center) / dot(a.half, a.half);
+    const bool at_a = of_a < 0 ? !(t > T(-1)) : !(t < T(1));
+    return at_a ? between(a.at(T(of_a)), b.at(b.nearest(a.at(T(of_a)))))
+                : between(a.at(a.nearest(b.at(T(of_b)))), b.at(T(of_b)));
   };
   const Candidate low = end(-1, first), high = end(1, -first);
-  const double size = norm(a.half) + norm(b.half) + a.radius + b.radius;
-  const bool side_by_side = norm(high.p - low.p) > 1e-3 * std::min(norm(a.half), norm(b.half));
+  const double length_a = value(norm(a.half)), length_b = value(norm(b.half));
+  const double size = length_a + length_b + value(a.radius + b.radius);
+  const bool side_by_side = norm(value(high.p - low.p)) > 1e-3 * std::min(length_a, length_b);
   const double rounding = 1e-12 * size;
-  if (!side_by_side || nearest.gap < std::min(low.gap, high.gap) - rounding) add(nearest, 0);
+  if (!side_by_side || value(nearest.gap) < value(std::min(low.gap, high.gap)) - rounding) add(nearest, 0);
   if (!side_by_side) return;
   add(low, 1);
   add(high, 2);
 }
 
-void touch_box_and_sphere(const ContactShape& box, const SE3<>& A, const ContactShape& sphere, const SE3<>& B,
-                          PointList& out) noexcept {
-  const Vec3<> c = transpose(A.R) * (B.r - A.r);
-  const Vec3<>& h = box.half;
-  Vec3<> p{std::clamp(c.x, -h.x, h.x), std::clamp(c.y, -h.y, h.y), std::clamp(c.z, -h.z, h.z)};
-  Vec3<> n{};
-  double distance = norm(c - p);
-  if (distance > 0) {
-    n = (1 / distance) * (c - p);
+template <class T>
+void touch_box_and_sphere(const ContactShape& box, const SE3<T>& A, const ContactShape& sphere,
+                          const SE3<T>& B, PointList<T>& out) noexcept {
+  const Vec3<T> c = transpose(A.R) * (B.r - A.r), h = cast<T>(box.half);
+  Vec3<T> p{std::clamp(c.x, -h.x, h.x), std::clamp(c.y, -h.y, h.y), std::clamp(c.z, -h.z, h.z)};
+  Vec3<T> n{};
+  T distance = length(c - p);
+  if (distance > T(0)) {
+    n = (T(1) / distance) * (c - p);
   } else {  // the centre is inside, and leaves through the nearest face
-    const std::array<double, 3> depth{h.x - std::abs(c.x), h.y - std::abs(c.y), h.z - std::abs(c.z)};
-    const auto nearest = std::ranges::min_element(depth) - depth.begin();
-    const auto move = [](double& to, double& direction, double half, double at) {
-      direction = std::copysign(1.0, at);
+    const auto inside = [](const T& half, const T& at) { return at < T(0) ? half + at : half - at; };
+    const std::array<T, 3> depth{inside(h.x, c.x), inside(h.y, c.y), inside(h.z, c.z)};
+    const auto nearest = std::min_element(depth.begin(), depth.end()) - depth.begin();
+    const auto move = [](T& to, T& direction, const T& half, const T& at) {
+      direction = at < T(0) ? T(-1) : T(1);
       to = direction * half;
     };
     if (nearest == 0) move(p.x, n.x, h.x, c.x);
@@ -173,8 +187,20 @@ void touch_box_and_sphere(const ContactShape& box, const SE3<>& A, const Contact
     if (nearest == 2) move(p.z, n.z, h.z, c.z);
     distance = -depth[nearest];
   }
-  const double gap = distance - sphere.radius;
-  out.add(A * (p + (gap / 2) * n), A.R * n, gap, 0);
+  const T gap = distance - T(sphere.radius);
+  out.add(A * (p + (T(0.5) * gap) * n), A.R * n, gap, 0);
 }
+
+template void touch_plane(const SE3<>&, const ContactShape&, const SE3<>&, PointList<>&) noexcept;
+template void touch_plane(const SE3<Displaced>&, const ContactShape&, const SE3<Displaced>&,
+                          PointList<Displaced>&) noexcept;
+template void touch_round(const ContactShape&, const SE3<>&, const ContactShape&, const SE3<>&,
+                          PointList<>&) noexcept;
+template void touch_round(const ContactShape&, const SE3<Displaced>&, const ContactShape&,
+                          const SE3<Displaced>&, PointList<Displaced>&) noexcept;
+template void touch_box_and_sphere(const ContactShape&, const SE3<>&, const ContactShape&, const SE3<>&,
+                                   PointList<>&) noexcept;
+template void touch_box_and_sphere(const ContactShape&, const SE3<Displaced>&, const ContactShape&,
+                                   const SE3<Displaced>&, PointList<Displaced>&) noexcept;
 
 }  // namespace axode

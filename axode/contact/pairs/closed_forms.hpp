@@ -11,15 +11,19 @@ namespace axode {
 /// and an ellipsoid have their lowest point, a capsule the lowest points of both half balls, a box and a hull
 /// their vertices, of more than 16 that are within the margin the deepest and the outermost ones. A cylinder
 /// has four points on either rim: the lowest one, and three more a quarter of a turn apart.
-void touch_plane(const SE3<>& plane, const ContactShape& shape, const SE3<>& pose, PointList& out) noexcept;
+template <class T>
+void touch_plane(const SE3<T>& plane, const ContactShape& shape, const SE3<T>& pose,
+                 PointList<T>& out) noexcept;
 
 /// Two spheres or capsules. Capsules have a point where their axes are nearest, and a point at either end of
 /// the part along which they lie side by side.
-void touch_round(const ContactShape& a, const SE3<>& A, const ContactShape& b, const SE3<>& B,
-                 PointList& out) noexcept;
+template <class T>
+void touch_round(const ContactShape& a, const SE3<T>& A, const ContactShape& b, const SE3<T>& B,
+                 PointList<T>& out) noexcept;
 
 /// A box and a sphere, whose centre may be inside the box.
-void touch_box_and_sphere(const ContactShape& box, const SE3<>& A, const ContactShape& sphere, const SE3<>& B,
-                          PointList& out) noexcept;
+template <class T>
+void touch_box_and_sphere(const ContactShape& box, const SE3<T>& A, const ContactShape& sphere,
+                          const SE3<T>& B, PointList<T>& out) noexcept;
 
 }  // namespace axode

@@ -7,9 +7,9 @@
 namespace axode {
 
 /// Receives the contact points of pairs of shapes, in memory that the caller provides.
-class PointList {
+template <class T = double> class PointList {
  public:
-  PointList(std::span<ContactPoint> memory, double margin) : memory_(memory), margin_(margin) {}
+  PointList(std::span<ContactPointOf<T>> memory, double margin) : memory_(memory), margin_(margin) {}
 
   /// Selects the pair of shapes whose points follow. If `flipped`, the normals that add() receives point from
   /// b to a.
@@ -21,8 +21,8 @@ class PointList {
   double margin() const noexcept { return margin_; }
 
   /// Adds a point if its gap is below the margin. `feature` distinguishes the points of the pair, below 2^24.
-  void add(const Vec3<>& point, const Vec3<>& n, double gap, std::uint32_t feature) noexcept {
-    if (!(gap < margin_)) return;
+  void add(const Vec3<T>& point, const Vec3<T>& n, const T& gap, std::uint32_t feature) noexcept {
+    if (!(gap < T(margin_))) return;
     if (count_ == memory_.size()) {
       complete_ = false;
       return;
@@ -35,7 +35,7 @@ class PointList {
   bool complete() const noexcept { return complete_; }
 
  private:
-  std::span<ContactPoint> memory_;
+  std::span<ContactPointOf<T>> memory_;
   double margin_;
   std::size_t count_ = 0;
   bool complete_ = true, flipped_ = false;

@@ -92,6 +92,20 @@ template <class T> struct MomentumFirstOrder {
     return verdict;
   }
 
+  /// Computes (Mv)_q, F_q and F_v of the kinetic energy of the bodies alone, without gravity, loads and
+  /// armatures, nv × nv numbers each, a column for each direction.
+  void kinetic(const Tree<T>& tree, const T* q, const T* v_given, T* Mv_q, T* F_q, T* F_v) noexcept {
+    const std::ptrdiff_t nv = tree->nv;
+    std::fill_n(zero, nv, T(0));
+    std::copy_n(v_given, nv, v);
+    for (T* const matrix : {Mv_q, F_q, F_v}) std::fill_n(matrix, nv * nv, T(0));
+    const auto add_to = [nv](T* matrix) {
+      return [=](std::ptrdiff_t r, std::ptrdiff_t direction, const T& x) { matrix[direction * nv + r] += x; };
+    };
+    move(tree, q);
+    each_entry(tree, add_to(Mv_q), add_to(F_q), add_to(F_v));
+  }
+
  private:
   static void transpose(T* matrix, std::ptrdiff_t n) noexcept {
     for (std::ptrdiff_t r = 0; r < n; ++r)

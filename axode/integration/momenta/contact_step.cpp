@@ -11,7 +11,9 @@ constexpr double accepted = 1e-9;
 
 std::size_t index(Eigen::Index k) { return static_cast<std::size_t>(k); }
 
-int rows_of(const ContactShapes& shapes) {
+}  // namespace
+
+int rows_of_contacts(const ContactShapes& shapes) {
   int rows = 3;
   for (int i = 0; i < shapes.size(); ++i) {
     const ContactProperties& surface = shapes[i].surface;
@@ -21,8 +23,6 @@ int rows_of(const ContactShapes& shapes) {
   return rows;
 }
 
-}  // namespace
-
 ContactStep::ContactStep(ContactSimulationRun& run, const Model& model, ContactShapes touching,
                          bool dry_friction)
     : q(model.nq()),
@@ -31,8 +31,8 @@ ContactStep::ContactStep(ContactSimulationRun& run, const Model& model, ContactS
       model_(model),
       group_(model_.tree<double>()),
       finder_(std::move(touching)),
-      start_(model, rows_of(finder_.shapes()), 16, dry_friction),
-      end_(model, rows_of(finder_.shapes()), 16, dry_friction),
+      start_(model, rows_of_contacts(finder_.shapes()), 16, dry_friction),
+      end_(model, rows_of_contacts(finder_.shapes()), 16, dry_friction),
       C_(index(model.n_bodies()) + 1),
       v_after_(model.nv()),
       change_(model.nv()) {
@@ -54,6 +54,7 @@ Failure ContactStep::run(double t, double h, const Vector& q_0, const Vector& v_
   for (int parts = 1; parts <= most_parts; parts *= 4) {
     Vector q_part = q_0, v_part = v_0;
     double worst = 0;
+    kept.clear();
     bool any = false;
     for (int k = 0; k < parts; ++k) {
       if (Failure failure = attempt(t + k * h / parts, h / parts, q_part, v_part)) return failure;
@@ -114,9 +115,11 @@ Failure ContactStep::attempt(double t, double h, const Vector& q_0, const Vector
     if (Failure failure = run_->fly(t, h, q_0, v_0)) return failure;
     q = run_->q_end;
     v = run_->v_end;
+    keep_start(h, q_0, v_0, margin);
     return {};
   }
   if (Failure failure = move(t, h, q_0, v_0, margin)) return failure;
+  keep_start(h, q_0, v_0, margin);
   if (Failure failure = land(t, h)) return failure;
   remember();
   return separate(t, h);
@@ -307,6 +310,7 @@ Failure ContactStep::land(double t, double h) {
     certificate = std::max(solve(end_), before);
     apply(end_, run_->v_end, v);
     constexpr double rounding = 1e-12;
+    keep_end(bounciness);
     if (!any_bounces || work() <= rounding * problem.w.squaredNorm()) break;
   }
   touched = true;
@@ -387,8 +391,43 @@ Failure ContactStep::separate(double t, double h) {
   end_.x.setZero();
   problem.add_product(1, lambda.data(), end_.x.data());
   end_.system.push(end_.x.data(), end_.v.data());
+  if (keep_parts) {
+    kept.back().apart = found_;
+    kept.back().lambda_apart = lambda;
+    kept.back().most_apart = most;
+  }
   group_.move(q, end_.v, q);
   return {};
+}
+
+void ContactStep::keep_start(double h, const Vector& q_0, const Vector& v_0, double margin) {
+  if (!keep_parts) return;
+  const bool rows = start_.rows() > 0;
+  ContactPart part{.h = h,
+                   .margin = margin,
+                   .q_0 = q_0,
+                   .v_0 = v_0,
+                   .q_middle = run_->q_middle,
+                   .v_middle = run_->v_middle,
+                   .q_1 = run_->q_end,
+                   .v_before_end = run_->v_end,
+                   .start = start_.contacts};
+  run_->bases().each([&](int body, bool constant) { part.bases.push_back({body, constant}); });
+  if (rows) {
+    part.lambda_start = start_.lambda;
+    part.slides = slides_;
+    part.bounces = bounces_;
+  }
+  constexpr double parted = 100;  // as in separate()
+  for (const Contact& contact : part.start) part.overlaps.push_back(contact.gap < -parted * closed(contact));
+  kept.push_back(std::move(part));
+}
+
+void ContactStep::keep_end(double bounciness) {
+  if (!keep_parts) return;
+  kept.back().end = end_.contacts;
+  kept.back().lambda_end = end_.lambda;
+  kept.back().bounciness = bounciness;
 }
 
 }  // namespace axode

@@ -4,9 +4,13 @@
 #include "axode/contact/contact_finder.hpp"
 #include "axode/contact/law/contact_system.hpp"
 #include "axode/contact/law/velocity_solver.hpp"
+#include "axode/integration/momenta/contact_part.hpp"
 #include "axode/integration/runs/contact_simulation_run.hpp"
 
 namespace axode {
+
+/// The number of rows that the contacts of these shapes need: 3, 4 with drilling or 6 with rolling friction.
+int rows_of_contacts(const ContactShapes& shapes);
 
 /// One step of a motion with contact (D11.12): impulses at the start of the step, so that gaps and loops are
 /// closed at its end and sticking contacts stick in its middle; the free motion by the midpoint rule; and
@@ -25,6 +29,9 @@ class ContactStep {
   Vector q, v;             ///< at the end of the step
   double certificate = 0;  ///< the largest of the problems of the step, see certificate()
   bool touched = false;    ///< whether an impulse acted
+  /// Whether run() leaves in `kept` what its parts have decided.
+  bool keep_parts = false;
+  std::vector<ContactPart> kept;
 
  private:
   /// The rows and multipliers of the problem at one end of the step.
@@ -63,6 +70,8 @@ class ContactStep {
   double solve(End& end);  ///< returns the certificate
   void apply(End& end, const Vector& v, Vector& v_after);
   double work() const;
+  void keep_start(double h, const Vector& q_0, const Vector& v_0, double margin);
+  void keep_end(double bounciness);
   void recall(End& end, std::size_t which);
   void remember();
   static const Contact* with_key(const std::vector<Contact>& contacts, std::uint64_t key, std::size_t hint);

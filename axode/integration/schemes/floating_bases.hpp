@@ -46,6 +46,11 @@ class FloatingBases {
   }
   /// Gravity for each root: 0 for floating bases.
   std::span<const Vec3<>> gravity() const { return gravity_; }
+  /// Calls f(body, constant) for each floating base, where `constant` says whether its centre of mass rests
+  /// in its moving frame.
+  template <class F> void each(const F& f) const {
+    for (const Root& root : roots_) f(root.body, root.constant);
+  }
   /// Whether the forces tau (nv) act on one of the bases.
   bool driven_by(const double* tau) const {
     for (const Root& root : roots_)

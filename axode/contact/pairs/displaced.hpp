@@ -1,0 +1,23 @@
+#pragma once
+#include "axode/lie/se3.hpp"
+#include "axode/scalar/dual.hpp"
+
+/// The scalar on which contact points are differentiated by the displacement of one body against the other.
+namespace axode {
+
+/// A number and its derivatives along the six components of the displacement of a body.
+using Displaced = Dual<double, 6>;
+
+inline double value(double x) { return x; }
+inline double value(const Displaced& x) { return x.x; }
+template <class T> Vec3<> value(const Vec3<T>& a) { return {value(a.x), value(a.y), value(a.z)}; }
+template <class T> SO3<> value(const SO3<T>& R) { return {value(R.x), value(R.y), value(R.z)}; }
+template <class T> SE3<> value(const SE3<T>& C) { return {value(C.R), value(C.r)}; }
+
+/// The length of a vector. Its derivatives are 0 where the vector is 0, so that they do not become NaN.
+template <class T> T length(const Vec3<T>& a) {
+  const T square = dot(a, a);
+  return square > T(0) ? sqrt(square) : T(0);
+}
+
+}  // namespace axode
