@@ -43,6 +43,7 @@ from ._axode import (
     closure_coordinates,
     closure_derivatives,
     constraint_wrenches,
+    contact_rollout_derivatives,
     coriolis_derivatives,
     coriolis_matrix,
     coriolis_vector,
@@ -149,6 +150,7 @@ from .errors import AssemblyError, Fault, ModelError, NotFiniteError, Simulation
 from .files import check, load
 from .records import (
     BranchPoint,
+    ContactRolloutDerivatives,
     DynamicsAtTime,
     Equilibrium,
     ForwardDynamicsDerivatives,
@@ -222,7 +224,8 @@ __all__ = [
     # collision shapes
     "distances",
     # motion in time
-    "simulate", "rollout", "rollout_derivatives", "rollout_jvp", "rollout_vjp", "reconstruct", "Trajectory",
+    "simulate", "rollout", "rollout_derivatives", "rollout_jvp", "rollout_vjp",
+    "contact_rollout_derivatives", "reconstruct", "Trajectory",
     # in a browser
     "view", "Viewer",
     # what else is taken, given and raised
@@ -230,7 +233,7 @@ __all__ = [
     "InverseDynamicsHessian", "ForwardDynamicsHessian", "StateDerivatives", "MotionDerivatives", "MotionChange",
     "MomentumFormDerivatives", "Linearization", "Equilibrium", "DynamicsAtTime", "KinematicMotion", "RolloutDerivatives",
     "RolloutGradient", "JointState", "LoopMobility", "RedundantRow", "LocalMobility", "MotionBranch", "BranchPoint",
-    "ShapeDistance", "AssemblyError", "Fault", "ModelError", "NotFiniteError", "SimulationError", "SingularError", "StatesError",
+    "ContactRolloutDerivatives", "ShapeDistance", "AssemblyError", "Fault", "ModelError", "NotFiniteError", "SimulationError", "SingularError", "StatesError",
     # modules
     "lie", "closed_form", "codegen", "convert", "drives", "identification", "calibration", "table",
 ]

@@ -9,7 +9,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from .support import signatures
 
-__all__ = ["BranchPoint", "DynamicsAtTime", "Equilibrium", "ForwardDynamicsDerivatives", "ForwardDynamicsHessian",
+__all__ = ["BranchPoint", "ContactRolloutDerivatives", "DynamicsAtTime", "Equilibrium", "ForwardDynamicsDerivatives", "ForwardDynamicsHessian",
            "IndependentEquations", "IndependentLinearization", "InverseDynamicsDerivatives", "InverseDynamicsHessian",
            "InverseKinematics", "JointState", "KinematicMotion", "Linearization", "Load", "LocalMobility",
            "LoopMobility", "MomentumFormDerivatives", "MotionBranch", "MotionChange", "MotionDerivatives",
@@ -316,6 +316,18 @@ class RolloutDerivatives(NamedTuple):
 
     A: NDArray[np.float64]
     B: NDArray[np.float64]
+
+
+class ContactRolloutDerivatives(NamedTuple):
+    """A motion with contact, linear maps of small deviations over its steps, and how exact they are, see `contact_rollout_derivatives`."""
+
+    q: NDArray[np.float64]
+    v: NDArray[np.float64]
+    A: NDArray[np.float64]
+    B: NDArray[np.float64]
+    certificate: float
+    unique: bool
+    at_kink: bool
 
 
 class RolloutGradient(NamedTuple):

@@ -4,6 +4,7 @@
 #include <optional>
 
 #include "axode/contact.hpp"
+#include "axode/integration/contact_sensitivities.hpp"
 #include "axode/view/mesh_hull.hpp"
 #include "python/bindings/support/bindings.hpp"
 #include "python/bindings/support/conversions.hpp"
@@ -11,7 +12,7 @@
 #include "python/bindings/support/one_state.hpp"
 #include "python/bindings/support/text.hpp"
 
-/// Collision shapes and their distances.
+/// Collision shapes, their distances, and the sensitivities of motions with contact.
 namespace axode::python {
 namespace {
 
@@ -38,6 +39,28 @@ nb::list distances_of(const BoundModel& m, ArrayLike q, std::optional<double> ma
   return all;
 }
 
+nb::object contact_rollout_derivatives_of(const BoundModel& m, ArrayLike q, ArrayLike v, ArrayLike tau,
+                                          double step) {
+  const States states = one_state(m, q);
+  const Items of_v = states.velocities("v", v);
+  const Rows forces(states, "tau", tau, "nv numbers for each step");
+  check_step(step);
+  const nb::ssize_t K = forces.count(), nq = m->nq(), nv = m->nv();
+  NewArray q_out(Shape{K + 1, nq}), v_out(Shape{K + 1, nv}), A(Shape{K, 2 * nv, 2 * nv}),
+      B(Shape{K, 2 * nv, nv});
+  const ContactSensitivity found =
+      states.unlocked(1000 * static_cast<double>(K), [&](const batch::Monitor& monitor) {
+        batch::MonitorThrottle throttle(monitor, 0);
+        return contact_rollout_derivatives(*m, ContactShapes(*m, hull_of_mesh), states.q(0), of_v[0],
+                                           forces[0], step, {q_out.all(), v_out.all(), A.all(), B.all()},
+                                           [&] { return throttle.should_continue(0); });
+      });
+  if (!found.ok())
+    throw std::invalid_argument("at " + std::to_string(found.failure.t) + " s " + found.failure.why);
+  return named_tuple("axode.records", "ContactRolloutDerivatives", q_out.array(), v_out.array(), A.array(),
+                     B.array(), found.certificate, found.unique, found.at_kink);
+}
+
 }  // namespace
 
 void add_contact(nb::module_& module) {
@@ -57,6 +80,29 @@ without a hull.
 >>> [near] = axode.distances(slider, [0.5])
 >>> near.a, near.b, round(near.distance, 12), near.jacobian
 ('ground shape 1', 'slide shape 1', 0.3, array([1.]))
+)");
+  module.def(
+      "contact_rollout_derivatives", &contact_rollout_derivatives_of, "m"_a, "q"_a, "v"_a, "tau"_a, "step"_a,
+      nb::sig(
+          "def contact_rollout_derivatives(m: Model, q: numpy.typing.ArrayLike, v: numpy.typing.ArrayLike, "
+          "tau: numpy.typing.ArrayLike, step: float) -> axode.records.ContactRolloutDerivatives"),
+      R"(
+The motion from q (nq,) and v (nv,) under drive forces tau (K, nv) with contact, and how it depends on them: (q, v, A, B, certificate, unique, at_kink).
+
+The motion is that of `simulate(..., method="contact", joint_losses=True)` in K steps with constant forces; q has shape (K + 1, nq)
+and v (K + 1, nv). Small deviations x = (dq, dv) become x_{k+1} = A_k x_k + B_k dtau_k, with A (K, 2 nv, 2 nv) and B (K, 2 nv, nv);
+deviations of q are left-trivialised, q (+) dq as in `Model.integrate`. These are the exact derivatives of the numerical steps, by
+implicit differentiation: what touches, sticks, slides or bounces goes on doing so. `at_kink` says whether something was on
+the boundary between two of these, so that the derivative is that of the branch that was taken, and `unique` is false if the
+share of a load among sliding contacts decides a derivative. `certificate` is the largest of the steps. ValueError for contact
+points without a closed form and for motions that cannot continue.
+
+>>> ball = {"kind": "sphere", "role": "collision", "radius": 0.1, "friction": 0.2}
+>>> table = axode.Model.from_dict({"format": "axode drawing 1", "shape": [{"kind": "plane", "role": "collision", "friction": 0.2}],
+...     "body": [{"name": "ball", "joint": "free", "mass": 1, "com": [0, 0, 0], "inertia": [4e-3, 4e-3, 4e-3], "shape": [ball]}]})
+>>> slides = axode.contact_rollout_derivatives(table, [0, 0, 0, 1, 0, 0, 0.1], [0, 0, 0, 1, 0, 0], np.zeros((5, 6)), 1e-2)
+>>> slides.q[-1, 4].round(5), slides.A.shape, slides.unique
+(np.float64(0.04755), (5, 12, 12), True)
 )");
 }
 

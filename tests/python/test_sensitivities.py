@@ -1,4 +1,4 @@
-"""Sensitivities of motions: `axode.rollout_derivatives`, `axode.rollout_jvp` and `axode.rollout_vjp`."""
+"""Sensitivities of motions: `axode.rollout_derivatives`, `axode.rollout_jvp`, `axode.rollout_vjp`, and with contact."""
 
 import axode
 import numpy as np
@@ -107,3 +107,34 @@ def test_a_quaternion_that_is_none_is_named_with_its_motion():
     q[1, 3] = 2
     with pytest.raises(ValueError, match="state 1: .*base"):
         axode.rollout_vjp(OTHERS, q, np.zeros((2, 13)), np.zeros((2, 1, 13)), STEP, *np.zeros((2, 2, 2, 13)))
+
+
+def test_contact_rollout_derivatives_agree_with_differences():
+    """A ball that slides and a ball that bounces on a floor, along deviations of the first velocity and of a force."""
+    ball = {"kind": "sphere", "role": "collision", "radius": 0.1, "friction": 0.3, "restitution": 0.5}
+    floor = {"kind": "plane", "role": "collision", "friction": 0.3}
+    bodies = [{"name": name, "joint": "free", "mass": 1, "com": [0, 0, 0], "inertia": [4e-3] * 3, "shape": [ball]}
+              for name in ("slider", "bouncer")]
+    m = axode.Model.from_dict({"format": "axode drawing 1", "shape": [floor], "body": bodies})
+    q = np.array([0, 0, 0, 1, 0, 0, 0.1, 0, 0, 0, 1, 1, 0, 0.1035])
+    v = np.array([1, 0, 2, 1.5, 0.5, 0, 0.5, 1, 0, 0.5, 0, -1.0])
+    tau, step = np.full((4, 12), 0.05), 5e-3
+    motion = axode.contact_rollout_derivatives(m, q, v, tau, step)
+    assert motion.unique and not motion.at_kink and motion.certificate < 1e-9
+
+    def end(v, tau):
+        state_q, state_v = q, v
+        for force in tau:
+            state = axode.simulate(m, state_q, state_v, step, step=step, method="contact", joint_losses=True,
+                                   tau=force)
+            state_q, state_v = state.q[-1], state.v[-1]
+        return np.append(m.difference(motion.q[-1], state_q), state_v)
+
+    rng = np.random.default_rng(1)
+    dv, dtau = rng.standard_normal(12), rng.standard_normal(tau.shape)
+    x = np.append(np.zeros(12), dv)
+    for A, B, by in zip(motion.A, motion.B, dtau):
+        x = A @ x + B @ by
+    e = 1e-5
+    differences = (end(v + e * dv, tau + e * dtau) - end(v - e * dv, tau - e * dtau)) / (2 * e)
+    np.testing.assert_allclose(x, differences, rtol=1e-6, atol=1e-6)
