@@ -1,7 +1,10 @@
 #pragma once
 #include "axode/contact/contact_finder.hpp"
+#include "axode/contact/contact_force.hpp"
 #include "axode/contact/contact_point.hpp"
 #include "axode/contact/contact_shapes.hpp"
+#include "axode/contact/contacts_at_rest.hpp"
 #include "axode/contact/distances.hpp"
+#include "axode/contact/floor.hpp"
 
-/// Contact: collision shapes, the points where they touch, distances.
+/// Contact: collision shapes, the points where they touch, forces at rest, distances.

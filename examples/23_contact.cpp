@@ -1,5 +1,5 @@
 // Contact with friction: a box slides down an incline by Coulomb's law. The certificate of each step says how
-// exactly the law of contact holds.
+// exactly the law of contact holds, and the trajectory has the contact forces.
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
@@ -46,5 +46,9 @@ int main() {
   const double by_law = 9.81 * (std::sin(angle) - 0.3 * std::cos(angle)) * until * until / 2;
   std::printf("the box slides %.6f m, by the law %.6f m; largest certificate %.0e\n", way, by_law,
               std::ranges::max(motion.certificates));
-  return std::abs(way - by_law) < 1e-9 ? 0 : 1;
+  double pressure = 0;
+  for (const ContactForce& contact : motion.contacts(motion.size() - 1)) pressure += contact.normal_force();
+  const double weight = 2 * 9.81 * std::cos(angle);
+  std::printf("the incline presses with %.6f N, by the law %.6f N\n", pressure, weight);
+  return std::abs(way - by_law) < 1e-9 && std::abs(pressure - weight) < 1e-9 ? 0 : 1;
 }

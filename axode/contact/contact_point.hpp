@@ -1,4 +1,5 @@
 #pragma once
+#include <array>
 #include <cstdint>
 
 #include "axode/lie/vec3.hpp"
@@ -15,5 +16,13 @@ template <class T> struct ContactPointOf {
   std::uint64_t key = 0;  ///< the shapes and the feature that touches, the same from step to step
 };
 using ContactPoint = ContactPointOf<double>;
+
+/// The key of a feature (below 2^24) of two shapes, and the shapes of a key.
+constexpr std::uint64_t contact_key(int a, int b, std::uint32_t feature) {
+  return std::uint64_t(a) << 44 | std::uint64_t(b) << 24 | feature;
+}
+constexpr std::array<int, 2> shapes_of_key(std::uint64_t key) {
+  return {static_cast<int>(key >> 44), static_cast<int>(key >> 24 & 0xfffff)};
+}
 
 }  // namespace axode

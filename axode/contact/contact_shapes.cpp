@@ -167,4 +167,13 @@ SurfacePair ContactShapes::surface(int i, int j) const {
           std::sqrt(a.rolling_friction * b.rolling_friction), std::max(a.restitution, b.restitution)};
 }
 
+int ContactShapes::contact_rows() const {
+  int rows = 3;
+  for (const ContactShape& shape : data_->shapes) {
+    if (shape.surface.rolling_friction > 0) return 6;
+    if (shape.surface.spin_friction > 0) rows = 4;
+  }
+  return rows;
+}
+
 }  // namespace axode

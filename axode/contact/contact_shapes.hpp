@@ -65,6 +65,10 @@ class ContactShapes {
   /// The geometric mean of the frictions of two shapes and the larger restitution.
   SurfacePair surface(int i, int j) const;
 
+  /// The number of rows of each contact: 3, 4 if a shape has drilling friction, 6 if one has rolling
+  /// friction.
+  int contact_rows() const;
+
   /// Gap below which a contact is considered, m, and the speed of approach below which nothing bounces, m/s.
   double margin() const { return data_->margin; }
   double threshold() const { return data_->threshold; }

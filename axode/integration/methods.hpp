@@ -24,6 +24,7 @@ struct MotionRequest {
 struct Method {
   bool adapts;  ///< whether steps are adapted to tolerances; other methods need a step length
   Trajectory (*simulate)(const MotionRequest& x);
+  double usual_step = 0;  ///< length of a step where none is given, s; 0 if it must be given
 };
 
 namespace detail {
@@ -70,7 +71,7 @@ inline constexpr std::array<std::pair<std::string_view, Method>, 14> methods{
      {"rattle", {false, detail::simulate_rattle<2>}},
      {"rattle_suzuki4", {false, detail::simulate_rattle<4>}},
      {"rattle_kahan_li6", {false, detail::simulate_rattle<6>}},
-     {"contact", {false, detail::simulate_contact}},
+     {"contact", {false, detail::simulate_contact, 1e-3}},
      {"half_explicit", {false, detail::simulate_half_explicit}},
      {"generalized_alpha_index3", {false, detail::simulate_stiff<false>}}}};
 

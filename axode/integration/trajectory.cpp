@@ -30,7 +30,28 @@ std::span<const double> Trajectory::a_before(std::size_t k) const {
   return jump == before_jumps_.end() ? a(k) : std::span<const double>(jump->second);
 }
 
+std::span<const ContactForce> Trajectory::contacts(std::size_t k) const {
+  if (k >= contacts_end_.size()) return {};
+  const std::size_t begin = k == 0 ? 0 : contacts_end_[k - 1];
+  return std::span(contacts_).subspan(begin, contacts_end_[k] - begin);
+}
+
+std::span<const ContactForce> Trajectory::contacts_at(double time) const {
+  const auto end = std::ranges::lower_bound(t_, time);
+  return contacts(static_cast<std::size_t>(end - t_.begin()));
+}
+
+void Trajectory::set_contacts(std::span<const ContactForce> contacts) {
+  if (contacts_end_.size() == size()) contacts_end_.pop_back();
+  contacts_.resize(contacts_end_.empty() ? 0 : contacts_end_.back());
+  contacts_end_.resize(size() - 1, contacts_.size());
+  contacts_.insert(contacts_.end(), contacts.begin(), contacts.end());
+  contacts_end_.push_back(contacts_.size());
+}
+
 void Trajectory::pop_back() {
+  if (contacts_end_.size() == size()) contacts_end_.pop_back();
+  contacts_.resize(contacts_end_.empty() ? 0 : contacts_end_.back());
   before_jumps_.erase(size() - 1);
   t_.pop_back();
   q_.resize(q_.size() - nq());

@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "axode/contact/contact_force.hpp"
 #include "axode/integration/configuration_group.hpp"
 #include "axode/model/model.hpp"
 
@@ -76,6 +77,17 @@ class Trajectory {
 
   /// With contact, for each step: how exactly the laws of contact hold, see certificate(); rounding is 1e-12.
   std::vector<double> certificates;
+  /// With contact: the names of the collision shapes, by the numbers that contacts have.
+  std::vector<std::string> contact_shapes;
+
+  /// With contact: the points with a gap below the margin of the shapes at t_k, and those that received an
+  /// impulse in the step that ends there. Forces are the means over this step, in which an impact is a force.
+  /// Empty at t_0, and without contact.
+  std::span<const ContactForce> contacts(std::size_t k) const;
+  /// The contacts of the step that a time (s) belongs to; a time at the end of a step belongs to that step.
+  std::span<const ContactForce> contacts_at(double time) const;
+  /// Sets the contacts at the last end of a step.
+  void set_contacts(std::span<const ContactForce> contacts);
 
  private:
   std::size_t nq() const { return static_cast<std::size_t>(model_.nq()); }
@@ -86,6 +98,8 @@ class Trajectory {
 
   Model model_;
   std::vector<double> t_, q_, v_, a_, tau_;
+  std::vector<ContactForce> contacts_;
+  std::vector<std::size_t> contacts_end_;  ///< for each time from t_0 on, as far as contacts are set
   std::map<std::size_t, std::vector<double>> before_jumps_;
 };
 

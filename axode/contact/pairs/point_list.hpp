@@ -27,8 +27,7 @@ template <class T = double> class PointList {
       complete_ = false;
       return;
     }
-    const std::uint64_t key = std::uint64_t(a_) << 44 | std::uint64_t(b_) << 24 | feature;
-    memory_[count_++] = {a_, b_, point, flipped_ ? -n : n, gap, key};
+    memory_[count_++] = {a_, b_, point, flipped_ ? -n : n, gap, contact_key(a_, b_, feature)};
   }
   std::size_t count() const noexcept { return count_; }
   /// Whether every point found room.

@@ -13,16 +13,6 @@ std::size_t index(Eigen::Index k) { return static_cast<std::size_t>(k); }
 
 }  // namespace
 
-int rows_of_contacts(const ContactShapes& shapes) {
-  int rows = 3;
-  for (int i = 0; i < shapes.size(); ++i) {
-    const ContactProperties& surface = shapes[i].surface;
-    if (surface.rolling_friction > 0) return 6;
-    if (surface.spin_friction > 0) rows = 4;
-  }
-  return rows;
-}
-
 ContactStep::ContactStep(ContactSimulationRun& run, const Model& model, ContactShapes touching,
                          bool dry_friction)
     : q(model.nq()),
@@ -31,8 +21,9 @@ ContactStep::ContactStep(ContactSimulationRun& run, const Model& model, ContactS
       model_(model),
       group_(model_.tree<double>()),
       finder_(std::move(touching)),
-      start_(model, rows_of_contacts(finder_.shapes()), 16, dry_friction),
-      end_(model, rows_of_contacts(finder_.shapes()), 16, dry_friction),
+      start_(model, finder_.shapes().contact_rows(), 16, dry_friction),
+      end_(model, finder_.shapes().contact_rows(), 16, dry_friction),
+      record_(finder_.shapes()),
       C_(index(model.n_bodies()) + 1),
       v_after_(model.nv()),
       change_(model.nv()) {
@@ -56,6 +47,7 @@ Failure ContactStep::run(double t, double h, const Vector& q_0, const Vector& v_
     double worst = 0;
     kept.clear();
     bool any = false;
+    record_.clear();
     for (int k = 0; k < parts; ++k) {
       if (Failure failure = attempt(t + k * h / parts, h / parts, q_part, v_part)) return failure;
       worst = std::max(certificate, worst);
@@ -65,6 +57,7 @@ Failure ContactStep::run(double t, double h, const Vector& q_0, const Vector& v_
     }
     certificate = worst;
     touched = any;
+    record_.finish(h);
     if (worst <= accepted) break;
   }
   return {};
@@ -116,12 +109,14 @@ Failure ContactStep::attempt(double t, double h, const Vector& q_0, const Vector
     q = run_->q_end;
     v = run_->v_end;
     keep_start(h, q_0, v_0, margin);
+    record_.locate({});
     return {};
   }
   if (Failure failure = move(t, h, q_0, v_0, margin)) return failure;
   keep_start(h, q_0, v_0, margin);
   if (Failure failure = land(t, h)) return failure;
   remember();
+  record();
   return separate(t, h);
 }
 
@@ -154,6 +149,12 @@ void ContactStep::remember() {
                   width, known.lambda[1].begin());
     remembered_.push_back(known);
   }
+}
+
+void ContactStep::record() {
+  record_.locate(found_);
+  record_.add(start_.system.problem(), start_.contacts, start_.lambda.data(), slip_.data(), v.norm());
+  record_.add(end_.system.problem(), end_.contacts, end_.lambda.data(), end_.u_after.data(), v.norm());
 }
 
 double ContactStep::solve(End& end) {

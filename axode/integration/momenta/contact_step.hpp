@@ -5,12 +5,10 @@
 #include "axode/contact/law/contact_system.hpp"
 #include "axode/contact/law/velocity_solver.hpp"
 #include "axode/integration/momenta/contact_part.hpp"
+#include "axode/integration/momenta/contact_record.hpp"
 #include "axode/integration/runs/contact_simulation_run.hpp"
 
 namespace axode {
-
-/// The number of rows that the contacts of these shapes need: 3, 4 with drilling or 6 with rolling friction.
-int rows_of_contacts(const ContactShapes& shapes);
 
 /// One step of a motion with contact (D11.12): impulses at the start of the step, so that gaps and loops are
 /// closed at its end and sticking contacts stick in its middle; the free motion by the midpoint rule; and
@@ -32,6 +30,8 @@ class ContactStep {
   /// Whether run() leaves in `kept` what its parts have decided.
   bool keep_parts = false;
   std::vector<ContactPart> kept;
+  /// The points of contact at the end of the step, with the mean forces of the step.
+  std::span<const ContactForce> forces() const { return record_.contacts(); }
 
  private:
   /// The rows and multipliers of the problem at one end of the step.
@@ -74,6 +74,7 @@ class ContactStep {
   void keep_end(double bounciness);
   void recall(End& end, std::size_t which);
   void remember();
+  void record();  ///< the points and impulses of an attempt
   static const Contact* with_key(const std::vector<Contact>& contacts, std::uint64_t key, std::size_t hint);
 
   ContactSimulationRun* run_;
@@ -82,6 +83,7 @@ class ContactStep {
   ContactFinder finder_;
   End start_, end_;
   VelocitySolver solver_;
+  ContactRecord record_;
   std::vector<double> reach_of_shape_;  ///< from the origin of the body, m
   double size_ = 0;                     ///< extent of the largest shape that is no plane, m
   std::vector<SE3<>> C_;

@@ -55,7 +55,7 @@ ContactStepDerivative::ContactStepDerivative(const Model& model, const ContactSh
       group_(*tree_),
       displaced_group_(*tree_),
       maps_(*tree_),
-      system_(model_, rows_of_contacts(shapes), 16, dry_friction),
+      system_(model_, shapes.contact_rows(), 16, dry_friction),
       loops_(model_),
       jets_(shapes),
       motion_(model_),

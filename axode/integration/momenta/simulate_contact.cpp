@@ -26,14 +26,18 @@ Trajectory simulate_contact(const Model& model, const ContactShapes& shapes, std
   free.joint_losses = false;
   ContactSimulationRun run(model, q, v, until, free, options.joint_losses);
   if (run.done()) return std::move(run.trajectory);
+  for (int i = 0; i < shapes.size(); ++i) run.trajectory.contact_shapes.push_back(shapes[i].name);
   ContactStep scheme(run, model, shapes, options.joint_losses);
   each_step(run, until, step, [&](double t_1) {
     const double h = t_1 - run.now();
     const Eigen::VectorXd v_0 = run.v;
     if (Failure failure = scheme.run(run.now(), h, run.q, run.v)) return failure;
     run.trajectory.certificates.push_back(scheme.certificate);
-    if (!scheme.touched && model.loops().empty()) return run.take_contact(t_1, scheme.q, scheme.v, {});
-    return run.take_contact(t_1, scheme.q, scheme.v, (scheme.v - v_0) / h);
+    Eigen::VectorXd a;  // that of the free motion if it is empty
+    if (scheme.touched || !model.loops().empty()) a = (scheme.v - v_0) / h;
+    if (Failure failure = run.take_contact(t_1, scheme.q, scheme.v, a)) return failure;
+    run.trajectory.set_contacts(scheme.forces());
+    return Failure{};
   });
   return std::move(run.trajectory);
 }
