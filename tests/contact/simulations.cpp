@@ -95,6 +95,20 @@ TEST(ContactSimulation, ABallBouncesToTheHeightsOfItsRestitution) {
   EXPECT_LE(made, 1e-12) << "an impact makes no energy";
 }
 
+/// Gravity alone may close a gap that the velocity at the start of the step would leave open.
+TEST(ContactSimulation, ABallBouncesWhereverInAStepItMeetsTheFloor) {
+  const double e = 0.8, step = 1e-2;
+  const Model model = Scene({.restitution = e}).add("ball", ShapeKind::sphere, 0.1, {.friction = 0}).build();
+  for (int k = 0; k < 200; ++k) {
+    const double height = 0.2 + 1e-4 * k;
+    const Trajectory motion =
+        simulate_contact(model, at({0, 0, 0.1 + height}), std::vector<double>(6), 0.25, step);
+    double fastest = 0;
+    for (std::size_t i = 0; i < motion.size(); ++i) fastest = std::max(fastest, motion.v(i)[5]);
+    EXPECT_NEAR(fastest, e * std::sqrt(2 * g * height), g * step) << "from " << height << " m";
+  }
+}
+
 /// A box slides down an incline with g (sin α - μ cos α), and does not move below the angle of friction.
 TEST(ContactSimulation, ABoxOnAnInclineSticksOrSlidesByTheLaw) {
   const double angle = 20 * std::acos(-1.0) / 180, half = 0.1, until = 1;

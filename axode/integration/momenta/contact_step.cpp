@@ -189,7 +189,7 @@ Failure ContactStep::move(double t, double h, const Vector& q_0, const Vector& v
     const double e = k < start_.contacts.size() ? start_.contacts[k].surface.restitution
                                                 : system.stops()[k - start_.contacts.size()].restitution;
     const double u = start_.u[index(problem.blocks()[k].first)];
-    bounces_.push_back(e > 0 && u < -threshold && system.room()[k] + h * u <= 0);
+    bounces_.push_back(e > 0 && u < -threshold);  // if it is closed at the end of the step
   }
   // The free velocities of the middle, about: the size of the problem, and the point of its linearisation.
   system.momenta(v_0.data(), start_.x.data());
