@@ -28,6 +28,7 @@ const std::vector<Task>& tasks() {
       {"Compute",
        {{"axode eval arm7.toml --want inverse_dynamics,poses", "quantities at a state"},
         {"axode simulate four_bar.toml --until 2 --output run.csv", "the motion from a state"},
+        {"axode contacts quadruped.toml", "points of contact, and their forces at rest"},
         {"axode plot run.csv --output run.svg", "a chart of it"},
         {"axode linearize double_pendulum.toml", "small motions: frequencies and modes"},
         {"axode mobility bricard.toml", "what loops can do at a configuration"},

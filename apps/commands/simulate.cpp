@@ -8,6 +8,7 @@
 
 #include "apps/commands/assembling.hpp"
 #include "apps/commands/chart.hpp"
+#include "apps/commands/contact_tables.hpp"
 #include "apps/files/json_text.hpp"
 #include "apps/files/matrix_file.hpp"
 #include "apps/files/model_options.hpp"
@@ -67,8 +68,9 @@ Results are always joint coordinates.
 those of second order err more where a body turns fast.
 
 --contact, or METHOD contact, takes fixed steps in which collision shapes touch with Coulomb's friction, and
-hard stops stop. The largest certificate of a step says how exactly the laws of contact hold: 1e-12 is
-rounding. A drawing with [contact] is simulated so unless another METHOD is named.
+hard stops stop, of 1 ms if --step is left out. The largest certificate of a step says how exactly the laws
+of contact hold: 1e-12 is rounding. A drawing with [contact] is simulated so unless another METHOD is named.
+--floor 0 puts a robot whose file has no ground on a floor; --base free lets its base move.
 
 With --pd a controller drives all joints, except passive joints and free joints on the ground, towards the
 q and v of --target by tau = KP (q_target - q) + KD (v_target - v); the difference of rotations is a
@@ -89,8 +91,8 @@ Example:
 
 The ending of FILE says what is written by --output: .json all that is known; .csv a row for each time
 with t, q, v, a, tau and the energy, under names; .npz these as arrays: q = numpy.load("run.npz")["q"].
---plot draws q, v, tau and the energies over time. Ctrl-C ends the motion; what there is by then is
-written.)";
+--plot draws q, v, tau, the forces of contacts and the energies over time. Ctrl-C ends the motion; what
+there is by then is written.)";
 
 /// The constant drive forces of the state, and the controller of the options.
 Drive drive_of(const Model& model, const State& state, const Options& options) {
@@ -117,6 +119,12 @@ std::string method_of(const Options& options, const Model& model) {
   return options.method.empty() ? std::string(usual_method(model)) : options.method;
 }
 
+bool has_hard_stops(const Model& model) {
+  return std::ranges::any_of(model.joints(), [](const Joint& joint) {
+    return std::ranges::any_of(joint.dof, [](const Dof& dof) { return dof.hard_stops; });
+  });
+}
+
 Trajectory motion_of(const Model& model, const State& state, const Drive& drive, const Options& options) {
   SimulationOptions acting;
   acting.drive = drive;
@@ -133,19 +141,21 @@ Trajectory motion_of(const Model& model, const State& state, const Drive& drive,
   acting.coordinates = choose("--coordinates", options.coordinates, coordinate_kinds);
   acting.local_coordinates = choose("--local-coordinates", options.local_coordinates, local_coordinate_kinds);
   if (options.step) check_step(*options.step);
-  if (!method.adapts && !options.step)
-    throw UsageError("--step is missing; " + named + " takes fixed steps" +
-                     (named == options.method || options.contact
-                          ? ""
-                          : ", and is the method if the drawing has [contact]"));
-  if (named == "contact")
-    return simulate_contact(model, ContactShapes(model, hull_of_mesh), state.q, state.v, options.until,
-                            *options.step, acting);
+  const double step = options.step.value_or(method.usual_step);
+  if (!method.adapts && step == 0) throw UsageError("--step is missing; " + named + " takes fixed steps");
+  if (named == "contact") {
+    const ContactShapes shapes(model, hull_of_mesh);
+    if (shapes.pairs().empty() && !has_hard_stops(model))
+      fmt::print(
+          stderr, "{}\n",
+          in(Ink::warning, "no collision shapes can touch; --floor puts the mechanism on a floor", stderr));
+    return simulate_contact(model, shapes, state.q, state.v, options.until, step, acting);
+  }
   return method.simulate({model,
                           state.q,
                           state.v,
                           options.until,
-                          options.step.value_or(0),
+                          step,
                           {.relative = options.relative, .absolute = options.absolute},
                           options.spectral_radius,
                           acting});
@@ -244,6 +254,11 @@ Json as_json(const Trajectory& motion, const Rows& rows, const Options& options)
             {"a", lists(rows.a)},
             {"tau", lists(rows.tau)},
             {"energy", list(rows.energy)}};
+  if (!motion.contact_shapes.empty()) {
+    json["contact_shapes"] = motion.contact_shapes;
+    for (const double t : rows.t)
+      json["contacts"].push_back(contacts_json(motion.contact_shapes, motion.contacts_at(t)));
+  }
   if (rows.motion_forces.cols() > 0) {
     json["motions"] = motion_names(model);
     json["motion_forces"] = lists(rows.motion_forces);
@@ -275,7 +290,8 @@ std::string with_units(const Model& model, const std::string& symbol, const char
   return text + (symbol == "q" && quaternions ? ", quaternions" : "");
 }
 
-Chart chart_of(const Model& model, const Rows& rows) {
+Chart chart_of(const Trajectory& motion, const Rows& rows) {
+  const Model& model = motion.model();
   Chart chart{.title = model.name()};
   const auto list = [](const auto& numbers) { return std::vector<double>(numbers.begin(), numbers.end()); };
   const std::vector<double> t = list(rows.t);
@@ -292,6 +308,7 @@ Chart chart_of(const Model& model, const Rows& rows) {
   add(with_units(model, "v", "rad/s", "m/s"), velocities, rows.v);
   if (!rows.tau.isZero(0)) add(with_units(model, "tau", "N m", "N"), velocities, rows.tau);
   if (rows.motion_forces.cols() > 0) add("force of motions, N m, N", motion_names(model), rows.motion_forces);
+  for (Panel& panel : contact_panels(motion, t)) chart.panels.push_back(std::move(panel));
   Eigen::MatrixXd energies(rows.t.size(), 3);
   energies << rows.kinetic_energy, rows.energy - rows.kinetic_energy, rows.energy;
   add("energy, J", {"kinetic", "potential", "total"}, energies);
@@ -409,7 +426,7 @@ void run(const Options& options, int& exit_code) {
   if (plot) {
     constexpr int smooth = 500;  // number of intervals; otherwise long steps would be drawn as straight lines
     const bool coarse = options.samples == 0 && rows.t.size() < smooth;
-    plot->draw(chart_of(model, coarse ? rows_of(motion, drive, loads, smooth) : rows));
+    plot->draw(chart_of(motion, coarse ? rows_of(motion, drive, loads, smooth) : rows));
   }
   if (format == Format::json) {
     fmt::print("{}", text(as_json(motion, rows, options)));
@@ -426,6 +443,7 @@ void add_simulate(CLI::App& app, int& exit_code) {
   const auto options = std::make_shared<Options>();
   CLI::App* simulate = app.add_subcommand("simulate", "Compute the motion from a state");
   add_model_options(*simulate, options->mechanism);
+  add_floor_option(*simulate, options->mechanism);
   simulate->add_option("--state", options->state, "JSON, - for standard input; the initial state if left out")
       ->type_name("FILE");
   simulate->add_option("--until", options->until, "The end, s; 1 if left out")->type_name("NUMBER");

@@ -3,6 +3,7 @@
 #include <CLI/CLI.hpp>
 
 #include "apps/shell/choice.hpp"
+#include "axode/contact/floor.hpp"
 
 namespace axode::command {
 namespace {
@@ -30,11 +31,19 @@ void add_model_options(CLI::App& command, ModelOptions& options, Files files, co
   command.add_flag("--strict", options.strict, "Treat warnings as errors");
 }
 
+void add_floor_option(CLI::App& command, ModelOptions& options) {
+  command
+      .add_option("--floor", options.floor, "Put the mechanism on a floor across gravity, at this height, m")
+      ->type_name("NUMBER");
+}
+
 std::vector<Model> load_all(const ModelOptions& options) {
   std::vector<Model> models;
   const Base base = options.held();
   for (const std::string& file : options.files)
     models.push_back(axode::load(file, base, options.strictness()));
+  if (options.floor)
+    for (Model& model : models) model = with_floor(model, *options.floor);
   return models;
 }
 

@@ -1,4 +1,5 @@
 #pragma once
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -15,6 +16,7 @@ struct ModelOptions {
   std::vector<std::string> files;
   std::string base;
   bool strict = false;
+  std::optional<double> floor = {};  ///< height of a floor that the mechanism is put on, m
 
   /// The value of --base. Throws UsageError for another word.
   Base held() const;
@@ -26,6 +28,9 @@ enum class Files { one, several };
 /// Adds the files, by the name that the help gives them, and the options --base and --strict.
 void add_model_options(CLI::App& command, ModelOptions& options, Files files = Files::one,
                        const char* name = "MODEL");
+
+/// Adds the option --floor, for commands in which shapes touch.
+void add_floor_option(CLI::App& command, ModelOptions& options);
 
 /// Loads the mechanisms of all files, in the order of the files.
 std::vector<Model> load_all(const ModelOptions& options);

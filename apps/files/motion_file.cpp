@@ -75,7 +75,45 @@ Tables read_csv(const Model& model, const std::string& file) {
 // ------------------------------------------------------------------------------------------------------
 // .json
 
-Tables read_json(const std::string& file) {
+/// The points of contact in the JSON of `axode simulate`.
+void read_contacts(const Json& json, const std::string& file, ShownMotion& motion) {
+  if (!json.contains("contacts")) return;
+  const auto vector = [](const Json& x) {
+    const auto [a, b, c] = x.get<std::array<double, 3>>();
+    return Vec3<>{a, b, c};
+  };
+  constexpr std::array branches{LawBranch::open, LawBranch::stick, LawBranch::slide};
+  try {
+    motion.contact_shapes = json.at("contact_shapes").get<std::vector<std::string>>();
+    const auto shape = [&](const Json& name) {
+      return static_cast<int>(std::ranges::find(motion.contact_shapes, name.get<std::string>()) -
+                              motion.contact_shapes.begin());
+    };
+    for (const Json& at_once : json.at("contacts")) {
+      std::vector<ContactForce>& list = motion.contacts.emplace_back();
+      for (const Json& x : at_once) {
+        const auto status = x.at("status").get<std::string>();
+        const auto branch = std::ranges::find(branches, status, [](LawBranch one) { return to_string(one); });
+        if (branch == branches.end()) throw std::invalid_argument("contacts: there is no status " + status);
+        list.push_back({.a = shape(x.at("a")),
+                        .b = shape(x.at("b")),
+                        .point = vector(x.at("point")),
+                        .normal = vector(x.at("normal")),
+                        .gap = x.at("gap").get<double>(),
+                        .force = vector(x.at("force")),
+                        .moment = vector(x.at("moment")),
+                        .friction = x.at("friction").get<double>(),
+                        .branch = *branch});
+      }
+    }
+  } catch (const Json::exception&) {
+    refuse(file + ": contacts are not as `axode simulate` writes them");
+  } catch (const std::invalid_argument& wrong) {
+    refuse(file + ": " + wrong.what());
+  }
+}
+
+Tables read_json(const std::string& file, ShownMotion& motion) {
   const auto shallow = [&](int depth, Json::parse_event_t, Json&) {
     if (depth > 8) refuse(file + ": it is nested deeper than a motion");
     return true;
@@ -107,6 +145,7 @@ Tables read_json(const std::string& file) {
       ++rows.rows;
     }
   }
+  read_contacts(json, file, motion);
   return tables;
 }
 
@@ -185,9 +224,10 @@ Tables read_npz(const std::string& file) {
 
 ShownMotion read_motion(const Model& model, const std::string& file) {
   Tables tables;
+  ShownMotion motion;
   switch (file_format(file, "--motion")) {
     case FileFormat::csv: tables = read_csv(model, file); break;
-    case FileFormat::json: tables = read_json(file); break;
+    case FileFormat::json: tables = read_json(file, motion); break;
     case FileFormat::npz: tables = read_npz(file); break;
   }
   const std::size_t N = tables["t"].rows;
@@ -200,7 +240,6 @@ ShownMotion read_motion(const Model& model, const std::string& file) {
     return std::move(rows.numbers);
   };
   if (N == 0) refuse(file + ": there are no times in it");
-  ShownMotion motion;
   motion.t = take("t", 1, "", true);
   motion.q = take("q", model.nq(), " (times x nq)", true);
   motion.v = take("v", model.nv(), " (times x nv)", true);

@@ -41,6 +41,7 @@ void add_eval(CLI::App& app, int& exit_code);
 void add_linearize(CLI::App& app, int& exit_code);
 void add_mobility(CLI::App& app, int& exit_code);
 void add_simulate(CLI::App& app, int& exit_code);
+void add_contacts(CLI::App& app, int& exit_code);
 void add_plot(CLI::App& app, int& exit_code);
 void add_view(CLI::App& app, int& exit_code);
 /// Python replaces this program, and the exit code is Python's.

@@ -84,6 +84,7 @@ int run(int argc, char** argv) {
   add_linearize(app, exit_code);
   add_mobility(app, exit_code);
   add_simulate(app, exit_code);
+  add_contacts(app, exit_code);
   add_plot(app, exit_code);
   add_view(app, exit_code);
   add_map(app);

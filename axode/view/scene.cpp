@@ -249,8 +249,33 @@ ShownMotion thinned(const Model& model, const ShownMotion& motion, std::size_t s
     copy(motion.v, out.v, model.nv(), k);
     copy(motion.a, out.a, model.nv(), k);
     copy(motion.tau, out.tau, model.nv(), k);
+    if (!motion.contacts.empty()) out.contacts.push_back(motion.contacts[k]);
   }
+  out.contact_shapes = motion.contact_shapes;
   return out;
+}
+
+constexpr std::size_t numbers_of_contact = 17;
+
+/// The points of contact of each state as lists of numbers: two shapes, point, normal, gap, force, moment,
+/// friction and branch (0 open, 1 stick, 2 slide). Null if they are not known.
+Json contacts_of(const ShownMotion& motion) {
+  if (motion.contacts.empty()) return {};
+  Json times = Json::array();
+  for (const std::vector<ContactForce>& contacts : motion.contacts) {
+    Json points = Json::array();
+    for (const ContactForce& x : contacts) {
+      Json numbers{x.a, x.b};
+      for (const Vec3<>& a : {x.point, x.normal}) numbers.insert(numbers.end(), {a.x, a.y, a.z});
+      numbers.push_back(x.gap);
+      for (const Vec3<>& a : {x.force, x.moment}) numbers.insert(numbers.end(), {a.x, a.y, a.z});
+      numbers.push_back(x.friction);
+      numbers.push_back(static_cast<int>(x.branch));
+      points.push_back(std::move(numbers));
+    }
+    times.push_back(std::move(points));
+  }
+  return times;
 }
 
 /// The motion as JSON, or null if it has no times. A motion that is too long is thinned, with a warning.
@@ -258,8 +283,11 @@ Json motion_of(const Model& model, const ShownMotion& whole, std::vector<std::st
   if (whole.t.empty()) return {};
   check(model, whole);
   const auto nq = static_cast<std::size_t>(model.nq()), nv = static_cast<std::size_t>(model.nv()),
-             width = 11 + nq + 2 * nv + 18 * static_cast<std::size_t>(model.n_bodies()),
-             stride = (whole.t.size() * width + longest_motion - 1) / longest_motion;
+             width = 11 + nq + 2 * nv + 18 * static_cast<std::size_t>(model.n_bodies());
+  std::size_t numbers_in_all = whole.t.size() * width;
+  for (const std::vector<ContactForce>& contacts : whole.contacts)
+    numbers_in_all += numbers_of_contact * contacts.size();
+  const std::size_t stride = (numbers_in_all + longest_motion - 1) / longest_motion;
   if (stride > 1)
     warnings.push_back(to_string(
         {Severity::warning,
@@ -284,6 +312,8 @@ Json motion_of(const Model& model, const ShownMotion& whole, std::vector<std::st
           {"v", rows_of(motion.v, N)},
           {"tau", motion.tau.empty() ? Json() : rows_of(motion.tau, N)},
           {"series", series},
+          {"contact_shapes", motion.contact_shapes},
+          {"contacts", contacts_of(motion)},
           {"twists", screws_of(numbers.twists, N, model.n_bodies())},
           {"wrenches", screws_of(numbers.wrenches, N, model.n_bodies())},
           {"momenta", screws_of(numbers.momenta, N, model.n_bodies())}};

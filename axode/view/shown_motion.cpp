@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <optional>
 #include <span>
 #include <stdexcept>
@@ -59,6 +60,29 @@ template <class Screws> void append(const Screws& screws, std::vector<double>& o
     out.insert(out.end(), {angular.x, angular.y, angular.z, linear.x, linear.y, linear.z});
 }
 
+/// The normal forces of the pairs of shapes that press in a motion, summed over their points.
+view::MotionNumbers::Series contact_series(const ShownMotion& motion) {
+  std::map<std::pair<int, int>, std::size_t> columns;
+  for (const std::vector<ContactForce>& at_once : motion.contacts)
+    for (const ContactForce& contact : at_once)
+      if (contact.branch != LawBranch::open) columns.try_emplace({contact.a, contact.b});
+  view::MotionNumbers::Series series{"normal forces of contacts", "N", {}, {}};
+  for (auto& [pair, column] : columns) {
+    column = series.labels.size();
+    const auto& [a, b] = pair;
+    series.labels.push_back(motion.contact_shapes[static_cast<std::size_t>(a)] + ", " +
+                            motion.contact_shapes[static_cast<std::size_t>(b)]);
+  }
+  for (const std::vector<ContactForce>& at_once : motion.contacts) {
+    const std::size_t row = series.values.size();
+    series.values.resize(row + columns.size());
+    for (const ContactForce& contact : at_once)
+      if (contact.branch != LawBranch::open)
+        series.values[row + columns.at({contact.a, contact.b})] += contact.normal_force();
+  }
+  return series;
+}
+
 }  // namespace
 
 void check(const Model& model, const ShownMotion& motion) {
@@ -75,6 +99,18 @@ void check(const Model& model, const ShownMotion& motion) {
   sized("motion.v", motion.v, model.nv(), "nv for each time");
   if (!motion.a.empty()) sized("motion.a", motion.a, model.nv(), "nv for each time");
   if (!motion.tau.empty()) sized("motion.tau", motion.tau, model.nv(), "nv for each time");
+  if (!motion.contacts.empty())
+    check_size("motion.contacts", motion.contacts.size(), N, "a list for each time");
+  const int shapes = static_cast<int>(motion.contact_shapes.size());
+  for (const std::vector<ContactForce>& at_once : motion.contacts)
+    for (const ContactForce& contact : at_once) {
+      if (std::min(contact.a, contact.b) < 0 || std::max(contact.a, contact.b) >= shapes)
+        throw std::invalid_argument("motion.contacts: there is no shape " +
+                                    std::to_string(std::max(contact.a, contact.b)));
+      const Vec3<> sum = contact.point + contact.normal + contact.force + contact.moment;
+      if (!std::isfinite(sum.x + sum.y + sum.z + contact.gap + contact.friction))
+        throw std::invalid_argument("motion.contacts: a number is not finite");
+    }
   for (std::size_t k = 0; k < N; ++k) {
     if (k > 0 && !(motion.t[k] > motion.t[k - 1]))
       throw std::invalid_argument("motion.t: time " + std::to_string(k) + " is " + to_text(motion.t[k]) +
@@ -128,6 +164,8 @@ view::MotionNumbers view::numbers_of(const Model& model, const ShownMotion& moti
     append(W, out.wrenches);
   }
   if (!with_wrenches) out.wrenches.clear();
+  if (view::MotionNumbers::Series contacts = contact_series(motion); !contacts.labels.empty())
+    out.series.push_back(std::move(contacts));
   return out;
 }
 

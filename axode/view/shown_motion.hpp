@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "axode/contact/contact_force.hpp"
 #include "axode/model/model.hpp"
 
 namespace axode {
@@ -12,6 +13,8 @@ namespace axode {
 struct ShownMotion {
   std::vector<double> t, q, v;
   std::vector<double> a, tau;  ///< accelerations and drive forces, N × nv; empty if not known
+  std::vector<std::vector<ContactForce>> contacts;  ///< points of contact, N lists; empty if not known
+  std::vector<std::string> contact_shapes;          ///< names of the shapes by the numbers in `contacts`
 };
 
 /// Checks a motion. Throws std::invalid_argument with the name of the argument if a size does not fit the

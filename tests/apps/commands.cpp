@@ -26,8 +26,8 @@ TEST(Program, HelpListsTheCommandsAndTheExitCodes) {
   const Outcome outcome = axode({"--help"});
   EXPECT_EQ(outcome.code, 0);
   EXPECT_EQ(outcome.err, "");
-  for (const char* said : {"info", "check", "convert", "eval", "linearize", "mobility", "plot", "view", "map",
-                           "codegen", "study", "demo", "Exit codes:", "0  all is well",
+  for (const char* said : {"info", "check", "convert", "eval", "linearize", "mobility", "contacts", "plot",
+                           "view", "map", "codegen", "study", "demo", "Exit codes:", "0  all is well",
                            "1  a file is missing", "2  the command line is wrong"})
     EXPECT_THAT(outcome.out, HasSubstr(said));
 }
@@ -103,9 +103,10 @@ TEST(Program, AloneShowsWhatOneCanDoInExamplesThatRun) {
     EXPECT_EQ(ran.code, 0) << example << ran.err;
   }
   EXPECT_GT(largest_change_of_coordinates(folder.path() / "run.csv"), 0.05);
-  EXPECT_THAT(commands, testing::UnorderedElementsAre("info", "check", "convert", "eval", "simulate",
-                                                      "linearize", "mobility", "plot", "view", "map",
-                                                      "codegen", "study", "demo", "manual", "completion"));
+  EXPECT_THAT(commands,
+              testing::UnorderedElementsAre("info", "check", "convert", "eval", "simulate", "linearize",
+                                            "mobility", "contacts", "plot", "view", "map", "codegen", "study",
+                                            "demo", "manual", "completion"));
 }
 
 /// The lines of a help text from below `Example:` to the next empty line.
@@ -141,8 +142,9 @@ TEST_P(Help, ShowsAnExampleThatRuns) {
   }
 }
 INSTANTIATE_TEST_SUITE_P(Commands, Help,
-                         testing::Values("info", "check", "convert", "eval", "linearize", "simulate", "plot",
-                                         "view", "codegen", "study", "demo", "completion", "manual"),
+                         testing::Values("info", "check", "convert", "eval", "linearize", "simulate",
+                                         "contacts", "plot", "view", "codegen", "study", "demo", "completion",
+                                         "manual"),
                          [](const auto& p) { return std::string(p.param); });
 
 // ----------------------------------------------------------------------------------------------------- map
