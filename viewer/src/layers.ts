@@ -2,6 +2,7 @@ import type { Group, Object3D } from "three";
 import type { History } from "./history";
 import type { Part } from "./meshes";
 import { bodyLayers } from "./body_layers";
+import { contactLayers } from "./contact_layers";
 import { motionLayers } from "./motion_layers";
 import type { Palette } from "./palette";
 import type { Scene } from "./scene";
@@ -37,7 +38,7 @@ export interface View {
 
 /** All layers for which the scene has data. */
 export function makeLayers(view: View): Layer[] {
-  return [...bodyLayers(view), ...motionLayers(view)];
+  return [...bodyLayers(view), ...motionLayers(view), ...contactLayers(view)];
 }
 
 /** Replaces the children of a group. */

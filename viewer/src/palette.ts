@@ -32,4 +32,9 @@ export const colors = {
   twists: ["#3c7ae0", "#19a7c4"],
   wrenches: ["#c93f86", "#e0632f"],
   momenta: ["#5a9a2c", "#9bb01f"],
+  contacts: {
+    open: { color: "#9aa3ad", name: "grey" },
+    stick: { color: "#2f9e58", name: "green" },
+    slide: { color: "#e0632f", name: "orange" },
+  },
 } as const;

@@ -82,6 +82,9 @@ export interface Motion {
   twists: number[][][] | null;
   wrenches: number[][][] | null;
   momenta: number[][][] | null;
+  contact_shapes: string[];
+  /** For each sample a list of points of contact, each of them 17 numbers, see contact_layers.ts. */
+  contacts: number[][][] | null;
 }
 
 export interface Scene {
@@ -138,7 +141,7 @@ export function readScene(text: string): Scene {
   if (motion) {
     const k = motion.t.length;
     if (k === 0) fail("its motion has no sample");
-    for (const key of ["q", "v", "tau", "twists", "wrenches", "momenta"] as const) {
+    for (const key of ["q", "v", "tau", "twists", "wrenches", "momenta", "contacts"] as const) {
       const samples = motion[key];
       if (samples && samples.length !== k) fail(`its motion has ${samples.length} samples of ${key} and ${k} of t`);
     }

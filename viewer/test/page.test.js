@@ -414,6 +414,39 @@ test("what moves slowly is drawn at a lower resolution, and what rests at the fu
   await page.close();
 });
 
+test("points of contact have normals, forces and friction cones, in the colours of their status", options, async () => {
+  const scene = movingArm();
+  const [open, stick, slide] = [0, 1, 2];
+  const point = (x, force, status) => [0, 1, x, 0.2, 0.1, 0, 0, 1, 0, ...force, 0, 0, 0, 0.6, status];
+  scene.motion.contact_shapes = ["floor", "foot"];
+  scene.motion.contacts = scene.motion.t.map((_, k) => [point(0.4, [3, 0, 9], k < 60 ? stick : slide), point(-0.4, [0, 0, 0], open)]);
+  const opened = await browser.open(scene);
+  const { page } = opened;
+  const ids = ["contacts", "contact-forces", "friction-cones"];
+  const layers = await page.evaluate(() => window.axode.layers());
+  assert.deepEqual(ids.map((id) => layers[id]), [true, true, false]);
+  for (const button of await page.$$(".choices button[aria-pressed=true]")) await button.click();
+
+  // A step of the motion ends at each sample: shortly after sample 59 the point slides.
+  const { t } = scene.motion;
+  const close = 1e-3 * (t[60] - t[59]);
+  for (const [name, time] of [["sticks", t[59]], ["slides", t[59] + close]]) {
+    await page.evaluate((at) => window.axode.setTime(at), time);
+    await settled(page);
+    await keep(page, name);
+  }
+  assert.ok((await changed(page, "sticks", "slides")) > 30, "the colour shows the status");
+  for (const id of ids) {
+    await page.evaluate(([layer, to]) => window.axode.setLayer(layer, to), [id, !layers[id]]);
+    await keep(page, "switched");
+    assert.ok((await changed(page, "slides", "switched")) > 30, `${id} is drawn`);
+    await page.evaluate(([layer, to]) => window.axode.setLayer(layer, to), [id, layers[id]]);
+  }
+  assert.match(await page.textContent("#layers"), /green sticks, orange slides, grey is open/);
+  quiet(opened);
+  await page.close();
+});
+
 test("a page without a scene, or with one it cannot show, says so", options, async () => {
   for (const [scene, text] of [[null, /none has been written into it/], [{ ...arm().scene, format: "axode scene 2" }, /its format is "axode scene 2"/]]) {
     const { page } = await browser.open(scene, { broken: true });
