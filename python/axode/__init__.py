@@ -44,6 +44,7 @@ from ._axode import (
     closure_derivatives,
     constraint_wrenches,
     contact_rollout_derivatives,
+    contacts,
     coriolis_derivatives,
     coriolis_matrix,
     coriolis_vector,
@@ -142,6 +143,7 @@ from ._axode import (
     twist_form,
     twists,
     urdf,
+    with_floor,
 )
 from ._axode import name_here as _name_here
 from ._axode import version as __version__
@@ -151,6 +153,7 @@ from .files import check, load
 from .records import (
     BranchPoint,
     ContactRolloutDerivatives,
+    ContactForce,
     DynamicsAtTime,
     Equilibrium,
     ForwardDynamicsDerivatives,
@@ -222,7 +225,7 @@ __all__ = [
     # prescribed motions
     "forward_dynamics_at", "kinematic_motion",
     # collision shapes
-    "distances",
+    "contacts", "distances", "with_floor",
     # motion in time
     "simulate", "rollout", "rollout_derivatives", "rollout_jvp", "rollout_vjp",
     "contact_rollout_derivatives", "reconstruct", "Trajectory",
@@ -233,7 +236,8 @@ __all__ = [
     "InverseDynamicsHessian", "ForwardDynamicsHessian", "StateDerivatives", "MotionDerivatives", "MotionChange",
     "MomentumFormDerivatives", "Linearization", "Equilibrium", "DynamicsAtTime", "KinematicMotion", "RolloutDerivatives",
     "RolloutGradient", "JointState", "LoopMobility", "RedundantRow", "LocalMobility", "MotionBranch", "BranchPoint",
-    "ContactRolloutDerivatives", "ShapeDistance", "AssemblyError", "Fault", "ModelError", "NotFiniteError", "SimulationError", "SingularError", "StatesError",
+    "ContactRolloutDerivatives", "ShapeDistance", "ContactForce", "AssemblyError", "Fault", "ModelError", "NotFiniteError",
+    "SimulationError", "SingularError", "StatesError",
     # modules
     "lie", "closed_form", "codegen", "convert", "drives", "identification", "calibration", "table",
 ]

@@ -9,7 +9,8 @@ from numpy.typing import ArrayLike, NDArray
 
 from .support import signatures
 
-__all__ = ["BranchPoint", "ContactRolloutDerivatives", "DynamicsAtTime", "Equilibrium", "ForwardDynamicsDerivatives", "ForwardDynamicsHessian",
+__all__ = ["BranchPoint", "ContactForce", "ContactRolloutDerivatives", "DynamicsAtTime", "Equilibrium",
+           "ForwardDynamicsDerivatives", "ForwardDynamicsHessian",
            "IndependentEquations", "IndependentLinearization", "InverseDynamicsDerivatives", "InverseDynamicsHessian",
            "InverseKinematics", "JointState", "KinematicMotion", "Linearization", "Load", "LocalMobility",
            "LoopMobility", "MomentumFormDerivatives", "MotionBranch", "MotionChange", "MotionDerivatives",
@@ -178,6 +179,25 @@ class LocalMobility(NamedTuple):
     largest_dropped: float
     decided_by_rank: bool
     probe: tuple[int, int, int]
+
+
+class ContactForce(NamedTuple):
+    """A point at which the collision shapes `a` and `b` touch or nearly touch, and what acts there, in the inertial frame.
+
+    `normal` is a unit vector from a to b, and `gap` (m) is negative in overlap. `force` (N) acts on b, and its opposite on a;
+    `moment` (N m) is that of drilling and rolling friction. `friction` is the coefficient of sliding friction, and `status` says
+    which branch of the law holds; without a force the point is open.
+    """
+
+    a: str
+    b: str
+    point: NDArray[np.float64]
+    normal: NDArray[np.float64]
+    gap: float
+    force: NDArray[np.float64]
+    moment: NDArray[np.float64]
+    friction: float
+    status: Literal["open", "stick", "slide"]
 
 
 class ShapeDistance(NamedTuple):

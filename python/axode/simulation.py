@@ -70,8 +70,8 @@ def simulate(m: Model, q: ArrayLike, v: ArrayLike, until: float, *,
         besides those of the drawing; the derivatives must be exact. They are counted in relative coordinates by "dopri5",
         "rk4", "euler" and "generalized_alpha". One that cannot be followed ends the motion.
     contact: whether shapes touch, by the method "contact"; if left out, they do if the drawing has `[contact]` and no other
-        method is named. `certificates` of the motion say for each step how exactly the laws of contact hold; 1e-12 is
-        rounding.
+        method is named. Steps are 1 ms if `step` is left out. `certificates` of the motion say for each step how exactly
+        the laws of contact hold, 1e-12 being rounding; `contacts` and `contact_forces` have the forces.
     progress: whether a bar is shown, which needs tqdm (`pip install tqdm`).
 
     ValueError for wrong shapes, numbers that are not finite, until < 0 and step <= 0. SimulationError, with the

@@ -29,8 +29,8 @@ from .support.written_files import replacing
 __all__ = ["Viewer", "view"]
 
 PAGE = Path(__file__).parent / "share/axode/viewer/page.html"
-Motion = tuple[Any, Any, Any, Any, Any]
-"""t, q, v, a and tau, the latter two perhaps None."""
+Motion = tuple[Any, Any, Any, Any, Any, Trajectory | None]
+"""t, q, v, a and tau, the latter two perhaps None, and what has the contacts."""
 
 
 def _motion_in(m: Model, file: Path) -> Motion:
@@ -66,14 +66,14 @@ def _motion_in(m: Model, file: Path) -> Motion:
     if len(found["t"]) == 0:
         raise ValueError(f"motion: {file} has no states")
     t, q, v, a, tau = (found.get(name) for name in names)
-    return t, q, v, a, tau
+    return t, q, v, a, tau, None
 
 
 def _motion_of(m: Model, motion: Trajectory | str | os.PathLike[str] | None) -> Motion | None:
     if motion is None:
         return None
     if isinstance(motion, Trajectory):
-        return motion.t, motion.q, motion.v, motion.a, motion.tau
+        return motion.t, motion.q, motion.v, motion.a, motion.tau, motion
     if not isinstance(motion, (str, os.PathLike)):
         raise TypeError(f"motion is of type {type(motion).__name__}; expected a Trajectory, which has times as well, such as "
                         "`simulate` gives, or the name of a file .csv, .json or .npz with t, q and v")

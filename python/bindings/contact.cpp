@@ -6,6 +6,8 @@
 #include "axode/contact.hpp"
 #include "axode/integration/contact_sensitivities.hpp"
 #include "axode/view/mesh_hull.hpp"
+#include "python/bindings/contact_force.hpp"
+#include "python/bindings/states/states.hpp"
 #include "python/bindings/support/bindings.hpp"
 #include "python/bindings/support/conversions.hpp"
 #include "python/bindings/support/named_tuple.hpp"
@@ -61,6 +63,26 @@ nb::object contact_rollout_derivatives_of(const BoundModel& m, ArrayLike q, Arra
                      B.array(), found.certificate, found.unique, found.at_kink);
 }
 
+nb::list contacts_of(const BoundModel& m, ArrayLike q, nb::handle tau, LoadList loads, bool joint_losses,
+                     std::optional<double> margin, double touching) {
+  const States states = one_state(m, q);
+  std::optional<Items> forces;
+  if (!tau.is_none()) forces.emplace(states.velocities("tau", {tau.ptr()}));
+  AtRestOptions options{.touching = touching, .joint_losses = joint_losses};
+  if (margin) options.margin = *margin;
+  const AppliedLoads applied(states, loads, false);
+  return applied.with(0, [&](const Loads<double>& now) {
+    std::vector<std::string> names;
+    const ContactsAtRest found = states.released(1000, [&] {
+      const ContactShapes shapes(m, hull_of_mesh);
+      for (int i = 0; i < shapes.size(); ++i) names.push_back(shapes[i].name);
+      return contacts_at_rest(m, shapes, states.q(0), forces ? (*forces)[0] : std::span<const double>(),
+                              options, now);
+    });
+    return contact_list(names, found.contacts);
+  });
+}
+
 }  // namespace
 
 void add_contact(nb::module_& module) {
@@ -103,6 +125,39 @@ points without a closed form and for motions that cannot continue.
 >>> slides = axode.contact_rollout_derivatives(table, [0, 0, 0, 1, 0, 0, 0.1], [0, 0, 0, 1, 0, 0], np.zeros((5, 6)), 1e-2)
 >>> slides.q[-1, 4].round(5), slides.A.shape, slides.unique
 (np.float64(0.04755), (5, 12, 12), True)
+)");
+      "contacts", &contacts_of, "m"_a, "q"_a, "tau"_a = nb::none(), "loads"_a = nb::none(),
+      "joint_losses"_a = false, "margin"_a = nb::none(), "touching"_a = 1e-6,
+      nb::sig("def contacts(m: Model, q: numpy.typing.ArrayLike, tau: numpy.typing.ArrayLike | None = None, "
+              "loads: collections.abc.Sequence[axode.Load] | None = None, joint_losses: bool = False, "
+              "margin: float | None = None, touching: float = 1e-6) -> "
+              "list[axode.records.ContactForce]"),
+      R"(
+Points of contact at q (nq,), and the forces there at the instant at which the mechanism is at rest and let go, see `ContactForce`.
+
+Points with a gap of at most `touching` (m) press; others with a gap below `margin` (m; None: that of the drawing) are open.
+tau (nv,) are the drive forces, and springs and `loads` act in addition; dry friction of joints holds if `joint_losses`. Where
+several points carry one load, the share of each is arbitrary, and their sum and moment are not. ValueError for a shape that
+cannot touch, prescribed motions and a singular mass matrix.
+
+>>> ball = axode.Model.from_dict({"format": "axode drawing 1", "body": [{
+...     "name": "ball", "joint": {"kind": "prismatic", "axis": "z"}, "mass": 1, "com": [0, 0, 0], "inertia": [1, 1, 1],
+...     "shape": [{"kind": "sphere", "role": "collision", "radius": 0.1}]}]})
+>>> [point] = axode.contacts(axode.with_floor(ball, -0.1), [0])
+>>> point.a, point.b, point.status, point.force.round(9)
+('floor', 'ball shape 1', 'stick', array([0.  , 0.  , 9.81]))
+)");
+  module.def(
+      "with_floor", [](const BoundModel& m, double height) { return BoundModel(with_floor(m, height)); },
+      "m"_a, "height"_a = 0.0, nb::sig("def with_floor(m: Model, height: float = 0.0) -> Model"),
+      R"(
+The mechanism on a floor: with a plane across gravity (z if there is none) as one more collision shape of the ground, `floor`.
+
+`height` (m) is that of the plane above the inertial origin. ValueError if it is not finite. ModelError if the mechanism cannot
+be built with a floor.
+
+>>> axode.with_floor(arm, -0.5).nv == arm.nv
+True
 )");
 }
 

@@ -13,6 +13,7 @@
 #include "axode/dynamics.hpp"
 #include "axode/integration/momenta/simulate_contact.hpp"
 #include "axode/view/mesh_hull.hpp"
+#include "python/bindings/contact_force.hpp"
 #include "python/bindings/drives.hpp"
 #include "python/bindings/states/prescribed_motion.hpp"
 #include "python/bindings/states/specialised.hpp"
@@ -59,10 +60,12 @@ struct BoundTrajectory {
     const double end = motion.t().empty() ? -1 : motion.t().back();
     const auto after = std::ranges::upper_bound(times, end);
     samples.emplace(model);
+    samples->contact_shapes = motion.contact_shapes;
     const auto append = [&](std::size_t k) {
       motion.at(times[k], q, v, a);
       if (drive) drive(times[k], q, v, tau);
       samples->append(times[k], q, v, a, tau);
+      if (!motion.contact_shapes.empty()) samples->set_contacts(motion.contacts_at(times[k]));
     };
     each_of(static_cast<std::size_t>(after - times.begin()), append, calls_back);
   }
@@ -93,6 +96,36 @@ Array energies(const BoundTrajectory& of) {
     out[0] = kinetic_energy<double>(m, w, q, v) + potential_energy<double>(m, w, q) +
              elastic_energy<double>(m, w, q);
   });
+}
+
+/// The points of contact at each time.
+nb::list contacts_of(const BoundTrajectory& of) {
+  const Trajectory& shown = of.shown();
+  nb::list all;
+  for (std::size_t k = 0; k < shown.size(); ++k)
+    all.append(contact_list(of.motion.contact_shapes, shown.contacts(k)));
+  return all;
+}
+
+/// The sum of the forces of contacts on a collision shape or, if no shape has this name, on a body.
+Array contact_forces_on(const BoundTrajectory& of, const std::string& name) {
+  const Trajectory& shown = of.shown();
+  const std::vector<std::string>& shapes = of.motion.contact_shapes;
+  const auto shape = std::ranges::find(shapes, name);
+  const bool is_shape = shape != shapes.end();
+  const Model& model = of.motion.model();
+  const int wanted =
+      is_shape ? static_cast<int>(shape - shapes.begin()) : model.frame(model.frame_index(name)).body;
+  NewArray out({static_cast<nb::ssize_t>(shown.size()), 3});
+  for (std::size_t k = 0; k < shown.size(); ++k) {
+    Vec3<> sum;
+    for (const ContactForce& x : shown.contacts(k)) {
+      if (wanted == (is_shape ? x.b : x.body_b)) sum += x.force;
+      if (wanted == (is_shape ? x.a : x.body_a)) sum -= x.force;
+    }
+    std::ranges::copy(std::array{sum.x, sum.y, sum.z}, out.data() + 3 * k);
+  }
+  return out.array();
 }
 
 /// The motion as a DataFrame of pandas, with a row for each time and a named column for each number of a
@@ -218,13 +251,13 @@ BoundTrajectory simulate_of(const BoundModel& m, ArrayLike q, ArrayLike v, doubl
     method = usual;
   }
   const Method& way = chosen("method", method, methods);
-  if (!way.adapts && step.is_none())
+  if (!way.adapts && step.is_none() && way.usual_step == 0)
     throw nb::value_error(
         ("step: method '" + text_of(method) + "' takes fixed steps; expected their length in s").c_str());
   options.coordinates = chosen("coordinates", coordinates, coordinate_kinds);
   options.local_coordinates = chosen("local_coordinates", local_coordinates, local_coordinate_kinds);
 
-  const double length = step.is_none() ? 0.0 : number("step", step);
+  const double length = step.is_none() ? way.usual_step : number("step", step);
   if (!step.is_none()) check_step(length);
 
   LongCall call(!calls_back);
@@ -413,6 +446,10 @@ const Trajectory* motion_in(nb::handle given) {
   return nb::isinstance<BoundTrajectory>(given) ? &nb::cast<BoundTrajectory&>(given).motion : nullptr;
 }
 
+const Trajectory* shown_in(nb::handle given) {
+  return nb::isinstance<BoundTrajectory>(given) ? &nb::cast<BoundTrajectory&>(given).shown() : nullptr;
+}
+
 void add_integration(nb::module_& module) {
   nb::class_<BoundTrajectory>(module, "Trajectory",
                               R"(
@@ -454,6 +491,29 @@ A motion from `simulate`: its states at the ends of its steps, or at the given t
       .def_prop_ro(
           "certificates", [](const BoundTrajectory& x) { return to_array(x.motion.certificates); },
           "How exactly the laws of contact hold in each step, 1e-12 being rounding; empty without contact.")
+      .def_prop_ro("contacts", &contacts_of,
+                   nb::sig("def contacts(self) -> list[list[axode.records.ContactForce]]"),
+                   R"(
+The points of contact at each time, N lists of `ContactForce`: those with a gap below the margin, and those that pressed in
+the step that ends there.
+
+Forces are the means over this step, in which an impact is a force as well. The lists of the initial state, and of a motion
+without contact, are empty.
+)")
+      .def("contact_forces", &contact_forces_on, "of"_a,
+           nb::sig("def contact_forces(self, of: str) -> numpy.typing.NDArray[numpy.float64]"),
+           R"(
+The sum of the contact forces on a collision shape or a body at each time, (N, 3), N, in inertial axes.
+
+KeyError for another name. The forces are those of `contacts`.
+
+>>> ball = axode.Model.from_dict({"format": "axode drawing 1", "contact": {}, "body": [{
+...     "name": "ball", "joint": {"kind": "prismatic", "axis": "z"}, "mass": 1, "com": [0, 0, 0], "inertia": [1, 1, 1],
+...     "shape": [{"kind": "sphere", "role": "collision", "radius": 0.1}]}]})
+>>> at_rest = axode.simulate(axode.with_floor(ball, -0.1), [0], [0], until=0.01)
+>>> at_rest.contact_forces("ball")[-1].round(9)
+array([0.  , 0.  , 9.81])
+)")
       .def_prop_ro(
           "position_residuals",
           [](const BoundTrajectory& x) { return to_array(x.motion.position_residuals); },

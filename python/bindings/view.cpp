@@ -5,6 +5,7 @@
 #include <sstream>
 
 #include "axode/model/configuration.hpp"
+#include "python/bindings/contact_force.hpp"
 #include "python/bindings/support/bindings.hpp"
 #include "python/bindings/support/conversions.hpp"
 #include "python/bindings/support/long_call.hpp"
@@ -17,7 +18,8 @@ using namespace nb::literals;
 
 namespace {
 
-/// The motion in a tuple (t, q, v, a, tau), of which a and tau may be None.
+/// The motion in a tuple (t, q, v, a, tau, contacts), of which a and tau may be None. The contacts are those
+/// of a Trajectory, or None.
 ShownMotion motion_from(const BoundModel& m, const nb::tuple& given) {
   const auto rows = [&](std::size_t k, const char* name, int width) {
     if (given[k].is_none()) return std::vector<double>{};
@@ -28,8 +30,16 @@ ShownMotion motion_from(const BoundModel& m, const nb::tuple& given) {
       numbers.wrong_shape(is_list ? "(N,)" : "(N, " + std::to_string(width) + ")");
     return std::vector<double>(numbers.data(), numbers.data() + numbers.size());
   };
-  return {rows(0, "motion.t", 0), rows(1, "motion.q", m->nq()), rows(2, "motion.v", m->nv()),
-          rows(3, "motion.a", m->nv()), rows(4, "motion.tau", m->nv())};
+  ShownMotion motion{rows(0, "motion.t", 0), rows(1, "motion.q", m->nq()), rows(2, "motion.v", m->nv()),
+                     rows(3, "motion.a", m->nv()), rows(4, "motion.tau", m->nv())};
+  const Trajectory* shown = shown_in(given[5]);
+  if (!shown || shown->contact_shapes.empty()) return motion;
+  motion.contact_shapes = shown->contact_shapes;
+  for (std::size_t k = 0; k < shown->size(); ++k) {
+    const std::span<const ContactForce> contacts = shown->contacts(k);
+    motion.contacts.emplace_back(contacts.begin(), contacts.end());
+  }
+  return motion;
 }
 
 nb::tuple page_of(const BoundModel& m, const std::string& empty_page, ArrayLike q, nb::handle motion,
@@ -63,11 +73,12 @@ void add_view(nb::module_& module) {
       },
       "m"_a, nb::sig("def first_configuration(m: Model) -> numpy.typing.NDArray[numpy.float64]"),
       "The configuration that a page shows first if no other is given; see axode.viewer.");
-  module.def("viewer_page", &page_of, "m"_a, "empty_page"_a, "q"_a, "motion"_a.none(), "live"_a,
-             nb::sig("def viewer_page(m: Model, empty_page: str, q: numpy.typing.ArrayLike, "
-                     "motion: tuple[typing.Any, typing.Any, typing.Any, typing.Any, typing.Any] | None, "
-                     "live: str) -> tuple[str, list[str], list[str]]"),
-             "The page of a scene, its warnings, and the files of its meshes; see axode.viewer.");
+  module.def(
+      "viewer_page", &page_of, "m"_a, "empty_page"_a, "q"_a, "motion"_a.none(), "live"_a,
+      nb::sig("def viewer_page(m: Model, empty_page: str, q: numpy.typing.ArrayLike, "
+              "motion: tuple[typing.Any, typing.Any, typing.Any, typing.Any, typing.Any, typing.Any] | None, "
+              "live: str) -> tuple[str, list[str], list[str]]"),
+      "The page of a scene, its warnings, and the files of its meshes; see axode.viewer.");
 }
 
 }  // namespace axode::python
