@@ -37,6 +37,7 @@ def test_every_example_is_run_here():
         "08_elastic_arm.py", "09_trajectory_optimization.py",
         "10_casadi_collocation.py", "11_learning_with_torch.py", "12_gait_with_jax.py", "13_monte_carlo.py",
         "14_on_a_gpu.py",  # these in tests/bridges
+        "15_tippe_top.py", "16_gripper.py", "17_quadruped.py",
     ]
 
 
@@ -153,3 +154,31 @@ def test_the_pendulum_stands_by_the_least_forces(tmp_path):
     assert numbers_behind(printed, "it stands after 1 s to within")[0] < 1e-9
     assert max(numbers_behind(printed, "largest drive torques in N m:")) < 30
     assert numbers_behind(printed, "the forces are a gradient of the end to within")[0] < 1e-5
+
+
+def test_the_tippe_top_stands_on_its_stem_and_gains_no_energy(tmp_path):
+    printed = run(tmp_path, "15_tippe_top.py")
+    assert numbers_behind(printed, "the stem touches after")[0] == pytest.approx(1.43, abs=0.02)
+    assert numbers_behind(printed, "the top turns by up to")[0] > 170
+    before, after = numbers_behind(printed, "the energy falls from")
+    assert after < before and "in every step: True" in printed
+    assert numbers_behind(printed, "largest certificate")[0] <= 1e-9
+
+
+def test_what_the_gripper_holds_does_not_creep(tmp_path):
+    printed = run(tmp_path, "16_gripper.py")
+    assert numbers_behind(printed, "the box is lifted by")[0] == pytest.approx(0.199, abs=1e-3)
+    assert numbers_behind(printed, "between 3 s and")[1] <= 1e-10
+    one, other, lift = numbers_behind(printed, "the fingers press with")
+    assert [one, other] == pytest.approx([5, 5], abs=1e-3) and lift == pytest.approx(0.2 * 9.81, abs=1e-3)
+    assert numbers_behind(printed, "largest certificate")[0] <= 1e-9
+
+
+def test_the_quadruped_stands_and_trots(tmp_path):
+    printed = run(tmp_path, "17_quadruped.py")
+    press, weight = numbers_behind(printed, "it stands:")
+    assert press == pytest.approx(weight, rel=1e-3)
+    way, _, mean = numbers_behind(printed, "it trots")
+    assert way > 0.3 and mean == pytest.approx(weight, rel=0.05)
+    assert numbers_behind(printed, "largest certificate")[0] <= 1e-9
+    assert (tmp_path / "forces.svg").read_text().count("<!-- FL -->") == 1
