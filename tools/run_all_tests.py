@@ -316,8 +316,9 @@ def check_tests(jobs, costs):
 
 def validate(costs):
     """Published motions, and motions in closed form, are computed within their bounds."""
-    passed = costs.measure("validation", "build", lambda: run("make", "python")) and costs.measure(
-        "validation", "run", lambda: run(str(PYTHON), "tools/validation.py"))
+    passed = costs.measure("validation", "build", lambda: run("make", "python")) and all(
+        costs.measure("validation", "run", lambda: run(str(PYTHON), f"tools/{tool}.py"))
+        for tool in ("validation", "contact_tables"))
     return {"validation": "passed" if passed else "failed"}
 
 

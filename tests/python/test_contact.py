@@ -1,0 +1,113 @@
+"""Points of contact and their forces, in motions and at rest, and the page of contact with the command that writes it."""
+
+from pathlib import Path
+
+import axode
+import numpy as np
+import pytest
+
+SOURCE = Path(__file__).resolve().parents[2]
+SLOW = {"tippe top", "quadruped", "sled", "bouncing ball"}  # a second or more each; `make nightly` computes them
+
+
+def cubes(count=1):
+    box = {"kind": "box", "role": "collision", "size": [0.2, 0.2, 0.2]}
+    return axode.with_floor(axode.Model.from_dict({
+        "format": "axode drawing 1", "contact": {"friction": 0.5},
+        "body": [{"name": f"cube {k}", "joint": "free", "mass": 1, "com": [0, 0, 0], "inertia": [0.007] * 3, "shape": [box]}
+                 for k in range(count)]}))
+
+
+def at(*heights):
+    return np.concatenate([[0, 0, 0, 1, 0, 0, z] for z in heights])
+
+
+def test_forces_of_a_motion_are_those_of_its_points():
+    m = cubes(2)
+    motion = axode.simulate(m, at(0.1, 0.3), np.zeros(12), 0.1, step=1e-2)
+    assert len(motion.contacts) == len(motion.t) and motion.contacts[0] == []
+    last = motion.contacts[-1]
+    assert {(x.a, x.b, x.status) for x in last} == {("floor", "cube 0 shape 1", "stick"),
+                                                    ("cube 0 shape 1", "cube 1 shape 1", "stick")}
+    assert sum(x.force for x in last if x.a == "floor") == pytest.approx([0, 0, 2 * 9.81], abs=1e-9)
+    for name, weight in (("cube 0", 1), ("cube 1", 1), ("cube 1 shape 1", 1), ("floor", -2), ("ground", -2)):
+        assert motion.contact_forces(name)[-1] == pytest.approx([0, 0, 9.81 * weight], abs=1e-9), name
+    assert np.all(motion.contact_forces("floor")[0] == 0)
+    with pytest.raises(KeyError, match="wall"):
+        motion.contact_forces("wall")
+
+
+def test_samples_have_the_contacts_of_their_steps():
+    m = cubes()
+    ends = axode.simulate(m, at(0.1), np.zeros(6), 0.05, step=1e-2)
+    samples = axode.simulate(m, at(0.1), np.zeros(6), 0.05, step=1e-2, times=[0, 0.015, 0.02, 0.021])
+    assert [len(x) for x in samples.contacts] == [0, 4, 4, 4]
+    for k, step in ((1, 2), (2, 2), (3, 3)):
+        for found, expected in zip(samples.contacts[k], ends.contacts[step]):
+            assert np.array_equal(found.force, expected.force) and np.array_equal(found.point, expected.point)
+    free = axode.simulate(m, at(0.1), np.zeros(6), 0.05, contact=False)
+    assert free.contacts == [[] for _ in free.t] and not free.contact_forces("cube 0").any()
+
+
+def test_forces_at_rest_are_those_of_a_first_step():
+    m = cubes()
+    push = axode.Load(frame="cube 0", representation="hybrid", wrench=[0, 0, 0, 4.0, 0, 0])
+    [*points] = axode.contacts(m, at(0.1), loads=[push])
+    motion = axode.simulate(m, at(0.1), np.zeros(6), 1e-3, step=1e-3, loads=[push])
+    assert sum(x.force for x in points) == pytest.approx([-4, 0, 9.81], abs=1e-9)
+    assert sum(x.force for x in motion.contacts[-1]) == pytest.approx([-4, 0, 9.81], abs=1e-9)
+    assert {x.status for x in points} == {"stick"}
+    assert {x.status for x in axode.contacts(m, at(0.105))} == {"open"}
+    assert axode.contacts(m, at(0.105), margin=1e-3) == []
+    assert {x.status for x in axode.contacts(m, at(0.105), touching=0.01)} == {"stick"}
+    tau = np.array([0, 0, 0, 0, 0, 20.0])
+    assert {x.status for x in axode.contacts(m, at(0.1), tau)} == {"open"}
+    for wrong in (dict(touching=-1), dict(margin=np.inf), dict(tau=[1.0])):
+        with pytest.raises(ValueError):
+            axode.contacts(m, at(0.1), **wrong)
+
+
+def test_a_page_shows_the_contacts_of_a_motion(tmp_path):
+    if not hasattr(axode, "view"):
+        pytest.skip("no viewer")
+    m = cubes()
+    motion = axode.simulate(m, at(0.1), np.zeros(6), 0.02, step=1e-2)
+    axode.view(m, motion=motion, output=tmp_path / "page.html")
+    page = (tmp_path / "page.html").read_text(encoding="utf-8")
+    assert '"contact_shapes":["floor","cube 0 shape 1"]' in page and '"contacts":[[],[[0,1,' in page
+
+
+@pytest.fixture
+def tables(monkeypatch):
+    pytest.importorskip("scipy")
+    monkeypatch.syspath_prepend(SOURCE / "tools")
+    monkeypatch.syspath_prepend(SOURCE / "tests/validation")
+    import contact_tables
+
+    return contact_tables
+
+
+def rows_of_page(name):
+    page = (SOURCE / "docs/contact.md").read_text(encoding="utf-8")
+    text = page.partition(f"<!-- {name} -->\n")[2].partition("<!-- end -->")[0]
+    return [line.strip("| ").split(" | ") for line in text.splitlines()][2:]
+
+
+def test_cases_are_on_the_page_and_within_their_bounds(tables):
+    cases = tables.contact_cases.CASES
+    rows = {row[0]: row[-1] for row in rows_of_page("cases")}
+    assert list(rows) == [case.what for case in cases.values()]
+    for name, case in cases.items():
+        assert float(rows[case.what].split()[0]) <= case.bound, name
+        if name not in SLOW:
+            assert case.ours() <= case.bound, name
+
+
+def test_the_page_has_the_orders_and_the_certificates_of_its_command(tables):
+    laws = tables.contact_laws
+    assert [row[0] for row in rows_of_page("order")] == [*laws.MOTIONS, laws.IMPACTS]
+    assert all(float(row[2]) <= tables.CERTIFICATE and row[3] == "0" for row in rows_of_page("certificates"))
+    assert float(rows_of_page("energy")[0][1]) <= tables.ENERGY
+    assert laws.tower().certificates.max() <= tables.CERTIFICATE
+    made, energy = laws.energy_made(0.0, 5e-3)
+    assert made <= tables.ENERGY * energy
