@@ -88,16 +88,31 @@ Json frames_of(const Model& model) {
   return frames;
 }
 
-/// The loop joints, without couplings, with the pose of each end in the frame of its body.
+/// The loop joints, with the pose of each end in the frame of its body.
 Json loops_of(const Model& model) {
   Json loops = Json::array();
   for (const Loop& loop : model.loops().joints) {
     Json ends = Json::array();
     for (const Loop::End& end : loop.ends)
       ends.push_back({{"body", end.body}, {"pose", json_of(model.body(end.body).S_self * end.F)}});
-    loops.push_back({{"name", loop.name}, {"kind", to_string(loop.kind)}, {"ends", ends}});
+    loops.push_back({{"name", loop.name},
+                     {"kind", to_string(loop.kind)},
+                     {"ends", ends},
+                     {"pitch", loop.pitch},
+                     {"size", loop.size},
+                     {"wheel", loop.wheel}});
   }
   return loops;
+}
+
+Json couplings_of(const Model& model) {
+  Json couplings = Json::array();
+  for (const LoopCoupling& coupling : model.loops().couplings) {
+    Json terms = Json::array();
+    for (const LoopCoupling::Term& term : coupling.terms) terms.push_back({term.coordinate, term.factor});
+    couplings.push_back({{"name", coupling.name}, {"terms", terms}, {"offset", coupling.offset}});
+  }
+  return couplings;
 }
 
 /// The shapes of a model and the meshes that they refer to. Each mesh file is read once.
@@ -358,6 +373,7 @@ SceneContents write_scene(const Model& model, std::span<const double> q, std::os
              {"shapes", std::move(shapes.shapes)},
              {"meshes", std::move(shapes.meshes)},
              {"loops", loops_of(model)},
+             {"couplings", couplings_of(model)},
              {"q", std::vector<double>(q.begin(), q.end())},
              {"warnings", warnings},
              {"motion", std::move(motion)},

@@ -112,7 +112,23 @@ TEST(Scene, HasWhatTheModelSaysOfJointsMassesAndLoops) {
       EXPECT_LT((to_eigen(M) - to_eigen(expected)).cwiseAbs().maxCoeff(),
                 1e-12 * (1 + to_eigen(expected).cwiseAbs().maxCoeff()));
     }
-    EXPECT_EQ(scene["loops"].size(), model.loops().joints.size());
+    ASSERT_EQ(scene["loops"].size(), model.loops().joints.size());
+    for (std::size_t k = 0; k < scene["loops"].size(); ++k) {
+      const Loop& loop = model.loops().joints[k];
+      EXPECT_EQ(scene["loops"][k]["kind"], to_string(loop.kind));
+      EXPECT_EQ(scene["loops"][k]["pitch"], loop.pitch);
+      EXPECT_EQ(scene["loops"][k]["size"], loop.size);
+      EXPECT_EQ(scene["loops"][k]["wheel"], loop.wheel);
+    }
+    ASSERT_EQ(scene["couplings"].size(), model.loops().couplings.size());
+    for (std::size_t k = 0; k < scene["couplings"].size(); ++k) {
+      const LoopCoupling& coupling = model.loops().couplings[k];
+      EXPECT_EQ(scene["couplings"][k]["offset"], coupling.offset);
+      ASSERT_EQ(scene["couplings"][k]["terms"].size(), coupling.terms.size());
+      for (std::size_t j = 0; j < coupling.terms.size(); ++j)
+        EXPECT_EQ(scene["couplings"][k]["terms"][j],
+                  Json({coupling.terms[j].coordinate, coupling.terms[j].factor}));
+    }
   }
 }
 

@@ -5,13 +5,17 @@ import type { State } from "./state";
 
 declare global {
   interface Window {
-    /** Functions for programs around the page, and for tests. Poses are 4 × 4 matrices, column by column. */
+    /**
+     * Functions for programs around the page, and for tests. Poses are 4 × 4 matrices, column by column; the gap is the
+     * largest residual of the loops, with lengths in units of the size of the mechanism.
+     */
     axode: {
       setState: (q: number[]) => void;
       setTime: (t: number) => void;
       time: () => number;
       select: (body: string) => void;
       poses: () => Record<string, number[]>;
+      gap: () => number;
       layers: () => Record<string, boolean>;
       setLayer: (id: string, on: boolean) => void;
       png: () => Promise<Blob>;
@@ -35,6 +39,7 @@ export function listenAround(state: State, stage: Stage, player: Player | null, 
       state.select(index);
     },
     poses: () => Object.fromEntries(scene.bodies.map((body, i) => [body.name, state.tree.poses[i].toArray()])),
+    gap: () => state.closure.gap(state.q),
     layers: () => Object.fromEntries(layers.map(({ id, on }) => [id, on])),
     setLayer,
     png: () => stage.png(),

@@ -211,7 +211,7 @@ function loops({ scene, state, stage }: View): Layer | null {
     id: "loops",
     title: "Loop joints",
     hint: () =>
-      open > 0 ? `${count(open, "loop")} stand${open === 1 ? "s" : ""} open, red: sliders move the tree` : count(scene.loops.length, "loop"),
+      open > 0 ? `${count(open, "loop")} stand${open === 1 ? "s" : ""} open, red` : count(scene.loops.length, "loop"),
     swatch: colors.loop,
     on: true,
     over: true,

@@ -1,4 +1,5 @@
 import { Quaternion, Vector3 } from "three";
+import { TORN, type Arrival } from "./closure";
 import { element, format, freshId } from "./element";
 import { expQuaternion, logQuaternion } from "./kinematics";
 import { hasQuaternion } from "./motion";
@@ -36,14 +37,21 @@ function coordinatesFrom(joint: Joint, handles: readonly number[]): number[] {
  */
 export function fillJointPanel(panel: HTMLElement, state: State, length: number): () => void {
   const { scene } = state;
-  const rows = scene.bodies.slice(1).map((body, k) => jointRow(state, k + 1, body.joint, length));
-  const reset = element("button", { type: "button", click: () => state.setCoordinates(scene.q) }, "Reset");
+  // Joints that the user moved keep their coordinates while he moves others, if the loops allow it.
+  const chosen = new Set<number>();
+  const forget = () => {
+    chosen.clear();
+    state.setCoordinates(scene.q);
+  };
+  state.onChange(() => state.moment && chosen.clear());
+  const rows = scene.bodies.slice(1).map((body, k) => jointRow(state, k + 1, body.joint, length, chosen));
+  const reset = element("button", { type: "button", click: forget }, "Reset");
   panel.append(...(rows.length > 0 ? rows.map((row) => row.root) : [element("p", {}, "No body moves.")]));
   panel.append(element("div", { class: "row" }, reset));
   return () => rows.forEach((row) => row.show());
 }
 
-function jointRow(state: State, body: number, joint: Joint, length: number): { root: HTMLElement; show: () => void } {
+function jointRow(state: State, body: number, joint: Joint, length: number, chosen: Set<number>): { root: HTMLElement; show: () => void } {
   const { scene } = state;
   const kind = joint.leader
     ? `${joint.kind}, follows ${scene.bodies[joint.leader.joint].joint.name}`
@@ -61,12 +69,17 @@ function jointRow(state: State, body: number, joint: Joint, length: number): { r
   let editing = false;
   const numbers = () => held ?? handlesFrom(joint, state.tree.coordinates(body, state.q));
   const edit = (k: number, value: number) => {
-    held = numbers().slice();
-    held[k] = value;
-    const q = state.q.slice();
-    coordinatesFrom(joint, held).forEach((part, j) => (q[joint.iq + j] = part));
+    const from = numbers().slice();
+    const path = (s: number) => from.map((x, j) => (j === k ? x + s * (value - x) : x));
+    const way = (value - from[k]) / (units[k].coordinate === "m" ? length : 1);
+    const others = [...chosen].filter((other) => other !== body);
+    const { q, part } = led(state, body, (s) => coordinatesFrom(joint, path(s)), Math.abs(way), others);
+    chosen.add(body);
+    held = path(part);
+    const what = COMPONENTS[joint.kind]?.[k] ? `${joint.name} ${COMPONENTS[joint.kind][k]}` : joint.name;
+    const said = (x: number) => `${format(x)} ${units[k].coordinate}`;
     editing = true;
-    state.setCoordinates(q);
+    state.setCoordinates(q, part < 1 ? `${what} cannot reach ${said(value)}: the loops end its way at ${said(held[k])}.` : "");
     editing = false;
   };
   state.onChange(() => {
@@ -102,7 +115,11 @@ function jointRow(state: State, body: number, joint: Joint, length: number): { r
       step: "any",
       "aria-label": label,
       disabled,
-      change: () => Number.isFinite(box.valueAsNumber) && edit(k, box.valueAsNumber),
+      change: () => {
+        if (!Number.isFinite(box.valueAsNumber)) return;
+        edit(k, box.valueAsNumber);
+        box.value = asText(numbers()[k]); // where the joint is, which may be less far
+      },
       blur: () => show(),
     });
     const labelled = part ? [element("span", { class: "unit", "aria-hidden": "true" }, part)] : [];
@@ -120,12 +137,27 @@ function jointRow(state: State, body: number, joint: Joint, length: number): { r
   return { root, show };
 }
 
+/**
+ * The configuration in which the joint of a body has gone along path(s), as far as the loops let it. If the loops are
+ * open, the joint moves alone.
+ */
+function led({ closure, scene, q }: State, body: number, path: (s: number) => number[], way: number, others: readonly number[]): Arrival {
+  const closed = closure.none || closure.gap(q) > TORN ? null : closure.close(q, Array<boolean>(scene.nv).fill(false));
+  if (closed) return closure.lead(closed, body, path, way, others);
+  const alone = q.slice();
+  path(1).forEach((x, k) => (alone[scene.bodies[body].joint.iq + k] = x));
+  return { q: alone, part: 1 };
+}
+
+function asText(x: number): string {
+  return String(Number(x.toFixed(5)));
+}
+
 function showHandle({ slider, box, limits, range }: Handle, value: number): void {
   slider.min = String(Math.min(range[0], value));
   slider.max = String(Math.max(range[1], value));
   slider.value = String(value);
-  const text = String(Number(value.toFixed(5)));
-  if (document.activeElement !== box) box.value = text; // nobody's typing is disturbed
+  if (document.activeElement !== box) box.value = asText(value); // nobody's typing is disturbed
   const beyond = (limits[0] !== null && value < limits[0] - 1e-9) || (limits[1] !== null && value > limits[1] + 1e-9);
   box.classList.toggle("beyond", beyond);
   box.title = beyond ? "beyond its limits" : "";

@@ -71,7 +71,8 @@ async function show(scene: Scene): Promise<void> {
     showLayers();
     if (!byId("joints").hidden) showJoints();
     if (!byId("body").hidden) showBody();
-    byId("note").textContent = motion && !state.moment ? "Posed by hand: play or scrub to go back to the motion." : "";
+    const posed = motion && !state.moment ? "Posed by hand: play or scrub to go back to the motion." : "";
+    byId("note").textContent = [state.notice, posed].filter(Boolean).join(" ");
   };
   stage.beforeFrame = () => {
     for (const layer of layers) if (layer.on) layer.update();

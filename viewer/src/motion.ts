@@ -73,9 +73,27 @@ function onGroup(joint: Joint, s: number, h: number, a: number[], b: number[], v
   const [x, x_0, x_1] = weights(s);
   const step = combined([s * h, z]);
   const left = combined([x, rest], [h * x_0, rate_0], [h * x_1, rate_1]);
-  const { turn, r } = moved(moved(from, step), left);
-  if (joint.kind === "planar") return [a[0] + step.w.z + left.w.z, r.x, r.y];
-  return joint.kind === "spherical" ? turn.toArray() : [...turn.toArray(), ...r.toArray()];
+  return coordinatesOf(joint, moved(moved(from, step), left), a[0] + step.w.z + left.w.z);
+}
+
+/** The coordinates q ⊕ u of all joints after a displacement u, which has the order of velocities. */
+export function advanced(scene: Scene, q: readonly number[], u: readonly number[]): number[] {
+  const next = q.slice();
+  for (const { joint } of scene.bodies.slice(1)) {
+    const { iq, nq, iv, nv, leader } = joint;
+    if (leader) continue;
+    const step = u.slice(iv, iv + nv);
+    if (step.every((part) => part === 0)) continue;
+    const to = nv === 1 ? [q[iq] + step[0]] : coordinatesOf(joint, moved(placeOf(joint, q.slice(iq, iq + nq)), screwOf(joint, step)), q[iq] + step[0]);
+    to.forEach((x, k) => (next[iq + k] = x));
+  }
+  return next;
+}
+
+/** The coordinates of a joint with several velocities; those of a planar joint count turns by its angle. */
+function coordinatesOf({ kind }: Joint, { turn, r }: Place, angle: number): number[] {
+  if (kind === "planar") return [angle, r.x, r.y];
+  return kind === "spherical" ? turn.toArray() : [...turn.toArray(), ...r.toArray()];
 }
 
 /** The displacement of a joint with several velocities, and its twist, in the joint frame. */

@@ -63,6 +63,19 @@ export interface Loop {
   name: string;
   kind: string;
   ends: [{ body: number; pose: Pose }, { body: number; pose: Pose }];
+  /** Of a helical joint, m/rad. */
+  pitch?: number;
+  /** Length of a rod or radius of what rolls, m; of a universal joint the cosine of the angle between its axes. */
+  size?: number;
+  /** Whether a wheel rolls and not a sphere. */
+  wheel?: boolean;
+}
+
+/** Σ factor q[coordinate] = offset */
+export interface Coupling {
+  name: string;
+  terms: [coordinate: number, factor: number][];
+  offset: number;
 }
 
 export interface Series {
@@ -99,6 +112,7 @@ export interface Scene {
   shapes: Shape[];
   meshes: MeshFile[];
   loops: Loop[];
+  couplings?: Coupling[];
   q: number[];
   warnings: string[];
   /** The address from which states come while a program runs. */

@@ -1,3 +1,4 @@
+import { Closure } from "./closure";
 import { centreOfMass, Tree } from "./kinematics";
 import { coordinatesAt, interpolate, momentOf, type Moment } from "./motion";
 import type { Scene } from "./scene";
@@ -10,6 +11,9 @@ import { screwOf, type Representation, type Screw } from "./screws";
 export class State {
   q: number[];
   readonly tree: Tree;
+  readonly closure: Closure;
+  /** Why the joints are not where the user wanted them; empty if they are. */
+  notice = "";
   /** The time of the time cursor. */
   t: number;
   /**
@@ -31,6 +35,7 @@ export class State {
   constructor(readonly scene: Scene) {
     this.q = scene.q.slice();
     this.tree = new Tree(scene.bodies);
+    this.closure = new Closure(scene);
     this.selected = scene.bodies.length - 1;
     this.t = scene.motion ? scene.motion.t[0] : 0;
     if (scene.motion) this.setTime(this.t);
@@ -45,12 +50,13 @@ export class State {
     for (const listener of this.listeners) listener();
   }
 
-  /** Shows coordinates that the user chose. */
-  setCoordinates(q: readonly number[]): void {
+  /** Shows coordinates that the user chose, and why they are not those that he wanted. */
+  setCoordinates(q: readonly number[], notice = ""): void {
     if (q.length !== this.scene.nq || !q.every(Number.isFinite)) {
       throw new Error(`q must be ${this.scene.nq} finite numbers, got ${q.length}.`);
     }
     this.q = q.slice();
+    this.notice = notice;
     this.moment = null;
     this.tree.update(this.q);
     this.changed();
@@ -62,6 +68,7 @@ export class State {
     if (!motion) throw new Error("The scene has no motion.");
     const { t: times } = motion;
     this.t = Math.min(Math.max(t, times[0]), times[times.length - 1]);
+    this.notice = "";
     this.moment = momentOf(times, this.t);
     this.q = coordinatesAt(this.scene, motion, this.moment);
     this.tree.update(this.q);

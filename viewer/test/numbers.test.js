@@ -5,19 +5,19 @@ import { fileURLToPath } from "node:url";
 import { Matrix4, Quaternion, Vector3 } from "three";
 import { createServer } from "vite";
 import { apply, cross, dot, exp, inverse, matrixOf, poseOf, poses, times, turn } from "./reference.js";
-import { everyKind, fourBar, movingArm, top } from "./scenes.js";
+import { everyKind, fourBar, frameAt, movingArm, SceneBuilder, top } from "./scenes.js";
 
 const EPSILON = 1e-9;
 const movedArm = movingArm();
 const root = fileURLToPath(new URL("..", import.meta.url));
 let server;
-let kinematics, screws, axode, inertia, motion, history, sceneModule, labels, resolution;
+let kinematics, screws, axode, inertia, motion, history, sceneModule, labels, resolution, closure;
 
 before(async () => {
   server = await createServer({ root, configFile: false, logLevel: "error", server: { middlewareMode: true, hmr: false, ws: false, watch: null }, optimizeDeps: { noDiscovery: true } });
   const load = (name) => server.ssrLoadModule(`/src/${name}.ts`);
-  [kinematics, screws, axode, inertia, motion, history, sceneModule, labels, resolution] = await Promise.all(
-    ["kinematics", "screws", "axode", "inertia", "motion", "history", "scene", "labels", "resolution"].map(load));
+  [kinematics, screws, axode, inertia, motion, history, sceneModule, labels, resolution, closure] = await Promise.all(
+    ["kinematics", "screws", "axode", "inertia", "motion", "history", "scene", "labels", "resolution", "closure"].map(load));
 });
 after(() => server?.close());
 
@@ -311,4 +311,91 @@ test("the resolution does not flicker, whatever frames take", () => {
     const changes = scales.filter((scale, i) => i > 0 && scale !== scales[i - 1]).length;
     assert.ok(changes <= 3, `${changes} changes`);
   }
+});
+
+/** Entries of a pose that are all 0 if and only if it turns nothing. */
+const turned = (D) => [D[0][1], D[0][2], D[1][2], D[0][0] - 1, D[1][1] - 1, D[2][2] - 1];
+
+/** What each kind of loop joint leaves of the pose D of its second end in its first one: numbers that are 0 where it is closed. */
+const FORBIDDEN = {
+  fixed: (D) => [...D.slice(0, 3).flat()].map((x, k) => x - [1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0][k]),
+  revolute: (D) => [D[0][3], D[1][3], D[2][3], D[0][2], D[1][2], D[2][2] - 1],
+  prismatic: (D) => [D[0][3], D[1][3], ...turned(D)],
+  helical: (D, { pitch }) => [D[0][3], D[1][3], D[0][2], D[1][2], D[2][2] - 1, Math.sin((D[2][3] / pitch - Math.atan2(D[1][0], D[0][0])) / 2)],
+  cylindrical: (D) => [D[0][3], D[1][3], D[0][2], D[1][2], D[2][2] - 1],
+  spherical: (D) => [D[0][3], D[1][3], D[2][3]],
+  planar: (D) => [D[2][3], D[0][2], D[1][2], D[2][2] - 1],
+  translational: (D) => turned(D),
+  universal: (D, { size }) => [D[0][3], D[1][3], D[2][3], D[2][2] - size],
+  rod: (D, { size }) => [Math.hypot(D[0][3], D[1][3], D[2][3]) - size],
+  rolling: (D, { size, wheel }) => [D[2][3] - size * (wheel ? Math.sqrt(1 - D[2][2] ** 2) : 1)],
+};
+
+/** A body that a loop joint holds beside its own joint, which is free, and what each of its coordinates does. */
+function heldBody(kind, next) {
+  const builder = new SceneBuilder(kind);
+  const body = builder.body("body", 0, "free", frameAt([0.1, 0.2, 0.3], [1, 2, 3]), { A: frameAt([0.3, -0.2, 0.1], [0, 1, 1]) });
+  const sizes = { universal: 0.2, rod: 0.4, rolling: 0.15 };
+  const pose = () => poseOf(exp([next(), next(), next(), next(), next(), next()]));
+  const [a, b] = [pose(), pose()];
+  builder.scene.loops.push({ name: "loop", kind, ends: [{ body: 0, pose: a }, { body, pose: b }], pitch: kind === "helical" ? 0.05 : 0, size: sizes[kind] ?? 0, wheel: next() > 0 });
+  const D = (q) => times(inverse(matrixOf(a)), times(poses(builder.scene, q)[1], matrixOf(b)));
+  return { scene: builder.scene, D };
+}
+
+for (const kind of Object.keys(FORBIDDEN)) {
+  test(`a ${kind} loop joint is closed from nearby`, () => {
+    const next = random(41);
+    let closed = 0;
+    for (let k = 0; k < 20; ++k) {
+      const { scene, D } = heldBody(kind, next);
+      const loops = new closure.Closure(scene);
+      // A place where the ends are near each other, apart from what closes it.
+      const { kind: _, ends: [{ pose: a }, { pose: b }], size } = scene.loops[0];
+      const near_it = times(matrixOf(a), exp([0.1 * next(), 0.1 * next(), 0.1 * next(), 0.05 * next(), 0.05 * next(), kind === "rolling" ? size : 0.05]));
+      const along = kind === "rod" ? exp([0, 0, 0, size, 0, 0]) : kind === "universal" ? exp([Math.PI / 2, 0, 0, 0, 0, 0]) : kind === "rolling" && scene.loops[0].wheel ? exp([Math.PI / 2, 0, 0, 0, 0, 0]) : exp([0, 0, 0, 0, 0, 0]);
+      const { joint, S_prev, S_self } = scene.bodies[1];
+      const J = poseOf(times(inverse(matrixOf(S_prev)), times(times(near_it, along), times(inverse(matrixOf(b)), matrixOf(S_self)))));
+      const q = [...J.slice(3), ...J.slice(0, 3)];
+      assert.equal(q.length, joint.nq);
+      const found = loops.close(q, Array(6).fill(false));
+      if (!found) continue;
+      ++closed;
+      FORBIDDEN[kind](D(found), scene.loops[0]).forEach((x) => assert.ok(Math.abs(x) < 1e-10, `${kind}: ${x}`));
+      assert.ok(loops.gap(found) < 1e-11);
+    }
+    assert.ok(closed >= 18, `${closed} of 20 closed`);
+  });
+}
+
+test("a crank goes round with its loop closed, and a rocker stops where the loop ends its way", () => {
+  const scene = fourBar();
+  const loops = new closure.Closure(scene);
+  let q = scene.q;
+  for (let k = 0; k < 24; ++k) {
+    const from = q[0];
+    const { q: to, part } = loops.lead(q, 1, (s) => [from + (s * Math.PI) / 6], Math.PI / 6, []);
+    assert.equal(part, 1);
+    near([to[0]], [from + Math.PI / 6]);
+    assert.ok(loops.gap(to) < 1e-11);
+    q = to;
+  }
+  near([Math.sin(q[2] - scene.q[2])], [0], 1e-8, "after two turns all is where it was");
+  const from = q[2];
+  const { q: to, part } = loops.lead(q, 3, (s) => [from + 3 * s], 3, []);
+  assert.ok(part > 0 && part < 1 && loops.gap(to) < 1e-11);
+  // The rocker ends where crank and coupler are in one line: their lengths add up to the distance from its pin.
+  const reach = Math.hypot(0.8 + 0.6 * Math.cos(to[2]), 0.6 * Math.sin(to[2]));
+  assert.ok(Math.min(Math.abs(reach - 1.0), Math.abs(reach - 0.4)) < 1e-4, `${reach}`);
+});
+
+test("drives and chosen joints stay while another one moves, if the loops allow it; couplings hold", () => {
+  const builder = new SceneBuilder("two cranks");
+  const joints = [0, 1, 2].map((k) => builder.body(`c${k}`, 0, "revolute", frameAt([k, 0, 0])));
+  builder.scene.couplings = [{ name: "sum", terms: [[0, 1], [1, 2], [2, 1]], offset: 0 }];
+  const loops = new closure.Closure(builder.scene);
+  const { q } = loops.lead([0, 0, 0], joints[0], (s) => [0.3 * s], 0.3, [joints[1]]);
+  near(q, [0.3, 0, -0.3]);
+  const next = loops.lead(q, joints[2], (s) => [-0.3 + 0.5 * s], 0.5, [joints[0], joints[1]]);
+  near([next.q[0] + 2 * next.q[1] + next.q[2], next.q[2], next.part], [0, 0.2, 1]);
 });

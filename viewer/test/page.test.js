@@ -3,7 +3,7 @@ import assert from "node:assert/strict";
 import { after, before, test } from "node:test";
 import { executable, isInstalled, openBrowser } from "./browser.js";
 import { poses } from "./reference.js";
-import { arm, everyKind, frameAt, many, movingArm, SceneBuilder } from "./scenes.js";
+import { arm, everyKind, fourBar, frameAt, many, movingArm, SceneBuilder } from "./scenes.js";
 
 const options = { skip: isInstalled ? false : `there is no ${executable}` };
 let browser;
@@ -457,5 +457,29 @@ test("a page without a scene, or with one it cannot show, says so", options, asy
   const { page } = await browser.open(arm().scene, { broken: true, first: "HTMLCanvasElement.prototype.getContext = () => null" });
   await page.waitForSelector(".failure");
   assert.match(await page.textContent(".failure"), /no WebGL/);
+  await page.close();
+});
+
+test("a slider moves a mechanism with its loop closed, and stops where the loop ends its way", options, async () => {
+  const opened = await browser.open(fourBar());
+  const { page } = opened;
+  const set = async (label, value) => {
+    const box = page.locator(`input[type=number][aria-label="${label}"]`);
+    await box.fill(String(value));
+    await box.press("Enter");
+    await settled(page);
+    return { shown: Number(await box.inputValue()), gap: await page.evaluate(() => window.axode.gap()), note: await page.textContent("#note") };
+  };
+  for (const angle of [1.4, 2.5, -1]) {
+    const { shown, gap, note } = await set("crank, rad", angle);
+    assert.equal(shown, angle);
+    assert.ok(gap < 1e-9);
+    assert.doesNotMatch(note, /cannot reach/);
+  }
+  const { shown, gap, note } = await set("rocker, rad", 3);
+  assert.ok(gap < 1e-9 && shown < 3, `${shown}`);
+  assert.match(note, /^rocker cannot reach 3 rad: the loops end its way at [\d.−]+ rad\./);
+  assert.equal((await set("crank, rad", 0.5)).note.includes("cannot"), false);
+  quiet(opened);
   await page.close();
 });

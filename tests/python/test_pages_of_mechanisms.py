@@ -1,0 +1,92 @@
+"""The pages of all mechanisms that come with the package, and of robots of others, in a real browser."""
+
+import json
+import os
+import shutil
+import subprocess
+from html.parser import HTMLParser
+from pathlib import Path
+
+import axode
+import axode.viewer
+import numpy as np
+import pytest
+from conftest import ROBOTS
+
+SOURCE = Path(__file__).resolve().parents[2]
+MODULES = SOURCE / "build/release/viewer/node_modules"
+CHROMIUM = os.environ.get("CHROMIUM") or shutil.which("chromium")
+pytestmark = pytest.mark.skipif(not axode.viewer.PAGE.exists(), reason="this build has no viewer: there was no npm")
+
+MECHANISMS = [*sorted(axode.robots.iterdir()), *sorted(ROBOTS.glob("*.urdf"))]
+LARGEST_PAGE = 1_200_000
+
+
+class Scene(HTMLParser):
+    """The scene of a page."""
+
+    def __init__(self, text):
+        super().__init__()
+        self.inside, self.text = False, ""
+        self.feed(text)
+        self.close()
+        self.scene = json.loads(self.text)
+
+    def handle_starttag(self, tag, attrs):
+        self.inside = dict(attrs).get("id") == "scene"
+
+    def handle_data(self, data):
+        if self.inside:
+            self.text += data
+
+
+def written(file, folder):
+    """The page of a mechanism and its scene."""
+    page = folder / f"{file.stem}.html"
+    axode.view(axode.load(file), output=page)
+    return page, Scene(page.read_text(encoding="utf-8")).scene
+
+
+@pytest.mark.parametrize("file", MECHANISMS, ids=lambda file: file.stem)
+def test_every_body_is_drawn_where_its_joints_are(file, tmp_path):
+    page, scene = written(file, tmp_path)
+    meshes = sum(len(mesh["data"]) for mesh in scene["meshes"])
+    assert page.stat().st_size - meshes < LARGEST_PAGE
+    bodies = scene["bodies"]
+    places = [[] for _ in bodies]
+    for i, body in enumerate(bodies[1:], 1):
+        places[i] += [body["S_self"][:3], body["com"]]
+        places[body["predecessor"]].append(body["S_prev"][:3])
+    for frame in scene["frames"]:
+        places[frame["body"]].append(frame["pose"][:3])
+    for loop in scene["loops"]:
+        for end in loop["ends"]:
+            places[end["body"]].append(end["pose"][:3])
+    drawn = {shape["body"] for shape in scene["shapes"] if shape["role"] == "visual"}
+    assert drawn - {0}, "no body is drawn"
+    for i, body in enumerate(bodies[1:], 1):
+        size = np.ptp([*places[i], [0, 0, 0]], axis=0).max()
+        assert i in drawn or body["mass"] == 0 or size < 1e-9, f"{body['name']} is not drawn"
+    for shape in scene["shapes"]:
+        if not shape["stand_in"] or not places[shape["body"]]:
+            continue
+        points = np.array(shape.get("points", [[0, 0, 0]])) + shape["pose"][:3]
+        size = max(shape.get("radius", 0) + shape.get("length", 0), max(shape.get("size", [0])), *np.ptp(points, axis=0))
+        away = min(np.linalg.norm(points - place, axis=1).min() for place in places[shape["body"]])
+        assert away <= size + 1e-9, f"a part of {bodies[shape['body']]['name']} of {size} m is {away} m from its joints"
+
+
+@pytest.mark.skipif(not (CHROMIUM and MODULES.exists()), reason="there is no Chromium, or no playwright-core")
+def test_loops_stay_closed_while_sliders_move_and_the_console_is_silent(tmp_path):
+    pages = [written(file, tmp_path) for file in MECHANISMS]
+    walk = subprocess.run(["node", Path(__file__).with_name("page_walk.mjs"), MODULES, CHROMIUM], text=True, check=True,
+                          input="".join(f"{page.as_uri()}\n" for page, _ in pages), stdout=subprocess.PIPE)
+    for (page, scene), line in zip(pages, walk.stdout.splitlines(), strict=True):
+        seen = json.loads(line)
+        assert seen["said"] == [], page.stem
+        assert seen["pixels"] > 200, f"{page.stem}: {seen['pixels']} pixels are drawn"
+        assert seen["gap"] < 1e-9, f"{page.stem}: loops open by {seen['gap']}"
+        if scene["loops"]:
+            assert seen["reached"] > 0.2 * seen["asked"], f"{page.stem}: {seen['notes']}"
+        else:
+            assert seen["notes"] == [], page.stem
