@@ -18,6 +18,7 @@ declare global {
       gap: () => number;
       layers: () => Record<string, boolean>;
       setLayer: (id: string, on: boolean) => void;
+      orbit: (around: number, above: number, zoom?: number) => void;
       png: () => Promise<Blob>;
       frames: () => number;
     };
@@ -42,6 +43,7 @@ export function listenAround(state: State, stage: Stage, player: Player | null, 
     gap: () => state.closure.gap(state.q),
     layers: () => Object.fromEntries(layers.map(({ id, on }) => [id, on])),
     setLayer,
+    orbit: (around, above, zoom) => stage.orbit(around, above, zoom),
     png: () => stage.png(),
     frames: () => stage.frameCount,
   };

@@ -1,4 +1,5 @@
 import {
+  Box3,
   BufferAttribute,
   BufferGeometry,
   Group,
@@ -20,14 +21,16 @@ import { Labels } from "./labels";
 import type { Layer, View } from "./layers";
 import { colors } from "./palette";
 import { sidesOfSymbols } from "./processor";
-import type { Joint, Shape } from "./scene";
+import type { Joint, Scene, Shape } from "./scene";
 import { shapeGroup } from "./shapes";
+import { springs } from "./springs";
 
 /** The layers of the bodies at rest, which need no motion. */
 export function bodyLayers(view: View): Layer[] {
   return [
     shapes(view, "shapes", "Shapes", colors.bodies[0], true, (s) => s.role === "visual" && !s.stand_in),
     shapes(view, "stand-ins", "Stand-ins", colors.bodies[1], true, (s) => s.stand_in),
+    springs(view),
     shapes(view, "collision", "Collision shapes", colors.collision, false, (s) => s.role === "collision"),
     ground(view),
     frames(view),
@@ -83,11 +86,27 @@ function ground({ stage }: View): Layer {
   };
 }
 
+/**
+ * Where the axes of a body are drawn: at its origin if that is on the body, and else at its joint. The origin of a
+ * body that is drawn in the construction frame may be metres away from it.
+ */
+function placeOfFrame(scene: Scene, i: number): Vector3 {
+  if (i === 0) return new Vector3();
+  const { com, S_self } = scene.bodies[i];
+  const joint = new Vector3(S_self[0], S_self[1], S_self[2]);
+  const next = scene.bodies.slice(1).filter(({ predecessor }) => predecessor === i);
+  const ends = scene.loops.flatMap((loop) => loop.ends.filter(({ body }) => body === i));
+  const named = scene.frames.filter(({ body }) => body === i);
+  const poses = [...next.map(({ S_prev }) => S_prev), ...ends.map(({ pose }) => pose), ...named.map(({ pose }) => pose)];
+  const box = new Box3().setFromPoints([joint, new Vector3(...com), ...poses.map(([x, y, z]) => new Vector3(x, y, z))]);
+  const size = box.getSize(new Vector3()).length();
+  return box.distanceToPoint(new Vector3()) > 0.1 * size ? joint : new Vector3();
+}
+
 function frames(view: View): Layer {
   const { scene } = view;
-  const identity = new Matrix4();
   const items: Item[] = [
-    ...scene.bodies.map((_, body) => ({ body, pose: identity, symbol: true })),
+    ...scene.bodies.map((_, body) => ({ body, pose: new Matrix4().setPosition(placeOfFrame(scene, body)), symbol: true })),
     ...scene.frames.map((frame) => ({ body: frame.body, pose: matrixOf(frame.pose), symbol: true })),
   ];
   const material = new MeshStandardMaterial({ vertexColors: true, roughness: 0.6 });
@@ -96,7 +115,7 @@ function frames(view: View): Layer {
     {
       id: "frames",
       title: "Frames",
-      hint: () => "of the ground, of bodies, and named ones; x red, y green, z blue",
+      hint: () => "of the ground, of bodies (at their joints if their origins are elsewhere), and named ones; x red, y green, z blue",
       swatch: colors.y,
       on: false,
       over: true,

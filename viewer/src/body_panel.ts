@@ -96,10 +96,10 @@ function tables(state: State): Node[] {
   for (const { kind, title, rows, units } of QUANTITIES) {
     const spatial = state.screw(kind, i);
     if (!spatial) continue;
-    const { numbers } = represent(spatial, kind !== "twists", C, state.representation);
+    const numbers = represent(spatial, kind !== "twists", C, state.representation);
     made.push(
       element("h3", {}, title),
-      table(`arrows ${where}; ${axes}`, [
+      table(`${where}; ${axes}`, [
         [rows[0], numbers.slice(0, 3), units[0]],
         [rows[1], numbers.slice(3), units[1]],
       ]),

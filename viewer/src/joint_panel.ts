@@ -4,6 +4,7 @@ import { element, format, freshId } from "./element";
 import { expQuaternion, logQuaternion } from "./kinematics";
 import { hasQuaternion } from "./motion";
 import { degrees, type Joint } from "./scene";
+import { plain } from "./shapes";
 import type { State } from "./state";
 
 /** One number that a slider sets. */
@@ -60,7 +61,9 @@ function jointRow(state: State, body: number, joint: Joint, length: number, chos
       : joint.kind;
   const name = element("b", { title: `moves ${scene.bodies[body].name}` }, joint.name);
   const root = element("div", { class: "joint", role: "group", "aria-label": joint.name });
-  root.append(element("div", { class: "joint-name" }, name, element("span", {}, kind + (joint.passive ? ", passive" : ""))));
+  const swatch = element("i", { class: "swatch", "aria-hidden": "true" });
+  swatch.style.background = plain(body);
+  root.append(element("div", { class: "joint-name" }, swatch, name, element("span", {}, kind + (joint.passive ? ", passive" : ""))));
   root.addEventListener("focusin", () => state.selected !== body && state.select(body));
 
   const units = degrees(joint.kind);

@@ -61,6 +61,19 @@ export class Tree {
   }
 }
 
+/** The normal of the planes in which all bodies move; null if there are none. */
+export function planeNormal(scene: Scene, poses: readonly Matrix4[]): Vector3 | null {
+  let normal: Vector3 | null = null;
+  for (const [i, { joint, S_self }] of scene.bodies.entries()) {
+    if (i === 0 || joint.kind === "prismatic") continue;
+    if (joint.kind !== "revolute") return null;
+    const axis = new Vector3(0, 0, 1).transformDirection(poses[i].clone().multiply(matrixOf(S_self)));
+    normal ??= axis;
+    if (Math.abs(axis.dot(normal)) < 0.9999) return null;
+  }
+  return normal;
+}
+
 /** The mass of all bodies and their centre of mass. */
 export function centreOfMass(scene: Scene, poses: readonly Matrix4[]): { mass: number; com: Vector3 } {
   const com = new Vector3();

@@ -6,7 +6,9 @@ import { byId, element } from "./element";
 import { History } from "./history";
 import { fillJointPanel } from "./joint_panel";
 import { fillLayerPanel } from "./layer_panel";
+import { fillLegend } from "./legend";
 import { makeLayers } from "./layers";
+import { planeNormal } from "./kinematics";
 import { readMeshes } from "./meshes";
 import { palettes } from "./palette";
 import { Player } from "./player";
@@ -63,12 +65,14 @@ async function show(scene: Scene): Promise<void> {
   const showJoints = fillJointPanel(byId("joints"), state, 2 * stage.radius);
   const showLayers = fillLayerPanel(byId("layers"), layers, state, setLayer);
   const showBody = fillBodyPanel(byId("body"), state);
+  const showLegend = fillLegend(byId("legend"), layers, stage);
 
   // Numbers are written a few times a second, bodies are drawn at every frame.
   let written = 0;
   write = () => {
     written = 0;
     showLayers();
+    showLegend();
     if (!byId("joints").hidden) showJoints();
     if (!byId("body").hidden) showBody();
     const posed = motion && !state.moment ? "Posed by hand: play or scrub to go back to the motion." : "";
@@ -104,7 +108,8 @@ async function show(scene: Scene): Promise<void> {
 
   control(state, stage, player, showTab, () => setTheme(!dark));
   listenAround(state, stage, player, layers, setLayer);
-  stage.fit();
+  const normal = planeNormal(scene, state.tree.poses);
+  stage.fit(normal ? stage.before(normal).toArray() : undefined);
   canvas.dataset.ready = "true";
 }
 

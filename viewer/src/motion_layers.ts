@@ -1,24 +1,25 @@
 import { Group, Mesh, MeshStandardMaterial, Vector3 } from "three";
-import { Arrows } from "./arrows";
 import { along, axodes, dispose, leastTurning, ruledSurface, type Axodes } from "./axode";
 import { format } from "./element";
 import { cone, helix, rod } from "./glyphs";
 import { replace, type Layer, type View } from "./layers";
 import { colors } from "./palette";
-import { axisOf, nearest, represent, representations, screwOf, type Representation } from "./screws";
+import { axisOf, nearest } from "./screws";
+import { traces } from "./traces";
+import { vectorLayers } from "./vectors";
 
 /**
- * The layers of a motion: instantaneous screw axis and axodes of the chosen body, twists, wrenches and
- * momenta.
+ * The layers of a motion: instantaneous screw axis and axodes of the chosen body, traces, twists, wrenches
+ * and momenta.
  */
 export function motionLayers(view: View): Layer[] {
   const { motion } = view.scene;
   if (!motion) return [];
   const layers: Layer[] = [];
-  if (motion.twists) layers.push(screwAxis(view), ...axodeLayers(view), vectors(view, "twists", "Twists", ["rad/s", "m/s"]));
-  if (motion.wrenches) layers.push(vectors(view, "wrenches", "Wrenches of joints", ["N m", "N"]));
-  if (motion.momenta) layers.push(vectors(view, "momenta", "Momenta", ["N m s", "N s"]));
-  return layers;
+  if (motion.twists) layers.push(screwAxis(view), ...axodeLayers(view));
+  const paths = traces(view);
+  if (paths) layers.push(paths);
+  return [...layers, ...vectorLayers(view)];
 }
 
 const NO_MOTION = "play or scrub: this pose is not of the motion";
@@ -131,58 +132,4 @@ function axodeLayers(view: View): Layer[] {
     layer("fixed", "Fixed axode", "in the inertial frame", colors.fixedAxode),
     layer("moving", "Moving axode", "in the frame of the body, touches the fixed one", colors.movingAxode),
   ];
-}
-
-/** The length of the longest arrow in a motion, in units of symbols. */
-const LONGEST = 4.5;
-
-function vectors(
-  { scene, state, stage, history }: View,
-  kind: "twists" | "wrenches" | "momenta",
-  title: string,
-  units: [string, string],
-): Layer {
-  const dual = kind !== "twists";
-  const samples = scene.motion![kind]!;
-  const n = scene.bodies.length;
-  const [first, second] = [new Arrows(n, colors[kind][0], true), new Arrows(n, colors[kind][1], false)];
-  const root = new Group();
-  root.add(first, second);
-
-  const largest = new Map<Representation, [number, number]>();
-  const largestOf = (representation: Representation): [number, number] => {
-    const found = largest.get(representation) ?? [0, 0];
-    if (largest.has(representation)) return found;
-    history.indices.forEach((index, k) => {
-      for (let i = 1; i < n; ++i) {
-        const { arrows } = represent(screwOf(samples[index][i - 1]), dual, history.poses[k][i], representation);
-        found[0] = Math.max(found[0], arrows.w.length());
-        found[1] = Math.max(found[1], arrows.v.length());
-      }
-    });
-    largest.set(representation, found);
-    return found;
-  };
-
-  let hint = "";
-  const update = () => {
-    const bodies = state.everyBody ? [...Array(n).keys()].slice(1) : [state.selected];
-    const [most, mostSecond] = largestOf(state.representation);
-    const unit = stage.unit * state.symbolScale;
-    const long = LONGEST * stage.unit * state.arrowScale;
-    const [w, v]: { from: Vector3; vector: Vector3 }[][] = [[], []];
-    for (const i of bodies) {
-      const spatial = state.screw(kind, i);
-      if (!spatial) continue;
-      const { at, arrows } = represent(spatial, dual, state.tree.poses[i], state.representation);
-      if (most > 0) w.push({ from: at, vector: arrows.w.clone().multiplyScalar(long / most) });
-      if (mostSecond > 0) v.push({ from: at, vector: arrows.v.clone().multiplyScalar(long / mostSecond) });
-    }
-    first.show(w, unit);
-    second.show(v, unit);
-    hint = state.moment
-      ? `${representations[state.representation].where}; longest ${format(most)} ${units[0]} (two heads), ${format(mostSecond)} ${units[1]}`
-      : NO_MOTION;
-  };
-  return { id: kind, title, hint: () => hint, swatch: colors[kind][0], on: false, over: true, root, update };
 }

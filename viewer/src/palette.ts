@@ -24,6 +24,8 @@ export const colors = {
   coupled: "#8d63c9",
   loop: "#b8479e",
   open: "#e02f2f",
+  spring: "#4f7d3c",
+  trace: "#2a62c9",
   whole: "#0b8f8a",
   ellipsoid: "#6c8cd5",
   screw: "#e0457b",

@@ -1,49 +1,99 @@
 import uPlot from "uplot";
 import "uplot/dist/uPlot.min.css";
 import { element } from "./element";
-import { degrees, type Scene } from "./scene";
+import type { JointKind, Scene } from "./scene";
 import type { State } from "./state";
+import { tickText } from "./ticks";
 
+/** A curve over time; `body` is the body whose joint it belongs to, 0 if it belongs to none. */
+interface Curve {
+  label: string;
+  body: number;
+  values: number[];
+}
+
+/** Curves of one unit. */
 interface Quantity {
   name: string;
   unit: string;
-  labels: string[];
-  values: number[][];
+  curves: Curve[];
 }
 
-const STROKES = ["#3b82c4", "#e08a1e", "#2f9e58", "#d8434f", "#8d63c9", "#8c6d4f", "#d66fb0", "#7f8a95", "#a7a32b", "#19a7c4"];
+/** The colours of curves. The first ones have the hues of the colours of bodies, in their order. */
+const STROKES = ["#3b82c4", "#d9a21b", "#2f9e58", "#d05a3a", "#7d63c9", "#1795a3", "#d66fb0", "#8a9a22", "#5f6b76", "#8c5a2f"];
+const HUES = 8;
 const HEIGHT = 150;
 
-/** The units of these numbers, each of them once. */
-function unitsOf(scene: Scene, which: "velocity" | "force"): string {
-  const units = scene.bodies.slice(1).flatMap(({ joint }) => (joint.nv > 0 ? degrees(joint.kind).map((d) => d[which]) : []));
-  return [...new Set(units)].join(", ");
+const UNITS = {
+  q: { angle: "rad", length: "m", quaternion: "quaternion" },
+  v: { angle: "rad/s", length: "m/s", quaternion: "" },
+  tau: { angle: "N m", length: "N", quaternion: "" },
+};
+type Kind = keyof (typeof UNITS)["q"];
+
+const TURNS = ["wx", "wy", "wz"];
+const QUATERNION = ["qx", "qy", "qz", "qw"];
+
+/** The directions of the numbers of a joint, each with what it measures. A joint of one number has no direction. */
+function directions(kind: JointKind, which: "q" | "v"): [string, Kind][] {
+  const as = (names: string[], what: Kind) => names.map((name): [string, Kind] => [name, what]);
+  const coordinates = which === "q";
+  const turn = coordinates ? as(QUATERNION, "quaternion") : as(TURNS, "angle");
+  switch (kind) {
+    case "spherical":
+      return turn;
+    case "planar":
+      return coordinates ? [["angle", "angle"], ...as(["x", "y"], "length")] : [["w", "angle"], ...as(["vx", "vy"], "length")];
+    case "free":
+      return [...turn, ...as(coordinates ? ["x", "y", "z"] : ["vx", "vy", "vz"], "length")];
+    case "prismatic":
+      return [["", "length"]];
+    default:
+      return [["", "angle"]];
+  }
 }
 
-function unitsOfCoordinates(scene: Scene): string {
-  const units = scene.bodies.slice(1).flatMap(({ joint }) => {
-    if (joint.nq === 0) return [];
-    const each = degrees(joint.kind).map((d) => d.coordinate);
-    return joint.kind === "spherical" ? ["–"] : joint.kind === "free" ? ["–", ...each.slice(3)] : each;
+/** Panels of q, v or tau: one for each unit. */
+function ofJoints(scene: Scene, symbol: keyof typeof UNITS, rows: readonly number[][]): Quantity[] {
+  const curves = scene.bodies.flatMap(({ joint }, body) => {
+    if (body === 0 || joint.nv === 0) return [];
+    const first = symbol === "q" ? joint.iq : joint.iv;
+    return directions(joint.kind, symbol === "q" ? "q" : "v").map(([direction, kind], k) => ({
+      kind,
+      curve: { label: direction ? `${joint.name} ${direction}` : joint.name, body, values: rows.map((row) => row[first + k]) },
+    }));
   });
-  return [...new Set(units)].join(", ");
+  const kinds = (["angle", "quaternion", "length"] as const).filter((kind) => curves.some((c) => c.kind === kind));
+  return kinds.map((kind) => ({
+    name: kinds.length > 1 ? `${symbol}, ${UNITS[symbol][kind]}` : symbol,
+    unit: UNITS[symbol][kind],
+    curves: curves.filter((c) => c.kind === kind).map((c) => c.curve),
+  }));
 }
 
 function quantities(scene: Scene): Quantity[] {
-  const motion = scene.motion!;
-  const all: Quantity[] = [];
-  if (scene.nq > 0) all.push({ name: "q", unit: unitsOfCoordinates(scene), labels: scene.coordinate_names, values: motion.q });
-  if (scene.nv > 0) all.push({ name: "v", unit: unitsOf(scene, "velocity"), labels: scene.velocity_names, values: motion.v });
-  if (scene.nv > 0 && motion.tau) all.push({ name: "tau", unit: unitsOf(scene, "force"), labels: scene.velocity_names, values: motion.tau });
-  return [...all, ...motion.series];
+  const { q, v, tau, series } = scene.motion!;
+  return [
+    ...ofJoints(scene, "q", q),
+    ...ofJoints(scene, "v", v),
+    ...(tau ? ofJoints(scene, "tau", tau) : []),
+    ...series.map(({ name, unit, labels, values }) => ({ name, unit, curves: labels.map((label, k) => ({ label, body: 0, values: values.map((row) => row[k]) })) })),
+  ];
 }
 
-/** A number beside an axis, with as many digits as its neighbours need to differ. */
-function tickText(x: number, step: number): string {
-  if (Math.abs(x) < 1e-9 * step) return "0";
-  const decimals = Math.max(0, -Math.floor(Math.log10(step) + 1e-9));
-  const text = decimals > 5 || Math.abs(x) >= 1e6 ? x.toExponential(Math.min(8, Math.max(0, Math.round(Math.log10(Math.abs(x) / step))))) : x.toFixed(decimals);
-  return text.replace("-", "−");
+/** The curves of a quantity that are drawn: at most as many as there are colours, those that change most. */
+function drawnCurves({ curves }: Quantity, body: number | null): Curve[] {
+  const asked = curves.filter((curve) => body === null || curve.body === 0 || curve.body === body);
+  const range = ({ values }: Curve) => values.reduce((a, b) => Math.max(a, b), -Infinity) - values.reduce((a, b) => Math.min(a, b), Infinity);
+  const most = new Set([...asked].sort((a, b) => range(b) - range(a)).slice(0, STROKES.length));
+  return asked.filter((curve) => most.has(curve));
+}
+
+/** The colours of curves: those of their bodies if that tells them apart. */
+function strokes(curves: readonly Curve[]): string[] {
+  const ofBodies = curves.map(({ body }) => (body - 1) % HUES);
+  const apart = curves.every(({ body }) => body > 0) && new Set(ofBodies).size === curves.length;
+  return curves.map((_, k) => STROKES[apart ? ofBodies[k] : k]);
 }
 
 /** Plots over time, each of which can be switched off. A click or drag in a plot moves the time cursor. */
@@ -51,6 +101,9 @@ export class Plots {
   private readonly drawn = new Map<string, { plot: uPlot; cursor: HTMLElement; box: HTMLElement }>();
   private readonly drawings = element("div", { class: "drawings" });
   private readonly buttons = new Map<string, HTMLButtonElement>();
+  /** The body whose curves are drawn; null for every body. */
+  private body: number | null = null;
+  private ofChosen = false;
 
   constructor(
     place: HTMLElement,
@@ -64,11 +117,33 @@ export class Plots {
       this.buttons.set(quantity.name, button);
       choices.append(button);
     }
+    const of = element(
+      "select",
+      { "aria-label": "Curves of", change: () => this.choose((this.ofChosen = of.value === "chosen"), all) },
+      element("option", { value: "every" }, "every body"),
+      element("option", { value: "chosen" }, "the chosen body"),
+    );
+    choices.append(element("span", { class: "curves-of" }, "curves of", of));
     place.append(choices, this.drawings);
-    for (const quantity of all.filter(({ name }) => name === "q" || name === "energy")) this.toggle(quantity);
+    for (const quantity of all.filter(({ name }) => /^q\b/.test(name) || name === "energy").slice(0, 3)) this.toggle(quantity);
     if (window.innerHeight < 700 || window.innerWidth < 760) all.slice(1).forEach((q) => this.drawn.has(q.name) && this.toggle(q));
-    state.onChange(() => this.moveCursors());
+    state.onChange(() => {
+      if (this.ofChosen) this.choose(true, all);
+      this.moveCursors();
+    });
     new ResizeObserver(() => this.resize()).observe(this.drawings);
+  }
+
+  /** Draws the curves of the chosen body or of every body. */
+  private choose(ofChosen: boolean, all: readonly Quantity[]): void {
+    const body = ofChosen ? this.state.selected : null;
+    if (body === this.body) return;
+    this.body = body;
+    for (const quantity of all) {
+      if (!this.drawn.has(quantity.name)) continue;
+      this.toggle(quantity);
+      this.toggle(quantity);
+    }
   }
 
   private toggle(quantity: Quantity): void {
@@ -85,7 +160,12 @@ export class Plots {
     this.resize();
   }
 
-  private draw({ name, unit, labels, values }: Quantity): void {
+  private draw(quantity: Quantity): void {
+    const { name, unit } = quantity;
+    const curves = drawnCurves(quantity, this.body);
+    const colors = strokes(curves);
+    const all = quantity.curves.length;
+    const chosen = curves.length < all && this.body === null ? `; the ${curves.length} of ${all} that change most` : "";
     const box = element("div", { class: "drawing", role: "img", "aria-label": `${name} over time` });
     this.drawings.append(box);
     const text = () => getComputedStyle(document.documentElement).getPropertyValue("--soft");
@@ -94,7 +174,7 @@ export class Plots {
     const tick = (_: uPlot, ticks: number[], _axis: number, _space: number, step: number) => ticks.map((x) => tickText(x, step));
     const plot = new uPlot(
       {
-        title: unit ? `${name}, ${unit}` : name,
+        title: (unit && !name.endsWith(unit) ? `${name}, ${unit}` : name) + chosen,
         width: Math.max(200, box.clientWidth),
         height: HEIGHT,
         legend: { live: false },
@@ -102,21 +182,20 @@ export class Plots {
         scales: { x: { time: false } },
         axes: [
           { ...axis, size: 26, values: tick },
-          { ...axis, size: 56, values: tick },
+          { ...axis, size: (_, texts) => Math.max(40, 16 + 6.6 * Math.max(0, ...(texts ?? []).map((text) => text.length))), values: tick },
         ],
         series: [
           { label: "t" },
-          ...labels.map((label, k) => ({
+          ...curves.map(({ label }, k) => ({
             label,
-            stroke: STROKES[k % STROKES.length],
+            stroke: colors[k],
             width: 1.4,
             pxAlign: 0,
             points: { show: false },
-            dash: k < STROKES.length ? [] : [4 + 2 * Math.floor(k / STROKES.length), 3],
           })),
         ],
       },
-      [this.state.scene.motion!.t, ...labels.map((_, k) => values.map((sample) => sample[k]))],
+      [this.state.scene.motion!.t, ...curves.map(({ values }) => values)],
       box,
     );
     const cursor = element("div", { class: "cursor" });

@@ -78,6 +78,14 @@ export interface Coupling {
   offset: number;
 }
 
+/** A spring or damper between two points. */
+export interface Line {
+  ends: [{ body: number; point: Vec3 }, { body: number; point: Vec3 }];
+  stiffness: number;
+  rest: number;
+  damping: number;
+}
+
 export interface Series {
   name: string;
   unit: string;
@@ -98,6 +106,10 @@ export interface Motion {
   contact_shapes: string[];
   /** For each sample a list of points of contact, each of them 17 numbers, see contact_layers.ts. */
   contacts: number[][][] | null;
+  /** Spatial wrenches of the loop joints on their second bodies: for each sample and then for each loop joint. */
+  loop_wrenches?: number[][][] | null;
+  /** Tensions of the lines, N: for each sample and then for each line. */
+  tensions?: number[][] | null;
 }
 
 export interface Scene {
@@ -113,6 +125,7 @@ export interface Scene {
   meshes: MeshFile[];
   loops: Loop[];
   couplings?: Coupling[];
+  lines?: Line[];
   q: number[];
   warnings: string[];
   /** The address from which states come while a program runs. */
@@ -151,11 +164,13 @@ export function readScene(text: string): Scene {
   scene.frames.forEach((f) => body(f.body, `frame "${f.name}"`));
   scene.shapes.forEach((s, k) => body(s.body, `shape ${k}`));
   scene.loops.forEach((l) => l.ends.forEach((end) => body(end.body, `loop "${l.name}"`)));
+  scene.lines?.forEach((line, k) => line.ends.forEach((end) => body(end.body, `line ${k}`)));
   const { motion } = scene;
   if (motion) {
     const k = motion.t.length;
     if (k === 0) fail("its motion has no sample");
-    for (const key of ["q", "v", "tau", "twists", "wrenches", "momenta", "contacts"] as const) {
+    for (const key of ["q", "v", "tau", "twists", "wrenches", "momenta", "contacts", "loop_wrenches",
+                       "tensions"] as const) {
       const samples = motion[key];
       if (samples && samples.length !== k) fail(`its motion has ${samples.length} samples of ${key} and ${k} of t`);
     }

@@ -43,12 +43,12 @@ export function nearest({ p, e }: ScrewAxis, x: Vector3): Vector3 {
 export type Representation = "body" | "spatial" | "hybrid" | "mixed";
 
 export const representations: Record<Representation, { title: string; where: string; axes: string }> = {
-  body: { title: "body-fixed", where: "at the origin of the body", axes: "numbers in body axes" },
-  spatial: { title: "spatial", where: "at the inertial origin", axes: "numbers in inertial axes" },
-  hybrid: { title: "hybrid", where: "at the origin of the body", axes: "numbers in inertial axes" },
+  body: { title: "body-fixed", where: "about the origin of the body", axes: "numbers in body axes" },
+  spatial: { title: "spatial", where: "about the inertial origin", axes: "numbers in inertial axes" },
+  hybrid: { title: "hybrid", where: "about the origin of the body", axes: "numbers in inertial axes" },
   mixed: {
     title: "mixed",
-    where: "at the origin of the body",
+    where: "about the origin of the body",
     axes: "first three numbers in body axes, last three in inertial axes",
   },
 };
@@ -63,22 +63,13 @@ export function wrenchAbout({ w, v }: Screw, r: Vector3): Screw {
   return { w: w.clone().sub(new Vector3().crossVectors(r, v)), v: v.clone() };
 }
 
-/**
- * A spatial twist or wrench of a body with pose C, changed into a representation: as arrows and as numbers.
- */
-export function represent(
-  spatial: Screw,
-  dual: boolean,
-  C: Matrix4,
-  representation: Representation,
-): { at: Vector3; arrows: Screw; numbers: number[] } {
-  if (representation === "spatial") {
-    return { at: new Vector3(), arrows: spatial, numbers: [...spatial.w.toArray(), ...spatial.v.toArray()] };
-  }
+/** The numbers of a spatial twist or wrench of a body with pose C in a representation. */
+export function represent(spatial: Screw, dual: boolean, C: Matrix4, representation: Representation): number[] {
+  if (representation === "spatial") return [...spatial.w.toArray(), ...spatial.v.toArray()];
   const at = new Vector3().setFromMatrixPosition(C);
-  const arrows = dual ? wrenchAbout(spatial, at) : twistAbout(spatial, at);
+  const { w, v } = dual ? wrenchAbout(spatial, at) : twistAbout(spatial, at);
   const intoBody = new Matrix4().extractRotation(C).transpose();
-  const first = representation === "hybrid" ? arrows.w : arrows.w.clone().applyMatrix4(intoBody);
-  const second = representation === "body" ? arrows.v.clone().applyMatrix4(intoBody) : arrows.v;
-  return { at, arrows, numbers: [...first.toArray(), ...second.toArray()] };
+  const first = representation === "hybrid" ? w : w.clone().applyMatrix4(intoBody);
+  const second = representation === "body" ? v.clone().applyMatrix4(intoBody) : v;
+  return [...first.toArray(), ...second.toArray()];
 }

@@ -164,7 +164,7 @@ function rgb(color: readonly number[]): string {
 }
 
 /** The colour of a body whose shapes have no colour of their own. */
-function plain(body: number): string {
+export function plain(body: number): string {
   return body === 0 ? colors.ground : colors.bodies[(body - 1) % colors.bodies.length];
 }
 

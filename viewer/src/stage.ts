@@ -128,6 +128,11 @@ export class Stage {
     return (2 * Math.tan((this.camera.fov * Math.PI) / 360)) / Math.max(1, this.canvas.clientHeight);
   }
 
+  /** The distance from the camera to the point at which it looks, m. */
+  get distance(): number {
+    return this.camera.position.distanceTo(this.controls.target);
+  }
+
   /** Draws at the next frame of the browser, once however often it is called. */
   invalidate(moved = false): void {
     if (moved) this.renderer.shadowMap.needsUpdate = true;
@@ -229,6 +234,15 @@ export class Stage {
     this.groundHeight = height;
   }
 
+  /** The direction from which a mechanism is seen whose bodies all move in planes with this normal. */
+  before(normal: Vector3): Vector3 {
+    const front = normal.clone().addScaledVector(this.up, -normal.dot(this.up));
+    if (front.lengthSq() < 0.5) return normal.clone().addScaledVector(this.basis(0.25, -0.5, 0), 1);
+    if (front.dot(this.basis(1.25, -1.6, 0)) < 0) front.negate();
+    const side = new Vector3().crossVectors(this.up, front);
+    return front.addScaledVector(side, 0.42).addScaledVector(this.up, 0.32);
+  }
+
   /** The point of the ground below (or above) another. */
   below(point: Vector3): Vector3 {
     return point.clone().addScaledVector(this.up, this.groundHeight - point.dot(this.up));
@@ -238,9 +252,9 @@ export class Stage {
    * Moves the camera so that all of the scene is seen, from its present direction or from a direction in the
    * inertial frame.
    */
-  fit(direction?: readonly [number, number, number]): void {
+  fit(direction?: readonly number[]): void {
     this.resize();
-    const from = direction ? new Vector3(...direction) : this.camera.position.clone().sub(this.controls.target);
+    const from = direction ? new Vector3().fromArray(direction) : this.camera.position.clone().sub(this.controls.target);
     if (from.lengthSq() === 0) from.copy(this.basis(1.25, -1.6, 0.75));
     if (from.clone().cross(this.up).lengthSq() === 0) from.add(this.basis(0, -1e-3, 0)); // straight from above: what is up?
     this.controls.target.copy(this.centre);

@@ -86,11 +86,25 @@ export class State {
    * scene has none.
    */
   screw(kind: "twists" | "wrenches" | "momenta", i: number): Screw | null {
-    const samples = this.scene.motion?.[kind];
-    if (!samples || !this.moment || i === 0) return null;
-    const { index } = this.moment;
-    const of = [index, Math.min(index + 1, samples.length - 1)].map((k) => samples[k][i - 1]);
-    return screwOf(interpolate(of, { index: 0, fraction: this.moment.fraction }));
+    return i === 0 ? null : this.numbered(this.scene.motion?.[kind], i - 1);
+  }
+
+  /** The spatial wrench of loop joint k on its second body at the shown time; null if the scene has none. */
+  loopWrench(k: number): Screw | null {
+    return this.numbered(this.scene.motion?.loop_wrenches, k);
+  }
+
+  private numbered(samples: readonly number[][][] | null | undefined, k: number): Screw | null {
+    if (!samples || !this.moment) return null;
+    const { index, fraction } = this.moment;
+    const of = [index, Math.min(index + 1, samples.length - 1)].map((sample) => samples[sample][k]);
+    return screwOf(interpolate(of, { index: 0, fraction }));
+  }
+
+  /** The tension of a line at the shown time, N; null if the scene has none. */
+  tension(k: number): number | null {
+    const samples = this.scene.motion?.tensions;
+    return samples && this.moment ? interpolate(samples, this.moment)[k] : null;
   }
 
   centreOfMass() {

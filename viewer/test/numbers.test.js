@@ -11,13 +11,13 @@ const EPSILON = 1e-9;
 const movedArm = movingArm();
 const root = fileURLToPath(new URL("..", import.meta.url));
 let server;
-let kinematics, screws, axode, inertia, motion, history, sceneModule, labels, resolution, closure;
+let kinematics, screws, axode, inertia, motion, history, sceneModule, labels, resolution, closure, ticks;
 
 before(async () => {
   server = await createServer({ root, configFile: false, logLevel: "error", server: { middlewareMode: true, hmr: false, ws: false, watch: null }, optimizeDeps: { noDiscovery: true } });
   const load = (name) => server.ssrLoadModule(`/src/${name}.ts`);
-  [kinematics, screws, axode, inertia, motion, history, sceneModule, labels, resolution, closure] = await Promise.all(
-    ["kinematics", "screws", "axode", "inertia", "motion", "history", "scene", "labels", "resolution", "closure"].map(load));
+  [kinematics, screws, axode, inertia, motion, history, sceneModule, labels, resolution, closure, ticks] = await Promise.all(
+    ["kinematics", "screws", "axode", "inertia", "motion", "history", "scene", "labels", "resolution", "closure", "ticks"].map(load));
 });
 after(() => server?.close());
 
@@ -93,7 +93,7 @@ test("power is the same in every representation", () => {
     for (const representation of Object.keys(screws.representations)) {
       const twist = screws.represent(screws.screwOf(V), false, C, representation);
       const wrench = screws.represent(screws.screwOf(W), true, C, representation);
-      near([dot(twist.numbers, wrench.numbers)], [dot(V, W)], EPSILON, representation);
+      near([dot(twist, wrench)], [dot(V, W)], EPSILON, representation);
     }
   }
 });
@@ -102,7 +102,7 @@ test("a body-fixed twist is Ad of the inverse pose of the spatial one", () => {
   const scene = movedArm;
   const V = scene.motion.twists[50][5];
   const C = poses(scene, scene.motion.q[50])[6];
-  const { numbers } = screws.represent(screws.screwOf(V), false, new Matrix4().set(...C.flat()), "body");
+  const numbers = screws.represent(screws.screwOf(V), false, new Matrix4().set(...C.flat()), "body");
   const r = [C[0][3], C[1][3], C[2][3]];
   const w = turn(inverse(C), V.slice(0, 3));
   const v = turn(inverse(C), V.slice(3).map((x, i) => x + cross(V.slice(0, 3), r)[i]));
@@ -398,4 +398,16 @@ test("drives and chosen joints stay while another one moves, if the loops allow 
   near(q, [0.3, 0, -0.3]);
   const next = loops.lead(q, joints[2], (s) => [-0.3 + 0.5 * s], 0.5, [joints[0], joints[1]]);
   near([next.q[0] + 2 * next.q[1] + next.q[2], next.q[2], next.part], [0, 0.2, 1]);
+});
+
+test("ticks are not rounded", () => {
+  const step = (from, by, n) => Array.from({ length: n }, (_, k) => from + k * by);
+  assert.deepEqual(step(-0.5, 0.25, 5).map((x) => ticks.tickText(x, 0.25)), ["−0.50", "−0.25", "0", "0.25", "0.50"]);
+  assert.deepEqual(step(-5, 2.5, 3).map((x) => ticks.tickText(x, 2.5)), ["−5.0", "−2.5", "0"]);
+  for (const by of [1, 2, 2.5, 5, 0.1, 0.2, 0.25, 0.5, 0.025, 1e-3, 2.5e-4, 2.5e-9, 2e7, 2.5e8]) {
+    for (const x of step(-3 * by, by, 8)) {
+      const read = Number(ticks.tickText(x, by).replace("−", "-"));
+      assert.ok(Math.abs(read - x) <= 1e-9 * by, `${x} by ${by} reads ${read}`);
+    }
+  }
 });

@@ -107,7 +107,7 @@ test("a motion is shown, played, scrubbed and drawn, without a word to console o
   const ids = Object.keys(await page.evaluate(() => window.axode.layers()));
   assert.deepEqual(ids.sort(), [
     "collision", "com", "ellipsoids", "fixed-axode", "frames", "ground", "joints", "momenta", "moving-axode", "names",
-    "screw-axis", "shapes", "twists", "wrenches",
+    "screw-axis", "shapes", "traces", "twists", "wrenches",
   ]);
   await keep(page, "plain");
   for (const id of ids) {
@@ -336,7 +336,7 @@ test("everything is reached by the keyboard, and has a name for those who do not
   await page.click("#tab-body");
   await page.selectOption("#body select", { label: "link 6" });
   const captions = {
-    body: "numbers in body axes", spatial: "at the inertial origin", hybrid: "of the body; numbers in inertial axes", mixed: "first three numbers",
+    body: "numbers in body axes", spatial: "about the inertial origin", hybrid: "of the body; numbers in inertial axes", mixed: "first three numbers",
   };
   const numbers = new Set();
   for (const [representation, caption] of Object.entries(captions)) {
