@@ -66,6 +66,8 @@ export class Stage {
   private frames = 0;
   private dark = false;
   private groundHeight = 0;
+  private followed: (() => Vector3) | null = null;
+  private lastSeen: Vector3 | null = null;
 
   constructor(
     readonly canvas: HTMLCanvasElement,
@@ -128,6 +130,33 @@ export class Stage {
     return (2 * Math.tan((this.camera.fov * Math.PI) / 360)) / Math.max(1, this.canvas.clientHeight);
   }
 
+  /** Moves the camera along with a point from now on, or with none. */
+  follow(point: (() => Vector3) | null): void {
+    this.followed = point;
+    this.lastSeen = point?.() ?? null;
+  }
+
+  /** Looks at the followed point as before, after it has moved. */
+  private keepInView(): void {
+    const point = this.followed?.();
+    if (!point || !this.lastSeen) return;
+    const step = point.clone().sub(this.lastSeen);
+    this.lastSeen = point;
+    if (step.lengthSq() === 0) return;
+    this.camera.position.add(step);
+    this.controls.target.add(step);
+    this.camera.lookAt(this.controls.target);
+  }
+
+  /** Moves the camera so that a ball about a point is seen, from its present direction. */
+  fitBall(centre: Vector3, radius: number): void {
+    const from = this.camera.position.clone().sub(this.controls.target).setLength((2.2 * radius) / Math.tan((this.camera.fov * Math.PI) / 360));
+    this.controls.target.copy(centre);
+    this.camera.position.copy(centre).add(from);
+    this.controls.update();
+    this.invalidate();
+  }
+
   /** The distance from the camera to the point at which it looks, m. */
   get distance(): number {
     return this.camera.position.distanceTo(this.controls.target);
@@ -157,6 +186,7 @@ export class Stage {
   private draw(): void {
     this.pending = 0;
     ++this.frames;
+    this.keepInView();
     this.beforeFrame();
     this.renderer.clear();
     this.renderer.render(this.space, this.camera);
@@ -182,6 +212,7 @@ export class Stage {
     this.layGround(floor < -1e-3 * size ? floor : 0);
     this.camera.near = 0.01 * size;
     this.camera.far = 60 * this.radius;
+    this.controls.maxDistance = 40 * this.radius; // so that nothing lies behind the far plane
     this.key.position.copy(this.centre).add(this.basis(1, -0.7, 2.2).multiplyScalar(1.5 * this.radius));
     this.key.target.position.copy(this.centre);
     const view = this.key.shadow.camera;

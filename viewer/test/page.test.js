@@ -3,7 +3,7 @@ import assert from "node:assert/strict";
 import { after, before, test } from "node:test";
 import { executable, isInstalled, openBrowser } from "./browser.js";
 import { poses } from "./reference.js";
-import { arm, everyKind, fourBar, frameAt, many, movingArm, SceneBuilder } from "./scenes.js";
+import { arm, everyKind, fourBar, frameAt, many, movingArm, SceneBuilder, top } from "./scenes.js";
 
 const options = { skip: isInstalled ? false : `there is no ${executable}` };
 let browser;
@@ -480,6 +480,25 @@ test("a slider moves a mechanism with its loop closed, and stops where the loop 
   assert.ok(gap < 1e-9 && shown < 3, `${shown}`);
   assert.match(note, /^rocker cannot reach 3 rad: the loops end its way at [\d.−]+ rad\./);
   assert.equal((await set("crank, rad", 0.5)).note.includes("cannot"), false);
+  quiet(opened);
+  await page.close();
+});
+
+test("the camera follows the chosen body while it moves", options, async () => {
+  const opened = await browser.open(top());
+  const { page } = opened;
+  await page.evaluate(() => window.axode.select("top"));
+  await page.click("#follow");
+  assert.equal(await page.getAttribute("#follow", "aria-pressed"), "true");
+  await settled(page);
+  await keep(page, "at once");
+  await page.evaluate(() => window.axode.setTime(1.1));
+  await page.evaluate(() => window.axode.setTime(0));
+  await settled(page);
+  await keep(page, "and back");
+  assert.equal(await changed(page, "at once", "and back"), 0);
+  await page.click("#fit");
+  assert.equal(await page.getAttribute("#follow", "aria-pressed"), "false");
   quiet(opened);
   await page.close();
 });
