@@ -11,13 +11,13 @@ const EPSILON = 1e-9;
 const movedArm = movingArm();
 const root = fileURLToPath(new URL("..", import.meta.url));
 let server;
-let kinematics, screws, axode, inertia, motion, history, sceneModule, labels, resolution, closure, ticks;
+let kinematics, screws, axode, inertia, motion, history, sceneModule, labels, resolution, closure, ticks, vectors, stateModule;
 
 before(async () => {
   server = await createServer({ root, configFile: false, logLevel: "error", server: { middlewareMode: true, hmr: false, ws: false, watch: null }, optimizeDeps: { noDiscovery: true } });
   const load = (name) => server.ssrLoadModule(`/src/${name}.ts`);
-  [kinematics, screws, axode, inertia, motion, history, sceneModule, labels, resolution, closure, ticks] = await Promise.all(
-    ["kinematics", "screws", "axode", "inertia", "motion", "history", "scene", "labels", "resolution", "closure", "ticks"].map(load));
+  [kinematics, screws, axode, inertia, motion, history, sceneModule, labels, resolution, closure, ticks, vectors, stateModule] = await Promise.all(
+    ["kinematics", "screws", "axode", "inertia", "motion", "history", "scene", "labels", "resolution", "closure", "ticks", "vectors", "state"].map(load));
 });
 after(() => server?.close());
 
@@ -410,4 +410,31 @@ test("ticks are not rounded", () => {
       assert.ok(Math.abs(read - x) <= 1e-9 * by, `${x} by ${by} reads ${read}`);
     }
   }
+});
+
+test("arrows of wrenches stand at their joints, with the moment about them and to the scale of the legend", () => {
+  const scene = movedArm;
+  const state = new stateModule.State(scene);
+  const stage = { unit: 0.1, radius: 1 };
+  const layers = vectors.vectorLayers({ scene, state, stage, history: new history.History(scene), meshes: [] });
+  const layer = layers.find(({ id }) => id === "wrenches");
+  state.select(4);
+  state.setTime(scene.motion.t[30]);
+  layer.update();
+  const C = poses(scene, scene.motion.q[30])[4];
+  const joint = apply(C, scene.bodies[4].S_self.slice(0, 3));
+  const W = scene.motion.wrenches[30][3];
+  const moment = W.slice(0, 3).map((m, k) => m - cross(joint, W.slice(3))[k]);
+  layer.root.children.forEach((arrows, k) => {
+    const [shafts, heads] = arrows.children;
+    assert.equal(shafts.count, 1);
+    const [from, tip] = [shafts, heads].map((mesh) => {
+      const matrix = new Matrix4();
+      mesh.getMatrixAt(0, matrix);
+      return new Vector3().setFromMatrixPosition(matrix).toArray();
+    });
+    near(from, joint, 1e-6);
+    const scale = layer.scales().find(({ heads: n }) => n === 2 - k);
+    near(tip.map((x, c) => (x - from[c]) * scale.each), k === 0 ? moment : W.slice(3), 1e-5);
+  });
 });
