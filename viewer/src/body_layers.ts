@@ -195,7 +195,8 @@ const OPEN = 1e-4;
 
 function loops({ scene, state, stage }: View): Layer | null {
   if (scene.loops.length === 0) return null;
-  const ends = scene.loops.flatMap((loop) => loop.ends);
+  // The frames of a plane and of what rolls on it are not where they touch.
+  const ends = scene.loops.flatMap((loop) => (loop.kind === "rolling" ? [] : loop.ends));
   const rings = new Instances(
     new TorusGeometry(0.4, 0.07, 10, 32),
     new MeshStandardMaterial({ roughness: 0.5 }),
@@ -220,8 +221,8 @@ function loops({ scene, state, stage }: View): Layer | null {
       if (length > OPEN * stage.radius && apartIsOpen(loop.kind)) ++open;
       const item = rods.items[k];
       item.color = apartIsOpen(loop.kind) ? colors.open : colors.loop;
-      item.pose = length > 0 ? along({ centre: a, e: between.divideScalar(length) }) : new Matrix4();
-      item.pose.scale(new Vector3(unit, unit, Math.max(length, 1e-9)));
+      item.pose = length > 0 && loop.kind !== "rolling" ? along({ centre: a, e: between.divideScalar(length) }) : new Matrix4();
+      item.pose.scale(new Vector3(unit, unit, loop.kind === "rolling" ? 0 : Math.max(length, 1e-9)));
     });
     rods.paint();
     rods.place(state.tree.poses, 1);

@@ -193,6 +193,9 @@ export function reach(scene: Scene, poses: readonly Matrix4[], meshes: readonly 
     points.push(new Vector3(...body.com).applyMatrix4(poses[i]));
     points.push(new Vector3(...(body.S_self.slice(0, 3) as [number, number, number])).applyMatrix4(poses[i]));
   });
+  for (const { ends } of scene.lines ?? []) {
+    for (const { body, point } of ends) points.push(new Vector3(...point).applyMatrix4(poses[body]));
+  }
   for (const frame of scene.frames) {
     points.push(new Vector3().setFromMatrixPosition(poses[frame.body].clone().multiply(matrixOf(frame.pose))));
   }

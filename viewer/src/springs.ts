@@ -7,12 +7,15 @@ import type { Layer, View } from "./layers";
 import { colors } from "./palette";
 import type { Line } from "./scene";
 
-/** A coil from z = 0 to z = 1 whose radius is one. */
-function coil(): BufferGeometry {
-  const turns = 9;
-  const wire = helix(1, 0.8 / turns, turns, 0.16, 16);
+/**
+ * A coil from z = 0 to z = 1 whose radius is one. Its wire is round if the coil is drawn `slender` times as long as its
+ * radius.
+ */
+function coil(slender: number): BufferGeometry {
+  const turns = Math.round(Math.min(24, Math.max(5, slender / 1.6)));
+  const wire = helix(1, (0.8 * slender) / turns, turns, 0.18, 16).scale(1, 1, 1 / slender);
   wire.translate(0, 0, 0.5).deleteAttribute("normal");
-  const ends = [rod(0.16, 0, 0.1, 8), rod(0.16, 0.9, 1, 8)].map(bare);
+  const ends = [rod(0.18, 0, 0.1, 8), rod(0.18, 0.9, 1, 8)].map(bare);
   const whole = mergeGeometries([wire.toNonIndexed(), ...ends]);
   whole.computeVertexNormals();
   return whole;
@@ -33,6 +36,9 @@ function bare(geometry: BufferGeometry): BufferGeometry {
   return points;
 }
 
+/** Radius of a coil, in units of symbols. */
+const RADIUS = 0.4;
+
 /** Springs and dampers between two points: coils, pistons, and pistons in coils. */
 export function springs({ scene, state, stage }: View): Layer | null {
   const lines = scene.lines ?? [];
@@ -42,9 +48,15 @@ export function springs({ scene, state, stage }: View): Layer | null {
     lines.filter(which).map((line) => ({ line, item: { body: 0, pose: new Matrix4(), color: colors.spring } }));
   const coils = items(({ stiffness }) => stiffness !== 0);
   const pistons = items(({ damping }) => damping !== 0);
+  const width = ({ rest }: Line, length: number, radius: number) => Math.min(radius * stage.unit, 0.2 * (rest || length));
+  const lengthOf = (line: Line) => {
+    const [a, b] = line.ends.map(({ body, point }) => new Vector3(...point).applyMatrix4(state.tree.poses[body]));
+    return b.sub(a).length();
+  };
+  const slender = coils.length > 0 ? lengthOf(coils[0].line) / width(coils[0].line, lengthOf(coils[0].line), RADIUS) : 0;
   const parts = [
-    { entries: coils, drawn: new Instances(coil(), material, coils.map(({ item }) => item)), radius: 0.28 },
-    { entries: pistons, drawn: new Instances(piston(), material, pistons.map(({ item }) => item)), radius: 0.15 },
+    { entries: coils, drawn: new Instances(coil(slender), material, coils.map(({ item }) => item)), radius: RADIUS },
+    { entries: pistons, drawn: new Instances(piston(), material, pistons.map(({ item }) => item)), radius: 0.2 },
   ].filter(({ entries }) => entries.length > 0);
   const root = new Group();
   for (const { drawn } of parts) {
@@ -57,8 +69,8 @@ export function springs({ scene, state, stage }: View): Layer | null {
         const [a, b] = line.ends.map(({ body, point }) => new Vector3(...point).applyMatrix4(state.tree.poses[body]));
         const e = b.clone().sub(a);
         const length = e.length();
-        const width = Math.min(radius * stage.unit, 0.2 * (line.rest || length));
-        item.pose = length > 0 ? along({ centre: a, e: e.divideScalar(length) }).scale(new Vector3(width, width, length)) : new Matrix4().makeScale(0, 0, 0);
+        const wide = width(line, length, radius);
+        item.pose = length > 0 ? along({ centre: a, e: e.divideScalar(length) }).scale(new Vector3(wide, wide, length)) : new Matrix4().makeScale(0, 0, 0);
       }
       drawn.place(state.tree.poses, 1);
     }
