@@ -28,7 +28,7 @@ namespace {
 /// dashed.
 constexpr std::array<std::string_view, 8> palette{"#4477aa", "#ee7733", "#228833", "#aa3377",
                                                   "#999933", "#33bbee", "#000000", "#cc3311"};
-constexpr std::size_t most_lines = palette.size(), most_points = 2000, longest_name = 28;
+constexpr std::size_t most_lines = palette.size(), most_points = 2000, longest_name = 60;
 constexpr std::size_t most_dots = 50;  ///< a line with at most this number of points has a dot at each of
                                        ///< them
 
@@ -171,7 +171,10 @@ class Script {
     }
     const int rows = (static_cast<int>(chart.panels.size()) + chart.columns - 1) / chart.columns;
     right_ = legend_ == 0 ? 20 : 40 + 9 * static_cast<int>(legend_);
-    gap_ = std::ranges::any_of(chart.panels, [&](const Panel& panel) { return slanted(panel); }) ? 104 : 62;
+    titles_ =
+        std::ranges::any_of(chart.panels, [](const Panel& panel) { return !panel.title.empty(); }) ? 16 : 0;
+    gap_ = titles_ +
+           (std::ranges::any_of(chart.panels, [&](const Panel& panel) { return slanted(panel); }) ? 104 : 62);
     size_ = {chart.columns * (left + chart.width + right_), top + rows * (chart.height + gap_) + bottom()};
   }
 
@@ -198,7 +201,7 @@ class Script {
   }
 
  private:
-  static constexpr int left = 84, top = 44;
+  static constexpr int left = 92, top = 44;
   int bottom() const { return chart_.legend == Chart::below_all ? 48 : 0; }
 
   void panel(std::size_t place) {
@@ -206,14 +209,17 @@ class Script {
     const int row = static_cast<int>(place) / chart_.columns,
               column = static_cast<int>(place) % chart_.columns;
     const double x0 = column * (left + chart_.width + right_) + left;
-    const double y1 = size_[1] - top - row * (chart_.height + gap_) - (panel.title.empty() ? 0 : 16);
-    const double y0 = size_[1] - top - row * (chart_.height + gap_) - chart_.height;
+    const double y1 = size_[1] - top - titles_ - row * (chart_.height + gap_);
+    const double y0 = y1 - chart_.height;
     text_ += fmt::format(
         "set lmargin at screen {}\nset rmargin at screen {}\nset bmargin at screen {}\nset tmargin at screen "
         "{}\n",
         x0 / size_[0], (x0 + chart_.width) / size_[0], y0 / size_[1], y1 / size_[1]);
-    text_ += fmt::format("set title {} offset 0,-0.5\nset xlabel {}\nset ylabel {}\n", literal(panel.title),
-                         literal(panel.x_axis), literal(panel.y_axis));
+    text_ += fmt::format("set title {} offset 0,-0.5\nset xlabel {}\n", literal(panel.title),
+                         literal(panel.x_axis));
+    // A label of gnuplot's own would be moved out of the picture by long numbers beside the axis.
+    text_ += fmt::format("set label 2 {} at screen {},{} center rotate by 90\n", literal(panel.y_axis),
+                         (x0 - left + 12) / size_[0], (y0 + y1) / 2 / size_[1]);
     text_ += panel.axes_through_zero
                  ? "set xzeroaxis lt 1 lc rgb \"#777777\"\nset yzeroaxis lt 1 lc rgb \"#777777\"\n"
                  : "unset xzeroaxis\nunset yzeroaxis\n";
@@ -240,7 +246,7 @@ class Script {
       data(*curves[k], k);
       plots += (k == 0 ? "plot " : ", ") + plotted(*curves[k], k);
     }
-    text_ += plots + "\nunset label 1\n";
+    text_ += plots + "\nunset label 1\nunset label 2\n";
   }
 
   /// Whether names below the panel are too long to stand side by side.
@@ -354,7 +360,7 @@ class Script {
   const Chart& chart_;
   std::vector<std::vector<const Curve*>> panels_;
   std::size_t legend_ = 0;
-  int right_, gap_;
+  int right_, gap_, titles_;
   std::array<int, 2> size_;
   std::string text_;
 };
@@ -385,6 +391,50 @@ void ChartFile::draw(const Chart& chart) const {
 
 void add_plot_option(CLI::App& command, std::string& file) {
   command.add_option("--plot", file, "Draw a .svg or .png")->type_name("FILE");
+}
+
+void add_columns_option(CLI::App& command, std::vector<std::string>& columns) {
+  command
+      .add_option("--columns", columns,
+                  "Draw these curves only: names of panels, curves, joints or bodies, as q or \"q pin\"")
+      ->type_name("NAMES")
+      ->delimiter(',')
+      ->allow_extra_args(false);
+}
+
+void keep_columns(Chart& chart, const std::vector<std::string>& columns) {
+  if (columns.empty()) return;
+  std::vector<bool> used(columns.size());
+  std::vector<std::string> names;
+  for (Panel& panel : chart.panels) {
+    std::erase_if(panel.curves, [&](const Curve& curve) {
+      std::vector<std::string> own = curve.of;
+      own.push_back(curve.name);
+      bool kept = false;
+      for (std::size_t k = 0; k < columns.size(); ++k) {
+        const bool named =
+            columns[k] == panel.name || std::ranges::any_of(own, [&](const std::string& name) {
+              return !name.empty() && (columns[k] == name || columns[k] == panel.name + " " + name);
+            });
+        used[k] = used[k] || named;
+        kept = kept || named;
+      }
+      own.push_back(panel.name);
+      for (const std::string& name : own)
+        if (!name.empty() && std::ranges::find(names, name) == names.end()) names.push_back(name);
+      return !kept;
+    });
+  }
+  for (std::size_t k = 0; k < columns.size(); ++k)
+    if (!used[k])
+      throw UsageError("--columns: " + none_of(columns[k], names, [](const auto& name) { return name; }));
+  std::string x_axis;
+  for (const Panel& panel : chart.panels)
+    if (!panel.x_axis.empty()) x_axis = panel.x_axis;
+  if (chart.columns == 1) {
+    std::erase_if(chart.panels, [](const Panel& panel) { return panel.curves.empty(); });
+    if (!chart.panels.empty()) chart.panels.back().x_axis = x_axis;
+  }
 }
 
 std::optional<ChartFile> chart_file(const std::string& file) {

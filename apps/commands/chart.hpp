@@ -24,6 +24,7 @@ struct Curve {
   Kind kind = line;
   int color = -1;  ///< index in the palette; -1 stands for the index of the curve, and for black if the curve
                    ///< is marks
+  std::vector<std::string> of = {};  ///< further names by which --columns finds the curve
 };
 
 struct Panel {
@@ -36,6 +37,7 @@ struct Panel {
   bool axes_through_zero = false;
   bool log_x = false, log_y = false;
   double bar_width = 0.85;
+  std::string name = {};  ///< name by which --columns finds all curves of the panel
 };
 
 struct Chart {
@@ -65,6 +67,12 @@ class ChartFile {
 };
 
 void add_plot_option(CLI::App& command, std::string& file);
+/// The option --columns of a command that draws a chart.
+void add_columns_option(CLI::App& command, std::vector<std::string>& columns);
+/// Keeps the curves that the words of --columns name: all curves of a panel, a curve by its own name or by
+/// another of its names, or one curve of a panel by both names. Without words it keeps all curves. Throws
+/// UsageError if a word names no curve.
+void keep_columns(Chart& chart, const std::vector<std::string>& columns);
 /// The picture of an option; empty if the option names no file.
 std::optional<ChartFile> chart_file(const std::string& file);
 

@@ -19,7 +19,7 @@ namespace axode::command {
 namespace {
 
 struct Options {
-  std::vector<std::string> tables;
+  std::vector<std::string> tables, columns;
   std::string picture, logarithmic;
   bool bars = false;
 };
@@ -35,6 +35,7 @@ chart has room for 60 panels.
 Example:
   axode simulate four_bar.toml --until 2 --output run.csv
   axode plot run.csv --output run.svg
+  axode plot run.csv --columns crank_joint,energy --output crank.svg
 
 With --bars the first column has names, and each number is a bar.)";
 
@@ -74,7 +75,11 @@ class TableReader {
     for (std::size_t k = 0; k < curves_.size(); ++k) {
       auto panel = std::ranges::find(panels, of_panels_[k], &Panel::y_axis);
       if (panel == panels.end()) {
-        panels.push_back({.y_axis = of_panels_[k], .x_ticks = ticks_, .log_x = log_.x, .log_y = log_.y});
+        panels.push_back({.y_axis = of_panels_[k],
+                          .x_ticks = ticks_,
+                          .log_x = log_.x,
+                          .log_y = log_.y,
+                          .name = of_panels_[k]});
         panel = panels.end() - 1;
       }
       panel->curves.push_back(std::move(curves_[k]));
@@ -167,6 +172,7 @@ void run(const Options& options, int& exit_code) {
   for (std::size_t row = 0; row < rows; ++row)
     for (std::vector<Panel>& panels : of_tables)
       chart.panels.push_back(row < panels.size() ? std::move(panels[row]) : Panel{});
+  keep_columns(chart, options.columns);
   picture.draw(chart);
   fmt::print("{}: {} of {}\n", options.picture, options.bars ? "bars" : "curves",
              fmt::join(options.tables, ", "));
@@ -184,6 +190,7 @@ void add_plot(CLI::App& app, int& exit_code) {
   plot->add_option("--output", options->picture, "The .svg or .png to draw")->required()->type_name("FILE");
   plot->add_option("--log", options->logarithmic, "Logarithmic axes; none if left out")
       ->type_name(words(logarithmic_axes));
+  add_columns_option(*plot, options->columns);
   plot->add_flag("--bars", options->bars, "Bars instead of curves");
   plot->footer(footer);
   plot->callback([options, &exit_code] { run(*options, exit_code); });

@@ -15,6 +15,7 @@
 #include "apps/files/state.hpp"
 #include "apps/files/state_table.hpp"
 #include "apps/files/text_file.hpp"
+#include "apps/quantities/components.hpp"
 #include "apps/shell/choice.hpp"
 #include "apps/shell/commands.hpp"
 #include "apps/shell/progress.hpp"
@@ -44,6 +45,7 @@ struct Options {
   Assembling assembling;
   std::vector<std::string> outputs;
   std::string plot;
+  std::vector<std::string> columns;
 };
 
 constexpr const char* footer =
@@ -91,8 +93,8 @@ Example:
 
 The ending of FILE says what is written by --output: .json all that is known; .csv a row for each time
 with t, q, v, a, tau and the energy, under names; .npz these as arrays: q = numpy.load("run.npz")["q"].
---plot draws q, v, tau, the forces of contacts and the energies over time. Ctrl-C ends the motion; what
-there is by then is written.)";
+--plot draws q, v, tau, the forces of contacts and the energies over time, and of these what --columns
+names. Ctrl-C ends the motion; what there is by then is written.)";
 
 /// The constant drive forces of the state, and the controller of the options.
 Drive drive_of(const Model& model, const State& state, const Options& options) {
@@ -273,45 +275,29 @@ std::string npz_of(const Rows& rows) {
   return as_npz(arrays);
 }
 
-/// A symbol with the units that it has for angles and for lengths, as the joints of the model require.
-std::string with_units(const Model& model, const std::string& symbol, const char* of_angles,
-                       const char* of_lengths) {
-  bool angles = false, lengths = false, quaternions = false;
-  for (const Joint& joint : model.joints()) {
-    if (joint.leader) continue;
-    const bool slides = joint.kind == Subgroup::prismatic, floats = joint.kind == Subgroup::free;
-    angles |= !slides;
-    lengths |= slides || floats || joint.kind == Subgroup::planar;
-    quaternions |= floats || joint.kind == Subgroup::spherical;
-  }
-  std::string text = symbol;
-  if (angles) text += fmt::format(", {}", of_angles);
-  if (lengths) text += fmt::format(", {}", of_lengths);
-  return text + (symbol == "q" && quaternions ? ", quaternions" : "");
-}
-
 Chart chart_of(const Trajectory& motion, const Rows& rows) {
   const Model& model = motion.model();
   Chart chart{.title = model.name()};
-  const auto list = [](const auto& numbers) { return std::vector<double>(numbers.begin(), numbers.end()); };
-  const std::vector<double> t = list(rows.t);
-  const auto add = [&](const std::string& axis, const std::vector<std::string>& names,
-                       const Eigen::MatrixXd& columns) {
-    Panel panel{.y_axis = axis};
-    for (std::size_t k = 0; k < names.size(); ++k)
-      panel.curves.push_back(
-          {.name = names[k], .x = t, .y = list(columns.col(static_cast<Eigen::Index>(k)))});
+  const std::vector<double> t(rows.t.begin(), rows.t.end());
+  const auto add = [&](const std::string& symbol, const std::string& unit,
+                       const std::vector<std::string>& names, const Eigen::MatrixXd& columns) {
+    Panel panel{.y_axis = symbol + ", " + unit, .name = symbol};
+    for (std::size_t k = 0; k < names.size(); ++k) {
+      const auto column = columns.col(static_cast<Eigen::Index>(k));
+      panel.curves.push_back({.name = names[k], .x = t, .y = {column.begin(), column.end()}});
+    }
     chart.panels.push_back(panel);
   };
-  const std::vector<std::string> velocities = velocity_names(model);
-  add(with_units(model, "q", "rad", "m"), coordinate_names(model), rows.q);
-  add(with_units(model, "v", "rad/s", "m/s"), velocities, rows.v);
-  if (!rows.tau.isZero(0)) add(with_units(model, "tau", "N m", "N"), velocities, rows.tau);
-  if (rows.motion_forces.cols() > 0) add("force of motions, N m, N", motion_names(model), rows.motion_forces);
+  const std::vector<Component> velocities = velocity_components(model);
+  add_panels(chart, "q", coordinate_components(model), {"rad", "m"}, t, rows.q);
+  add_panels(chart, "v", velocities, {"rad/s", "m/s"}, t, rows.v);
+  if (!rows.tau.isZero(0)) add_panels(chart, "tau", velocities, {"N m", "N"}, t, rows.tau);
+  if (rows.motion_forces.cols() > 0)
+    add("force of motions", "N m, N", motion_names(model), rows.motion_forces);
   for (Panel& panel : contact_panels(motion, t)) chart.panels.push_back(std::move(panel));
   Eigen::MatrixXd energies(rows.t.size(), 3);
   energies << rows.kinetic_energy, rows.energy - rows.kinetic_energy, rows.energy;
-  add("energy, J", {"kinetic", "potential", "total"}, energies);
+  add("energy", "J", {"kinetic", "potential", "total"}, energies);
   chart.panels.back().x_axis = "t, s";
   return chart;
 }
@@ -426,7 +412,9 @@ void run(const Options& options, int& exit_code) {
   if (plot) {
     constexpr int smooth = 500;  // number of intervals; otherwise long steps would be drawn as straight lines
     const bool coarse = options.samples == 0 && rows.t.size() < smooth;
-    plot->draw(chart_of(motion, coarse ? rows_of(motion, drive, loads, smooth) : rows));
+    Chart chart = chart_of(motion, coarse ? rows_of(motion, drive, loads, smooth) : rows);
+    keep_columns(chart, options.columns);
+    plot->draw(chart);
   }
   if (format == Format::json) {
     fmt::print("{}", text(as_json(motion, rows, options)));
@@ -490,6 +478,7 @@ void add_simulate(CLI::App& app, int& exit_code) {
       ->type_name("FILE")
       ->allow_extra_args(false);
   add_plot_option(*simulate, options->plot);
+  add_columns_option(*simulate, options->columns);
   simulate->add_option("--format", options->format, "How to print; table if left out")
       ->type_name(words(formats));
   simulate->footer(footer);

@@ -11,6 +11,7 @@
 #include "apps/commands/chart.hpp"
 #include "apps/files/model_options.hpp"
 #include "apps/files/state_table.hpp"
+#include "apps/quantities/components.hpp"
 #include "apps/quantities/quantities.hpp"
 #include "apps/shell/choice.hpp"
 #include "apps/shell/commands.hpp"
@@ -23,7 +24,7 @@ namespace {
 struct Options {
   ModelOptions mechanism;
   std::string state, want = "inverse_dynamics", representation = "body", gravity, plot, format = "table";
-  std::vector<std::string> frames;
+  std::vector<std::string> frames, columns;
   std::string relative_to = "ground";
   int order = 1;
   std::string coriolis = "christoffel", at = "body";
@@ -53,7 +54,8 @@ Example:
 
 A .csv with a row for each state, as `axode simulate --output` writes it, is a sweep: its columns are t
 and, each with a name of `axode info` behind it, q, v, a and tau. The table has the smallest and the
-largest of each number, --plot draws them over t, and the JSON has a list of values for each quantity.
+largest of each number, --plot draws them over t (or those that --columns names), and the JSON has a list
+of values for each quantity.
 
 The JSON is {"model", "nq", "nv", "joints": [...], "results": {name: value}} with arrays in the order
 of "joints", poses, twists and accelerations keyed by frame, joint_wrenches keyed by joint. Jacobians are
@@ -213,6 +215,7 @@ void run_sweep(const Options& options, Format format, const std::vector<Quantity
   const Sweep sweep = read_sweep(ask.model, options.state);
   Json results = Json::object(), labels = Json::object();
   Chart chart{.title = ask.model.name()};
+  std::vector<std::vector<Curve>> curves_of_all;
   for (const Quantity& quantity : chosen) {
     const std::string name(quantity.name);
     std::vector<Curve> curves;
@@ -231,10 +234,13 @@ void run_sweep(const Options& options, Format format, const std::vector<Quantity
       }
     }
     const std::string label = labels[name];
-    chart.panels.push_back(
-        {.title = name + label.substr(std::min(label.rfind(';'), label.size())), .curves = curves});
+    const std::size_t semicolon = label.rfind("; ");
+    const std::string units = semicolon == std::string::npos ? "" : label.substr(semicolon + 2);
+    std::ranges::move(panels_by_unit(ask.model, name, units, curves), std::back_inserter(chart.panels));
+    curves_of_all.push_back(std::move(curves));
   }
   if (plot) {
+    keep_columns(chart, options.columns);
     chart.panels.back().x_axis = sweep.timed ? "t, s" : "state";
     plot->draw(chart);
   }
@@ -248,7 +254,7 @@ void run_sweep(const Options& options, Format format, const std::vector<Quantity
              sweep.timed ? "t" : "numbered", significant(sweep.t.front()), significant(sweep.t.back()));
   for (std::size_t k = 0; k < chosen.size(); ++k)
     fmt::print("{}{}", heading(chosen[k], labels[std::string(chosen[k].name)]),
-               extremes(chart.panels[k].curves, sweep));
+               extremes(curves_of_all[k], sweep));
   print_warnings(ask, options);
 }
 
@@ -308,6 +314,7 @@ void add_eval(CLI::App& app, int& exit_code) {
   eval->add_flag("--joint-losses", options->joint_losses,
                  "Count damping and friction of the joints as forces");
   add_plot_option(*eval, options->plot);
+  add_columns_option(*eval, options->columns);
   eval->add_option("--format", options->format, "How to print; table if left out")->type_name(words(formats));
   std::string list;
   for (const Quantity& quantity : quantities())

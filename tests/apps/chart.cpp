@@ -108,8 +108,10 @@ TEST(Plot, OfManyJointsHasThoseThatMoveMostAndOfLongMotionsWhatCanBeSeen) {
   ASSERT_EQ(
       axode({"simulate", robot("humanoid.urdf"), "--base", "free", "--until", "0.05", "--plot", file}).code,
       0);
-  EXPECT_THAT(texts_of(file), Contains("the 8 of 37 that change most"));
-  EXPECT_THAT(texts_of(file), Contains("q, rad, m, quaternions"));
+  EXPECT_THAT(texts_of(file), Contains("the 8 of 31 that change most"));
+  for (const char* said : {"q, rad", "q, quaternion", "q, m", "v, rad/s", "v, m/s"})
+    EXPECT_THAT(texts_of(file), Contains(said));
+  EXPECT_THAT(texts_of(file), testing::Contains(testing::EndsWith(" qw")));
   ASSERT_EQ(
       axode({"simulate", two_bars, "--state", "-", "--until", "10", "--samples", "200000", "--plot", file},
             lifted)
@@ -117,6 +119,35 @@ TEST(Plot, OfManyJointsHasThoseThatMoveMostAndOfLongMotionsWhatCanBeSeen) {
       0);
   texts_of(file);
   EXPECT_LT(std::filesystem::file_size(file), 1 << 20);
+}
+
+TEST(Plot, HasTheColumnsThatAreNamed) {
+  const TemporaryFolder folder;
+  const std::string svg = folder.file("x.svg"), csv = folder.file("run.csv"), machine = robot("machine.toml");
+  const auto drawn = [&](const std::string& columns) {
+    const Outcome outcome =
+        axode({"simulate", machine, "--until", "0.01", "--plot", svg, "--columns", columns, "--output", csv});
+    EXPECT_EQ(outcome.code, 0) << outcome.err;
+    return texts_of(svg);
+  };
+  EXPECT_THAT(drawn("energy"),
+              testing::AllOf(Contains("energy, J"), Contains("t, s"), Not(Contains("q, rad"))));
+  EXPECT_THAT(drawn("q feed,energy"),
+              testing::AllOf(Contains("q, rad"), Contains("feed"), Not(Contains("v, rad/s")),
+                             Not(Contains("jack")), Contains("energy, J")));
+  EXPECT_THAT(drawn("air bearing"), testing::AllOf(Contains("q, m"), Contains("air bearing x"),
+                                                   Contains("air bearing angle"), Not(Contains("feed"))));
+  EXPECT_THAT(drawn("table"), testing::AllOf(Contains("air bearing vy"), Not(Contains("energy, J"))));
+  EXPECT_EQ(axode({"plot", csv, "--output", svg, "--columns", "feed"}).code, 0);
+  EXPECT_THAT(texts_of(svg), testing::AllOf(Contains("feed"), Not(Contains("jack"))));
+  ASSERT_EQ(axode({"eval", machine, "--state", csv, "--want", "inverse_dynamics,poses", "--frame",
+                   "drill tip", "--plot", svg})
+                .code,
+            0);
+  for (const char* said : {"inverse_dynamics; N m", "inverse_dynamics; N", "poses; m", "poses; quaternion"})
+    EXPECT_THAT(texts_of(svg), Contains(said));
+  EXPECT_THAT(axode({"plot", csv, "--output", svg, "--columns", "fed"}).err,
+              HasSubstr("--columns: \"fed\" is none of "));
 }
 
 TEST(Plot, OfALinearSystemHasItsPolesAndFrequencies) {

@@ -1,0 +1,151 @@
+#include "apps/quantities/components.hpp"
+
+#include <algorithm>
+#include <array>
+#include <optional>
+
+#include "axode/model/configuration.hpp"
+
+namespace axode::command {
+namespace {
+
+/// The directions of the numbers of a joint, and how many of them come before the lengths.
+struct Directions {
+  std::vector<std::string_view> names;
+  int before_lengths;
+};
+
+Directions coordinates_of(Subgroup kind) {
+  switch (kind) {
+    case Subgroup::spherical: return {{"qx", "qy", "qz", "qw"}, 4};
+    case Subgroup::planar: return {{"angle", "x", "y"}, 1};
+    case Subgroup::free: return {{"qx", "qy", "qz", "qw", "x", "y", "z"}, 4};
+    case Subgroup::prismatic: return {{""}, 0};
+    default: return {{""}, 1};
+  }
+}
+
+Directions velocities_of(Subgroup kind) {
+  switch (kind) {
+    case Subgroup::spherical: return {{"wx", "wy", "wz"}, 3};
+    case Subgroup::planar: return {{"w", "vx", "vy"}, 1};
+    case Subgroup::free: return {{"wx", "wy", "wz", "vx", "vy", "vz"}, 3};
+    case Subgroup::prismatic: return {{""}, 0};
+    default: return {{""}, 1};
+  }
+}
+
+std::vector<Component> components(const Model& model, Directions (*directions_of)(Subgroup),
+                                  bool with_quaternions) {
+  std::vector<Component> all;
+  for (int i = 1; i <= model.n_bodies(); ++i) {
+    const Joint& joint = model.joint(i);
+    if (joint.leader) continue;
+    const auto [names, before_lengths] = directions_of(joint.kind);
+    const bool turns = joint.kind == Subgroup::spherical || joint.kind == Subgroup::free;
+    for (int k = 0; k < static_cast<int>(names.size()); ++k) {
+      const auto direction = std::string(names[static_cast<std::size_t>(k)]);
+      Component::Kind kind = Component::length;
+      if (k < before_lengths) kind = turns && with_quaternions ? Component::quaternion : Component::angle;
+      all.push_back(
+          {joint.name + (direction.empty() ? "" : " " + direction), kind, joint.name, model.body(i).name});
+    }
+  }
+  return all;
+}
+
+std::string unit_name(Component::Kind kind, const std::vector<std::string_view>& units) {
+  return kind == Component::quaternion ? "quaternion" : std::string(units[kind == Component::angle ? 0 : 1]);
+}
+
+/// The parts of a list as "N m, N", with what follows the last of them, " per unit of ...", behind each, and
+/// without " for angles" and " for lengths".
+std::vector<std::string> list_of(const std::string& units) {
+  const std::size_t end = std::min(units.find(" per unit"), units.size());
+  std::vector<std::string> all;
+  for (std::size_t from = 0; from < end;) {
+    const std::size_t comma = std::min(units.find(", ", from), end);
+    const std::string part = units.substr(from, comma - from);
+    all.push_back(part.substr(0, part.find(" for ")) + units.substr(end));
+    from = comma + 2;
+  }
+  return all;
+}
+
+/// Whether a curve is the linear part of a screw; empty if it is no part of one.
+std::optional<bool> linear_part(std::string_view name) {
+  constexpr std::array<std::string_view, 8> parts{"w ", "m ", "l ", "w' ", "v ", "f ", "p ", "v' "};
+  if (name.size() < 3) return std::nullopt;
+  name.remove_suffix(1);  // x, y or z
+  for (std::size_t k = 0; k < parts.size(); ++k)
+    if (name == parts[k] || name.ends_with(" " + std::string(parts[k]))) return k >= parts.size() / 2;
+  return std::nullopt;
+}
+
+/// Takes the name of a velocity from the front of the name of a curve; empty if there is none.
+std::optional<std::size_t> take_velocity(std::string_view& name, const std::vector<std::string>& velocities) {
+  std::optional<std::size_t> found;
+  for (std::size_t k = 0; k < velocities.size(); ++k)
+    if (name.starts_with(velocities[k] + " ") && (!found || velocities[k].size() > velocities[*found].size()))
+      found = k;
+  if (found) name.remove_prefix(velocities[*found].size() + 1);
+  return found;
+}
+
+}  // namespace
+
+std::vector<Component> coordinate_components(const Model& model) {
+  return components(model, coordinates_of, true);
+}
+std::vector<Component> velocity_components(const Model& model) {
+  return components(model, velocities_of, false);
+}
+
+void add_panels(Chart& chart, const std::string& symbol, const std::vector<Component>& components,
+                const std::vector<std::string_view>& units, const std::vector<double>& x,
+                const Eigen::MatrixXd& columns) {
+  for (const Component::Kind kind : {Component::angle, Component::quaternion, Component::length}) {
+    Panel panel{.y_axis = symbol + ", " + unit_name(kind, units), .name = symbol};
+    for (std::size_t k = 0; k < components.size(); ++k) {
+      const auto& [name, of_kind, joint, body] = components[k];
+      if (of_kind != kind) continue;
+      const auto column = columns.col(static_cast<Eigen::Index>(k));
+      panel.curves.push_back(
+          {.name = name, .x = x, .y = {column.begin(), column.end()}, .of = {joint, body}});
+    }
+    if (!panel.curves.empty()) chart.panels.push_back(std::move(panel));
+  }
+}
+
+std::vector<Panel> panels_by_unit(const Model& model, const std::string& quantity, const std::string& units,
+                                  const std::vector<Curve>& curves) {
+  const std::vector<std::string> each = list_of(units), velocities = velocity_names(model);
+  const std::vector<Component> components = velocity_components(model);
+  const auto unit_of = [&](Curve& curve) {
+    if (curve.name.find("quaternion ") != std::string::npos) return std::string("quaternion");
+    if (each.size() < 2) return units;
+    if (const std::optional<bool> linear = linear_part(curve.name)) return each[*linear ? 1 : 0];
+    std::string_view rest = curve.name;
+    std::string name;
+    std::size_t lengths = 0;
+    while (const std::optional<std::size_t> k = take_velocity(rest, velocities)) {
+      const Component& component = components[*k];
+      lengths += component.kind == Component::length ? 1 : 0;
+      curve.of.insert(curve.of.end(), {component.joint, component.body});
+      name += component.name + " ";
+    }
+    if (name.empty() || lengths >= each.size()) return units;
+    curve.name = name + std::string(rest);
+    return each[lengths];
+  };
+  std::vector<Panel> panels;
+  for (Curve curve : curves) {
+    const std::string unit = unit_of(curve), title = quantity + (unit.empty() ? "" : "; " + unit);
+    auto panel = std::ranges::find(panels, title, &Panel::title);
+    if (panel == panels.end()) panel = panels.insert(panels.end(), Panel{.title = title, .name = quantity});
+    panel->curves.push_back(std::move(curve));
+  }
+  return panels;
+}
+
+}  // namespace axode::command
