@@ -71,7 +71,8 @@ std::vector<Panel> contact_panels(const Trajectory& motion, const std::vector<do
     }
   }
   if (pairs.empty()) return {};
-  Panel normal{.y_axis = "normal force, N"}, friction{.y_axis = "friction force, N"};
+  Panel normal{.y_axis = "normal force, N", .name = "normal force"},
+      friction{.y_axis = "friction force, N", .name = "friction force"};
   for (const auto& [pair, curves] : pairs) {
     const std::string both =
         name(motion.contact_shapes, pair.first) + ", " + name(motion.contact_shapes, pair.second);

@@ -39,58 +39,70 @@ std::vector<fs::path> folders_of(const char* variable) {
   return folders;
 }
 
-/// Whether a folder is the package of a name: either the folder has this name, or its package.xml does.
-bool is_package(const fs::path& folder, const std::string& name) {
+/// What a scheme calls the folder that it names, the file with the name of such a folder, and where such
+/// folders are searched.
+struct Library {
+  std::string_view scheme, what, manifest, element;
+  std::array<const char*, 2> variables;
+  std::string_view below_second;  ///< folder in those of the second variable that has the packages
+};
+constexpr Library ros{
+    "package://", "package", "package.xml", "package", {"ROS_PACKAGE_PATH", "AMENT_PREFIX_PATH"}, "share"};
+constexpr Library gazebo{
+    "model://", "model", "model.config", "model", {"GZ_SIM_RESOURCE_PATH", "GAZEBO_MODEL_PATH"}, ""};
+
+/// Whether a folder is the package of a name: either the folder has this name, or its manifest does.
+bool is_package(const fs::path& folder, const std::string& name, const Library& library) {
   if (folder.filename() == name) return true;
   tinyxml2::XMLDocument manifest;
-  if (!is_file(folder / "package.xml") ||
-      manifest.LoadFile((folder / "package.xml").c_str()) != tinyxml2::XML_SUCCESS)
-    return false;
-  const tinyxml2::XMLElement* package = manifest.FirstChildElement("package");
+  const fs::path file = folder / library.manifest;
+  if (!is_file(file) || manifest.LoadFile(file.c_str()) != tinyxml2::XML_SUCCESS) return false;
+  const tinyxml2::XMLElement* package = manifest.FirstChildElement(std::string(library.element).c_str());
   const tinyxml2::XMLElement* told = package == nullptr ? nullptr : package->FirstChildElement("name");
   return told != nullptr && told->GetText() != nullptr && told->GetText() == name;
 }
 
 /// All existing folders that may be the package of that name, the likeliest first.
-std::vector<fs::path> packages(const std::string& name, const fs::path& folder) {
+std::vector<fs::path> packages(const std::string& name, const fs::path& folder, const Library& library) {
   std::vector<fs::path> found;
   std::error_code unknown;
   const auto look_at = [&](const fs::path& package) {
     if (fs::is_directory(package, unknown)) found.push_back(package);
   };
-  for (const fs::path& root : folders_of("ROS_PACKAGE_PATH")) {
-    if (is_package(root, name)) look_at(root);
+  const auto look_in = [&](const fs::path& root) {
+    if (is_package(root, name, library)) look_at(root);
     look_at(root / name);
-  }
-  for (const fs::path& prefix : folders_of("AMENT_PREFIX_PATH")) look_at(prefix / "share" / name);
+  };
+  for (const fs::path& root : folders_of(library.variables[0])) look_in(root);
+  for (const fs::path& root : folders_of(library.variables[1])) look_at(root / library.below_second / name);
   for (fs::path around = fs::absolute(folder, unknown); !around.empty(); around = around.parent_path()) {
-    if (is_package(around, name)) look_at(around);
-    look_at(around / name);
+    look_in(around);
     if (around == around.root_path()) break;
   }
   return found;
 }
 
-/// Finds the file of `package://name/path`; `folder` is that of the description's file.
-FoundMesh in_package(std::string_view name_and_path, const fs::path& folder) {
+/// Finds the file of `package://name/path` or `model://name/path`; `folder` is that of the description's
+/// file.
+FoundMesh in_package(std::string_view name_and_path, const fs::path& folder, const Library& library) {
   const std::size_t slash = name_and_path.find('/');
-  const std::string name(name_and_path.substr(0, slash));
+  const std::string name(name_and_path.substr(0, slash)), what(library.what);
   const fs::path path = slash == std::string_view::npos
                             ? fs::path()
                             : fs::path(name_and_path.substr(slash + 1)).lexically_normal();
   if (name.empty() || name == "." || name == ".." || path.empty() || path.is_absolute() ||
       *path.begin() == "..")
-    return {{}, "it is not a path within a package"};
-  const std::vector<fs::path> roots = packages(name, folder);
+    return {{}, "it is not a path within a " + what};
+  const std::vector<fs::path> roots = packages(name, folder, library);
   for (const fs::path& root : roots)
     if (is_file(root / path)) return {root / path, ""};
   if (!roots.empty())
     return {{},
-            "package " + in_quotes(name) + " is in " + in_quotes(roots.front()) + ", which has no file " +
+            what + " " + in_quotes(name) + " is in " + in_quotes(roots.front()) + ", which has no file " +
                 in_quotes(path)};
   return {{},
-          "there is no package " + in_quotes(name) + " in ROS_PACKAGE_PATH, in AMENT_PREFIX_PATH and in " +
-              in_quotes(folder) + " and the folders that hold it"};
+          "there is no " + what + " " + in_quotes(name) + " in " + library.variables[0] + ", in " +
+              library.variables[1] + " and in " + in_quotes(folder) + " and the folders that hold it"};
 }
 
 /// A path in which escapes such as %20 are replaced by the bytes that they encode.
@@ -129,14 +141,15 @@ FoundMesh find_mesh(const std::string& name, const Source& referenced_from) {
   fs::path folder = fs::path(referenced_from.file).parent_path() / "";
   if (folder.empty()) folder = ".";
   if (name.find('\0') != std::string::npos) return {{}, "there is a zero byte in its name"};
-  if (const auto rest = behind(name, "package://")) return in_package(*rest, folder);
+  for (const Library& library : {ros, gazebo})
+    if (const auto rest = behind(name, library.scheme)) return in_package(*rest, folder, library);
   fs::path file = name;
   if (auto rest = behind(name, "file://")) {
     if (const auto here = behind(*rest, "localhost")) rest = here;
     if (!rest->starts_with('/')) return {{}, "it is on another machine"};
     file = decoded(*rest);
   } else if (const std::size_t colon = name.find("://"); colon != std::string::npos) {
-    return {{}, in_quotes(name.substr(0, colon + 3)) + " is none of package://, file://"};
+    return {{}, in_quotes(name.substr(0, colon + 3)) + " is none of package://, model://, file://"};
   }
   file = (folder / file).lexically_normal();  // an absolute path does not change
   if (name.empty()) return {{}, "its file has no name"};

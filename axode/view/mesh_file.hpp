@@ -15,7 +15,8 @@ struct FoundMesh {
 };
 
 /// Finds the file of a mesh that a description names. `package://name/path` is searched in ROS_PACKAGE_PATH,
-/// in share of AMENT_PREFIX_PATH and in the folders that hold the file of the description. `file://` and
+/// in share of AMENT_PREFIX_PATH and in the folders that hold the file of the description, and
+/// `model://name/path` in GZ_SIM_RESOURCE_PATH, in GAZEBO_MODEL_PATH and in the same folders. `file://` and
 /// absolute paths are used as they are. Any other path is relative to the folder of the description's file
 /// or, if the description comes from no file, to the working directory.
 FoundMesh find_mesh(const std::string& name, const Source& referenced_from);

@@ -105,6 +105,21 @@ Json loops_of(const Model& model) {
   return loops;
 }
 
+/// The springs and dampers between two points, with the points in the frames of their bodies.
+Json lines_of(const Model& model) {
+  Json lines = Json::array();
+  for (const Springs::Line& line : model.springs().lines) {
+    Json ends = Json::array();
+    for (const Springs::Line::End& end : line.ends) {
+      const Frame& frame = model.frame(end.frame);
+      ends.push_back({{"body", frame.body}, {"point", json_of(frame.pose * end.point)}});
+    }
+    lines.push_back(
+        {{"ends", ends}, {"stiffness", line.stiffness}, {"rest", line.rest}, {"damping", line.damping}});
+  }
+  return lines;
+}
+
 Json couplings_of(const Model& model) {
   Json couplings = Json::array();
   for (const LoopCoupling& coupling : model.loops().couplings) {
@@ -314,7 +329,8 @@ Json motion_of(const Model& model, const ShownMotion& whole, std::vector<std::st
   const view::MotionNumbers numbers = view::numbers_of(model, motion);
   const std::size_t N = motion.t.size();
   Json series = Json::array();
-  bool all_finite = finite(numbers.twists) && finite(numbers.wrenches) && finite(numbers.momenta);
+  bool all_finite = finite(numbers.twists) && finite(numbers.wrenches) && finite(numbers.momenta) &&
+                    finite(numbers.loop_wrenches) && finite(numbers.tensions);
   for (const auto& [name, unit, labels, values] : numbers.series) {
     all_finite = all_finite && finite(values);
     series.push_back({{"name", name}, {"unit", unit}, {"labels", labels}, {"values", rows_of(values, N)}});
@@ -322,16 +338,19 @@ Json motion_of(const Model& model, const ShownMotion& whole, std::vector<std::st
   if (!all_finite)
     throw std::invalid_argument(
         "motion: its numbers are so large that energies, momenta or wrenches overflow");
-  return {{"t", motion.t},
-          {"q", rows_of(motion.q, N)},
-          {"v", rows_of(motion.v, N)},
-          {"tau", motion.tau.empty() ? Json() : rows_of(motion.tau, N)},
-          {"series", series},
-          {"contact_shapes", motion.contact_shapes},
-          {"contacts", contacts_of(motion)},
-          {"twists", screws_of(numbers.twists, N, model.n_bodies())},
-          {"wrenches", screws_of(numbers.wrenches, N, model.n_bodies())},
-          {"momenta", screws_of(numbers.momenta, N, model.n_bodies())}};
+  return {
+      {"t", motion.t},
+      {"q", rows_of(motion.q, N)},
+      {"v", rows_of(motion.v, N)},
+      {"tau", motion.tau.empty() ? Json() : rows_of(motion.tau, N)},
+      {"series", series},
+      {"contact_shapes", motion.contact_shapes},
+      {"contacts", contacts_of(motion)},
+      {"twists", screws_of(numbers.twists, N, model.n_bodies())},
+      {"wrenches", screws_of(numbers.wrenches, N, model.n_bodies())},
+      {"momenta", screws_of(numbers.momenta, N, model.n_bodies())},
+      {"loop_wrenches", screws_of(numbers.loop_wrenches, N, static_cast<int>(model.loops().joints.size()))},
+      {"tensions", numbers.tensions.empty() ? Json() : rows_of(numbers.tensions, N)}};
 }
 
 /// Writes JSON with <, > and & as escapes, so that no name in it can end an element of HTML. These characters
@@ -374,6 +393,7 @@ SceneContents write_scene(const Model& model, std::span<const double> q, std::os
              {"meshes", std::move(shapes.meshes)},
              {"loops", loops_of(model)},
              {"couplings", couplings_of(model)},
+             {"lines", lines_of(model)},
              {"q", std::vector<double>(q.begin(), q.end())},
              {"warnings", warnings},
              {"motion", std::move(motion)},

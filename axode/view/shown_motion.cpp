@@ -21,9 +21,10 @@ Row row(const std::vector<double>& rows, std::size_t k, int width) {
   return Row(rows).subspan(k * static_cast<std::size_t>(width), static_cast<std::size_t>(width));
 }
 
-/// Appends the forces of the springs between points of two frames to the loads, as wrenches on these frames.
+/// Appends the forces of the springs between points of two frames to the loads, as wrenches on these frames,
+/// and their tensions.
 void append_lines(const Model& model, Row q, Row v, Workspace<>& workspace,
-                  std::vector<AppliedWrench<>>& loads) {
+                  std::vector<AppliedWrench<>>& loads, std::vector<double>& tensions) {
   if (model.springs().lines.empty()) return;
   std::vector<SE3<>> C(static_cast<std::size_t>(model.n_frames()));
   std::vector<Twist<Spatial>> V(C.size());
@@ -37,8 +38,10 @@ void append_lines(const Model& model, Row q, Row v, Workspace<>& workspace,
     const auto& [first, second] = line.ends;
     const Vec3<> r = place(second) - place(first), dr = velocity(second) - velocity(first);
     const double length = norm(r);
+    tensions.push_back(0);
     if (length == 0) continue;
     const double tension = line.stiffness * (length - line.rest) + line.damping * dot(dr, r) / length;
+    tensions.back() = tension;
     const Vec3<> pull = (tension / length) * r;  // force on the first frame
     loads.emplace_back(first.frame, Wrench<Spatial>{cross(place(first), pull), pull});
     loads.emplace_back(second.frame, Wrench<Spatial>{-cross(place(second), pull), -pull});
@@ -133,6 +136,7 @@ view::MotionNumbers view::numbers_of(const Model& model, const ShownMotion& moti
   std::vector<Wrench<Spatial>> W(static_cast<std::size_t>(model.n_bodies()));
   std::vector<Momentum<Spatial>> Pi(W.size());
   std::vector<double> lambda(static_cast<std::size_t>(model.loops().rows));
+  std::vector<Wrench<Spatial>> of_loops_and_couplings(model.loops().all.size());
   bool with_wrenches = !motion.a.empty() && (!loops || !motion.tau.empty());
   for (std::size_t k = 0; k < motion.t.size(); ++k) {
     const Row q = row(motion.q, k, model.nq()), v = row(motion.v, k, model.nv());
@@ -150,20 +154,25 @@ view::MotionNumbers view::numbers_of(const Model& model, const ShownMotion& moti
     append(std::span(V).subspan(1, W.size()), out.twists);
     body_momenta<Spatial, double>(model, workspace, q, v, Pi);
     append(Pi, out.momenta);
-    if (!with_wrenches) continue;
     std::vector<AppliedWrench<>> loads;
-    append_lines(model, q, v, workspace, loads);
+    append_lines(model, q, v, workspace, loads, out.tensions);
+    if (!with_wrenches) continue;
     const Row a = row(motion.a, k, model.nv());
     if (loops) {
       with_wrenches =
           find_multipliers(model, q, v, row(motion.tau, k, model.nv()), workspace, *of_loops, lambda);
       joint_wrenches<Spatial, double>(model, *of_loops, q, v, a, lambda, W, {.wrenches = loads});
+      loop_wrenches<Spatial, double>(model, *of_loops, q, lambda, of_loops_and_couplings);
+      append(std::span(of_loops_and_couplings).first(model.loops().joints.size()), out.loop_wrenches);
     } else {
       joint_wrenches<Spatial, double>(model, workspace, q, v, a, W, {.wrenches = loads});
     }
     append(W, out.wrenches);
   }
-  if (!with_wrenches) out.wrenches.clear();
+  if (!with_wrenches) {
+    out.wrenches.clear();
+    out.loop_wrenches.clear();
+  }
   if (view::MotionNumbers::Series contacts = contact_series(motion); !contacts.labels.empty())
     out.series.push_back(std::move(contacts));
   return out;

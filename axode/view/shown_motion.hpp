@@ -35,8 +35,14 @@ struct MotionNumbers {
   /// time and body. `wrenches` is empty if the accelerations are not known, or if the mechanism has loops and
   /// the drive forces are not known.
   std::vector<double> twists, wrenches, momenta;
+  /// Spatial wrenches of the loop joints on their second bodies: six numbers for each time and loop joint.
+  /// They are empty if `wrenches` is.
+  std::vector<double> loop_wrenches;
+  /// Tensions of the springs between points, N: one for each time and spring. A negative one pushes.
+  std::vector<double> tensions;
 };
-/// Computes energies, total momentum (about the inertial origin), twists, wrenches and momenta of a motion.
+/// Computes energies, total momentum (about the inertial origin), twists, wrenches, momenta and tensions of a
+/// motion.
 MotionNumbers numbers_of(const Model& model, const ShownMotion& motion);
 
 }  // namespace view

@@ -200,7 +200,8 @@ class FindMesh : public testing::Test {
   }
 
   TemporaryFolder folder_;
-  Setting no_ros_{"ROS_PACKAGE_PATH", ""}, no_ament_{"AMENT_PREFIX_PATH", ""};
+  Setting no_ros_{"ROS_PACKAGE_PATH", ""}, no_ament_{"AMENT_PREFIX_PATH", ""},
+      no_sim_{"GZ_SIM_RESOURCE_PATH", ""}, no_classic_{"GAZEBO_MODEL_PATH", ""};
 };
 
 TEST_F(FindMesh, BesideTheFileAndByAbsolutePaths) {
@@ -220,6 +221,20 @@ TEST_F(FindMesh, InThePackageThatHoldsTheFile) {
             "arm/meshes/a link.stl");
   EXPECT_EQ(find("package://tool/tip.stl", "src/my_folder/tool.urdf"), "src/my_folder/tip.stl");
   EXPECT_EQ(find("package://arm/urdf/beside.stl", "other.urdf"), "arm/urdf/beside.stl");
+}
+
+TEST_F(FindMesh, InModelsAsGazeboSearchesThem) {
+  EXPECT_EQ(find("model://arm/meshes/a link.stl"), "arm/meshes/a link.stl");
+  EXPECT_THAT(
+      find("model://gripper/no.stl"),
+      StartsWith("there is no model \"gripper\" in GZ_SIM_RESOURCE_PATH, in GAZEBO_MODEL_PATH and in \""));
+  const Setting sim("GZ_SIM_RESOURCE_PATH", folder_.file("elsewhere")),
+      classic("GAZEBO_MODEL_PATH", folder_.file("ws/share"));
+  EXPECT_EQ(find("model://arm/only_here.stl"), "elsewhere/arm/only_here.stl");
+  EXPECT_EQ(find("model://gripper/jaw.stl"), "ws/share/gripper/jaw.stl");
+  folder_.write("src/my_folder/model.config", "<model><name>chisel</name></model>");
+  EXPECT_EQ(find("model://chisel/tip.stl", "src/my_folder/chisel.sdf"), "src/my_folder/tip.stl");
+  EXPECT_EQ(find("model://arm/../secret"), "it is not a path within a model");
 }
 
 TEST_F(FindMesh, InThePackagesOfTheEnvironment) {
@@ -248,7 +263,7 @@ TEST_F(FindMesh, NeverOutsideAPackageNorElsewhere) {
     EXPECT_EQ(find(name), "it is not a path within a package") << name;
   EXPECT_EQ(find("package://arm//secret"), "it is not a path within a package");
   EXPECT_EQ(find("file://host/secret"), "it is on another machine");
-  EXPECT_EQ(find("http://host/a.stl"), "\"http://\" is none of package://, file://");
+  EXPECT_EQ(find("http://host/a.stl"), "\"http://\" is none of package://, model://, file://");
   EXPECT_EQ(find(std::string("beside.stl\0.png", 15)), "there is a zero byte in its name");
 }
 

@@ -354,8 +354,7 @@ double distance_to_nearest(const Eigen::Vector3d& point, const std::vector<Eigen
 }
 
 TEST(StandIns, ReachFromPointToPointOfTheirBody) {
-  for (const std::string name :
-       {"arm7.toml", "four_bar.toml", "gough.toml", "humanoid.urdf", "machine.toml"}) {
+  for (const std::string name : {"arm7.toml", "four_bar.toml", "gough.toml", "humanoid.urdf", "leg.toml"}) {
     const Model model = shipped(name);
     const Json scene = scene_of(model, neutral(model));
     std::vector<bool> seen(static_cast<std::size_t>(model.n_bodies()) + 1);
