@@ -65,6 +65,33 @@ TEST(VelocitySolver, ReachesTheLawOnRandomPiles) {
     }
 }
 
+/// Newton's method fails at most of these, and alternating directions at some.
+TEST(VelocitySolver, ReachesTheLawOnDensePiles) {
+  for (unsigned seed = 0; seed < 100; ++seed) {
+    const Solved solved = solve(pile(8, 40, seed, 0.1, 1.2));
+    EXPECT_LE(solved.solution.certificate, 1e-9) << "seed " << seed;
+  }
+}
+
+TEST(VelocitySolver, ReachesTheLawOnAWallOfAHundredBricks) {
+  const Solved solved = solve(wall(10, 10, 15));
+  EXPECT_LE(solved.solution.certificate, 1e-12);
+  EXPECT_LE(solved.solution.factorizations, 50);
+}
+
+/// From a solution to the next one, the branches are known.
+TEST(VelocitySolver, TakesFewFactorsFromANearSolution) {
+  for (const RigidProblem& rigid : {stack(std::vector<double>(10, 1.0)), box_on_plane(2, {}, {1, 0.3, 0})}) {
+    Solved solved = solve(rigid);
+    solved.problem.w *= 1.001;
+    VelocitySolver solver;
+    solver.reserve(solved.problem.nv(), solved.problem.rows());
+    const VelocitySolution solution = solver.solve(solved.problem, solved.lambda.data());
+    EXPECT_LE(solution.certificate, 1e-12) << rigid.name;
+    EXPECT_LE(solution.factorizations, 2) << rigid.name;
+  }
+}
+
 TEST(VelocitySolver, TakesNoStepFromItsOwnSolution) {
   for (const RigidProblem& rigid : {stack(std::vector<double>(10, 1.0), 3), painleve(1.5)}) {
     Solved solved = solve(rigid);

@@ -54,7 +54,7 @@ void VelocitySolver::solve_shifted(double s, Vector& a) noexcept {
   u_ = a.array() / d2.array().sqrt();
   dx_.setZero();
   problem_->add_product(1, u_.data(), dx_.data());
-  factor_.solve(dx_.size(), dx_.data());
+  sparse_.solve(dx_.data());
   u_.setZero();
   problem_->add_transposed(dx_.data(), u_.data());
   a = (a.array() - u_.array() / d2.array().sqrt() / s) / s;

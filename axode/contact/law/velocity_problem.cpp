@@ -6,6 +6,22 @@
 
 namespace axode {
 
+/// Calls f with the first of the blocks that share a support, their rows, and the number of velocities in the
+/// support as a constant, or 0 as a constant if it is not a frequent one.
+template <class F> void VelocityProblem::each_group(const F& f) const noexcept {
+  for (std::size_t k = 0; k < blocks_.size();) {
+    const Block& first = blocks_[k];
+    int rows = 0;
+    for (; k < blocks_.size() && blocks_[k].support == first.support; ++k) rows += blocks_[k].rows;
+    switch (first.width) {
+      case 6: f(first, rows, std::integral_constant<int, 6>{}); break;
+      case 9: f(first, rows, std::integral_constant<int, 9>{}); break;
+      case 12: f(first, rows, std::integral_constant<int, 12>{}); break;
+      default: f(first, rows, std::integral_constant<int, 0>{});
+    }
+  }
+}
+
 void VelocityProblem::reserve(std::size_t blocks) {
   const std::size_t rows = blocks * LawBlock::most_rows, width = static_cast<std::size_t>(nv());
   blocks_.reserve(blocks);
@@ -75,26 +91,40 @@ void VelocityProblem::finish() noexcept {
 }
 
 void VelocityProblem::add_product(double factor, const double* lambda, double* x) const noexcept {
-  for (const Block& b : blocks_) {
-    const int* const at = supports_.data() + b.support;
-    const double* Y = Y_.data() + b.columns;
-    for (int k = 0; k < b.rows; ++k, Y += b.width) {
-      const double l = factor * lambda[b.first + k];
-      for (int i = 0; i < b.width; ++i) x[at[i]] += l * Y[i];
+  each_group([&](const Block& first, int rows, auto size) {
+    const int* const at = supports_.data() + first.support;
+    const double* Y = Y_.data() + first.columns;
+    if constexpr (size() > 0) {
+      Eigen::Matrix<double, size(), 1> sum = Eigen::Matrix<double, size(), 1>::Zero();
+      for (int k = 0; k < rows; ++k, Y += size())
+        sum += lambda[first.first + k] * Eigen::Map<const Eigen::Matrix<double, size(), 1>>(Y);
+      for (int i = 0; i < size(); ++i) x[at[i]] += factor * sum[i];
+    } else {
+      for (int k = 0; k < rows; ++k, Y += first.width) {
+        const double l = factor * lambda[first.first + k];
+        for (int i = 0; i < first.width; ++i) x[at[i]] += l * Y[i];
+      }
     }
-  }
+  });
 }
 
 void VelocityProblem::add_transposed(const double* x, double* u) const noexcept {
-  for (const Block& b : blocks_) {
-    const int* const at = supports_.data() + b.support;
-    const double* Y = Y_.data() + b.columns;
-    for (int k = 0; k < b.rows; ++k, Y += b.width) {
-      double sum = 0;
-      for (int i = 0; i < b.width; ++i) sum += Y[i] * x[at[i]];
-      u[b.first + k] += sum;
+  each_group([&](const Block& first, int rows, auto size) {
+    const int* const at = supports_.data() + first.support;
+    const double* Y = Y_.data() + first.columns;
+    if constexpr (size() > 0) {
+      Eigen::Matrix<double, size(), 1> part;
+      for (int i = 0; i < size(); ++i) part[i] = x[at[i]];
+      for (int k = 0; k < rows; ++k, Y += size())
+        u[first.first + k] += Eigen::Map<const Eigen::Matrix<double, size(), 1>>(Y).dot(part);
+    } else {
+      for (int k = 0; k < rows; ++k, Y += first.width) {
+        double sum = 0;
+        for (int i = 0; i < first.width; ++i) sum += Y[i] * x[at[i]];
+        u[first.first + k] += sum;
+      }
     }
-  }
+  });
 }
 
 void VelocityProblem::delassus(Eigen::Ref<Eigen::MatrixXd> G) const noexcept {

@@ -67,6 +67,8 @@ class VelocityProblem {
   std::vector<double> c;  ///< an entry for each row
 
  private:
+  template <class F> void each_group(const F& f) const noexcept;
+
   std::vector<Block> blocks_;
   std::vector<int> supports_;
   std::vector<double> Y_, d2_;

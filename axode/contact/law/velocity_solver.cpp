@@ -9,10 +9,10 @@
 namespace axode {
 namespace {
 
-/// A certificate that needs no further start.
-constexpr double accepted = 1e-9;
 /// Part of their multipliers that redundant contacts lose in a step of Newton's method on the law (D11.9).
 constexpr double keep = 1e-9;
+/// Columns of Y that are added to the matrix in velocities at once, and at most those of one block more.
+constexpr int most_columns = 48;
 constexpr std::size_t matrix_size = LawBlock::most_rows * LawBlock::most_rows;
 
 std::size_t index(int k) { return static_cast<std::size_t>(k); }
@@ -20,23 +20,22 @@ std::size_t index(int k) { return static_cast<std::size_t>(k); }
 }  // namespace
 
 void VelocitySolver::reserve(int nv, int rows) {
-  constexpr int row_vectors = 15, velocity_vectors = 6;
+  constexpr int row_vectors = 15, velocity_vectors = 10;
   const int dual = std::min(nv, rows);
-  factor_.reserve(nv);
+  dense_.reserve(dual);
+  sparse_.reserve(nv, rows);
   memory_.resize(
       std::max(memory_.size(), index(row_vectors) * index(rows) + index(velocity_vectors) * index(nv)));
   G_memory_.resize(std::max(G_memory_.size(), index(dual) * index(dual)));
   matrices_.resize(std::max(matrices_.size(), index(rows) * matrix_size));
-  group_.resize(std::max(group_.size(), index(nv) * index(nv)));
-  columns_.resize(std::max(columns_.size(), index(nv) * LawBlock::most_rows));
+  for (std::vector<double>* x : {&YB_, &columns_})
+    x->resize(std::max(x->size(), index(SparseFactor::padded(nv)) * (most_columns + LawBlock::most_rows)));
 }
 
 void VelocitySolver::begin(const VelocityProblem& p) noexcept {
   problem_ = &p;
   rows_ = p.rows();
-  by_multipliers_ = rows_ <= p.nv();
   size_ = p.w.norm();
-  factorizations_ = 0;
   double* next = memory_.data();
   const auto take = [&](Vector& x, int n) {
     new (&x) Vector(next, n);
@@ -45,45 +44,62 @@ void VelocitySolver::begin(const VelocityProblem& p) noexcept {
   for (Vector* x : {&u_, &b_, &z_, &R_, &resolved_, &lambda_0_, &lambda_, &trial_, &step_, &best_, &start_,
                     &y_, &y_before_, &dual_, &residual_})
     take(*x, rows_);
-  for (Vector* x : {&x_, &f_, &t_, &x_trial_, &f_trial_, &dx_}) take(*x, p.nv());
+  for (Vector* x :
+       {&x_, &f_, &t_, &x_trial_, &f_trial_, &dx_, &path_point_.x, &tangent_.x, &next_.x, &after_kink_.x})
+    take(*x, p.nv());
   std::copy_n(p.r.data(), rows_, b_.data());
   p.add_transposed(p.w.data(), b_.data());
+  analyse();
+  by_multipliers_ = 2 * std::pow(rows_, 3) < sparse_.cost();
   if (by_multipliers_) p.delassus(Eigen::Map<Eigen::MatrixXd>(G_memory_.data(), rows_, rows_));
+}
+
+/// Finds the groups of blocks that move the same velocities, and the order of elimination for them.
+void VelocitySolver::analyse() noexcept {
+  sparse_.begin(problem_->nv());
+  std::size_t last = std::numeric_limits<std::size_t>::max();
+  for (const VelocityProblem::Block& b : problem_->blocks()) {
+    if (b.support != last) sparse_.add_group(problem_->support(b));
+    last = b.support;
+  }
+  sparse_.analyse();
 }
 
 VelocitySolution VelocitySolver::solve(const VelocityProblem& problem, double* lambda,
                                        double tolerance) noexcept {
   begin(problem);
-  VelocitySolution solution;
-  if (rows_ == 0) return solution;
+  solution_ = {};
+  result_ = lambda;
+  if (rows_ == 0) return solution_;
   constexpr int few = 4, many = 8;
-  double e = newton(lambda, tolerance, few);
-  const auto improve = [&] {
-    ++solution.restarts;
-    const double e_new = newton(start_.data(), tolerance, many);
-    if (!(e_new < e)) return;
-    Vector(lambda, rows_) = start_;
-    e = e_new;
-  };
-  if (!(e <= accepted)) {
+  solution_.certificate = newton(lambda, tolerance, few);
+  const auto is_solved = [&] { return solution_.certificate <= accepted; };
+  if (!is_solved()) {
     start_.setZero();
-    improve();
+    improve(tolerance, many);
   }
   for (const bool on_laws : {false, true}) {
-    if (e <= accepted) break;
+    if (is_solved()) break;
     alternate(start_.data(), on_laws);
-    improve();
+    improve(tolerance, many);
   }
+  if (!is_solved()) follow_path(tolerance);
   // Exactly symmetric problems may lie on kinks of the law: further starts are off the symmetry.
   constexpr int most_disturbed = 6;
-  for (int k = 0; k < most_disturbed && !(e <= accepted); ++k) {
+  for (int k = 0; k < most_disturbed && !is_solved(); ++k) {
     for (int row = 0; row < rows_; ++row)
       start_[row] = lambda[row] * (1 + 0.3 * std::sin(1.7 * row + 0.9 * k));
-    improve();
+    improve(tolerance, many);
   }
-  solution.certificate = e;
-  solution.factorizations = factorizations_;
-  return solution;
+  return solution_;
+}
+
+void VelocitySolver::improve(double tolerance, int failures, double mu) noexcept {
+  ++solution_.restarts;
+  const double e = newton(start_.data(), tolerance, failures, mu);
+  if (!(e < solution_.certificate)) return;
+  Vector(result_, rows_) = start_;
+  solution_.certificate = e;
 }
 
 void VelocitySolver::resolve_all(double* lambda) const noexcept {
@@ -156,7 +172,7 @@ double VelocitySolver::proximal_step(double goal, int& iterations) noexcept {
     for (iterations = 0; iterations < most && norm > goal; ++iterations) {
       factorize_multipliers(0);
       step_ = -residual_;
-      factor_.solve(rows_, step_.data());
+      dense_.solve(rows_, step_.data());
       if (!search(lambda_, step_, trial_, norm, [&](const Vector& l) { return multiplier_residual(l); }))
         return multiplier_residual(lambda_);
       lambda_ = trial_;
@@ -168,7 +184,7 @@ double VelocitySolver::proximal_step(double goal, int& iterations) noexcept {
   for (iterations = 0; iterations < most && norm > goal; ++iterations) {
     factorize_velocities(0);
     dx_ = -f_;
-    factor_.solve(dx_.size(), dx_.data());
+    sparse_.solve(dx_.data());
     if (!search(x_, dx_, x_trial_, norm, [&](const Vector& x) { return velocity_residual(x, f_trial_); }))
       return velocity_residual(x_, f_);
     x_ = x_trial_;
@@ -177,20 +193,23 @@ double VelocitySolver::proximal_step(double goal, int& iterations) noexcept {
   return norm;
 }
 
-double VelocitySolver::newton(double* lambda, double tolerance, int failures) noexcept {
+double VelocitySolver::newton(double* lambda, double tolerance, int failures, double mu) noexcept {
   constexpr int most = 40, patience = 6;
-  constexpr double rounding = 1e-13, near = 1e-5;
+  constexpr double rounding = 1e-13, near = 1e-2;
   const Eigen::Map<const Eigen::VectorXd> d2(problem_->squared_scales().data(), rows_);
   Vector l(lambda, rows_);
-  double e = certify(lambda), least = e, mu = 1e-2;
+  double e = certify(lambda), least = e;
   int stalled = 0, failed = 0;
   best_ = l;
-  const auto record = [&] {
-    if (!(e < least)) return;
-    least = e;
-    best_ = l;
-  };
-  for (int outer = 0; outer < most && !(e <= tolerance); ++outer) {
+  for (int outer = 0; !(e <= tolerance); ++outer) {
+    if (e < near) {
+      const double before = e;
+      e = polish(lambda, tolerance);
+      if (e < least) best_ = l;
+      least = std::min(e, least);
+      if (e <= tolerance || (e <= rounding && e > 0.5 * before)) break;
+    }
+    if (outer == most || stalled >= patience) break;
     R_ = mu * d2;
     lambda_0_ = l;
     compute_velocities(lambda);
@@ -205,15 +224,9 @@ double VelocitySolver::newton(double* lambda, double tolerance, int failures) no
     l = resolved_;
     e = certify(lambda);
     stalled = e < 0.9 * least ? 0 : stalled + 1;
-    record();
-    if (stalled >= patience) break;
+    if (e < least) best_ = l;
+    least = std::min(e, least);
     if (iterations <= 5) mu = std::max(1e-9, mu * (iterations > 2 ? 0.1 : 0.03));
-    if (e < near && e > tolerance) {
-      const double before = e;
-      e = polish(lambda, tolerance);
-      record();
-      if (e <= rounding && e > 0.5 * before) break;
-    }
   }
   l = best_;
   return least;
@@ -221,30 +234,37 @@ double VelocitySolver::newton(double* lambda, double tolerance, int failures) no
 
 double VelocitySolver::polish(double* lambda, double tolerance) noexcept {
   constexpr int most = 8;
+  constexpr double linear = 1e-3;
   const VelocityProblem& p = *problem_;
   const Eigen::Map<const Eigen::VectorXd> d2(p.squared_scales().data(), rows_);
   Vector l(lambda, rows_);
   double e = certify(lambda), least = e;
+  bool factorized = false;  // The factors are used again where the law is almost linear.
   lambda_0_ = l;
   R_ = d2;
   for (int k = 0; k < most; ++k) {  // z_ and residual_ are those of the last certificate.
     if (by_multipliers_) {
-      factorize_multipliers(keep);
+      if (!factorized) factorize_multipliers(keep);
       step_ = -residual_;
-      factor_.solve(rows_, step_.data());
+      dense_.solve(rows_, step_.data());
     } else {
-      factorize_velocities(keep);  // makes residual_ (1 - (1 - keep) Z)⁻¹ residual_
+      if (!factorized) factorize_velocities(keep);
+      // (1 - (1 - keep) Z)⁻¹ residual = (1 + (1 - keep) B R) residual
+      u_ = (1 - keep) * residual_.cwiseProduct(R_);
+      multiply_blocks(u_);
+      step_ = -residual_ - u_;
       dx_.setZero();
-      p.add_product(-1, residual_.data(), dx_.data());
-      factor_.solve(dx_.size(), dx_.data());
+      p.add_product(1, step_.data(), dx_.data());
+      sparse_.solve(dx_.data());
       u_.setZero();
       p.add_transposed(dx_.data(), u_.data());
-      step_ = -residual_;
-      subtract_products();
+      multiply_blocks(u_);
+      step_ -= u_;
     }
     l += step_;
     e = certify(lambda);
     const bool better = e < 0.5 * least;
+    factorized = e < linear * least;
     if (e < least) {
       least = e;
       lambda_0_ = l;
@@ -255,13 +275,13 @@ double VelocitySolver::polish(double* lambda, double tolerance) noexcept {
   return least;
 }
 
-/// step_ -= B u_, block by block.
-void VelocitySolver::subtract_products() noexcept {
+void VelocitySolver::multiply_blocks(Vector& a) const noexcept {
   const auto blocks = problem_->blocks();
   for (std::size_t k = 0; k < blocks.size(); ++k)
     with_rows(blocks[k], [&](auto n) {
       const Eigen::Map<const LawMatrix<n()>> B(matrices_.data() + k * matrix_size);
-      step_.template segment<n()>(blocks[k].first) -= B * u_.template segment<n()>(blocks[k].first);
+      auto part = a.template segment<n()>(blocks[k].first);
+      part = (B * part).eval();
     });
 }
 
@@ -277,9 +297,7 @@ bool VelocitySolver::make_matrices(double kept) noexcept {
       const LawBranch branch = differentiate<rows>(b, z_.data() + b.first, Z);
       if (branch == LawBranch::slide && rows > 1) symmetric = false;
       if (kept > 0) {
-        const LawMatrix<rows> S = (LawMatrix<rows>::Identity() - (1 - kept) * Z).inverse();
-        residual_.template segment<rows>(b.first) = (S * residual_.template segment<rows>(b.first)).eval();
-        B = S * Z / R_[b.first];
+        B = (LawMatrix<rows>::Identity() - (1 - kept) * Z).inverse() * Z / R_[b.first];
       } else {
         B = Z / R_[b.first];
       }
@@ -292,34 +310,36 @@ void VelocitySolver::factorize_velocities(double kept) noexcept { factorize_with
 
 void VelocitySolver::factorize_with(bool symmetric) noexcept {
   const VelocityProblem& p = *problem_;
-  const int nv = p.nv();
-  auto H = factor_.matrix(nv);
-  H.setIdentity();
   const auto blocks = p.blocks();
-  for (std::size_t first = 0, end = 0; first < blocks.size(); first = end) {
-    const int width = blocks[first].width;
-    Eigen::Map<Eigen::MatrixXd> sum(group_.data(), width, width);
-    sum.setZero();
-    for (end = first; end < blocks.size() && blocks[end].support == blocks[first].support; ++end)
-      with_rows(blocks[end], [&](auto n) {
-        const Eigen::Map<const LawMatrix<n()>> B(matrices_.data() + end * matrix_size);
-        if (B(0, 0) == 0) return;
-        const auto A = p.columns<n()>(blocks[end]);
-        Eigen::Map<Eigen::Matrix<double, Eigen::Dynamic, n()>> AB(columns_.data(), width, n());
-        AB.noalias() = A.lazyProduct(B);
-        sum += AB.lazyProduct(A.transpose());
-      });
-    const std::span<const int> at = p.support(blocks[first]);
-    for (int j = 0; j < width; ++j)
-      for (int i = 0; i < width; ++i) H(at[index(i)], at[index(j)]) += sum(i, j);
+  sparse_.clear(symmetric);
+  int group = 0;
+  for (std::size_t k = 0; k < blocks.size(); ++group) {
+    const std::size_t support = blocks[k].support;
+    const int stride = SparseFactor::padded(blocks[k].width);
+    while (k < blocks.size() && blocks[k].support == support) {
+      int columns = 0;
+      for (; k < blocks.size() && blocks[k].support == support && columns < most_columns; ++k)
+        with_rows(blocks[k], [&](auto n) {
+          const Eigen::Map<const LawMatrix<n()>> B(matrices_.data() + k * matrix_size);
+          if (B(0, 0) == 0) return;
+          const auto Y = p.columns<n()>(blocks[k]);
+          using Columns = Eigen::Matrix<double, Eigen::Dynamic, n()>;
+          using Part = Eigen::Map<Columns, 0, Eigen::OuterStride<>>;
+          const std::ptrdiff_t at = columns * stride;
+          Part(columns_.data() + at, Y.rows(), n(), Eigen::OuterStride<>(stride)) = Y;
+          Part(YB_.data() + at, Y.rows(), n(), Eigen::OuterStride<>(stride)).noalias() = Y.lazyProduct(B);
+          columns += n();
+        });
+      if (columns > 0) sparse_.add(group, YB_.data(), columns_.data(), columns);
+    }
   }
-  symmetric ? factor_.factorize_symmetric(nv) : factor_.factorize(nv);
-  ++factorizations_;
+  sparse_.factorize();
+  ++solution_.factorizations;
 }
 
 void VelocitySolver::factorize_multipliers(double kept) noexcept {
   const Eigen::Map<const Eigen::MatrixXd> G(G_memory_.data(), rows_, rows_);
-  auto H = factor_.matrix(rows_);
+  auto H = dense_.matrix(rows_);
   for (const VelocityProblem::Block& b : problem_->blocks())
     with_rows(b, [&](auto n) {
       LawMatrix<n()> Z;
@@ -329,8 +349,8 @@ void VelocitySolver::factorize_multipliers(double kept) noexcept {
       diagonal.diagonal().array() += 1;
       if (kept > 0) diagonal -= (1 - kept) * Z;
     });
-  factor_.factorize(rows_);
-  ++factorizations_;
+  dense_.factorize(rows_);
+  ++solution_.factorizations;
 }
 
 }  // namespace axode

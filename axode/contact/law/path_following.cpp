@@ -1,0 +1,109 @@
+#include <algorithm>
+#include <cmath>
+
+#include "axode/contact/law/velocity_solver.hpp"
+
+/// The path of solutions from large to small R, for problems at which Newton's method fails. See "Following
+/// the path" of docs/derivations/contact.md.
+namespace axode {
+namespace {
+
+constexpr double residual_part = 1e-8;  ///< of |w|, at points of the path
+constexpr double least_length = 1e-9, most_length = 2;
+constexpr double sharp =
+    0.05;  ///< length of a step times 1 - cos of its turn: beyond, it may change the branch
+constexpr int most_steps = 1000;
+
+}  // namespace
+
+/// Evaluates (D11.10a) at x_ and σ. Returns |f|.
+double VelocitySolver::path_residual(double sigma) noexcept {
+  const Eigen::Map<const Eigen::VectorXd> d2(problem_->squared_scales().data(), rows_);
+  R_ = std::exp(sigma) * d2;
+  return velocity_residual(x_, f_);
+}
+
+/// Leaves f'⁻¹ (-f) in dx_ and the unit tangent (D11.10b) in next_, after path_residual().
+void VelocitySolver::linearize_path() noexcept {
+  factorize_velocities(0);
+  u_ = z_.cwiseProduct(R_);
+  multiply_blocks(u_);
+  Vector& t = next_.x;
+  t.setZero();
+  problem_->add_product(-1 / size_, u_.data(), t.data());
+  sparse_.solve(t.data());
+  dx_ = -f_;
+  sparse_.solve(dx_.data());
+  next_.sigma = (sparse_.is_negative() ? 1 : -1) / std::sqrt(1 + t.squaredNorm());
+  t *= next_.sigma;
+}
+
+/// Steps from path_point_ by a length along a direction and returns to the path by the shortest way. Returns
+/// whether it finds a point ahead, with its tangent in next_.
+bool VelocitySolver::step_on_path(const PathVector& direction, double length, bool beyond_kink) noexcept {
+  constexpr int most = 8, patience = 3;
+  x_ = path_point_.x + length * size_ * direction.x;
+  double sigma = path_point_.sigma + length * direction.sigma, before = 0;
+  for (int k = 0;; ++k) {
+    const double norm = path_residual(sigma);
+    if (!std::isfinite(norm) || k == most || (k > patience && norm > 0.9 * before)) return false;
+    linearize_path();
+    if (k == 0 && !beyond_kink) {
+      after_kink_.x = next_.x;
+      after_kink_.sigma = next_.sigma;
+    }
+    path_iterations_ = k;
+    if (norm <= residual_part * size_) break;
+    before = norm;
+    const double along = next_.x.dot(dx_) / size_;
+    x_ += dx_ - along * size_ * next_.x;
+    sigma -= along * next_.sigma;
+  }
+  // The way from the point before, in the units of tangents.
+  dx_ = (x_ - path_point_.x) / size_;
+  const double change = sigma - path_point_.sigma, way = std::hypot(dx_.norm(), change);
+  const PathVector& ahead = beyond_kink ? next_ : direction;
+  const double forward = ahead.x.dot(dx_) + ahead.sigma * change;
+  const double turn = 1 - direction.x.dot(next_.x) - direction.sigma * next_.sigma;
+  if (!(way < 2 * length && way > 0.1 * length && forward > 0 && turn * length < sharp)) return false;
+  path_point_.x = x_;
+  path_point_.sigma = sigma;
+  return true;
+}
+
+void VelocitySolver::follow_path(double tolerance) noexcept {
+  constexpr double begin = 100, first_try = 1e-4, last_try = 1e-10, smooth = 0.9;
+  if (!(size_ > 0)) return;
+  lambda_0_.setZero();
+  path_point_.sigma = std::log(begin);
+  x_ = problem_->w;
+  for (int k = 0; k < 20 && path_residual(path_point_.sigma) > residual_part * size_; ++k) {
+    linearize_path();
+    x_ += dx_;
+  }
+  path_point_.x = x_;
+  linearize_path();
+  tangent_.x = next_.x;
+  tangent_.sigma = next_.sigma;
+  double length = 0.5, next_try = std::log(first_try);
+  for (int k = 0; k < most_steps && length > least_length; ++k) {
+    bool found = step_on_path(tangent_, length, false);
+    const double straight = tangent_.x.dot(after_kink_.x) + tangent_.sigma * after_kink_.sigma;
+    if (!found && length < 0.3 && straight < smooth) found = step_on_path(after_kink_, length, true);
+    if (!found) {
+      length *= 0.4;
+      continue;
+    }
+    tangent_.x = next_.x;
+    tangent_.sigma = next_.sigma;
+    if (path_iterations_ <= 4) length = std::min(most_length, 2 * length);
+    if (path_point_.sigma > next_try) continue;
+    start_ = resolved_;
+    improve(tolerance, 0, std::exp(path_point_.sigma));
+    if (solution_.certificate <= accepted || path_point_.sigma < std::log(last_try)) return;
+    next_try = std::min(next_try, path_point_.sigma) - std::log(10.0);
+    lambda_0_.setZero();
+  }
+}
+
+}  // namespace axode
