@@ -6,7 +6,7 @@
 #include <memory>
 
 #include "apps/commands/assembling.hpp"
-#include "apps/commands/contact_tables.hpp"
+#include "apps/files/contact_tables.hpp"
 #include "apps/files/model_options.hpp"
 #include "apps/files/state.hpp"
 #include "apps/shell/choice.hpp"

@@ -8,7 +8,7 @@
 
 #include "apps/commands/assembling.hpp"
 #include "apps/commands/chart.hpp"
-#include "apps/commands/contact_tables.hpp"
+#include "apps/files/contact_tables.hpp"
 #include "apps/files/json_text.hpp"
 #include "apps/files/matrix_file.hpp"
 #include "apps/files/model_options.hpp"

@@ -18,8 +18,8 @@ namespace {
 using Vector = Eigen::VectorXd;
 using Matrix = Eigen::MatrixXd;
 
-/// Residuals and steps are without unit here: lengths are divided by the size of the loops, so that neither the
-/// path of the search nor the answer depends on the unit of length.
+/// Residuals and steps are without unit here: lengths are divided by the size of the loops, so that neither
+/// the path of the search nor the answer depends on the unit of length.
 class Assembly {
  public:
   /// In the model every motion is a loop, see MotionRows.
@@ -89,8 +89,8 @@ class Assembly {
     S.diagonal().array() += small;
     return -R.transpose() * S.ldlt().solve(r);
   }
-  /// The damped step that closes the loops to first order, at most half a radian or half the size of the loops.
-  /// The constant part of the damping prevents that redundant rows contribute to the step.
+  /// The damped step that closes the loops to first order, at most half a radian or half the size of the
+  /// loops. The constant part of the damping prevents that redundant rows contribute to the step.
   static Vector step(const Matrix& R, const Vector& r, double damping) {
     const Vector x = least(R, r, damping * r.norm() + 1e-12 * R.squaredNorm());
     const double largest = x.cwiseAbs().maxCoeff();
@@ -105,8 +105,8 @@ class Assembly {
     system_.residual(q.data(), r.data());
     return r.cwiseQuotient(units_of_rows(ConstraintLevel::position));
   }
-  /// The unit of each row of a level: the size of the loops for a row along which a force acts, 1 for a row about
-  /// which a couple acts, and the unit of the first term for a coupling.
+  /// The unit of each row of a level: the size of the loops for a row along which a force acts, 1 for a row
+  /// about which a couple acts, and the unit of the first term for a coupling.
   Vector units_of_rows(ConstraintLevel level) {
     system_.make_rows(level);
     Vector units = Vector::Ones(system_.size(level));
@@ -163,8 +163,9 @@ class Assembly {
     }
     return true;
   }
-  /// The size of the loops at the present configuration, which is that of the drawing: the largest distance of a body or of an end of a loop
-  /// from the origin of its root or of its body, and 1 m if there is no such distance.
+  /// The size of the loops at the present configuration, which is that of the drawing: the largest distance
+  /// of a body or of an end of a loop from the origin of its root or of its body, and 1 m if there is no such
+  /// distance.
   double size() const {
     double largest = 0;
     for (const LoopPath& path : system_.table().paths) {

@@ -8,15 +8,16 @@
 
 /// Sensitivities of motions with contact, which are computed as by simulate_contact() in steps of one length,
 /// under drive forces that are constant in each step. They are the exact derivatives of the numerical method,
-/// by implicit differentiation of the equations of a step at their solution (D11.19 to D11.23): which contacts
-/// touch, stick, slide and bounce does not change along a displacement. Displacements and gradients of q are
-/// left-trivialised, along q ⊕ ε dq. Damping and dry friction of joints, springs, hard stops and closed loops
-/// count. A gap that is 0 counts as a gap, so that the derivative is that of displacements which open it.
+/// by implicit differentiation of the equations of a step at their solution (D11.19 to D11.23): which
+/// contacts touch, stick, slide and bounce does not change along a displacement. Displacements and gradients
+/// of q are left-trivialised, along q ⊕ ε dq. Damping and dry friction of joints, springs, hard stops and
+/// closed loops count. A gap that is 0 counts as a gap, so that the derivative is that of displacements which
+/// open it.
 ///
-/// Throws std::invalid_argument for wrong sizes, a state that is not finite or quaternions that are not of unit
-/// norm, step <= 0, shapes of another model, prescribed motions, and results that share memory with arguments.
-/// Contact points need closed forms: planes with anything, spheres, capsules, boxes on faces, and boxes with
-/// spheres. Other points, and steps that fail, are a failure; then all results are NaN.
+/// Throws std::invalid_argument for wrong sizes, a state that is not finite or quaternions that are not of
+/// unit norm, step <= 0, shapes of another model, prescribed motions, and results that share memory with
+/// arguments. Contact points need closed forms: planes with anything, spheres, capsules, boxes on faces, and
+/// boxes with spheres. Other points, and steps that fail, are a failure; then all results are NaN.
 namespace axode {
 
 /// The state of a computation of sensitivities.
@@ -32,14 +33,14 @@ struct [[nodiscard]] ContactSensitivity {
   bool ok() const { return !failure; }
 };
 
-/// Receives the states of a motion of K steps, (K + 1) nq and (K + 1) nv numbers, and the derivatives of the end
-/// of each step by its start, A (2nv × 2nv), and by τ, B (2nv × nv), row by row, displacements before
+/// Receives the states of a motion of K steps, (K + 1) nq and (K + 1) nv numbers, and the derivatives of the
+/// end of each step by its start, A (2nv × 2nv), and by τ, B (2nv × nv), row by row, displacements before
 /// velocities. The spans must not overlap.
 struct ContactRolloutDerivatives {
   std::span<double> q, v, A, B;
 };
-/// Computes a motion of K steps from the state (q, v) under K nv drive forces, and its derivatives. Allocates;
-/// a step takes O(nv³ + rows³).
+/// Computes a motion of K steps from the state (q, v) under K nv drive forces, and its derivatives.
+/// Allocates; a step takes O(nv³ + rows³).
 ContactSensitivity contact_rollout_derivatives(const Model& model, const ContactShapes& shapes,
                                                std::span<const double> q, std::span<const double> v,
                                                std::span<const double> tau, double step,
@@ -57,8 +58,8 @@ ContactSensitivity contact_rollout_jvp(const Model& model, const ContactShapes& 
                                        const Monitor& monitor = {});
 
 /// Computes the gradients of the sum of w_q·δq + w_v·δv over all states of a motion of K steps, with respect
-/// to its initial state and drive forces; gradient.geometry must be empty. w_q and w_v have (K + 1) nv weights
-/// each. The matrices of all steps are stored, 6 K nv² numbers. Allocates.
+/// to its initial state and drive forces; gradient.geometry must be empty. w_q and w_v have (K + 1) nv
+/// weights each. The matrices of all steps are stored, 6 K nv² numbers. Allocates.
 ContactSensitivity contact_rollout_vjp(const Model& model, const ContactShapes& shapes,
                                        std::span<const double> q, std::span<const double> v,
                                        std::span<const double> tau, double step, std::span<const double> w_q,

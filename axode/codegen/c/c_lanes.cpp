@@ -94,8 +94,8 @@ static inline axode_lanes axode_angle(axode_lanes a, axode_lanes b) {
 )";
 
 constexpr const char* turning = R"(
-/* in[l * n + k], number k of state l, to lane l of out[k], and back. Where the states are fewer than the lanes,
-   the last one stands in those that are left. */
+/* in[l * n + k], number k of state l, to lane l of out[k], and back. Where the states are fewer than the
+   lanes, the last one stands in those that are left. */
 static void axode_gather(const @T@ *in, long n, long states, axode_lanes *out) {
   long k, l;
   if (states < AXODE_LANES) {

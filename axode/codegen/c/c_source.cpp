@@ -181,8 +181,8 @@ constexpr const char* cuda_head = R"(To be compiled without
 
    States lie side by side: entry k of state i of n is x[k * n + i], so that neighbouring threads read
    neighbouring numbers. Each function NAME is for one thread; its arguments point to the first entry of its
-   state, x + i. The kernel NAME_states is for n states: start at least n threads, in blocks of at most 128. It
-   writes NaN where NAME returns 1. */
+   state, x + i. The kernel NAME_states is for n states: start at least n threads, in blocks of at most 128.
+   It writes NaN where NAME returns 1. */
 
 #if defined(__USE_FAST_MATH__) && __USE_FAST_MATH__
 #error "compile this file without --use_fast_math"

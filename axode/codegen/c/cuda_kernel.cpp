@@ -99,8 +99,8 @@ class CudaEmitter final : public Emitter {
 }  // namespace
 
 const char* const cuda_entries =
-    R"(/* Entry k of a state. The offset hides in an instruction: of what compilers see in k * n they make chains
-   of sums, which take registers, and far longer to compile. */
+    R"(/* Entry k of a state. The offset hides in an instruction: of what compilers see in k * n they make
+   chains of sums, which take registers, and far longer to compile. */
 template <int k, class X> static __device__ __forceinline__ X &axode_at(X *x, int n) {
 #ifdef __CUDA_ARCH__
   long long offset;

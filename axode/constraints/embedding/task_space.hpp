@@ -54,8 +54,8 @@ class TaskSpace {
   /// Determines the limbs, their mobility and the task velocities at a closed configuration q that should not
   /// be singular. `platform` is the name of a body whose joint is on the ground; if it is empty, the body is
   /// taken for which eliminations limb by limb cost least. Throws std::invalid_argument for a wrong q, an
-  /// unknown body or one that another body carries, a mechanism without loops, prescribed motions, and ranks that
-  /// rounding leaves open. Springs act only if their forces are added to τ.
+  /// unknown body or one that another body carries, a mechanism without loops, prescribed motions, and ranks
+  /// that rounding leaves open. Springs act only if their forces are added to τ.
   TaskSpace(const Model& model, std::span<const double> q, std::string_view platform = {});
   ~TaskSpace();
   TaskSpace(TaskSpace&&) noexcept;

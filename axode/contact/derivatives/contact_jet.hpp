@@ -28,8 +28,8 @@ class ContactJets {
   explicit ContactJets(ContactShapes shapes);
 
   /// The jet of the contact with a key at the poses C of the internal frames of all bodies (n_bodies + 1), or
-  /// null if the pair has no such point with a gap below the margin, or if it has no closed form. The pointer is
-  /// valid until the next call.
+  /// null if the pair has no such point with a gap below the margin, or if it has no closed form. The pointer
+  /// is valid until the next call.
   const ContactJet* find(std::uint64_t key, std::span<const SE3<>> C, double margin) noexcept;
   /// Whether the points of the pair of the last find() have a closed form.
   bool closed_form() const { return closed_; }

@@ -27,8 +27,8 @@ FrameChanges turned_changes(const Vec3<>& from, const VectorChanges& dfrom, cons
                             const VectorChanges& dto);
 
 /// The bodies of a tree at a state (q, v), and how they change along k directions (dq, dv), a column each:
-/// displacements dq are left-trivialised. ξ_i is the displacement of body i, and with the twists V_i = V_p + S
-/// v,
+/// displacements dq are left-trivialised. ξ_i is the displacement of body i, and with the twists V_i = V_p +
+/// S v,
 ///   ξ_i = ξ_p + S dq,   dV_i = dV_p + [ξ_i, S v] + S dv                                            (D11.17)
 /// about the fixed point O that is the origin of the root of i at q. O(n k). It is the scratch memory of one
 /// thread.

@@ -31,7 +31,7 @@ struct LawDerivative {
 
 /// Where the rows of a problem have velocities u that depend on λ in any way, with the derivatives by_lambda
 /// (rows × rows) at constant data, and by_data (rows × directions) at constant λ, the multipliers change by
-///   (1 - Z + Z d⁻² by_lambda) dλ = -Z d⁻² by_data,   Z at z = λ - u/d²                                (D11.18)
+///   (1 - Z + Z d⁻² by_lambda) dλ = -Z d⁻² by_data,   Z at z = λ - u/d²                            (D11.18)
 /// All rows are scaled. `speed` is the size of the velocities in the metric of the masses, and `change` that
 /// of their changes along the directions. Allocates; O(rows³).
 LawDerivative differentiate_law(const VelocityProblem& problem, const double* lambda, const double* u,

@@ -25,9 +25,9 @@ class ContactStepDerivative {
   /// `dry_friction` must be that of the step. Allocates.
   ContactStepDerivative(const Model& model, const ContactShapes& shapes, bool dry_friction, bool damping);
 
-  /// Replaces the changes dq, dv (nv × k) of the state at the start of a part by those at its end, for changes
-  /// dtau (nv × k) of its drive forces. dq is left-trivialised. Returns false if contact points are not
-  /// differentiable; then why() says which. Allocates. It takes O(n k + nv² k + rows³).
+  /// Replaces the changes dq, dv (nv × k) of the state at the start of a part by those at its end, for
+  /// changes dtau (nv × k) of its drive forces. dq is left-trivialised. Returns false if contact points are
+  /// not differentiable; then why() says which. Allocates. It takes O(n k + nv² k + rows³).
   bool run(const ContactPart& part, Matrix& dq, Matrix& dv, const Matrix& dtau);
 
   const std::string& why() const { return why_; }

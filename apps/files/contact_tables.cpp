@@ -1,4 +1,4 @@
-#include "apps/commands/contact_tables.hpp"
+#include "apps/files/contact_tables.hpp"
 
 #include <fmt/format.h>
 
