@@ -115,6 +115,49 @@ Json as_json(const LoopCoupling& coupling, const Model& model) {
   return about;
 }
 
+std::string_view curve_name(const ForceCurve& curve) {
+  constexpr std::array<std::string_view, 4> names{"linear", "polynomial", "table", "gas"};
+  static_assert(names.size() == std::variant_size_v<ForceCurve>);
+  return names[curve.index()];
+}
+
+/// The frames that a spring connects, in the order of its path, or the joints on which it acts.
+std::vector<std::string> places_of(const Model& model, const Spring& spring) {
+  std::vector<std::string> names;
+  if (const auto* path = std::get_if<Spring::Path>(&spring.geometry))
+    for (const Spring::Path::Point& it : path->points) names.push_back(model.frame(it.frame).name);
+  else if (const auto* torsion = std::get_if<Spring::Torsion>(&spring.geometry))
+    for (const Spring::End& end : torsion->ends) names.push_back(model.frame(end.frame).name);
+  else if (const auto* bushing = std::get_if<Spring::Bushing>(&spring.geometry))
+    for (const Spring::End& end : bushing->ends) names.push_back(model.frame(end.frame).name);
+  return names;
+}
+
+/// Spring k of the drawing.
+Json as_json(const Model& model, std::size_t k) {
+  const Spring& spring = model.springs().elements[k];
+  const SpringDescription& described = model.description().springs[k];
+  Json about{{"name", spring.name}, {"kind", to_string(described.kind)}};
+  if (traits(described.kind).has("terms"))
+    for (const auto& [joint, factor] : described.terms)
+      about["terms"].push_back({{"joint", joint}, {"factor", factor}});
+  else
+    about["between"] = places_of(model, spring);
+  if (const auto* path = std::get_if<Spring::Path>(&spring.geometry))
+    for (const Spring::Path::Point& it : path->points) about["points"].push_back(to_json(it.point));
+  if (described.kind == SpringKind::bushing) {
+    about["stiffness"] = described.K;
+    about["damping"] = described.C;
+    return about;
+  }
+  about["law"] = curve_name(spring.law.curve);
+  if (const auto* linear = std::get_if<LinearCurve>(&spring.law.curve))
+    about["stiffness"] = linear->stiffness;
+  about["rest"] = spring.law.rest;
+  about["damping"] = spring.law.damping;
+  return about;
+}
+
 Json as_json(const Model& model) {
   Json out{{"model", model.name()},
            {"nq", model.nq()},
@@ -161,14 +204,8 @@ Json as_json(const Model& model) {
   for (const Frame& frame : model.frames())
     out["frames"].push_back(
         {{"name", frame.name}, {"body", model.body(frame.body).name}, {"pose", to_json(frame.pose)}});
-  for (const Springs::Line& line : model.springs().lines) {
-    const auto& [a, b] = line.ends;
-    out["springs"].push_back({{"between", {model.frame(a.frame).name, model.frame(b.frame).name}},
-                              {"points", {to_json(a.point), to_json(b.point)}},
-                              {"stiffness", line.stiffness},
-                              {"rest", line.rest},
-                              {"damping", line.damping}});
-  }
+  for (std::size_t k = 0; k < model.springs().elements.size(); ++k)
+    out["springs"].push_back(as_json(model, k));
   for (const Loop& loop : model.loops().joints) out["loops"].push_back(as_json(loop, model));
   for (const LoopCoupling& coupling : model.loops().couplings)
     out["loops"].push_back(as_json(coupling, model));
@@ -228,13 +265,23 @@ void print_springs(const Model& model) {
   if (!table.empty())
     fmt::print("\n{} (rad or m, N m or N, and per s)\n{}", in(Ink::heading, "springs and stops"),
                table.text());
-  Table lines({"between", "and", "stiffness", "rest", "damping"});
-  for (const Springs::Line& line : model.springs().lines)
-    lines.row({model.frame(line.ends[0].frame).name, model.frame(line.ends[1].frame).name, line.stiffness,
-               line.rest, line.damping});
-  if (!lines.empty())
-    fmt::print("\n{} (N/m, m, N s/m)\n{}", in(Ink::heading, "springs and dampers between frames"),
-               lines.text());
+  Table elements({"spring", "kind", "between", "and", "stiffness", "rest", "damping"});
+  for (std::size_t k = 0; k < model.springs().elements.size(); ++k) {
+    const Spring& spring = model.springs().elements[k];
+    const SpringDescription& described = model.description().springs[k];
+    std::vector<std::string> places = places_of(model, spring);
+    for (const auto& [joint, factor] : described.terms) places.push_back(joint);
+    const auto* linear = std::get_if<LinearCurve>(&spring.law.curve);
+    const bool bushing = described.kind == SpringKind::bushing;
+    elements.row({spring.name, std::string(to_string(described.kind)), places.front(), places.back(),
+                  bushing             ? Cell("6 x 6")
+                  : linear != nullptr ? Cell(linear->stiffness)
+                                      : Cell(std::string(curve_name(spring.law.curve))),
+                  spring.law.rest, spring.law.damping});
+  }
+  if (!elements.empty())
+    fmt::print("\n{} (N/m or N m/rad, m or rad, N s/m or N m s/rad)\n{}",
+               in(Ink::heading, "springs and dampers of the drawing"), elements.text());
 }
 
 void print_loops(const Model& model) {

@@ -111,7 +111,7 @@ struct Compilation {
     };
     for (const BodyDescription& body : model.description().bodies) join(body.name, body.predecessor);
     for (const LoopDescription& loop : model.description().loops)
-      if (loop.kind != LoopKind::rod) join(loop.between[0], loop.between[1]);
+      if (loop.kind != LoopKind::rod && loop.kind != LoopKind::belt) join(loop.between[0], loop.between[1]);
     return joined;
   }
 };

@@ -29,44 +29,130 @@ void differentiate_joint(const Model& model, int i, const T* q, const T* v, cons
   });
 }
 
-/// Adds the derivatives of the forces of a spring along a line between two points. With the tension f, the
-/// unit vector u of the line, and the columns r_k of the distance vector r and w_k of the rotations, τ_k = -f
-/// u·r_k; along direction j of the same end r_k changes by w_j × r_k or, if j is farther from the ground, by
-/// w_k × r_j.
-template <class T, class Add>
-void differentiate_line(const Springs::Line& spring, const Tree<T>& tree, const T* q, const T* v,
-                        SpringColumns<T>& columns, const Add& add) noexcept {
-  columns.count = 0;
-  const SpringLine<T> line(spring, tree, q, v, [&](std::size_t e, int i, int c, const Screw<T>& X) {
-    columns.column[columns.count++] = {static_cast<int>(e), i, c, X};
-  });
-  const std::span all(columns.column, static_cast<std::size_t>(columns.count));
-  for (auto& [e, i, c, X] : all) {
-    const SO3<T>& R = line.R[static_cast<std::size_t>(e)];
-    X = {R * X.w, e == 0 ? -(R * X.v) : R * X.v};
+/// Adds the derivatives of the forces of one spring of a description, as differentiate_joint() does.
+template <class T, class Add> class DifferentiateSpring {
+ public:
+  DifferentiateSpring(const Tree<T>& tree, const ForceLaw& law, const T* q, const T* v,
+                      SpringColumns<T>& columns, const Add& add)
+      : tree_(tree), law_(law), q_(q), v_(v), columns_(columns), add_(add) {}
+
+  /// With the tension F and the length x, τ_k = -F ∂x/∂q_k, and second derivatives of x are sums over the
+  /// segments (D16.6).
+  void operator()(const Spring::Path& path) const noexcept {
+    columns_.clear();
+    T x(0), dx(0);
+    const std::size_t segments = path.points.size() - 1;
+    for (std::size_t k = 0; k < segments; ++k) {
+      const Segment<T> segment = with_columns(path, k);
+      x += segment.length;
+      dx += segment.rate;
+      add_gradient(segment);
+    }
+    const Tension<T> F = tension(law_, x, dx);
+    // Where the points of a line coincide, F/x has a limit if F is 0 there.
+    const T slope = segments == 1 && F.f == T(0) ? F.by_x : T(0);
+    for (std::size_t k = 0; k < segments; ++k)
+      add_curvature(
+          segments == 1 ? Segment<T>(path.points.data(), tree_, q_, v_, nothing) : with_columns(path, k), F.f,
+          slope);
+    add_by_coordinate(F);
   }
-  using Column = typename SpringColumns<T>::Column;
-  const auto turned = [](const Column& j, const Column& k) {
-    if (j.end != k.end) return Vec3<T>{};
-    return j.body <= k.body ? cross(j.X.w, k.X.v) : cross(k.X.w, j.X.v);
-  };
-  const T stiffness = T(spring.stiffness), damping = T(spring.damping);
-  const bool there = !(line.length == T(0));
-  const T inverse = there ? T(1) / line.length : T(0);
-  const T string = there ? line.f * inverse : spring.rest == 0 ? stiffness : T(0);  // f/l, and its limit
-  for (const Column& j : all) {
-    const T l_j = dot(line.u, j.X.v);
-    Vec3<T> turn{};
-    for (const Column& k : all) turn += v[k.c] * turned(j, k);
-    const T rate_j = dot(line.u, turn) + inverse * (dot(line.dr, j.X.v) - line.rate * l_j);
-    const T f_q = stiffness * l_j + damping * rate_j, f_v = damping * l_j;
-    for (const Column& k : all) {
-      const T l_k = dot(line.u, k.X.v);
-      const T direction = string * (dot(j.X.v, k.X.v) - l_j * l_k) + line.f * dot(line.u, turned(j, k));
-      add(k.c, j.c, -(f_q * l_k + direction), -f_v * l_k);
+  void operator()(const Spring::JointSum& joints) const noexcept {
+    columns_.clear();
+    for (const Spring::JointSum::Term& term : joints.terms) columns_.add(term.velocity, T(term.factor), T(0));
+    const SpringCoordinate<T> at = coordinate_of(joints, tree_, q_, v_);
+    add_by_coordinate(tension(law_, at.x, at.dx));
+  }
+  /// The columns ξ_k of the relative twist depend on the configuration as well (D16.12): τ_k = W·ξ_k.
+  template <class Geometry> void operator()(const Geometry& between) const noexcept {
+    columns_.clear();
+    const RelativePose<T> at(between.ends, tree_, q_, v_, [&](std::size_t e, int i, int c, const auto& X) {
+      columns_.column[columns_.count++] = {static_cast<int>(e), i, c, X};
+    });
+    for (int k = 0; k < columns_.count; ++k)
+      if (Column& each = columns_.column[k]; each.end == 0) each.X = -Ad_inv(at.D, each.X);
+    const SpringWrench<T> W = wrench_of(between, law_, at, true);
+    for (const Column& j : columns_.all()) {
+      Screw<T> dV{};
+      for (const Column& k : columns_.all()) dV = dV + v_[k.c] * turned(j, k);
+      const Six<T> xi_j = six(j.X), by_eta = product(W.K, xi_j), by_V = product(W.C, six(dV)),
+                   by_v = product(W.C, xi_j);
+      for (const Column& k : columns_.all()) {
+        const Six<T> xi_k = six(k.X);
+        add_(k.c, j.c, product(W.W, six(turned(j, k))) - product(xi_k, by_eta) - product(xi_k, by_V),
+             -product(xi_k, by_v));
+      }
     }
   }
-}
+
+ private:
+  using Column = typename SpringColumns<T>::Column;
+  static constexpr auto nothing = [](std::size_t, int, int, const auto&) {};
+
+  /// Segment k with its columns, those of the vector r between its ends and of their rotations.
+  Segment<T> with_columns(const Spring::Path& path, std::size_t k) const noexcept {
+    columns_.count = 0;
+    Segment<T> segment(&path.points[k], tree_, q_, v_, [&](std::size_t e, int i, int c, const Screw<T>& X) {
+      columns_.column[columns_.count++] = {static_cast<int>(e), i, c, X};
+    });
+    for (int n = 0; n < columns_.count; ++n) {
+      Column& each = columns_.column[n];
+      const SO3<T>& R = segment.R[static_cast<std::size_t>(each.end)];
+      each.X = {R * each.X.w, each.end == 0 ? -(R * each.X.v) : R * each.X.v};
+    }
+    return segment;
+  }
+  /// The derivative of column k of r along direction j of the same end: w_j × r_k or, if j is farther from
+  /// the ground, w_k × r_j.
+  static Vec3<T> bent(const Column& j, const Column& k) {
+    if (j.end != k.end) return {};
+    return j.body <= k.body ? cross(j.X.w, k.X.v) : cross(k.X.w, j.X.v);
+  }
+  /// The derivative of column k of the relative twist along direction j, [ξ_k, ξ_j] or 0 (D16.12).
+  static Screw<T> turned(const Column& j, const Column& k) {
+    const bool moves = k.end == 1 ? j.end == 1 && k.body < j.body : j.end == 1 || k.body >= j.body;
+    return moves ? ad(k.X, j.X) : Screw<T>{};
+  }
+
+  /// Adds ∂x/∂q and ∂x'/∂q of a segment.
+  void add_gradient(const Segment<T>& at) const noexcept {
+    const T inverse = at.length == T(0) ? T(0) : T(1) / at.length;
+    for (const Column& j : columns_.all()) {
+      const T l_j = dot(at.u, j.X.v);
+      Vec3<T> turn{};
+      for (const Column& k : columns_.all()) turn += v_[k.c] * bent(j, k);
+      columns_.add(j.c, l_j, dot(at.u, turn) + inverse * (dot(at.dr, j.X.v) - at.rate * l_j));
+    }
+  }
+  /// Adds -F ∂²x/∂q² of a segment. `slope` is the limit of F/x for a segment without length.
+  void add_curvature(const Segment<T>& at, const T& F, const T& slope) const noexcept {
+    const T string = at.length == T(0) ? slope : F / at.length;
+    for (const Column& j : columns_.all()) {
+      const T l_j = dot(at.u, j.X.v);
+      for (const Column& k : columns_.all())
+        add_(k.c, j.c, -(string * (dot(j.X.v, k.X.v) - l_j * dot(at.u, k.X.v)) + F * dot(at.u, bent(j, k))),
+             T(0));
+    }
+  }
+  /// Adds -∂F/∂q ∂x/∂q and -∂F/∂v ∂x/∂q.
+  void add_by_coordinate(const Tension<T>& F) const noexcept {
+    for (int m = 0; m < columns_.n_velocities; ++m) {
+      const int j = columns_.velocities[m];
+      const T by_q = F.by_x * columns_.by_q[j] + F.by_dx * columns_.rate_by_q[j],
+              by_v = F.by_dx * columns_.by_q[j];
+      for (int n = 0; n < columns_.n_velocities; ++n) {
+        const int k = columns_.velocities[n];
+        add_(k, j, -by_q * columns_.by_q[k], -by_v * columns_.by_q[k]);
+      }
+    }
+  }
+
+  const Tree<T>& tree_;
+  const ForceLaw& law_;
+  const T *q_, *v_;
+  SpringColumns<T>& columns_;
+  const Add& add_;
+};
 
 }  // namespace
 
@@ -82,8 +168,9 @@ void spring_force_derivatives(const Model& model, Workspace<T>& workspace, Numbe
   };
   for (const int i : model.springs().joints) differentiate_joint(model, i, q.data(), v.data(), add);
   SpringColumns<T> columns(arena);
-  for (const Springs::Line& spring : model.springs().lines)
-    differentiate_line(spring, model.tree<T>(), q.data(), v.data(), columns, add);
+  for (const Spring& spring : model.springs().elements)
+    std::visit(DifferentiateSpring(model.tree<T>(), spring.law, q.data(), v.data(), columns, add),
+               spring.geometry);
 }
 
 template void spring_force_derivatives(const Model&, Workspace<AXODE_T>&, Numbers<AXODE_T>, Numbers<AXODE_T>,

@@ -3,6 +3,7 @@
 #include <array>
 
 #include "axode/kinematics/path.hpp"
+#include "axode/lie/six.hpp"
 #include "axode/model/model.hpp"
 
 /// The force laws of springs, dampers and stops, for forces and their derivatives.
@@ -64,25 +65,28 @@ template <class Joint, class T> struct ElasticLogarithm {
   Screw<T> minus_X_;
 };
 
-/// The line between the two ends of a spring. It is expressed in the internal frame of the body where the
-/// paths from both ends to the ground meet, so that no digits are lost far from the inertial origin.
-template <class T> struct SpringLine {
+/// The body at which the paths from two places to the ground meet.
+template <class T> int meeting_of(const Tree<T>& tree, const std::array<Place<T>, 2>& place) noexcept {
+  return common_predecessor(tree, tree->frame_body[place[0].frame], tree->frame_body[place[1].frame]);
+}
+
+/// A straight segment of a path. It is expressed in the internal frame of the body where the paths from both
+/// ends to the ground meet, so that no digits are lost far from the inertial origin.
+template <class T> struct Segment {
   std::array<Place<T>, 2> place;
   int meeting;
   std::array<SO3<T>, 2> R;
   Vec3<T> r, dr;  ///< vector from the first end to the second, and its rate
   T length;       ///< ‖r‖
   Vec3<T> u;      ///< r/‖r‖, or 0
-  T rate{}, f{};  ///< rate of the length, and tension
+  T rate{};       ///< rate of the length
 
   /// Calls columns(end, joint, velocity, column) for each column on the paths from the ends to the meeting
   /// body. Without v, which may be nullptr, the rates are 0.
   template <class F>
-  SpringLine(const Springs::Line& line, const Tree<T>& tree, const T* q, const T* v,
-             const F& columns) noexcept
-      : place{place_of(line, 0), place_of(line, 1)},
-        meeting(
-            common_predecessor(tree, tree->frame_body[place[0].frame], tree->frame_body[place[1].frame])) {
+  Segment(const Spring::Path::Point* ends, const Tree<T>& tree, const T* q, const T* v,
+          const F& columns) noexcept
+      : place{place_of(ends[0]), place_of(ends[1])}, meeting(meeting_of(tree, place)) {
     for (std::size_t e = 0; e < 2; ++e) {
       Vec3<T> moves{};
       const SE3<T> C = each_body_fixed_column(
@@ -100,18 +104,191 @@ template <class T> struct SpringLine {
     if (length == T(0)) return;
     u = (T(1) / length) * r;
     rate = dot(u, dr);
-    f = T(line.stiffness) * (length - T(line.rest)) + T(line.damping) * rate;
-  }
-
-  static T energy(const Springs::Line& line, const T& length) {
-    const T x = length - T(line.rest);
-    return T(0.5) * T(line.stiffness) * x * x;
   }
 
  private:
-  static Place<T> place_of(const Springs::Line& line, std::size_t e) {
-    return {line.ends[e].frame, cast<T>(line.ends[e].point)};
-  }
+  static Place<T> place_of(const Spring::Path::Point& p) { return {p.frame, cast<T>(p.point)}; }
 };
+
+/// Calls f with each segment of a path.
+template <class T, class F>
+void each_segment(const Spring::Path& path, const Tree<T>& tree, const T* q, const T* v,
+                  const F& f) noexcept {
+  for (std::size_t k = 1; k < path.points.size(); ++k)
+    f(Segment<T>(&path.points[k - 1], tree, q, v, [](std::size_t, int, int, const auto&) {}));
+}
+
+/// The coordinate of a spring and its rate.
+template <class T> struct SpringCoordinate { T x, dx; };
+
+template <class T>
+SpringCoordinate<T> coordinate_of(const Spring::Path& path, const Tree<T>& tree, const T* q,
+                                  const T* v) noexcept {
+  SpringCoordinate<T> sum{T(0), T(0)};
+  each_segment(path, tree, q, v, [&](const Segment<T>& segment) {
+    sum.x += segment.length;
+    sum.dx += segment.rate;
+  });
+  return sum;
+}
+
+template <class T>
+SpringCoordinate<T> coordinate_of(const Spring::JointSum& joints, const Tree<T>&, const T* q,
+                                  const T* v) noexcept {
+  SpringCoordinate<T> sum{T(joints.offset), T(0)};
+  for (const Spring::JointSum::Term& term : joints.terms) {
+    sum.x += T(term.factor) * q[term.coordinate];
+    if (v != nullptr) sum.dx += T(term.factor) * v[term.velocity];
+  }
+  return sum;
+}
+
+/// The pose D of the second frame of a spring relative to the first one, and the twist V of the second frame
+/// against the first one, in the axes and about the origin of the second one.
+template <class T> struct RelativePose {
+  std::array<Place<T>, 2> place;
+  int meeting;
+  SE3<T> D;
+  Screw<T> V;
+
+  /// Calls columns(end, joint, velocity, column) for each column on the paths from the ends to the body where
+  /// they meet; the columns are in the axes of their ends. Without v, which may be nullptr, V is 0.
+  template <class F>
+  RelativePose(const std::array<Spring::End, 2>& ends, const Tree<T>& tree, const T* q, const T* v,
+               const F& columns) noexcept
+      : place{place_of(ends[0]), place_of(ends[1])}, meeting(meeting_of(tree, place)) {
+    for (std::size_t e = 0; e < 2; ++e) {
+      Screw<T> moves{};
+      const SE3<T> C = each_body_fixed_column(
+          tree, q, place[e],
+          [&](int i, int c, const Screw<T>& X) {
+            if (v != nullptr) moves = moves + v[c] * X;
+            columns(e, i, c, X);
+          },
+          meeting);
+      D = e == 0 ? inverse(C) : D * C;
+      V = e == 0 ? moves : moves - Ad_inv(D, V);
+    }
+  }
+
+ private:
+  static Place<T> place_of(const Spring::End& end) { return {end.frame, cast<T>(end.pose)}; }
+};
+
+/// The wrench of a spring on its second frame, (moment; force) in the axes and about the origin of that
+/// frame. With K = -∂W/∂η for D → D exp(η) and C = -∂W/∂V it also has the derivatives.
+template <class T> struct SpringWrench {
+  using Matrix = std::array<std::array<T, 6>, 6>;
+  Six<T> W{};
+  Matrix K{}, C{};
+};
+template <class T> T product(const Six<T>& a, const Six<T>& b) {
+  T sum(0);
+  for (std::size_t k = 0; k < 6; ++k) sum += a[k] * b[k];
+  return sum;
+}
+template <class U, class T> Six<T> product(const std::array<std::array<U, 6>, 6>& A, const Six<T>& x) {
+  Six<T> y{};
+  for (std::size_t k = 0; k < 6; ++k)
+    for (std::size_t l = 0; l < 6; ++l) y[k] += T(A[k][l]) * x[l];
+  return y;
+}
+template <class T> Six<T> six(const Screw<T>& X) { return six(X.w, X.v); }
+template <class T> Screw<T> unit_screw(std::size_t k) {
+  Six<T> e{};
+  e[k] = T(1);
+  return {{e[0], e[1], e[2]}, {e[3], e[4], e[5]}};
+}
+
+/// The angle about z of a rotation (D16.8), from -π to π, its gradient g along displacements of the
+/// rotation on the right, and the derivatives of g.
+template <class T> struct TwistAngle {
+  T angle;
+  Vec3<T> g;
+
+  explicit TwistAngle(const SO3<T>& R) noexcept : a_(quaternion(R)), square_(a_.w * a_.w + a_.z * a_.z) {
+    angle = T(2) * atan2(a_.z, a_.w);
+    g = (T(1) / square_) * numerator();
+  }
+  /// The derivative of g along η.
+  Vec3<T> gradient_along(const Vec3<T>& eta) const {
+    const Vec3<T> v{a_.x, a_.y, a_.z}, e{T(0), T(0), T(1)};
+    const T dw = T(-0.5) * dot(v, eta);
+    const Vec3<T> dv = T(0.5) * (a_.w * eta + cross(v, eta));
+    const Vec3<T> d = T(2) * a_.w * dw * e + dw * cross(e, v) + a_.w * cross(e, dv) + dv.z * v + v.z * dv;
+    return (T(1) / square_) * (d - T(2) * (a_.w * dw + a_.z * dv.z) * g);
+  }
+
+ private:
+  Vec3<T> numerator() const {
+    const Vec3<T> v{a_.x, a_.y, a_.z}, e{T(0), T(0), T(1)};
+    return a_.w * a_.w * e + a_.w * cross(e, v) + v.z * v;
+  }
+  Quaternion<T> a_;
+  T square_;
+};
+
+/// The wrench of a torsion spring, with its derivatives if they are asked for (D16.9).
+template <class T>
+SpringWrench<T> wrench_of(const Spring::Torsion&, const ForceLaw& law, const RelativePose<T>& at,
+                          bool with_derivatives) noexcept {
+  const TwistAngle<T> twist(at.D.R);
+  const Tension<T> F = tension(law, twist.angle, dot(twist.g, at.V.w));
+  SpringWrench<T> out;
+  const Vec3<T> moment = -F.f * twist.g;
+  out.W = six(moment, Vec3<T>{});
+  if (!with_derivatives) return out;
+  const Six<T> g = six(twist.g, Vec3<T>{});
+  for (std::size_t l = 0; l < 3; ++l) {
+    const Vec3<T> dg = twist.gradient_along(unit_screw<T>(l).w);
+    const Six<T> G = six(dg, Vec3<T>{});
+    const T by_eta = F.by_x * g[l] + F.by_dx * dot(dg, at.V.w);
+    for (std::size_t k = 0; k < 3; ++k) {
+      out.K[k][l] = g[k] * by_eta + F.f * G[k];
+      out.C[k][l] = F.by_dx * g[k] * g[l];
+    }
+  }
+  return out;
+}
+
+/// The wrench of a bushing, with its derivatives if they are asked for (D16.10, D16.11).
+template <class T>
+SpringWrench<T> wrench_of(const Spring::Bushing& bushing, const ForceLaw&, const RelativePose<T>& at,
+                          bool with_derivatives) noexcept {
+  const Screw<T> minus_X = -log(inverse(cast<T>(bushing.rest)) * at.D);
+  std::array<Six<T>, 6> P, KP, CP;  // P e_k, K P e_k and C P e_k for each unit screw
+  for (std::size_t k = 0; k < 6; ++k) P[k] = six(dexp_inv(minus_X, unit_screw<T>(k)));
+  const Six<T> V = six(at.V), dX = six(dexp_inv(minus_X, at.V));
+  Six<T> y = product(bushing.K, six(-minus_X));
+  const Six<T> damped = product(bushing.C, dX);
+  for (std::size_t k = 0; k < 6; ++k) y[k] += damped[k];
+  SpringWrench<T> out;
+  for (std::size_t k = 0; k < 6; ++k) out.W[k] = -product(P[k], y);
+  if (!with_derivatives) return out;
+  for (std::size_t k = 0; k < 6; ++k) {
+    KP[k] = product(bushing.K, P[k]);
+    CP[k] = product(bushing.C, P[k]);
+  }
+  for (std::size_t l = 0; l < 6; ++l) {  // X moves along P e_l
+    const Screw<T> minus_dX = -dexp_inv(minus_X, unit_screw<T>(l));
+    std::array<Six<T>, 6> dP;
+    Six<T> ddX{};
+    for (std::size_t k = 0; k < 6; ++k) {
+      dP[k] = six(ddexp_inv(minus_X, minus_dX, unit_screw<T>(k)));
+      for (std::size_t m = 0; m < 6; ++m) ddX[m] += dP[k][m] * V[k];
+    }
+    for (std::size_t k = 0; k < 6; ++k) {
+      out.K[k][l] = product(dP[k], y) + product(P[k], KP[l]) + product(CP[k], ddX);
+      out.C[k][l] = product(P[k], CP[l]);
+    }
+  }
+  return out;
+}
+
+/// The same wrench on the first frame, in its axes and about its origin, as a reaction.
+template <class T> Six<T> reaction(const SE3<T>& D, const Six<T>& W) noexcept {
+  const Vec3<T> m = D.R * Vec3<T>{W[0], W[1], W[2]}, f = D.R * Vec3<T>{W[3], W[4], W[5]};
+  return six(-(m + cross(D.r, f)), -f);
+}
 
 }  // namespace axode

@@ -1,5 +1,8 @@
 #include "axode/dynamics/springs.hpp"
 
+#include <stdexcept>
+#include <string>
+
 #include "axode/dynamics/spring_elements.hpp"
 #include "axode/kinematics/checked.hpp"
 #include "axode/recursion/instantiate.hpp"
@@ -8,6 +11,76 @@ namespace axode {
 namespace {
 
 constexpr auto no_columns = [](std::size_t, int, int, const auto&) {};
+
+/// Adds the forces of one spring of a description to τ.
+template <class T> struct AddForces {
+  const Tree<T>& tree;
+  const ForceLaw& law;
+  const T *q, *v;
+  T* tau;
+
+  void operator()(const Spring::Path& path) const noexcept {
+    const SpringCoordinate<T> at = coordinate_of(path, tree, q, v);
+    const T F = tension(law, at.x, at.dx).f;
+    each_segment(path, tree, q, v, [&](const Segment<T>& segment) {
+      for (std::size_t e = 0; e < 2; ++e) {
+        const Vec3<T> pull = (e == 0 ? F : -F) * (transpose(segment.R[e]) * segment.u);
+        each_body_fixed_column(
+            tree, q, segment.place[e], [&](int, int c, const Screw<T>& X) { tau[c] += dot(pull, X.v); },
+            segment.meeting);
+      }
+    });
+  }
+  void operator()(const Spring::JointSum& joints) const noexcept {
+    const SpringCoordinate<T> at = coordinate_of(joints, tree, q, v);
+    const T F = tension(law, at.x, at.dx).f;
+    for (const Spring::JointSum::Term& term : joints.terms) tau[term.velocity] -= T(term.factor) * F;
+  }
+  template <class Geometry> void operator()(const Geometry& between) const noexcept {
+    const RelativePose<T> at(between.ends, tree, q, v, no_columns);
+    const Six<T> W = wrench_of(between, law, at, false).W;
+    for (std::size_t e = 0; e < 2; ++e) {
+      const Six<T> on_end = e == 0 ? reaction(at.D, W) : W;
+      each_body_fixed_column(
+          tree, q, at.place[e], [&](int, int c, const Screw<T>& X) { tau[c] += product(on_end, six(X)); },
+          at.meeting);
+    }
+  }
+};
+
+template <class T, class Geometry>
+SE3<T> pose_of(const Geometry& between, const Tree<T>& tree, const T* q) noexcept {
+  return RelativePose<T>(between.ends, tree, q, nullptr, no_columns).D;
+}
+
+/// The coordinate of one spring of a description; 0 for a bushing, which has none.
+template <class T> struct Coordinate {
+  const Tree<T>& tree;
+  const T* q;
+
+  T operator()(const Spring::Torsion& torsion) const noexcept {
+    return TwistAngle<T>(pose_of(torsion, tree, q).R).angle;
+  }
+  T operator()(const Spring::Bushing&) const noexcept { return T(0); }
+  template <class Geometry> T operator()(const Geometry& of_coordinate) const noexcept {
+    return coordinate_of<T>(of_coordinate, tree, q, nullptr).x;
+  }
+};
+
+/// The energy of one spring of a description.
+template <class T> struct Energy {
+  const Tree<T>& tree;
+  const ForceLaw& law;
+  const T* q;
+
+  T operator()(const Spring::Bushing& bushing) const noexcept {
+    const Six<T> X = six(log(inverse(cast<T>(bushing.rest)) * pose_of(bushing, tree, q)));
+    return T(0.5) * product(X, product(bushing.K, X));
+  }
+  template <class Geometry> T operator()(const Geometry& of_coordinate) const noexcept {
+    return stored_energy(law, Coordinate<T>{tree, q}(of_coordinate));
+  }
+};
 
 }  // namespace
 
@@ -37,15 +110,8 @@ void add_spring_forces(const Model& model, Workspace<T>& workspace, Numbers<T> q
         for (int k = 0; k < joint.nv; ++k) tau_i[k] += spring.force(k);
       }
     });
-  for (const Springs::Line& spring : model.springs().lines) {
-    const SpringLine<T> line(spring, tree, q.data(), v.data(), no_columns);
-    for (std::size_t e = 0; e < 2; ++e) {
-      const Vec3<T> F = (e == 0 ? line.f : -line.f) * (transpose(line.R[e]) * line.u);
-      each_body_fixed_column(
-          tree, q.data(), line.place[e], [&](int, int c, const Screw<T>& X) { tau[c] += dot(F, X.v); },
-          line.meeting);
-    }
-  }
+  for (const Spring& spring : model.springs().elements)
+    std::visit(AddForces<T>{tree, spring.law, q.data(), v.data(), tau.data()}, spring.geometry);
 }
 
 template <class T> T elastic_energy(const Model& model, Workspace<T>& workspace, Numbers<T> q) {
@@ -62,9 +128,31 @@ template <class T> T elastic_energy(const Model& model, Workspace<T>& workspace,
         sum += ElasticLogarithm<Joint, T>(joint, dof, q_i).energy();
       }
     });
-  for (const Springs::Line& spring : model.springs().lines)
-    sum += SpringLine<T>::energy(spring, SpringLine<T>(spring, tree, q.data(), nullptr, no_columns).length);
+  for (const Spring& spring : model.springs().elements)
+    sum += std::visit(Energy<T>{tree, spring.law, q.data()}, spring.geometry);
   return sum;
+}
+
+template <class T>
+T spring_coordinate(const Model& model, Workspace<T>& workspace, int k, Numbers<T> q,
+                    std::type_identity_t<std::span<T>> gradient) {
+  checked<"elastic_energy">(model, workspace, q);
+  const std::vector<Spring>& springs = model.springs().elements;
+  if (k < 0 || k >= std::ssize(springs))
+    throw std::invalid_argument("spring is " + std::to_string(k) + "; the model has springs 0 to " +
+                                std::to_string(std::ssize(springs) - 1));
+  const Spring& spring = springs[static_cast<std::size_t>(k)];
+  if (std::holds_alternative<Spring::Bushing>(spring.geometry))
+    throw std::invalid_argument("spring \"" + spring.name + "\" is a bushing, which has no coordinate");
+  const Tree<T>& tree = model.tree<T>();
+  if (!gradient.empty()) {
+    check_size("gradient", gradient.size(), static_cast<std::size_t>(model.nv()), "nv");
+    std::ranges::fill(gradient, T(0));
+    // The force of a spring whose tension is 1 is the gradient with the opposite sign.
+    const ForceLaw unit{.curve = PolynomialCurve{{-1}}};
+    std::visit(AddForces<T>{tree, unit, q.data(), nullptr, gradient.data()}, spring.geometry);
+  }
+  return std::visit(Coordinate<T>{tree, q.data()}, spring.geometry);
 }
 
 template void spring_forces(const Model&, Workspace<AXODE_T>&, Numbers<AXODE_T>, Numbers<AXODE_T>,
@@ -72,5 +160,7 @@ template void spring_forces(const Model&, Workspace<AXODE_T>&, Numbers<AXODE_T>,
 template void add_spring_forces(const Model&, Workspace<AXODE_T>&, Numbers<AXODE_T>, Numbers<AXODE_T>,
                                 std::span<AXODE_T>);
 template AXODE_T elastic_energy(const Model&, Workspace<AXODE_T>&, Numbers<AXODE_T>);
+template AXODE_T spring_coordinate(const Model&, Workspace<AXODE_T>&, int, Numbers<AXODE_T>,
+                                   std::span<AXODE_T>);
 
 }  // namespace axode

@@ -122,6 +122,18 @@ bool ClosedMotion::close(std::span<double> q, std::span<double> v) {
          system.impact(v.data(), 0, v.data(), lambda_.data(), rank_).ok();
 }
 
+double ClosedMotion::multiplier(std::string_view coupling) const {
+  const std::vector<LoopCoupling>& all = model_.loops().couplings;
+  const auto row = std::ranges::find(all, coupling, &LoopCoupling::name);
+  return lambda_[static_cast<std::size_t>(row->first_row)];
+}
+
+bool ClosedMotion::bounce(Span q, double restitution, std::span<double> v) {
+  LoopSystem<double>& system = workspace_.system(model_);
+  return system.determine_rank(q.data(), rank_).ok() &&
+         system.impact(v.data(), restitution, v.data(), lambda_.data(), rank_).ok();
+}
+
 bool ClosedMotion::close_places(std::span<double> q) {
   LoopSystem<double>& system = workspace_.system(model_);
   const auto open = [&] {

@@ -1,6 +1,7 @@
 #pragma once
 #include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "axode/constraints/constrained_derivatives.hpp"
@@ -53,6 +54,10 @@ class ClosedMotion {
   /// Projects q only, as close() does. The second function projects, at a closed q, the momenta p = M v.
   [[nodiscard]] bool close_places(std::span<double> q);
   [[nodiscard]] bool close_momenta(Span q, std::span<double> p);
+  /// The multiplier of a coupling at the last accelerations, or its impulse after the last bounce().
+  double multiplier(std::string_view coupling) const;
+  /// Changes v by impulses to A v⁺ = -e A v at a closed q, or returns false if the mass matrix is singular.
+  [[nodiscard]] bool bounce(Span q, double restitution, std::span<double> v);
   /// Determines the rank of the rows at a closed q.
   void determine_rank(Span q);
 

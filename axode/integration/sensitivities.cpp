@@ -419,7 +419,7 @@ Solvability rollout_vjp(const Model& model, Span q, Span v, Span tau, double ste
                 {"gradient.tau", gradient.tau, K * nv, "K nv"},
                 {"gradient.geometry", gradient.geometry,
                  geometry ? 6 * static_cast<std::size_t>(model.n_bodies()) : 0, "n_bodies * 6"}});
-  if (geometry && !model.springs().lines.empty())
+  if (geometry && model.springs().between_frames())
     throw std::invalid_argument("model \"" + model.name() +
                                 "\" has springs between frames, whose derivatives by geometry are not known");
   AdjointStep one(model, method, loads);

@@ -21,8 +21,12 @@ namespace {
 using Vector = Eigen::VectorXd;
 using Span = std::span<const double>;
 
-/// Throws if there are motions, which a scheme does not follow.
-void check_no_motions(const Model& model, const SimulationOptions& options, const char* scheme) {
+/// Throws if there are motions or couplings with play, which a scheme does not count.
+void check_no_motions_or_plays(const Model& model, const SimulationOptions& options, const char* scheme) {
+  if (!model.loops().backlashes.empty())
+    throw std::invalid_argument(
+        "coupling \"" + model.loops().backlashes[0].name + "\" has play, which " + scheme +
+        " do not count; use dopri5, rk4 or generalized_alpha in relative coordinates");
   if (!model.motions().empty() || !options.motions.empty())
     throw std::invalid_argument(std::string(scheme) +
                                 " do not count prescribed motions; use dopri5, rk4 or generalized_alpha in "
@@ -38,7 +42,7 @@ Trajectory in_coordinates(const Model& model, Span q, Span v, double until, cons
     f(run);
     return std::move(run.trajectory);
   }
-  check_no_motions(model, options, "absolute coordinates");
+  check_no_motions_or_plays(model, options, "absolute coordinates");
   AbsoluteSimulationRun run(model, q, v, until, options);
   f(run);
   return std::move(run.trajectory);
@@ -46,11 +50,12 @@ Trajectory in_coordinates(const Model& model, Span q, Span v, double until, cons
 
 /// Throws if a loop has rows without a residual.
 void check_holonomic(const Model& model) {
-  for (const LoopRows& loop : model.loops().all)
+  for (const Loop& loop : model.loops().joints)
     if (loop.rows != loop.residuals)
-      throw std::invalid_argument("loop \"" + loop.name +
-                                  "\" is a rolling contact, which conserving schemes do not support; use "
-                                  "rattle in absolute coordinates or an explicit method");
+      throw std::invalid_argument("loop \"" + loop.name + "\" is a " +
+                                  (loop.kind == LoopKind::belt ? "belt" : "rolling contact") +
+                                  ", which conserving schemes do not support; use rattle in absolute "
+                                  "coordinates or an explicit method");
 }
 void check_absolute(const SimulationOptions& options, const char* scheme) {
   if (options.coordinates == Coordinates::relative)
@@ -114,7 +119,7 @@ Trajectory simulate_stiff(const Model& model, Span q, Span v, double until, doub
   if (!(rho >= 0 && rho <= 1))
     throw std::invalid_argument("spectral radius is " + std::to_string(rho) + "; expected 0 to 1");
   if (options.coordinates != Coordinates::relative) {
-    check_no_motions(model, options, "absolute coordinates");
+    check_no_motions_or_plays(model, options, "absolute coordinates");
     check_exponential(options, "generalised-alpha");
     AbsoluteSimulationRun run(model, q, v, until, options);
     if (run.done()) return std::move(run.trajectory);
@@ -142,7 +147,7 @@ Trajectory simulate_rattle(const Model& model, Span q, Span v, double until, dou
                            const SimulationOptions& options) {
   check_step(step);
   check_absolute(options, "RATTLE");
-  check_no_motions(model, options, "absolute coordinates");
+  check_no_motions_or_plays(model, options, "absolute coordinates");
   check_exponential(options, "RATTLE");
   check_smooth(model, options);
   AbsoluteSimulationRun run(model, q, v, until, options);
@@ -156,7 +161,7 @@ Trajectory simulate_half_explicit(const Model& model, Span q, Span v, double unt
                                   const SimulationOptions& options) {
   check_step(step);
   check_absolute(options, "the half-explicit method");
-  check_no_motions(model, options, "absolute coordinates");
+  check_no_motions_or_plays(model, options, "absolute coordinates");
   check_exponential(options, "the half-explicit method");
   AbsoluteSimulationRun run(model, q, v, until, options);
   if (run.done()) return std::move(run.trajectory);
@@ -171,7 +176,7 @@ Trajectory simulate_symplectic(const Model& model, Span q, Span v, double until,
   check_smooth(model, options);
   check_holonomic(model);
   check_relative(options, "a conserving scheme");
-  check_no_motions(model, options, "schemes on momenta");
+  check_no_motions_or_plays(model, options, "schemes on momenta");
   MomentumSimulationRun run(model, q, v, until, options);
   if (run.done()) return std::move(run.trajectory);
   Vector q_0, v_0, p_0;
@@ -196,7 +201,7 @@ Trajectory simulate_momenta(const Model& model, Span q, Span v, double until, do
   check_step(step);
   check_smooth(model, options);
   check_relative(options, "a scheme on momenta");
-  check_no_motions(model, options, "schemes on momenta");
+  check_no_motions_or_plays(model, options, "schemes on momenta");
   MomentumSimulationRun run(model, q, v, until, options);
   if (run.done()) return std::move(run.trajectory);
   FloatingBases& bases = run.bases();

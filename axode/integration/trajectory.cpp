@@ -20,14 +20,20 @@ void Trajectory::append(double t, std::span<const double> q, std::span<const dou
 
 void Trajectory::jump(std::span<const double> v, std::span<const double> a) {
   const std::size_t k = size() - 1;
-  before_jumps_.try_emplace(k, this->a(k).begin(), this->a(k).end());
+  if (!before_jumps_.contains(k))
+    before_jumps_[k] = {{this->v(k).begin(), this->v(k).end()}, {this->a(k).begin(), this->a(k).end()}};
   std::ranges::copy(v, v_.end() - static_cast<std::ptrdiff_t>(v.size()));
   std::ranges::copy(a, a_.end() - static_cast<std::ptrdiff_t>(a.size()));
 }
 
+std::span<const double> Trajectory::v_before(std::size_t k) const {
+  const auto jump = before_jumps_.find(k);
+  return jump == before_jumps_.end() ? v(k) : std::span<const double>(jump->second.v);
+}
+
 std::span<const double> Trajectory::a_before(std::size_t k) const {
   const auto jump = before_jumps_.find(k);
-  return jump == before_jumps_.end() ? a(k) : std::span<const double>(jump->second);
+  return jump == before_jumps_.end() ? a(k) : std::span<const double>(jump->second.a);
 }
 
 std::span<const ContactForce> Trajectory::contacts(std::size_t k) const {
@@ -83,7 +89,7 @@ void Trajectory::at(double time, std::span<double> q_out, std::span<double> v_ou
   const ConfigurationGroup<double> group(model_.tree<double>());
   using Vector = Eigen::VectorXd;
   const Eigen::Index n = model_.nv();
-  const auto v_0 = as_eigen(v(k)), a_0 = as_eigen(a(k)), v_1 = as_eigen(v(k + 1)),
+  const auto v_0 = as_eigen(v(k)), a_0 = as_eigen(a(k)), v_1 = as_eigen(v_before(k + 1)),
              a_1 = as_eigen(a_before(k + 1));
 
   // Computes the mean velocity z of the step, and the value of x(t) at the end of the step.

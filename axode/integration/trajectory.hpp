@@ -48,8 +48,8 @@ class Trajectory {
   void append(double t, std::span<const double> q, std::span<const double> v, std::span<const double> a,
               std::span<const double> tau);
 
-  /// Replaces v and a from the last end of a step on. a jumps there, and v changes by rounding. a(k) is the
-  /// value after the jump.
+  /// Replaces v and a from the last end of a step on, where they jump. v(k) and a(k) are the values after the
+  /// jump.
   void jump(std::span<const double> v, std::span<const double> a);
 
   /// Removes the last end of a step.
@@ -67,6 +67,18 @@ class Trajectory {
   };
   using Met [[deprecated("use EventOccurrence")]] = EventOccurrence;
   std::vector<EventOccurrence> events;  ///< in the order of time
+
+  /// A play of a coupling that reaches one of its ends, or leaves it.
+  struct PlayEvent {
+    std::string coupling;
+    double t = 0;
+    int side = 0;        ///< -1 at the lower end, 1 at the upper one
+    bool impact = true;  ///< whether the play reaches the end; otherwise it leaves
+    bool stays = false;  ///< whether the play is at the end after the event
+    double speed = 0;    ///< speed of the play before an impact, in units of the offset per s
+    double impulse = 0;  ///< impulse of an impact along the coupling
+  };
+  std::vector<PlayEvent> play_events;  ///< in the order of time
 
   /// In absolute coordinates, at each end of a step: the largest residual of a joint or loop (rad, m), and of
   /// its velocity (rad/s, m/s). Coordinates of the joints do not contain these parts of the motion.
@@ -93,14 +105,18 @@ class Trajectory {
   std::size_t nq() const { return static_cast<std::size_t>(model_.nq()); }
   std::size_t nv() const { return static_cast<std::size_t>(model_.nv()); }
 
-  /// The accelerations at the end of step k, before a jump if there is one there.
+  /// The velocities and accelerations at the end of step k, before a jump if there is one there.
+  struct Rates {
+    std::vector<double> v, a;
+  };
+  std::span<const double> v_before(std::size_t k) const;
   std::span<const double> a_before(std::size_t k) const;
 
   Model model_;
   std::vector<double> t_, q_, v_, a_, tau_;
   std::vector<ContactForce> contacts_;
   std::vector<std::size_t> contacts_end_;  ///< for each time from t_0 on, as far as contacts are set
-  std::map<std::size_t, std::vector<double>> before_jumps_;
+  std::map<std::size_t, Rates> before_jumps_;
 };
 
 }  // namespace axode

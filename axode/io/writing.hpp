@@ -46,6 +46,19 @@ class Unsaid {
   std::vector<Fault> faults_;
 };
 
+/// The predicate of a sentence that says what a spring is, for Unsaid.
+inline std::string said_of(const SpringDescription& spring) {
+  const std::string between = "between \"" + spring.between[0] + "\" and \"" + spring.between[1] + '"';
+  switch (spring.kind) {
+    case SpringKind::line: return "is " + between;
+    case SpringKind::tendon: return "is a tendon with " + std::to_string(spring.path.size()) + " points";
+    case SpringKind::torsion: return "is a torsion spring " + between;
+    case SpringKind::joints: return "acts on coordinates of joints";
+    case SpringKind::bushing: return "is a bushing " + between;
+  }
+  return {};
+}
+
 /// Whether a shape has friction or restitution of its own.
 inline bool has_surface(const ShapeDescription& shape) {
   const ContactProperties& it = shape.contact;

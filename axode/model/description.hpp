@@ -10,6 +10,7 @@
 #include "axode/lie/inertia.hpp"
 #include "axode/model/building/fault.hpp"
 #include "axode/model/loops.hpp"
+#include "axode/model/springs.hpp"
 
 /// The description of a mechanism as an engineer gives it. ModelBuilder checks it and compiles it into a
 /// Model.
@@ -158,16 +159,31 @@ struct FrameDescription {
   Source source = {};
 };
 
-/// A spring and a damper along the line between points of two frames. They act in simulations, see
-/// spring_forces().
+/// A spring and a damper. Its kind says what it measures: a line between two points unless another kind is
+/// given. It acts in simulations, see spring_forces().
 struct SpringDescription {
-  std::array<std::string, 2> between = {};  ///< bodies, named frames or "ground"
-  std::array<Vec3<>, 2> points = {};        ///< m
-  /// Frame of the points: each in its frame, or both in the construction frame.
+  /// A point of a tendon on a body or a named frame, or on the ground.
+  struct Point {
+    std::string on;
+    Vec3<> point{};  ///< m
+  };
+  std::string name = {};  ///< empty: `spring 1`, ...
+  SpringKind kind = SpringKind::line;
+  std::array<std::string, 2> between = {};  ///< bodies, named frames or "ground"; not for tendons and joints
+  std::array<Vec3<>, 2> points = {};        ///< ends of a line, m
+  /// Frame of points and poses: each in its frame, or all in the construction frame.
   GivenIn in = GivenIn::body_frame;
-  double stiffness = 0;  ///< N/m
-  double rest = 0;       ///< length without a force, m
-  double damping = 0;    ///< N s/m
+  double stiffness = 0;  ///< stiffness if no curve is given, N/m or N m/rad
+  double rest = 0;       ///< coordinate of the deflection 0, m or rad; without a curve there is no force
+  double damping = 0;    ///< N s/m or N m s/rad
+  std::optional<ForceCurve> curve = {};  ///< the force by the deflection, in place of a stiffness
+  Acts acts = Acts::both_ways;
+  std::optional<double> preload = {};  ///< tension as drawn, in place of rest, N or N m
+  std::vector<Point> path = {};        ///< points of a tendon
+  std::array<SE3<>, 2> frames = {};    ///< frames of a bushing; of a torsion spring z is the axis
+  std::vector<std::pair<std::string, double>> terms = {};  ///< joints and their factors
+  SE3<> rest_pose = {};     ///< pose of the second frame of a bushing in the first one that has no wrench
+  SixBySix K = {}, C = {};  ///< stiffness and damping of a bushing in the axes of its second frame
   Source source = {};
 };
 
@@ -183,26 +199,30 @@ struct LoopDescription {
   Vec3<> second_axis{1, 0, 0};  ///< second axis of a universal joint, fixed in the second body
   Vec3<> point{};               ///< point on the axis, centre, or point on the plane, m
   double pitch = 0;             ///< pitch of a helical joint, m/rad
-  std::array<Vec3<>, 2> points = {};      ///< ends of a rod on the first and the second body, m
+  std::array<Vec3<>, 2> points = {};      ///< ends of a rod, or centres of the pulleys of a belt, m
   Vec3<> center{};                        ///< centre of the rolling body, m
   std::optional<Vec3<>> wheel_axis = {};  ///< axis of a rolling wheel; empty: the body is a sphere
   /// The alternative to a drawn loop: its poses in the frames of both bodies, whose z is the axis and whose
   /// origin is the point. For a universal joint z is the first axis on the first body and the second axis on
   /// the second one. For a rod the origins are its ends. For a rolling contact z is the normal on the first
-  /// body; on the second one the origin is the centre, and z is the axis of a wheel.
+  /// body; on the second one the origin is the centre, and z is the axis of a wheel. For a belt the origins
+  /// are the centres of the pulleys, and z is the axis about which they turn.
   std::optional<std::array<SE3<>, 2>> frames = {};
   std::optional<double> length = {};  ///< length of a rod, m; empty: as drawn
   std::optional<double> radius = {};  ///< radius of a rolling body, m; empty: as drawn
   std::optional<double> angle = {};   ///< angle between the axes of a universal joint, rad; empty: as drawn
+  std::array<double, 2> radii = {};   ///< radii of the pulleys of a belt, m; see Loop::radii for their signs
   Source source = {};
 };
 
 /// A coupling Σ factor q = offset of joints with one velocity: a differential, a cable or a gear train. It
-/// closes a loop as well.
+/// closes a loop as well. With play it holds only at the ends of the play: |Σ factor q - offset| <= play/2.
 struct CouplingDescription {
   std::string name = {};                                   ///< empty: `coupling 1`, ...
   std::vector<std::pair<std::string, double>> terms = {};  ///< joints and their factors
   double offset = 0;
+  double play = 0;         ///< backlash from one side to the other, in units of the offset
+  double restitution = 0;  ///< restitution of impacts at the ends of the play, 0 to 1
   Source source = {};
 };
 

@@ -22,6 +22,7 @@ enum class LoopKind {
   universal,
   rod,      ///< massless rod with a ball joint at either end: two points keep their distance
   rolling,  ///< rolling of a wheel or a sphere on a plane, without slip
+  belt,     ///< span of a belt that does not stretch, from one pulley to another
 };
 
 /// The table of loop joints, with everything that depends on the kind alone. The equations of a kind are
@@ -32,8 +33,8 @@ struct LoopTraits {
   int rows;       ///< number of rows of the Jacobian
   int residuals;  ///< number of residuals; fewer than rows if some rows have no position level
   /// The directions among ω_x ω_y ω_z v_x v_y v_z that the joint leaves free. A helical joint leaves ω_z
-  /// free, with v_z = pitch ω_z. A universal joint is a spherical one with another row; rods and rolling
-  /// contacts are no subgroups.
+  /// free, with v_z = pitch ω_z. A universal joint is a spherical one with another row; rods, rolling
+  /// contacts and belts are no subgroups.
   std::array<bool, 6> free;
   bool located;  ///< whether the position of the joint matters and not only its directions
   /// Members of LoopDescription by which the joint is drawn. It has one frame for both bodies unless it has a
@@ -45,7 +46,7 @@ struct LoopTraits {
   }
 };
 
-inline constexpr std::array<LoopTraits, 11> loop_kinds{{
+inline constexpr std::array<LoopTraits, 12> loop_kinds{{
     {LoopKind::fixed, "fixed", 6, 6, {}, false, {"point"}},
     {LoopKind::revolute, "revolute", 5, 5, {0, 0, 1, 0, 0, 0}, true, {"axis", "point"}},
     {LoopKind::prismatic, "prismatic", 5, 5, {0, 0, 0, 0, 0, 1}, false, {"axis", "point"}},
@@ -63,6 +64,7 @@ inline constexpr std::array<LoopTraits, 11> loop_kinds{{
      {"axis", "second_axis", "point", "angle"}},
     {LoopKind::rod, "rod", 1, 1, {}, true, {"points", "length"}},
     {LoopKind::rolling, "rolling", 3, 1, {}, true, {"axis", "point", "center", "wheel_axis", "radius"}},
+    {LoopKind::belt, "belt", 1, 0, {}, true, {"axis", "points", "radii"}},
 }};
 
 constexpr const LoopTraits& traits(LoopKind kind) {
@@ -91,6 +93,9 @@ struct Loop : LoopRows {
   /// its axes.
   double size = 0;
   bool wheel = false;  ///< whether the rolling body is a wheel
+  /// Radii of the two pulleys of a belt, m; negative for a pulley that turns clockwise about the axis while
+  /// the belt runs from the first one to the second.
+  std::array<double, 2> radii = {};
 };
 
 /// A coupling Σ factor q = offset of the coordinates of several joints. For velocities it is a constant row.
@@ -103,13 +108,23 @@ struct LoopCoupling : LoopRows {
   double offset = 0;
 };
 
+/// A coupling with play, |Σ factor q - offset| <= play/2. It is no loop: at the ends of the play it acts as a
+/// contact in simulations, see simulate().
+struct Backlash {
+  std::string name;
+  std::vector<LoopCoupling::Term> terms = {};
+  double offset = 0, play = 0;
+  double restitution = 0;
+};
+
 /// All loops of a mechanism.
 struct Loops {
   std::vector<Loop> joints;
   std::vector<LoopCoupling> couplings;
-  std::vector<LoopRows> all;    ///< names and rows of the joints, followed by those of the couplings
-  int rows = 0, residuals = 0;  ///< total numbers of rows and residuals
-  std::vector<char> driven;     ///< nv: whether a joint that is not passive has that velocity
+  std::vector<LoopRows> all;         ///< names and rows of the joints, followed by those of the couplings
+  int rows = 0, residuals = 0;       ///< total numbers of rows and residuals
+  std::vector<Backlash> backlashes;  ///< couplings with play, which have no rows here
+  std::vector<char> driven;          ///< nv: whether a joint that is not passive has that velocity
 
   bool empty() const { return all.empty(); }
 };

@@ -31,9 +31,11 @@ inline constexpr std::string_view add_springs = "spring_forces(q, v) are to be a
 inline constexpr Count at_a_time =
     refused("simulate and forward_dynamics_at count them, because they know the time");
 /// Contacts of collision shapes and hard stops act by impulses over a step, which a function of a state does
-/// not have.
-inline constexpr Count without_contacts =
-    of_the_tree("simulate with contact and ContactDynamics count contacts and hard stops");
+/// not have. Whether a coupling with play is at one of its ends is no part of a state either.
+inline constexpr Count without_contacts = of_the_tree(
+    "simulate with contact and ContactDynamics count contacts and hard stops, and simulate counts the play "
+    "of "
+    "couplings");
 inline constexpr Counts of_motion{.loops = of_the_tree(),
                                   .passive_joints = of_the_tree(),
                                   .springs = of_the_tree(),

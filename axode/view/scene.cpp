@@ -105,17 +105,23 @@ Json loops_of(const Model& model) {
   return loops;
 }
 
-/// The springs and dampers between two points, with the points in the frames of their bodies.
+/// The segments of springs and dampers along points, with the points in the frames of their bodies. The stiffness is
+/// that without deflection.
 Json lines_of(const Model& model) {
   Json lines = Json::array();
-  for (const Springs::Line& line : model.springs().lines) {
-    Json ends = Json::array();
-    for (const Springs::Line::End& end : line.ends) {
+  for (const Spring& spring : model.springs().elements) {
+    const auto* path = std::get_if<Spring::Path>(&spring.geometry);
+    if (path == nullptr) continue;
+    const bool straight = path->points.size() == 2;
+    const auto end_of = [&](const auto& end) {
       const Frame& frame = model.frame(end.frame);
-      ends.push_back({{"body", frame.body}, {"point", json_of(frame.pose * end.point)}});
-    }
-    lines.push_back(
-        {{"ends", ends}, {"stiffness", line.stiffness}, {"rest", line.rest}, {"damping", line.damping}});
+      return Json{{"body", frame.body}, {"point", json_of(frame.pose * end.point)}};
+    };
+    for (std::size_t k = 1; k < path->points.size(); ++k)
+      lines.push_back({{"ends", {end_of(path->points[k - 1]), end_of(path->points[k])}},
+                       {"stiffness", curve_value(spring.law, 0.0).slope},
+                       {"rest", straight ? spring.law.rest : 0},
+                       {"damping", spring.law.damping}});
   }
   return lines;
 }

@@ -9,6 +9,7 @@
 
 #include "axode/constraints.hpp"
 #include "axode/dynamics.hpp"
+#include "axode/dynamics/spring_elements.hpp"
 #include "axode/model/configuration.hpp"
 
 namespace axode {
@@ -21,31 +22,64 @@ Row row(const std::vector<double>& rows, std::size_t k, int width) {
   return Row(rows).subspan(k * static_cast<std::size_t>(width), static_cast<std::size_t>(width));
 }
 
-/// Appends the forces of the springs between points of two frames to the loads, as wrenches on these frames,
-/// and their tensions.
-void append_lines(const Model& model, Row q, Row v, Workspace<>& workspace,
-                  std::vector<AppliedWrench<>>& loads, std::vector<double>& tensions) {
-  if (model.springs().lines.empty()) return;
+/// Appends the forces of one spring between frames to the loads, as wrenches on these frames. C and V are the
+/// poses and spatial twists of all frames.
+struct AppendSpring {
+  const Model& model;
+  const ForceLaw& law;
+  Row q, v;
+  const std::vector<SE3<>>& C;
+  const std::vector<Twist<Spatial>>& V;
+  std::vector<AppliedWrench<>>& loads;
+  std::vector<double>& tensions;
+
+  void operator()(const Spring::Path& path) const {
+    const auto place = [&](std::size_t k) { return C[path.points[k].frame] * path.points[k].point; };
+    const auto velocity = [&](std::size_t k) {
+      const Twist<Spatial>& of_frame = V[path.points[k].frame];
+      return of_frame.v + cross(of_frame.w, place(k));
+    };
+    double length = 0, rate = 0;
+    std::vector<Vec3<>> u;
+    for (std::size_t k = 1; k < path.points.size(); ++k) {
+      const Vec3<> r = place(k) - place(k - 1);
+      const double distance = norm(r);
+      u.push_back(distance == 0 ? Vec3<>{} : (1 / distance) * r);
+      length += distance;
+      rate += dot(u.back(), velocity(k) - velocity(k - 1));
+    }
+    const double F = tension(law, length, rate).f;
+    for (std::size_t k = 1; k < path.points.size(); ++k) {
+      tensions.push_back(F);
+      const Vec3<> pull = F * u[k - 1];  // force on the first end of the segment
+      loads.emplace_back(path.points[k - 1].frame, Wrench<Spatial>{cross(place(k - 1), pull), pull});
+      loads.emplace_back(path.points[k].frame, Wrench<Spatial>{-cross(place(k), pull), -pull});
+    }
+  }
+  void operator()(const Spring::JointSum&) const {}
+  template <class Geometry> void operator()(const Geometry& between) const {
+    const RelativePose<double> at(between.ends, model.tree<double>(), q.data(), v.data(),
+                                  [](std::size_t, int, int, const auto&) {});
+    const Six<double> W = wrench_of(between, law, at, false).W;
+    const auto& [first, second] = between.ends;
+    const SE3<> on = C[second.frame] * second.pose;
+    const Vec3<> f = on.R * Vec3<>{W[3], W[4], W[5]}, m = on.R * Vec3<>{W[0], W[1], W[2]} + cross(on.r, f);
+    loads.emplace_back(first.frame, Wrench<Spatial>{-m, -f});
+    loads.emplace_back(second.frame, Wrench<Spatial>{m, f});
+  }
+};
+
+/// Appends the forces of the springs between frames to the loads, and the tensions of those along lines, once for
+/// each segment.
+void append_springs(const Model& model, Row q, Row v, Workspace<>& workspace,
+                    std::vector<AppliedWrench<>>& loads, std::vector<double>& tensions) {
+  if (!model.springs().between_frames()) return;
   std::vector<SE3<>> C(static_cast<std::size_t>(model.n_frames()));
   std::vector<Twist<Spatial>> V(C.size());
   poses<double>(model, workspace, q, C);
   twists<Spatial, double>(model, workspace, q, v, V);
-  for (const Springs::Line& line : model.springs().lines) {
-    const auto place = [&](const Springs::Line::End& end) { return C[end.frame] * end.point; };
-    const auto velocity = [&](const Springs::Line::End& end) {
-      return V[end.frame].v + cross(V[end.frame].w, place(end));
-    };
-    const auto& [first, second] = line.ends;
-    const Vec3<> r = place(second) - place(first), dr = velocity(second) - velocity(first);
-    const double length = norm(r);
-    tensions.push_back(0);
-    if (length == 0) continue;
-    const double tension = line.stiffness * (length - line.rest) + line.damping * dot(dr, r) / length;
-    tensions.back() = tension;
-    const Vec3<> pull = (tension / length) * r;  // force on the first frame
-    loads.emplace_back(first.frame, Wrench<Spatial>{cross(place(first), pull), pull});
-    loads.emplace_back(second.frame, Wrench<Spatial>{-cross(place(second), pull), -pull});
-  }
+  for (const Spring& spring : model.springs().elements)
+    std::visit(AppendSpring{model, spring.law, q, v, C, V, loads, tensions}, spring.geometry);
 }
 
 /// Computes the multipliers of the loops under the forces of drives and springs. Returns false if the mass
@@ -155,7 +189,7 @@ view::MotionNumbers view::numbers_of(const Model& model, const ShownMotion& moti
     body_momenta<Spatial, double>(model, workspace, q, v, Pi);
     append(Pi, out.momenta);
     std::vector<AppliedWrench<>> loads;
-    append_lines(model, q, v, workspace, loads, out.tensions);
+    append_springs(model, q, v, workspace, loads, out.tensions);
     if (!with_wrenches) continue;
     const Row a = row(motion.a, k, model.nv());
     if (loops) {

@@ -63,16 +63,17 @@ class Builder:
         self.frames.append({"name": name, "on": on, **keys})
         return self
 
-    def spring(self, one: str, other: str, **keys: Any) -> Builder:
+    def spring(self, one: str = "", other: str = "", **keys: Any) -> Builder:
         """Adds a spring and damper between two bodies or frames, or "ground". Returns the builder.
 
         `stiffness` (N/m), `rest` (m) and `damping` (N s/m) act along the line between two `points` (m), which are
         given in the construction frame, or each in its own frame with in_="body". If no points are given, they are
-        the origins of the two frames.
+        the origins of the two frames. The other keys are those of `[[spring]]`: `kind`, `law`, `preload`, ...
+        Springs of kind "tendon" and "joints" have no frames `one` and `other`, but a `path` or `terms`.
         """
         if "in_" in keys:
             keys["in"] = keys.pop("in_")
-        self.springs.append({"between": [one, other], **keys})
+        self.springs.append({**({"between": [one, other]} if one else {}), **keys})
         return self
 
     def loop(self, one: str, other: str, kind: str = "revolute", **keys: Any) -> Builder:

@@ -389,17 +389,20 @@ class _Reader:
         return terms
 
     def _tendons(self) -> list[dict[str, Any]]:
-        """Tendons between two sites become springs; of all other tendons only equalities are carried over."""
+        """Tendons through sites become springs; of all other tendons only equalities are carried over."""
         m, springs = self.m, []
         for t in range(m.ntendon):
             first, name = int(m.tendon_adr[t]), m.tendon(t).name or f"tendon {t}"
             plain = not (m.tendon_limited[t] or m.tendon_frictionloss[t] or m.tendon_armature[t]
                          or self._is_curved("tendon_stiffnesspoly", t) or self._is_curved("tendon_dampingpoly", t))
             elastic = m.tendon_stiffness[t] != 0 or m.tendon_damping[t] != 0
-            straight = (m.tendon_num[t] == 2
-                        and all(m.wrap_type[w] == int(self.mj.mjtWrap.mjWRAP_SITE) for w in (first, first + 1)))
+            wraps = range(first, first + int(m.tendon_num[t]))
+            straight = all(m.wrap_type[w] == int(self.mj.mjtWrap.mjWRAP_SITE) for w in wraps)
             if straight and plain and elastic and m.tendon_lengthspring[t, 0] == m.tendon_lengthspring[t, 1]:
-                springs.append({"between": [self.sites[m.wrap_objid[w]] for w in (first, first + 1)],
+                sites = [self.sites[m.wrap_objid[w]] for w in wraps]
+                points = [{"on": site, "point": [0.0, 0.0, 0.0]} for site in sites]
+                path = {"kind": "tendon", "in": "body", "path": points}
+                springs.append({**({"between": sites} if len(sites) == 2 else path),
                                 "stiffness": float(m.tendon_stiffness[t]), "rest": float(m.tendon_lengthspring[t, 0]),
                                 "damping": float(m.tendon_damping[t])})
             elif elastic or not plain or not self._sum_of_coordinates(t):

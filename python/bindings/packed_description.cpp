@@ -1,5 +1,6 @@
 #include <tuple>
 #include <type_traits>
+#include <variant>
 
 #include "python/bindings/support/description.hpp"
 
@@ -40,14 +41,22 @@ auto fields(Like<BodyDescription> auto& b) {
   return std::tie(b.name, b.predecessor, b.joint, b.geometry, b.inertia, b.shapes, b.source);
 }
 auto fields(Like<FrameDescription> auto& f) { return std::tie(f.name, f.body, f.pose, f.in, f.source); }
+auto fields(Like<LinearCurve> auto& c) { return std::tie(c.stiffness); }
+auto fields(Like<PolynomialCurve> auto& c) { return std::tie(c.coefficients); }
+auto fields(Like<TableCurve> auto& c) { return std::tie(c.deflections, c.forces); }
+auto fields(Like<GasCurve> auto& c) { return std::tie(c.area, c.pressure, c.volume, c.exponent, c.ambient); }
+auto fields(Like<SpringDescription::Point> auto& p) { return std::tie(p.on, p.point); }
 auto fields(Like<SpringDescription> auto& s) {
-  return std::tie(s.between, s.points, s.in, s.stiffness, s.rest, s.damping, s.source);
+  return std::tie(s.name, s.kind, s.between, s.points, s.in, s.stiffness, s.rest, s.damping, s.curve, s.acts,
+                  s.preload, s.path, s.frames, s.terms, s.rest_pose, s.K, s.C, s.source);
 }
 auto fields(Like<LoopDescription> auto& l) {
   return std::tie(l.name, l.between, l.kind, l.axis, l.second_axis, l.point, l.pitch, l.points, l.center,
-                  l.wheel_axis, l.frames, l.length, l.radius, l.angle, l.source);
+                  l.wheel_axis, l.frames, l.length, l.radius, l.angle, l.radii, l.source);
 }
-auto fields(Like<CouplingDescription> auto& c) { return std::tie(c.name, c.terms, c.offset, c.source); }
+auto fields(Like<CouplingDescription> auto& c) {
+  return std::tie(c.name, c.terms, c.offset, c.play, c.restitution, c.source);
+}
 auto fields(Like<MotionDescription> auto& m) {
   return std::tie(m.name, m.of, m.kind, m.offset, m.amplitude, m.frequency, m.phase, m.from, m.to, m.start,
                   m.end, m.coefficients, m.times, m.values, m.source);
@@ -135,20 +144,21 @@ template <class E> struct Packing<std::optional<E>> {
     if (!from.is_none()) Packing<E>::unpack(from, x.emplace());
   }
 };
-template <> struct Packing<Geometry> {
-  static nb::object pack(const Geometry& geometry) {
+template <class... E> struct Packing<std::variant<E...>> {
+  static nb::object pack(const std::variant<E...>& x) {
     return std::visit(
-        [&](const auto& way) -> nb::object {
-          return nb::make_tuple(geometry.index(), Packing<std::remove_cvref_t<decltype(way)>>::pack(way));
+        [&](const auto& it) -> nb::object {
+          return nb::make_tuple(x.index(), Packing<std::remove_cvref_t<decltype(it)>>::pack(it));
         },
-        geometry);
+        x);
   }
-  static void unpack(nb::handle from, Geometry& geometry) {
-    switch (nb::cast<int>(from[0])) {
-      case 0: return Packing<InConstructionFrame>::unpack(from[1], geometry.emplace<0>());
-      case 1: return Packing<InBodyFrame>::unpack(from[1], geometry.emplace<1>());
-      default: return Packing<InJointFrames>::unpack(from[1], geometry.emplace<2>());
-    }
+  static void unpack(nb::handle from, std::variant<E...>& x) {
+    const auto index = nb::cast<std::size_t>(from[0]);
+    std::size_t k = 0;
+    const auto unpack_as = [&]<class Each>(Each*) {
+      if (k++ == index) Packing<Each>::unpack(from[1], x.template emplace<Each>());
+    };
+    (unpack_as(static_cast<E*>(nullptr)), ...);
   }
 };
 

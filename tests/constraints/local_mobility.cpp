@@ -348,7 +348,7 @@ MatrixSeries exponential(const MatrixSeries& X) {
 
 bool rolls(const Model& model) {
   return std::ranges::any_of(model.loops().joints,
-                             [](const Loop& loop) { return loop.kind == LoopKind::rolling; });
+                             [](const Loop& loop) { return loop.rows != loop.residuals; });
 }
 
 /// H^(k) are the derivatives of f' f⁻¹ for the product f of 4 × 4 matrices, for loop joints of all kinds.

@@ -40,8 +40,8 @@ class LoopJoints : public testing::TestWithParam<LoopTraits> {
       const LoopFrames<double> at{{random.rotation(), random.vector()}, {random.rotation(), random.vector()}};
       const EndMotion<double> motion{screw(), screw(), screw(), screw()};
       const LoopTraits& kind = GetParam();
-      const LoopJoint joint =
-          loop_joint(kind.kind, kind.has("pitch") ? pitch : 0, random.number(0.2, 0.9), seed % 2 == 0);
+      const LoopJoint joint = loop_joint(kind.kind, kind.has("pitch") ? pitch : 0, random.number(0.2, 0.9),
+                                         seed % 2 == 0, {0.02, -0.01});
       std::visit([&](const auto& of_type) { f(of_type, at, motion); }, joint);
     });
   }
@@ -67,7 +67,9 @@ TEST_P(LoopJoints, ResidualsHaveTheRateOfTheirWrenches) {
       ++compared;
     }
   });
-  EXPECT_GT(compared, 80 * GetParam().residuals);
+  if (GetParam().residuals > 0) {
+    EXPECT_GT(compared, 80 * GetParam().residuals);
+  }
 }
 
 TEST_P(LoopJoints, BiasesAreThoseOfTheWrenchesOnDualNumbers) {

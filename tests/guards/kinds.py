@@ -1,4 +1,4 @@
-"""Every kind of joint and of loop joint is in its table and in the docs: kinds.py SOURCE_DIR."""
+"""Every kind of joint, of spring and of loop joint is in its table and in the docs: kinds.py SOURCE_DIR."""
 
 import re
 import sys
@@ -15,6 +15,7 @@ ENUMERATIONS = {
         "axode/model/subgroup.hpp",
         [("axode/model/subgroup.hpp", "case Subgroup::{}:"), ("axode/model/joint_kinds.hpp", "Subgroup::{},")],
     ),
+    "SpringKind": ("axode/model/springs.hpp", [("axode/model/springs.hpp", "{{SpringKind::{},"), DRAWING]),
     "LoopKind": ("axode/model/loops.hpp", [("axode/model/loops.hpp", "{{LoopKind::{},"), DRAWING]),
 }
 

@@ -148,7 +148,8 @@ TEST(Springs, SingleAndDoublePrecisionAgree) {
   });
 }
 
-/// Whether a joint with several velocities is near half a turn, where the energy of its spring may jump.
+/// Whether a joint with several velocities, a torsion spring or a bushing is near half a turn, where the
+/// energy may jump.
 bool nears_half_a_turn(const Model& model, const Trajectory& motion) {
   const Numbers rest = neutral(model);
   for (std::size_t k = 0; k < motion.size(); ++k) {
@@ -158,6 +159,19 @@ bool nears_half_a_turn(const Model& model, const Trajectory& motion) {
       if (joint.nv > 1 &&
           (joint.kind == Subgroup::planar ? std::abs(*w) : std::hypot(w[0], w[1], w[2])) > 2.8)
         return true;
+    }
+    const std::vector<SE3<>> C = poses_of(model, Numbers(motion.q(k).begin(), motion.q(k).end()));
+    const auto turn = [&](const std::array<Spring::End, 2>& ends, const SE3<>& rest) {
+      const auto pose = [&](const Spring::End& end) {
+        return C[static_cast<std::size_t>(end.frame)] * end.pose;
+      };
+      return norm(log_SO3((inverse(rest) * inverse(pose(ends[0])) * pose(ends[1])).R));
+    };
+    for (const Spring& spring : model.springs().elements) {
+      if (const auto* torsion = std::get_if<Spring::Torsion>(&spring.geometry))
+        if (turn(torsion->ends, {}) > 2.8) return true;
+      if (const auto* bushing = std::get_if<Spring::Bushing>(&spring.geometry))
+        if (turn(bushing->ends, bushing->rest) > 2.8) return true;
     }
   }
   return false;
@@ -203,18 +217,31 @@ TEST(Springs, ImplicitAndExplicitMethodsAndRolloutsSeeTheSameOnes) {
   EXPECT_GT(compared, 5);
 }
 
+/// Calls f(frame, point, pose) for the ends of a spring.
+template <class F> void for_places(SpringDescription& spring, const F& f) {
+  SE3<> none;
+  Vec3<> nowhere;
+  for (SpringDescription::Point& it : spring.path) f(it.on, it.point, none);
+  for (std::size_t k = 0; k < 2 && traits(spring.kind).has("between"); ++k)
+    f(spring.between[k], spring.kind == SpringKind::line ? spring.points[k] : nowhere, spring.frames[k]);
+}
+
 TEST(Springs, EndsMeanTheSameHoweverTheyAreGiven) {
   for_seeds(50, [](std::uint64_t seed) {
     Sprung at(seed, Loss::some);
     Description drawn = at.model.description();
     for (SpringDescription& spring : drawn.springs) {
       if (spring.in == GivenIn::body_frame)
-        for (std::size_t k = 0; k < 2; ++k) {
-          const Frame& frame = at.model.frame(at.model.frame_index(spring.between[k]));
-          spring.points[k] = at.model.body(frame.body).A * frame.pose * spring.points[k];
-        }
+        for_places(spring, [&](const std::string& on, Vec3<>& point, SE3<>& pose) {
+          const Frame& frame = at.model.frame(at.model.frame_index(on));
+          const SE3<> A = at.model.body(frame.body).A * frame.pose;
+          point = A * point;
+          pose = A * pose;
+        });
       spring.in = GivenIn::construction_frame;
-      std::swap(spring.between[0], spring.between[1]), std::swap(spring.points[0], spring.points[1]);
+      if (spring.kind == SpringKind::line)
+        std::swap(spring.between[0], spring.between[1]), std::swap(spring.points[0], spring.points[1]);
+      std::ranges::reverse(spring.path);
     }
     const Model other = ModelBuilder(drawn).build();
     Numbers tau(at.nv());

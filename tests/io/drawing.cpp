@@ -160,17 +160,21 @@ TEST(Drawing, SpringsAndStopsActOnJointsAndBetweenFrames) {
   EXPECT_EQ(turn.stop_damping, 0.3);
   EXPECT_EQ(model.joint(2).dof[1].stiffness, 4);
   EXPECT_EQ(model.springs().joints, (std::vector<int>{1, 2}));
-  const auto& lines = model.springs().lines;
-  ASSERT_EQ(lines.size(), 3U);
-  EXPECT_EQ(model.frame(lines[0].ends[0].frame).name, "tip");
-  EXPECT_LT(norm(lines[0].ends[0].point - Vec3<>{0, 0.5, 0}), 1e-15);
-  EXPECT_LT(norm(lines[0].ends[1].point - Vec3<>{0, 7, 0}), 1e-15);
-  EXPECT_EQ(lines[0].stiffness, 20);
-  EXPECT_EQ(lines[0].rest, 0.1);
-  EXPECT_EQ(lines[0].damping, 2);
-  EXPECT_EQ(norm(lines[1].ends[0].point - Vec3<>{0.5, 0, 0}), 0);
-  EXPECT_EQ(lines[1].stiffness, 0);
-  EXPECT_EQ(norm(lines[2].ends[1].point), 0);
+  const auto& springs = model.springs().elements;
+  ASSERT_EQ(springs.size(), 3U);
+  const auto end = [&](std::size_t k, std::size_t e) {
+    return std::get<Spring::Path>(springs[k].geometry).points[e];
+  };
+  const auto stiffness = [&](std::size_t k) { return std::get<LinearCurve>(springs[k].law.curve).stiffness; };
+  EXPECT_EQ(model.frame(end(0, 0).frame).name, "tip");
+  EXPECT_LT(norm(end(0, 0).point - Vec3<>{0, 0.5, 0}), 1e-15);
+  EXPECT_LT(norm(end(0, 1).point - Vec3<>{0, 7, 0}), 1e-15);
+  EXPECT_EQ(stiffness(0), 20);
+  EXPECT_EQ(springs[0].law.rest, 0.1);
+  EXPECT_EQ(springs[0].law.damping, 2);
+  EXPECT_EQ(norm(end(1, 0).point - Vec3<>{0.5, 0, 0}), 0);
+  EXPECT_EQ(stiffness(1), 0);
+  EXPECT_EQ(norm(end(2, 1).point), 0);
 
   Workspace<> workspace(model);
   const std::vector<double> q{0, 0, 0, 0, 1};
@@ -293,7 +297,23 @@ TEST(Drawing, EveryKeyIsUnderstood) {
   EXPECT_EQ(stage.dof[2].upper, 0.2);
 
   EXPECT_EQ(model.springs().joints.size(), 2U);
-  EXPECT_EQ(model.springs().lines.size(), 3U);
+  ASSERT_EQ(model.springs().elements.size(), 9U);
+  const auto spring = [&](std::string_view name) {
+    return *std::ranges::find(model.springs().elements, name, &Spring::name);
+  };
+  EXPECT_EQ(std::get<Spring::Path>(spring("tendon").geometry).points.size(), 3U);
+  EXPECT_EQ(spring("tendon").law.acts, Acts::in_tension);
+  EXPECT_EQ(tension(spring("tendon").law, 1.0, 0.0).f, 5);
+  EXPECT_EQ(std::get<GasCurve>(spring("spring 5").law.curve).ambient, 1e5);
+  EXPECT_NEAR(tension(spring("clock spring").law, 0.0, 0.0).f, 0.5, 1e-14) << "as drawn";
+  EXPECT_EQ(spring("spring 7").law.acts, Acts::in_compression);
+  const auto& teeth = std::get<Spring::JointSum>(spring("teeth").geometry);
+  ASSERT_EQ(teeth.terms.size(), 2U);
+  EXPECT_EQ(teeth.terms[0].factor, -2) << "terms are sorted by name";
+  const auto& mount = std::get<Spring::Bushing>(spring("mount").geometry);
+  EXPECT_EQ(mount.K[5][5], 4e4);
+  EXPECT_EQ(mount.C[0][1], 0.1);
+  EXPECT_EQ(mount.rest.r.z, 0.001);
 
   const auto loop = [&](std::string_view name) {
     return *std::ranges::find(model.loops().joints, name, &Loop::name);
@@ -304,8 +324,8 @@ TEST(Drawing, EveryKeyIsUnderstood) {
   const auto origin = [&](const Loop::End& end) {
     return model.body(end.body).A * (model.body(end.body).S_self * end.F.r);
   };
-  ASSERT_EQ(model.loops().all.size(), 16U);
-  EXPECT_EQ(model.loops().rows, 6 + 5 + 5 + 5 + 5 + 4 + 3 + 3 + 3 + 4 + 1 + 3 * 3 + 2);
+  ASSERT_EQ(model.loops().all.size(), 17U);
+  EXPECT_EQ(model.loops().rows, 6 + 5 + 5 + 5 + 5 + 4 + 3 + 3 + 3 + 4 + 1 + 3 * 3 + 1 + 2);
   EXPECT_EQ(model.body(loop("loop 2").ends[0].body).name, "wheel");
   EXPECT_EQ(loop("loop 2").ends[1].body, 0);
   EXPECT_LT(norm(loop("loop 2").ends[1].F.R.z - Vec3<>{0, -1, 0}), 1e-15);
@@ -322,6 +342,10 @@ TEST(Drawing, EveryKeyIsUnderstood) {
   EXPECT_FALSE(loop("marble").wheel);
   EXPECT_TRUE(loop("disc").wheel);
   EXPECT_EQ(loop("disc").size, 0.3);
+  EXPECT_EQ(loop("belt").radii[1], -0.1);
+  ASSERT_EQ(model.loops().backlashes.size(), 1U);
+  EXPECT_EQ(model.loops().backlashes[0].play, 0.01);
+  EXPECT_EQ(model.loops().backlashes[0].restitution, 0.4);
   EXPECT_EQ(coupling("coupling 1").offset, 0.1);
   ASSERT_EQ(coupling("train").terms.size(), 3U);
   EXPECT_EQ(coupling("train").terms[0].factor, 3 * -2) << "what follows is a multiple of what leads";

@@ -55,6 +55,7 @@ inline double disparity(const Loops& one, const Loops& other, const Model& a, co
         x.first_row != y.first_row)
       return infinity;
     largest = std::max(largest, std::abs(x.size - y.size));
+    for (std::size_t e = 0; e < 2; ++e) largest = std::max(largest, std::abs(x.radii[e] - y.radii[e]));
     for (std::size_t e = 0; e < 2; ++e) {
       const auto &end = x.ends[e], &its = y.ends[e];
       if (end.body != its.body) return infinity;
@@ -62,6 +63,14 @@ inline double disparity(const Loops& one, const Loops& other, const Model& a, co
       largest =
           std::max(largest, disparity(body.A * body.S_self * end.F, same_body.A * same_body.S_self * its.F));
     }
+  }
+  if (one.backlashes.size() != other.backlashes.size()) return infinity;
+  for (std::size_t k = 0; k < one.backlashes.size(); ++k) {
+    const Backlash &x = one.backlashes[k], &y = other.backlashes[k];
+    if (x.name != y.name || x.play != y.play || x.restitution != y.restitution ||
+        x.terms.size() != y.terms.size())
+      return infinity;
+    largest = std::max(largest, std::abs(x.offset - y.offset));
   }
   for (std::size_t k = 0; k < one.couplings.size(); ++k) {
     const LoopCoupling &x = one.couplings[k], &y = other.couplings[k];
@@ -73,6 +82,50 @@ inline double disparity(const Loops& one, const Loops& other, const Model& a, co
     for (const double left : factors) largest = std::max(largest, std::abs(left));
   }
   return largest;
+}
+
+/// The difference of two springs: of their points and poses, and infinite if anything else differs.
+inline double disparity(const Spring& one, const Spring& other, const Model& a, const Model& b) {
+  const double infinity = std::numeric_limits<double>::infinity();
+  const ForceLaw &law = one.law, &its_law = other.law;
+  if (one.name != other.name || one.geometry.index() != other.geometry.index() ||
+      law.curve.index() != its_law.curve.index() || law.rest != its_law.rest ||
+      law.damping != its_law.damping || law.acts != its_law.acts || law.slopes != its_law.slopes)
+    return infinity;
+  for (const double x : {law.rest - 1.1, law.rest + 0.3})
+    if (tension(law, x, 1.0).f != tension(its_law, x, 1.0).f) return infinity;
+  double largest = 0;
+  const auto on = [&](int f, int g) { return a.frame(f).name == b.frame(g).name; };
+  if (const auto* path = std::get_if<Spring::Path>(&one.geometry)) {
+    const auto& its = std::get<Spring::Path>(other.geometry).points;
+    if (path->points.size() != its.size()) return infinity;
+    for (std::size_t k = 0; k < its.size(); ++k) {
+      if (!on(path->points[k].frame, its[k].frame)) return infinity;
+      largest = std::max(largest, disparity(path->points[k].point, its[k].point));
+    }
+    return largest;
+  }
+  if (const auto* joints = std::get_if<Spring::JointSum>(&one.geometry)) {
+    const auto& its = std::get<Spring::JointSum>(other.geometry);
+    std::vector<double> factors(a.nv());  // one for each velocity, because the terms may have another order
+    for (const Spring::JointSum::Term& term : joints->terms) factors[term.velocity] += term.factor;
+    for (const Spring::JointSum::Term& term : its.terms) factors[term.velocity] -= term.factor;
+    for (const double left : factors) largest = std::max(largest, std::abs(left));
+    return std::max(largest, std::abs(joints->offset - its.offset));
+  }
+  const auto ends = [&](const std::array<Spring::End, 2>& x, const std::array<Spring::End, 2>& y) {
+    double most = 0;
+    for (std::size_t e = 0; e < 2; ++e)
+      most = std::max(most, on(x[e].frame, y[e].frame) ? disparity(x[e].pose, y[e].pose) : infinity);
+    return most;
+  };
+  if (const auto* torsion = std::get_if<Spring::Torsion>(&one.geometry)) {
+    const auto &x = torsion->ends, &y = std::get<Spring::Torsion>(other.geometry).ends;
+    return ends(x, y);
+  }
+  const auto &x = std::get<Spring::Bushing>(one.geometry), &y = std::get<Spring::Bushing>(other.geometry);
+  if (x.K != y.K || x.C != y.C) return infinity;
+  return std::max(ends(x.ends, y.ends), disparity(x.rest, y.rest));
 }
 
 enum class Compare {
@@ -112,18 +165,9 @@ inline double disparity(const Model& a, const Model& b, Compare compare = Compar
     note(std::abs(j.pitch - k.pitch));
     for (std::size_t c = 0; c < x.X.size(); ++c) note(disparity(Ad(x.A, x.X[c]), Ad(y.A, y.X[c])));
   }
-  const auto &one = a.springs().lines, &other = b.springs().lines;
-  if (one.size() != other.size()) return infinity;
-  for (std::size_t k = 0; k < one.size(); ++k) {
-    if (one[k].stiffness != other[k].stiffness || one[k].rest != other[k].rest ||
-        one[k].damping != other[k].damping)
-      return infinity;
-    for (std::size_t e = 0; e < 2; ++e) {
-      const auto &end = one[k].ends[e], &its = other[k].ends[e];
-      if (a.frame(end.frame).name != b.frame(its.frame).name) return infinity;
-      note(disparity(end.point, its.point));
-    }
-  }
+  if (a.springs().elements.size() != b.springs().elements.size()) return infinity;
+  for (std::size_t k = 0; k < a.springs().elements.size(); ++k)
+    note(disparity(a.springs().elements[k], b.springs().elements[k], a, b));
   note(disparity(a.loops(), b.loops(), a, b));
   const auto mine = frames_at_zero(a), theirs = frames_at_zero(b);
   if (all && mine.size() != theirs.size()) return infinity;

@@ -32,6 +32,7 @@ inline LoopDescription random_loop(Random<double>& random, LoopKind kind,
   const bool sized = with_frames || chance(0.3);
   if (traits(kind).has("length") && sized) loop.length = random.number(0.1, 2);
   if (traits(kind).has("radius") && sized) loop.radius = random.number(0.1, 2);
+  if (traits(kind).has("radii")) loop.radii = {0.3, 0.301};  // a span exists unless the axes nearly coincide
   if (traits(kind).has("angle") && chance(0.5)) loop.angle = random.number(0.3, 2.8);
   return loop;
 }
@@ -91,6 +92,7 @@ inline void expect_same_loops(const Model& part, const std::vector<double>& q_pa
     EXPECT_EQ(found->pitch, loop.pitch);
     EXPECT_EQ(found->wheel, loop.wheel);
     EXPECT_NEAR(found->size, loop.size, 1e-14);
+    EXPECT_EQ(found->radii, loop.radii);
     EXPECT_LE(distance(displacement(whole, *found, C_whole), displacement(part, loop, C_part)), 1e-10);
   }
   for (const LoopCoupling& coupling : part.loops().couplings) {

@@ -149,6 +149,45 @@ TEST(Reduced, LoopsAreClosedAsBeforeAndThoseThatStandStillAreLeftOut) {
   EXPECT_GT(left_out, 100);
 }
 
+/// Springs of a reduced mechanism have the force of the whole one: terms of locked joints are part of the
+/// rest, and a preload, which is the tension as drawn, becomes a rest.
+TEST(Reduced, SpringsKeepTheirForces) {
+  Random<double> random(5);
+  Description d;
+  d.bodies = {random_body(random, 0, "ground", JointKind::revolute),
+              random_body(random, 1, "b0", JointKind::revolute)};
+  const std::string moving = joint_name(d.bodies[0]), still = joint_name(d.bodies[1]);
+  SpringDescription sum{.kind = SpringKind::joints, .stiffness = 7, .rest = 0.3};
+  sum.terms = {{moving, 2.0}, {still, -1.0}};
+  d.springs.push_back(sum);
+  sum.terms = {{still, 1.0}};
+  d.springs.push_back(sum);
+  for (const double preload : {1.0, 1e4}) {  // the rest of the second one is negative
+    SpringDescription line{
+        .between = {"ground", "b1"}, .points = {Vec3<>{1, 2, 3}, Vec3<>{}}, .stiffness = 50};
+    line.preload = preload;
+    d.springs.push_back(line);
+    line.curve = TableCurve{{-1, 0, 1000}, {-3, 0, 20000}};
+    d.springs.push_back(line);
+    line.curve = PolynomialCurve{{0, 30, 0, 1e-3}};
+    d.springs.push_back(line);
+  }
+  const Model full = ModelBuilder(d).build();
+  std::vector<double> q(2);
+  q[static_cast<std::size_t>(full.joint(full.joint_index(still)).iq)] = 0.4;
+  const std::string_view locked[] = {still};
+  const Model less = reduced(full, locked, q);
+  const auto& before = full.springs().elements;
+  const auto& after = less.springs().elements;
+  ASSERT_EQ(after.size(), before.size() - 1);
+  EXPECT_NEAR(tension(after[0].law, 2 * 0.7, 0.0).f, tension(before[0].law, 2 * 0.7 - 0.4, 0.0).f, 1e-14);
+  for (std::size_t k = 2; k < before.size(); ++k)
+    for (const double x : {0.1, 2.0, 9.0}) {
+      const double F = tension(before[k].law, x, 0.0).f;
+      EXPECT_NEAR(tension(after[k - 1].law, x, 0.0).f, F, 1e-12 * std::abs(F)) << before[k].name;
+    }
+}
+
 TEST(Reduced, OneJointOfEveryKindCanBeLocked) {
   for (const JointKind kind : all_kinds) {
     if (kind == JointKind::fixed) continue;

@@ -38,7 +38,7 @@ def test_every_copy_has_them():
         built.body(**body)
     built.frame(**drawing["frame"][0])
     for spring in drawing["spring"]:
-        built.spring(*spring.pop("between"), **spring)
+        built.spring(*spring.pop("between", []), **spring)
     same(M, built.build())
     assert np.ptp(axode.elastic_energy(M, states()[0])) > 1
 

@@ -86,7 +86,7 @@ class LoopDrawing {
   SE3<> pose(int frame) const { return C_[static_cast<std::size_t>(frame)]; }
 
   /// A pose of the second frame of a loop in the first frame at which the loop is closed. Where the kind of
-  /// the loop has a length, an angle or a radius, this also sets it.
+  /// the loop has a length, an angle or radii, this also sets them.
   SE3<> relative_pose(LoopDescription& loop) {
     const auto about_z = [&] { return exp_SO3(Vec3<>{0, 0, random_.number(-3, 3)}); };
     switch (loop.kind) {
@@ -105,6 +105,10 @@ class LoopDrawing {
                 {random_.number(-length_, length_), random_.number(-length_, length_),
                  wheel ? radius * std::sin(tilt) : radius}};
       }
+      case LoopKind::belt:  // pulleys that are smaller than the distance of their axes
+        loop.radii = {0.2 * random_.number(0.5, 1) * length_, 0.2 * random_.number(-1, -0.5) * length_};
+        if (chance(0.5)) loop.radii[1] = -loop.radii[1];
+        return {about_z(), about_z() * Vec3<>{random_.number(0.6, 2) * length_, 0, 0}};
       case LoopKind::universal:
         loop.angle = random_.number(0.6, 2.5);
         return {about_z() * exp_SO3(Vec3<>{*loop.angle, 0, 0}) * about_z(), {}};

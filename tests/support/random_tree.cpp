@@ -186,6 +186,60 @@ Description told(const Mechanism& mechanism, Random<double>& random) {
   return description;
 }
 
+namespace {
+
+/// Adds springs of the other kinds with curved laws. They have a random generator of their own, so that
+/// they do not change what is drawn after them.
+void add_springs_of_every_kind(Description& tree, const std::vector<std::string>& names, bool losses) {
+  Random<double> random(static_cast<std::uint64_t>(1e12 * tree.springs[0].stiffness));
+  const auto chance = [&](double p) { return random.number(0, 1) < p; };
+  const auto any = [&] {
+    return names[static_cast<std::size_t>(random.number(0, static_cast<double>(names.size())))];
+  };
+  const auto loss = [&](double most) { return losses ? random.number(0, most) : 0; };
+  const GivenIn in = chance(0.5) ? GivenIn::body_frame : GivenIn::construction_frame;
+  if (chance(0.5)) {
+    SpringDescription tendon{.name = "tendon", .kind = SpringKind::tendon, .in = in, .damping = loss(1)};
+    for (int k = 0; k < 4; ++k) tendon.path.push_back({any(), random.vector()});
+    tendon.rest = random.number(0, 2);
+    tendon.curve = TableCurve{{-1, 0, 0.5, 2, 5}, {-3, 0, 4, 9, 40}};
+    if (chance(0.5)) tendon.acts = chance(0.7) ? Acts::in_tension : Acts::in_compression;
+    tree.springs.push_back(tendon);
+  }
+  if (chance(0.5)) {
+    SpringDescription torsion{.kind = SpringKind::torsion, .between = {any(), any()}, .in = in};
+    torsion.frames = {random.pose(), random.pose()};
+    torsion.rest = random.number(-1, 1), torsion.damping = loss(1);
+    torsion.curve = PolynomialCurve{{random.number(-1, 1), random.number(0, 5), 0, random.number(0, 2)}};
+    tree.springs.push_back(torsion);
+  }
+  if (chance(0.5)) {
+    SpringDescription bushing{
+        .name = "bushing", .kind = SpringKind::bushing, .between = {any(), any()}, .in = in};
+    bushing.frames = {random.pose(), random.pose()};
+    bushing.rest_pose = random.pose();
+    SixBySix L{}, D{};
+    for (std::size_t k = 0; k < 6; ++k)
+      for (std::size_t l = 0; l <= k; ++l) L[k][l] = random.number(-2, 2), D[k][l] = loss(0.5);
+    for (std::size_t k = 0; k < 6; ++k)
+      for (std::size_t l = 0; l < 6; ++l)
+        for (std::size_t m = 0; m < 6; ++m)
+          bushing.K[k][l] += L[k][m] * L[l][m], bushing.C[k][l] += D[k][m] * D[l][m];
+    tree.springs.push_back(bushing);
+  }
+  if (chance(0.5)) {
+    SpringDescription gear{
+        .name = "of joints", .kind = SpringKind::joints, .stiffness = random.number(0, 20)};
+    gear.rest = random.number(-1, 1), gear.damping = loss(1);
+    for (const BodyDescription& body : tree.bodies)
+      if (can_couple(body.joint.kind) && gear.terms.size() < 3)
+        gear.terms.emplace_back(joint_name(body), random.number(0.2, 2));
+    if (!gear.terms.empty()) tree.springs.push_back(gear);
+  }
+}
+
+}  // namespace
+
 Description with_springs(Description tree, Random<double>& random, bool losses) {
   const auto chance = [&](double p) { return random.number(0, 1) < p; };
   std::vector<std::string> names{"ground"};
@@ -216,6 +270,7 @@ Description with_springs(Description tree, Random<double>& random, bool losses) 
                             .stiffness = random.number(0, 30),
                             .rest = chance(0.3) ? 0 : random.number(0, 1),
                             .damping = losses ? random.number(0, 2) : 0});
+  add_springs_of_every_kind(tree, names, losses);
   set_last_description(tree);
   return tree;
 }

@@ -51,6 +51,44 @@ SE3<> scaled(double by, SE3<> C) {
   return C;
 }
 
+/// Changes the units of a curve of a spring whose coordinate has this dimension.
+void scale(const Units& units, const Dimension& coordinate, ForceCurve& curve) {
+  const Dimension effort = energy / coordinate;
+  if (auto* polynomial = std::get_if<PolynomialCurve>(&curve)) {
+    Dimension each = effort;
+    for (double& x : polynomial->coefficients) x *= units(each), each = each / coordinate;
+  } else if (auto* table = std::get_if<TableCurve>(&curve)) {
+    for (double& x : table->deflections) x *= units(coordinate);
+    for (double& x : table->forces) x *= units(effort);
+  } else if (auto* gas = std::get_if<GasCurve>(&curve)) {
+    gas->area *= units(length * length), gas->volume *= units(length * length * length);
+    gas->pressure *= units(force / (length * length)), gas->ambient *= units(force / (length * length));
+  }
+}
+
+/// Changes the units of a spring. The coordinate of a spring on joints is a pure number.
+void scale(const Units& units, const std::map<std::string, Dimension>& coordinates,
+           SpringDescription& spring) {
+  const double l = units(length);
+  const bool is_length = spring.kind == SpringKind::line || spring.kind == SpringKind::tendon;
+  const Dimension coordinate = is_length ? length : one, effort = energy / coordinate;
+  for (Vec3<>& point : spring.points) point = l * point;
+  for (SpringDescription::Point& it : spring.path) it.point = l * it.point;
+  for (SE3<>& C : spring.frames) C = scaled(l, C);
+  spring.rest_pose = scaled(l, spring.rest_pose);
+  for (auto& [joint, factor] : spring.terms) factor *= units(one / coordinates.at(joint));
+  spring.rest *= units(coordinate);
+  spring.stiffness *= units(effort / coordinate);
+  spring.damping *= units(effort / (coordinate * rate));
+  if (spring.curve) scale(units, coordinate, *spring.curve);
+  for (std::size_t k = 0; k < 6; ++k)
+    for (std::size_t m = 0; m < 6; ++m) {
+      const Dimension entry = energy / ((k < 3 ? one : length) * (m < 3 ? one : length));
+      spring.K[k][m] *= units(entry);
+      spring.C[k][m] *= units(entry / rate);
+    }
+}
+
 }  // namespace
 
 Dimension dimension_of(std::string_view unit) {
@@ -147,11 +185,7 @@ Description in_units(const Units& units, Description description) {
     }
   }
   for (FrameDescription& frame : description.frames) frame.pose = scaled(l, frame.pose);
-  for (SpringDescription& spring : description.springs) {
-    for (Vec3<>& point : spring.points) point = l * point;
-    spring.stiffness *= units(force / length), spring.rest *= l;
-    spring.damping *= units(force / velocity);
-  }
+  for (SpringDescription& spring : description.springs) scale(units, coordinates, spring);
   for (LoopDescription& loop : description.loops) {
     loop.point = l * loop.point, loop.center = l * loop.center, loop.pitch *= l;
     for (Vec3<>& point : loop.points) point = l * point;
@@ -159,6 +193,7 @@ Description in_units(const Units& units, Description description) {
       for (SE3<>& F : *loop.frames) F = scaled(l, F);
     if (loop.length) *loop.length *= l;
     if (loop.radius) *loop.radius *= l;
+    for (double& radius : loop.radii) radius *= l;
   }
   for (CouplingDescription& coupling : description.couplings)
     for (auto& [joint, factor] : coupling.terms) factor *= units(one / coordinates.at(joint));

@@ -75,9 +75,10 @@ class Walker {
 
   /// Marks the velocities of all joints on the paths of a loop.
   void mark(const Loop& loop) {
-    if (loop.kind == LoopKind::rolling)
-      throw std::invalid_argument("loop \"" + loop.name +
-                                  "\" is a rolling contact: it constrains velocities, and no product of "
+    if (loop.kind == LoopKind::rolling || loop.kind == LoopKind::belt)
+      throw std::invalid_argument("loop \"" + loop.name + "\" is a " +
+                                  (loop.kind == LoopKind::belt ? "belt" : "rolling contact") +
+                                  ": it constrains velocities, and no product of "
                                   "exponentials describes it; remove it to find the mobility of the others");
     for (const Loop::End& end : loop.ends)
       for (const int i : path(end.body, meeting(loop)))

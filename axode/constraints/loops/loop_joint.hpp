@@ -1,6 +1,8 @@
 #pragma once
+#include <array>
 #include <variant>
 
+#include "axode/constraints/loops/belt.hpp"
 #include "axode/constraints/loops/rod.hpp"
 #include "axode/constraints/loops/rolling_contact.hpp"
 #include "axode/constraints/loops/subgroup_closure.hpp"
@@ -10,12 +12,15 @@
 namespace axode {
 
 /// The types of loop joints; loop_frames.hpp lists the members that a type must have.
-using LoopJoint = std::variant<loops::SubgroupClosure, loops::Universal, loops::Rod, loops::RollingContact>;
+using LoopJoint =
+    std::variant<loops::SubgroupClosure, loops::Universal, loops::Rod, loops::RollingContact, loops::Belt>;
 
-/// Makes the loop joint of a kind; `size` is Loop::size.
-constexpr LoopJoint loop_joint(LoopKind kind, double pitch, double size, bool wheel) {
+/// Makes the loop joint of a kind; `size` and `radii` are those of Loop.
+constexpr LoopJoint loop_joint(LoopKind kind, double pitch, double size, bool wheel,
+                               const std::array<double, 2>& radii = {}) {
   if (kind == LoopKind::universal) return loops::Universal{size};
   if (kind == LoopKind::rod) return loops::Rod{size};
+  if (kind == LoopKind::belt) return loops::Belt{radii};
   if (kind == LoopKind::rolling) return loops::RollingContact{size, wheel};
   return loops::SubgroupClosure{traits(kind).free, pitch};
 }

@@ -35,7 +35,7 @@ LoopTable::LoopTable(const Model& model) : ends(static_cast<std::size_t>(model.n
   const Tree<double>& tree = model.tree<double>();
   for (const Loop& loop : model.loops().joints) {
     paths.emplace_back(tree, loop);
-    joints.push_back(loop_joint(loop.kind, loop.pitch, loop.size, loop.wheel));
+    joints.push_back(loop_joint(loop.kind, loop.pitch, loop.size, loop.wheel, loop.radii));
     for (const Loop::End& end : loop.ends) ends[static_cast<std::size_t>(end.body)] = 1;
   }
   for (const LoopCoupling& coupling : model.loops().couplings) paths.emplace_back(tree, coupling);

@@ -1,4 +1,7 @@
 #pragma once
+#include <algorithm>
+#include <span>
+
 #include "axode/derivatives/displacement/accelerations.hpp"
 #include "axode/derivatives/displacement/geometry.hpp"
 #include "axode/derivatives/displacement/momentum_first_order.hpp"
@@ -101,7 +104,8 @@ template <class T> struct CarryingScrews {
   }
 };
 
-/// The columns of both ends of a spring, on their paths up to the body where these meet.
+/// The columns of both ends of a spring or of one segment of its path, up to the body where these meet, and
+/// the derivatives of the coordinate of the spring and of its rate by the velocities on the paths.
 template <class T> struct SpringColumns {
   struct Column {
     int end, body, c;  ///< the end, body and velocity
@@ -109,8 +113,38 @@ template <class T> struct SpringColumns {
   };
   Column* column;
   int count = 0;
+  T *by_q, *rate_by_q;
+  int* velocities;  ///< velocities on the paths, each once
+  int n_velocities = 0;
 
-  explicit SpringColumns(Arena& arena) : column(arena.per_screw<Column>()) {}
+  explicit SpringColumns(Arena& arena)
+      : column(arena.per_screw<Column>()),
+        by_q(arena.per_velocity<T>()),
+        rate_by_q(arena.per_velocity<T>()),
+        velocities(arena.per_velocity<int>()),
+        listed_(arena.per_velocity<char>()),
+        nv_(arena.topology().nv) {}
+
+  std::span<const Column> all() const { return {column, static_cast<std::size_t>(count)}; }
+  /// Forgets the columns and derivatives of the last spring.
+  void clear() noexcept {
+    count = n_velocities = 0;
+    std::fill_n(listed_, nv_, char(0));
+  }
+  /// Adds to the derivatives by the position of velocity c.
+  void add(int c, const T& x, const T& dx) noexcept {
+    if (!listed_[c]) {
+      listed_[c] = 1;
+      velocities[n_velocities++] = c;
+      by_q[c] = rate_by_q[c] = T(0);
+    }
+    by_q[c] += x;
+    rate_by_q[c] += dx;
+  }
+
+ private:
+  char* listed_;
+  int nv_;
 };
 
 /// Memory for the Hessian of each component of the accelerations.

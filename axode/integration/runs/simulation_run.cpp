@@ -24,6 +24,19 @@ double weight_of(const Tree<double>& tree) {
   return std::sqrt(mass) * axode::norm(tree.g);
 }
 
+/// Why springs have no force at q: the gas of a spring has no volume left. Empty if there is no such spring.
+std::string exhausted_gas(const Model& model, Workspace<>& workspace, std::span<const double> q) {
+  const std::vector<Spring>& springs = model.springs().elements;
+  for (std::size_t k = 0; k < springs.size(); ++k) {
+    const auto* gas = std::get_if<GasCurve>(&springs[k].law.curve);
+    if (gas == nullptr) continue;
+    const double x = spring_coordinate(model, workspace, static_cast<int>(k), q) - springs[k].law.rest;
+    if (!(gas->volume + gas->area * x > 0))
+      return "the gas of spring \"" + springs[k].name + "\" has no volume left";
+  }
+  return {};
+}
+
 }  // namespace
 
 SimulationRun::SimulationRun(const Model& model, Span q_0, Span v_0, double until,
@@ -42,7 +55,8 @@ SimulationRun::SimulationRun(const Model& model, Span q_0, Span v_0, double unti
       tau_(Vector::Zero(model.nv())),
       forces_(tau_),
       loads_(options.loads),
-      until_(until) {
+      until_(until),
+      plays_(model) {
   if (!(model.loops().empty() && model.motions().empty() && options.motions.empty()))
     loops_.emplace(model, options.motions);
   check_configuration(model, q_0);
@@ -64,7 +78,8 @@ SimulationRun::SimulationRun(const Model& model, Span q_0, Span v_0, double unti
   }
   friction_.start_sliding(as_span(a));
   trajectory.append(0, q_0, v_0, as_span(a), as_span(tau_));
-  values_ = values_at(0, q_0, v_0);
+  if (plays_.any()) start_plays();
+  values_ = values_at(0, q_0, as_span(v));
 }
 
 /// Throws if a joint that follows a motion has dry friction, which would have to hold it.
@@ -125,6 +140,8 @@ SimulationRun::Span SimulationRun::joint_force_sum(Span q_t, Span v_t) {
 Failure SimulationRun::joint_forces(double t, Span q_t, Span v_t, Span& tau) {
   if (Failure failure = begin_evaluation(t, q_t, v_t)) return failure;
   tau = joint_force_sum(q_t, v_t);
+  if (!finite(forces_))
+    if (std::string why = exhausted_gas(model_, workspace_, q_t); !why.empty()) return {t, std::move(why)};
   return {};
 }
 
@@ -295,6 +312,7 @@ bool SimulationRun::stop_sliding(double within) {
 
 Failure SimulationRun::take_up_to(double t_1, StepEnd& end, const Attempt& attempt) {
   friction_changed_ = false;
+  if (plays_.any()) return take_up_to_play(t_1, end, attempt);
   if (!friction_.active()) return take(t_1, end);
   const double t_0 = now(), resolution = std::max(1e-13 * (t_1 - t_0), 1e-15 * t_1);
   if (Failure failure = ensure_accelerations(t_1, end)) return failure;

@@ -10,6 +10,7 @@
 #include "axode/derivatives/inverse_dynamics_derivatives.hpp"
 #include "axode/integration/closed_motion.hpp"
 #include "axode/integration/dry_friction.hpp"
+#include "axode/integration/plays.hpp"
 #include "axode/integration/schemes/energy_norm.hpp"
 #include "axode/integration/simulation.hpp"
 #include "axode/model/workspace.hpp"
@@ -63,13 +64,14 @@ class SimulationRun {
   double place_resolution(double h) const { return 1e-15 * places_ / std::abs(h); }
 
   /// Takes the step to t_1, or to an earlier time at which dry friction changes: a joint comes to rest, or
-  /// begins to slide. The last attempt must be the one at t_1 under the present friction.
+  /// begins to slide; or at which a play reaches or leaves one of its ends. The last attempt must be the
+  /// one at t_1 under the present friction and plays.
   Failure take_up_to(double t_1, StepEnd& end, const Attempt& attempt);
   /// Begins an attempt under the present friction.
   void begin_step();
   /// The least LoopSystem::weakest_row() of the accelerations that were computed since begin_step().
   double weakest_row() const { return weakest_row_; }
-  /// Whether the last step ended because dry friction changed, so that accelerations jump there.
+  /// Whether the last step ended because dry friction or a play changed, so that accelerations jump there.
   bool friction_changed() const { return friction_changed_; }
   /// Checks whether friction can hold the sticking joints at the end of a step, for schemes that did not
   /// compute accelerations there.
@@ -134,6 +136,15 @@ class SimulationRun {
   void check_friction_of_motions() const;
   void apply_sticking_forces(Span q_t, std::span<double> a_t);
   Failure ensure_accelerations(double t, StepEnd& end);
+  void start_plays();
+  void engage_plays();
+  Failure reserves(double t, const StepEnd& end, std::vector<double>& out);
+  double time_of_dip(double t_1, const StepEnd& end) const;
+  Failure take_up_to_play(double t_1, StepEnd& end, const Attempt& attempt);
+  Failure find_change(double& t_1, StepEnd& end, const Attempt& attempt, std::vector<double>& reserve);
+  Failure change_plays(const std::vector<double>& reserve);
+  void meet_end(std::size_t k, int side);
+  Failure settle_plays();
   bool friction_changes(double t_0, double t_1, const StepEnd& end) const;
   bool stop_sliding(double within);
   void add_resistance_of_drive(double t, Span q_t, Span v_t, double c_x, double c_v,
@@ -153,6 +164,7 @@ class SimulationRun {
   double until_, weakest_row_ = 1;
   bool ended_ = false, friction_changed_ = false;
   int short_steps_ = 0;
+  Plays plays_;
 };
 
 }  // namespace axode

@@ -12,7 +12,7 @@ constexpr auto loop_names = names_of(loop_kinds);
 
 /// The keys that say where a loop is drawn. A loop with frames has none of them.
 constexpr std::array<std::string_view, 5> drawn_keys{"axis", "second_axis", "point", "points", "center"};
-constexpr std::array<std::string_view, 6> size_keys{"pitch",      "lead",   "length",
+constexpr std::array<std::string_view, 7> size_keys{"pitch",      "lead",   "length", "radii",
                                                     "wheel_axis", "radius", "angle"};
 
 /// Whether a key means something for a kind of loop. A lead is another way to write a pitch.
@@ -53,7 +53,9 @@ void read_place(Table& table, LoopDescription& loop) {
   need("second_axis", "one, such as [0, 0, 1] or \"z\"");
   if (traits(loop.kind).located)
     need("point", "one: [x, y, z] of a point on its axis or plane, or of its centre");
-  need("points", "its ends, [[x, y, z], [x, y, z]]");
+  need("points", loop.kind == LoopKind::belt ? "the centres of its pulleys, [[x, y, z], [x, y, z]]"
+                                             : "its ends, [[x, y, z], [x, y, z]]");
+  need("radii", "the radii of its pulleys, m, negative where a pulley turns the other way about the axis");
   need("center", "the centre of the rolling body, [x, y, z]");
   if (reads("pitch") && table.has("pitch") == table.has("lead"))
     table.error(Rule::missing_element, "needs either pitch, m/rad, or lead, m for each turn");
@@ -70,6 +72,7 @@ void read_place(Table& table, LoopDescription& loop) {
     if (const auto lead = table.number("lead")) loop.pitch = *lead / (2 * std::numbers::pi);
   if (reads("length")) loop.length = table.number("length");
   if (reads("radius")) loop.radius = table.number("radius");
+  if (reads("radii")) loop.radii = table.numbers<2>("radii").value_or(loop.radii);
   if (reads("angle")) loop.angle = table.number("angle");
   if (reads("wheel_axis")) loop.wheel_axis = table.direction("wheel_axis");
   if (!drawn && loop.wheel_axis && norm(*loop.wheel_axis - Vec3<>{0, 0, 1}) > 0)
@@ -120,6 +123,8 @@ bool read_coupling(Table& table, std::size_t number, CouplingDescription& coupli
     table.missing("terms", "name joints and their factors, such as { left = 1, right = -1 }");
   coupling.terms = table.named_numbers("terms");
   coupling.offset = table.number("offset").value_or(0);
+  coupling.play = table.number("play").value_or(0);
+  coupling.restitution = table.number("restitution").value_or(0);
   const bool complete = table.faults() == faults;
   table.finish();
   return complete;

@@ -8,6 +8,7 @@
 #include "axode/io/drawing/drawing_contact.hpp"
 #include "axode/io/drawing/drawing_loops.hpp"
 #include "axode/io/drawing/drawing_motion.hpp"
+#include "axode/io/drawing/drawing_springs.hpp"
 #include "axode/model/building/placement.hpp"
 #include "axode/model/joint_kinds.hpp"
 #include "axode/model/shape_kinds.hpp"
@@ -344,26 +345,6 @@ bool read_frame(Table& table, std::size_t number, FrameDescription& frame) {
   if (frame.body.empty()) frame.body = "ground";
   frame.in = table.choice("in", frame_names) == 1U ? GivenIn::body_frame : GivenIn::construction_frame;
   frame.pose = table.pose();
-  table.finish();
-  return true;
-}
-
-bool read_spring(Table& table, std::size_t number, SpringDescription& spring) {
-  table.rename("spring " + std::to_string(number + 1));
-  const std::string_view need = "it needs the names of two bodies or frames, or \"ground\"";
-  if (!table.has("between")) table.missing("between", need);
-  spring.between =
-      table.pair_of_names("between", need).value_or(std::array<std::string, 2>{"ground", "ground"});
-  const bool in_body = table.choice("in", frame_names) == 1U;
-  if (const auto points = table.rows<2>("points", "it needs two points, [[x, y, z], [x, y, z]]")) {
-    spring.points = *points;
-    if (!in_body) spring.in = GivenIn::construction_frame;
-  }
-  if (!table.has("stiffness") && !table.has("damping"))
-    table.missing("stiffness", "a spring needs it, N/m, and a damper needs damping, N s/m");
-  spring.stiffness = table.number("stiffness").value_or(0);
-  spring.rest = table.number("rest").value_or(0);
-  spring.damping = table.number("damping").value_or(0);
   table.finish();
   return true;
 }

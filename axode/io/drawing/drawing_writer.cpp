@@ -61,6 +61,18 @@ std::string text(const SE3<>& pose) {
   const std::string rotation = is_identity(pose.R) ? "" : ", rotation = " + text(pose.R);
   return "{ position = " + text(pose.r) + rotation + " }";
 }
+/// The diagonal of a matrix that has nothing besides, or its rows.
+std::string text(const SixBySix& A) {
+  std::vector<double> diagonal;
+  bool is_diagonal = true;
+  std::string rows;
+  for (std::size_t k = 0; k < 6; ++k) {
+    diagonal.push_back(A[k][k]);
+    for (std::size_t l = 0; l < 6; ++l) is_diagonal = is_diagonal && (k == l || A[k][l] == 0);
+    rows += (k == 0 ? "" : ", ") + text(std::vector<double>(A[k].begin(), A[k].end()));
+  }
+  return is_diagonal ? text(diagonal) : "[" + rows + "]";
+}
 template <class T> std::string both(const std::array<T, 2>& x) {
   return "[" + text(x[0]) + ", " + text(x[1]) + "]";
 }
@@ -226,16 +238,71 @@ class DrawingWriter {
   }
 
   void write(const SpringDescription& spring) {
-    const bool in_body = spring.in == GivenIn::body_frame;
     out_ << "\n[[spring]]\n";
-    line("between", both(spring.between));
-    if (!in_body || !is_zero(spring.points[0]) || !is_zero(spring.points[1])) {
-      line("points", both(spring.points));
-      if (in_body) line("in", text("body"));
+    if (!spring.name.empty()) line("name", text(spring.name));
+    if (spring.kind != SpringKind::line) line("kind", text(to_string(spring.kind)));
+    if (traits(spring.kind).has("between")) line("between", both(spring.between));
+    write_place(spring);
+    if (spring.kind == SpringKind::bushing) {
+      if (!is_identity(spring.rest_pose)) line("rest_pose", text(spring.rest_pose));
+      line("stiffness", text(spring.K));
+      if (spring.C != SixBySix{}) line("damping", text(spring.C));
+      return;
     }
-    if (spring.stiffness != 0 || spring.damping == 0) line("stiffness", text(spring.stiffness));
-    if (spring.rest != 0) line("rest", text(spring.rest));
+    if (spring.curve)
+      std::visit([&](const auto& curve) { write_curve(curve); }, *spring.curve);
+    else if (spring.stiffness != 0 || spring.damping == 0)
+      line("stiffness", text(spring.stiffness));
+    const bool gas = spring.curve && std::holds_alternative<GasCurve>(*spring.curve);
+    if (spring.rest != 0 || gas) line("rest", text(spring.rest));
+    if (spring.preload) line("preload", text(*spring.preload));
+    if (spring.acts != Acts::both_ways)
+      line("one_sided", text(spring.acts == Acts::in_tension ? "tension" : "compression"));
     if (spring.damping != 0) line("damping", text(spring.damping));
+  }
+  void write_place(const SpringDescription& spring) {
+    const bool in_body = spring.in == GivenIn::body_frame;
+    const SE3<>&a = spring.frames[0], &b = spring.frames[1];
+    switch (spring.kind) {
+      case SpringKind::line:
+        if (in_body && is_zero(spring.points[0]) && is_zero(spring.points[1])) return;
+        line("points", both(spring.points));
+        if (in_body) line("in", text("body"));
+        return;
+      case SpringKind::tendon: {
+        std::string points;
+        for (const SpringDescription::Point& it : spring.path)
+          points +=
+              (points.empty() ? "" : ", ") + ("{ on = " + text(it.on)) + ", point = " + text(it.point) + " }";
+        line("path", "[" + points + "]");
+        if (in_body) line("in", text("body"));
+        return;
+      }
+      case SpringKind::torsion:
+      case SpringKind::bushing: {
+        const bool drawn = !in_body && is_zero(a.R.x - b.R.x) && is_zero(a.R.y - b.R.y) &&
+                           is_zero(a.R.z - b.R.z) && is_zero(a.r - b.r);
+        if (drawn && spring.kind == SpringKind::torsion) return line("axis", text(a.R.z));
+        if (drawn) return line("pose", text(a));
+        line("frames", both(spring.frames));
+        if (!in_body) line("in", text("construction"));
+        return;
+      }
+      case SpringKind::joints: return line("terms", text_of_terms(spring.terms));
+    }
+  }
+  void write_curve(const LinearCurve& curve) { line("stiffness", text(curve.stiffness)); }
+  void write_curve(const PolynomialCurve& curve) {
+    line("law", "{ kind = \"polynomial\", coefficients = " + text(curve.coefficients) + " }");
+  }
+  void write_curve(const TableCurve& curve) {
+    line("law", "{ kind = \"table\", deflections = " + text(curve.deflections) +
+                    ", forces = " + text(curve.forces) + " }");
+  }
+  void write_curve(const GasCurve& gas) {
+    line("law", "{ kind = \"gas\", area = " + text(gas.area) + ", pressure = " + text(gas.pressure) +
+                    ", volume = " + text(gas.volume) + ", exponent = " + text(gas.exponent) +
+                    ", ambient = " + text(gas.ambient) + " }");
   }
 
   void write(const LoopDescription& loop) {
@@ -253,6 +320,7 @@ class DrawingWriter {
     if (kind.has("wheel_axis") && loop.wheel_axis)
       line("wheel_axis", loop.frames ? text("z") : text(*loop.wheel_axis));
     if (kind.has("radius") && loop.radius) line("radius", text(*loop.radius));
+    if (kind.has("radii")) line("radii", text(std::vector<double>{loop.radii[0], loop.radii[1]}));
   }
   /// Writes where a loop is drawn.
   void write_place(const LoopDescription& loop) {
@@ -268,13 +336,18 @@ class DrawingWriter {
   void write(const CouplingDescription& coupling) {
     out_ << "\n[[coupling]]\n";
     if (!coupling.name.empty()) line("name", text(coupling.name));
-    auto terms = coupling.terms;
+    line("terms", text_of_terms(coupling.terms));
+    if (coupling.offset != 0) line("offset", text(coupling.offset));
+    if (coupling.play != 0) line("play", text(coupling.play));
+    if (coupling.restitution != 0) line("restitution", text(coupling.restitution));
+  }
+
+  static std::string text_of_terms(std::vector<std::pair<std::string, double>> terms) {
     std::ranges::sort(terms);
     std::string all;
     for (const auto& [joint, factor] : terms)
       all += (all.empty() ? " " : ", ") + text(joint) + " = " + text(factor);
-    line("terms", "{" + all + " }");
-    if (coupling.offset != 0) line("offset", text(coupling.offset));
+    return "{" + all + " }";
   }
 
   void write(const MotionDescription& motion) {

@@ -104,6 +104,27 @@ void contact_unsaid(const std::optional<ContactDescription>& contact, Unsaid& un
     unsaid.leave_out("contact", "ignores bodies \"" + one + "\" and \"" + other + '"', contact->source);
 }
 
+bool has_words_for(const SpringDescription& spring) {
+  const bool path = spring.kind == SpringKind::line || spring.kind == SpringKind::tendon;
+  return path && !spring.curve && !spring.preload && spring.acts == Acts::both_ways;
+}
+
+void springs_and_couplings_unsaid(const Description& d, Unsaid& unsaid) {
+  for (std::size_t k = 0; k < d.springs.size(); ++k) {
+    const SpringDescription& it = d.springs[k];
+    if (has_words_for(it)) continue;
+    unsaid.leave_out(spring_element(it, k),
+                     said_of(it) + (it.curve ? " with a law that is not linear" : "") +
+                         (it.preload ? " with a preload" : "") +
+                         (it.acts != Acts::both_ways ? ", one-sided" : ""),
+                     it.source);
+  }
+  for (std::size_t k = 0; k < d.couplings.size(); ++k)
+    if (d.couplings[k].play > 0)
+      unsaid.leave_out("coupling \"" + coupling_name(d.couplings[k], k) + '"',
+                       "has a play of " + to_text(d.couplings[k].play), d.couplings[k].source);
+}
+
 bool has_words_for(const ShapeDescription& shape, bool on_ground) {
   if (shape.kind == ShapeKind::plane) return on_ground;
   return shape.kind != ShapeKind::mesh || opens(shape.file);

@@ -23,6 +23,8 @@ bool in_mjcf(LoopKind kind);
 /// but the two slides of a planar joint share losses, armature and effort; a ball or free joint has one set
 /// of numbers for all. Numbers that MJCF cannot express are 0 or infinite.
 std::vector<Dof> said(const JointDescription& joint);
+/// Whether MJCF can express a spring: it is a spatial tendon with a linear law.
+bool has_words_for(const SpringDescription& spring);
 /// Whether MJCF can express a shape of the ground or of a body.
 bool has_words_for(const ShapeDescription& shape, bool on_ground);
 /// The attributes of a geom for the size of a shape that is no mesh, with its type, and for its friction.
@@ -35,6 +37,7 @@ void joint_unsaid(const JointDescription& joint, const std::string& element, con
                   Unsaid& unsaid);
 void shapes_unsaid(const std::vector<ShapeDescription>& shapes, const std::string& owner, bool on_ground,
                    const Source& source, Unsaid& unsaid);
+void springs_and_couplings_unsaid(const Description& d, Unsaid& unsaid);
 void contact_unsaid(const std::optional<ContactDescription>& contact, Unsaid& unsaid);
 
 }  // namespace axode::io::mjcf

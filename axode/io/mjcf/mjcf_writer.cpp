@@ -20,6 +20,7 @@ namespace {
 using io::mjcf::attribute, io::mjcf::has_words_for, io::mjcf::inertial_element, io::mjcf::pose_text,
     io::mjcf::unless_zero, io::mjcf::in_mjcf, io::mjcf::joint_unsaid, io::mjcf::said, io::mjcf::shapes_unsaid,
     io::mjcf::contact_unsaid, io::mjcf::size_text, io::mjcf::friction_text;
+using io::mjcf::springs_and_couplings_unsaid;
 using io::xml::text;
 
 /// The largest limit that is written. MuJoCo treats larger numbers as errors.
@@ -71,7 +72,8 @@ class MjcfWriter {
     for (const FrameDescription& frame : d_.frames) named_site(frame);
     for (std::size_t k = 0; k < d_.loops.size(); ++k)
       if (in_mjcf(d_.loops[k].kind)) write_loop(d_.loops[k], k);
-    for (const SpringDescription& spring : d_.springs) write_spring(spring);
+    for (const SpringDescription& spring : d_.springs)
+      if (has_words_for(spring)) write_spring(spring);
     write_couplings();
     if (has_passive_joints()) write_motors();
 
@@ -132,8 +134,10 @@ class MjcfWriter {
   void merge_massless() {
     std::unordered_set<std::string> asked;
     for (const FrameDescription& frame : d_.frames) asked.insert(frame.body);
-    for (const SpringDescription& spring : d_.springs)
+    for (const SpringDescription& spring : d_.springs) {
       asked.insert(spring.between.begin(), spring.between.end());
+      for (const SpringDescription::Point& it : spring.path) asked.insert(it.on);
+    }
     for (const LoopDescription& loop : d_.loops) asked.insert(loop.between.begin(), loop.between.end());
     for (const int i : order_.order) {
       const BodyDescription& body = d_.bodies[i];
@@ -172,6 +176,7 @@ class MjcfWriter {
     const std::vector<char> has_mass = with_mass();
     shapes_unsaid(d_.shapes, "the ground", true, d_.source, unsaid_);
     contact_unsaid(d_.contact, unsaid_);
+    springs_and_couplings_unsaid(d_, unsaid_);
     for (const int i : order_.order) {
       const BodyDescription& body = d_.bodies[i];
       const JointDescription& joint = body.joint;
@@ -376,15 +381,17 @@ class MjcfWriter {
     const std::string name = "spring_" + std::to_string(++springs_);
     tendons_ << "    <spatial" << attribute("name", name) << attribute("stiffness", text(spring.stiffness))
              << attribute("springlength", text(spring.rest)) << unless_zero("damping", spring.damping) << ">";
-    for (std::size_t e = 0; e < 2; ++e) {
-      const Vec3<> point = spring.in == GivenIn::body_frame
-                               ? spring.points[e]
-                               : relative(pose_of_carrier(spring.between[e]), {{}, spring.points[e]}).r;
-      tendons_ << "<site"
-               << attribute("site", text(site_on(spring.between[e], name + (e == 0 ? ".first" : ".second"),
-                                                 {{}, point})))
-               << "/>";
+    const auto pass = [&](const std::string& on, const Vec3<>& given, const std::string& suffix) {
+      const Vec3<> point =
+          spring.in == GivenIn::body_frame ? given : relative(pose_of_carrier(on), {{}, given}).r;
+      tendons_ << "<site" << attribute("site", text(site_on(on, name + suffix, {{}, point}))) << "/>";
+    };
+    if (spring.kind == SpringKind::line) {
+      pass(spring.between[0], spring.points[0], ".first");
+      pass(spring.between[1], spring.points[1], ".second");
     }
+    for (std::size_t k = 0; k < spring.path.size(); ++k)
+      pass(spring.path[k].on, spring.path[k].point, ".point_" + std::to_string(k + 1));
     tendons_ << "</spatial>\n";
   }
 
@@ -395,6 +402,7 @@ class MjcfWriter {
                        "");
     for (std::size_t k = 0; k < d_.couplings.size(); ++k) {
       const CouplingDescription& it = d_.couplings[k];
+      if (it.play > 0) continue;
       const std::string name = coupling_name(it, k);
       const auto& [joint, factor] = it.terms[0];
       if (it.terms.size() <= 2) {

@@ -90,18 +90,16 @@ void find_unsaid(const Description& d, io::Unsaid& unsaid) {
       unsaid.leave_out(element, "has several degrees of freedom with limits or losses of their own", source);
   }
   for (std::size_t k = 0; k < d.springs.size(); ++k)
-    unsaid.leave_out("spring " + std::to_string(k + 1),
-                     "is between \"" + d.springs[k].between[0] + "\" and \"" + d.springs[k].between[1] + '"',
-                     d.springs[k].source);
+    unsaid.leave_out(spring_element(d.springs[k], k), io::said_of(d.springs[k]), d.springs[k].source);
   for (std::size_t k = 0; k < d.loops.size(); ++k)
     if (!io::in_urdf(d.loops[k].kind))
       unsaid.leave_out("loop \"" + loop_name(d.loops[k], k) + '"',
                        "is " + std::string(to_string(d.loops[k].kind)), d.loops[k].source);
   for (std::size_t k = 0; k < d.couplings.size(); ++k)
-    unsaid.leave_out(
-        "coupling \"" + coupling_name(d.couplings[k], k) + '"',
-        "is one of the coordinates of " + std::to_string(d.couplings[k].terms.size()) + " joints",
-        d.couplings[k].source);
+    unsaid.leave_out("coupling \"" + coupling_name(d.couplings[k], k) + '"',
+                     "is one of the coordinates of " + std::to_string(d.couplings[k].terms.size()) +
+                         " joints" + (d.couplings[k].play > 0 ? " with play" : ""),
+                     d.couplings[k].source);
   unsaid.leave_out_motions(d);
   if (d.contact)
     unsaid.leave_out("contact", "has friction, a margin, a threshold and ignored pairs of bodies",

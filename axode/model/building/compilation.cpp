@@ -1,11 +1,13 @@
 #include "axode/model/building/compilation.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <string>
 #include <unordered_map>
 #include <utility>
 
 #include "axode/model/building/placement.hpp"
+#include "axode/model/building/spring_laws.hpp"
 #include "axode/model/finite.hpp"
 #include "axode/model/joint_kinds.hpp"
 
@@ -48,20 +50,19 @@ class Compiler {
     for (auto& [frame, offset] : extra_) add_frame(std::move(frame), offset);
     const auto topology = std::make_shared<const Topology>(std::move(connections_));
     number_joints(*topology);
-    Springs springs = springs_between_frames();
+    Springs springs;
+    std::vector<Fault> faults;
+    for (std::size_t k = 0; k < description_.springs.size(); ++k)
+      springs.elements.push_back(spring(k, *topology, faults));
     for (int i = 1; i <= topology->n; ++i)
       if (std::ranges::any_of(joints_[i].dof,
                               [](const Dof& dof) { return dof.stiffness > 0 || dof.stop_stiffness > 0; }))
         springs.joints.push_back(i);
     Loops loops = closed_loops(*topology);
     for (int i = 0; i <= topology->n; ++i) bodies_[i].M = transform(inverse(offset_[i]), numbers_.M[i]);
-    Compilation out{std::move(bodies_),
-                    std::move(joints_),
-                    std::move(frames_),
-                    std::move(springs),
-                    std::move(loops),
-                    Tree<double>(topology, std::move(numbers_)),
-                    {}};
+    Compilation out{std::move(bodies_), std::move(joints_), std::move(frames_),
+                    std::move(springs), std::move(loops),   Tree<double>(topology, std::move(numbers_)),
+                    std::move(faults)};
     report_loops_within_bodies(out);
     report_massless_subtrees(out);
     report_overflow(out);
@@ -174,21 +175,94 @@ class Compiler {
     return frame;
   }
 
-  /// The ends of the springs, each in its frame.
-  Springs springs_between_frames() const {
-    const std::unordered_map<std::string_view, int> frame = frames_by_name();
-    Springs springs;
-    for (const SpringDescription& from : description_.springs) {
-      Springs::Line line{.ends = {}, .stiffness = from.stiffness, .rest = from.rest, .damping = from.damping};
-      for (std::size_t k = 0; k < 2; ++k) {
-        const int f = frame.at(from.between[k]);
-        const SE3<> drawn = relative(internal_[frames_[f].body], {{}, from.points[k]});
-        line.ends[k] = {
-            f, from.in == GivenIn::body_frame ? from.points[k] : relative(numbers_.frame_offset[f], drawn).r};
-      }
-      springs.lines.push_back(line);
+  /// A pose that a description gives in frame f or in the construction frame, in frame f.
+  SE3<> in_frame(int f, GivenIn in, const SE3<>& C) const {
+    if (in == GivenIn::body_frame) return C;
+    return relative(numbers_.frame_offset[f], relative(internal_[frames_[f].body], C));
+  }
+  /// The pose in the construction frame of a pose in frame f, at q = 0.
+  SE3<> drawn(int f, const SE3<>& C) const {
+    return internal_[frames_[f].body] * (numbers_.frame_offset[f] * C);
+  }
+
+  std::array<Spring::End, 2> ends_of(const SpringDescription& from,
+                                     const std::unordered_map<std::string_view, int>& frame) const {
+    std::array<Spring::End, 2> ends;
+    for (std::size_t e = 0; e < 2; ++e) {
+      const int f = frame.at(from.between[e]);
+      ends[e] = {f, in_frame(f, from.in, orthonormal(from.frames[e]))};
     }
-    return springs;
+    return ends;
+  }
+  Spring::Path path_of(const SpringDescription& from,
+                       const std::unordered_map<std::string_view, int>& frame) const {
+    Spring::Path path;
+    const auto add = [&](const std::string& on, const Vec3<>& point) {
+      const int f = frame.at(on);
+      path.points.push_back({f, in_frame(f, from.in, {{}, point}).r});
+    };
+    for (const SpringDescription::Point& it : from.path) add(it.on, it.point);
+    for (std::size_t e = 0; e < 2 && from.kind == SpringKind::line; ++e) add(from.between[e], from.points[e]);
+    return path;
+  }
+  Spring::JointSum sum_of(const SpringDescription& from, const Topology& topology) const {
+    Spring::JointSum sum;
+    for (const auto& [name, factor] : from.terms) {
+      const auto named = std::ranges::find(joints_, name, &Joint::name);
+      const int i = static_cast<int>(named - joints_.begin());
+      const Joint::Leader own = named->leader.value_or(Joint::Leader{i, 1, 0});
+      sum.terms.push_back({topology.iq[i], topology.iv[i], factor * own.ratio});
+      sum.offset += factor * own.offset;
+    }
+    return sum;
+  }
+
+  /// The coordinate of a spring at q = 0.
+  double drawn_coordinate(const Spring::Path& path) const {
+    double length = 0;
+    for (std::size_t k = 1; k < path.points.size(); ++k) {
+      const Spring::Path::Point &a = path.points[k - 1], &b = path.points[k];
+      length += norm(drawn(b.frame, {{}, b.point}).r - drawn(a.frame, {{}, a.point}).r);
+    }
+    return length;
+  }
+  double drawn_coordinate(const Spring::Torsion& torsion) const {
+    const auto& [a, b] = torsion.ends;
+    const Quaternion<> D = quaternion(transpose(drawn(a.frame, a.pose).R) * drawn(b.frame, b.pose).R);
+    return 2 * std::atan2(D.z, D.w);
+  }
+  double drawn_coordinate(const Spring::JointSum& joints) const { return joints.offset; }
+  double drawn_coordinate(const Spring::Bushing&) const { return 0; }
+
+  /// Spring k of the description. A preload is turned into a rest (D16.4).
+  Spring spring(std::size_t k, const Topology& topology, std::vector<Fault>& faults) const {
+    const std::unordered_map<std::string_view, int> frame = frames_by_name();
+    const SpringDescription& from = description_.springs[k];
+    Spring out{.name = spring_name(from, k), .geometry = Spring::Path{}, .law = {}};
+    switch (from.kind) {
+      case SpringKind::line:
+      case SpringKind::tendon: out.geometry = path_of(from, frame); break;
+      case SpringKind::torsion: out.geometry = Spring::Torsion{ends_of(from, frame)}; break;
+      case SpringKind::joints: out.geometry = sum_of(from, topology); break;
+      case SpringKind::bushing:
+        out.geometry = Spring::Bushing{ends_of(from, frame), orthonormal(from.rest_pose), from.K, from.C};
+        return out;
+    }
+    out.law = force_law(from);
+    if (!from.preload) return out;
+    const double x = std::visit([&](const auto& it) { return drawn_coordinate(it); }, out.geometry);
+    const double size = std::holds_alternative<Spring::Path>(out.geometry) ? std::abs(x) : 1;
+    const auto deflection = deflection_at(out.law, *from.preload, size > 0 ? size : 1);
+    if (deflection) {
+      out.law.rest = x - *deflection;
+      return out;
+    }
+    faults.push_back(
+        {Severity::error, Rule::wrong_value, spring_element(from, k),
+         "has a preload of " + to_text(*from.preload) +
+             ", which its law reaches at no deflection; give it a rest",
+         from.source.file.empty() ? Source{expanded_.source.file, from.source.line} : from.source});
+    return out;
   }
 
   /// Gives a loop joint or coupling the rows that follow the previous ones.
@@ -213,6 +287,7 @@ class Compiler {
       loop.residuals = traits(from.kind).residuals;
       loop.pitch = from.pitch;
       loop.wheel = from.wheel_axis.has_value();
+      loop.radii = from.radii;
       const DrawnLoop drawn = from.frames ? DrawnLoop{*from.frames, size_of(from)} : drawn_loop(from);
       loop.size = drawn.size;
       for (std::size_t e = 0; e < 2; ++e) {
@@ -227,15 +302,23 @@ class Compiler {
     for (int i = 1; i < n_bodies(); ++i) joint.emplace(joints_[i].name, i);
     for (std::size_t k = 0; k < description_.couplings.size(); ++k) {
       const CouplingDescription& from = description_.couplings[k];
-      LoopCoupling coupling;
-      coupling.name = coupling_name(from, k);
-      coupling.offset = from.offset;
+      double offset = from.offset;
+      std::vector<LoopCoupling::Term> terms;
       for (const auto& [name, factor] : from.terms) {
         const int i = joint.at(name);
         const Joint::Leader own = joints_[i].leader.value_or(Joint::Leader{i, 1, 0});
-        coupling.terms.push_back({topology.iq[i], topology.iv[i], factor * own.ratio});
-        coupling.offset -= factor * own.offset;
+        terms.push_back({topology.iq[i], topology.iv[i], factor * own.ratio});
+        offset -= factor * own.offset;
       }
+      if (from.play > 0) {
+        loops.backlashes.push_back(
+            {coupling_name(from, k), std::move(terms), offset, from.play, from.restitution});
+        continue;
+      }
+      LoopCoupling coupling;
+      coupling.name = coupling_name(from, k);
+      coupling.offset = offset;
+      coupling.terms = std::move(terms);
       number(coupling, loops);
       loops.couplings.push_back(std::move(coupling));
     }
@@ -364,11 +447,12 @@ class Compiler {
           finite(out.bodies[out.frames[f].body].A))
         note(out, out.frames[f].body, Severity::error, Rule::non_finite_number,
              "frame \"" + out.frames[f].name + '"', "its numbers are so large that its pose overflows");
-    for (std::size_t k = 0; k < out.springs.lines.size(); ++k)
-      for (const Springs::Line::End& end : out.springs.lines[k].ends)
-        if (!finite(end.point) && finite(tree.frame_offset[end.frame]))
-          note(out, 0, Severity::error, Rule::non_finite_number, "spring " + std::to_string(k + 1),
-               "its numbers are so large that a point overflows");
+    for (std::size_t k = 0; k < out.springs.elements.size(); ++k)
+      if (const auto* path = std::get_if<Spring::Path>(&out.springs.elements[k].geometry))
+        for (const Spring::Path::Point& it : path->points)
+          if (!finite(it.point) && finite(tree.frame_offset[it.frame]))
+            note(out, 0, Severity::error, Rule::non_finite_number, spring_element(description_.springs[k], k),
+                 "its numbers are so large that a point overflows");
     for (const Loop& loop : out.loops.joints)
       for (const Loop::End& end : loop.ends)
         if (!finite(end.F) || !finite(loop.size))

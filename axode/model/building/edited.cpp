@@ -77,10 +77,18 @@ void mount(FrameDescription& frame, const Mount& at) {
   frame.body = at.place(frame.body);
 }
 void mount(SpringDescription& spring, const Mount& at) {
-  for (std::size_t k = 0; k < 2; ++k) {
-    spring.points[k] = at.from(spring.between[k]) * spring.points[k];
+  if (!spring.name.empty()) spring.name = at.renamed(spring.name);
+  for (std::size_t k = 0; k < 2 && traits(spring.kind).has("between"); ++k) {
+    const SE3<> from = at.from(spring.between[k]);
+    spring.points[k] = from * spring.points[k];
+    spring.frames[k] = from * spring.frames[k];
     spring.between[k] = at.place(spring.between[k]);
   }
+  for (SpringDescription::Point& it : spring.path) {
+    it.point = at.from(it.on) * it.point;
+    it.on = at.place(it.on);
+  }
+  for (auto& [joint, factor] : spring.terms) joint = at.renamed(joint);
 }
 void mount(LoopDescription& loop, const Mount& at) {
   for (std::size_t k = 0; k < 2; ++k) {

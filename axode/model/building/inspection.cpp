@@ -7,6 +7,7 @@
 
 #include "axode/model/building/nearest_name.hpp"
 #include "axode/model/building/placement.hpp"
+#include "axode/model/building/spring_checks.hpp"
 #include "axode/model/building/value_checks.hpp"
 #include "axode/model/finite.hpp"
 #include "axode/model/joint_kinds.hpp"
@@ -40,9 +41,7 @@ class Inspection {
                                                nearest_body(frame.body, ""));
       check_pose(at, "pose", frame.pose);
     }
-    for (std::size_t k = 0; k < description_.springs.size(); ++k)
-      spring({faults_, "spring " + std::to_string(k + 1), description_.springs[k].source},
-             description_.springs[k]);
+    springs();
     for (std::size_t k = 0; k < description_.loops.size(); ++k) {
       const LoopDescription& it = description_.loops[k];
       loop({faults_, "loop " + quoted(loop_name(it, k)), it.source}, it);
@@ -179,11 +178,51 @@ class Inspection {
     }
   }
 
-  void spring(const FaultySubject& at, const SpringDescription& spring) {
-    for (const std::string& name : spring.between) {
+  void springs() {
+    std::unordered_set<std::string> names;
+    const bool on_joints = std::ranges::any_of(
+        description_.springs, [](const SpringDescription& it) { return traits(it.kind).has("terms"); });
+    const Description expanded = on_joints ? expand(description_) : Description{};
+    std::unordered_map<std::string, JointKind> joints;
+    for (const BodyDescription& body : expanded.bodies) joints.emplace(body.joint.name, body.joint.kind);
+    for (std::size_t k = 0; k < description_.springs.size(); ++k) {
+      const SpringDescription& it = description_.springs[k];
+      const std::string name = spring_name(it, k);
+      const FaultySubject at{faults_, spring_element(it, k), it.source};
+      if (!names.insert(name).second)
+        at.error(Rule::duplicate_name, "the name is taken; names of springs must differ");
+      spring(at, it, joints, expanded);
+    }
+  }
+
+  void spring(const FaultySubject& at, const SpringDescription& spring,
+              const std::unordered_map<std::string, JointKind>& joints, const Description& expanded) {
+    const auto ends_on = [&](const std::string& name) {
       if (name != "ground" && !taken_.contains(name))
         at.error(Rule::unknown_spring_frame,
                  "ends on " + quoted(name) + ", which is neither a body nor a frame" + nearest_frame(name));
+    };
+    const SpringTraits& kind = traits(spring.kind);
+    if (kind.has("between"))
+      for (const std::string& name : spring.between) ends_on(name);
+    if (kind.has("path"))
+      for (const SpringDescription::Point& point : spring.path) ends_on(point.on);
+    if (kind.has("terms")) {
+      if (spring.terms.empty())
+        at.error(Rule::missing_element, "has no terms; name joints and their factors");
+      std::unordered_set<std::string_view> named;
+      for (const auto& [name, factor] : spring.terms) {
+        const std::string says = "has a term of joint " + quoted(name);
+        if (!named.insert(name).second) at.error(Rule::duplicate_element, says + " twice");
+        if (factor == 0)
+          at.error(Rule::wrong_value, says + " with the factor 0; it must be a number other than 0");
+        if (const auto found = joints.find(name); found == joints.end())
+          at.error(Rule::coupling_unknown_joint,
+                   says + ", which is not described" + nearest_joint(name, expanded));
+        else if (!can_couple(found->second))
+          at.error(Rule::coupling_kind, says + ", which is " + std::string(to_string(found->second)) +
+                                            "; a spring acts on revolute, prismatic and helical joints");
+      }
     }
     check_spring(at, spring);
   }
@@ -254,7 +293,9 @@ class Inspection {
       const FaultySubject at{faults_, "coupling " + quoted(coupling_name(coupling, k)), coupling.source};
       if (coupling.terms.empty())
         at.error(Rule::missing_element, "has no terms; name joints and their factors");
-      if (!finite(coupling.offset)) at.error(Rule::non_finite_number, "its offset is not finite");
+      if (!finite(coupling.offset) || !finite(coupling.play) || !finite(coupling.restitution))
+        at.error(Rule::non_finite_number, "its offset, play or restitution is not finite");
+      check_play(at, coupling);
       std::unordered_set<std::string_view> named;
       for (const auto& [name, factor] : coupling.terms) {
         if (!named.insert(name).second)

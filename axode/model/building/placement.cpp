@@ -199,6 +199,7 @@ DrawnLoop drawn_loop(const LoopDescription& loop) {
     return SE3<>{orthonormal(rotation_to(direction(axis))), point};
   };
   const LoopTraits& kind = traits(loop.kind);
+  if (kind.has("radii")) return {{frame(loop.axis, loop.points[0]), frame(loop.axis, loop.points[1])}};
   if (kind.has("points"))
     return {{SE3<>{{}, loop.points[0]}, SE3<>{{}, loop.points[1]}},
             loop.length.value_or(norm(loop.points[1] - loop.points[0]))};
@@ -228,6 +229,12 @@ double size_of(const LoopDescription& loop) {
 
 std::string loop_name(const LoopDescription& loop, std::size_t k) {
   return loop.name.empty() ? "loop " + std::to_string(k + 1) : loop.name;
+}
+std::string spring_name(const SpringDescription& spring, std::size_t k) {
+  return spring.name.empty() ? "spring " + std::to_string(k + 1) : spring.name;
+}
+std::string spring_element(const SpringDescription& spring, std::size_t k) {
+  return spring.name.empty() ? spring_name(spring, k) : "spring \"" + spring.name + '"';
 }
 std::string motion_name(const MotionDescription& motion) {
   return motion.name.empty() ? "motion of " + motion.of : motion.name;
@@ -290,9 +297,14 @@ Description in_joint_frames(const Description& given) {
   }
   A.emplace("ground", SE3<>{});
   for (SpringDescription& spring : description.springs) {
-    if (spring.in == GivenIn::construction_frame)
-      for (std::size_t k = 0; k < 2; ++k)
-        spring.points[k] = relative(A.at(spring.between[k]), {{}, spring.points[k]}).r;
+    if (spring.in == GivenIn::construction_frame) {
+      for (SpringDescription::Point& it : spring.path) it.point = relative(A.at(it.on), {{}, it.point}).r;
+      for (std::size_t k = 0; k < 2 && traits(spring.kind).has("between"); ++k) {
+        const SE3<>& on = A.at(spring.between[k]);
+        spring.points[k] = relative(on, {{}, spring.points[k]}).r;
+        spring.frames[k] = relative(on, orthonormal(spring.frames[k]));
+      }
+    }
     spring.in = GivenIn::body_frame;
   }
   for (LoopDescription& loop : description.loops) {

@@ -75,6 +75,10 @@ double size_of(const LoopDescription& loop);
 /// The name of a loop or coupling: `loop 1` or `coupling 1` if it has no name of its own; k counts from 0.
 std::string loop_name(const LoopDescription& loop, std::size_t k);
 std::string coupling_name(const CouplingDescription& coupling, std::size_t k);
+/// The name of a spring: `spring 1` if it has no name of its own; k counts from 0.
+std::string spring_name(const SpringDescription& spring, std::size_t k);
+/// The name of a spring for faults: `spring 1`, or `spring "strut"` if it has a name of its own.
+std::string spring_element(const SpringDescription& spring, std::size_t k);
 /// The name of a motion: `motion of <joint or rod>` if it has no name of its own.
 std::string motion_name(const MotionDescription& motion);
 

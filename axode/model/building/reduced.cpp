@@ -56,6 +56,47 @@ void lock_terms(Description& description, const Model& model, const std::vector<
   std::erase_if(description.couplings, [](const CouplingDescription& c) { return c.terms.empty(); });
 }
 
+/// Writes a spring whose rest is negative as one that rests at 0, with the same force. A law with a preload
+/// may have such a rest, and lengths in a description must not.
+void rest_at_zero(SpringDescription& spring) {
+  const double rest = std::exchange(spring.rest, 0.0);
+  ForceCurve curve = spring.curve.value_or(PolynomialCurve{{0, spring.stiffness}});
+  if (auto* table = std::get_if<TableCurve>(&curve)) {
+    for (double& x : table->deflections) x += rest;
+  } else if (auto* polynomial = std::get_if<PolynomialCurve>(&curve)) {
+    std::vector<double>& c = polynomial->coefficients;
+    for (std::size_t n = 0; n < c.size(); ++n)  // by Horner's rule, again for each derivative
+      for (std::size_t k = c.size() - 1; k-- > n;) c[k] -= rest * c[k + 1];
+  }
+  spring.curve = std::move(curve);
+  spring.acts = Acts::both_ways;  // lengths are on the side on which it acts
+}
+
+/// Gives springs with a preload the rest that it means, because the mechanism is drawn in another
+/// configuration now, and moves the terms of locked joints into the rest. Springs on locked joints alone
+/// are left out.
+void lock_springs(Description& description, const Model& model, const std::vector<bool>& is_locked,
+                  std::span<const double> q) {
+  for (std::size_t k = 0; k < description.springs.size(); ++k) {
+    SpringDescription& spring = description.springs[k];
+    spring.name = spring_name(spring, k);
+    if (spring.preload) {
+      spring.rest = model.springs().elements[k].law.rest;
+      spring.preload.reset();
+      if (spring.rest < 0 && !model.springs().elements[k].on_joints() && spring.kind != SpringKind::torsion)
+        rest_at_zero(spring);
+    }
+    std::erase_if(spring.terms, [&](const auto& term) {
+      const int i = model.joint_index(term.first);
+      if (is_locked[i]) spring.rest -= term.second * coordinate(model.joint(i), q);
+      return is_locked[i];
+    });
+  }
+  std::erase_if(description.springs, [](const SpringDescription& spring) {
+    return spring.kind == SpringKind::joints && spring.terms.empty();
+  });
+}
+
 /// Leaves out the initial state of joints that no longer move, and the motions of these and of loops that
 /// were left out.
 void drop_still_motions(Description& description, const Model& model, const std::vector<bool>& is_locked) {
@@ -102,6 +143,7 @@ Model reduced(const Model& model, std::span<const std::string_view> locked, std:
   }
   drop_still_loops(description);
   lock_terms(description, model, is_locked, q);
+  lock_springs(description, model, is_locked, q);
   drop_still_motions(description, model, is_locked);
   return ModelBuilder(std::move(description)).build();
 }

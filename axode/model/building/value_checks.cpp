@@ -15,6 +15,13 @@
 #include "axode/model/shape_kinds.hpp"
 
 namespace axode {
+
+void not_negative(const FaultySubject& at, std::initializer_list<std::pair<std::string, double>> values) {
+  for (const auto& [what, value] : values)
+    if (value < 0)
+      at.error(Rule::negative_value, what + " is " + to_text(value) + "; it must not be negative");
+}
+
 namespace {
 
 constexpr double rotation_tolerance = 1e-6;
@@ -47,12 +54,6 @@ void angle_limits(const FaultySubject& at, const Dof& dof) {
   at.report_lenient(Rule::wrong_value, "limits are " + to_text(dof.lower) + " and " + to_text(dof.upper) +
                                            " rad, which look like degrees; as degrees they would be " +
                                            in_radians(dof.lower) + " and " + in_radians(dof.upper) + " rad");
-}
-
-void not_negative(const FaultySubject& at, std::initializer_list<std::pair<std::string, double>> values) {
-  for (const auto& [what, value] : values)
-    if (value < 0)
-      at.error(Rule::negative_value, what + " is " + to_text(value) + "; it must not be negative");
 }
 
 void is_restitution(const FaultySubject& at, const std::string& what, double value) {
@@ -245,19 +246,13 @@ void check_inertia(const BodyDescription& body, FaultCollector& faults) {
   }
 }
 
-void check_spring(const FaultySubject& at, const SpringDescription& spring) {
-  if (!finite(spring.points[0]) || !finite(spring.points[1]) || !finite(spring.stiffness) ||
-      !finite(spring.rest) || !finite(spring.damping))
-    at.error(Rule::non_finite_number, "a point, stiffness, rest or damping is not finite");
-  not_negative(at, {{"stiffness", spring.stiffness}, {"rest", spring.rest}, {"damping", spring.damping}});
-}
-
 void check_loop(const FaultySubject& at, const LoopDescription& loop) {
   bool good = finite(loop.axis) && finite(loop.second_axis) && finite(loop.point) && finite(loop.pitch) &&
               finite(loop.points[0]) && finite(loop.points[1]) && finite(loop.center) &&
               finite(loop.wheel_axis.value_or(Vec3<>{}));
   for (const std::optional<double>& size : {loop.length, loop.radius, loop.angle})
     good = good && finite(size.value_or(0));
+  good = good && finite(loop.radii[0]) && finite(loop.radii[1]);
   if (!good) return at.error(Rule::non_finite_number, "a number is not finite");
   const LoopTraits& kind = traits(loop.kind);
   const bool helical = kind.has("pitch");
@@ -273,6 +268,8 @@ void check_loop(const FaultySubject& at, const LoopDescription& loop) {
   for (const auto& [what, size] : {std::pair{"length", loop.length}, std::pair{"radius", loop.radius}})
     if (size && !(*size > 0))
       at.error(Rule::wrong_value, std::string(what) + " is " + to_text(*size) + " m; it must be positive");
+  if (kind.has("radii") && (loop.radii[0] == 0 || loop.radii[1] == 0))
+    at.error(Rule::wrong_value, "a pulley has the radius 0; give both radii in m, with their signs");
   if (loop.frames) {
     check_pose(at, "the first frame", (*loop.frames)[0]);
     check_pose(at, "the second frame", (*loop.frames)[1]);
@@ -291,10 +288,27 @@ void check_loop(const FaultySubject& at, const LoopDescription& loop) {
              "its two axes are parallel; the axes of a universal joint must not be parallel");
   if (wheel && parallel(loop.axis, *loop.wheel_axis))
     at.error(Rule::parallel_axes, "the wheel lies flat on the plane; its axis must not be the normal");
+  if (kind.has("radii")) {
+    const Vec3<> n = direction(loop.axis), d = loop.points[1] - loop.points[0];
+    const double distance = norm(d - dot(d, n) * n), most = std::abs(loop.radii[1] - loop.radii[0]);
+    if (!(distance > most))
+      at.error(Rule::wrong_value, "the axes of its pulleys are " + to_text(distance) +
+                                      " m apart; a belt with these radii has a span if they are more than " +
+                                      to_text(most) + " m apart");
+    return;
+  }
   if (kind.has("points") && !(norm(loop.points[1] - loop.points[0]) > 0) && !loop.length)
     at.error(Rule::wrong_value, "its two points coincide; a rod needs a length");
   if (kind.has("center") && !(std::abs(dot(direction(loop.axis), loop.center - loop.point)) > 0))
     at.error(Rule::wrong_value, "its centre lies in the plane; a rolling contact needs a radius");
+}
+
+void check_play(const FaultySubject& at, const CouplingDescription& coupling) {
+  not_negative(at, {{"its play", coupling.play}});
+  is_restitution(at, "its restitution", coupling.restitution);
+  if (coupling.restitution != 0 && coupling.play == 0)
+    at.error(Rule::wrong_value, "has a restitution of " + to_text(coupling.restitution) +
+                                    " but no play; only the ends of a play have one");
 }
 
 void check_motion(const FaultySubject& at, const MotionDescription& motion) {

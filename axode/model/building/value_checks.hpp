@@ -1,4 +1,5 @@
 #pragma once
+#include <initializer_list>
 #include <span>
 #include <string>
 #include <string_view>
@@ -38,6 +39,9 @@ struct FaultySubject {
   void error(Rule rule, std::string message) const {
     faults.note(Severity::error, rule, element, std::move(message), source);
   }
+  void warning(Rule rule, std::string message) const {
+    faults.note(Severity::warning, rule, element, std::move(message), source);
+  }
   /// A fault that a lenient check reports as a warning.
   void report_lenient(Rule rule, std::string message) const {
     const bool strict = faults.strictness == Strictness::strict;
@@ -45,16 +49,19 @@ struct FaultySubject {
   }
 };
 
+/// Reports the values that are negative, by what they are.
+void not_negative(const FaultySubject& at, std::initializer_list<std::pair<std::string, double>> values);
+
 /// Whether the numbers of an element are finite and its pose has a rotation.
 bool check_pose(const FaultySubject& at, const std::string& what, const SE3<>& C);
 bool check_shape(const FaultySubject& at, const ShapeDescription& shape);
 bool check_numbers(const BodyDescription& body, FaultCollector& faults);
 /// The following functions check single elements. Their numbers must be finite, except those of loops,
-/// springs, motions and contact, which may be any numbers.
+/// motions and contact, which may be any numbers.
 void check_joint(const BodyDescription& body, FaultCollector& faults);
 void check_inertia(const BodyDescription& body, FaultCollector& faults);
-void check_spring(const FaultySubject& at, const SpringDescription& spring);
 void check_loop(const FaultySubject& at, const LoopDescription& loop);
+void check_play(const FaultySubject& at, const CouplingDescription& coupling);
 void check_motion(const FaultySubject& at, const MotionDescription& motion);
 /// Checks the coordinates or velocities of a joint in an initial state, where they are called `what`.
 void check_joint_state(const FaultySubject& at, const char* what, const JointDescription& joint,

@@ -1,0 +1,227 @@
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+
+#include "axode/eigen.hpp"
+#include "axode/integration/runs/simulation_run.hpp"
+
+/// Steps that end where a play reaches or leaves one of its ends (D16.18).
+namespace axode {
+namespace {
+
+constexpr int upper = 1, lower = -1;
+constexpr int most_short_steps = 1000;
+
+/// The time at which a cubic with the values and rates of both ends of a step is least, as a part of the
+/// step.
+double part_of_least(double g_0, double d_0, double g_1, double d_1) {
+  const double c2 = 3 * (g_1 - g_0) - 2 * d_0 - d_1, c3 = 2 * (g_0 - g_1) + d_0 + d_1;
+  const double root = std::sqrt(std::max(0.0, c2 * c2 - 3 * c3 * d_0));
+  const double s = -d_0 / (c2 + root);  // the root of the derivative at which the cubic turns upwards
+  return std::clamp(s, 0.0, 1.0);
+}
+
+}  // namespace
+
+/// Finds which plays are at an end when the motion starts.
+void SimulationRun::start_plays() {
+  if (friction_.active())
+    throw std::invalid_argument("coupling \"" + plays_.name(0) +
+                                "\" has play, and joints have dry friction; a simulation counts one of both: "
+                                "set joint_losses to false or the friction to 0");
+  constexpr double tolerance = 1e-9;
+  for (std::size_t k = 0; k < plays_.size(); ++k) {
+    const double x = plays_.deflection(k, as_span(q)), half = plays_.half(k);
+    if (std::abs(x) > half + tolerance * (1 + half))
+      throw std::invalid_argument("coupling \"" + plays_.name(k) + "\" is " + std::to_string(x) +
+                                  " from the middle of its play at the start; its play is " +
+                                  std::to_string(2 * half) + " from end to end");
+    if (half - std::abs(x) > plays_.gap_resolution(k, as_span(q))) continue;
+    const int side = x > 0 ? upper : lower;
+    if (!(side * plays_.rate(k, as_span(v)) < 0)) meet_end(k, side);
+  }
+  if (Failure failure = settle_plays()) {
+    stop(failure);
+    return;
+  }
+  trajectory.pop_back();
+  trajectory.append(0, as_span(q), as_span(v), as_span(a), as_span(tau_));
+}
+
+/// Makes the plays at their ends loops.
+void SimulationRun::engage_plays() {
+  const Model& model = plays_.any_at_an_end() ? plays_.engaged() : model_;
+  loops_.reset();
+  if (model.loops().empty() && model.motions().empty() && options_.motions.empty()) return;
+  loops_.emplace(model, options_.motions);
+  loops_->set_time(now());
+  loops_->determine_rank(as_span(q));
+}
+
+/// What is left of each play until it changes: the gap of a play that is free, and the force that pushes a
+/// play at an end. It is negative after the change.
+Failure SimulationRun::reserves(double t, const StepEnd& end, std::vector<double>& out) {
+  out.resize(plays_.size());
+  if (plays_.any_at_an_end()) {
+    Vector a_end(end.v.size());
+    if (Failure failure = accelerate(t, as_span(end.q), as_span(end.v), as_span(a_end))) return failure;
+  }
+  for (std::size_t k = 0; k < plays_.size(); ++k)
+    out[k] = plays_.side(k) == 0 ? plays_.half(k) - std::abs(plays_.deflection(k, as_span(end.q))) +
+                                       plays_.gap_resolution(k, as_span(end.q))
+                                 : -plays_.side(k) * loops_->multiplier(plays_.name(k));
+  return {};
+}
+
+/// The time in a step at which the gap of a free play becomes negative although it is positive at both
+/// ends, as far as a cubic shows it; t_1 if there is none.
+double SimulationRun::time_of_dip(double t_1, const StepEnd& end) const {
+  const double h = t_1 - now();
+  for (std::size_t k = 0; k < plays_.size(); ++k)
+    for (const int side : {upper, lower}) {
+      if (plays_.side(k) != 0) continue;
+      const double g_0 = plays_.half(k) - side * plays_.deflection(k, as_span(q)),
+                   g_1 = plays_.half(k) - side * plays_.deflection(k, as_span(end.q)),
+                   d_0 = -side * h * plays_.rate(k, as_span(v)),
+                   d_1 = -side * h * plays_.rate(k, as_span(end.v));
+      if (!(d_0 < 0 && d_1 > 0)) continue;
+      const double s = part_of_least(g_0, d_0, g_1, d_1), r = 1 - s;
+      const double least =
+          g_0 * r * r * (1 + 2 * s) + g_1 * s * s * (3 - 2 * s) + d_0 * s * r * r - d_1 * s * s * r;
+      if (least < 0 && s > 0 && s < 1) return now() + s * h;
+    }
+  return t_1;
+}
+
+/// Shortens a step after which some play has changed until the change is at its end. `reserve` is that of the
+/// end of the step.
+Failure SimulationRun::find_change(double& t_1, StepEnd& end, const Attempt& attempt,
+                                   std::vector<double>& reserve) {
+  const double t_0 = now(), resolution = std::max(1e-13 * (t_1 - t_0), 1e-15 * t_1);
+  std::vector<double> at_low, found;
+  StepEnd here{q, v, a}, after = end;
+  if (Failure failure = reserves(t_0, here, at_low)) return failure;
+  double low = t_0, high = t_1, weight_low = 1, weight_high = 1;
+  for (int tries = 0; high - low > resolution; ++tries) {
+    const auto first = static_cast<std::size_t>(std::ranges::min_element(reserve) - reserve.begin());
+    const double f_low = weight_low * std::max(at_low[first], 0.0), f_high = weight_high * reserve[first];
+    double t = low + (high - low) * (f_low > 0 ? f_low / (f_low - f_high) : 0.5);
+    if (tries % 8 == 7 || !(t > low && t < high)) t = low + (high - low) / 2;
+    t = std::clamp(t, low + 0.4 * resolution, high - 0.4 * resolution);
+    if (!(t > low && t < high)) break;  // no number lies in between
+    if (Failure failure = attempt(t, end)) return failure;
+    if (Failure failure = reserves(t, end, found)) return failure;
+    const bool changed = std::ranges::any_of(found, [](double r) { return r < 0; });
+    // Illinois: the end that stays counts half, so that both ends approach the change.
+    if (changed) {
+      high = t;
+      reserve = found;
+      after = end;
+      weight_high = 1;
+      weight_low *= 0.5;
+    } else {
+      low = t;
+      at_low = found;
+      weight_low = 1;
+      weight_high *= 0.5;
+    }
+  }
+  t_1 = high;
+  end = after;
+  end.a.resize(0);  // the last evaluation was another one
+  return {};
+}
+
+Failure SimulationRun::take_up_to_play(double t_1, StepEnd& end, const Attempt& attempt) {
+  std::vector<double> reserve;
+  const auto changes = [&] { return std::ranges::any_of(reserve, [](double r) { return r < 0; }); };
+  const double t_0 = now(), length = t_1 - t_0;
+  if (Failure failure = reserves(t_1, end, reserve)) return failure;
+  if (const double dip = time_of_dip(t_1, end); !changes() && dip < t_1) {
+    if (Failure failure = attempt(dip, end)) return failure;
+    if (Failure failure = reserves(dip, end, reserve)) return failure;
+    if (changes())
+      t_1 = dip;
+    else if (Failure failure = attempt(t_1, end))
+      return failure;
+  }
+  if (!changes()) {
+    short_steps_ = 0;
+    return take(t_1, end);
+  }
+  if (Failure failure = find_change(t_1, end, attempt, reserve)) return failure;
+  constexpr double short_part = 1e-9;
+  short_steps_ = t_1 - t_0 < short_part * length ? short_steps_ + 1 : 0;
+  if (short_steps_ > most_short_steps)
+    return {t_0, "the plays of couplings change faster than can be followed"};
+  if (Failure failure = take(t_1, end)) return failure;
+  if (done()) return {};
+  friction_changed_ = true;
+  return change_plays(reserve);
+}
+
+/// Lets the plays change whose reserve is used up.
+Failure SimulationRun::change_plays(const std::vector<double>& reserve) {
+  bool released = false;
+  for (std::size_t k = 0; k < plays_.size(); ++k) {
+    if (!(reserve[k] < 0) || plays_.side(k) == 0) continue;
+    trajectory.play_events.push_back({plays_.name(k), now(), plays_.side(k), false});
+    plays_.set_side(k, 0);
+    released = true;
+  }
+  if (released) engage_plays();
+  for (std::size_t k = 0; k < plays_.size(); ++k) {
+    if (!(reserve[k] < 0) || plays_.side(k) != 0) continue;
+    const int side = plays_.deflection(k, as_span(q)) > 0 ? upper : lower;
+    if (side * plays_.rate(k, as_span(v)) > 0) meet_end(k, side);
+  }
+  if (Failure failure = settle_plays()) return failure;
+  trajectory.jump(as_span(v), as_span(a));
+  values_ = values_at(now(), as_span(q), as_span(v));
+  return {};
+}
+
+/// The impact of play k on one of its ends. Other plays that the impact would pull leave their ends.
+void SimulationRun::meet_end(std::size_t k, int side) {
+  const double speed = side * plays_.rate(k, as_span(v)), e = plays_.restitution(k, speed);
+  plays_.set_side(k, side);
+  Vector v_after;
+  const auto pulled = [&](std::size_t j) {
+    return j != k && plays_.side(j) != 0 && plays_.side(j) * loops_->multiplier(plays_.name(j)) > 0;
+  };
+  for (bool again = true; again;) {
+    engage_plays();
+    v_after = v;
+    if (!loops_->bounce(as_span(q), e, as_span(v_after))) break;
+    again = false;
+    for (std::size_t j = 0; j < plays_.size(); ++j)
+      if (pulled(j)) {
+        plays_.set_side(j, 0);
+        again = true;
+      }
+  }
+  trajectory.play_events.push_back(
+      {plays_.name(k), now(), side, true, e == 0, speed, -side * loops_->multiplier(plays_.name(k))});
+  v = v_after;
+  if (e == 0) return;
+  plays_.set_side(k, 0);
+  engage_plays();
+}
+
+/// Computes the accelerations at the present state. Plays that would be pulled leave their ends.
+Failure SimulationRun::settle_plays() {
+  for (;;) {
+    if (Failure failure = accelerate(now(), as_span(q), as_span(v), as_span(a))) return failure;
+    bool released = false;
+    for (std::size_t k = 0; k < plays_.size(); ++k) {
+      if (plays_.side(k) == 0 || !(plays_.side(k) * loops_->multiplier(plays_.name(k)) > 0)) continue;
+      trajectory.play_events.push_back({plays_.name(k), now(), plays_.side(k), false});
+      plays_.set_side(k, 0);
+      released = true;
+    }
+    if (!released) return {};
+    engage_plays();
+  }
+}
+
+}  // namespace axode

@@ -1,0 +1,170 @@
+#include "axode/model/building/spring_checks.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "axode/model/building/spring_laws.hpp"
+#include "axode/model/finite.hpp"
+
+namespace axode {
+namespace {
+
+bool all_finite(const std::vector<double>& all) {
+  return std::all_of(all.begin(), all.end(), [](double x) { return finite(x); });
+}
+
+bool is_finite(const LinearCurve& curve) { return finite(curve.stiffness); }
+bool is_finite(const PolynomialCurve& curve) { return all_finite(curve.coefficients); }
+bool is_finite(const TableCurve& curve) { return all_finite(curve.deflections) && all_finite(curve.forces); }
+bool is_finite(const GasCurve& gas) {
+  return all_finite({gas.area, gas.pressure, gas.volume, gas.exponent, gas.ambient});
+}
+
+bool check_curve(const FaultySubject& at, const LinearCurve& curve) {
+  not_negative(at, {{"stiffness", curve.stiffness}});
+  return curve.stiffness >= 0;
+}
+bool check_curve(const FaultySubject& at, const PolynomialCurve& curve) {
+  if (curve.coefficients.empty())
+    at.error(Rule::missing_element, "has no coefficients; give those of 1, x, x^2, ... in its law");
+  return !curve.coefficients.empty();
+}
+bool check_curve(const FaultySubject& at, const TableCurve& curve) {
+  const std::size_t n = curve.deflections.size();
+  if (n != curve.forces.size() || n < 2) {
+    at.error(Rule::wrong_value, "has " + std::to_string(n) + " deflections and " +
+                                    std::to_string(curve.forces.size()) +
+                                    " forces; its law needs two points or more, each with both");
+    return false;
+  }
+  for (std::size_t k = 1; k < n; ++k)
+    if (!(curve.deflections[k] > curve.deflections[k - 1])) {
+      at.error(Rule::wrong_value, "has the deflection " + to_text(curve.deflections[k]) + " after " +
+                                      to_text(curve.deflections[k - 1]) + "; deflections must increase");
+      return false;
+    }
+  return true;
+}
+bool check_curve(const FaultySubject& at, const GasCurve& gas) {
+  bool good = true;
+  for (const auto& [what, value] : {std::pair{"area", gas.area}, std::pair{"pressure", gas.pressure},
+                                    std::pair{"volume", gas.volume}, std::pair{"exponent", gas.exponent}}) {
+    if (value > 0) continue;
+    at.error(Rule::wrong_value,
+             std::string("the ") + what + " of its gas is " + to_text(value) + "; it must be positive");
+    good = false;
+  }
+  not_negative(at, {{"the pressure around its gas", gas.ambient}});
+  return good && gas.ambient >= 0;
+}
+
+/// Checks a preload, and warns of forces that jump. The curve has no faults.
+void check_force(const FaultySubject& at, const SpringDescription& spring) {
+  const bool tension = spring.acts == Acts::in_tension;
+  if (spring.acts != Acts::both_ways) {
+    const ForceLaw law = force_law(spring);
+    const double jump = curve_value(law, 0.0).f;
+    if (jump != 0)
+      at.warning(Rule::wrong_value, "its force jumps to " + to_text(jump) +
+                                        " where it begins to act; let its law begin with 0, or model it as a "
+                                        "stop");
+  }
+  if (!spring.preload) return;
+  const double F = *spring.preload;
+  if (spring.rest != 0)
+    at.error(Rule::wrong_value, "has a rest of " + to_text(spring.rest) + " and a preload of " + to_text(F) +
+                                    "; the preload says where it rests: give one of both");
+  if (spring.curve && std::holds_alternative<GasCurve>(*spring.curve))
+    at.error(Rule::wrong_value,
+             "has a gas and a preload of " + to_text(F) + "; the pressure of the gas is its preload");
+  if (spring.acts != Acts::both_ways && (tension ? F < 0 : F > 0))
+    at.error(Rule::wrong_value,
+             "has a preload of " + to_text(F) + " and acts in " +
+                 (tension ? "tension, which is positive" : "compression, which is negative"));
+  if (!spring.curve && !(spring.stiffness > 0))
+    at.error(Rule::wrong_value,
+             "has a preload of " + to_text(F) + " and no stiffness; without one it has no preload");
+}
+
+constexpr double matrix_tolerance = 1e-9;
+
+/// Whether a symmetric matrix with a unit diagonal, or with zeros on it, has an eigenvalue below 0, by the
+/// pivots of its elimination.
+bool has_negative_eigenvalue(SixBySix A) {
+  for (std::size_t k = 0; k < 6; ++k) {
+    const double pivot = A[k][k];
+    if (pivot < -matrix_tolerance) return true;
+    for (std::size_t l = k + 1; l < 6; ++l) {
+      if (pivot <= matrix_tolerance) {
+        if (A[l][k] * A[l][k] > matrix_tolerance) return true;
+        continue;
+      }
+      const double factor = A[l][k] / pivot;
+      for (std::size_t m = k + 1; m < 6; ++m) A[l][m] -= factor * A[k][m];
+    }
+  }
+  return false;
+}
+
+/// Checks a matrix of a bushing, which is symmetric and has no negative eigenvalue. Its rows have unlike
+/// units, so that the matrix is scaled to a unit diagonal first.
+void check_matrix(const FaultySubject& at, const std::string& what, const SixBySix& A) {
+  SixBySix scaled{};
+  for (std::size_t k = 0; k < 6; ++k)
+    if (A[k][k] < 0)
+      return at.error(Rule::negative_value, "its " + what + " has " + to_text(A[k][k]) +
+                                                " on the diagonal; it must not be negative");
+  for (std::size_t k = 0; k < 6; ++k)
+    for (std::size_t l = 0; l < 6; ++l) {
+      const double size = std::sqrt(A[k][k]) * std::sqrt(A[l][l]);
+      if (!(std::abs(A[k][l] - A[l][k]) <= matrix_tolerance * size))
+        return at.error(Rule::wrong_value, "its " + what + " is not symmetric; entries " +
+                                               std::to_string(k + 1) + ", " + std::to_string(l + 1) +
+                                               " are " + to_text(A[k][l]) + " and " + to_text(A[l][k]));
+      if (size > 0)
+        scaled[k][l] = A[k][l] / size;
+      else if (A[k][l] != 0)
+        return at.error(Rule::wrong_value, "its " + what + " couples a direction that has none");
+    }
+  if (has_negative_eigenvalue(scaled))
+    at.error(Rule::wrong_value, "its " + what + " has a negative eigenvalue; it must not give off energy");
+}
+
+}  // namespace
+
+void check_spring(const FaultySubject& at, const SpringDescription& spring) {
+  bool good = finite(spring.points[0]) && finite(spring.points[1]) && finite(spring.stiffness) &&
+              finite(spring.rest) && finite(spring.damping) && finite(spring.preload.value_or(0));
+  if (!good)
+    return at.error(Rule::non_finite_number, "a point, stiffness, rest, preload or damping is not finite");
+  for (const SpringDescription::Point& it : spring.path) good = good && finite(it.point);
+  for (const auto& [joint, factor] : spring.terms) good = good && finite(factor);
+  for (const SixBySix* A : {&spring.K, &spring.C})
+    for (const auto& row : *A)
+      for (const double x : row) good = good && finite(x);
+  if (spring.curve)
+    good = good && std::visit([](const auto& curve) { return is_finite(curve); }, *spring.curve);
+  if (!good) return at.error(Rule::non_finite_number, "a number is not finite");
+  const SpringTraits& kind = traits(spring.kind);
+  if (kind.has("frames")) {
+    check_pose(at, "the first frame", spring.frames[0]);
+    check_pose(at, "the second frame", spring.frames[1]);
+  }
+  if (kind.has("path") && spring.path.size() < 2)
+    at.error(Rule::missing_element, "has a path of " + std::to_string(spring.path.size()) +
+                                        (spring.path.size() == 1 ? " point" : " points") +
+                                        "; it needs two or more");
+  if (spring.kind == SpringKind::bushing) {
+    check_pose(at, "the rest pose", spring.rest_pose);
+    check_matrix(at, "stiffness", spring.K);
+    return check_matrix(at, "damping", spring.C);
+  }
+  const bool length = kind.has("points") || kind.has("path");
+  not_negative(at, {{"damping", spring.damping}});
+  if (length) not_negative(at, {{"rest", spring.rest}});
+  const bool curved = std::visit([&](const auto& curve) { return check_curve(at, curve); },
+                                 spring.curve.value_or(LinearCurve{spring.stiffness}));
+  if (curved) check_force(at, spring);
+}
+
+}  // namespace axode
