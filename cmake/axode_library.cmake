@@ -113,7 +113,7 @@ endfunction()
 
 # This library is compiled in two parts, because the demo needs only the first one, in double.
 set(floors_to_dynamics lie scalar model table recursion fast kinematics dynamics)
-set(floors_beyond_dynamics derivatives constraints contact integration catalog)
+set(floors_beyond_dynamics derivatives constraints contact drives integration catalog)
 set(library_of_double axode_core)
 set(library_of_float axode_float)
 set(instantiated AXODE_PER_SCALAR AXODE_QUICK_PER_SCALAR AXODE_PER_REPRESENTATION AXODE_PER_REPRESENTATION_AND_FAST)

@@ -14,6 +14,7 @@
 #include "axode/batch/kernels.hpp"
 #include "axode/batch/portions.hpp"
 #include "axode/batch/scratch.hpp"
+#include "axode/drives/refuse_drives.hpp"
 #include "axode/dynamics/forward_dynamics.hpp"
 #include "axode/dynamics/springs.hpp"
 #include "axode/integration/closed_motion.hpp"
@@ -315,6 +316,7 @@ Outcome rollout(const Model& model, std::span<const S> q, Numbers<S> v, Numbers<
   check(method);
   check_step(step);
   catalog::check_counts<"rollout">(model);
+  refuse_drives("rollout", model);
   const Losses losses = losses_of<S>(model, joint_losses);
   const std::size_t nv = model.nv(), N = check_states(model, q, threads),
                     K = N * nv == 0 ? 0 : tau.size() / (N * nv);
@@ -332,6 +334,7 @@ Outcome rollout(const Model& model, std::span<const S> q, Numbers<S> v, const Dr
   check(method);
   check_step(step);
   catalog::check_counts<"rollout">(model);
+  refuse_drives("rollout", model);
   const Losses losses = losses_of<S>(model, joint_losses);
   if (!drive) throw std::invalid_argument("drive is empty; expected a function of (t, q, v)");
   static_cast<void>(check_states(model, q, threads));

@@ -11,6 +11,7 @@
 #include "axode/derivatives/displacement/forward_first_order.hpp"
 #include "axode/derivatives/displacement/scratch.hpp"
 #include "axode/derivatives/spring_derivatives.hpp"
+#include "axode/drives/refuse_drives.hpp"
 #include "axode/dynamics/springs.hpp"
 #include "axode/eigen.hpp"
 #include "axode/integration/configuration_group.hpp"
@@ -43,6 +44,7 @@ void check_motion(const Model& model, double step, const Loads<double>& loads, c
   check_step(step);
   check_loads(model, loads);
   catalog::check_counts<"rollout sensitivities">(model);
+  refuse_drives("rollout sensitivities", model);
   for (const auto& in : arguments) check_size(in.name, in.x.size(), in.size, in.meaning);
   for (const auto* out = results.begin(); out != results.end(); ++out) {
     check_size(out->name, out->x.size(), out->size, out->meaning);

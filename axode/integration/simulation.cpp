@@ -33,6 +33,15 @@ void check_no_motions_or_plays(const Model& model, const SimulationOptions& opti
                                 "relative coordinates");
 }
 
+/// Throws if there are drives with states, which a scheme does not follow.
+void check_no_drives(const Model& model, const SimulationOptions& options, const char* scheme) {
+  if (!model.drives().empty() || !options.drives.empty())
+    throw std::invalid_argument(
+        std::string(scheme) +
+        " do not count drives with states; use dopri5, rk4, euler or generalized_alpha in "
+        "relative coordinates");
+}
+
 /// Runs f(run) in the coordinates of the options, and returns the motion.
 template <class F>
 Trajectory in_coordinates(const Model& model, Span q, Span v, double until, const SimulationOptions& options,
@@ -43,6 +52,7 @@ Trajectory in_coordinates(const Model& model, Span q, Span v, double until, cons
     return std::move(run.trajectory);
   }
   check_no_motions_or_plays(model, options, "absolute coordinates");
+  check_no_drives(model, options, "absolute coordinates");
   AbsoluteSimulationRun run(model, q, v, until, options);
   f(run);
   return std::move(run.trajectory);
@@ -120,6 +130,7 @@ Trajectory simulate_stiff(const Model& model, Span q, Span v, double until, doub
     throw std::invalid_argument("spectral radius is " + std::to_string(rho) + "; expected 0 to 1");
   if (options.coordinates != Coordinates::relative) {
     check_no_motions_or_plays(model, options, "absolute coordinates");
+    check_no_drives(model, options, "absolute coordinates");
     check_exponential(options, "generalised-alpha");
     AbsoluteSimulationRun run(model, q, v, until, options);
     if (run.done()) return std::move(run.trajectory);
@@ -130,15 +141,25 @@ Trajectory simulate_stiff(const Model& model, Span q, Span v, double until, doub
   if (!stabilized) check_absolute(options, "generalised-alpha of index 3");
   SimulationRun run(model, q, v, until, options);
   GeneralizedAlpha scheme(run, model.tree<double>(), rho, run.a);
+  DriveStates& drives = run.drives();
+  drives.restart();
   const Attempt attempt = [&](double t_1, StepEnd& end) {
+    drives.begin_implicit_step(t_1 - run.now(), rho);
     if (Failure failure = scheme.run(t_1, t_1 - run.now(), run.q, run.v, run.a)) return failure;
-    end = {scheme.q, scheme.v, scheme.a};
+    end = {scheme.q, scheme.v, scheme.a, as_eigen(drives.states()), as_eigen(drives.rates())};
     return run.check_sticking(t_1, end);
   };
   StepEnd end;
   each_step(run, until, step, [&](double t_1) {
-    return take_until(run, t_1, end, attempt,
-                      [&] { run.friction_changed() ? scheme.restart(run.a) : scheme.accept(); });
+    return take_until(run, t_1, end, attempt, [&] {
+      if (run.accelerations_jumped()) {
+        scheme.restart(run.a);
+        drives.restart();
+      } else {
+        scheme.accept();
+        drives.accept_implicit_step();
+      }
+    });
   });
   return std::move(run.trajectory);
 }
@@ -148,6 +169,7 @@ Trajectory simulate_rattle(const Model& model, Span q, Span v, double until, dou
   check_step(step);
   check_absolute(options, "RATTLE");
   check_no_motions_or_plays(model, options, "absolute coordinates");
+  check_no_drives(model, options, "absolute coordinates");
   check_exponential(options, "RATTLE");
   check_smooth(model, options);
   AbsoluteSimulationRun run(model, q, v, until, options);
@@ -162,6 +184,7 @@ Trajectory simulate_half_explicit(const Model& model, Span q, Span v, double unt
   check_step(step);
   check_absolute(options, "the half-explicit method");
   check_no_motions_or_plays(model, options, "absolute coordinates");
+  check_no_drives(model, options, "absolute coordinates");
   check_exponential(options, "the half-explicit method");
   AbsoluteSimulationRun run(model, q, v, until, options);
   if (run.done()) return std::move(run.trajectory);
@@ -177,6 +200,7 @@ Trajectory simulate_symplectic(const Model& model, Span q, Span v, double until,
   check_holonomic(model);
   check_relative(options, "a conserving scheme");
   check_no_motions_or_plays(model, options, "schemes on momenta");
+  check_no_drives(model, options, "schemes on momenta");
   MomentumSimulationRun run(model, q, v, until, options);
   if (run.done()) return std::move(run.trajectory);
   Vector q_0, v_0, p_0;
@@ -202,6 +226,7 @@ Trajectory simulate_momenta(const Model& model, Span q, Span v, double until, do
   check_smooth(model, options);
   check_relative(options, "a scheme on momenta");
   check_no_motions_or_plays(model, options, "schemes on momenta");
+  check_no_drives(model, options, "schemes on momenta");
   MomentumSimulationRun run(model, q, v, until, options);
   if (run.done()) return std::move(run.trajectory);
   FloatingBases& bases = run.bases();

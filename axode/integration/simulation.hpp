@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "axode/constraints/prescribed/prescribed_motion.hpp"
+#include "axode/drives/added_drive.hpp"
 #include "axode/integration/local_coordinates.hpp"
 #include "axode/integration/tableau.hpp"
 #include "axode/integration/trajectory.hpp"
@@ -44,6 +45,10 @@ struct SimulationOptions {
   /// Steps end where a third derivative of a motion jumps. A motion that cannot be followed ends the
   /// trajectory.
   std::vector<PrescribedMotion> motions = {};
+  /// Drives with states, besides those of the model. In relative coordinates explicit methods on (q, v) and
+  /// simulate_stiff() count them, and other methods throw std::invalid_argument. Steps end where a status of a drive changes and
+  /// where an input jumps.
+  std::vector<AddedDrive> drives = {};
   /// Damping and dry friction of the joints. In relative coordinates a joint at rest sticks while its
   /// friction can hold it: a step ends when a joint comes to rest or begins to slide. In absolute coordinates
   /// friction is -f sign(v).
@@ -136,7 +141,7 @@ struct Tolerances {
 };
 /// Integrates with Dormand's and Prince's method in adaptive steps. The error estimates of θ, the step of q
 /// in the algebra, and of v must be at most absolute + relative max(1, |θ|) in rad and m, and absolute +
-/// relative |v|, as root mean square.
+/// relative |v|, as root mean square; those of states of drives, absolute × nominal + relative |x|.
 Trajectory simulate(const Model& model, std::span<const double> q, std::span<const double> v, double until,
                     const Tolerances& tolerances = {}, const SimulationOptions& options = {});
 

@@ -10,20 +10,29 @@
 namespace axode {
 
 void Trajectory::append(double t, std::span<const double> q, std::span<const double> v,
-                        std::span<const double> a, std::span<const double> tau) {
+                        std::span<const double> a, std::span<const double> tau, std::span<const double> x,
+                        std::span<const double> dx) {
   t_.push_back(t);
   q_.insert(q_.end(), q.begin(), q.end());
   v_.insert(v_.end(), v.begin(), v.end());
   a_.insert(a_.end(), a.begin(), a.end());
   tau_.insert(tau_.end(), tau.begin(), tau.end());
+  x_.insert(x_.end(), x.begin(), x.end());
+  dx_.insert(dx_.end(), dx.begin(), dx.end());
 }
 
-void Trajectory::jump(std::span<const double> v, std::span<const double> a) {
+void Trajectory::jump(std::span<const double> v, std::span<const double> a, std::span<const double> x,
+                      std::span<const double> dx) {
   const std::size_t k = size() - 1;
-  if (!before_jumps_.contains(k))
-    before_jumps_[k] = {{this->v(k).begin(), this->v(k).end()}, {this->a(k).begin(), this->a(k).end()}};
-  std::ranges::copy(v, v_.end() - static_cast<std::ptrdiff_t>(v.size()));
-  std::ranges::copy(a, a_.end() - static_cast<std::ptrdiff_t>(a.size()));
+  const auto vector_of = [](std::span<const double> all) { return std::vector(all.begin(), all.end()); };
+  before_jumps_.try_emplace(k, Rates{vector_of(this->v(k)), vector_of(this->a(k)), vector_of(this->dx(k))});
+  const auto replace_end = [](std::vector<double>& all, std::span<const double> by) {
+    std::ranges::copy(by, all.end() - static_cast<std::ptrdiff_t>(by.size()));
+  };
+  replace_end(v_, v);
+  replace_end(a_, a);
+  replace_end(x_, x);
+  replace_end(dx_, dx);
 }
 
 std::span<const double> Trajectory::v_before(std::size_t k) const {
@@ -64,6 +73,35 @@ void Trajectory::pop_back() {
   v_.resize(v_.size() - nv());
   a_.resize(a_.size() - nv());
   tau_.resize(tau_.size() - nv());
+  x_.resize(x_.size() - nx());
+  dx_.resize(dx_.size() - nx());
+}
+
+std::size_t Trajectory::step_at(double time) const {
+  if (t_.empty() || !(time >= t_.front() && time <= t_.back()))
+    throw std::invalid_argument(
+        "t is " + std::to_string(time) + "; the trajectory " +
+        (t_.empty() ? std::string("is empty")
+                    : "is from " + std::to_string(t_.front()) + " to " + std::to_string(t_.back()) + " s"));
+  const auto after = std::upper_bound(t_.begin(), t_.end(), time);
+  const std::size_t end = static_cast<std::size_t>(std::distance(t_.begin(), after));
+  return std::min(end - 1, t_.size() - 1);
+}
+
+void Trajectory::drive_states_at(double time, std::span<double> x_out) const {
+  check_size("x", x_out.size(), nx(), "the number of states of the drives");
+  const std::size_t k = step_at(time);
+  if (time == t_[k] || k + 1 == t_.size()) {
+    std::ranges::copy(x(k), x_out.begin());
+    return;
+  }
+  const auto jump = before_jumps_.find(k + 1);
+  const std::span<const double> dx_1 =
+      jump == before_jumps_.end() ? dx(k + 1) : std::span<const double>(jump->second.dx);
+  const double h = t_[k + 1] - t_[k], s = (time - t_[k]) / h, r = 1 - s;
+  for (std::size_t c = 0; c < nx(); ++c)
+    x_out[c] = r * r * ((1 + 2 * s) * x(k)[c] + s * h * dx(k)[c]) +
+               s * s * ((1 + 2 * r) * x(k + 1)[c] - r * h * dx_1[c]);
 }
 
 void Trajectory::at(double time, std::span<double> q_out, std::span<double> v_out,
@@ -71,14 +109,7 @@ void Trajectory::at(double time, std::span<double> q_out, std::span<double> v_ou
   check_size("q", q_out.size(), nq(), "nq");
   check_size("v", v_out.size(), nv(), "nv");
   if (!a_out.empty()) check_size("a", a_out.size(), nv(), "nv");
-  if (t_.empty() || !(time >= t_.front() && time <= t_.back()))
-    throw std::invalid_argument(
-        "t is " + std::to_string(time) + "; the trajectory " +
-        (t_.empty() ? std::string("is empty")
-                    : "is from " + std::to_string(t_.front()) + " to " + std::to_string(t_.back()) + " s"));
-  const auto after = std::upper_bound(t_.begin(), t_.end(), time);
-  const std::size_t end = static_cast<std::size_t>(std::distance(t_.begin(), after)),
-                    k = std::min(end - 1, t_.size() - 1);
+  const std::size_t k = step_at(time);
   if (time == t_[k] || k + 1 == t_.size()) {
     std::ranges::copy(q(k), q_out.begin());
     std::ranges::copy(v(k), v_out.begin());

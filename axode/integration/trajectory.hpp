@@ -37,6 +37,19 @@ class Trajectory {
   std::span<const double> v(std::size_t k) const { return std::span(v_).subspan(k * nv(), nv()); }
   std::span<const double> a(std::size_t k) const { return std::span(a_).subspan(k * nv(), nv()); }
 
+  /// The states of the drives and their rates, size() × nx numbers, and the names of the states; empty without
+  /// drives that have states. Units are those of DriveState.
+  std::span<const double> x() const { return x_; }
+  std::span<const double> x(std::size_t k) const { return std::span(x_).subspan(k * nx(), nx()); }
+  std::span<const double> dx(std::size_t k) const { return std::span(dx_).subspan(k * nx(), nx()); }
+  std::span<const std::string> drive_states() const { return drive_states_; }
+  std::size_t nx() const { return drive_states_.size(); }
+  /// Sets the names of the states of the drives, before the first append().
+  void set_drive_states(std::vector<std::string> names) { drive_states_ = std::move(names); }
+  /// Interpolates the states of the drives at a time, by the cubic with the states and rates at both ends of
+  /// the step; the error is of order h⁴. Throws std::invalid_argument for a time outside the trajectory.
+  void drive_states_at(double time, std::span<double> x) const;
+
   /// Interpolates q, v and, unless it is empty, a at a time on the group: in the step from t_k, q = (q_k ⊕ (t
   /// - t_k) z) ⊕ x(t). z is the mean velocity of the step for joints of several velocities, and 0 for the
   /// others. x(t) is the quintic with the q, v and a of the step at both ends. A body may turn by any angle
@@ -46,11 +59,12 @@ class Trajectory {
 
   /// Appends the end of a step.
   void append(double t, std::span<const double> q, std::span<const double> v, std::span<const double> a,
-              std::span<const double> tau);
+              std::span<const double> tau, std::span<const double> x = {}, std::span<const double> dx = {});
 
-  /// Replaces v and a from the last end of a step on, where they jump. v(k) and a(k) are the values after the
-  /// jump.
-  void jump(std::span<const double> v, std::span<const double> a);
+  /// Replaces v, a, x and dx from the last end of a step on. v, a and dx may jump there, and x changes by
+  /// rounding. v(k), a(k) and dx(k) are the values after the jump.
+  void jump(std::span<const double> v, std::span<const double> a, std::span<const double> x = {},
+            std::span<const double> dx = {});
 
   /// Removes the last end of a step.
   void pop_back();
@@ -105,15 +119,18 @@ class Trajectory {
   std::size_t nq() const { return static_cast<std::size_t>(model_.nq()); }
   std::size_t nv() const { return static_cast<std::size_t>(model_.nv()); }
 
-  /// The velocities and accelerations at the end of step k, before a jump if there is one there.
+  /// Velocities, accelerations and rates of the drives at the end of step k, before a jump if there is one there.
   struct Rates {
-    std::vector<double> v, a;
+    std::vector<double> v, a, dx;
   };
   std::span<const double> v_before(std::size_t k) const;
   std::span<const double> a_before(std::size_t k) const;
+  /// The step in which a time lies: the index of its start, or of the last state.
+  std::size_t step_at(double time) const;
 
   Model model_;
-  std::vector<double> t_, q_, v_, a_, tau_;
+  std::vector<double> t_, q_, v_, a_, tau_, x_, dx_;
+  std::vector<std::string> drive_states_;
   std::vector<ContactForce> contacts_;
   std::vector<std::size_t> contacts_end_;  ///< for each time from t_0 on, as far as contacts are set
   std::map<std::size_t, Rates> before_jumps_;

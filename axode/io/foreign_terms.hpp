@@ -20,6 +20,8 @@ inline constexpr auto foreign_terms = std::to_array<ForeignTerm>({
     {"site", "frame"}, {"sites", "frame"}, {"robot", "name"}, {"model", "name"}, {"g", "gravity"},
     {"constraint", "loop"}, {"constraints", "loop"}, {"loops", "loop"}, {"equality", "loop"},
     {"couplings", "coupling"}, {"gear", "coupling"},
+    {"drives", "drive"}, {"motor", "drive"}, {"motors", "drive"}, {"actuator", "drive"},
+    {"actuators", "drive"},
     {"motions", "motion"}, {"trajectory", "motion"}, {"joint", "of"}, {"rod", "of"},
     {"initial_state", "state"}, {"initial", "state"}, {"keyframe", "state"}, {"qpos", "q"}, {"qvel", "v"},
     // the body or frame on which something hangs

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "axode/io/reading.hpp"
+#include "axode/model/building/placement.hpp"
 
 namespace axode::io {
 
@@ -21,8 +22,11 @@ class Unsaid {
                        what + "; " + format_ + " has no word for it" + (strict ? "" : ", and it is left out"),
                        source});
   }
-  /// Notes that the initial state and the prescribed motions of a mechanism are left out.
+  /// Notes that the initial state, the prescribed motions and the drives of a mechanism are left out.
   void leave_out_motions(const Description& d) {
+    for (std::size_t k = 0; k < d.drives.size(); ++k)
+      leave_out("drive \"" + drive_name(d.drives[k], k) + '"',
+                "is a " + std::string(to_string(d.drives[k].kind)), d.drives[k].source);
     for (const MotionDescription& motion : d.motions)
       leave_out("motion of \"" + motion.of + '"', "is prescribed", motion.source);
     if (d.state) leave_out("state", "is where a motion starts", d.state->source);

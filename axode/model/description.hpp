@@ -9,6 +9,7 @@
 
 #include "axode/lie/inertia.hpp"
 #include "axode/model/building/fault.hpp"
+#include "axode/model/drive_kinds.hpp"
 #include "axode/model/loops.hpp"
 #include "axode/model/springs.hpp"
 
@@ -243,6 +244,39 @@ struct MotionDescription {
   Source source = {};
 };
 
+/// The input of a drive: another drive, a function of time, or steps in time.
+struct DriveInput {
+  std::string from = {};                           ///< drive whose output it is; empty: none
+  std::optional<MotionDescription> function = {};  ///< its name and joint are not used
+  /// Otherwise it has the value k from times[k] on, and values[0] before. One value needs no time.
+  std::vector<double> times = {}, values = {};
+};
+
+/// A drive with states of its own, see axode/drives.hpp. It acts in simulations: on a sum of joint
+/// coordinates, or along a line between two points, whose ends a positive force pushes apart.
+struct DriveDescription {
+  std::string name = {};  ///< empty: `drive 1`, ...
+  DriveKind kind = DriveKind::dc_motor;
+  /// The joints of one velocity on which it acts, with their factors: its coordinate is Σ factor q. Empty if
+  /// it acts along a line.
+  std::vector<std::pair<std::string, double>> joints = {};
+  struct Line {
+    std::array<std::string, 2> between = {};  ///< bodies, named frames or "ground"
+    std::array<Vec3<>, 2> points = {};        ///< m
+    /// Frame of the points: each in its frame, or both in the construction frame.
+    GivenIn in = GivenIn::body_frame;
+  };
+  std::optional<Line> line = {};
+  /// Parameters by the names in drive_kinds. What is not named has its standard value.
+  std::vector<std::pair<std::string, double>> parameters = {};
+  /// Whether the integrator of a saturated PID controller stops, instead of following the limit.
+  bool conditional = false;
+  DriveInput input = {};
+  /// Initial values of states by name. What is not named starts as the kind says.
+  std::vector<std::pair<std::string, double>> initial = {};
+  Source source = {};
+};
+
 /// Where a motion of the mechanism starts: coordinates and velocities of joints by name. What is not named is
 /// 0, or the identity.
 struct InitialStateDescription {
@@ -271,6 +305,7 @@ struct Description {
   std::vector<LoopDescription> loops = {};
   std::vector<CouplingDescription> couplings = {};
   std::vector<MotionDescription> motions = {};
+  std::vector<DriveDescription> drives = {};
   std::optional<InitialStateDescription> state = {};
   std::optional<ContactDescription> contact = {};
   Source source = {};

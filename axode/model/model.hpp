@@ -85,6 +85,8 @@ class Model {
   /// Motions that joints and rods follow, see axode/constraints/prescribed/prescribed_motion.hpp. Functions
   /// whose documentation does not mention them compute with the mechanism without motions.
   std::span<const MotionDescription> motions() const { return data_->description.motions; }
+  /// Drives with states, which act in simulations, see axode/drives.hpp.
+  std::span<const DriveDescription> drives() const { return data_->description.drives; }
 
   /// The index of a body, joint or frame by its name. Throws std::invalid_argument, with the unknown name and
   /// the nearest known one, if there is none.

@@ -98,6 +98,8 @@ struct Spring {
 struct Springs {
   std::vector<int> joints;  ///< joints that have a spring or stops, coupled ones included; see Joint::dof
   std::vector<Spring> elements;  ///< springs of the description, in its order
+  /// Lines without forces along which drives act, in the order of the drives; each has two points.
+  std::vector<Spring::Path> drive_lines;
 
   bool empty() const { return joints.empty() && elements.empty(); }
   /// Whether a spring acts between frames, so that its force depends on the geometry of the mechanism.

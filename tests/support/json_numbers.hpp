@@ -14,6 +14,8 @@ class Json {
   const Json& at(const std::string& key) const;
   const Json& at(std::size_t index) const;
   bool contains(const std::string& key) const;
+  /// The names of the members of an object, whose values are the entries in this order.
+  const std::vector<std::string>& keys() const { return keys_; }
   /// The entries of an array.
   std::size_t size() const { return entries_.size(); }
   auto begin() const { return entries_.begin(); }

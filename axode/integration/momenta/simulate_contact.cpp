@@ -23,6 +23,8 @@ Trajectory simulate_contact(const Model& model, const ContactShapes& shapes, std
   if (!model.loops().backlashes.empty())
     throw std::invalid_argument("contact does not count the play of coupling \"" +
                                 model.loops().backlashes[0].name + "\"; simulate without contact");
+  if (!model.drives().empty() || !options.drives.empty())
+    throw std::invalid_argument(std::string("contact does not count drives with states; ") + instead);
   if (options.local_coordinates != LocalCoordinates::exponential)
     throw std::invalid_argument("contact steps in exponential local coordinates, and these are Cayley's");
   SimulationOptions free = options;  // losses of joints belong to the step with contact

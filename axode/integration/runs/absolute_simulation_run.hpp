@@ -47,6 +47,7 @@ class AbsoluteSimulationRun {
   const Tree<double>& tree() const { return bodies_.group(); }
   LocalCoordinates local_coordinates() const { return run_.local_coordinates(); }
   ConfigurationGroup<double> group() const { return ConfigurationGroup<double>(tree(), local_coordinates()); }
+  DriveStates& drives() { return run_.drives(); }
   bool done() const { return run_.done(); }
   double now() const { return run_.now(); }
   double step_end(double t_1) const { return run_.step_end(t_1); }

@@ -10,7 +10,6 @@ namespace axode {
 namespace {
 
 constexpr int upper = 1, lower = -1;
-constexpr int most_short_steps = 1000;
 
 /// The time at which a cubic with the values and rates of both ends of a step is least, as a part of the
 /// step.
@@ -45,7 +44,8 @@ void SimulationRun::start_plays() {
     return;
   }
   trajectory.pop_back();
-  trajectory.append(0, as_span(q), as_span(v), as_span(a), as_span(tau_));
+  trajectory.append(0, as_span(q), as_span(v), as_span(a), as_span(tau_), as_span(drives_.x),
+                    as_span(drives_.dx));
 }
 
 /// Makes the plays at their ends loops.
@@ -150,13 +150,12 @@ Failure SimulationRun::take_up_to_play(double t_1, StepEnd& end, const Attempt& 
     return take(t_1, end);
   }
   if (Failure failure = find_change(t_1, end, attempt, reserve)) return failure;
-  constexpr double short_part = 1e-9;
   short_steps_ = t_1 - t_0 < short_part * length ? short_steps_ + 1 : 0;
   if (short_steps_ > most_short_steps)
     return {t_0, "the plays of couplings change faster than can be followed"};
   if (Failure failure = take(t_1, end)) return failure;
   if (done()) return {};
-  friction_changed_ = true;
+  accelerations_jumped_ = true;
   return change_plays(reserve);
 }
 
@@ -176,7 +175,7 @@ Failure SimulationRun::change_plays(const std::vector<double>& reserve) {
     if (side * plays_.rate(k, as_span(v)) > 0) meet_end(k, side);
   }
   if (Failure failure = settle_plays()) return failure;
-  trajectory.jump(as_span(v), as_span(a));
+  trajectory.jump(as_span(v), as_span(a), as_span(drives_.x), as_span(drives_.dx));
   values_ = values_at(now(), as_span(q), as_span(v));
   return {};
 }
@@ -211,7 +210,7 @@ void SimulationRun::meet_end(std::size_t k, int side) {
 /// Computes the accelerations at the present state. Plays that would be pulled leave their ends.
 Failure SimulationRun::settle_plays() {
   for (;;) {
-    if (Failure failure = accelerate(now(), as_span(q), as_span(v), as_span(a))) return failure;
+    if (Failure failure = accelerate_now()) return failure;
     bool released = false;
     for (std::size_t k = 0; k < plays_.size(); ++k) {
       if (plays_.side(k) == 0 || !(plays_.side(k) * loops_->multiplier(plays_.name(k)) > 0)) continue;

@@ -1,6 +1,5 @@
 #include "axode/integration/runs/simulation_run.hpp"
 
-#include <numbers>
 #include <stdexcept>
 
 #include "axode/derivatives/spring_derivatives.hpp"
@@ -10,7 +9,6 @@
 #include "axode/dynamics/springs.hpp"
 #include "axode/eigen.hpp"
 #include "axode/kinematics/check_arguments.hpp"
-#include "axode/kinematics/twists.hpp"
 #include "axode/model/configuration.hpp"
 #include "axode/model/finite.hpp"
 
@@ -49,6 +47,7 @@ SimulationRun::SimulationRun(const Model& model, Span q_0, Span v_0, double unti
       options_(options),
       workspace_(model, cut_tree),
       friction_(model.tree<double>(), options.joint_losses && options.coordinates == Coordinates::relative),
+      drives_(DriveSystem(model, options.drives)),
       norm_(model.tree<double>()),
       places_(0),
       weight_(weight_of(model.tree<double>())),
@@ -72,12 +71,15 @@ SimulationRun::SimulationRun(const Model& model, Span q_0, Span v_0, double unti
   }
   places_ = norm_.of_places(tree(), q);
   friction_.start(v_0);
+  drives_.start(q_0, v_0);
+  trajectory.set_drive_states(drives_.names());
   if (Failure failure = accelerate(0, q_0, v_0, as_span(a))) {
     stop(failure);
     return;
   }
+  drives_.dx = as_eigen(drives_.rates());
   friction_.start_sliding(as_span(a));
-  trajectory.append(0, q_0, v_0, as_span(a), as_span(tau_));
+  trajectory.append(0, q_0, v_0, as_span(a), as_span(tau_), as_span(drives_.x), as_span(drives_.dx));
   if (plays_.any()) start_plays();
   values_ = values_at(0, q_0, as_span(v));
 }
@@ -125,9 +127,23 @@ Failure SimulationRun::begin_evaluation(double t, Span q_t, Span v_t) {
   ++trajectory.evaluations;
   if (!finite(q_t) || !finite(v_t)) return not_finite(t, "the state is", v_t);
   compute_loads(t, q_t, v_t);
-  if (!options_.drive) return {};
-  options_.drive(t, q_t, v_t, as_span(tau_));
+  compute_drive_forces(t, q_t, v_t);
+  if (!finite(drives_.rates())) return {t, "the rates of the states of the drives are not finite"};
   return finite(tau_) ? Failure{} : not_finite(t, "the drive forces are", as_span(tau_));
+}
+
+void SimulationRun::compute_drive_forces(double t, Span q_t, Span v_t) {
+  if (options_.drive) options_.drive(t, q_t, v_t, as_span(tau_));
+  if (drives_.empty()) return;
+  if (!options_.drive) tau_.setZero();
+  drives_.add_forces(t, q_t, v_t, as_span(tau_));
+}
+
+Failure SimulationRun::accelerate_now() {
+  drives_.act_at(as_span(drives_.x));
+  Failure failure = accelerate(now(), as_span(q), as_span(v), as_span(a));
+  drives_.dx = as_eigen(drives_.rates());
+  return failure;
 }
 
 SimulationRun::Span SimulationRun::joint_force_sum(Span q_t, Span v_t) {
@@ -171,7 +187,7 @@ Failure SimulationRun::residual(double t, const Vector& q_t, const Vector& v_t, 
   if (!finite(q_t) || !finite(v_t) || !finite(a_t)) return {t, "the state is not finite"};
   compute_loads(t, as_span(q_t), as_span(v_t));
   inverse_dynamics(model_, workspace_, as_span(q_t), as_span(v_t), as_span(a_t), as_span(r), loads());
-  if (options_.drive) options_.drive(t, as_span(q_t), as_span(v_t), as_span(tau_));
+  compute_drive_forces(t, as_span(q_t), as_span(v_t));
   r -= as_eigen(joint_force_sum(as_span(q_t), as_span(v_t)));
   for (const int c : friction_.sticking()) r[c] = a_t[c];
   return finite(r) ? Failure{} : not_finite(t, "forces are", as_span(r));
@@ -181,13 +197,14 @@ void SimulationRun::residual_derivatives(const Vector& q_t, const Vector& v_t, c
                                          const InverseDynamicsDerivatives<double>& dr) {
   const Eigen::Index nv = model_.nv();
   const Span q_s = as_span(q_t), v_s = as_span(v_t);
-  const bool forces = !model_.springs().empty() || friction_.active();
+  const bool forces = !model_.springs().empty() || friction_.active() || !drives_.empty();
   SquareMatrix by_q, by_v;
   if (forces) {
     by_q.resize(nv, nv);
     by_v.resize(nv, nv);
     spring_force_derivatives(model_, workspace_, q_s, v_s, {as_span(by_q), as_span(by_v)});
     if (friction_.active()) by_v.diagonal() -= as_eigen(Span(tree().damping));
+    if (!drives_.empty()) drives_.add_force_derivatives(q_s, v_s, by_q, by_v);
   }
   Eigen::Map<SquareMatrix> r_q(dr.q.data(), nv, nv), r_v(dr.v.data(), nv, nv), r_a(dr.a.data(), nv, nv);
   if (loops_) {
@@ -217,9 +234,9 @@ void SimulationRun::residual_derivatives(const Vector& q_t, const Vector& v_t, c
 }
 
 SimulationRun::Span SimulationRun::drive(double t, const Vector& q_t, const Vector& v_t) {
-  options_.drive(t, as_span(q_t), as_span(v_t), as_span(tau_));
-  driven_ = tau_;
-  if (loops_) driven_ = compliance_ * tau_;
+  driven_.resize(v_t.size());
+  options_.drive(t, as_span(q_t), as_span(v_t), as_span(driven_));
+  if (loops_) driven_ = compliance_ * driven_;
   for (const int c : friction_.sticking()) driven_[c] = 0;
   return as_span(std::as_const(driven_));
 }
@@ -297,7 +314,10 @@ Failure SimulationRun::check_sticking(double t, const StepEnd& end) {
 Failure SimulationRun::ensure_accelerations(double t, StepEnd& end) {
   if (end.a.size() == end.v.size()) return {};
   end.a.resize(end.v.size());
-  return accelerate(t, as_span(end.q), as_span(end.v), as_span(end.a));
+  drives_.act_at(as_span(end.x));
+  Failure failure = accelerate(t, as_span(end.q), as_span(end.v), as_span(end.a));
+  end.dx = as_eigen(drives_.rates());
+  return failure;
 }
 
 bool SimulationRun::friction_changes(double t_0, double t_1, const StepEnd& end) const {
@@ -311,8 +331,15 @@ bool SimulationRun::stop_sliding(double within) {
 }
 
 Failure SimulationRun::take_up_to(double t_1, StepEnd& end, const Attempt& attempt) {
-  friction_changed_ = false;
-  if (plays_.any()) return take_up_to_play(t_1, end, attempt);
+  accelerations_jumped_ = false;
+  if (Failure failure = end_at_switch(t_1, end, attempt)) return failure;
+  if (Failure failure =
+          plays_.any() ? take_up_to_play(t_1, end, attempt) : take_under_friction(t_1, end, attempt))
+    return failure;
+  return done() ? Failure{} : switch_drives();
+}
+
+Failure SimulationRun::take_under_friction(double t_1, StepEnd& end, const Attempt& attempt) {
   if (!friction_.active()) return take(t_1, end);
   const double t_0 = now(), resolution = std::max(1e-13 * (t_1 - t_0), 1e-15 * t_1);
   if (Failure failure = ensure_accelerations(t_1, end)) return failure;
@@ -343,8 +370,6 @@ Failure SimulationRun::take_up_to(double t_1, StepEnd& end, const Attempt& attem
       low = t;
     }
   }
-  constexpr double short_part = 1e-9;
-  constexpr int most_short_steps = 1000;
   short_steps_ = high - t_0 < short_part * (t_1 - t_0) ? short_steps_ + 1 : 0;
   if (short_steps_ > most_short_steps) return {t_0, "dry friction changes faster than it can be followed"};
   const bool at_once = high - t_0 <= resolution && stop_sliding(2 * resolution);
@@ -353,10 +378,60 @@ Failure SimulationRun::take_up_to(double t_1, StepEnd& end, const Attempt& attem
     if (done()) return {};
     stop_sliding(2 * resolution);
   }
-  friction_changed_ = true;
-  if (Failure failure = accelerate(now(), as_span(q), as_span(v), as_span(a))) return failure;
+  accelerations_jumped_ = true;
+  if (Failure failure = accelerate_now()) return failure;
   friction_.start_sliding(as_span(a));
-  trajectory.jump(as_span(v), as_span(a));
+  trajectory.jump(as_span(v), as_span(a), as_span(drives_.x), as_span(drives_.dx));
+  return {};
+}
+
+// Drives with states.
+
+/// Ends the step earlier, just after a status of a drive can no longer remain as it is: changes t_1 and the
+/// end. The time is found by regula falsi (Illinois) with bisections in between.
+Failure SimulationRun::end_at_switch(double& t_1, StepEnd& end, const Attempt& attempt) {
+  if (drives_.empty()) return {};
+  const auto margin = [&](double t) {
+    return drives_.least_margin(t, as_span(end.q), as_span(end.v), as_span(end.x));
+  };
+  double f_high = margin(t_1);
+  if (!(f_high < 0)) return {};
+  const double t_0 = now(), resolution = std::max(1e-13 * (t_1 - t_0), 1e-15 * t_1), h = t_1 - t_0;
+  double low = t_0, high = t_1, t = t_1;
+  double f_low = std::max(0.0, drives_.least_margin(t_0, as_span(q), as_span(v), as_span(drives_.x)));
+  StepEnd after = end;
+  for (int tries = 1; high - low > resolution; ++tries) {
+    const double guess = low + (high - low) * (f_low / (f_low - f_high));
+    t = tries % 4 == 0 ? low + (high - low) / 2
+                       : std::clamp(guess, low + 0.5 * resolution, high - 0.5 * resolution);
+    if (Failure failure = attempt(t, end)) return failure;
+    const double f = margin(t);
+    if (f < 0) {
+      high = t;
+      f_high = f;
+      f_low *= 0.5;
+      after = end;
+    } else {
+      low = t;
+      f_low = f;
+      f_high *= 0.5;
+    }
+  }
+  short_steps_ = high - t_0 < short_part * h ? short_steps_ + 1 : 0;
+  if (short_steps_ > most_short_steps) return {t_0, "drives switch faster than they can be followed"};
+  if (t != high && friction_.active())
+    if (Failure failure = attempt(high, after)) return failure;
+  t_1 = high;
+  end = std::move(after);
+  return {};
+}
+
+/// Continues with the statuses and inputs of the drives after the present time.
+Failure SimulationRun::switch_drives() {
+  if (!drives_.switch_at(now(), as_span(q), as_span(v))) return {};
+  accelerations_jumped_ = true;
+  if (Failure failure = accelerate_now()) return failure;
+  trajectory.jump(as_span(v), as_span(a), as_span(drives_.x), as_span(drives_.dx));
   return {};
 }
 
@@ -364,7 +439,7 @@ Failure SimulationRun::take_up_to(double t_1, StepEnd& end, const Attempt& attem
 
 Failure SimulationRun::take(double t, const StepEnd& end) {
   if (!loops_) return record(t, end);
-  StepEnd closed{end.q, end.v, {}};
+  StepEnd closed{.q = end.q, .v = end.v, .x = end.x};
   loops_->set_time(t);
   if (!loops_->close(as_span(closed.q), as_span(closed.v))) return {t, open};
   return record(t, std::move(closed));
@@ -372,7 +447,7 @@ Failure SimulationRun::take(double t, const StepEnd& end) {
 
 Failure SimulationRun::take_closed(double t, Span q_end, Span v_end) {
   if (loops_) loops_->determine_rank(q_end);
-  return record(t, {as_eigen(q_end), as_eigen(v_end), {}});
+  return record(t, {.q = as_eigen(q_end), .v = as_eigen(v_end)});
 }
 
 Failure SimulationRun::record(double t, StepEnd end) {
@@ -382,7 +457,10 @@ Failure SimulationRun::record(double t, StepEnd end) {
   places_ = norm_.of_places(tree(), q);
   v = std::move(end.v);
   a = std::move(end.a);
-  trajectory.append(t, as_span(q), as_span(v), as_span(a), as_span(tau_));
+  drives_.x = std::move(end.x);
+  drives_.dx = std::move(end.dx);
+  trajectory.append(t, as_span(q), as_span(v), as_span(a), as_span(tau_), as_span(drives_.x),
+                    as_span(drives_.dx));
   ++trajectory.steps;
   if (!options_.events.empty())
     if (Failure failure = find_events(before, t)) return failure;
@@ -391,107 +469,6 @@ Failure SimulationRun::record(double t, StepEnd end) {
 
 Failure SimulationRun::interruption(double t) const {
   return options_.monitor && !options_.monitor(t) ? Failure{t, "it was interrupted"} : Failure{};
-}
-
-// Events.
-
-std::vector<double> SimulationRun::values_at(double t, Span q_t, Span v_t) const {
-  std::vector<double> values;
-  for (const Event& event : options_.events) values.push_back(event.value(t, q_t, v_t));
-  return values;
-}
-
-/// The value of an event at a time in the last step.
-double SimulationRun::value_at(const Event& event, double t) const {
-  Vector q_t(q.size()), v_t(v.size());
-  trajectory.at(t, as_span(q_t), as_span(v_t));
-  return event.value(t, as_span(q_t), as_span(v_t));
-}
-
-/// The number of parts of the last step in which no body turns by much more than a quarter turn. In a longer
-/// part an event that depends on an attitude could occur and end unnoticed.
-int SimulationRun::parts_by_rotation(double before) {
-  const double h = now() - before;
-  const std::size_t k = trajectory.size() - 1;
-  std::vector<Twist<BodyFixed>> V(static_cast<std::size_t>(model_.n_frames()));
-  double fastest = 0;
-  for (const std::size_t end : {k - 1, k}) {
-    twists<BodyFixed, double>(model_, workspace_, trajectory.q(end), trajectory.v(end), V);
-    for (const Twist<BodyFixed>& V_i : V) fastest = std::max(fastest, axode::norm(V_i.w));
-  }
-  return static_cast<int>(std::clamp(std::ceil(h * fastest / (std::numbers::pi / 2)), 1.0, 1e9));
-}
-
-/// Finds the times in a part of the last step at which the value of an event changes sign, from `begin` to
-/// `end`: once, or twice if its rates at both ends show that it approaches zero and returns.
-void SimulationRun::find_occurrences(std::size_t e, double before, double after, double begin, double end,
-                                     std::vector<Trajectory::EventOccurrence>& met) const {
-  const Event& event = options_.events[e];
-  const auto value = [&](double t) { return value_at(event, t); };
-  const double near = 1e-6 * (after - before);
-  double soon = value(before + near);
-  if (begin == 0) {  // an event at the start of the step has been found already
-    before += near;
-    begin = soon;
-    soon = value(before + near);
-  }
-  const double sign = begin < 0 ? -1 : 1;
-  const auto cross = [&](double low, double high, bool rises) {
-    if (event.direction != 0 && rises != (event.direction > 0)) return;
-    for (int k = 0; k < 60 && high - low > 1e-15 * std::abs(after); ++k) {
-      const double middle = low + (high - low) / 2;
-      ((value(middle) < 0) == rises ? low : high) = middle;
-    }
-    met.push_back({e, high});
-  };
-  if ((begin < 0) != (end < 0)) return cross(before, after, begin < 0);
-  if (!(sign * (soon - begin) < 0 && sign * (end - value(after - near)) > 0)) return;
-  double low = before, high = after;
-  for (int k = 0; k < 40; ++k) {  // each iteration discards the outer third next to the larger value
-    const double a_third = (high - low) / 3, one = low + a_third, two = high - a_third;
-    const double at_one = sign * value(one), at_two = sign * value(two);
-    if (std::min(at_one, at_two) < 0) {
-      const double turn = at_one < at_two ? one : two;
-      cross(before, turn, begin < 0);
-      cross(turn, after, begin >= 0);
-      return;
-    }
-    (at_one < at_two ? high : low) = at_one < at_two ? two : one;
-  }
-}
-
-/// Finds the events of the last step between two times; the trajectory ends at a terminal one.
-Failure SimulationRun::find_events(double before, double after) {
-  const std::vector<double> next = values_at(after, as_span(q), as_span(v));
-  std::vector<Trajectory::EventOccurrence> met;
-  const int parts = parts_by_rotation(before);
-  for (std::size_t e = 0; e < next.size(); ++e) {
-    double from = before, begin = values_[e];
-    for (int k = 1; k <= parts; ++k) {
-      const bool last = k == parts;
-      const double to = last ? after : before + k * ((after - before) / parts);
-      const double end = last ? next[e] : value_at(options_.events[e], to);
-      find_occurrences(e, from, to, begin, end, met);
-      from = to;
-      begin = end;
-    }
-  }
-  values_ = next;
-  std::ranges::sort(met, {}, &Trajectory::EventOccurrence::t);
-  for (const Trajectory::EventOccurrence& one : met) {
-    trajectory.events.push_back(one);
-    if (!options_.events[one.event].terminal) continue;
-    ended_ = true;
-    Vector q_t(q.size()), v_t(v.size()), a_t(v.size());
-    trajectory.at(one.t, as_span(q_t), as_span(v_t));
-    trajectory.pop_back();
-    if (loops_) loops_->set_time(one.t);
-    if (loops_ && !loops_->close(as_span(q_t), as_span(v_t))) return {one.t, open};
-    if (Failure failure = accelerate(one.t, as_span(q_t), as_span(v_t), as_span(a_t))) return failure;
-    trajectory.append(one.t, as_span(q_t), as_span(v_t), as_span(a_t), as_span(tau_));
-    return {};
-  }
-  return {};
 }
 
 }  // namespace axode

@@ -11,15 +11,17 @@
 #include "axode/integration/closed_motion.hpp"
 #include "axode/integration/dry_friction.hpp"
 #include "axode/integration/plays.hpp"
+#include "axode/integration/runs/drive_states.hpp"
 #include "axode/integration/schemes/energy_norm.hpp"
 #include "axode/integration/simulation.hpp"
 #include "axode/model/workspace.hpp"
 
 namespace axode {
 
-/// The state at the end of a step; a is empty if the scheme does not compute accelerations.
+/// The state at the end of a step, with that of the drives; a and dx are empty if the scheme does not compute
+/// accelerations.
 struct StepEnd {
-  Eigen::VectorXd q, v, a;
+  Eigen::VectorXd q, v, a = {}, x = {}, dx = {};
 };
 /// A function that computes the end of a step from the present time to t_1. It must call begin_step() first.
 using Attempt = std::function<Failure(double t_1, StepEnd& end)>;
@@ -63,16 +65,17 @@ class SimulationRun {
   /// The norm of velocities that change q in a step by no more than the rounding error of q.
   double place_resolution(double h) const { return 1e-15 * places_ / std::abs(h); }
 
-  /// Takes the step to t_1, or to an earlier time at which dry friction changes: a joint comes to rest, or
-  /// begins to slide; or at which a play reaches or leaves one of its ends. The last attempt must be the
-  /// one at t_1 under the present friction and plays.
+  /// Takes the step to t_1, or to an earlier time at which dry friction changes, because a joint comes to
+  /// rest or begins to slide, at which a status of a drive changes, or at which a play reaches or leaves one
+  /// of its ends. The last attempt must be the one at t_1 under the present friction, statuses and plays.
   Failure take_up_to(double t_1, StepEnd& end, const Attempt& attempt);
   /// Begins an attempt under the present friction.
   void begin_step();
   /// The least LoopSystem::weakest_row() of the accelerations that were computed since begin_step().
   double weakest_row() const { return weakest_row_; }
-  /// Whether the last step ended because dry friction or a play changed, so that accelerations jump there.
-  bool friction_changed() const { return friction_changed_; }
+  /// Whether dry friction, a drive or a play changed at the end of the last step, so that accelerations jump
+  /// there.
+  bool accelerations_jumped() const { return accelerations_jumped_; }
   /// Checks whether friction can hold the sticking joints at the end of a step, for schemes that did not
   /// compute accelerations there.
   Failure check_sticking(double t, const StepEnd& end);
@@ -88,10 +91,13 @@ class SimulationRun {
   void stop(const Failure& failure);
   bool done() const { return trajectory.size() == 0 || ended_ || !trajectory.complete || now() >= until_; }
   double now() const { return trajectory.t().back(); }
-  /// The time at which a step that would end at t_1 has to end, because the motions jump there.
+  /// The time at which a step that would end at t_1 has to end, because motions or inputs of drives jump
+  /// there.
   double step_end(double t_1) const {
-    return loops_ ? std::min(t_1, loops_->motions().next_jump(now())) : t_1;
+    const double t = std::min(t_1, drives_.next_jump(now()));
+    return loops_ ? std::min(t, loops_->motions().next_jump(now())) : t;
   }
+  DriveStates& drives() { return drives_; }
   const Tree<double>& tree() const { return model_.tree<double>(); }
   LocalCoordinates local_coordinates() const { return options_.local_coordinates; }
   ConfigurationGroup<double> group() const { return ConfigurationGroup<double>(tree(), local_coordinates()); }
@@ -125,6 +131,7 @@ class SimulationRun {
   Workspace<> workspace_;
   std::optional<ClosedMotion> loops_;
   DryFriction friction_;
+  DriveStates drives_;
   EnergyNorm norm_;
   double places_;                       ///< EnergyNorm::of_places() of q
   double weight_;                       ///< the norm of gravity as a force on the whole mechanism
@@ -132,8 +139,20 @@ class SimulationRun {
   std::vector<AppliedWrench<>> loads_;  ///< loads at the state of the last evaluation
 
  private:
+  /// The number of consecutive steps that are shorter than this part of what was attempted, after which
+  /// friction, drives or plays change faster than they can be followed.
+  static constexpr int most_short_steps = 1000;
+  static constexpr double short_part = 1e-9;
+
   void compute_loads(double t, Span q_t, Span v_t);
   void check_friction_of_motions() const;
+  /// Computes tau_ of the drive of the options and of the drives with states.
+  void compute_drive_forces(double t, Span q_t, Span v_t);
+  /// Computes a, and the rates of the drives, at the present state.
+  Failure accelerate_now();
+  Failure take_under_friction(double t_1, StepEnd& end, const Attempt& attempt);
+  Failure end_at_switch(double& t_1, StepEnd& end, const Attempt& attempt);
+  Failure switch_drives();
   void apply_sticking_forces(Span q_t, std::span<double> a_t);
   Failure ensure_accelerations(double t, StepEnd& end);
   void start_plays();
@@ -162,7 +181,7 @@ class SimulationRun {
   std::vector<double> own_;  ///< argument `own` of DryFriction::apply_sticking_forces()
   std::vector<double> values_;
   double until_, weakest_row_ = 1;
-  bool ended_ = false, friction_changed_ = false;
+  bool ended_ = false, accelerations_jumped_ = false;
   int short_steps_ = 0;
   Plays plays_;
 };

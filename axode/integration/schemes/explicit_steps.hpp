@@ -33,28 +33,43 @@ Failure take_until(Run& run, double t_1, StepEnd& end, const Attempt& attempt, c
   return {};
 }
 
+/// The velocities, or their rates, with the states of the drives after them.
+std::vector<double> joined(const auto& v, const Eigen::VectorXd& x) {
+  std::vector<double> y(v.begin(), v.end());
+  y.insert(y.end(), x.begin(), x.end());
+  return y;
+}
+
 /// The function that attempts a step of an explicit method.
 template <class Run, class Scheme> Attempt attempts(Run& run, Scheme& scheme) {
   return [&, group = run.group()](double t_1, StepEnd& end) {
     const double t = run.now();
+    const std::size_t nv = run.v.size();
+    DriveStates& drives = run.drives();
     Failure failure;
-    const auto accelerate = [&](double t_i, auto q_i, auto v_i, auto a_i) {
-      failure = run.accelerate(t_i, q_i, v_i, a_i);
+    const auto accelerate = [&](double t_i, auto q_i, auto y_i, auto dy_i) {
+      drives.act_at(y_i.subspan(nv));
+      failure = run.accelerate(t_i, q_i, y_i.first(nv), dy_i.first(nv));
+      std::ranges::copy(drives.rates(), dy_i.begin() + static_cast<std::ptrdiff_t>(nv));
       return !failure;
     };
     run.begin_step();
-    if (!scheme.run(t, run.q.data(), run.v.data(), run.a.data(), t_1 - t, accelerate)) return failure;
+    const auto y_0 = joined(run.v, drives.x), dy_0 = joined(run.a, drives.dx);
+    if (!scheme.run(t, run.q.data(), y_0.data(), dy_0.data(), t_1 - t, accelerate)) return failure;
     end.q.resize(static_cast<Eigen::Index>(run.q.size()));
     group.move(run.q, scheme.theta, end.q);
-    end.v = as_eigen(scheme.y);
-    end.a = as_eigen(scheme.end());
+    const std::span<const double> y(scheme.y), dy(scheme.end());
+    end.v = as_eigen(y.first(nv));
+    end.x = as_eigen(y.subspan(nv));
+    end.a = as_eigen(dy.first(std::min(nv, dy.size())));
+    end.dx = as_eigen(dy.subspan(std::min(nv, dy.size())));
     return failure;
   };
 }
 
 /// Takes steps of one length until a time.
 template <class Run> void take_steps(Run& run, double until, double step, const Tableau& method) {
-  MuntheKaas scheme(run.tree(), method, run.local_coordinates());
+  MuntheKaas scheme(run.tree(), method, run.local_coordinates(), run.drives().size());
   const Attempt attempt = attempts(run, scheme);
   StepEnd end;
   each_step(run, until, step, [&](double t_1) { return take_until(run, t_1, end, attempt, [] {}); });
@@ -82,18 +97,22 @@ inline constexpr double too_weak = 1e-6, shortened = 0.85;
 /// Takes adaptive steps with Dormand's and Prince's method.
 template <class Run> void take_adapted_steps(Run& run, double until, const Tolerances& tolerances) {
   const Tableau& method = runge_kutta(5);
-  MuntheKaas scheme(run.tree(), method, run.local_coordinates());
+  MuntheKaas scheme(run.tree(), method, run.local_coordinates(), run.drives().size());
   const auto to_array = [](const auto& x) {
     return Eigen::Map<const Eigen::ArrayXd>(x.data(), static_cast<Eigen::Index>(x.size()));
   };
-  // The root mean square of the errors of q and v, relative to their tolerances.
+  const std::vector<double> ones(run.v.size(), 1.0);
+  // The root mean square of the errors of q, v and x, relative to their tolerances.
   const auto error_of_step = [&] {
     const double relative = tolerances.relative, absolute = tolerances.absolute;
     const auto theta = to_array(scheme.theta).abs().max(1.0);
-    const auto speed = to_array(run.v).abs().max(to_array(scheme.y).abs());
-    const double squares = (to_array(scheme.error_theta) / (absolute + relative * theta)).square().sum() +
-                           (to_array(scheme.error_y) / (absolute + relative * speed)).square().sum();
-    return std::sqrt(squares / std::max(1.0, 2.0 * static_cast<double>(scheme.theta.size())));
+    const auto y_0 = joined(run.v, run.drives().x), usual = joined(ones, run.drives().nominal());
+    const auto size = to_array(y_0).abs().max(to_array(scheme.y).abs());
+    const double squares =
+        (to_array(scheme.error_theta) / (absolute + relative * theta)).square().sum() +
+        (to_array(scheme.error_y) / (absolute * to_array(usual) + relative * size)).square().sum();
+    return std::sqrt(squares /
+                     std::max(1.0, static_cast<double>(scheme.theta.size() + scheme.error_y.size())));
   };
   const double most = tolerances.largest_step > 0 ? tolerances.largest_step : until;
   double h = tolerances.first_step;

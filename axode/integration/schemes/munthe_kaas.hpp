@@ -12,36 +12,36 @@ namespace axode {
 /// momenta, for states of numbers T and a tree of numbers S:
 ///   θ_i = h Σ a_ij K_j,  Y_i = y + h Σ a_ij L_j,
 ///   (V_i, L_i) = (v, y')(t + c_i h, q ⊕ θ_i, Y_i),  K_i = dexp⁻¹_{-θ_i} V_i,
-/// or dcay⁻¹ in the coordinates of Cayley.
+/// or dcay⁻¹ in the coordinates of Cayley. y may have more numbers than q has velocities: other states follow.
 /// With one stage it is Euler's method; if y = v it is semi-implicit: q moves with the new v.
 template <class T = double, class S = T> class MuntheKaas {
  public:
   using Vector = std::vector<T>;
 
   MuntheKaas(const Tree<S>& tree, const Tableau& method,
-             LocalCoordinates coordinates = LocalCoordinates::exponential)
+             LocalCoordinates coordinates = LocalCoordinates::exponential, std::size_t n_other_states = 0)
       : theta(static_cast<std::size_t>(tree->nv)),
-        y(theta.size()),
+        y(theta.size() + n_other_states),
         error_theta(theta.size()),
-        error_y(theta.size()),
+        error_y(y.size()),
         group_(tree, coordinates),
         method_(&method),
         K_(method.b.size() * theta.size()),
-        L_(K_.size()),
+        L_(method.b.size() * y.size()),
         q_(static_cast<std::size_t>(tree->nq)) {}
 
-  /// Computes a step with y = v from (q0, v0), where the acceleration is a0, over h. accelerate(t, q, v, a)
-  /// must write a and return whether it succeeded; if it did not, the step fails.
+  /// Computes a step with y = v, or y = (v, other states), from (q0, y0), where y' = dy0, over h.
+  /// accelerate(t, q, y, dy) must write dy and return whether it succeeded; if it did not, the step fails.
   template <class Accelerate>
-  bool run(double t, const T* q0, const T* v0, const T* a0, double h, const Accelerate& accelerate) {
-    const auto rates = [&](double t_i, std::span<const T> q, std::span<const T> v, std::span<T> V,
-                           std::span<T> a) {
-      std::ranges::copy(v, V.begin());
-      return accelerate(t_i, q, v, a);
+  bool run(double t, const T* q0, const T* y0, const T* dy0, double h, const Accelerate& accelerate) {
+    const auto rates = [&](double t_i, std::span<const T> q, std::span<const T> y_i, std::span<T> V,
+                           std::span<T> dy) {
+      std::copy_n(y_i.begin(), V.size(), V.begin());
+      return accelerate(t_i, q, y_i, dy);
     };
-    if (!run(t, q0, v0, v0, a0, h, rates)) return false;
+    if (!run(t, q0, y0, y0, dy0, h, rates)) return false;
     if (method_->b.size() > 1) return true;
-    std::ranges::copy(y, K_.begin());
+    std::copy_n(y.begin(), theta.size(), K_.begin());
     sum(method_->b, h, K_, theta);
     return true;
   }
@@ -50,16 +50,16 @@ template <class T = double, class S = T> class MuntheKaas {
   template <class Rates>
   bool run(double t, const T* q0, const T* y0, const T* v0, const T* dy0, double h, const Rates& rates) {
     const Tableau& m = *method_;
-    const std::size_t nv = theta.size();
+    const std::size_t nv = theta.size(), ny = y.size();
     std::copy_n(v0, nv, K_.data());
-    std::copy_n(dy0, nv, L_.data());
+    std::copy_n(dy0, ny, L_.data());
     for (std::size_t i = 1; i < m.b.size(); ++i) {
       sum(m.a[i], h, K_, theta);
       advance(m.a[i], h, y0);
       group_.move(q0, theta.data(), q_.data());
       const std::span<T> V = std::span(K_).subspan(i * nv, nv);
       if (!rates(t + m.c[i] * h, std::span<const T>(q_), std::span<const T>(y), V,
-                 std::span(L_).subspan(i * nv, nv)))
+                 std::span(L_).subspan(i * ny, ny)))
         return false;
       group_.rate(theta.data(), V.data(), V.data());
     }

@@ -1,16 +1,11 @@
 #include "axode/io/drawing/drawing_motion.hpp"
 
-#include <array>
-
 #include "axode/model/building/placement.hpp"
 
 namespace axode::io {
 namespace {
 
 using Kind = MotionDescription::Kind;
-
-constexpr std::array<std::string_view, 4> kind_names{"harmonic", "ramp", "polynomial", "samples"};
-constexpr std::array<Kind, 4> kinds{Kind::harmonic, Kind::ramp, Kind::polynomial, Kind::samples};
 
 /// Reads a number that the motion must have.
 double needed(Table& table, std::string_view key, std::string_view unit) {
@@ -21,6 +16,8 @@ std::vector<double> needed_list(Table& table, std::string_view key, std::string_
   if (!table.has(key)) table.missing(key, need);
   return table.list(key, need).value_or(std::vector<double>{});
 }
+
+}  // namespace
 
 void read_function(Table& table, MotionDescription& motion) {
   switch (motion.kind) {
@@ -48,8 +45,6 @@ void read_function(Table& table, MotionDescription& motion) {
   }
 }
 
-}  // namespace
-
 bool read_motion(Table& table, std::size_t number, MotionDescription& motion) {
   table.rename("motion " + std::to_string(number + 1));
   const std::size_t faults = table.faults();
@@ -57,9 +52,9 @@ bool read_motion(Table& table, std::size_t number, MotionDescription& motion) {
   motion.of = table.name("of", "name the joint or the rod that follows it");
   if (!motion.of.empty()) table.rename(in_quotes(motion_name(motion)));
   if (!table.has("kind")) table.missing("kind", "give one, such as \"harmonic\" or \"ramp\"");
-  const auto kind = table.choice("kind", kind_names);
+  const auto kind = table.choice("kind", function_kinds);
   if (!kind) return false;  // without a kind, its keys are not known
-  motion.kind = kinds[*kind];
+  motion.kind = static_cast<Kind>(*kind);
   read_function(table, motion);
   const bool complete = table.faults() == faults;
   table.finish();

@@ -6,6 +6,7 @@
 
 #include "axode/io.hpp"
 #include "axode/io/drawing/drawing_contact.hpp"
+#include "axode/io/drawing/drawing_drive.hpp"
 #include "axode/io/drawing/drawing_loops.hpp"
 #include "axode/io/drawing/drawing_motion.hpp"
 #include "axode/io/drawing/drawing_springs.hpp"
@@ -374,6 +375,7 @@ void read_top(Table& top, Description& description) {
   read_all(top, "loop", read_loop, description.loops);
   read_all(top, "coupling", read_coupling, description.couplings);
   read_all(top, "motion", read_motion, description.motions);
+  read_all(top, "drive", read_drive, description.drives);
   read_state(top, description.state);
   read_contact(top, description);
   top.finish();

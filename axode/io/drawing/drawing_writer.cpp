@@ -93,6 +93,7 @@ class DrawingWriter {
     for (const LoopDescription& loop : d.loops) write(loop);
     for (const CouplingDescription& coupling : d.couplings) write(coupling);
     for (const MotionDescription& motion : d.motions) write(motion);
+    for (const DriveDescription& drive : d.drives) write(drive);
     if (d.state) write(*d.state);
     if (d.contact) write(*d.contact);
   }
@@ -288,7 +289,7 @@ class DrawingWriter {
         if (!in_body) line("in", text("construction"));
         return;
       }
-      case SpringKind::joints: return line("terms", text_of_terms(spring.terms));
+      case SpringKind::joints: return line("terms", by_name(spring.terms));
     }
   }
   void write_curve(const LinearCurve& curve) { line("stiffness", text(curve.stiffness)); }
@@ -336,50 +337,90 @@ class DrawingWriter {
   void write(const CouplingDescription& coupling) {
     out_ << "\n[[coupling]]\n";
     if (!coupling.name.empty()) line("name", text(coupling.name));
-    line("terms", text_of_terms(coupling.terms));
+    line("terms", by_name(coupling.terms));
     if (coupling.offset != 0) line("offset", text(coupling.offset));
     if (coupling.play != 0) line("play", text(coupling.play));
     if (coupling.restitution != 0) line("restitution", text(coupling.restitution));
   }
 
-  static std::string text_of_terms(std::vector<std::pair<std::string, double>> terms) {
-    std::ranges::sort(terms);
-    std::string all;
-    for (const auto& [joint, factor] : terms)
-      all += (all.empty() ? " " : ", ") + text(joint) + " = " + text(factor);
-    return "{" + all + " }";
-  }
-
   void write(const MotionDescription& motion) {
-    using Kind = MotionDescription::Kind;
     out_ << "\n[[motion]]\n";
     if (!motion.name.empty()) line("name", text(motion.name));
     line("of", text(motion.of));
+    for (const auto& [key, value] : entries(motion)) line(key, value);
+  }
+  /// The keys of a function of time with their values.
+  static std::vector<std::pair<std::string, std::string>> entries(const MotionDescription& motion) {
+    using Kind = MotionDescription::Kind;
+    std::vector<std::pair<std::string, std::string>> all;
+    const auto unless_zero = [&](const char* key, double x) {
+      if (x != 0) all.emplace_back(key, text(x));
+    };
     switch (motion.kind) {
       case Kind::harmonic:
-        line("kind", text("harmonic"));
-        if (motion.offset != 0) line("offset", text(motion.offset));
-        line("amplitude", text(motion.amplitude));
-        line("frequency", text(motion.frequency));
-        if (motion.phase != 0) line("phase", text(motion.phase));
+        all.emplace_back("kind", text("harmonic"));
+        unless_zero("offset", motion.offset);
+        all.emplace_back("amplitude", text(motion.amplitude));
+        all.emplace_back("frequency", text(motion.frequency));
+        unless_zero("phase", motion.phase);
         break;
       case Kind::ramp:
-        line("kind", text("ramp"));
-        if (motion.from != 0) line("from", text(motion.from));
-        line("to", text(motion.to));
-        if (motion.start != 0) line("start", text(motion.start));
-        line("end", text(motion.end));
+        all.emplace_back("kind", text("ramp"));
+        unless_zero("from", motion.from);
+        all.emplace_back("to", text(motion.to));
+        unless_zero("start", motion.start);
+        all.emplace_back("end", text(motion.end));
         break;
       case Kind::polynomial:
-        line("kind", text("polynomial"));
-        line("coefficients", text(motion.coefficients));
+        all.emplace_back("kind", text("polynomial"));
+        all.emplace_back("coefficients", text(motion.coefficients));
         break;
       case Kind::samples:
-        line("kind", text("samples"));
-        line("times", text(motion.times));
-        line("values", text(motion.values));
+        all.emplace_back("kind", text("samples"));
+        all.emplace_back("times", text(motion.times));
+        all.emplace_back("values", text(motion.values));
         break;
     }
+    return all;
+  }
+
+  void write(const DriveDescription& drive) {
+    out_ << "\n[[drive]]\n";
+    if (!drive.name.empty()) line("name", text(drive.name));
+    line("kind", text(to_string(drive.kind)));
+    if (drive.line) {
+      line("between", both(drive.line->between));
+      line("points", both(drive.line->points));
+      if (drive.line->in == GivenIn::body_frame) line("in", text("body"));
+    } else if (drive.joints.size() == 1 && drive.joints[0].second == 1) {
+      line("joint", text(drive.joints[0].first));
+    } else {
+      line("joints", by_name(drive.joints));
+    }
+    for (const DriveParameter& parameter : traits(drive.kind).parameters)
+      for (const auto& [name, value] : drive.parameters)
+        if (name == parameter.name) line(name, text(value));
+    if (drive.conditional) line("anti_windup", text("conditional"));
+    write(drive.input);
+    if (!drive.initial.empty()) line("initial", by_name(drive.initial));
+  }
+  void write(const DriveInput& input) {
+    if (!input.from.empty()) line("input", text(input.from));
+    if (input.values.size() == 1) line("input", text(input.values[0]));
+    std::vector<std::pair<std::string, std::string>> all;
+    if (input.function) all = entries(*input.function);
+    if (input.values.size() > 1)
+      all = {{"kind", text("steps")}, {"times", text(input.times)}, {"values", text(input.values)}};
+    std::string joined;
+    for (const auto& [key, value] : all) joined += (joined.empty() ? " " : ", ") + key + " = " + value;
+    if (!joined.empty()) line("input", "{" + joined + " }");
+  }
+  /// Numbers by name, sorted by name, which is also the order in which they are read.
+  static std::string by_name(std::vector<std::pair<std::string, double>> all) {
+    std::ranges::sort(all);
+    std::string joined;
+    for (const auto& [name, x] : all) joined += (joined.empty() ? " " : ", ") + text(name) + " = " + text(x);
+    return "{" + joined + " }";
   }
 
   /// Writes the initial state with its joints sorted by name, which is also the order in which they are read.

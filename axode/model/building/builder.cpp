@@ -43,6 +43,10 @@ ModelBuilder& ModelBuilder::add(MotionDescription motion) {
   description_.motions.push_back(std::move(motion));
   return *this;
 }
+ModelBuilder& ModelBuilder::add(DriveDescription drive) {
+  description_.drives.push_back(std::move(drive));
+  return *this;
+}
 ModelBuilder& ModelBuilder::state(InitialStateDescription state) {
   description_.state = std::move(state);
   return *this;

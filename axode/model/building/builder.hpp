@@ -33,6 +33,7 @@ class ModelBuilder {
   ModelBuilder& add(LoopDescription loop);
   ModelBuilder& add(CouplingDescription coupling);
   ModelBuilder& add(MotionDescription motion);
+  ModelBuilder& add(DriveDescription drive);
   ModelBuilder& state(InitialStateDescription state);
   ModelBuilder& gravity(const Vec3<>& g);  ///< m/s², in the construction frame
 

@@ -54,6 +54,8 @@ class Compiler {
     std::vector<Fault> faults;
     for (std::size_t k = 0; k < description_.springs.size(); ++k)
       springs.elements.push_back(spring(k, *topology, faults));
+    for (const DriveDescription& drive : description_.drives)
+      if (drive.line) springs.drive_lines.push_back(line_of(*drive.line));
     for (int i = 1; i <= topology->n; ++i)
       if (std::ranges::any_of(joints_[i].dof,
                               [](const Dof& dof) { return dof.stiffness > 0 || dof.stop_stiffness > 0; }))
@@ -263,6 +265,17 @@ class Compiler {
              ", which its law reaches at no deflection; give it a rest",
          from.source.file.empty() ? Source{expanded_.source.file, from.source.line} : from.source});
     return out;
+  }
+
+  /// The line of a drive between two points, each in its frame.
+  Spring::Path line_of(const DriveDescription::Line& from) const {
+    const std::unordered_map<std::string_view, int> frame = frames_by_name();
+    Spring::Path path;
+    for (std::size_t e = 0; e < 2; ++e) {
+      const int f = frame.at(from.between[e]);
+      path.points.push_back({f, in_frame(f, from.in, {{}, from.points[e]}).r});
+    }
+    return path;
   }
 
   /// Gives a loop joint or coupling the rows that follow the previous ones.

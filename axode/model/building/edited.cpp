@@ -107,6 +107,15 @@ void mount(MotionDescription& motion, const Mount& at) {
   if (!motion.name.empty()) motion.name = at.renamed(motion.name);
   motion.of = at.renamed(motion.of);
 }
+void mount(DriveDescription& drive, const Mount& at) {
+  drive.name = at.renamed(drive.name);
+  for (auto& [joint, factor] : drive.joints) joint = at.renamed(joint);
+  for (std::size_t k = 0; drive.line && k < 2; ++k) {
+    drive.line->points[k] = at.from(drive.line->between[k]) * drive.line->points[k];
+    drive.line->between[k] = at.place(drive.line->between[k]);
+  }
+  if (!drive.input.from.empty()) drive.input.from = at.renamed(drive.input.from);
+}
 /// The initial state of both mechanisms; that of the mounted one is added to `into`.
 void mount(const InitialStateDescription& state, const Mount& at,
            std::optional<InitialStateDescription>& into) {
@@ -198,6 +207,8 @@ Model append(const Model& model, std::string_view frame, const Model& other, std
   Description mounted = in_joint_frames(other.description());
   check_names_differ(description, mounted, at.prefix);
   name_loops(mounted, at.prefix);
+  for (std::size_t k = 0; k < mounted.drives.size(); ++k)
+    mounted.drives[k].name = drive_name(mounted.drives[k], k);
   const auto carrier = std::ranges::find(description.bodies, at.carrier, &BodyDescription::name);
   std::vector<ShapeDescription>& shapes =
       carrier == description.bodies.end() ? description.shapes : carrier->shapes;
@@ -211,6 +222,7 @@ Model append(const Model& model, std::string_view frame, const Model& other, std
   mount_all(mounted.loops, at, description.loops);
   mount_all(mounted.couplings, at, description.couplings);
   mount_all(mounted.motions, at, description.motions);
+  mount_all(mounted.drives, at, description.drives);
   if (mounted.state) mount(*mounted.state, at, description.state);
   mount_contact(mounted.contact, at, description.contact);
   description.warnings.insert(description.warnings.end(), mounted.warnings.begin(), mounted.warnings.end());

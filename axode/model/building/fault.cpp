@@ -33,6 +33,7 @@ std::string_view to_string(Rule rule) {
     case Rule::loop_within_body: return "loop_within_body";
     case Rule::unknown_state_joint: return "unknown_state_joint";
     case Rule::unknown_motion_target: return "unknown_motion_target";
+    case Rule::unknown_drive_target: return "unknown_drive_target";
     case Rule::no_base: return "no_base";
     case Rule::unreadable_file: return "unreadable_file";
     case Rule::syntax: return "syntax";

@@ -42,6 +42,7 @@ enum class Rule {
   loop_within_body,
   unknown_state_joint,
   unknown_motion_target,
+  unknown_drive_target,
   no_base,
   unreadable_file,
   syntax,

@@ -5,6 +5,7 @@
 #include <unordered_set>
 #include <utility>
 
+#include "axode/model/building/drive_checks.hpp"
 #include "axode/model/building/nearest_name.hpp"
 #include "axode/model/building/placement.hpp"
 #include "axode/model/building/spring_checks.hpp"
@@ -48,6 +49,7 @@ class Inspection {
     }
     couplings();
     if (!description_.motions.empty()) motions();
+    if (!description_.drives.empty()) drives();
     if (description_.state) state(*description_.state);
     if (description_.contact) contact(*description_.contact);
     return std::move(faults_.all);
@@ -375,6 +377,37 @@ class Inspection {
         at.error(Rule::duplicate_element, says + ", which another motion moves; it can follow one");
       check_motion(at, motion);
     }
+  }
+  void drives() {
+    const Description expanded = expand(description_);
+    std::unordered_map<std::string, JointKind> joints;
+    for (const BodyDescription& body : expanded.bodies) joints.emplace(body.joint.name, body.joint.kind);
+    std::unordered_set<std::string> names;
+    for (std::size_t k = 0; k < description_.drives.size(); ++k) {
+      const DriveDescription& drive = description_.drives[k];
+      const std::string name = drive_name(drive, k);
+      const FaultySubject at{faults_, "drive " + quoted(name), drive.source};
+      if (!names.insert(name).second)
+        at.error(Rule::duplicate_name, "the name is taken; names of drives must differ");
+      for (const auto& [of, factor] : drive.joints) {
+        const auto joint = joints.find(of);
+        if (joint == joints.end())
+          at.error(Rule::unknown_drive_target,
+                   "acts on joint " + quoted(of) + ", which is not described" + nearest_joint(of, expanded));
+        else if (!can_couple(joint->second))
+          at.error(Rule::degrees_of_freedom, "acts on joint " + quoted(of) + ", which is " +
+                                                 std::string(to_string(joint->second)) +
+                                                 "; a drive acts on revolute, prismatic or helical joints");
+      }
+      if (drive.line)
+        for (const std::string& frame : drive.line->between)
+          if (frame != "ground" && !taken_.contains(frame))
+            at.error(
+                Rule::unknown_drive_target,
+                "ends on " + quoted(frame) + ", which is neither a body nor a frame" + nearest_frame(frame));
+      check_drive(at, drive);
+    }
+    check_feeding(faults_, description_);
   }
   std::string nearest_joint(std::string_view name, const Description& expanded) {
     return nearest(name, expanded.bodies, [](const BodyDescription& b) { return b.joint.name; });

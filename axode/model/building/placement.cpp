@@ -239,6 +239,9 @@ std::string spring_element(const SpringDescription& spring, std::size_t k) {
 std::string motion_name(const MotionDescription& motion) {
   return motion.name.empty() ? "motion of " + motion.of : motion.name;
 }
+std::string drive_name(const DriveDescription& drive, std::size_t k) {
+  return drive.name.empty() ? "drive " + std::to_string(k + 1) : drive.name;
+}
 std::string coupling_name(const CouplingDescription& coupling, std::size_t k) {
   return coupling.name.empty() ? "coupling " + std::to_string(k + 1) : coupling.name;
 }
@@ -306,6 +309,13 @@ Description in_joint_frames(const Description& given) {
       }
     }
     spring.in = GivenIn::body_frame;
+  }
+  for (DriveDescription& drive : description.drives) {
+    if (!drive.line) continue;
+    if (drive.line->in == GivenIn::construction_frame)
+      for (std::size_t k = 0; k < 2; ++k)
+        drive.line->points[k] = relative(A.at(drive.line->between[k]), {{}, drive.line->points[k]}).r;
+    drive.line->in = GivenIn::body_frame;
   }
   for (LoopDescription& loop : description.loops) {
     if (loop.frames) continue;

@@ -81,6 +81,8 @@ std::string spring_name(const SpringDescription& spring, std::size_t k);
 std::string spring_element(const SpringDescription& spring, std::size_t k);
 /// The name of a motion: `motion of <joint or rod>` if it has no name of its own.
 std::string motion_name(const MotionDescription& motion);
+/// The name of a drive: that in its description, or `drive k` with k from 1.
+std::string drive_name(const DriveDescription& drive, std::size_t k);
 
 /// The inertia `given` in the frame F, whose pose is relative to the frame in which the inertia is given. The
 /// overload returns it in the joint frame J; it is given in the frame A, and the poses of J and A are

@@ -1,3 +1,4 @@
+#include <stdexcept>
 #include <string>
 #include <unordered_map>
 #include <unordered_set>
@@ -105,6 +106,12 @@ void drop_still_motions(Description& description, const Model& model, const std:
     std::erase_if(description.state->q, locked);
     std::erase_if(description.state->v, locked);
   }
+  for (std::size_t k = 0; k < description.drives.size(); ++k)
+    for (const auto& [joint, factor] : description.drives[k].joints)
+      if (is_locked[model.joint_index(joint)])
+        throw std::invalid_argument("reduced: joint \"" + joint + "\" has the drive \"" +
+                                    drive_name(description.drives[k], k) +
+                                    "\", whose states would lose it; remove the drive first");
   if (description.motions.empty()) return;
   std::unordered_set<std::string_view> moving;
   for (int i = 1; i <= model.n_bodies(); ++i)

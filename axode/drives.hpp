@@ -1,0 +1,7 @@
+#pragma once
+#include "axode/drives/drive_law.hpp"
+#include "axode/drives/drive_system.hpp"
+#include "axode/drives/linearization.hpp"
+
+/// Drives with states of their own: motors, controllers, friction with bristles and cylinders, which act in
+/// simulations.

@@ -1,0 +1,80 @@
+#include "axode/drives/drive_port.hpp"
+
+#include <stdexcept>
+
+#include "axode/dynamics/spring_elements.hpp"
+
+namespace axode {
+
+DrivePort::DrivePort(const Model& model, const std::string& drive,
+                     std::span<const std::pair<std::string, double>> joints) {
+  const Tree<double>& tree = model.tree<double>();
+  for (const auto& [name, factor] : joints) {
+    const int i = model.joint_index(name);
+    const Joint& joint = model.joint(i);
+    if (joint.dof.size() != 1)
+      throw std::invalid_argument("drive \"" + drive + "\" acts on joint \"" + name + "\", which has " +
+                                  std::to_string(joint.dof.size()) +
+                                  " velocities; a drive acts on joints of one");
+    terms_.push_back({tree->iv[i], tree->iq[i], factor * tree.ratio[i], factor * tree.offset[i]});
+  }
+}
+
+void DrivePort::update(const Tree<double>& tree, std::span<const double> q, std::span<const double> v) {
+  row_.clear();
+  if (!along_line_) {
+    l_ = w_ = 0;
+    for (const Term& term : terms_) {
+      l_ += term.factor * q[static_cast<std::size_t>(term.coordinate)] + term.offset;
+      w_ += term.factor * v[static_cast<std::size_t>(term.velocity)];
+      row_.emplace_back(term.velocity, term.factor);
+    }
+    return;
+  }
+  std::vector<std::pair<std::size_t, Vec3<>>> columns;
+  const Segment<double> line(line_.points.data(), tree, q.data(), v.data(),
+                             [&](std::size_t end, int, int c, const Screw<double>& X) {
+                               columns.emplace_back(end, X.v);
+                               row_.emplace_back(c, 0.0);
+                             });
+  l_ = line.length;
+  w_ = line.rate;
+  for (std::size_t k = 0; k < columns.size(); ++k) {
+    const auto& [end, moves] = columns[k];
+    const double along = dot(line.u, line.R[end] * moves);
+    row_[k].second = end == 0 ? -along : along;
+  }
+}
+
+/// With the columns r_k of the distance vector and w_k of the rotations, E_k = u·r_k. Along direction j, r
+/// changes by r_j. On the same end, r_k changes by w_j × r_k or, if j is farther from the ground, by w_k × r_j.
+void DrivePort::add_row_derivatives(const Tree<double>& tree, std::span<const double> q, double factor,
+                                    std::span<double> out) const {
+  if (!along_line_) return;
+  struct Column {
+    std::size_t end;
+    int body, c;
+    Vec3<> w, r;
+  };
+  std::vector<Column> columns;
+  const Segment<double> line(line_.points.data(), tree, q.data(), nullptr,
+                             [&](std::size_t end, int i, int c, const Screw<double>& X) {
+                               columns.push_back({end, i, c, X.w, X.v});
+                             });
+  for (Column& column : columns) {
+    const SO3<>& R = line.R[column.end];
+    column.w = R * column.w;
+    column.r = column.end == 0 ? -(R * column.r) : R * column.r;
+  }
+  const std::size_t nv = static_cast<std::size_t>(tree->nv);
+  for (const Column& k : columns)
+    for (const Column& j : columns) {
+      Vec3<> turned{};
+      if (j.end == k.end) turned = j.body <= k.body ? cross(j.w, k.r) : cross(k.w, j.r);
+      const double across = dot(j.r, k.r) - dot(line.u, j.r) * dot(line.u, k.r);
+      out[static_cast<std::size_t>(k.c) * nv + static_cast<std::size_t>(j.c)] +=
+          factor * (dot(line.u, turned) + across / line.length);
+    }
+}
+
+}  // namespace axode

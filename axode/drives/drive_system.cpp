@@ -1,0 +1,251 @@
+#include "axode/drives/drive_system.hpp"
+
+#include <algorithm>
+#include <limits>
+#include <stdexcept>
+
+#include "axode/drives/make_law.hpp"
+#include "axode/model/building/placement.hpp"
+
+namespace axode {
+DriveSystem::DriveSystem(const Model& model, std::span<const AddedDrive> more) : model_(model) {
+  std::size_t line = 0;
+  for (std::size_t k = 0; k < model.drives().size(); ++k) {
+    const DriveDescription& it = model.drives()[k];
+    const std::string name = drive_name(it, k);
+    DrivePort port =
+        it.line ? DrivePort(model.springs().drive_lines[line++]) : DrivePort(model, name, it.joints);
+    drives_.push_back(
+        {name, make_law(it), std::move(port), DriveSignal(it.input), it.input.from, it.initial});
+  }
+  for (const AddedDrive& it : more)
+    drives_.push_back({it.name,
+                       it.law,
+                       DrivePort(model, it.name, it.joints),
+                       it.input ? DriveSignal(it.input) : DriveSignal(),
+                       "",
+                       {}});
+  for (Drive& drive : drives_) {
+    drive.first_x = states_.size();
+    drive.statuses.resize(drive.law->n_statuses());
+    for (DriveState& state : drive.law->states()) {
+      state.name = drive.name + "." + state.name;
+      states_.push_back(std::move(state));
+    }
+    drive.n_x = states_.size() - drive.first_x;
+  }
+  order_by_inputs();
+  now_.x.resize(nx());
+  now_.dx.resize(nx());
+  for (auto* each : {&now_.l, &now_.w, &now_.u, &now_.outputs}) each->resize(size());
+}
+
+/// Finds the drives that feed others. The description has no cycle.
+void DriveSystem::order_by_inputs() {
+  std::vector<char> listed(size());
+  for (std::size_t d = 0; d < size(); ++d) {
+    if (drives_[d].from.empty()) {
+      inputs_.push_back(d);
+      order_.push_back(d);
+      listed[d] = 1;
+      continue;
+    }
+    const auto feeder = std::ranges::find(drives_, drives_[d].from, &Drive::name);
+    drives_[d].fed_by = static_cast<int>(feeder - drives_.begin());
+    feeder->feeds = true;
+  }
+  while (order_.size() < size())
+    for (std::size_t d = 0; d < size(); ++d)
+      if (!listed[d] && listed[static_cast<std::size_t>(drives_[d].fed_by)]) {
+        order_.push_back(d);
+        listed[d] = 1;
+      }
+}
+
+void DriveSystem::update_ports(double t, Span q, Span v) {
+  for (std::size_t d = 0; d < size(); ++d) {
+    drives_[d].port.update(model_.tree<double>(), q, v);
+    now_.l[d] = drives_[d].port.l();
+    now_.w[d] = drives_[d].port.w();
+    now_.u[d] = drives_[d].signal(t);
+  }
+}
+
+template <class T> DrivePoint<T> DriveSystem::point(std::size_t d, double t, const Values<T>& values) const {
+  const Drive& drive = drives_[d];
+  const T& u = drive.fed_by < 0 ? values.u[d] : values.outputs[static_cast<std::size_t>(drive.fed_by)];
+  return {t, u, values.l[d], values.w[d], std::span<const T>(values.x).subspan(drive.first_x, drive.n_x)};
+}
+
+template <class T> DriveResponse<T> DriveSystem::respond(std::size_t d, double t, Values<T>& values) const {
+  const Drive& drive = drives_[d];
+  DriveResponse<T> response{std::span<T>(values.dx).subspan(drive.first_x, drive.n_x)};
+  drive.law->evaluate(point(d, t, values), drive.statuses, response);
+  values.outputs[d] = response.force;
+  return response;
+}
+
+void DriveSystem::evaluate_laws(double t, Span q, Span v, Span x) {
+  std::ranges::copy(x, now_.x.begin());
+  update_ports(t, q, v);
+  for (const std::size_t d : order_) static_cast<void>(respond(d, t, now_));
+}
+
+void DriveSystem::choose_statuses(double t, std::size_t d) {
+  drives_[d].law->choose(point(d, t, now_), drives_[d].statuses);
+  static_cast<void>(respond(d, t, now_));
+}
+
+void DriveSystem::start(double t, Span q, Span v, std::span<double> x) {
+  for (Drive& drive : drives_) drive.signal.begin(t);
+  update_ports(t, q, v);
+  for (const std::size_t d : order_) {
+    const Drive& drive = drives_[d];
+    const std::span<double> own = std::span(now_.x).subspan(drive.first_x, drive.n_x);
+    drive.law->start(point(d, t, now_), own);
+    for (const auto& [name, value] : drive.initial)
+      for (std::size_t k = 0; k < drive.n_x; ++k)
+        if (states_[drive.first_x + k].name == drive.name + "." + name) own[k] = value;
+    choose_statuses(t, d);
+  }
+  std::ranges::copy(now_.x, x.begin());
+}
+
+void DriveSystem::set_state(double t, Span q, Span v, Span x) {
+  for (Drive& drive : drives_) drive.signal.begin(t);
+  std::ranges::copy(x, now_.x.begin());
+  update_ports(t, q, v);
+  for (const std::size_t d : order_) choose_statuses(t, d);
+}
+
+void DriveSystem::evaluate(double t, Span q, Span v, Span x, std::span<double> tau, std::span<double> dx) {
+  evaluate_laws(t, q, v, x);
+  std::ranges::copy(now_.dx, dx.begin());
+  for (std::size_t d = 0; d < size(); ++d) {
+    if (drives_[d].feeds) continue;
+    for (const auto& [c, factor] : drives_[d].port.row())
+      tau[static_cast<std::size_t>(c)] += factor * now_.outputs[d];
+  }
+}
+
+DriveEnergy DriveSystem::energy(double t, Span q, Span v, Span x) {
+  std::ranges::copy(x, now_.x.begin());
+  update_ports(t, q, v);
+  DriveEnergy sum;
+  for (const std::size_t d : order_) {
+    const DriveResponse<double> response = respond(d, t, now_);
+    if (drives_[d].feeds) continue;
+    sum.stored += response.stored;
+    sum.supplied += response.supplied;
+    sum.lost += response.lost;
+  }
+  return sum;
+}
+
+DriveDerivatives DriveSystem::derivatives(double t, Span q, Span v, Span x) {
+  using Dual = DriveLaw::Dual;
+  evaluate_laws(t, q, v, x);
+  const auto index = [](auto k) { return static_cast<Eigen::Index>(k); };
+  const Eigen::Index nv = model_.nv(), n_x = index(nx());
+  const auto zeros = [](Eigen::Index rows, Eigen::Index columns) {
+    return Eigen::MatrixXd::Zero(rows, columns).eval();
+  };
+  DriveDerivatives out{zeros(nv, nv),  zeros(nv, nv),  zeros(nv, n_x),  zeros(nv, index(inputs_.size())),
+                       zeros(n_x, nv), zeros(n_x, nv), zeros(n_x, n_x), zeros(n_x, index(inputs_.size()))};
+  const auto with_duals = [](const std::vector<double>& numbers) {
+    return std::vector<Dual>(numbers.begin(), numbers.end());
+  };
+  Values<Dual> values{with_duals(now_.x), with_duals(now_.l),       with_duals(now_.w),
+                      with_duals(now_.u), with_duals(now_.outputs), with_duals(now_.dx)};
+  // Evaluates the derivatives by one argument, and calls add(forces, rates) with that of τ and f.
+  Eigen::VectorXd by_tau(nv), by_f(n_x);
+  const auto along = [&](Dual& argument) {
+    argument.dx[0] = 1;
+    by_tau.setZero();
+    for (const std::size_t d : order_) {
+      const double force = respond(d, t, values).force.dx[0];
+      if (drives_[d].feeds) continue;
+      for (const auto& [c, factor] : drives_[d].port.row()) by_tau[c] += factor * force;
+    }
+    argument.dx[0] = 0;
+    for (Eigen::Index k = 0; k < n_x; ++k) by_f[k] = values.dx[static_cast<std::size_t>(k)].dx[0];
+  };
+  for (std::size_t k = 0; k < nx(); ++k) {
+    along(values.x[k]);
+    out.tau_x.col(index(k)) = by_tau;
+    out.f_x.col(index(k)) = by_f;
+  }
+  for (std::size_t k = 0; k < inputs_.size(); ++k) {
+    along(values.u[inputs_[k]]);
+    out.tau_u.col(index(k)) = by_tau;
+    out.f_u.col(index(k)) = by_f;
+  }
+  std::vector<double> of_row(static_cast<std::size_t>(nv * nv));
+  for (std::size_t d = 0; d < size(); ++d) {
+    const Drive& drive = drives_[d];
+    along(values.l[d]);
+    for (const auto& [c, factor] : drive.port.row()) {
+      out.tau_q.col(c) += factor * by_tau;
+      out.f_q.col(c) += factor * by_f;
+    }
+    along(values.w[d]);
+    for (const auto& [c, factor] : drive.port.row()) {
+      out.tau_v.col(c) += factor * by_tau;
+      out.f_v.col(c) += factor * by_f;
+    }
+    // w = E v changes with q as well, and so does τ = Eᵀ g.
+    std::ranges::fill(of_row, 0.0);
+    drive.port.add_row_derivatives(model_.tree<double>(), q, 1, of_row);
+    const Eigen::Map<const Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>> E_q(
+        of_row.data(), nv, nv);
+    const Eigen::Map<const Eigen::VectorXd> velocities(v.data(), nv);
+    const Eigen::RowVectorXd w_q = velocities.transpose() * E_q;
+    out.tau_q += by_tau * w_q;
+    out.f_q += by_f * w_q;
+    if (!drive.feeds) out.tau_q += now_.outputs[d] * E_q;
+  }
+  return out;
+}
+
+double DriveSystem::next_jump(double t) const {
+  double next = std::numeric_limits<double>::infinity();
+  for (const Drive& drive : drives_) next = std::min(next, drive.signal.next_jump(t));
+  return next;
+}
+
+double DriveSystem::least_margin(double t, Span q, Span v, Span x) {
+  evaluate_laws(t, q, v, x);
+  double least = std::numeric_limits<double>::infinity();
+  for (std::size_t d = 0; d < size(); ++d)
+    for (std::size_t k = 0; k < drives_[d].statuses.size(); ++k)
+      least = std::min(least, drives_[d].law->margin(k, point(d, t, now_), drives_[d].statuses));
+  return least;
+}
+
+bool DriveSystem::switch_at(double t, Span q, Span v, std::span<double> x) {
+  bool changed = false;
+  for (Drive& drive : drives_) {
+    const double before = drive.signal(t);
+    drive.signal.begin(t);
+    changed = changed || drive.signal(t) != before;
+  }
+  // A change may make the margin of another status negative; several changes at one time come to an end.
+  constexpr int most_changes = 20;
+  for (int changes = 0; changes < most_changes; ++changes) {
+    evaluate_laws(t, q, v, x);
+    bool again = false;
+    for (Drive& drive : drives_) {
+      const auto d = static_cast<std::size_t>(&drive - drives_.data());
+      for (std::size_t k = 0; k < drive.statuses.size(); ++k) {
+        const DrivePoint<double> at = point(d, t, now_);
+        if (!(drive.law->margin(k, at, drive.statuses) < 0)) continue;
+        drive.law->change(k, at, drive.statuses, x.subspan(drive.first_x, drive.n_x));
+        changed = again = true;
+      }
+    }
+    if (!again) break;
+  }
+  return changed;
+}
+
+}  // namespace axode

@@ -1,0 +1,103 @@
+#pragma once
+#include <algorithm>
+#include <cmath>
+
+#include "axode/drives/drive_law.hpp"
+
+namespace axode {
+
+/// A DC motor with a gear (D17.8). The states are the current and, if the motor has a heat capacity, the
+/// temperature of its winding. The inertia of the rotor is not part of it: draw ratio² J as the armature of
+/// the joint.
+struct DcMotor {
+  double R, L, k;             ///< ohm at T_0, H, N m/A = V s/rad
+  double b = 0;               ///< N m s/rad, at the motor
+  double N = 1;               ///< angle of the motor over that of the joint
+  double u_max, i_max;        ///< V and A; infinite: not limited
+  double C, R_thermal;        ///< J/K and K/W; an infinite C has no state
+  double alpha = 0;           ///< 1/K
+  double T_a = 25, T_0 = 25;  ///< degC: ambient, and at which R is given
+
+  /// Values of the status of the current: it is free, or the amplifier holds it at the limit, or it exceeds
+  /// the limit because the amplifier's largest voltage against it is too small. The sign is that of the
+  /// current.
+  enum Current { free = 0, held = 1, beyond = 2 };
+
+  bool has_temperature() const { return std::isfinite(C); }
+  std::vector<DriveState> states() const {
+    std::vector<DriveState> all{{"current", "A", 1}};
+    if (has_temperature()) all.push_back({"temperature", "degC", 10});
+    return all;
+  }
+  void start(const DrivePoint<double>&, std::span<double> x) const {
+    x[0] = 0;
+    if (has_temperature()) x[1] = T_a;
+  }
+
+  template <class T> T resistance(const DrivePoint<T>& at) const {
+    return has_temperature() ? T(R) * (T(1) + T(alpha) * (at.x[1] - T(T_0))) : T(R);
+  }
+  /// The voltage that keeps the current as it is.
+  template <class T> T holding_voltage(const DrivePoint<T>& at) const {
+    return resistance(at) * at.x[0] + T(k * N) * at.w;
+  }
+
+  template <class T>
+  void evaluate(const DrivePoint<T>& at, std::span<const int> statuses, DriveResponse<T>& out) const {
+    const T &i = at.x[0], omega = T(N) * at.w, hold = holding_voltage(at);
+    T u = voltage().of(at.u, statuses[0]);
+    if (std::abs(statuses[1]) == held) u = hold;
+    if (std::abs(statuses[1]) == beyond) u = T(statuses[1] > 0 ? -u_max : u_max);
+    out.dx[0] = std::abs(statuses[1]) == held ? T(0) : (u - hold) / T(L);
+    out.force = T(N) * (T(k) * i - T(b) * omega);
+    const T heat = resistance(at) * i * i;
+    if (has_temperature()) out.dx[1] = (heat - (at.x[1] - T(T_a)) / T(R_thermal)) / T(C);
+    out.stored = T(0.5 * L) * i * i;
+    out.supplied = u * i;
+    out.lost = heat + T(b) * omega * omega;
+  }
+
+  std::size_t n_statuses() const { return 2; }
+  void choose(const DrivePoint<double>& at, DriveLaw::Statuses statuses) const {
+    statuses[0] = voltage().choose(at.u);
+    statuses[1] = free;
+    const double i = at.x[0];
+    if (std::abs(i) < i_max * (1 - past_limit)) return;
+    const int sign = i > 0 ? 1 : -1;
+    if (std::abs(i) > i_max * (1 + past_limit))
+      statuses[1] = sign * beyond;
+    else if (drive_at_limit(at, statuses, sign) > 0)
+      statuses[1] = sign * held;
+  }
+  double margin(std::size_t k_status, const DrivePoint<double>& at, std::span<const int> statuses) const {
+    if (k_status == 0) return voltage().margin(at.u, statuses[0]);
+    const double i = at.x[0];
+    if (statuses[1] == free) return i_max * (1 + past_limit) - std::abs(i);
+    const int sign = statuses[1] > 0 ? 1 : -1;
+    if (std::abs(statuses[1]) == beyond) return sign * i - i_max;
+    return std::min(drive_at_limit(at, statuses, sign), sign * holding_voltage(at) + u_max);
+  }
+  void change(std::size_t k_status, const DrivePoint<double>& at, DriveLaw::Statuses statuses,
+              std::span<double> x) const {
+    if (k_status == 0) {
+      statuses[0] = voltage().next(at.u, statuses[0]);
+      return;
+    }
+    const int sign = statuses[1] > 0 || (statuses[1] == free && at.x[0] > 0) ? 1 : -1;
+    if (std::abs(statuses[1]) == held) {
+      statuses[1] = drive_at_limit(at, statuses, sign) < 0 ? free : sign * beyond;
+    } else {
+      statuses[1] = sign * held;
+      x[0] = sign * i_max;
+    }
+  }
+
+ private:
+  Saturation voltage() const { return {u_max}; }
+  /// The voltage by which the input would drive the current farther over its limit.
+  double drive_at_limit(const DrivePoint<double>& at, std::span<const int> statuses, int sign) const {
+    return sign * (voltage().of(at.u, statuses[0]) - holding_voltage(at));
+  }
+};
+
+}  // namespace axode

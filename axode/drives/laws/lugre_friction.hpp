@@ -1,0 +1,48 @@
+#pragma once
+#include <cmath>
+
+#include "axode/drives/drive_law.hpp"
+#include "axode/scalar/exponential.hpp"
+
+namespace axode {
+
+/// LuGre friction (Canudas de Wit, Olsson, Åström, Lischinsky 1995): the state is the deflection z of the
+/// bristles (D17.14).
+struct LuGreFriction {
+  double sigma_0, sigma_1 = 0, sigma_2 = 0;  ///< N m/rad, N m s/rad, N m s/rad
+  double F_c, F_s;                           ///< levels of sliding and of sticking, N m
+  double v_s;                                ///< Stribeck's velocity, rad/s
+  double v_d;  ///< velocity above which the bristles are not damped, rad/s; infinite: there is none
+
+  std::vector<DriveState> states() const { return {{"bristle", "rad", F_c / sigma_0}}; }
+  void start(const DrivePoint<double>&, std::span<double> x) const { x[0] = 0; }
+
+  template <class T>
+  void evaluate(const DrivePoint<T>& at, std::span<const int> statuses, DriveResponse<T>& out) const {
+    using std::exp;
+    const T &z = at.x[0], &w = at.w, speed = T(statuses[0]) * w;
+    const auto bell = [&](double width) { return exp(-(w * w) * T(1 / (width * width))); };
+    const T G = T(F_c) + T(F_s - F_c) * bell(v_s);
+    const T slip = T(sigma_0) * speed * z / G, dz = w - slip;
+    const T damping = std::isfinite(v_d) ? T(sigma_1) * bell(v_d) : T(sigma_1);
+    out.dx[0] = dz;
+    out.force = -(T(sigma_0) * z + damping * dz + T(sigma_2) * w);
+    out.stored = T(0.5 * sigma_0) * z * z;
+    out.supplied = T(0);
+    out.lost = T(sigma_0) * z * slip + damping * dz * w + T(sigma_2) * w * w;
+  }
+
+  // The status is the sign of w.
+  std::size_t n_statuses() const { return 1; }
+  void choose(const DrivePoint<double>& at, DriveLaw::Statuses statuses) const {
+    statuses[0] = at.w < 0 ? -1 : 1;
+  }
+  double margin(std::size_t, const DrivePoint<double>& at, std::span<const int> statuses) const {
+    return statuses[0] * at.w + past_limit * v_s;
+  }
+  void change(std::size_t, const DrivePoint<double>&, DriveLaw::Statuses statuses, std::span<double>) const {
+    statuses[0] = -statuses[0];
+  }
+};
+
+}  // namespace axode

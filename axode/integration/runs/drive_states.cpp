@@ -1,0 +1,80 @@
+#include "axode/integration/runs/drive_states.hpp"
+
+#include <Eigen/LU>
+
+#include "axode/eigen.hpp"
+
+namespace axode {
+
+DriveStates::DriveStates(DriveSystem system) : system_(std::move(system)) {
+  const auto n = static_cast<Eigen::Index>(size());
+  x = dx = x_t_ = dx_t_ = nominal_ = base_ = mean_0_ = old_mean_ = Vector::Zero(n);
+  for (Eigen::Index k = 0; k < n; ++k) nominal_[k] = system_.states()[static_cast<std::size_t>(k)].nominal;
+}
+
+std::vector<std::string> DriveStates::names() const {
+  std::vector<std::string> all;
+  for (const DriveState& state : system_.states()) all.push_back(state.name);
+  return all;
+}
+
+void DriveStates::start(Span q, Span v) {
+  system_.start(0, q, v, as_span(x));
+  x_t_ = x;
+}
+
+void DriveStates::act_at(Span x_t) {
+  x_t_ = as_eigen(x_t);
+  kappa_ = 0;
+}
+
+void DriveStates::add_forces(double t, Span q, Span v, std::span<double> tau) {
+  if (empty()) return;
+  t_ = t;
+  if (kappa_ != 0) solve_states(t, q, v);
+  system_.evaluate(t, q, v, as_span(std::as_const(x_t_)), tau, as_span(dx_t_));
+}
+
+void DriveStates::begin_implicit_step(double h, double rho) {
+  const double d_m = (3 * rho - 1) / (2 * (rho + 1)), d_f = rho / (rho + 1), theta = 0.5 + d_f - d_m;
+  c_x_ = (1 - d_f) / (1 - d_m);
+  kappa_ = h * theta * c_x_;
+  old_mean_ = (d_f * dx - d_m * mean_0_) / (1 - d_m);
+  base_ = x + h * (1 - theta) * mean_0_ + h * theta * old_mean_;
+  x_t_ = x;
+}
+
+void DriveStates::accept_implicit_step() { mean_0_ = old_mean_ + c_x_ * dx; }
+
+/// Solves x = base + κ f(x, q, v) by Newton's method; errors are relative to nominal values.
+void DriveStates::solve_states(double t, Span q, Span v) {
+  constexpr int most = 20;
+  const auto n = static_cast<Eigen::Index>(size());
+  Vector unused(static_cast<Eigen::Index>(v.size()));
+  for (int k = 0; k < most; ++k) {
+    system_.evaluate(t, q, v, as_span(std::as_const(x_t_)), as_span(unused), as_span(dx_t_));
+    const Eigen::MatrixXd f_x = system_.derivatives(t, q, v, as_span(std::as_const(x_t_))).f_x;
+    const Vector step =
+        (Eigen::MatrixXd::Identity(n, n) - kappa_ * f_x).partialPivLu().solve(base_ + kappa_ * dx_t_ - x_t_);
+    x_t_ += step;
+    const Vector size_of_x = nominal_.cwiseMax(x_t_.cwiseAbs());
+    if (!(step.cwiseQuotient(size_of_x).lpNorm<Eigen::Infinity>() > 1e-14)) break;
+  }
+}
+
+void DriveStates::add_force_derivatives(Span q, Span v, Eigen::Ref<Matrix> by_q, Eigen::Ref<Matrix> by_v) {
+  const DriveDerivatives by = system_.derivatives(t_, q, v, as_span(std::as_const(x_t_)));
+  const auto n = static_cast<Eigen::Index>(size());
+  const Eigen::MatrixXd tau_f =
+      kappa_ * by.tau_x * (Eigen::MatrixXd::Identity(n, n) - kappa_ * by.f_x).inverse();
+  by_q += by.tau_q + tau_f * by.f_q;
+  by_v += by.tau_v + tau_f * by.f_v;
+}
+
+bool DriveStates::switch_at(double t, Span q, Span v) {
+  const bool changed = !empty() && system_.switch_at(t, q, v, as_span(x));
+  x_t_ = x;
+  return changed;
+}
+
+}  // namespace axode

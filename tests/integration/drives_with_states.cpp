@@ -1,0 +1,419 @@
+#include "axode/drives.hpp"
+
+#include <gmock/gmock.h>
+
+#include <Eigen/Eigenvalues>
+
+#include "axode/batch.hpp"
+#include "axode/dynamics.hpp"
+#include "axode/integration.hpp"
+#include "axode/model/configuration.hpp"
+#include "axode/model/joint_kinds.hpp"
+#include "tests/integration/motions.hpp"
+
+/// Drives with states of their own: balances of power, derivatives, small motions, and what is refused.
+namespace axode::test {
+namespace drives_with_states {
+namespace {
+
+DriveDescription random_drive(Random<double>& random, DriveKind kind) {
+  DriveDescription drive{.kind = kind};
+  const auto between = [&](double low, double high) { return random.number(low, high); };
+  switch (kind) {
+    case DriveKind::dc_motor:
+      drive.parameters = {{"resistance", between(0.5, 2)},
+                          {"inductance", between(0.05, 0.2)},
+                          {"torque_constant", between(0.1, 0.5)},
+                          {"viscous", between(0, 0.1)},
+                          {"ratio", between(1, 3)},
+                          {"voltage_limit", between(2, 4)},
+                          {"current_limit", between(1, 2)},
+                          {"heat_capacity", between(5, 10)},
+                          {"thermal_resistance", 2},
+                          {"temperature_coefficient", 0.004}};
+      break;
+    case DriveKind::pid:
+      drive.parameters = {{"kp", between(1, 3)},
+                          {"ki", between(0, 2)},
+                          {"kd", between(0, 0.2)},
+                          {"filter_time", 0.1},
+                          {"limit", between(1, 2)}};
+      break;
+    case DriveKind::series_elastic:
+      drive.parameters = {{"resistance", between(0.5, 2)},
+                          {"inductance", between(0.05, 0.2)},
+                          {"torque_constant", between(0.1, 0.5)},
+                          {"ratio", between(1, 3)},
+                          {"rotor_inertia", between(0.1, 0.2)},
+                          {"stiffness", between(5, 10)},
+                          {"damping", between(0, 0.5)}};
+      break;
+    case DriveKind::lugre:
+      drive.parameters = {{"bristle_stiffness", between(10, 20)},
+                          {"bristle_damping", between(0, 1)},
+                          {"viscous", between(0, 0.2)},
+                          {"coulomb", 0.5},
+                          {"stiction", between(0.5, 1)},
+                          {"stribeck_velocity", 0.2},
+                          {"damping_velocity", 0.4}};
+      break;
+    case DriveKind::hydraulic_cylinder:
+      drive.parameters = {{"closed_length", between(-0.2, 0.2)},
+                          {"stroke", between(0.3, 0.6)},
+                          {"area_a", 2e-3},
+                          {"area_b", 1.2e-3},
+                          {"dead_volume_a", 0.05},
+                          {"dead_volume_b", 0.05},
+                          {"bulk_modulus", 1e6},
+                          {"internal_leakage", 1e-10},
+                          {"external_leakage", 1e-10},
+                          {"valve", 1e-6},
+                          {"smooth_pressure", 100},
+                          {"supply_pressure", 1e4},
+                          {"tank_pressure", 10},
+                          {"valve_time", 0.05},
+                          {"viscous", between(0, 1)},
+                          {"cushion_stiffness", between(10, 20)},
+                          {"cushion_damping", between(0, 1)}};
+      break;
+  }
+  if (traits(kind).has_input) {
+    drive.input.function.emplace().kind = MotionDescription::Kind::harmonic;
+    drive.input.function->amplitude = kind == DriveKind::hydraulic_cylinder ? 0.8 : between(1, 5);
+    drive.input.function->frequency = between(0.5, 2);
+  }
+  return drive;
+}
+
+/// A random tree with a drive of each kind, on one or two joints or along a line, and a motor that a
+/// controller feeds.
+struct Driven {
+  Model model;
+  Numbers q, v, x;
+  DriveSystem drives;
+
+  explicit Driven(std::uint64_t seed)
+      : model([&] {
+          Random<double> random(seed);
+          Description d = told(random_mechanism(random, {.most_bodies = 5, .always_mass = true}), random);
+          const Description expanded = expand(d);
+          std::vector<std::string> joints;
+          for (const BodyDescription& body : expanded.bodies)
+            if (can_couple(body.joint.kind)) joints.push_back(body.joint.name);
+          const auto any = [&](auto& all) -> auto& {
+            return all[static_cast<std::size_t>(random.number(0, 0.999) * static_cast<double>(all.size()))];
+          };
+          for (const DriveTraits& kind : drive_kinds) {
+            DriveDescription drive = random_drive(random, kind.kind);
+            drive.name = std::string(kind.name);
+            if (joints.empty() || random.number(0, 1) < 0.5) {
+              drive.line = DriveDescription::Line{.between = {any(d.bodies).name, "ground"}};
+              drive.line->points = {Vec3<>{random.number(-1, 1), 0.3, 0}, {1, random.number(-1, 1), 0.5}};
+            } else {
+              drive.joints = {{any(joints), random.number(0.5, 1)}};
+              if (const std::string other = any(joints); other != drive.joints[0].first)
+                drive.joints.emplace_back(other, random.number(-1, -0.5));
+            }
+            d.drives.push_back(drive);
+          }
+          DriveDescription fed = random_drive(random, DriveKind::dc_motor);
+          fed.name = "fed";
+          fed.joints = d.drives[0].joints;
+          fed.line = d.drives[0].line;
+          fed.input = {.from = "pid"};
+          d.drives.push_back(fed);
+          return ModelBuilder(d).build();
+        }()),
+        drives(model) {
+    Random<double> random(seed + 1);
+    q = integrate(model, random_configuration(model, seed), random_numbers(random, model.nv(), 0.5));
+    v = random_numbers(random, model.nv(), 0.5);
+    x.resize(drives.nx());
+    drives.start(0.1, q, v, x);
+    for (std::size_t k = 0; k < x.size(); ++k) {
+      const double size = drives.states()[k].unit == "Pa"    ? 2e3
+                          : drives.states()[k].unit == "rad" ? 0.02
+                                                             : 0.5;
+      x[k] += size * random.number(-1, 1);
+    }
+    drives.set_state(0.1, q, v, x);
+  }
+  std::size_t nv() const { return v.size(); }
+};
+
+double spring_energy(const Model& model, Span q) {
+  Workspace<> workspace(model);
+  return model.springs().empty() ? 0 : elastic_energy(model, workspace, q);
+}
+
+/// ΔE = ∫ (P_in - P_loss) dt (D17.2), where dampers of springs are left out.
+TEST(DrivesWithStates, BalanceTheEnergyOfTheirMechanism) {
+  for_seeds(30, [](std::uint64_t seed) {
+    Driven at(seed);
+    Description undamped = at.model.description();
+    for (SpringDescription& spring : undamped.springs) spring.damping = 0;
+    for (BodyDescription& body : undamped.bodies)
+      for (Dof& dof : body.joint.dof) dof.stop_stiffness = dof.stop_damping = 0;
+    const Model model = ModelBuilder(undamped).build();
+    const Trajectory motion =
+        simulate(model, at.q, at.v, 0.2, {.relative = 1e-10, .absolute = 1e-11, .largest_step = 0.002});
+    ASSERT_TRUE(motion.complete) << motion.stop_reason;
+    DriveSystem drives(model);
+    const auto energy_at = [&](std::size_t k) {
+      drives.set_state(motion.t()[k], motion.q(k), motion.v(k), motion.x(k));
+      return energy_of(model, motion.q(k), motion.v(k)) + spring_energy(model, motion.q(k)) +
+             drives.energy(motion.t()[k], motion.q(k), motion.v(k), motion.x(k)).stored;
+    };
+    Numbers q(at.q), v(at.v), x(motion.nx());
+    const auto power = [&](double t) {
+      motion.at(t, q, v);
+      motion.drive_states_at(t, x);
+      drives.set_state(t, q, v, x);
+      const DriveEnergy energy = drives.energy(t, q, v, x);
+      return energy.supplied - energy.lost;
+    };
+    double work = 0, size = 1;
+    for (std::size_t k = 0; k + 1 < motion.size(); ++k) {
+      const double t = motion.t()[k], h = motion.t()[k + 1] - t, p = std::sqrt(0.15) * h;
+      work += h / 18 * (5 * power(t + h / 2 - p) + 8 * power(t + h / 2) + 5 * power(t + h / 2 + p));
+      size = std::max(size, std::abs(energy_at(k)));
+    }
+    EXPECT_NEAR(energy_at(motion.size() - 1) - energy_at(0), work, 1e-6 * size);
+  });
+}
+
+TEST(DrivesWithStates, DerivativesAreThoseOfForcesAndRates) {
+  for_seeds(60, [](std::uint64_t seed) {
+    Driven at(seed);
+    const DriveDerivatives by = at.drives.derivatives(0.1, at.q, at.v, at.x);
+    const auto values = [&](Span q, Span v, Span x) {
+      Eigen::VectorXd tau = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(at.nv())),
+                      dx(static_cast<Eigen::Index>(at.x.size()));
+      at.drives.evaluate(0.1, q, v, x, as_span(tau), as_span(dx));
+      return std::pair(tau, dx);
+    };
+    const auto expect_slope = [&](const auto& ahead, const auto& behind, double h, const auto& tau,
+                                  const auto& f, const char* what) {
+      const auto near = [&](const Eigen::VectorXd& slope, const Eigen::VectorXd& exact,
+                            const Eigen::VectorXd& size) {
+        for (Eigen::Index k = 0; k < slope.size(); ++k)
+          EXPECT_NEAR(slope[k], exact[k], 1e-5 * (1e-3 + std::abs(exact[k])) + 1e-9 * std::abs(size[k]) / h)
+              << what << " " << k;
+      };
+      near((ahead.first - behind.first) / (2 * h), tau, ahead.first);
+      near((ahead.second - behind.second) / (2 * h), f, ahead.second);
+    };
+    for (std::size_t j = 0; j < at.nv(); ++j) {
+      constexpr double h = 1e-6;
+      const auto c = static_cast<Eigen::Index>(j);
+      Numbers d(at.nv()), faster = at.v, slower = at.v;
+      d[j] = h;
+      const Numbers q_1 = integrate(at.model, at.q, d);
+      d[j] = -h;
+      const Numbers q_0 = integrate(at.model, at.q, d);
+      expect_slope(values(q_1, at.v, at.x), values(q_0, at.v, at.x), h, by.tau_q.col(c), by.f_q.col(c), "q");
+      faster[j] += h, slower[j] -= h;
+      expect_slope(values(at.q, faster, at.x), values(at.q, slower, at.x), h, by.tau_v.col(c), by.f_v.col(c),
+                   "v");
+    }
+    for (std::size_t j = 0; j < at.x.size(); ++j) {
+      const auto c = static_cast<Eigen::Index>(j);
+      const double h = 1e-6 * (at.drives.states()[j].unit == "Pa" ? 1e3 : 1);
+      Numbers more = at.x, less = at.x;
+      more[j] += h, less[j] -= h;
+      expect_slope(values(at.q, at.v, more), values(at.q, at.v, less), h, by.tau_x.col(c), by.f_x.col(c),
+                   "x");
+    }
+  });
+}
+
+/// A pendulum that a controller holds by a motor.
+Description controlled_pendulum() {
+  Description d{.name = "pendulum"};
+  d.bodies = {
+      {.name = "rod",
+       .joint = {.name = "hinge", .kind = JointKind::revolute, .axis = {0, 1, 0}},
+       .inertia = MassProperties{.mass = 1, .com = {0.3, 0, 0}, .Theta = {0.01, 0.02, 0.02, 0, 0, 0}}}};
+  d.drives = {
+      {.name = "controller",
+       .kind = DriveKind::pid,
+       .joints = {{"hinge", 1.0}},
+       .parameters = {{"kp", 40}, {"ki", 20}, {"kd", 4}, {"filter_time", 0.02}, {"limit", 40}},
+       .input = {.values = {0.5}}},
+      {.name = "motor",
+       .kind = DriveKind::dc_motor,
+       .joints = {{"hinge", 1.0}},
+       .parameters = {{"resistance", 1}, {"inductance", 0.01}, {"torque_constant", 0.2}, {"ratio", 5}},
+       .input = {.from = "controller"}}};
+  return d;
+}
+
+TEST(DrivesWithStates, SmallMotionsAreThoseOfTheLinearSystem) {
+  const Model model = ModelBuilder(controlled_pendulum()).build();
+  DriveSystem drives(model);
+  Numbers x(drives.nx());
+  drives.start(0, {{0.4}}, {{0.0}}, x);
+  const DriveEquilibrium rest = equilibrium_with_drives(model, drives, 0, {{0.4}}, x);
+  ASSERT_TRUE(rest.found) << rest.residual;
+  EXPECT_NEAR(rest.q[0], 0.5, 1e-12);
+  const DriveLinearization linear = linearize_with_drives(model, drives, 0, rest.q, {{0.0}}, rest.x);
+  EXPECT_EQ(linear.B.cols(), 1);  // only the controller has an input of its own
+
+  constexpr double small = 1e-5, until = 0.5;
+  Description displaced = controlled_pendulum();
+  displaced.drives[0].initial = {{"integral", rest.x[0]}, {"filter", rest.x[1]}};
+  displaced.drives[1].initial = {{"current", rest.x[2]}};
+  const Model start = ModelBuilder(displaced).build();
+  const Trajectory motion =
+      simulate(start, {{rest.q[0] + small}}, {{0.0}}, until, {.relative = 1e-11, .absolute = 1e-13});
+  ASSERT_TRUE(motion.complete) << motion.stop_reason;
+  Eigen::VectorXd z_0 = Eigen::VectorXd::Zero(5);
+  z_0[0] = small;
+  const Eigen::EigenSolver<Eigen::MatrixXd> modes(linear.A);
+  const Eigen::MatrixXcd V = modes.eigenvectors();
+  const Eigen::VectorXcd parts = V.partialPivLu().solve(z_0.cast<std::complex<double>>());
+  const Eigen::VectorXd z =
+      (V * ((until * modes.eigenvalues()).array().exp() * parts.array()).matrix()).real();
+  const std::size_t last = motion.size() - 1;
+  EXPECT_NEAR(last_q(motion)[0] - rest.q[0], z[0], 1e-4 * small);
+  EXPECT_NEAR(last_v(motion)[0], z[1], 1e-3 * small);
+  for (std::size_t k = 0; k < 3; ++k)
+    EXPECT_NEAR(motion.x(last)[k] - rest.x[k], z[2 + static_cast<Eigen::Index>(k)], 2e-3 * small) << k;
+  EXPECT_GT(z.lpNorm<Eigen::Infinity>(), 0.1 * small);
+
+  // After a long run the motion rests where the equilibrium is.
+  const Trajectory longer = simulate(model, {{0.0}}, {{0.0}}, 40, {.relative = 1e-9});
+  ASSERT_TRUE(longer.complete) << longer.stop_reason;
+  EXPECT_LT(linear.A.eigenvalues().real().maxCoeff(), -0.1);
+  EXPECT_NEAR(last_q(longer)[0], 0.5, 1e-6);
+}
+
+/// The current of a motor that is held by hand, R i + L i' = u, as a law of the caller.
+struct HeldCoil {
+  std::vector<DriveState> states() const { return {{"flux", "V s", 1}}; }
+  void start(const DrivePoint<double>&, std::span<double> x) const { x[0] = 0; }
+  template <class T>
+  void evaluate(const DrivePoint<T>& at, std::span<const int>, DriveResponse<T>& out) const {
+    out.dx[0] = at.u - T(2) * at.x[0];
+    out.force = T(3) * at.x[0];
+  }
+};
+
+TEST(DrivesWithStates, OwnLawsActBesidesThoseOfTheModel) {
+  Description d{.name = "wheel", .gravity = {}};
+  d.bodies = {{.name = "wheel",
+               .joint = {.name = "hinge", .kind = JointKind::revolute},
+               .inertia = MassProperties{.mass = 1, .com = {}, .Theta = {1, 1, 0.5, 0, 0, 0}}}};
+  const Model model = ModelBuilder(d).build();
+  SimulationOptions options;
+  options.drives = {{.name = "coil",
+                     .joints = {{"hinge", 2.0}},
+                     .law = std::make_shared<DriveLawOf<HeldCoil>>(HeldCoil{}),
+                     .input = [](double) { return 4.0; }}};
+  const double t = 1.5, x = 2 * (1 - std::exp(-2 * t)), v = 24 * (t - (1 - std::exp(-2 * t)) / 2);
+  for (const Trajectory& motion :
+       {simulate(model, {{0.0}}, {{0.0}}, t, {.relative = 1e-11, .absolute = 1e-12}, options),
+        simulate_fixed(model, {{0.0}}, {{0.0}}, t, 1e-3, runge_kutta(4), options)}) {
+    ASSERT_TRUE(motion.complete) << motion.stop_reason;
+    EXPECT_THAT(std::vector(motion.drive_states().begin(), motion.drive_states().end()),
+                testing::ElementsAre("coil.flux"));
+    EXPECT_NEAR(motion.x(motion.size() - 1)[0], x, 1e-9);
+    EXPECT_NEAR(last_v(motion)[0], v, 1e-9 * v);
+    EXPECT_NEAR(motion.tau().back(), 6 * x, 1e-8);
+  }
+}
+
+/// A motor that its load drives above the speed at which the amplifier can hold the current.
+TEST(DrivesWithStates, CurrentsLeaveTheirLimitIfTheVoltageIsTooSmall) {
+  Description d{.name = "wheel", .gravity = {}};
+  d.bodies = {{.name = "wheel",
+               .joint = {.name = "hinge", .kind = JointKind::revolute},
+               .inertia = MassProperties{.mass = 1, .com = {}, .Theta = {1, 1, 0.05, 0, 0, 0}}}};
+  d.drives = {{.name = "motor",
+               .joints = {{"hinge", 1.0}},
+               .parameters = {{"resistance", 1},
+                              {"inductance", 0.05},
+                              {"torque_constant", 0.5},
+                              {"voltage_limit", 10},
+                              {"current_limit", 4}},
+               .input = {.values = {30}}}};
+  const Model model = ModelBuilder(d).build();
+  const Trajectory motion = simulate(model, {{0.0}}, {{-40.0}}, 3, {.relative = 1e-10});
+  ASSERT_TRUE(motion.complete) << motion.stop_reason;
+  double largest = 0;
+  std::size_t held = 0;
+  for (std::size_t k = 0; k < motion.size(); ++k) {
+    largest = std::max(largest, motion.x(k)[0]);
+    held += motion.x(k)[0] == 4 ? 1 : 0;
+  }
+  EXPECT_GT(largest, 4.5);  // at -40 rad/s the coil has 20 V, of which the amplifier takes 10 V
+  EXPECT_GT(held, 3U);
+  EXPECT_NEAR(motion.x(motion.size() - 1)[0], 0, 0.2);
+  EXPECT_NEAR(last_v(motion)[0], 20, 0.5);
+}
+
+/// The largest differences of a motion at its end to an accurate one: of q, v and x.
+double error_at_end(const Trajectory& motion, const Trajectory& exact) {
+  double most = std::max(std::abs(last_q(motion)[0] - last_q(exact)[0]),
+                         std::abs(last_v(motion)[0] - last_v(exact)[0]));
+  for (std::size_t k = 0; k < motion.nx(); ++k)
+    most = std::max(most, std::abs(motion.x(motion.size() - 1)[k] - exact.x(exact.size() - 1)[k]));
+  return most;
+}
+
+TEST(DrivesWithStates, ImplicitStepsHaveOrderTwo) {
+  const Model model = ModelBuilder(controlled_pendulum()).build();
+  const Trajectory exact = simulate(model, {{0.3}}, {{0.0}}, 0.4, {.relative = 1e-12, .absolute = 1e-13});
+  ASSERT_TRUE(exact.complete) << exact.stop_reason;
+  for (const double rho : {1.0, 0.8, 0.5, 0.0}) {
+    double before = 0;
+    for (const double h : {0.4 / 400, 0.4 / 800, 0.4 / 1600}) {
+      const Trajectory motion = simulate_stiff(model, {{0.3}}, {{0.0}}, 0.4, h, rho);
+      ASSERT_TRUE(motion.complete) << motion.stop_reason;
+      const double error = error_at_end(motion, exact);
+      if (before > 0) {
+        EXPECT_NEAR(before / error, 4, 0.25) << rho << " " << h;
+      }
+      before = error;
+    }
+    EXPECT_LT(before, 1e-3);
+  }
+}
+
+/// Limits end steps of the implicit method as well, and steps are larger than an explicit one can take.
+TEST(DrivesWithStates, ImplicitStepsFollowLimitsAndStiffStates) {
+  Description d = controlled_pendulum();
+  d.drives[0].parameters[4].second = 6;     // the limit
+  d.drives[1].parameters[1].second = 1e-4;  // the inductance
+  const Model model = ModelBuilder(d).build();
+  const Trajectory exact = simulate(model, {{-0.5}}, {{0.0}}, 1, {.relative = 1e-10}),
+                   motion = simulate_stiff(model, {{-0.5}}, {{0.0}}, 1, 1e-3, 0.5);
+  ASSERT_TRUE(exact.complete) << exact.stop_reason;
+  ASSERT_TRUE(motion.complete) << motion.stop_reason;
+  EXPECT_LT(error_at_end(motion, exact), 2e-3);
+  EXPECT_LE(motion.steps, 1020U);
+}
+
+TEST(DrivesWithStates, AreRefusedWhereTheyAreNotFollowed) {
+  const Model model = ModelBuilder(controlled_pendulum()).build();
+  const Numbers q{0}, v{0};
+  const auto refuses = [](const char* why) {
+    return testing::ThrowsMessage<std::invalid_argument>(testing::HasSubstr(why));
+  };
+  const char* const why = "do not count drives with states";
+  SimulationOptions absolute;
+  absolute.coordinates = Coordinates::absolute;
+  EXPECT_THAT([&] { simulate_stiff(model, q, v, 1, 0.1, 0.8, absolute); }, refuses(why));
+  EXPECT_THAT([&] { simulate_symplectic(model, q, v, 1, 0.1); }, refuses(why));
+  EXPECT_THAT([&] { simulate_momenta(model, q, v, 1, 0.1); }, refuses(why));
+  EXPECT_THAT([&] { simulate(model, q, v, 1, {}, absolute); }, refuses(why));
+  EXPECT_THAT([&] { simulate_rattle(model, q, v, 1, 0.1, 2, absolute); }, refuses(why));
+  EXPECT_THAT([&] { simulate_contact(model, q, v, 1, 0.1); }, refuses("contact does not count drives"));
+  Numbers tau(1), out(2);
+  EXPECT_THAT([&] { static_cast<void>(batch::rollout<double>(model, q, v, tau, 0.1, out, out)); },
+              refuses("rollout does not carry the states of drives"));
+}
+
+}  // namespace
+}  // namespace drives_with_states
+}  // namespace axode::test
