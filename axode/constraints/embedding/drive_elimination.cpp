@@ -40,17 +40,17 @@ DriveElimination<T>::DriveElimination(const Model& model, const LoopTable& table
 }
 
 template <class T>
-bool DriveElimination<T>::solve(const std::vector<std::vector<T>>& entries, const char* driven, const T* f,
-                                T* tau, T* lambda) noexcept {
+bool DriveElimination<T>::solve(const std::vector<std::vector<T>>& entries, const T& considerable,
+                                const char* driven, const T* f, T* tau, T* lambda) noexcept {
   sort_velocities(driven);
   for (const int c : limbs_.outside)
     if (driven_[index(c)] == 0) return false;
-  if (!eliminate_limbs(entries, f) || !eliminate_carrying(f)) return false;
+  if (!eliminate_limbs(entries, considerable, f) || !eliminate_carrying(considerable, f)) return false;
   const bool unique = remaining_.rows() == remaining_.rank();
   if (!unique && lambda != nullptr) return false;
   std::copy_n(f, forces_.size(), forces_.data());
   subtract_rows(false, forces_.data());
-  if (!unique && !take_least(forces_.data())) return false;
+  if (!unique && !take_least(considerable, forces_.data())) return false;
   for (std::size_t c = 0; c < forces_.size(); ++c) tau[c] = driven_[c] != 0 ? forces_[c] : T(0);
   if (lambda == nullptr) return true;
   for (Part& part : parts_) {
@@ -86,7 +86,8 @@ template <class T> void DriveElimination<T>::sort_velocities(const char* driven)
 }
 
 template <class T>
-bool DriveElimination<T>::eliminate_limbs(const std::vector<std::vector<T>>& entries, const T* f) noexcept {
+bool DriveElimination<T>::eliminate_limbs(const std::vector<std::vector<T>>& entries, const T& considerable,
+                                          const T* f) noexcept {
   for (std::size_t l = 0; l < parts_.size(); ++l) {
     Part& part = parts_[l];
     const int p = size(part.passive);
@@ -100,20 +101,20 @@ bool DriveElimination<T>::eliminate_limbs(const std::vector<std::vector<T>>& ent
         for (int r = 0; r < path.rows.count; ++r) part.matrix.row(row + r)[*next] += *entry++;
       row += path.rows.count;
     }
-    if (!part.matrix.run() || part.matrix.rank() < p) return false;
+    if (!part.matrix.run(considerable) || part.matrix.rank() < p) return false;
     for (int j = 0; j < p; ++j) b_[index(j)] = f[part.passive[index(j)]];
     part.matrix.solve_transposed(b_.data(), part.mu.data());
   }
   return true;
 }
 
-template <class T> bool DriveElimination<T>::eliminate_carrying(const T* f) noexcept {
+template <class T> bool DriveElimination<T>::eliminate_carrying(const T& considerable, const T* f) noexcept {
   const int s = size(carrying_passive_);
   int rows = 0;
   for (const Part& part : parts_) rows += part.matrix.rows() - part.matrix.rank();
   remaining_.reset(rows, s);
   for (int j = 0; j < s; ++j) b_[index(j)] = f[carrying_passive_[index(j)]];
-  T largest(0);
+  T largest = considerable;
   int next = 0;
   for (const Part& part : parts_) {
     const int first = carrying_column(part);
@@ -159,7 +160,7 @@ template <class T> T DriveElimination<T>::subtract_rows(bool only_remaining, T* 
   return most;
 }
 
-template <class T> bool DriveElimination<T>::take_least(T* forces) noexcept {
+template <class T> bool DriveElimination<T>::take_least(const T& considerable, T* forces) noexcept {
   const std::size_t nv = forces_.size();
   const auto project = [&](const T* e, T* x) {
     T along(0);
@@ -180,7 +181,7 @@ template <class T> bool DriveElimination<T>::take_least(T* forces) noexcept {
     set_remaining(nu_.data());
     T* const x = basis_.data() + found * nv;
     std::fill_n(x, nv, T(0));
-    const T size = subtract_rows(true, x);
+    const T size = std::max(considerable, subtract_rows(true, x));
     for (int twice = 0; twice < 2; ++twice)
       for (std::size_t k = 0; k < found; ++k) project(basis_.data() + k * nv, x);
     const T rest = norm(x);

@@ -15,11 +15,11 @@ template <class T> class DriveElimination {
   DriveElimination(const Model& model, const LoopTable& table);
 
   /// Computes τ (nv) and, unless it is null, λ (loops().rows). driven (nv) flags the velocities with drives.
-  /// entries[k] are those of loop k, a column of its rows for each column of its path. If there are more
-  /// drives than needed, τ is the least one. Returns false, without results, if some motion has no drive, if
+  /// entries[k] are those of loop k, a column of its rows for each column of its path. `considerable` is the
+  /// size below which entries may be rounding errors, see LoopSystem. If there are more drives than needed, τ is the least one. Returns false, without results, if some motion has no drive, if
   /// λ is wanted and not unique, or if rounding leaves a rank open.
-  bool solve(const std::vector<std::vector<T>>& entries, const char* driven, const T* f, T* tau,
-             T* lambda) noexcept;
+  bool solve(const std::vector<std::vector<T>>& entries, const T& considerable, const char* driven,
+             const T* f, T* tau, T* lambda) noexcept;
 
  private:
   /// The columns of a limb are its velocities without a drive, those with one, and the carrying ones.
@@ -36,8 +36,9 @@ template <class T> class DriveElimination {
   static int carrying_column(const Part& part) { return size(part.passive) + size(part.active); }
 
   void sort_velocities(const char* driven) noexcept;
-  bool eliminate_limbs(const std::vector<std::vector<T>>& entries, const T* f) noexcept;
-  bool eliminate_carrying(const T* f) noexcept;
+  bool eliminate_limbs(const std::vector<std::vector<T>>& entries, const T& considerable,
+                       const T* f) noexcept;
+  bool eliminate_carrying(const T& considerable, const T* f) noexcept;
   /// Writes multipliers ν of the carrying elimination as those of the rows that remain of the limbs.
   void set_remaining(T* nu) noexcept;
   /// Subtracts from the forces (nv) of the drives those of the rows with the present multipliers, and returns
@@ -45,7 +46,7 @@ template <class T> class DriveElimination {
   T subtract_rows(bool only_remaining, T* forces) const noexcept;
   /// Makes the forces (nv) of the drives the least ones. Returns false if rounding leaves open which rows
   /// change them.
-  bool take_least(T* forces) noexcept;
+  bool take_least(const T& considerable, T* forces) noexcept;
 
   const LoopTable& table_;
   Limbs limbs_;

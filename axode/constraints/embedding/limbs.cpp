@@ -92,11 +92,10 @@ Limbs limbs_of(const Model& model, const std::vector<LoopPath>& paths, int platf
 
 Limbs limbs_of(const Model& model, const std::vector<LoopPath>& paths) {
   constexpr std::size_t most_candidates = 16;
-  std::map<int, int> ends;  // how many loop joints end at each body
+  std::map<int, int> loops;  // how many loops have a body on their paths to the ground
   for (const LoopPath& path : paths)
-    for (const Loop::End& end : path.ends)
-      if (end.body > 0) ++ends[end.body];
-  std::vector<std::pair<int, int>> candidates(ends.begin(), ends.end());
+    for (const int body : path.bodies) ++loops[body];
+  std::vector<std::pair<int, int>> candidates(loops.begin(), loops.end());
   std::stable_sort(candidates.begin(), candidates.end(),
                    [](const auto& a, const auto& b) { return a.second > b.second; });
   candidates.resize(std::min(candidates.size(), most_candidates));

@@ -55,7 +55,7 @@ class LimbClosure {
       return false;
     }
     last_norm_ = norm;
-    static_cast<void>(matrix_.run());
+    static_cast<void>(matrix_.run(system.considerable_entry()));
     matrix_.reduce(residual_.data(), reduced_.data());
     matrix_.solve(reduced_.data(), step_.data());
     double largest = 0;

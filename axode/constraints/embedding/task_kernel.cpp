@@ -174,7 +174,7 @@ bool TaskKernel::eliminate(Part& part) noexcept {
     }
     row += path.rows.count;
   }
-  return part.matrix.run();
+  return part.matrix.run(system_.considerable_entry());
 }
 
 bool TaskKernel::eliminate_constraints() noexcept {
@@ -182,7 +182,7 @@ bool TaskKernel::eliminate_constraints() noexcept {
   int rows = 0;
   for (const Part& part : parts_) rows += part.matrix.rows() - part.matrix.rank();
   constraints_.reset(rows, dependent_);
-  double largest = 0;
+  double largest = system_.considerable_entry();
   int next = 0;
   for (const Part& part : parts_)
     for (int i = 0; i < part.matrix.rows(); ++i) {

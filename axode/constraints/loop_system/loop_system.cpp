@@ -150,10 +150,20 @@ template <class T> std::span<const T> LoopSystem<T>::acceleration_residual(const
 
 template <class T>
 bool LoopSystem<T>::drive_forces(std::span<const int> drives, const T* f, T* tau, T* lambda) noexcept {
-  if (drives.empty()) return drives_.solve(entries_, model_.loops().driven.data(), f, tau, lambda);
+  const T least = considerable_entry();
+  if (drives.empty()) return drives_.solve(entries_, least, model_.loops().driven.data(), f, tau, lambda);
   std::ranges::fill(driven_, 0);
   for (const int c : drives) driven_[index(c)] = 1;
-  return drives_.solve(entries_, driven_.data(), f, tau, lambda);
+  return drives_.solve(entries_, least, driven_.data(), f, tau, lambda);
+}
+
+template <class T> T LoopSystem<T>::considerable_entry() const noexcept {
+  T square(0);
+  for (const State& at : at_)
+    square = std::max({square, dot(at.frames.a.r, at.frames.a.r), dot(at.frames.b.r, at.frames.b.r)});
+  constexpr T shortest(1e-6);  // shorter levers than this are no levers
+  const T lever = sqrt(square);
+  return T(0.1) * (lever > shortest ? std::min(T(1), lever) : T(1));
 }
 
 template <class T> void LoopSystem<T>::update_loops() noexcept {

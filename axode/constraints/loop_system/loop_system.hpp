@@ -76,6 +76,10 @@ template <class T> class LoopSystem {
   /// passive. The rows A must have been made. Returns false without results if the elimination is not
   /// certain, see DriveElimination.
   bool drive_forces(std::span<const int> drives, const T* f, T* tau, T* lambda) noexcept;
+  /// A lower bound of the size of an entry of A that is not 0 by geometry or by a singularity, for decisions
+  /// about rounding errors: a tenth of the largest lever of a loop joint about the origin of a root, at most
+  /// 0.1.
+  T considerable_entry() const noexcept;
   /// Computes v after an impact of the loops, A v⁺ = -e A v, and the impulses (D7.12). With prescribed rows
   /// A v - s' takes the place of A v.
   Solvability impact(const T* q, const T* v, const T& e, T* v_after, T* impulses) noexcept;
