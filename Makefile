@@ -4,7 +4,7 @@ FROM_LIBRARIES_IN = --no-build-isolation --no-deps --config-settings=cmake.defin
   --config-settings=cmake.define.AXODE_LIBRARIES=$(CURDIR)/build
 SOURCES = $(shell find axode apps bench examples python tests -name '*.hpp' -o -name '*.cpp')
 
-.PHONY: help deps build demo python wheel test test-one test-bridges nightly bench docs lint venv clean
+.PHONY: help deps build demo python wheel test test-one test-bridges nightly bench docs pictures lint venv clean
 .DEFAULT_GOAL := help
 
 help: ## Show these targets
@@ -62,6 +62,11 @@ docs: python ## Build the site of the documentation, build/site/index.html, and 
 	(cat docs/Doxyfile; echo INPUT += axode/*.hpp $$(sed -n 's/^#include "\(axode[^"]*\)"$$/\1/p' axode/*.hpp | sort -u)) | doxygen -
 	build/venv/bin/sphinx-build --quiet --fail-on-warning --keep-going --doctree-dir build/doctrees docs build/site
 	python3 tools/check_links.py build/site
+
+pictures: build python build/venv/tests ## Redraw the pictures of docs/ that need no measurement; look at each of them
+	node tools/draw_viewer.mjs
+	build/venv/bin/python tools/draw_mechanisms.py docs/mechanisms.svg
+	build/venv/bin/python examples/python/02_representations.py docs/representations.svg
 
 lint: deps ## Check the format of all sources, and the library with clang-tidy
 	clang-format-14 --dry-run -Werror $(SOURCES)

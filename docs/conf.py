@@ -12,7 +12,7 @@ copyright = "the axode authors"
 version = release = re.search(r"^project\(axode VERSION (\S+)", (DOCS.parent / "CMakeLists.txt").read_text(encoding="utf-8"),
                               re.MULTILINE)[1]
 
-extensions = ["myst_parser", "sphinx.ext.autodoc", "diagrams", "docstrings", "functions", "ledger", "source_pages"]
+extensions = ["myst_parser", "sphinx.ext.autodoc", "diagrams", "docstrings", "function_links", "functions", "ledger", "source_pages"]
 exclude_patterns = ["extensions"]
 
 myst_heading_anchors = 4

@@ -1,39 +1,143 @@
-/** Draws docs/viewer.png: the page of an arm that is led to a target, in a headless Chromium. After `make build`: node tools/draw_viewer.mjs */
+/**
+ * Draws the pictures of docs/ that show the viewer, in a headless Chromium: docs/viewer.png, docs/bricard.png, which moves,
+ * and one picture of each mechanism that comes with axode in docs/gallery. After `make build`: node tools/draw_viewer.mjs [NAME ...]
+ */
 import { execFileSync } from "node:child_process";
-import { mkdtempSync, rmSync, writeFileSync } from "node:fs";
+import { mkdirSync, mkdtempSync, rmSync, writeFileSync } from "node:fs";
 import { createRequire } from "node:module";
 import { tmpdir } from "node:os";
 import { join } from "node:path";
 import { fileURLToPath } from "node:url";
+import { indexedPng } from "./indexed_png.mjs";
 
 const source = fileURLToPath(new URL("..", import.meta.url));
 const build = join(source, "build/release");
 const { chromium } = createRequire(join(build, "viewer/package.json"))("playwright-core");
 
-const folder = mkdtempSync(join(tmpdir(), "axode-"));
-const run = join(folder, "run.csv");
-const target = join(folder, "target.json");
-const page = join(folder, "page.html");
-const arm = join(source, "examples/robots/arm7.toml");
-const axode = (words, input = "") => execFileSync(join(build, "axode"), words, { input });
-writeFileSync(target, '{"q": {"A1": 1.2, "A2": 1.3, "A4": -0.9, "A6": 1.2}}');
-axode(["simulate", arm, "--state", "-", "--pd", "300,60", "--target", target, "--until", "1.5", "--samples", "150", "--output", run],
-  '{"q": {"A1": -0.6, "A2": 0.4, "A4": -1.3, "A6": 0.8}}');
-axode(["view", arm, "--motion", run, "--output", page]);
+/**
+ * A picture: the file of a mechanism, the state and options with which it is simulated (none for a mechanism at rest), and
+ * what is shown: layers, the chosen body, the time, and what the page has besides the view. `orbit` turns and lifts the
+ * camera, in rad, and zooms. A picture with `frames` moves through the times from 0 to `until`.
+ */
+const SMALL = { width: 460, height: 320 };
+const TRACED = ["traces"];
+const PICTURES = {
+  viewer: {
+    robot: "arm7.toml", state: { q: { A1: -0.6, A2: 0.4, A4: -1.3, A6: 0.8 } }, target: { q: { A1: 1.2, A2: 1.3, A4: -0.9, A6: 1.2 } },
+    simulate: ["--pd", "300,60", "--until", "1.5", "--samples", "150"], layers: ["screw-axis", "fixed-axode", "moving-axode"], body: "link 4",
+    time: 0.3, orbit: [0, 0.1, 1.6], show: "page", width: 1000, height: 700, file: "docs/viewer.png",
+  },
+  bricard: {
+    robot: "bricard.toml", state: { v: { "hinge 0": 3 } }, simulate: ["--assemble", "--until", "4.15", "--samples", "250"],
+    layers: ["fixed-axode", "moving-axode", "screw-axis"], body: "rod 3", frames: 52, until: 4.15, orbit: [0, 0, 1.2], show: "plots",
+    width: 920, height: 400, file: "docs/bricard.png",
+  },
+  andrews: { robot: "andrews.toml", simulate: ["--state", { tau: { beta: 0.033 } }, "--until", "0.03", "--samples", "300"], layers: TRACED, time: 0.012, ...SMALL },
+  arm7: { robot: "arm7.toml", state: { q: { A1: 0.5, A2: 0.6, A4: -1.2, A6: 0.9 } }, ...SMALL },
+  cart: { robot: "cart.toml", orbit: [0.3, 0.2, 1.1], ...SMALL },
+  double_pendulum: { robot: "double_pendulum.toml", simulate: ["--until", "1.4", "--samples", "400"], layers: TRACED, time: 0.9, ...SMALL },
+  five_bar_arm: { robot: "five_bar_arm.toml", simulate: ["--state", { v: { "left drive": 2, "right drive": -1 } }, "--assemble", "--until", "1", "--samples", "300"], layers: TRACED, time: 0.2, ...SMALL },
+  four_bar: { robot: "four_bar.toml", simulate: ["--state", { v: { crank_joint: 12 } }, "--assemble", "--until", "1", "--samples", "300"], layers: TRACED, time: 0.1, ...SMALL },
+  gough: { robot: "gough.toml", ...SMALL },
+  governor: { robot: "governor.toml", orbit: [-0.6, -0.1, 1.1], ...SMALL },
+  humanoid: { robot: "humanoid.urdf", ...SMALL },
+  leg: { robot: "leg.toml", ...SMALL },
+  machine: { robot: "machine.toml", ...SMALL },
+  n_four_bar: { robot: "n_four_bar.toml", simulate: ["--until", "4", "--samples", "300"], layers: TRACED, time: 0.5, ...SMALL },
+  slider_crank: { robot: "slider_crank.toml", simulate: ["--until", "1", "--samples", "300"], time: 0.3, ...SMALL },
+};
 
+const folder = mkdtempSync(join(tmpdir(), "axode-"));
+const axode = (words) => execFileSync(join(build, "axode"), words);
+const json = (name, value) => {
+  const file = join(folder, name);
+  writeFileSync(file, JSON.stringify(value));
+  return file;
+};
+
+/** Writes the page of a picture, with its motion if it has one. */
+function pageOf({ robot, state, target, simulate }) {
+  const model = join(source, "examples/robots", robot);
+  const page = join(folder, "page.html");
+  const from = state ? ["--state", json("state.json", state)] : [];
+  if (!simulate) {
+    axode(["view", model, ...from, "--output", page]);
+    return page;
+  }
+  const run = join(folder, "run.csv");
+  const words = simulate.map((word) => (typeof word === "string" ? word : json("state.json", word)));
+  axode(["simulate", model, ...from, ...(target ? ["--target", json("target.json", target)] : []), ...words, "--output", run]);
+  axode(["view", model, "--motion", run, "--output", page]);
+  return page;
+}
+
+/** Shows the plots of q and of the energy, and leaves of the page the view, or the view with plots beside it. Runs in the page. */
+function arrange(show) {
+  for (const button of document.querySelectorAll(".choices button")) {
+    const wanted = ["q", "energy"].includes(button.textContent);
+    if (wanted !== (button.getAttribute("aria-pressed") === "true")) button.click();
+  }
+  const hide = (selector) => document.querySelectorAll(selector).forEach((element) => (element.style.display = "none"));
+  if (show === "page") return;
+  hide("header, #panel, .views, #player, .choices, #note, #legend");
+  const main = document.querySelector("main");
+  [main.style.flex, main.style.height] = ["none", "100vh"];
+  main.style.grid = show === "plots" ? '"view time" minmax(0, 1fr) / minmax(0, 1fr) 340px' : '"view" minmax(0, 1fr) / minmax(0, 1fr)';
+  const time = document.querySelector("#time");
+  if (show !== "plots") time.style.display = "none";
+  time.style.borderTop = "0";
+  const drawings = document.querySelector(".drawings");
+  if (drawings) [drawings.style.maxHeight, drawings.style.paddingTop] = ["none", "8px"];
+}
+
+/** The pixels of a PNG. Runs in the page. */
+async function pixelsOf(png) {
+  const bytes = Uint8Array.from(atob(png), (c) => c.charCodeAt(0));
+  const bitmap = await createImageBitmap(new Blob([bytes], { type: "image/png" }));
+  const context = new OffscreenCanvas(bitmap.width, bitmap.height).getContext("2d");
+  context.drawImage(bitmap, 0, 0);
+  const { data } = context.getImageData(0, 0, bitmap.width, bitmap.height);
+  let text = "";
+  for (let k = 0; k < data.length; k += 32768) text += String.fromCharCode(...data.subarray(k, k + 32768));
+  return btoa(text);
+}
+
+const wanted = process.argv.slice(2);
+const unknown = wanted.find((name) => !(name in PICTURES));
+if (unknown) throw new Error(`There is no picture "${unknown}"; there are ${Object.keys(PICTURES).join(", ")}.`);
+mkdirSync(join(source, "docs/gallery"), { recursive: true });
 const browser = await chromium.launch({
   executablePath: process.env.CHROMIUM ?? "/usr/bin/chromium",
   args: ["--no-sandbox", "--use-gl=angle", "--use-angle=swiftshader", "--enable-unsafe-swiftshader"],
 });
-const tab = await browser.newPage({ viewport: { width: 1000, height: 640 } });
-await tab.goto(`file://${page}`);
-await tab.waitForSelector("#canvas[data-ready]");
-await tab.evaluate(() => {
-  for (const layer of ["screw-axis", "fixed-axode", "moving-axode"]) window.axode.setLayer(layer, true);
-  window.axode.select("link 4");
-  window.axode.setTime(0.3);
-});
-await tab.waitForTimeout(1000);
-await tab.screenshot({ path: join(source, "docs/viewer.png") });
+for (const [name, picture] of Object.entries(PICTURES)) {
+  if (wanted.length > 0 && !wanted.includes(name)) continue;
+  const { width, height, layers = [], body, time, frames = 1, until = 0, orbit = [0, 0, 1] } = picture;
+  const tab = await browser.newPage({ viewport: { width, height } });
+  tab.setDefaultTimeout(120_000);
+  await tab.goto(`file://${pageOf(picture)}`);
+  await tab.waitForSelector("#canvas[data-ready]");
+  await tab.evaluate(arrange, picture.show ?? "view");
+  await tab.waitForTimeout(300);
+  await tab.evaluate(([on, chosen, [around, above, zoom]]) => {
+    for (const layer of on) window.axode.setLayer(layer, true);
+    if (chosen) window.axode.select(chosen);
+    document.querySelector("#fit").click();
+    window.axode.orbit(around, above, zoom);
+  }, [layers, body, orbit]);
+  const shots = [];
+  for (let k = 0; k < frames; ++k) {
+    const t = frames > 1 ? (until * k) / frames : time;
+    if (t !== undefined) await tab.evaluate((at) => window.axode.setTime(at), t);
+    await tab.waitForTimeout(frames > 1 ? 250 : 900);
+    const png = (await tab.screenshot()).toString("base64");
+    shots.push(Buffer.from(await tab.evaluate(pixelsOf, png), "base64"));
+  }
+  const bytes = indexedPng(shots, width, height, Math.round((1000 * until) / frames));
+  const file = picture.file ?? `docs/gallery/${name}.png`;
+  writeFileSync(join(source, file), bytes);
+  console.log(`${file}: ${(bytes.length / 1024).toFixed(0)} KiB`);
+  await tab.close();
+}
 await browser.close();
 rmSync(folder, { recursive: true });
