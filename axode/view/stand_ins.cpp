@@ -191,6 +191,16 @@ ShapeDescription joint_part(Subgroup kind, const SE3<>& pose, double radius, con
   return shape;
 }
 
+/// The rail through the centre of mass of a body that slides on the ground, as long as its limits or, without
+/// limits, twice the size to both sides.
+ShapeDescription rail(const Body& body, const Dof& dof, double size) {
+  const Vec3<> center = body.M.m > 0 ? center_of_mass(body.M) : body.S_self.r, at = body.A * center,
+               e = body.S_prev.R.z;
+  const double lower = std::isfinite(dof.lower) ? dof.lower : -size,
+               upper = std::isfinite(dof.upper) ? dof.upper : size;
+  return capsule(at + lower * e, at + upper * e, 0.02 * size);
+}
+
 /// The kind of tree joint that a loop joint is drawn like; none if its position does not matter or if it is a
 /// rolling contact.
 std::optional<Subgroup> like_joint(LoopKind kind) {
@@ -216,6 +226,9 @@ std::vector<StandIn> stand_ins(const Model& model, const std::vector<bool>& seen
   for (int i = 1; i <= model.n_bodies(); ++i) {
     const Body& body = model.body(i);
     if (!seen[i]) add_body(all, model, i, points);
+    const bool on_rail = body.predecessor == 0 && model.joint(i).kind == Subgroup::prismatic;
+    if (on_rail && !seen[i] && !points.joint(i) && points.size() > 0)
+      all.push_back({0, rail(body, model.joint(i).dof[0], points.size())});
     const bool shown = seen[i] && (seen[body.predecessor] || body.predecessor == 0);
     if (shown || !points.joint(i) || radius == 0) continue;
     const Joint& joint = model.joint(i);

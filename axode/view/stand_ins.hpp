@@ -22,7 +22,8 @@ struct StandIn {
 /// through the centre of mass, as a bar if the inertia is that of a rod, otherwise with the solid that has
 /// its mass and inertia: a cylinder if two principal moments are equal, an ellipsoid if not. A free body
 /// without points is that solid. A hinge is drawn as a pin, a spherical joint as a ball and a planar joint as
-/// a pad, in the colour of drives unless the joint is passive. Poses are in the body frames.
+/// a pad, in the colour of drives unless the joint is passive. A body that slides on the ground and whose
+/// joint has no point is on a rail. Poses are in the body frames.
 std::vector<StandIn> stand_ins(const Model& model, const std::vector<bool>& seen);
 
 }  // namespace axode::view

@@ -353,6 +353,23 @@ double distance_to_nearest(const Eigen::Vector3d& point, const std::vector<Eigen
   return nearest;
 }
 
+TEST(StandIns, ASliderOnTheGroundHasARailAlongItsWay) {
+  const Model model = shipped("slider_crank.toml");
+  const Json scene = scene_of(model, neutral(model));
+  int rails = 0;
+  for (const Json& shape : scene["shapes"]) {
+    if (shape["body"] != 0 || shape["kind"] != "capsule") continue;
+    ++rails;
+    const Eigen::Isometry3d pose = pose_from(shape["pose"]);
+    EXPECT_LT((pose.linear().col(2).cwiseAbs() - Eigen::Vector3d::UnitX()).norm(), 1e-12);
+    const int slider = model.n_bodies();
+    const SE3<> A = model.body(slider).A;
+    const Eigen::Vector3d off = to_eigen(A * center_of_mass(model.body(slider).M)) - pose.translation();
+    EXPECT_LT(off.tail<2>().norm(), 1e-12);
+  }
+  EXPECT_EQ(rails, 1);
+}
+
 TEST(StandIns, ReachFromPointToPointOfTheirBody) {
   for (const std::string name : {"arm7.toml", "four_bar.toml", "gough.toml", "humanoid.urdf", "leg.toml"}) {
     const Model model = shipped(name);
