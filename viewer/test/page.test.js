@@ -502,3 +502,46 @@ test("the camera follows the chosen body while it moves", options, async () => {
   quiet(opened);
   await page.close();
 });
+
+test("springs, their forces and the wrenches of loops are drawn, with a legend of their scale", options, async () => {
+  const scene = fourBar();
+  const samples = scene.motion.t.length;
+  scene.lines = [{ ends: [{ body: 0, point: [0, 0.4, 0.9] }, { body: 2, point: [0, 0.35, 0] }], stiffness: 100, rest: 0.4, damping: 5 }];
+  scene.motion.tensions = Array(samples).fill([12]);
+  scene.motion.loop_wrenches = Array(samples).fill([[0.5, 0, 0, 0, 3, 4]]);
+  const opened = await browser.open(scene);
+  const { page } = opened;
+  assert.ok(await page.isHidden("#legend"));
+  for (const [id, text] of [["springs", null], ["spring-forces", "N"], ["loop-wrenches", "N m"], ["traces", null]]) {
+    const on = (await page.evaluate(() => window.axode.layers()))[id];
+    await keep(page, "before");
+    await page.evaluate(([layer, to]) => window.axode.setLayer(layer, to), [id, !on]);
+    await settled(page);
+    await keep(page, "after");
+    const pixels = await changed(page, "before", "after");
+    assert.ok(pixels > 30, `${id} changes ${pixels} pixels`);
+    if (text) assert.ok((await page.textContent("#legend")).includes(text), `${id}: ${await page.textContent("#legend")}`);
+    await page.evaluate(([layer, to]) => window.axode.setLayer(layer, to), [id, on]);
+  }
+  quiet(opened);
+  await page.close();
+});
+
+test("plots have a panel for each unit, names of joints, and the curves of the chosen body", options, async () => {
+  const scene = everyKind();
+  const q = scene.q.slice();
+  scene.motion = { t: [0, 1], q: [q, q], v: [0, 1].map((s) => scene.velocity_names.map(() => s)), tau: null, series: [], twists: null, wrenches: null, momenta: null };
+  const opened = await browser.open(scene, { size: { width: 1280, height: 900 } });
+  const { page } = opened;
+  const buttons = await page.$$eval(".choices button", (all) => all.map((button) => button.textContent));
+  assert.deepEqual(buttons, ["q, rad", "q, quaternion", "q, m", "v, rad/s", "v, m/s"]);
+  const labels = () => page.$$eval(".u-legend .u-label", (all) => all.map((label) => label.textContent));
+  const shown = await labels();
+  for (const name of ["screw joint", "ball joint qw", "drone joint z", "table joint angle"]) assert.ok(shown.includes(name), `${name} in ${shown}`);
+  await page.evaluate(() => window.axode.select("drone"));
+  await page.selectOption("select[aria-label='Curves of']", "chosen");
+  const chosen = await labels();
+  assert.ok(chosen.includes("drone joint x") && !chosen.includes("screw joint"), `${chosen}`);
+  quiet(opened);
+  await page.close();
+});
