@@ -52,7 +52,7 @@ void expect_the_mechanism(const Model& model, std::uint64_t seed) {
     EXPECT_LT(distance(found[frame["body"].get<std::size_t>()] * pose_from(frame["pose"]), C[at]),
               1e-12 * size);
   }
-  std::size_t k = 0;
+  std::size_t k = model.description().shapes.size();  // those of the ground come first
   for (const BodyDescription& body : model.description().bodies)
     for (const ShapeDescription& shape : body.shapes) {
       if (shape.kind == ShapeKind::mesh) continue;
