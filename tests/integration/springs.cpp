@@ -271,7 +271,10 @@ TEST(Springs, ModelsMadeFromOthersKeepThem) {
     std::vector<std::string_view> locked;
     double held = 0;
     Description alone = at.model.description();
+    // Springs on locked joints are left out, so that those on joints are not compared.
     for (BodyDescription& body : alone.bodies) body.joint.dof.clear();
+    std::erase_if(alone.springs,
+                  [](const SpringDescription& spring) { return spring.kind == SpringKind::joints; });
     const Model lines = ModelBuilder(alone).build();
     for (std::size_t i = 0; i < lines.joints().size(); i += 2)
       if (!lines.joints()[i].leader) locked.push_back(lines.joints()[i].name);

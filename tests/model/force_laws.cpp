@@ -4,9 +4,9 @@
 #include <algorithm>
 #include <cmath>
 
-#include "tests/lie/random_quantities.hpp"
 #include "axode/model/building/builder.hpp"
 #include "axode/model/building/spring_laws.hpp"
+#include "tests/lie/random_quantities.hpp"
 
 /// Laws of the force laws of springs: energies and slopes belong to forces, tables are monotone, and
 /// preloads are the tensions as drawn.

@@ -295,8 +295,7 @@ class Inspection {
       const FaultySubject at{faults_, "coupling " + quoted(coupling_name(coupling, k)), coupling.source};
       if (coupling.terms.empty())
         at.error(Rule::missing_element, "has no terms; name joints and their factors");
-      if (!finite(coupling.offset) || !finite(coupling.play) || !finite(coupling.restitution))
-        at.error(Rule::non_finite_number, "its offset, play or restitution is not finite");
+      if (!finite(coupling.offset)) at.error(Rule::non_finite_number, "its offset is not finite");
       check_play(at, coupling);
       std::unordered_set<std::string_view> named;
       for (const auto& [name, factor] : coupling.terms) {

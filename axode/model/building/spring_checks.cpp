@@ -134,9 +134,9 @@ void check_matrix(const FaultySubject& at, const std::string& what, const SixByS
 
 void check_spring(const FaultySubject& at, const SpringDescription& spring) {
   bool good = finite(spring.points[0]) && finite(spring.points[1]) && finite(spring.stiffness) &&
-              finite(spring.rest) && finite(spring.damping) && finite(spring.preload.value_or(0));
-  if (!good)
-    return at.error(Rule::non_finite_number, "a point, stiffness, rest, preload or damping is not finite");
+              finite(spring.rest) && finite(spring.damping);
+  if (!good) return at.error(Rule::non_finite_number, "a point, stiffness, rest or damping is not finite");
+  good = finite(spring.preload.value_or(0));
   for (const SpringDescription::Point& it : spring.path) good = good && finite(it.point);
   for (const auto& [joint, factor] : spring.terms) good = good && finite(factor);
   for (const SixBySix* A : {&spring.K, &spring.C})

@@ -304,6 +304,8 @@ void check_loop(const FaultySubject& at, const LoopDescription& loop) {
 }
 
 void check_play(const FaultySubject& at, const CouplingDescription& coupling) {
+  if (!finite(coupling.play) || !finite(coupling.restitution))
+    return at.error(Rule::non_finite_number, "its play or restitution is not finite");
   not_negative(at, {{"its play", coupling.play}});
   is_restitution(at, "its restitution", coupling.restitution);
   if (coupling.restitution != 0 && coupling.play == 0)
