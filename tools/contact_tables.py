@@ -13,7 +13,8 @@ import sys
 from pathlib import Path
 
 import numpy as np
-from validation import refresh  # which finds tests/validation
+import page
+import validation  # noqa: F401 - it finds tests/validation
 
 import contact_cases  # noqa: E402
 import contact_laws  # noqa: E402
@@ -32,9 +33,8 @@ def with_unit(x, unit):
     return number(x) if np.isinf(x) else f"{number(x)} {unit}"
 
 
-def table(header, rows, numbers_from=1):
-    lines = [header, ["---"] * numbers_from + ["--:"] * (len(header) - numbers_from), *rows]
-    return "".join("| " + " | ".join(cells) + " |\n" for cells in lines)
+def table(header, rows, words=1):
+    return page.table(header, rows, "-" * words + ":" * (len(header) - words))
 
 
 def case_rows():
@@ -96,7 +96,7 @@ def main():
     for name, text in found.items():
         print(f"{name}\n{text}", flush=True)
         if arguments.page:
-            refresh(arguments.page, name, text)
+            page.Page(arguments.page).part(name, text)
     print("\n".join(failed) or "every number is within its bound")
     return 1 if failed else 0
 

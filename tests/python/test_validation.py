@@ -57,4 +57,4 @@ def test_a_page_without_a_table_is_named(validation, monkeypatch, tmp_path):
     page = tmp_path / "page.md"
     page.write_text("no table\n")
     with pytest.raises(SystemExit, match="between <!-- flight --> and <!-- end -->, found 0"):
-        validation.refresh(page, "flight", "")
+        validation.Page(page).part("flight", "")
