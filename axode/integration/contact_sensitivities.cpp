@@ -63,9 +63,9 @@ class TangentContactSteps {
   TangentContactSteps(const TangentContactSteps&) = delete;
   TangentContactSteps& operator=(const TangentContactSteps&) = delete;
 
-  /// Steps under tau, and replaces the changes dq, dv of the state by those at the end of the step. Returns
-  /// whether this was possible.
-  bool run(Span tau, Matrix& dq, Matrix& dv, const Matrix& dtau) {
+  /// Steps under tau, and replaces the changes dq, dv of the state by those at
+  /// the end of the step. Returns whether this was possible.
+  bool run(Span tau, Matrix& dq, Matrix& dv, const ContactDirections& directions) {
     const double t = step_ * static_cast<double>(count_++);
     result.failure = run_.interruption(t);
     if (!result.ok()) return false;
@@ -74,7 +74,7 @@ class TangentContactSteps {
     if (!result.ok()) return false;
     result.certificate = std::max(scheme_.certificate, result.certificate);
     for (const ContactPart& part : scheme_.kept)
-      if (!derivative_.run(part, dq, dv, dtau)) {
+      if (!derivative_.run(part, dq, dv, directions)) {
         result.failure = {t, derivative_.why()};
         return false;
       }
@@ -113,15 +113,27 @@ ContactSensitivity finished(const ContactSensitivity& result,
   return result;
 }
 
-/// The changes (dq, dv, dtau) along all directions of the state and the forces, nv × 3nv each.
-std::array<Matrix, 3> all_directions(Eigen::Index nv) {
-  std::array<Matrix, 3> out;
-  for (Eigen::Index k = 0; k < 3; ++k) {
-    out[static_cast<std::size_t>(k)] = Matrix::Zero(nv, 3 * nv);
-    out[static_cast<std::size_t>(k)].middleCols(k * nv, nv).setIdentity();
+/// Changes along all directions of the state and the forces, nv × 3nv each, and
+/// of the surfaces of shapes after them.
+struct AllDirections {
+  Matrix dq, dv;
+  ContactDirections others;
+
+  AllDirections(Eigen::Index nv, Eigen::Index shapes) {
+    const auto unit = [&](Eigen::Index rows, Eigen::Index first) {
+      Matrix x = Matrix::Zero(rows, 3 * nv + 3 * shapes);
+      x.middleCols(first, rows).setIdentity();
+      return x;
+    };
+    dq = unit(nv, 0);
+    dv = unit(nv, nv);
+    others.tau = unit(nv, 2 * nv);
+    if (shapes == 0) return;
+    others.friction = unit(shapes, 3 * nv);
+    others.restitution = unit(shapes, 3 * nv + shapes);
+    others.thickness = unit(shapes, 3 * nv + 2 * shapes);
   }
-  return out;
-}
+};
 
 }  // namespace
 
@@ -130,28 +142,32 @@ ContactSensitivity contact_rollout_derivatives(const Model& model, const Contact
                                                const ContactRolloutDerivatives& out, const Monitor& monitor) {
   const std::size_t nq = static_cast<std::size_t>(model.nq()), nv = static_cast<std::size_t>(model.nv()),
                     K = steps_of(model, tau);
+  const std::size_t n_shapes = out.C.empty() ? 0 : static_cast<std::size_t>(shapes.size());
   check_motion(model, shapes, step, {{"q", q, nq, "nq"}, {"v", v, nv, "nv"}, {"tau", tau, K * nv, "K nv"}},
                {{"out.q", out.q, (K + 1) * nq, "(K + 1) nq"},
                 {"out.v", out.v, (K + 1) * nv, "(K + 1) nv"},
                 {"out.A", out.A, 4 * K * nv * nv, "K * 2 nv * 2 nv"},
-                {"out.B", out.B, 2 * K * nv * nv, "K * 2 nv * nv"}});
+                {"out.B", out.B, 2 * K * nv * nv, "K * 2 nv * nv"},
+                {"out.C", out.C, 6 * K * nv * n_shapes, "K * 2 nv * 3 n for n shapes, or empty"}});
   TangentContactSteps steps(model, shapes, q, v, step, monitor);
   using Rows = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
-  const Eigen::Index n = model.nv();
-  const auto [dq_0, dv_0, dtau] = all_directions(n);
+  const Eigen::Index n = model.nv(), surfaces = 3 * static_cast<Eigen::Index>(n_shapes);
+  const AllDirections along(n, surfaces / 3);
   std::ranges::copy(q, out.q.begin());
   std::ranges::copy(v, out.v.begin());
   for (std::size_t k = 0; k < K; ++k) {
-    Matrix dq = dq_0, dv = dv_0;
-    if (!steps.run(tau.subspan(k * nv, nv), dq, dv, dtau)) break;
+    Matrix dq = along.dq, dv = along.dv;
+    if (!steps.run(tau.subspan(k * nv, nv), dq, dv, along.others)) break;
     as_eigen(out.q.subspan((k + 1) * nq, nq)) = steps.q;
     as_eigen(out.v.subspan((k + 1) * nv, nv)) = steps.v;
     Eigen::Map<Rows> A(out.A.data() + 4 * k * nv * nv, 2 * n, 2 * n);
     Eigen::Map<Rows> B(out.B.data() + 2 * k * nv * nv, 2 * n, n);
+    Eigen::Map<Rows> C(out.C.data() + 6 * k * nv * n_shapes, 2 * n, surfaces);
     A << dq.leftCols(2 * n), dv.leftCols(2 * n);
-    B << dq.rightCols(n), dv.rightCols(n);
+    B << dq.middleCols(2 * n, n), dv.middleCols(2 * n, n);
+    if (surfaces > 0) C << dq.rightCols(surfaces), dv.rightCols(surfaces);
   }
-  return finished(steps.result, {out.q, out.v, out.A, out.B});
+  return finished(steps.result, {out.q, out.v, out.A, out.B, out.C});
 }
 
 ContactSensitivity contact_rollout_jvp(const Model& model, const ContactShapes& shapes, Span q, Span v,
@@ -174,7 +190,7 @@ ContactSensitivity contact_rollout_jvp(const Model& model, const ContactShapes& 
   std::ranges::copy(dq, dq_out.begin());
   std::ranges::copy(dv, dv_out.begin());
   for (std::size_t k = 0; k < K; ++k) {
-    if (!steps.run(tau.subspan(k * nv, nv), dq_k, dv_k, as_eigen(dtau.subspan(k * nv, nv)))) break;
+    if (!steps.run(tau.subspan(k * nv, nv), dq_k, dv_k, {.tau = as_eigen(dtau.subspan(k * nv, nv))})) break;
     std::copy_n(dq_k.data(), nv, dq_out.data() + (k + 1) * nv);
     std::copy_n(dv_k.data(), nv, dv_out.data() + (k + 1) * nv);
   }
@@ -199,10 +215,10 @@ ContactSensitivity contact_rollout_vjp(const Model& model, const ContactShapes& 
   TangentContactSteps steps(model, shapes, q, v, step, monitor);
   const Eigen::Index n = model.nv();
   std::vector<Matrix> by_state;  // (dq; dv) at the end of each step, 2nv × 3nv
-  const auto [dq_0, dv_0, dtau] = all_directions(n);
+  const AllDirections along(n, 0);
   for (std::size_t k = 0; k < K; ++k) {
-    Matrix dq = dq_0, dv = dv_0;
-    if (!steps.run(tau.subspan(k * nv, nv), dq, dv, dtau)) break;
+    Matrix dq = along.dq, dv = along.dv;
+    if (!steps.run(tau.subspan(k * nv, nv), dq, dv, along.others)) break;
     by_state.emplace_back(2 * n, 3 * n);
     by_state.back() << dq, dv;
   }

@@ -6,50 +6,61 @@
 #include "axode/integration/sensitivities.hpp"
 #include "axode/integration/trajectory.hpp"
 
-/// Sensitivities of motions with contact, which are computed as by simulate_contact() in steps of one length,
-/// under drive forces that are constant in each step. They are the exact derivatives of the numerical method,
-/// by implicit differentiation of the equations of a step at their solution (D11.19 to D11.23): which
-/// contacts touch, stick, slide and bounce does not change along a displacement. Displacements and gradients
-/// of q are left-trivialised, along q ⊕ ε dq. Damping and dry friction of joints, springs, hard stops and
-/// closed loops count. A gap that is 0 counts as a gap, so that the derivative is that of displacements which
-/// open it.
+/// Sensitivities of motions with contact, which are computed as by
+/// simulate_contact() in steps of one length, under drive forces that are
+/// constant in each step. They are the exact derivatives of the numerical
+/// method, by implicit differentiation of the equations of a step at their
+/// solution (D11.19 to D11.23): which contacts touch, stick, slide and bounce
+/// does not change along a displacement. Displacements and gradients of q are
+/// left-trivialised, along q ⊕ ε dq. Damping and dry friction of joints,
+/// springs, hard stops and closed loops count. A gap that is 0 counts as a gap,
+/// so that the derivative is that of displacements which open it.
 ///
-/// Throws std::invalid_argument for wrong sizes, a state that is not finite or quaternions that are not of
-/// unit norm, step <= 0, shapes of another model, prescribed motions, and results that share memory with
-/// arguments. Contact points need closed forms: planes with anything, spheres, capsules, boxes on faces, and
-/// boxes with spheres. Other points, and steps that fail, are a failure; then all results are NaN.
+/// Throws std::invalid_argument for wrong sizes, a state that is not finite or
+/// quaternions that are not of unit norm, step <= 0, shapes of another model,
+/// prescribed motions, and results that share memory with arguments. Contact
+/// points need closed forms: planes with anything, spheres, capsules, boxes on
+/// faces, and boxes with spheres. Other points, and steps that fail, are a
+/// failure; then all results are NaN.
 namespace axode {
 
 /// The state of a computation of sensitivities.
 struct [[nodiscard]] ContactSensitivity {
   Failure failure = {};    ///< with the time and the reason
   double certificate = 0;  ///< the largest of all steps, see certificate()
-  /// Whether all derivatives exist. Contacts that share a load and slide in different directions may not have
-  /// one, because friction depends on their share.
+  /// Whether all derivatives exist. Contacts that share a load and slide in
+  /// different directions may not have one, because friction depends on their
+  /// share.
   bool unique = true;
-  /// Whether a contact, stop or dry joint was within rounding of the boundary between two branches of its
-  /// law. The derivative is then that of the branch that was taken.
+  /// Whether a contact, stop or dry joint was within rounding of the boundary
+  /// between two branches of its law. The derivative is then that of the branch
+  /// that was taken.
   bool at_kink = false;
   bool ok() const { return !failure; }
 };
 
-/// Receives the states of a motion of K steps, (K + 1) nq and (K + 1) nv numbers, and the derivatives of the
-/// end of each step by its start, A (2nv × 2nv), and by τ, B (2nv × nv), row by row, displacements before
-/// velocities. The spans must not overlap.
+/// Receives the states of a motion of K steps, (K + 1) nq and (K + 1) nv
+/// numbers, and the derivatives of the end of each step by its start, A (2nv ×
+/// 2nv), and by τ, B (2nv × nv), row by row, displacements before velocities. C
+/// (2nv × 3 n for n shapes, or empty) has the derivatives by the surfaces of
+/// the shapes: first by the friction of each shape, then by the restitution of
+/// each, then by the thickness of a layer on it (m), which is the radius of a
+/// sphere or capsule and the height of a plane. The spans must not overlap.
 struct ContactRolloutDerivatives {
-  std::span<double> q, v, A, B;
+  std::span<double> q, v, A, B, C = {};
 };
-/// Computes a motion of K steps from the state (q, v) under K nv drive forces, and its derivatives.
-/// Allocates; a step takes O(nv³ + rows³).
+/// Computes a motion of K steps from the state (q, v) under K nv drive forces,
+/// and its derivatives. Allocates; a step takes O(nv³ + rows³).
 ContactSensitivity contact_rollout_derivatives(const Model& model, const ContactShapes& shapes,
                                                std::span<const double> q, std::span<const double> v,
                                                std::span<const double> tau, double step,
                                                const ContactRolloutDerivatives& out,
                                                const Monitor& monitor = {});
 
-/// Computes the displacements of the states of a motion of K steps, under K nv drive forces, if its start is
-/// displaced by dq, its initial velocity by dv and the forces by dtau (K nv). dq_out and dv_out receive (K +
-/// 1) nv numbers, beginning with dq and dv. Allocates.
+/// Computes the displacements of the states of a motion of K steps, under K nv
+/// drive forces, if its start is displaced by dq, its initial velocity by dv
+/// and the forces by dtau (K nv). dq_out and dv_out receive (K + 1) nv numbers,
+/// beginning with dq and dv. Allocates.
 ContactSensitivity contact_rollout_jvp(const Model& model, const ContactShapes& shapes,
                                        std::span<const double> q, std::span<const double> v,
                                        std::span<const double> tau, double step, std::span<const double> dq,
@@ -57,9 +68,10 @@ ContactSensitivity contact_rollout_jvp(const Model& model, const ContactShapes& 
                                        std::span<double> dq_out, std::span<double> dv_out,
                                        const Monitor& monitor = {});
 
-/// Computes the gradients of the sum of w_q·δq + w_v·δv over all states of a motion of K steps, with respect
-/// to its initial state and drive forces; gradient.geometry must be empty. w_q and w_v have (K + 1) nv
-/// weights each. The matrices of all steps are stored, 6 K nv² numbers. Allocates.
+/// Computes the gradients of the sum of w_q·δq + w_v·δv over all states of a
+/// motion of K steps, with respect to its initial state and drive forces;
+/// gradient.geometry must be empty. w_q and w_v have (K + 1) nv weights each.
+/// The matrices of all steps are stored, 6 K nv² numbers. Allocates.
 ContactSensitivity contact_rollout_vjp(const Model& model, const ContactShapes& shapes,
                                        std::span<const double> q, std::span<const double> v,
                                        std::span<const double> tau, double step, std::span<const double> w_q,

@@ -345,6 +345,7 @@ class ContactRolloutDerivatives(NamedTuple):
     v: NDArray[np.float64]
     A: NDArray[np.float64]
     B: NDArray[np.float64]
+    C: NDArray[np.float64]
     certificate: float
     unique: bool
     at_kink: bool

@@ -47,20 +47,23 @@ nb::object contact_rollout_derivatives_of(const BoundModel& m, ArrayLike q, Arra
   const Items of_v = states.velocities("v", v);
   const Rows forces(states, "tau", tau, "nv numbers for each step");
   check_step(step);
+  const ContactShapes shapes = states.released(1000, [&] {  // files of meshes may be read
+    return ContactShapes(*m, hull_of_mesh);
+  });
   const nb::ssize_t K = forces.count(), nq = m->nq(), nv = m->nv();
   NewArray q_out(Shape{K + 1, nq}), v_out(Shape{K + 1, nv}), A(Shape{K, 2 * nv, 2 * nv}),
-      B(Shape{K, 2 * nv, nv});
+      B(Shape{K, 2 * nv, nv}), C(Shape{K, 2 * nv, 3, shapes.size()});
   const ContactSensitivity found =
       states.unlocked(1000 * static_cast<double>(K), [&](const batch::Monitor& monitor) {
         batch::MonitorThrottle throttle(monitor, 0);
-        return contact_rollout_derivatives(*m, ContactShapes(*m, hull_of_mesh), states.q(0), of_v[0],
-                                           forces[0], step, {q_out.all(), v_out.all(), A.all(), B.all()},
+        return contact_rollout_derivatives(*m, shapes, states.q(0), of_v[0], forces[0], step,
+                                           {q_out.all(), v_out.all(), A.all(), B.all(), C.all()},
                                            [&] { return throttle.should_continue(0); });
       });
   if (!found.ok())
     throw std::invalid_argument("at " + std::to_string(found.failure.t) + " s " + found.failure.why);
   return named_tuple("axode.records", "ContactRolloutDerivatives", q_out.array(), v_out.array(), A.array(),
-                     B.array(), found.certificate, found.unique, found.at_kink);
+                     B.array(), C.array(), found.certificate, found.unique, found.at_kink);
 }
 
 nb::list contacts_of(const BoundModel& m, ArrayLike q, nb::handle tau, LoadList loads, bool joint_losses,
@@ -109,11 +112,13 @@ without a hull.
           "def contact_rollout_derivatives(m: Model, q: numpy.typing.ArrayLike, v: numpy.typing.ArrayLike, "
           "tau: numpy.typing.ArrayLike, step: float) -> axode.records.ContactRolloutDerivatives"),
       R"(
-The motion from q (nq,) and v (nv,) under drive forces tau (K, nv) with contact, and how it depends on them: (q, v, A, B, certificate, unique, at_kink).
+The motion from q (nq,) and v (nv,) under drive forces tau (K, nv) with contact, and how it depends on them: (q, v, A, B, C, certificate, unique, at_kink).
 
 The motion is that of `simulate(..., method="contact", joint_losses=True)` in K steps with constant forces; q has shape (K + 1, nq)
 and v (K + 1, nv). Small deviations x = (dq, dv) become x_{k+1} = A_k x_k + B_k dtau_k, with A (K, 2 nv, 2 nv) and B (K, 2 nv, nv);
-deviations of q are left-trivialised, q (+) dq as in `Model.integrate`. These are the exact derivatives of the numerical steps, by
+deviations of q are left-trivialised, q (+) dq as in `Model.integrate`. C (K, 2 nv, 3, number of collision shapes) has the derivatives
+by the friction, the restitution and the thickness of a layer on each shape (m; the radius of a sphere or capsule, the height of
+a plane), shapes of the ground first. These are the exact derivatives of the numerical steps, by
 implicit differentiation: what touches, sticks, slides or bounces goes on doing so. `at_kink` says whether something was on
 the boundary between two of these, so that the derivative is that of the branch that was taken, and `unique` is false if the
 share of a load among sliding contacts decides a derivative. `certificate` is the largest of the steps. ValueError for contact

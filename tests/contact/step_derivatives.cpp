@@ -414,6 +414,44 @@ TEST(StepDerivatives, OfAWholeMotionAreProductsOfThoseOfItsSteps) {
   EXPECT_NEAR(forward, backward, 1e-9 * (1 + std::abs(forward)));
 }
 
+/// Friction and restitution of a floor and of a ball, the height of the floor and the radius of the ball.
+TEST(StepDerivatives, BySurfacesAgreeWithDifferences) {
+  struct Case {
+    double friction;  ///< of the floor
+    Vec3<> velocity;
+  };
+  for (const Case& it : {Case{0.2, {1, 0.5, -1.5}}, Case{0.2, {0.2, 0.5, -0.5}}, Case{6, {0.1, 0, -1.5}}}) {
+    const auto build = [&](const Vector& by) {
+      Bodies bodies(it.friction + by[0]);
+      bodies.add(shape_of(ShapeKind::sphere, {0.1 + by[5], 0, 0}, 0.3 + by[1], 0.5 + by[3]));
+      ShapeDescription& floor = bodies.description.shapes[0];
+      floor.contact.restitution = 0.2 + by[2];
+      floor.pose.r += by[4] * up();
+      return bodies.build();
+    };
+    const Model model = build(Vector::Zero(6));
+    const ContactShapes shapes(model);
+    const std::vector<double> q = lowered(model, posed(some_turn, {0.1, 0.2, 1}), 1e-3);
+    const Start start{q, moving(q, spin, it.velocity), push};
+    std::vector<double> q_k(14), v_k(12);
+    Rows A(12, 12), B(12, 6), C(12, 6);
+    const ContactSensitivity found =
+        contact_rollout_derivatives(model, shapes, start.q, start.v, start.tau, start.step,
+                                    {q_k, v_k, as_span(A), as_span(B), as_span(C)});
+    ASSERT_TRUE(found.ok()) << found.failure.why;
+    const std::vector<double> from(q_k.begin() + 7, q_k.end());
+    EXPECT_GT(C.norm(), 1e-2);
+    for (Eigen::Index k = 0; k < 6; ++k) {
+      const auto at = [&](double by) { return end_of(build(by * Vector::Unit(6, k)), start, from); };
+      const double size = 3e-5;
+      const Vector expected = (8 * (at(size) - at(-size)) - (at(2 * size) - at(-2 * size))) / (12 * size);
+      EXPECT_LE((C.col(k) - expected).norm(), 1e-7 * (1 + expected.norm()))
+          << k << ": " << C.col(k).transpose() << "\n"
+          << expected.transpose();
+    }
+  }
+}
+
 TEST(StepDerivatives, RefuseContactPointsWithoutAClosedForm) {
   Bodies bodies(0.3);
   bodies.add(shape_of(ShapeKind::cylinder, {0.2, 0.3, 0}, 0.3))

@@ -12,10 +12,8 @@ namespace {
 /// More points than any pair has.
 constexpr std::size_t most_points = 128;
 
-int first_shape(std::uint64_t key) { return static_cast<int>(key >> 44); }
-int second_shape(std::uint64_t key) { return static_cast<int>(key >> 24 & 0xfffff); }
-
-/// A pose that is displaced by (w; v) about its origin, on numbers with derivatives along w and v.
+/// A pose that is displaced by (w; v) about its origin, on numbers with
+/// derivatives along w and v.
 SE3<Displaced> displaced(const SE3<>& C) {
   SE3<Displaced> out = cast<Displaced>(C);
   const auto turn = [](const Vec3<>& a, Vec3<Displaced>& to) {  // w × a
@@ -44,7 +42,7 @@ Eigen::Matrix<double, 3, 6> derivatives(const Vec3<Displaced>& a) {
 ContactJets::ContactJets(ContactShapes shapes) : shapes_(std::move(shapes)), points_(most_points) {}
 
 bool ContactJets::touch_pair(std::uint64_t key, std::span<const SE3<>> C, double margin) noexcept {
-  const int a = first_shape(key), b = second_shape(key);
+  const int a = shapes_of(key)[0], b = shapes_of(key)[1];
   if (a == i_ && b == j_) return closed_;
   i_ = a;
   j_ = b;
@@ -75,7 +73,8 @@ const ContactJet* ContactJets::find(std::uint64_t key, std::span<const SE3<>> C,
 }
 
 std::string ContactJets::names(std::uint64_t key) const {
-  return '"' + shapes_[first_shape(key)].name + "\" and \"" + shapes_[second_shape(key)].name + '"';
+  const auto [a, b] = shapes_of(key);
+  return '"' + shapes_[a].name + "\" and \"" + shapes_[b].name + '"';
 }
 
 }  // namespace axode

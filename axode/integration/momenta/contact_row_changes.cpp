@@ -1,0 +1,131 @@
+#include "axode/integration/momenta/contact_step_derivative.hpp"
+
+/// The rows of impulses and how they change.
+namespace axode {
+namespace {
+
+using Vector = Eigen::VectorXd;
+using Matrix = Eigen::MatrixXd;
+using RowMajor = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
+
+std::size_t index(Eigen::Index k) { return static_cast<std::size_t>(k); }
+
+}  // namespace
+
+bool ContactStepDerivative::find(const std::vector<Contact>& contacts, double margin, Rows& out) {
+  out = {};
+  jets_.restart();
+  for (const Contact& contact : contacts) {
+    const ContactJet* jet = jets_.find(contact.key, motion_.poses(), margin);
+    if (!jets_.closed_form()) {
+      why_ = "the points of contact between " + jets_.names(contact.key) +
+             " have no closed form, so that their derivatives are not known; "
+             "give one of the two another shape";
+      return false;
+    }
+    out.found.push_back(jet != nullptr);
+    out.jets.push_back(jet ? *jet : ContactJet{});
+    out.changes.push_back(jet ? motion_.contact(*jet) : ContactChanges{});
+    if (!jet || thickness_.size() == 0) continue;
+    // A layer moves its side of the contact along the normal. The point is on b
+    // if a is a plane, and otherwise half-way.
+    const auto [a, b] = ContactJets::shapes_of(contact.key);
+    const Eigen::Index k = motion_.directions();
+    const Eigen::RowVectorXd on_a = thickness_.row(a).head(k), on_b = thickness_.row(b).head(k);
+    const double part_a = shapes_[a].kind == ShapeKind::plane ? 0 : 0.5;
+    ContactChanges& changes = out.changes.back();
+    changes.gap -= on_a + on_b;
+    changes.point += to_eigen(jet->normal) * (part_a * on_a - (1 - part_a) * on_b);
+  }
+  return true;
+}
+
+Matrix ContactStepDerivative::coefficient_changes(const std::vector<Contact>& contacts, Eigen::Index rows,
+                                                  const Matrix& friction) const {
+  Matrix out = Matrix::Zero(rows, friction.cols());
+  for (std::size_t k = 0; k < contacts.size() && friction.size() > 0; ++k) {
+    const auto [a, b] = ContactJets::shapes_of(contacts[k].key);
+    const double mu_a = shapes_[a].surface.friction.value_or(0),
+                 mu_b = shapes_[b].surface.friction.value_or(0);
+    if (!(contacts[k].surface.friction > 0)) continue;
+    const Eigen::Index row = static_cast<Eigen::Index>(k) * system_.contact_rows();
+    for (int i = 1; i <= 2; ++i)
+      out.row(row + i) =
+          (mu_b * friction.row(a) + mu_a * friction.row(b)) / (2 * contacts[k].surface.friction);
+  }
+  return out;
+}
+
+Eigen::RowVectorXd ContactStepDerivative::restitution_changes(const Contact& contact) const {
+  const auto [a, b] = ContactJets::shapes_of(contact.key);
+  return restitution_.row(shapes_[a].surface.restitution < shapes_[b].surface.restitution ? b : a);
+}
+
+void ContactStepDerivative::set_axes(const std::vector<Contact>& contacts, Rows& out) {
+  for (std::size_t k = 0; k < contacts.size(); ++k) {
+    out.axes.push_back(contact_frame(contacts[k].normal));
+    out.daxes.push_back(frame_changes(contacts[k].normal, out.changes[k].normal));
+  }
+}
+
+ContactStepDerivative::Impulses ContactStepDerivative::set_rows(const Vector& q,
+                                                                const std::vector<Contact>& contacts,
+                                                                double h, double stop_margin,
+                                                                const std::vector<double>& lambda) {
+  static_cast<void>(system_.set(q.data(), contacts, h, stop_margin));  // the step has factorised M already
+  VelocityProblem& problem = system_.problem();
+  problem.finish();
+  RowMajor J(problem.rows(), model_.nv());
+  system_.write(J.data());
+  for (Eigen::Index row = 0; row < J.rows(); ++row)
+    if (!problem.moves(index(row))) J.row(row).setZero();
+  return {J, Eigen::Map<const Vector>(problem.c.data(), problem.rows()),
+          Eigen::Map<const Vector>(lambda.data(), static_cast<Eigen::Index>(lambda.size()))};
+}
+
+Matrix ContactStepDerivative::impulse_changes(const Vector& q, const Rows& rows, const Vector& physical,
+                                              const Matrix& dq) {
+  Matrix out = Matrix::Zero(dq.rows(), dq.cols());
+  const int width = system_.contact_rows();
+  for (std::size_t k = 0; k < rows.jets.size(); ++k)
+    motion_.add_impulse_changes(rows.jets[k], rows.changes[k], rows.axes[k], rows.daxes[k], width,
+                                physical.data() + static_cast<Eigen::Index>(k) * width, out);
+  if (model_.loops().empty()) return out;
+  LoopSystem<double>& loops = loops_.system(model_);
+  const Eigen::Index nv = dq.rows(), m = model_.loops().rows;
+  RowMajor by_q = RowMajor::Zero(m, nv), by_v = by_q, forces_by_q = RowMajor::Zero(nv, nv);
+  const Vector none = Vector::Zero(nv);
+  Vector force(nv);
+  loops.force(q.data(), none.data(), none.data(), {}, force.data());
+  loops.make_rows(ConstraintLevel::velocity);
+  loops.differentiate(physical.data() + system_.first_loop_row(), by_q.data(), by_v.data(),
+                      forces_by_q.data());
+  return out + forces_by_q * dq;
+}
+
+Matrix ContactStepDerivative::velocity_changes(const Vector& q, const Vector& x, const Rows& rows,
+                                               const Matrix& dq, Vector& u) {
+  const int width = system_.contact_rows();
+  const Eigen::Index m = system_.problem().rows(), nv = dq.rows();
+  Matrix out = Matrix::Zero(m, dq.cols());
+  u.resize(m);
+  system_.times(x.data(), u.data());
+  for (std::size_t k = 0; k < rows.jets.size(); ++k) {
+    const Eigen::Index row = static_cast<Eigen::Index>(k) * width;
+    out.middleRows(row, width) = motion_.row_velocities(rows.jets[k], rows.changes[k], rows.axes[k],
+                                                        rows.daxes[k], width, u.data() + row);
+  }
+  if (model_.loops().empty()) return out;
+  LoopSystem<double>& loops = loops_.system(model_);
+  const Eigen::Index loop_rows = model_.loops().rows;
+  RowMajor by_q = RowMajor::Zero(loop_rows, nv), by_v = by_q, forces_by_q = RowMajor::Zero(nv, nv);
+  const Vector none = Vector::Zero(nv), no_multipliers = Vector::Zero(loop_rows);
+  Vector force(nv);
+  loops.force(q.data(), none.data(), x.data(), {}, force.data());
+  loops.make_rows(ConstraintLevel::velocity);
+  loops.differentiate(no_multipliers.data(), by_q.data(), by_v.data(), forces_by_q.data());
+  out.bottomRows(loop_rows) = by_q * dq;
+  return out;
+}
+
+}  // namespace axode

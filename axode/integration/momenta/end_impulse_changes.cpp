@@ -1,0 +1,170 @@
+#include <algorithm>
+#include <limits>
+
+#include "axode/integration/momenta/contact_step_derivative.hpp"
+
+/// The impulses at the end of a step, and the motion that parts overlaps.
+namespace axode {
+namespace {
+
+using Vector = Eigen::VectorXd;
+using Matrix = Eigen::MatrixXd;
+using RowMajor = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
+using Joints = GroupDerivatives::Joints;
+
+std::size_t index(Eigen::Index k) { return static_cast<std::size_t>(k); }
+
+/// The place of a contact with a key, or -1.
+int place_of(const std::vector<Contact>& contacts, std::uint64_t key) {
+  const auto found = std::ranges::find(contacts, key, &Contact::key);
+  return found == contacts.end() ? -1 : static_cast<int>(found - contacts.begin());
+}
+
+}  // namespace
+
+/// The impulses at the end (D11.22).
+bool ContactStepDerivative::impulses_at_end(const ContactPart& part, const Start& start, const Slip& middle,
+                                            const Matrix& dp, const Matrix& friction, Matrix& dq,
+                                            Matrix& dv) {
+  const Vector& q_1 = part.q_1;
+  const Eigen::Index m = static_cast<Eigen::Index>(part.lambda_end.size()), nv = dq.rows(), k = dq.cols();
+  const int width = system_.contact_rows();
+  const Matrix none = Matrix::Zero(nv, k);
+  Vector v_1 = part.v_before_end;
+  Momenta at;
+  Impulses last;
+  Rows rows;
+  constexpr double near_stop = 1e-9;  // as in the step
+  if (m > 0) {
+    last = set_rows(q_1, part.end, part.h / 2, near_stop, part.lambda_end);
+    take_momenta(q_1, v_1, at);
+    v_1 += at.factor.solve(last.J.transpose() * last.physical());
+  }
+  motion_.run(q_1.data(), v_1.data(), dq, none);
+  if (!find(part.end, part.margin, rows)) return false;
+  set_axes(part.end, rows);
+  take_momenta(q_1, v_1 - frame_velocity(part.h), at);
+  Matrix momenta = dp - at.Mv_q * dq;
+  if (m > 0) momenta += impulse_changes(q_1, rows, last.physical(), dq);
+  if (m > 0 && friction.size() > 0)
+    momenta += last.J.transpose() * (last.lambda.asDiagonal() * coefficient_changes(part.end, m, friction));
+  dv = at.factor.solve(momenta);
+  add_frame_changes(part.h, 0, 1, dq, nullptr, &dv);
+  if (m == 0) return true;
+
+  Vector u;
+  Matrix du = velocity_changes(q_1, v_1, rows, dq, u) + last.J * dv;
+  for (std::size_t c = 0; c < part.end.size(); ++c) {
+    const Contact& contact = part.end[c];
+    const int before = place_of(part.start, contact.key);
+    if (before < 0) continue;
+    const std::size_t b = index(before);
+    const Eigen::Index row = static_cast<Eigen::Index>(c) * width, row_0 = before * width;
+    if (part.bounces[b]) {
+      const double e = part.bounciness * contact.surface.restitution;
+      u[row] += e * start.u[row_0];
+      du.row(row) += e * start.du.row(row_0);
+      if (restitution_.size() > 0)
+        du.row(row) += part.bounciness * start.u[row_0] * restitution_changes(contact);
+    }
+    if (!part.slides[b]) continue;
+    const ContactFrame &from = middle.rows.axes[b], &to = rows.axes[c];
+    const FrameChanges &dfrom = middle.rows.daxes[b], &dto = rows.daxes[c];
+    const auto turn = [&](int first) {
+      const double x = middle.u[row_0 + first], y = middle.u[row_0 + first + 1];
+      const Vec3<> vector = x * from.t1 + y * from.t2;
+      const VectorChanges change = x * dfrom.t1 + y * dfrom.t2 +
+                                   to_eigen(from.t1) * middle.du.row(row_0 + first) +
+                                   to_eigen(from.t2) * middle.du.row(row_0 + first + 1);
+      u[row + first] += dot(vector, to.t1);
+      u[row + first + 1] += dot(vector, to.t2);
+      du.row(row + first) += to_eigen(to.t1).transpose() * change + to_eigen(vector).transpose() * dto.t1;
+      du.row(row + first + 1) += to_eigen(to.t2).transpose() * change + to_eigen(vector).transpose() * dto.t2;
+    };
+    turn(1);
+    if (width > 3) {
+      u[row + 3] += middle.u[row_0 + 3];
+      du.row(row + 3) += middle.du.row(row_0 + 3);
+    }
+    if (width > 4) turn(4);
+  }
+  for (std::size_t s = 0; s < system_.active_stops().size(); ++s) {
+    const std::size_t stop = index(system_.active_stops()[s]);
+    if (!part.bounces[part.start.size() + stop]) continue;
+    const Eigen::Index row = system_.problem().blocks()[part.end.size() + s].first;
+    const Eigen::Index row_0 =
+        static_cast<Eigen::Index>(part.start.size()) * width + static_cast<Eigen::Index>(stop);
+    const double e = part.bounciness * system_.stops()[stop].restitution;
+    u[row] += e * start.u[row_0];
+    du.row(row) += e * start.du.row(row_0);
+  }
+  Matrix G(m, m);
+  system_.problem().delassus(G);
+  const Vector scaled = last.c.cwiseProduct(u);
+  const LawDerivative law =
+      differentiate_law(system_.problem(), part.lambda_end.data(), scaled.data(), G, last.c.asDiagonal() * du,
+                        mass_norm(at.M, v_1), mass_norm(at.M, dv));
+  note(law);
+  dv += at.factor.solve(last.J.transpose() * (last.c.asDiagonal() * law.multipliers));
+  return true;
+}
+
+/// The motion that parts overlaps (D11.23).
+bool ContactStepDerivative::move_apart(const ContactPart& part, Matrix& dq) {
+  const Eigen::Index m = static_cast<Eigen::Index>(part.lambda_apart.size()), nv = dq.rows(), k = dq.cols();
+  const int width = system_.contact_rows();
+  const Impulses apart =
+      set_rows(part.q_1, part.apart, 0, std::numeric_limits<double>::infinity(), part.lambda_apart);
+  Momenta at;
+  take_momenta(part.q_1, part.v_before_end, at);
+  const Vector y = at.factor.solve(apart.J.transpose() * apart.physical());
+  take_momenta(part.q_1, y, at);
+  motion_.run(part.q_1.data(), y.data(), dq, Matrix::Zero(nv, k));
+  Rows rows;
+  if (!find(part.apart, part.margin, rows)) return false;
+  set_axes(part.apart, rows);
+  Matrix dy = at.factor.solve(impulse_changes(part.q_1, rows, apart.physical(), dq) - at.Mv_q * dq);
+  Vector u;
+  Matrix du = velocity_changes(part.q_1, y, rows, dq, u) + apart.J * dy;
+  const std::span<const double> room = system_.room();
+  for (std::size_t c = 0; c < part.apart.size(); ++c) {
+    const Eigen::Index row = static_cast<Eigen::Index>(c) * width;
+    u[row] += std::max(room[c], -part.most_apart);
+    if (room[c] > -part.most_apart) du.row(row) += rows.changes[c].gap;
+  }
+  for (std::size_t s = 0; s < system_.active_stops().size(); ++s) {
+    const std::size_t n = part.apart.size() + s;
+    const Eigen::Index row = system_.problem().blocks()[n].first;
+    const JointStop& stop = system_.stops()[index(system_.active_stops()[s])];
+    u[row] += std::max(room[n], -part.most_apart);
+    if (room[n] > -part.most_apart) du.row(row) += stop.side * dq.row(stop.velocity);
+  }
+  const Eigen::Index loop = system_.first_loop_row();
+  if (loop < m) {
+    LoopSystem<double>& loops = loops_.system(model_);
+    loops.update_kinematics(part.q_1.data());
+    loops.make_rows(ConstraintLevel::position);
+    RowMajor R(model_.loops().residuals, nv);
+    loops.write(R.data());
+    for (const LoopPath& path : loops.table().paths)
+      for (int r = 0; r < path.residuals.count; ++r)
+        if (const Eigen::Index row = loop + path.rows.first + r; system_.problem().moves(index(row)))
+          du.row(row) += R.row(path.residuals.first + r) * dq;
+  }
+  Matrix G(m, m);
+  system_.problem().delassus(G);
+  const Vector scaled = apart.c.cwiseProduct(u);
+  const double size = mass_norm(at.M, y);
+  const LawDerivative law = differentiate_law(system_.problem(), part.lambda_apart.data(), scaled.data(), G,
+                                              apart.c.asDiagonal() * du, size, mass_norm(at.M, dq));
+  note(law);
+  dy += at.factor.solve(apart.J.transpose() * (apart.c.asDiagonal() * law.multipliers));
+  maps_.at(y.data(), y.data());
+  Matrix moved = Matrix::Zero(nv, k);
+  maps_.add(&Joints::carry, dq, moved);
+  maps_.add(&Joints::velocity, dy, moved);
+  dq = moved;
+  return true;
+}
+
+}  // namespace axode

@@ -1,0 +1,245 @@
+#include "axode/derivatives/spring_derivatives.hpp"
+#include "axode/dynamics/mass_matrix/mass_matrix.hpp"
+#include "axode/integration/momenta/contact_step_derivative.hpp"
+
+/// The changes of momenta and of the free motion between the impulses of a step.
+namespace axode {
+namespace {
+
+using Vector = Eigen::VectorXd;
+using Matrix = Eigen::MatrixXd;
+using RowMajor = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
+using Joints = GroupDerivatives::Joints;
+
+std::size_t index(Eigen::Index k) { return static_cast<std::size_t>(k); }
+
+std::span<const double> entries(const Vector& x) { return {x.data(), index(x.size())}; }
+std::span<double> entries(RowMajor& x) { return {x.data(), index(x.size())}; }
+
+}  // namespace
+
+void ContactStepDerivative::take_momenta(const Vector& q, const Vector& v, Momenta& out) {
+  const Eigen::Index nv = v.size();
+  for (Matrix* x : {&out.M, &out.Mv_q, &out.F_q, &out.F_v}) x->resize(nv, nv);
+  mass_matrix(model_, workspace_, Numbers<double>(entries(q)), std::span(out.M.data(), index(nv * nv)));
+  momenta_->kinetic(*tree_, q.data(), v.data(), out.Mv_q.data(), out.F_q.data(), out.F_v.data());
+  out.factor.compute(out.M);
+}
+
+Matrix ContactStepDerivative::Ad_transpose(const Vector& y, Matrix x) const {
+  for (Eigen::Index k = 0; k < x.cols(); ++k) group_.Ad_transpose(y.data(), x.col(k).data(), x.col(k).data());
+  return x;
+}
+
+Matrix ContactStepDerivative::dexp_transpose(const Vector& y, Matrix x) const {
+  for (Eigen::Index k = 0; k < x.cols(); ++k)
+    group_.dexp_transpose(y.data(), x.col(k).data(), x.col(k).data());
+  return x;
+}
+
+Matrix ContactStepDerivative::turn_of(const Vector& y, const Vector& p, bool Ad) const {
+  // The maps do not mix joints, so that the same direction serves the k-th
+  // velocities of all joints.
+  const Eigen::Index nv = y.size();
+  std::vector<Displaced> y_displaced(index(nv)), p_constant(index(nv)), out(index(nv));
+  for (Eigen::Index c = 0; c < nv; ++c) {
+    y_displaced[index(c)] = y[c];
+    y_displaced[index(c)].dx[index(place_[index(c)])] = 1;
+    p_constant[index(c)] = p[c];
+  }
+  if (Ad)
+    displaced_group_.Ad_transpose(y_displaced.data(), p_constant.data(), out.data());
+  else
+    displaced_group_.dexp_transpose(y_displaced.data(), p_constant.data(), out.data());
+  Matrix by_y = Matrix::Zero(nv, nv);
+  const Topology& topology = model_.topology();
+  for (int i = 1; i <= topology.n; ++i) {
+    const int first = topology.iv[index(i)];
+    const int n = topology.first_screw[index(i) + 1] - topology.first_screw[index(i)];
+    if (n == 1) continue;
+    for (int r = first; r < first + n; ++r)
+      for (int k = 0; k < n; ++k) by_y(r, first + k) = out[index(r)].dx[index(k)];
+  }
+  return by_y;
+}
+
+/// The linear momentum of a base gives the velocity u of its frame, and its
+/// change.
+void ContactStepDerivative::begin_bases(const ContactPart& part, const Vector& v_a, const Matrix& M,
+                                        const Matrix& dq, const Matrix& dp) {
+  bases_.clear();
+  const Vector p = M * v_a;
+  for (const ContactPart::Base& base : part.bases) {
+    const Eigen::Index first = tree_->operator->()->iv[index(base.body)];
+    const Eigen::Matrix3d R = to_eigen(motion_.poses()[index(base.body)].R);
+    const Eigen::Vector3d linear = p.segment<3>(first + 3);
+    const double mass = M(first + 3, first + 3);
+    const Eigen::Vector3d u = R * linear / mass;
+    bases_.push_back(
+        {base.body, first, base.constant, mass, from_eigen<Vec3<>>(u),
+         R * (dp.middleRows<3>(first + 3) - skew(from_eigen<Vec3<>>(linear)) * dq.middleRows<3>(first)) /
+             mass});
+  }
+}
+
+/// Velocities of the frames of the bases at the poses of the motion, as
+/// velocities of their joints.
+Vector ContactStepDerivative::frame_velocity(double t) const {
+  Vector e = Vector::Zero(model_.nv());
+  for (const Base& base : bases_) {
+    const SO3<> R = motion_.poses()[index(base.body)].R;
+    e.segment<3>(base.first + 3) = to_eigen(transpose(R) * (base.u + t * tree_->g));
+  }
+  return e;
+}
+
+/// Adds to dq the changes of the places of the frames after a time t, and to dv
+/// those of their velocities.
+void ContactStepDerivative::add_frame_changes(double time, double of_place, double of_velocity,
+                                              const Matrix& dq_moving, Matrix* dq, Matrix* dv) const {
+  const Vector e = frame_velocity(time);
+  for (const Base& base : bases_) {
+    const Eigen::Matrix3d Rt = to_eigen(motion_.poses()[index(base.body)].R).transpose();
+    if (dv)
+      dv->middleRows<3>(base.first + 3) +=
+          of_velocity * (Rt * base.du + skew(from_eigen<Vec3<>>(e.segment<3>(base.first + 3))) *
+                                            dq_moving.middleRows<3>(base.first));
+    if (dq) dq->middleRows<3>(base.first + 3) += of_place * Rt * base.du;
+  }
+}
+
+Matrix ContactStepDerivative::rolling_changes(const ContactPart& part, const Rows& start,
+                                              const Impulses& first, const Matrix& dp, const Matrix& dq,
+                                              const Matrix& dv) {
+  const Eigen::Index nv = dq.rows();
+  Vector weight(nv), velocity = part.v_0;
+  system_.bias_forces(part.q_0.data(), Vector::Zero(nv).eval().data(), {}, weight.data());
+  Momenta at;
+  take_momenta(part.q_0, part.v_0, at);
+  const Vector gain = at.factor.solve(first.J.transpose() * first.physical() - part.h / 2 * weight);
+  velocity += gain;
+  take_momenta(part.q_0, gain, at);
+  RowMajor gravity(nv, nv);
+  gravity_derivatives(model_, workspace_, Numbers<double>(entries(part.q_0)), entries(gravity));
+  const Matrix dvelocity = dv + at.factor.solve(dp - (part.h / 2 * gravity + at.Mv_q) * dq);
+  Vector u;
+  const Matrix du = velocity_changes(part.q_0, velocity, start, dq, u) + first.J * dvelocity;
+  return du.bottomRows(model_.loops().rows);
+}
+
+/// The derivatives of the forces f = F - ad_vᵀ M v + ... in the middle by the place and velocity in the moving
+/// frames. Adds their changes with the frames to df.
+void ContactStepDerivative::take_forces(const ContactPart& part, const Momenta& at_m, const Vector& v_m,
+                                        Matrix& f_q, Matrix& f_v, Matrix& df) {
+  const double h = part.h;
+  const Eigen::Index nv = v_m.size();
+  const Vector p_m = at_m.M * v_m;
+  const Matrix none = Matrix::Zero(nv, df.cols());
+  f_q = at_m.F_q;
+  f_v = at_m.F_v;
+  if (!group_.commutes()) {
+    Vector x(nv);
+    for (Eigen::Index c = 0; c < nv; ++c) {
+      group_.ad_transpose(v_m, at_m.Mv_q.col(c).data(), x);
+      f_q.col(c) -= x;
+      group_.ad_transpose(v_m, at_m.M.col(c).data(), x);
+      f_v.col(c) -= x;
+      group_.ad_transpose(Vector::Unit(nv, c).eval(), p_m, x);
+      f_v.col(c) -= x;
+    }
+  }
+  RowMajor gravity(nv, nv);
+  gravity_derivatives(model_, workspace_, Numbers<double>(entries(part.q_middle)), entries(gravity));
+  for (const Base& base : bases_) {
+    const Topology& topology = model_.topology();
+    for (int i = base.body; i < topology.subtree_end[index(base.body)]; ++i)
+      gravity
+          .middleRows(topology.iv[index(i)],
+                      topology.first_screw[index(i) + 1] - topology.first_screw[index(i)])
+          .setZero();
+  }
+  f_q -= gravity;
+  if (damping_)
+    for (Eigen::Index c = 0; c < nv; ++c) f_v(c, c) -= tree_->damping[index(c)];
+  if (!model_.springs().empty()) {
+    RowMajor by_place(nv, nv), by_velocity(nv, nv);
+    spring_force_derivatives(model_, workspace_, Numbers<double>(entries(part.q_middle)),
+                             Numbers<double>(entries(part.v_middle)),
+                             {entries(by_place), entries(by_velocity)});
+    Matrix along_frames = none, velocities = none, turned = Matrix::Zero(nv, nv);
+    add_frame_changes(h / 2, h / 2, 1, none, &along_frames, &velocities);
+    df += by_place * along_frames + by_velocity * velocities;
+    const Vector e = frame_velocity(h / 2);
+    for (const Base& base : bases_)
+      turned.block<3, 3>(base.first + 3, base.first) = skew(from_eigen<Vec3<>>(e.segment<3>(base.first + 3)));
+    f_q += by_place + by_velocity * turned;
+    f_v += by_velocity;
+  }
+}
+
+/// The free motion (D11.20).
+ContactStepDerivative::Flight ContactStepDerivative::fly(const ContactPart& part, const Start& start) {
+  const double h = part.h;
+  const Eigen::Index nv = start.dq.rows(), k = start.k, m = start.dq.cols() - k;
+  const Matrix none = Matrix::Zero(nv, k + m);
+  Momenta at_m, at_1;
+  Flight out;
+  Vector v_m = part.v_middle;
+  const Matrix no_direction(nv, 0);
+  motion_.run(part.q_middle.data(), part.v_middle.data(), no_direction, no_direction);
+  v_m -= frame_velocity(h / 2);
+  take_momenta(part.q_middle, v_m, at_m);
+  const Vector y = h / 2 * v_m;
+  const Vector& p_0 = start.p;
+  maps_.at(y.data(), y.data());
+  Matrix carry = Matrix::Zero(nv, k + m), by_v = Matrix::Zero(nv, nv);
+  maps_.add(&Joints::carry, start.dq, carry);
+  maps_.add(&Joints::velocity, h / 2 * Matrix::Identity(nv, nv), by_v);
+  Matrix f_q, f_v, df = start.dtau;
+  take_forces(part, at_m, v_m, f_q, f_v, df);
+  const Vector q_1 = part.q_1;
+  motion_.run(q_1.data(), part.v_before_end.data(), no_direction, no_direction);
+  const Vector v_b = part.v_before_end - frame_velocity(h);
+  take_momenta(q_1, v_b, at_1);
+  const Vector p_plus = Ad_transpose(-y, at_1.M * v_b);
+  const Matrix f_by_v = f_q * by_v + f_v, turn_0 = h / 2 * turn_of(y, p_0, true);
+  const Matrix p_plus_by_v = turn_0 + h * f_by_v;
+  const Matrix N = at_m.M + at_m.Mv_q * by_v - h / 2 * turn_of(y, (p_0 + p_plus) / 2, false) -
+                   dexp_transpose(y, p_plus_by_v / 2);
+  Matrix dp_plus = Ad_transpose(y, start.dp) + h * (df + f_q * carry);
+  const Matrix left = dexp_transpose(y, (start.dp + dp_plus) / 2) - at_m.Mv_q * carry;
+  const Matrix dv_m = N.partialPivLu().solve(left);
+  dp_plus += p_plus_by_v * dv_m;
+  out.dq_m = carry + by_v * dv_m;
+  out.dp_1 = Ad_transpose(y, dp_plus) + h / 2 * turn_of(y, p_plus, true) * dv_m;
+  maps_.at((2 * y).eval().data(), y.data());
+  Matrix& dq_1 = out.dq_1;
+  dq_1 = none;
+  maps_.add(&Joints::carry, start.dq, dq_1);
+  maps_.add(&Joints::velocity, h * dv_m, dq_1);
+  for (const Base& base : bases_) {
+    if (!base.constant) continue;
+    const Eigen::Index linear = base.first + 3;
+    // The poses of the motion are those at the end. Forces on the base move the
+    // centre of mass.
+    const Eigen::Matrix3d R_1 = to_eigen(motion_.poses()[index(base.body)].R);
+    const SE3<> C_0 = subgroup::Free<double>::pose(
+        tree_->B[index(base.body)], part.q_0.data() + tree_->operator->()->iq[index(base.body)]);
+    Eigen::Matrix3Xd shift = (to_eigen(C_0.R) * start.momenta.M.middleRows<3>(linear) * start.dq -
+                              R_1 * at_1.M.middleRows<3>(linear) * dq_1) /
+                             base.mass;
+    for (Eigen::Index c = 0; c < k; ++c)
+      if (!start.dtau.col(c).segment<6>(base.first).isZero(0)) shift.col(c).setZero();
+    dq_1.middleRows<3>(linear) += R_1.transpose() * shift;
+  }
+  // From the moving frames to the inertial one: at the end, and in the middle.
+  const Matrix dq_moving_1 = dq_1;
+  add_frame_changes(h, h, 0, dq_moving_1, &dq_1, nullptr);
+  motion_.run(part.q_middle.data(), part.v_middle.data(), no_direction, no_direction);
+  out.dv_m = dv_m;
+  const Matrix dq_moving_m = out.dq_m;
+  add_frame_changes(h / 2, h / 2, 1, dq_moving_m, &out.dq_m, &out.dv_m);
+  return out;
+}
+
+}  // namespace axode
