@@ -10,9 +10,10 @@
 #include "axode/integration/tableau.hpp"
 #include "axode/kinematics/arguments.hpp"
 #include "axode/recursion/solvability.hpp"
+#include "axode/scalar/instruction_set.hpp"
 
-/// Functions of many states of one mechanism, computed in the lanes of SIMD registers (SSE2, AVX2 or AVX-512,
-/// whichever the processor has) and on several cores.
+/// Functions of many states of one mechanism, computed in the lanes of SIMD registers of the instruction set
+/// that instruction_set() names, and on several cores.
 ///
 /// N states are contiguous: q has nq N numbers, v, a and tau have nv N, matrices nv nv N (row by row), poses
 /// n_frames N; in terms of linear algebra, a column for each state. N follows from the size of q and may be 0
@@ -78,9 +79,7 @@ Outcome rollout(const Model& model, std::span<const T> q, Numbers<T> v, const Dr
                 int threads = 1, const Monitor& monitor = {}, bool joint_losses = false,
                 const CompiledDynamics<T>& compiled = {});
 
-/// The instruction set of the lanes: "SSE2", "AVX2" or "AVX-512", the best one that this processor has. If
-/// the environment variable AXODE_INSTRUCTION_SET is set to one of these names, no set above it is used.
-/// Throws std::invalid_argument if it has another value.
-const char* instruction_set();
+/// The value of axode::instruction_set(), on which lanes depend.
+[[deprecated("use axode::instruction_set")]] const char* instruction_set();
 
 }  // namespace axode::batch

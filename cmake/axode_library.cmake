@@ -55,20 +55,22 @@ set(AXODE_PER_SCALAR
     dynamics/closed_form/regressor
     dynamics/springs)
 set(AXODE_PER_REPRESENTATION
-    kinematics/jacobian
     kinematics/higher_order/jacobian_partials
-    kinematics/twists
     constraints/constrained_operational_space
     derivatives/motion_derivatives
     dynamics/momentum/body_momenta
     dynamics/joint_wrenches
     dynamics/operational_space
     dynamics/closed_form/twist_form)
+set(AXODE_QUICK_PER_REPRESENTATION
+    kinematics/jacobian
+    kinematics/twists)
 set(AXODE_PER_REPRESENTATION_AND_FAST
     dynamics/forward_dynamics
     dynamics/inverse_dynamics
     dynamics/mass_matrix/mass_matrix
-    dynamics/closed_form/terms
+    dynamics/closed_form/terms)
+set(AXODE_ROWS
     catalog/functions)
 
 set(AXODE_QUICK_PER_SCALAR
@@ -89,45 +91,88 @@ add_library(axode::axode ALIAS axode_axode)
 set_target_properties(axode_axode PROPERTIES EXPORT_NAME axode)
 target_link_libraries(axode_axode INTERFACE axode_float axode_core)
 
-# axode_add_objects(<library> <name> <source>...): a part of a library, which other libraries may contain too.
-function(axode_add_objects library name)
+# axode_add_objects(<group> <name> <source>...): objects of a group, which axode_add_group() adds to a library.
+function(axode_add_objects group name)
   add_library(${name} OBJECT ${ARGN})
   axode_compile_options(${name})
   target_include_directories(${name} PRIVATE ${PROJECT_SOURCE_DIR})
   target_link_libraries(${name} PRIVATE Eigen3::Eigen)
-  target_sources(${library} PRIVATE $<TARGET_OBJECTS:${name}>)
+  set_property(GLOBAL APPEND PROPERTY axode_objects_of_${group} ${name})
 endfunction()
 
-# axode_instantiate(<library> <name> <definitions> <source>...): compiles the sources with these definitions,
-# as a part of the library.
-function(axode_instantiate library name definitions)
+# axode_precompile(<name> <first>): a precompiled header, with the headers that nearly all sources include. It is that of the
+# objects <first>, which are compiled with the same options.
+function(axode_precompile name first)
+  if(NOT name STREQUAL first)
+    target_precompile_headers(${name} REUSE_FROM ${first})
+    return()
+  endif()
+  target_precompile_headers(${name} PRIVATE <algorithm> <array> <cmath> <functional> <memory> <optional> <span> <string>
+                            <unordered_map> <variant> <vector> ${PROJECT_SOURCE_DIR}/axode/model/model.hpp
+                            ${PROJECT_SOURCE_DIR}/axode/model/workspace.hpp)
+endfunction()
+
+# axode_add_instances(<group> <name> <first> <definitions> <source>...): objects of the sources with these definitions, and
+# with the precompiled header of <first>.
+function(axode_add_instances group name first definitions)
+  if(NOT ARGN)
+    return()
+  endif()
   list(TRANSFORM ARGN PREPEND ${PROJECT_SOURCE_DIR}/axode/)
   list(TRANSFORM ARGN APPEND .cpp)
-  axode_add_objects(${library} ${name} ${ARGN})
+  axode_add_objects(${group} ${name} ${ARGN})
   target_compile_definitions(${name} PRIVATE ${definitions})
   if(CMAKE_CXX_COMPILER_ID STREQUAL GNU)  # what is inlined may not depend on what else is in the unit
     target_compile_options(${name} PRIVATE --param=inline-unit-growth=1000 --param=large-function-growth=1000)
   endif()
   set_target_properties(${name} PROPERTIES UNITY_BUILD ON UNITY_BUILD_BATCH_SIZE 0)
+  axode_precompile(${name} ${first})
 endfunction()
+
+# axode_instantiate(<group> <name> <definitions> <source>...): such objects, compiled once.
+function(axode_instantiate group name definitions)
+  axode_add_instances(${group} ${name} axode_often_included "${definitions}" ${ARGN})
+endfunction()
+
+# axode_instantiate_for_sets(<group> <name> <definitions> <source>...): the same, compiled for each instruction set. The
+# objects of the first set have the plain name.
+function(axode_instantiate_for_sets group name definitions)
+  axode_instantiate(${group} ${name} "${definitions}" ${ARGN})
+  if(NOT ARGN OR NOT AXODE_INSTRUCTION_SETS)
+    return()
+  endif()
+  axode_mark_entries(${name} ${group} x86-64)
+  foreach(set x86-64-v3 x86-64-v4)
+    axode_add_instances(${group}_${set} ${name}_${set} axode_largest_footprint_${set} "${definitions}" ${ARGN})
+    axode_mark_entries(${name}_${set} ${group} ${set})
+  endforeach()
+endfunction()
+
+# axode_add_group(<library> <group>): adds the objects of a group to a library.
+function(axode_add_group library group)
+  get_property(objects GLOBAL PROPERTY axode_objects_of_${group})
+  axode_choose_at_load(${library} ${group} objects)
+  foreach(name IN LISTS objects)
+    target_sources(${library} PRIVATE $<TARGET_OBJECTS:${name}>)
+  endforeach()
+endfunction()
+
+# The first objects of the library and of each set.
+axode_add_objects(to_dynamics_double axode_often_included ${PROJECT_SOURCE_DIR}/axode/workspace.cpp)
+axode_precompile(axode_often_included axode_often_included)
+axode_instantiate_for_sets(to_dynamics_double axode_largest_footprint "" largest_footprint)
 
 # This library is compiled in two parts, because the demo needs only the first one, in double.
 set(floors_to_dynamics lie scalar model table recursion fast kinematics dynamics)
 set(floors_beyond_dynamics derivatives constraints contact drives integration catalog)
-set(library_of_double axode_core)
-set(library_of_float axode_float)
-set(instantiated AXODE_PER_SCALAR AXODE_QUICK_PER_SCALAR AXODE_PER_REPRESENTATION AXODE_PER_REPRESENTATION_AND_FAST)
-foreach(quick IN LISTS AXODE_PER_REPRESENTATION_AND_FAST AXODE_QUICK_PER_SCALAR)
+set(instantiated AXODE_PER_SCALAR AXODE_QUICK_PER_SCALAR AXODE_PER_REPRESENTATION AXODE_QUICK_PER_REPRESENTATION
+                 AXODE_PER_REPRESENTATION_AND_FAST AXODE_ROWS)
+foreach(quick IN LISTS AXODE_QUICK_PER_REPRESENTATION AXODE_PER_REPRESENTATION_AND_FAST AXODE_QUICK_PER_SCALAR)
   set_source_files_properties(${PROJECT_SOURCE_DIR}/axode/${quick}.cpp PROPERTIES SKIP_UNITY_BUILD_INCLUSION ON)
 endforeach()
 
-# The precompiled header, with the headers that nearly all sources include.
-axode_add_objects(axode_core axode_often_included ${PROJECT_SOURCE_DIR}/axode/workspace.cpp)
-target_precompile_headers(axode_often_included PRIVATE <algorithm> <array> <cmath> <functional> <memory> <optional> <span>
-                          <string> <unordered_map> <variant> <vector> ${PROJECT_SOURCE_DIR}/axode/model/model.hpp
-                          ${PROJECT_SOURCE_DIR}/axode/model/workspace.hpp)
-
-# axode_add_part(<part>): adds the objects of these floors.
+# axode_add_part(<part>): adds the groups <part>_double and <part>_float, with the objects of these floors. In double, the
+# default kernels and the functions that do not depend on a representation are compiled for each instruction set.
 function(axode_add_part part)
   set(sources)
   foreach(floor IN LISTS floors_${part})
@@ -137,56 +182,52 @@ function(axode_add_part part)
   foreach(source IN LISTS ${instantiated})
     list(REMOVE_ITEM sources ${PROJECT_SOURCE_DIR}/axode/${source}.cpp)
   endforeach()
-  axode_add_objects(axode_core axode_${part} ${sources})
-  set(objects axode_${part})
+  axode_add_objects(${part}_double axode_${part} ${sources})
+  axode_precompile(axode_${part} axode_often_included)
 
   list(JOIN floors_${part} | floors)
   foreach(list IN LISTS instantiated)
     list(FILTER ${list} INCLUDE REGEX "^(${floors})/")
   endforeach()
+  set(instantiate_double axode_instantiate_for_sets)
+  set(instantiate_float axode_instantiate)
   foreach(T double float)
-    list(APPEND objects axode_${part}_${T} axode_${part}_Fast_${T})
-    axode_instantiate(${library_of_${T}} axode_${part}_${T} AXODE_T=${T} ${AXODE_PER_SCALAR} ${AXODE_QUICK_PER_SCALAR})
+    set(group ${part}_${T})
+    set(name axode_${part})
+    cmake_language(CALL ${instantiate_${T}} ${group} ${name}_${T} AXODE_T=${T} ${AXODE_PER_SCALAR} ${AXODE_QUICK_PER_SCALAR})
+    cmake_language(CALL ${instantiate_${T}} ${group} ${name}_Fast_${T} "AXODE_REP=Fast;AXODE_T=${T}"
+                   ${AXODE_PER_REPRESENTATION_AND_FAST})
+    axode_instantiate(${group} ${name}_rows_Fast_${T} "AXODE_REP=Fast;AXODE_T=${T}" ${AXODE_ROWS})
     foreach(REP BodyFixed Spatial Hybrid Mixed)
-      list(APPEND objects axode_${part}_${REP}_${T})
-      axode_instantiate(${library_of_${T}} axode_${part}_${REP}_${T} "AXODE_REP=${REP};AXODE_T=${T}"
-                        ${AXODE_PER_REPRESENTATION} ${AXODE_PER_REPRESENTATION_AND_FAST})
+      set(definitions "AXODE_REP=${REP};AXODE_T=${T}")
+      cmake_language(CALL ${instantiate_${T}} ${group} ${name}_motion_${REP}_${T} "${definitions}"
+                     ${AXODE_QUICK_PER_REPRESENTATION})
+      axode_instantiate(${group} ${name}_${REP}_${T} "${definitions}" ${AXODE_PER_REPRESENTATION}
+                        ${AXODE_PER_REPRESENTATION_AND_FAST} ${AXODE_ROWS})
     endforeach()
-    axode_instantiate(${library_of_${T}} axode_${part}_Fast_${T} "AXODE_REP=Fast;AXODE_T=${T}" ${AXODE_PER_REPRESENTATION_AND_FAST})
-  endforeach()
-  foreach(name IN LISTS objects)
-    target_precompile_headers(${name} REUSE_FROM axode_often_included)
   endforeach()
 endfunction()
 axode_add_part(to_dynamics)
 axode_add_part(beyond_dynamics)
 
-# Many states at once: the same kernels are compiled for each instruction set, and chosen at run time.
+# Many states at once.
+axode_instantiate_for_sets(batch axode_batch_double AXODE_T=double batch/kernels)
+axode_instantiate_for_sets(batch axode_batch_float AXODE_T=float batch/kernels)
 find_package(TBB REQUIRED)
 axode_add_library(axode_batch batch)
 target_sources(axode_batch PRIVATE ${PROJECT_SOURCE_DIR}/axode/batch/batch.cpp
                                    ${PROJECT_SOURCE_DIR}/axode/batch/control_law_sampler.cpp
-                                   ${PROJECT_SOURCE_DIR}/axode/batch/instruction_set.cpp
                                    ${PROJECT_SOURCE_DIR}/axode/batch/portions.cpp
                                    ${PROJECT_SOURCE_DIR}/axode/batch/rollout.cpp)
 target_link_libraries(axode_batch PUBLIC axode::axode PRIVATE TBB::tbb)
-set(options_of_sse2 -mno-avx)
-set(options_of_avx2 -mno-avx512f -mavx2 -mfma)
-set(options_of_avx512 -mavx512f -mavx512dq -mavx512vl -mavx512bw -mavx2 -mfma -mprefer-vector-width=512)
-set(bytes_of_sse2 16)
-set(bytes_of_avx2 32)
-set(bytes_of_avx512 64)
-foreach(ISA sse2 avx2 avx512)
-  foreach(T double float)
-    if(T STREQUAL double)
-      math(EXPR LANES "${bytes_of_${ISA}} / 8")
-    else()
-      math(EXPR LANES "${bytes_of_${ISA}} / 4")
-    endif()
-    axode_instantiate(axode_batch axode_batch_${ISA}_${T} "AXODE_ISA=${ISA};AXODE_T=${T};AXODE_LANES=${LANES}" batch/kernels)
-    target_compile_options(axode_batch_${ISA}_${T} PRIVATE ${options_of_${ISA}})
-  endforeach()
+
+foreach(group IN ITEMS to_dynamics_double beyond_dynamics_double)
+  axode_add_group(axode_core ${group})
 endforeach()
+foreach(group IN ITEMS to_dynamics_float beyond_dynamics_float)
+  axode_add_group(axode_float ${group})
+endforeach()
+axode_add_group(axode_batch batch)
 
 axode_add_library(axode_codegen codegen)
 file(GLOB_RECURSE sources CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/axode/codegen/*.cpp)
@@ -196,8 +237,9 @@ target_compile_definitions(axode_codegen PRIVATE AXODE_VERSION="${PROJECT_VERSIO
 
 axode_add_library(axode_io io)
 file(GLOB_RECURSE sources CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/axode/io/*.cpp)
-axode_add_objects(axode_io axode_files ${sources})
+axode_add_objects(io axode_files ${sources})
 target_link_libraries(axode_files PRIVATE tinyxml2::tinyxml2)
+axode_add_group(axode_io io)
 target_link_libraries(axode_io PUBLIC $<BUILD_INTERFACE:axode_core> $<INSTALL_INTERFACE:axode::axode> PRIVATE tinyxml2::tinyxml2)
 
 find_package(nlohmann_json REQUIRED)

@@ -27,7 +27,7 @@ int main() {
       arm, "inverse_dynamics", {.q = as_span(q), .v = as_span(v), .a = as_span(a)}, as_span(tau), threads);
 
   std::printf("%s, %zu states at once with %s\n%-6s %18s %18s\n", arm.name().c_str(), outcome.done,
-              batch::instruction_set(), "joint", "largest force, N m", "largest power, W");
+              instruction_set(), "joint", "largest force, N m", "largest power, W");
   for (const Joint& joint : arm.joints())
     std::printf("%-6s %18.3f %18.3f\n", joint.name.c_str(), tau.row(joint.iv).cwiseAbs().maxCoeff(),
                 tau.row(joint.iv).cwiseProduct(v.row(joint.iv)).cwiseAbs().maxCoeff());

@@ -5,7 +5,6 @@
 #include <optional>
 #include <vector>
 
-#include "axode/batch/instruction_set.hpp"
 #include "axode/batch/kernels.hpp"
 #include "axode/batch/portions.hpp"
 #include "axode/batch/scratch.hpp"
@@ -39,7 +38,7 @@ template <class S> class LaneCall {
       for (std::size_t l = 0; l < count; ++l)
         verdicts[l] = static_cast<unsigned char>(singular_lanes >> l & 1);
   }
-  static std::size_t lanes() { return best_kernels<S>().lanes; }
+  static std::size_t lanes() { return kernels<S>().lanes; }
 
  private:
   const S* argument(catalog::Input input, std::size_t first, std::size_t count) {
@@ -66,17 +65,6 @@ bool coupled(const Model& model) { return !model.tree<double>()->coupled_bodies.
 
 }  // namespace
 
-template <class S> const Kernels<S>& best_kernels() {
-  switch (best_instruction_set()) {
-    case InstructionSet::avx512: return kernels<batch::avx512, S>();
-    case InstructionSet::avx2: return kernels<batch::avx2, S>();
-    case InstructionSet::sse2: break;
-  }
-  return kernels<batch::sse2, S>();
-}
-template const Kernels<double>& best_kernels();
-template const Kernels<float>& best_kernels();
-
 template <class S>
 Outcome run(const Model& model, catalog::Id function,
             const catalog::Arguments<std::type_identity_t<S>>& given, std::type_identity_t<std::span<S>> out,
@@ -91,7 +79,7 @@ Outcome run(const Model& model, catalog::Id function,
   StatesOfRow<S> states(model, *catalog::find<Fast, S>(words.name), given, out, threads);
   const std::size_t N = states.count();
   if (states.size() == 0) return {.done = N};
-  const LaneKernel<S>& kernel = best_kernels<S>().rows[function.index];
+  const LaneKernel<S>& kernel = kernels<S>().rows[function.index];
   const bool in_lanes = kernel.takes_coupled_joints || !coupled(model);
   return states.outcome(in_portions(N, in_lanes ? LaneCall<S>::lanes() : 1, threads, monitor, [&]() -> Work {
     auto call = in_lanes ? std::make_shared<LaneCall<S>>(states, kernel) : nullptr;
@@ -114,5 +102,7 @@ template Outcome run<double>(const Model&, catalog::Id, const catalog::Arguments
                              int, const Monitor&);
 template Outcome run<float>(const Model&, catalog::Id, const catalog::Arguments<float>&, std::span<float>,
                             int, const Monitor&);
+
+const char* instruction_set() { return axode::instruction_set(); }
 
 }  // namespace axode::batch

@@ -1,6 +1,3 @@
-// This file is compiled once for each instruction set. It must not contain a function that is also compiled
-// for another processor, because the linker keeps one copy only. Hence every template is instantiated with
-// Batch<AXODE_T, AXODE_LANES>, which no other instruction set uses.
 #include "axode/batch/kernels.hpp"
 
 #include <algorithm>
@@ -12,18 +9,13 @@
 #include "axode/fast/inverse_mass_matrix.hpp"
 #include "axode/integration/schemes/munthe_kaas.hpp"
 #include "axode/model/workspace.hpp"
-
-#ifndef AXODE_ISA  // as an editor sees it
-#define AXODE_ISA sse2
-#define AXODE_T double
-#define AXODE_LANES 2
-#endif
+#include "axode/recursion/instantiate.hpp"
 
 namespace axode::batch {
 namespace {
 
 using S = AXODE_T;
-constexpr int lanes = AXODE_LANES;
+constexpr int lanes = static_cast<int>(native_lanes<S>);
 using Number = Batch<S, lanes>;
 using G = Plain<Number>;
 
@@ -344,7 +336,7 @@ void remove_rollout(void* rollout) noexcept { delete static_cast<Rollout*>(rollo
 
 }  // namespace
 
-template <> const Kernels<S>& kernels<AXODE_ISA, S>() {
+template <> AXODE_ENTRY const Kernels<S>& kernels<S>() {
   static constexpr Kernels<S> all = [] {
     Kernels<S> made{.lanes = lanes, .rows = {}, .rollout = {make_rollout, run_rollout, remove_rollout}};
     const auto set = [&](Id id, LaneKernel<S> kernel) { made.rows[id.index] = kernel; };

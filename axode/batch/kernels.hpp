@@ -57,7 +57,7 @@ template <class S> struct RolloutKernel {
   void (*remove)(void*) noexcept;
 };
 
-/// The kernels for one instruction set: those of the rows that have lanes, in the order of the table, and the
+/// The kernels of one instruction set: those of the rows that have lanes, in the order of the table, and the
 /// rollouts. Rollouts take a model without coupled joints, or compiled dynamics.
 template <class S> struct Kernels {
   int lanes;
@@ -65,20 +65,9 @@ template <class S> struct Kernels {
   RolloutKernel<S> rollout;
 };
 
-/// Tags: one type for each instruction set.
-struct sse2;
-struct avx2;
-struct avx512;
-
-/// The kernels for an instruction set; S is double or float.
-template <class InstructionSet, class S> const Kernels<S>& kernels();
-template <> const Kernels<double>& kernels<sse2, double>();
-template <> const Kernels<float>& kernels<sse2, float>();
-template <> const Kernels<double>& kernels<avx2, double>();
-template <> const Kernels<float>& kernels<avx2, float>();
-template <> const Kernels<double>& kernels<avx512, double>();
-template <> const Kernels<float>& kernels<avx512, float>();
-/// The kernels for the best instruction set of this processor.
-template <class S> const Kernels<S>& best_kernels();
+/// The kernels of the chosen instruction set; S is double or float.
+template <class S> const Kernels<S>& kernels();
+template <> const Kernels<double>& kernels<double>();
+template <> const Kernels<float>& kernels<float>();
 
 }  // namespace axode::batch

@@ -163,9 +163,9 @@ template <class S> class ScalarRollout {
 template <class S> class LaneRollout {
  public:
   LaneRollout(const Tree<S>& tree, const CompiledDynamics<S>& compiled, const Tableau& method)
-      : kernel_(best_kernels<S>().rollout), rollout_(kernel_.make(tree, method), kernel_.remove) {
+      : kernel_(kernels<S>().rollout), rollout_(kernel_.make(tree, method), kernel_.remove) {
     if (!compiled.call) return;
-    const std::size_t lanes = best_kernels<S>().lanes, nq = lanes * tree->nq, nv = lanes * tree->nv;
+    const std::size_t lanes = kernels<S>().lanes, nq = lanes * tree->nq, nv = lanes * tree->nv;
     numbers_ = scratch<S>(compiled.scratch + nq + 3 * nv);
     maybe_singular_ = std::make_shared<std::vector<unsigned char>>(lanes);
     S* const q = numbers_.get() + compiled.scratch;
@@ -225,7 +225,7 @@ Outcome run_rollouts(const Model& model, const CompiledDynamics<S>& compiled, st
   ControlLawSampler<S> sampler(model, drive);
   const bool in_lanes = N > 1 && (tree->coupled_bodies.empty() || compiled.call) && model.springs().empty() &&
                         model.loops().empty() && !losses.friction && (!drive || sampler.known());
-  const std::size_t group = in_lanes ? static_cast<std::size_t>(best_kernels<S>().lanes) : 1;
+  const std::size_t group = in_lanes ? static_cast<std::size_t>(kernels<S>().lanes) : 1;
   std::vector<Solvability> found(N);
   std::vector<char> loops_open(N);
   Outcome outcome{.done = N};

@@ -162,16 +162,18 @@ Solvability forward_dynamics_vjp(const Model& model, LoopWorkspace<T>& workspace
   return solved(d.verdict, {gradient.q, gradient.v, gradient.tau});
 }
 
-template Solvability forward_dynamics_jvp(const Model&, LoopWorkspace<AXODE_T>&, Numbers<AXODE_T>,
-                                          Numbers<AXODE_T>, Numbers<AXODE_T>, Numbers<AXODE_T>,
-                                          Numbers<AXODE_T>, Numbers<AXODE_T>, std::span<AXODE_T>,
-                                          const Loads<AXODE_T>&);
-template Solvability forward_dynamics_vjp(const Model&, LoopWorkspace<AXODE_T>&, Numbers<AXODE_T>,
-                                          Numbers<AXODE_T>, Numbers<AXODE_T>, Numbers<AXODE_T>,
-                                          const ForwardDynamicsGradients<AXODE_T>&, const Loads<AXODE_T>&);
-template Solvability forward_dynamics_derivatives(const Model&, LoopWorkspace<AXODE_T>&, Numbers<AXODE_T>,
-                                                  Numbers<AXODE_T>, Numbers<AXODE_T>,
-                                                  const ClosedDynamicsDerivatives<AXODE_T>&,
-                                                  const Loads<AXODE_T>&);
+template AXODE_ENTRY Solvability forward_dynamics_jvp(const Model&, LoopWorkspace<AXODE_T>&, Numbers<AXODE_T>,
+                                                      Numbers<AXODE_T>, Numbers<AXODE_T>, Numbers<AXODE_T>,
+                                                      Numbers<AXODE_T>, Numbers<AXODE_T>, std::span<AXODE_T>,
+                                                      const Loads<AXODE_T>&);
+template AXODE_ENTRY Solvability forward_dynamics_vjp(const Model&, LoopWorkspace<AXODE_T>&, Numbers<AXODE_T>,
+                                                      Numbers<AXODE_T>, Numbers<AXODE_T>, Numbers<AXODE_T>,
+                                                      const ForwardDynamicsGradients<AXODE_T>&,
+                                                      const Loads<AXODE_T>&);
+template AXODE_ENTRY Solvability forward_dynamics_derivatives(const Model&, LoopWorkspace<AXODE_T>&,
+                                                              Numbers<AXODE_T>, Numbers<AXODE_T>,
+                                                              Numbers<AXODE_T>,
+                                                              const ClosedDynamicsDerivatives<AXODE_T>&,
+                                                              const Loads<AXODE_T>&);
 
 }  // namespace axode

@@ -215,14 +215,15 @@ void loop_wrenches(const Model& model, LoopWorkspace<T>& workspace, Numbers<T> q
   }
 }
 
-template Solvability forward_dynamics(const Model&, LoopWorkspace<AXODE_T>&, Numbers<AXODE_T>,
-                                      Numbers<AXODE_T>, Numbers<AXODE_T>, std::span<AXODE_T>,
-                                      std::span<AXODE_T>, const Loads<AXODE_T>&);
-template AXODE_T inverse_dynamics(const Model&, LoopWorkspace<AXODE_T>&, Numbers<AXODE_T>, Numbers<AXODE_T>,
-                                  Numbers<AXODE_T>, std::span<AXODE_T>, std::span<AXODE_T>,
-                                  std::span<const int>, const Loads<AXODE_T>&, Numbers<AXODE_T>);
-template Solvability impact(const Model&, LoopWorkspace<AXODE_T>&, Numbers<AXODE_T>, Numbers<AXODE_T>,
-                            AXODE_T, std::span<AXODE_T>, std::span<AXODE_T>);
+template AXODE_ENTRY Solvability forward_dynamics(const Model&, LoopWorkspace<AXODE_T>&, Numbers<AXODE_T>,
+                                                  Numbers<AXODE_T>, Numbers<AXODE_T>, std::span<AXODE_T>,
+                                                  std::span<AXODE_T>, const Loads<AXODE_T>&);
+template AXODE_ENTRY AXODE_T inverse_dynamics(const Model&, LoopWorkspace<AXODE_T>&, Numbers<AXODE_T>,
+                                              Numbers<AXODE_T>, Numbers<AXODE_T>, std::span<AXODE_T>,
+                                              std::span<AXODE_T>, std::span<const int>, const Loads<AXODE_T>&,
+                                              Numbers<AXODE_T>);
+template AXODE_ENTRY Solvability impact(const Model&, LoopWorkspace<AXODE_T>&, Numbers<AXODE_T>,
+                                        Numbers<AXODE_T>, AXODE_T, std::span<AXODE_T>, std::span<AXODE_T>);
 #define AXODE_WRENCHES(Rep)                                                                                 \
   template void loop_wrenches<Rep>(const Model&, LoopWorkspace<AXODE_T>&, Numbers<AXODE_T>,                 \
                                    Numbers<AXODE_T>, std::span<Wrench<Rep, AXODE_T>>);                      \

@@ -78,13 +78,15 @@ void loop_bias(const Model& model, LoopWorkspace<T>& workspace, Numbers<T> q, Nu
 }
 
 template class LoopWorkspace<AXODE_T>;
-template void loop_residual(const Model&, LoopWorkspace<AXODE_T>&, Numbers<AXODE_T>, std::span<AXODE_T>);
-template void loop_jacobian(const Model&, LoopWorkspace<AXODE_T>&, Numbers<AXODE_T>, std::span<AXODE_T>);
-template void loop_residual_jacobian(const Model&, LoopWorkspace<AXODE_T>&, Numbers<AXODE_T>,
-                                     std::span<AXODE_T>);
-template void loop_hessian_product(const Model&, LoopWorkspace<AXODE_T>&, Numbers<AXODE_T>, Numbers<AXODE_T>,
-                                   Numbers<AXODE_T>, std::span<AXODE_T>);
-template void loop_bias(const Model&, LoopWorkspace<AXODE_T>&, Numbers<AXODE_T>, Numbers<AXODE_T>,
-                        std::span<AXODE_T>);
+template AXODE_ENTRY void loop_residual(const Model&, LoopWorkspace<AXODE_T>&, Numbers<AXODE_T>,
+                                        std::span<AXODE_T>);
+template AXODE_ENTRY void loop_jacobian(const Model&, LoopWorkspace<AXODE_T>&, Numbers<AXODE_T>,
+                                        std::span<AXODE_T>);
+template AXODE_ENTRY void loop_residual_jacobian(const Model&, LoopWorkspace<AXODE_T>&, Numbers<AXODE_T>,
+                                                 std::span<AXODE_T>);
+template AXODE_ENTRY void loop_hessian_product(const Model&, LoopWorkspace<AXODE_T>&, Numbers<AXODE_T>,
+                                               Numbers<AXODE_T>, Numbers<AXODE_T>, std::span<AXODE_T>);
+template AXODE_ENTRY void loop_bias(const Model&, LoopWorkspace<AXODE_T>&, Numbers<AXODE_T>, Numbers<AXODE_T>,
+                                    std::span<AXODE_T>);
 
 }  // namespace axode

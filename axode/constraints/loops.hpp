@@ -3,6 +3,7 @@
 
 #include "axode/kinematics/arguments.hpp"
 #include "axode/recursion/loads.hpp"
+#include "axode/scalar/instruction_set.hpp"
 
 /// Closed loops. A mechanism is cut to a tree; a loop joint between bodies i and j leaves a subgroup of SE(3)
 /// free, and the wrenches W that are reciprocal to it close the loop: W λ acts on j and -W λ on i. The rows
@@ -15,7 +16,7 @@ template <class T> class LoopSystem;
 
 /// Scratch memory of one thread for a mechanism with loops. A function that takes a LoopWorkspace instead of
 /// a Workspace takes loops into account.
-template <class T = double> class LoopWorkspace {
+template <class T = double> class AXODE_ENTRY LoopWorkspace {
  public:
   explicit LoopWorkspace(const Model& model);
   ~LoopWorkspace();

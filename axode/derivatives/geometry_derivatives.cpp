@@ -107,22 +107,25 @@ void jacobian_geometry_derivatives(const Model& model, Workspace<T>& workspace, 
   });
 }
 
-template void inverse_dynamics_geometry_derivatives(const Model&, Workspace<AXODE_T>&, Numbers<AXODE_T>,
-                                                    Numbers<AXODE_T>, Numbers<AXODE_T>, std::span<AXODE_T>,
-                                                    const Loads<AXODE_T>&);
-template Solvability forward_dynamics_geometry_derivatives(const Model&, Workspace<AXODE_T>&,
-                                                           Numbers<AXODE_T>, Numbers<AXODE_T>,
-                                                           Numbers<AXODE_T>, std::span<AXODE_T>,
-                                                           const Loads<AXODE_T>&);
-template void inverse_dynamics_geometry_vjp(const Model&, Workspace<AXODE_T>&, Numbers<AXODE_T>,
-                                            Numbers<AXODE_T>, Numbers<AXODE_T>, Numbers<AXODE_T>,
-                                            std::span<AXODE_T>, const Loads<AXODE_T>&);
-template Solvability forward_dynamics_geometry_vjp(const Model&, Workspace<AXODE_T>&, Numbers<AXODE_T>,
-                                                   Numbers<AXODE_T>, Numbers<AXODE_T>, Numbers<AXODE_T>,
-                                                   std::span<AXODE_T>, const Loads<AXODE_T>&);
-template void frame_geometry_jacobian(const Model&, Workspace<AXODE_T>&, Numbers<AXODE_T>,
-                                      const Place<AXODE_T>&, std::span<AXODE_T>);
-template void jacobian_geometry_derivatives(const Model&, Workspace<AXODE_T>&, Numbers<AXODE_T>,
-                                            const Place<AXODE_T>&, std::span<Twist<BodyFixed, AXODE_T>>);
+template AXODE_ENTRY void inverse_dynamics_geometry_derivatives(const Model&, Workspace<AXODE_T>&,
+                                                                Numbers<AXODE_T>, Numbers<AXODE_T>,
+                                                                Numbers<AXODE_T>, std::span<AXODE_T>,
+                                                                const Loads<AXODE_T>&);
+template AXODE_ENTRY Solvability forward_dynamics_geometry_derivatives(const Model&, Workspace<AXODE_T>&,
+                                                                       Numbers<AXODE_T>, Numbers<AXODE_T>,
+                                                                       Numbers<AXODE_T>, std::span<AXODE_T>,
+                                                                       const Loads<AXODE_T>&);
+template AXODE_ENTRY void inverse_dynamics_geometry_vjp(const Model&, Workspace<AXODE_T>&, Numbers<AXODE_T>,
+                                                        Numbers<AXODE_T>, Numbers<AXODE_T>, Numbers<AXODE_T>,
+                                                        std::span<AXODE_T>, const Loads<AXODE_T>&);
+template AXODE_ENTRY Solvability forward_dynamics_geometry_vjp(const Model&, Workspace<AXODE_T>&,
+                                                               Numbers<AXODE_T>, Numbers<AXODE_T>,
+                                                               Numbers<AXODE_T>, Numbers<AXODE_T>,
+                                                               std::span<AXODE_T>, const Loads<AXODE_T>&);
+template AXODE_ENTRY void frame_geometry_jacobian(const Model&, Workspace<AXODE_T>&, Numbers<AXODE_T>,
+                                                  const Place<AXODE_T>&, std::span<AXODE_T>);
+template AXODE_ENTRY void jacobian_geometry_derivatives(const Model&, Workspace<AXODE_T>&, Numbers<AXODE_T>,
+                                                        const Place<AXODE_T>&,
+                                                        std::span<Twist<BodyFixed, AXODE_T>>);
 
 }  // namespace axode

@@ -77,7 +77,8 @@ Solvability linearize(const Model& model, Workspace<T>& workspace, Numbers<T> q,
   return solved(verdict, {A, B});
 }
 
-template Solvability linearize(const Model&, Workspace<AXODE_T>&, Numbers<AXODE_T>, Numbers<AXODE_T>,
-                               Numbers<AXODE_T>, const Linearization<AXODE_T>&, const Loads<AXODE_T>&);
+template AXODE_ENTRY Solvability linearize(const Model&, Workspace<AXODE_T>&, Numbers<AXODE_T>,
+                                           Numbers<AXODE_T>, Numbers<AXODE_T>, const Linearization<AXODE_T>&,
+                                           const Loads<AXODE_T>&);
 
 }  // namespace axode

@@ -17,8 +17,9 @@ Solvability momentum_form_derivatives(const Model& model, Workspace<T>& workspac
   return solved(verdict, {d.v_q, d.v_p, d.dp_q, d.dp_p});
 }
 
-template Solvability momentum_form_derivatives(const Model&, Workspace<AXODE_T>&, Numbers<AXODE_T>,
-                                               Numbers<AXODE_T>, const MomentumFormDerivatives<AXODE_T>&,
-                                               const Loads<AXODE_T>&);
+template AXODE_ENTRY Solvability momentum_form_derivatives(const Model&, Workspace<AXODE_T>&,
+                                                           Numbers<AXODE_T>, Numbers<AXODE_T>,
+                                                           const MomentumFormDerivatives<AXODE_T>&,
+                                                           const Loads<AXODE_T>&);
 
 }  // namespace axode

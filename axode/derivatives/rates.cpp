@@ -85,14 +85,14 @@ void second_order_inverse_dynamics(const Model& model, Workspace<T>& workspace, 
 }
 
 template class InverseDynamicsRates<AXODE_T>;
-template void second_order_inverse_dynamics<BodyFixed>(const Model&, Workspace<AXODE_T>&, Numbers<AXODE_T>,
-                                                       Numbers<AXODE_T>, std::span<AXODE_T>,
-                                                       const Loads<AXODE_T>&);
-template void second_order_inverse_dynamics<Hybrid>(const Model&, Workspace<AXODE_T>&, Numbers<AXODE_T>,
-                                                    Numbers<AXODE_T>, std::span<AXODE_T>,
-                                                    const Loads<AXODE_T>&);
-template Solvability forward_dynamics_rates(const Model&, Workspace<AXODE_T>&, Numbers<AXODE_T>,
-                                            Numbers<AXODE_T>, Numbers<AXODE_T>, std::span<AXODE_T>,
-                                            const Loads<AXODE_T>&);
+template AXODE_ENTRY void second_order_inverse_dynamics<BodyFixed>(const Model&, Workspace<AXODE_T>&,
+                                                                   Numbers<AXODE_T>, Numbers<AXODE_T>,
+                                                                   std::span<AXODE_T>, const Loads<AXODE_T>&);
+template AXODE_ENTRY void second_order_inverse_dynamics<Hybrid>(const Model&, Workspace<AXODE_T>&,
+                                                                Numbers<AXODE_T>, Numbers<AXODE_T>,
+                                                                std::span<AXODE_T>, const Loads<AXODE_T>&);
+template AXODE_ENTRY Solvability forward_dynamics_rates(const Model&, Workspace<AXODE_T>&, Numbers<AXODE_T>,
+                                                        Numbers<AXODE_T>, Numbers<AXODE_T>,
+                                                        std::span<AXODE_T>, const Loads<AXODE_T>&);
 
 }  // namespace axode

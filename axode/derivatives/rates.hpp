@@ -4,6 +4,7 @@
 #include "axode/kinematics/arguments.hpp"
 #include "axode/recursion/loads.hpp"
 #include "axode/recursion/solvability.hpp"
+#include "axode/scalar/instruction_set.hpp"
 
 namespace axode {
 
@@ -14,7 +15,7 @@ template <class T> class ForceSeries;
 /// v'', ..., all in the joints' left-trivialised directions; loads are constant in the representation in
 /// which they are given. Evaluation does not allocate; an object is for one thread. See (D3.9) to (D3.11) of
 /// docs/derivations.
-template <class T = double> class InverseDynamicsRates {
+template <class T = double> class AXODE_ENTRY InverseDynamicsRates {
  public:
   /// Prepares the derivatives of τ up to an order. Throws std::invalid_argument if it is negative, and for a
   /// model with loops, which inverse_dynamics_rates() counts.

@@ -173,7 +173,7 @@ void spring_force_derivatives(const Model& model, Workspace<T>& workspace, Numbe
                spring.geometry);
 }
 
-template void spring_force_derivatives(const Model&, Workspace<AXODE_T>&, Numbers<AXODE_T>, Numbers<AXODE_T>,
-                                       const StateDerivatives<AXODE_T>&);
+template AXODE_ENTRY void spring_force_derivatives(const Model&, Workspace<AXODE_T>&, Numbers<AXODE_T>,
+                                                   Numbers<AXODE_T>, const StateDerivatives<AXODE_T>&);
 
 }  // namespace axode

@@ -44,13 +44,14 @@ void kinetic_energy_gradient(const Model& model, Workspace<T>& workspace, Number
   std::copy_n(s.vjp.by_a, gradient.v.size(), gradient.v.data());
 }
 
-template void gravity_derivatives(const Model&, Workspace<AXODE_T>&, Numbers<AXODE_T>, std::span<AXODE_T>);
-template void coriolis_derivatives(const Model&, Workspace<AXODE_T>&, Numbers<AXODE_T>, Numbers<AXODE_T>,
-                                   const StateDerivatives<AXODE_T>&);
-template void generalized_load_derivatives(const Model&, Workspace<AXODE_T>&, Numbers<AXODE_T>,
-                                           Numbers<AXODE_T>, const Loads<AXODE_T>&,
-                                           const StateDerivatives<AXODE_T>&);
-template void kinetic_energy_gradient(const Model&, Workspace<AXODE_T>&, Numbers<AXODE_T>, Numbers<AXODE_T>,
-                                      const StateDerivatives<AXODE_T>&);
+template AXODE_ENTRY void gravity_derivatives(const Model&, Workspace<AXODE_T>&, Numbers<AXODE_T>,
+                                              std::span<AXODE_T>);
+template AXODE_ENTRY void coriolis_derivatives(const Model&, Workspace<AXODE_T>&, Numbers<AXODE_T>,
+                                               Numbers<AXODE_T>, const StateDerivatives<AXODE_T>&);
+template AXODE_ENTRY void generalized_load_derivatives(const Model&, Workspace<AXODE_T>&, Numbers<AXODE_T>,
+                                                       Numbers<AXODE_T>, const Loads<AXODE_T>&,
+                                                       const StateDerivatives<AXODE_T>&);
+template AXODE_ENTRY void kinetic_energy_gradient(const Model&, Workspace<AXODE_T>&, Numbers<AXODE_T>,
+                                                  Numbers<AXODE_T>, const StateDerivatives<AXODE_T>&);
 
 }  // namespace axode

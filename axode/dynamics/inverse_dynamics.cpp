@@ -16,8 +16,8 @@ void inverse_dynamics(const Model& model, Workspace<T>& workspace, Numbers<T> q,
   recursion.project(tree, v.data(), a.data(), loads.joint_losses, tau.data());
 }
 
-template void inverse_dynamics<AXODE_REP>(const Model&, Workspace<AXODE_T>&, Numbers<AXODE_T>,
-                                          Numbers<AXODE_T>, Numbers<AXODE_T>, std::span<AXODE_T>,
-                                          const Loads<AXODE_T>&);
+template AXODE_ENTRY void inverse_dynamics<AXODE_REP>(const Model&, Workspace<AXODE_T>&, Numbers<AXODE_T>,
+                                                      Numbers<AXODE_T>, Numbers<AXODE_T>, std::span<AXODE_T>,
+                                                      const Loads<AXODE_T>&);
 
 }  // namespace axode

@@ -155,12 +155,12 @@ T spring_coordinate(const Model& model, Workspace<T>& workspace, int k, Numbers<
   return std::visit(Coordinate<T>{tree, q.data()}, spring.geometry);
 }
 
-template void spring_forces(const Model&, Workspace<AXODE_T>&, Numbers<AXODE_T>, Numbers<AXODE_T>,
-                            std::span<AXODE_T>);
-template void add_spring_forces(const Model&, Workspace<AXODE_T>&, Numbers<AXODE_T>, Numbers<AXODE_T>,
-                                std::span<AXODE_T>);
-template AXODE_T elastic_energy(const Model&, Workspace<AXODE_T>&, Numbers<AXODE_T>);
-template AXODE_T spring_coordinate(const Model&, Workspace<AXODE_T>&, int, Numbers<AXODE_T>,
-                                   std::span<AXODE_T>);
+template AXODE_ENTRY void spring_forces(const Model&, Workspace<AXODE_T>&, Numbers<AXODE_T>, Numbers<AXODE_T>,
+                                        std::span<AXODE_T>);
+template AXODE_ENTRY void add_spring_forces(const Model&, Workspace<AXODE_T>&, Numbers<AXODE_T>,
+                                            Numbers<AXODE_T>, std::span<AXODE_T>);
+template AXODE_ENTRY AXODE_T elastic_energy(const Model&, Workspace<AXODE_T>&, Numbers<AXODE_T>);
+template AXODE_ENTRY AXODE_T spring_coordinate(const Model&, Workspace<AXODE_T>&, int, Numbers<AXODE_T>,
+                                               std::span<AXODE_T>);
 
 }  // namespace axode

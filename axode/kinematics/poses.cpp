@@ -33,8 +33,8 @@ void poses(const Model& model, Workspace<T>& workspace, Numbers<T> q,
   }
 }
 
-template void poses(const Model&, Workspace<AXODE_T>&, Numbers<AXODE_T>, std::span<SE3<AXODE_T>>);
-template void poses(const Model&, Workspace<AXODE_T>&, Numbers<AXODE_T>, std::span<const Place<AXODE_T>>,
-                    std::span<SE3<AXODE_T>>);
+template AXODE_ENTRY void poses(const Model&, Workspace<AXODE_T>&, Numbers<AXODE_T>, std::span<SE3<AXODE_T>>);
+template AXODE_ENTRY void poses(const Model&, Workspace<AXODE_T>&, Numbers<AXODE_T>,
+                                std::span<const Place<AXODE_T>>, std::span<SE3<AXODE_T>>);
 
 }  // namespace axode

@@ -145,6 +145,7 @@ from ._axode import (
     urdf,
     with_floor,
 )
+from ._axode import instruction_set as _instruction_set
 from ._axode import name_here as _name_here
 from ._axode import version as __version__
 from .builder import Builder
@@ -187,11 +188,14 @@ _former_names.install()
 #: The folder of the mechanisms that come with the package: arm7.toml, double_pendulum.toml, humanoid.urdf,
 #: machine.toml.
 robots: Path = Path(__file__).parent / "share/axode/robots"
+#: The instruction set whose code is used, such as "x86-64-v3": the best one of this processor, or the one that the
+#: environment variable AXODE_INSTRUCTION_SET named when axode was imported.
+instruction_set: str = _instruction_set
 
 __all__ = [
     # mechanisms
     "Model", "Body", "Joint", "Builder", "load", "check", "read_drawing", "read_urdf", "read_sdf", "drawing", "urdf", "mjcf",
-    "robots", "__version__",
+    "robots", "instruction_set", "__version__",
     # kinematics
     "pose", "poses", "twists", "accelerations", "jacobian", "jacobian_rate", "jacobian_partials", "jacobian_derivatives",
     "jacobian_derivative_along", "jacobian_columns", "jacobians", "relative_jacobian", "joint_screws", "twist_derivatives",

@@ -22,6 +22,7 @@ NB_MODULE(_axode, module) {
   import_numpy();
   translate_exceptions();
   module.attr("version") = AXODE_VERSION;
+  module.attr("instruction_set") = axode::instruction_set();  // throws if AXODE_INSTRUCTION_SET is wrong
   module.def("name_here", &axode::catalog::name_here, nb::arg("theirs"),
              "The name in axode of a function of another library, or ''.");
   module.def("describe", &describe, "type"_a, "signature"_a);

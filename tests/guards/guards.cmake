@@ -12,13 +12,11 @@ add_test(NAME Guards.Mutants COMMAND ${AXODE_PYTHON} ${PROJECT_SOURCE_DIR}/tools
 set_tests_properties(Guards.IncludeFloors Guards.CleanTree Guards.Kinds Guards.Versions Guards.Messages Guards.Mutants
                      PROPERTIES LABELS guards)
 
-# Code for one instruction set stays out of programs that run without it. (Unoptimised code inlines too little.)
-if(CMAKE_BUILD_TYPE STREQUAL Release AND NOT AXODE_NATIVE)
-  foreach(kernels avx2_double avx2_float avx512_double avx512_float)
-    list(APPEND avx_objects $<TARGET_OBJECTS:axode_batch_${kernels}>)
-  endforeach()
-  add_test(NAME Guards.InstructionSets COMMAND ${AXODE_PYTHON} ${guards}/instruction_sets.py ${CMAKE_NM}
-                                               ${avx_objects} COMMAND_EXPAND_LISTS)
+# Code for one instruction set stays out of programs that run without it.
+if(AXODE_INSTRUCTION_SETS AND NOT BUILD_SHARED_LIBS)
+  add_test(NAME Guards.InstructionSets
+           COMMAND ${AXODE_PYTHON} ${guards}/instruction_sets.py ${CMAKE_NM} ${CMAKE_OBJDUMP}
+                   ${PROJECT_BINARY_DIR}/instruction_sets $<TARGET_FILE:axode_core> $<TARGET_FILE:axode_batch>)
   set_tests_properties(Guards.InstructionSets PROPERTIES LABELS guards)
 endif()
 

@@ -12,8 +12,8 @@ bool LoopSystem<T>::accelerate_fast(const T* q, const T* v, const T* tau, const 
   if (!table_.of_couplings().empty()) return false;
   const Tree<T>& t = tree();
   using Bodies = typename FastKernel::Bodies;
-  Bodies& bodies = fast_->tree.bodies;
-  auto* const moving = fast_->moving;
+  Bodies& bodies = (*fast_)->tree.bodies;
+  auto* const moving = (*fast_)->moving;
   auto* const V = dynamics_->recursion.motion.bodies.V;
   auto* const dV = dynamics_->recursion.motion.bodies.dV;
   link_ = dynamics_->recursion.motion.bodies.link;
@@ -22,7 +22,7 @@ bool LoopSystem<T>::accelerate_fast(const T* q, const T* v, const T* tau, const 
   V[0] = {};
   dV[0] = {{}, -t.g};
   moving[0] = {};
-  const bool sound = fast_->tree.prepare(
+  const bool sound = (*fast_)->tree.prepare(
       t, q, v, tau, loads,
       [&](int i, const typename Bodies::Matrix& R, const typename Bodies::Motion& now,
           const typename Bodies::Vector& u) {
@@ -75,7 +75,7 @@ bool LoopSystem<T>::accelerate_fast(const T* q, const T* v, const T* tau, const 
   w_.setZero();
   add_to_velocities(lambda);
   each_velocity([&](int c, auto& pivot) { pivot.u = pivot.u + root_[c] * w_[c]; });
-  bodies.accelerate(t, fast_->tree.motion, a);
+  bodies.accelerate(t, (*fast_)->tree.motion, a);
   return true;
 }
 
@@ -86,8 +86,8 @@ std::span<T> LoopSystem<T>::force_fast(const T* q, const T* v, const T* a, const
   using Factor = typename Bodies::Factor;
   using Spread = typename Bodies::Spread;
   const Tree<T>& t = tree();
-  auto& inverse = fast_->inverse;
-  auto* const motion = fast_->motion;
+  auto& inverse = (*fast_)->inverse;
+  auto* const motion = (*fast_)->motion;
   auto* const V = dynamics_->recursion.motion.bodies.V;
   auto* const dV = dynamics_->recursion.motion.bodies.dV;
   link_ = dynamics_->recursion.motion.bodies.link;
@@ -125,7 +125,7 @@ template <class T>
 template <int n>
 void LoopSystem<T>::pull_rows_fast(const LoopPath& path, const State& at, int row) noexcept {
   const Tree<T>& t = tree();
-  const auto& bodies = fast_->tree.bodies;
+  const auto& bodies = (*fast_)->tree.bodies;
   using Wrenches = RowsInLanes<T, n>;
   Wrenches F_i = -Wrenches(at.W, row), F_j(at.W, row);
   F_i.move(-at.shift - link_[path.ends[0].body].C.r);
@@ -152,10 +152,11 @@ void LoopSystem<T>::pull_rows_fast(const LoopPath& path, const State& at, int ro
   });
 }
 
-template std::span<AXODE_T> LoopSystem<AXODE_T>::force_fast(const AXODE_T*, const AXODE_T*, const AXODE_T*,
-                                                            const Loads<AXODE_T>&) noexcept;
-template bool LoopSystem<AXODE_T>::accelerate_fast(const AXODE_T*, const AXODE_T*, const AXODE_T*,
-                                                   const Loads<AXODE_T>&, AXODE_T*, AXODE_T*,
-                                                   const RowRank&) noexcept;
+template AXODE_ENTRY std::span<AXODE_T> LoopSystem<AXODE_T>::force_fast(const AXODE_T*, const AXODE_T*,
+                                                                        const AXODE_T*,
+                                                                        const Loads<AXODE_T>&) noexcept;
+template AXODE_ENTRY bool LoopSystem<AXODE_T>::accelerate_fast(const AXODE_T*, const AXODE_T*, const AXODE_T*,
+                                                               const Loads<AXODE_T>&, AXODE_T*, AXODE_T*,
+                                                               const RowRank&) noexcept;
 
 }  // namespace axode

@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "axode/constraints/loop_system/loop_system.hpp"
+#include "axode/scalar/instruction_set.hpp"
 
 namespace axode {
 
@@ -11,7 +12,7 @@ namespace axode {
 /// rows on them. It applies the Gram-Schmidt process to the columns of Y, which do not depend on units. It
 /// serves reports and computations that need a rank; accelerations are computed without it. Allocates; O(m²
 /// nv + nv³).
-template <class T> class IndependentRows {
+template <class T> class AXODE_ENTRY IndependentRows {
  public:
   using Vector = Eigen::VectorX<T>;
   using Matrix = Eigen::MatrixX<T>;

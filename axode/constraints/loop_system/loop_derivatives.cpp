@@ -101,7 +101,8 @@ template <class T> void LoopSystem<T>::differentiate_residuals(const T* lambda, 
   });
 }
 
-template void LoopSystem<AXODE_T>::differentiate_residuals(const AXODE_T*, AXODE_T*) noexcept;
-template void LoopSystem<AXODE_T>::differentiate(const AXODE_T*, AXODE_T*, AXODE_T*, AXODE_T*) noexcept;
+template AXODE_ENTRY void LoopSystem<AXODE_T>::differentiate_residuals(const AXODE_T*, AXODE_T*) noexcept;
+template AXODE_ENTRY void LoopSystem<AXODE_T>::differentiate(const AXODE_T*, AXODE_T*, AXODE_T*,
+                                                             AXODE_T*) noexcept;
 
 }  // namespace axode

@@ -10,7 +10,7 @@ template <class T>
 LoopSystem<T>::LoopSystem(const Model& of)
     : model_(of),
       dynamics_(of.topology()),
-      fast_(of.topology()),
+      fast_(std::make_unique<WithScratch<T, FastKernel>>(of.topology())),
       table_(of),
       at_(of.loops().joints.size()),
       entries_(of.loops().all.size()),
@@ -33,6 +33,8 @@ LoopSystem<T>::LoopSystem(const Model& of)
   moved_.resize(room);
   zero_.setZero(nv);
 }
+
+template <class T> LoopSystem<T>::~LoopSystem() = default;
 
 template <class T>
 Solvability LoopSystem<T>::accelerate(const T* q, const T* v, const T* tau, const Loads<T>& loads, T* a,

@@ -3,6 +3,7 @@
 #include <array>
 #include <concepts>
 #include <cstddef>
+#include <memory>
 #include <span>
 #include <vector>
 
@@ -15,6 +16,7 @@
 #include "axode/model/workspace.hpp"
 #include "axode/recursion/articulated_bodies.hpp"
 #include "axode/recursion/inverse_dynamics.hpp"
+#include "axode/scalar/instruction_set.hpp"
 
 namespace axode {
 
@@ -43,13 +45,14 @@ enum class ConstraintLevel {
 /// Articulated bodies factorise M = Lᵀ D L, so that Y = D^-½ L⁻ᵀ Aᵀ and Yᵀ Y λ = -(Yᵀ w + γ) with w = D^-½
 /// L⁻ᵀ (τ - h). Y takes one sweep to the root for each row, along the path of its loop. O(n + m d + m² d +
 /// m³) for m rows on paths of d joints. See (D7.1) to (D7.6) of docs/derivations.
-template <class T> class LoopSystem {
+template <class T> class AXODE_ENTRY LoopSystem {
  public:
   using Vector = Eigen::VectorX<T>;
   using Matrix = Eigen::MatrixX<T>;
   using RowByRow = Eigen::Matrix<T, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
 
   explicit LoopSystem(const Model& model);
+  ~LoopSystem();
 
   const Model& model() const { return model_; }
   int size(ConstraintLevel level) const {
@@ -268,7 +271,7 @@ template <class T> class LoopSystem {
     explicit TreeDynamics(Arena& arena) : recursion(arena), bodies(arena) {}
   };
   /// Scratch of accelerate_fast() and force_fast(): the fast kernels, and the motion of the bodies about the
-  /// origins of their roots.
+  /// origins of their roots. Its size depends on the instruction set.
   struct FastKernel {
     using Bodies = typename FastForwardDynamics<T>::Bodies;
     struct OriginMotion {
@@ -292,7 +295,7 @@ template <class T> class LoopSystem {
 
   Model model_;
   WithScratch<T, TreeDynamics> dynamics_;
-  WithScratch<T, FastKernel> fast_;
+  std::unique_ptr<WithScratch<T, FastKernel>> fast_;
   LoopTable table_;
   Link<Spatial, T>* link_ = nullptr;
   Vec3<T>* origin_ = nullptr;

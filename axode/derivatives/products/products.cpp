@@ -62,18 +62,21 @@ Solvability forward_dynamics_vjp(const Model& model, Workspace<T>& workspace, Nu
   return solved(verdict, {gradient.q, gradient.v, gradient.tau});
 }
 
-template void inverse_dynamics_jvp(const Model&, Workspace<AXODE_T>&, Numbers<AXODE_T>, Numbers<AXODE_T>,
-                                   Numbers<AXODE_T>, Numbers<AXODE_T>, Numbers<AXODE_T>, Numbers<AXODE_T>,
-                                   std::span<AXODE_T>, const Loads<AXODE_T>&);
-template void inverse_dynamics_vjp(const Model&, Workspace<AXODE_T>&, Numbers<AXODE_T>, Numbers<AXODE_T>,
-                                   Numbers<AXODE_T>, Numbers<AXODE_T>,
-                                   const InverseDynamicsGradients<AXODE_T>&, const Loads<AXODE_T>&);
-template Solvability forward_dynamics_jvp(const Model&, Workspace<AXODE_T>&, Numbers<AXODE_T>,
-                                          Numbers<AXODE_T>, Numbers<AXODE_T>, Numbers<AXODE_T>,
-                                          Numbers<AXODE_T>, Numbers<AXODE_T>, std::span<AXODE_T>,
-                                          const Loads<AXODE_T>&);
-template Solvability forward_dynamics_vjp(const Model&, Workspace<AXODE_T>&, Numbers<AXODE_T>,
-                                          Numbers<AXODE_T>, Numbers<AXODE_T>, Numbers<AXODE_T>,
-                                          const ForwardDynamicsGradients<AXODE_T>&, const Loads<AXODE_T>&);
+template AXODE_ENTRY void inverse_dynamics_jvp(const Model&, Workspace<AXODE_T>&, Numbers<AXODE_T>,
+                                               Numbers<AXODE_T>, Numbers<AXODE_T>, Numbers<AXODE_T>,
+                                               Numbers<AXODE_T>, Numbers<AXODE_T>, std::span<AXODE_T>,
+                                               const Loads<AXODE_T>&);
+template AXODE_ENTRY void inverse_dynamics_vjp(const Model&, Workspace<AXODE_T>&, Numbers<AXODE_T>,
+                                               Numbers<AXODE_T>, Numbers<AXODE_T>, Numbers<AXODE_T>,
+                                               const InverseDynamicsGradients<AXODE_T>&,
+                                               const Loads<AXODE_T>&);
+template AXODE_ENTRY Solvability forward_dynamics_jvp(const Model&, Workspace<AXODE_T>&, Numbers<AXODE_T>,
+                                                      Numbers<AXODE_T>, Numbers<AXODE_T>, Numbers<AXODE_T>,
+                                                      Numbers<AXODE_T>, Numbers<AXODE_T>, std::span<AXODE_T>,
+                                                      const Loads<AXODE_T>&);
+template AXODE_ENTRY Solvability forward_dynamics_vjp(const Model&, Workspace<AXODE_T>&, Numbers<AXODE_T>,
+                                                      Numbers<AXODE_T>, Numbers<AXODE_T>, Numbers<AXODE_T>,
+                                                      const ForwardDynamicsGradients<AXODE_T>&,
+                                                      const Loads<AXODE_T>&);
 
 }  // namespace axode

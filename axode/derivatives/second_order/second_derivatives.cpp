@@ -42,11 +42,11 @@ Solvability forward_dynamics_second_derivatives(
   return solved(verdict, {second.qq, second.qv, second.vv, second.tauq});
 }
 
-template void inverse_dynamics_second_derivatives(const Model&, Workspace<AXODE_T>&, Numbers<AXODE_T>,
-                                                  Numbers<AXODE_T>, Numbers<AXODE_T>,
-                                                  const InverseDynamicsSecondDerivatives<AXODE_T>&);
-template Solvability forward_dynamics_second_derivatives(const Model&, Workspace<AXODE_T>&, Numbers<AXODE_T>,
-                                                         Numbers<AXODE_T>, Numbers<AXODE_T>,
-                                                         const ForwardDynamicsSecondDerivatives<AXODE_T>&);
+template AXODE_ENTRY void inverse_dynamics_second_derivatives(
+    const Model&, Workspace<AXODE_T>&, Numbers<AXODE_T>, Numbers<AXODE_T>, Numbers<AXODE_T>,
+    const InverseDynamicsSecondDerivatives<AXODE_T>&);
+template AXODE_ENTRY Solvability
+forward_dynamics_second_derivatives(const Model&, Workspace<AXODE_T>&, Numbers<AXODE_T>, Numbers<AXODE_T>,
+                                    Numbers<AXODE_T>, const ForwardDynamicsSecondDerivatives<AXODE_T>&);
 
 }  // namespace axode

@@ -93,8 +93,9 @@ void christoffel(const Model& model, Workspace<T>& workspace, Numbers<T> q,
     });
 }
 
-template void coriolis_matrix(const Model&, Workspace<AXODE_T>&, Numbers<AXODE_T>, Numbers<AXODE_T>,
-                              CoriolisForm, std::span<AXODE_T>);
-template void christoffel(const Model&, Workspace<AXODE_T>&, Numbers<AXODE_T>, std::span<AXODE_T>);
+template AXODE_ENTRY void coriolis_matrix(const Model&, Workspace<AXODE_T>&, Numbers<AXODE_T>,
+                                          Numbers<AXODE_T>, CoriolisForm, std::span<AXODE_T>);
+template AXODE_ENTRY void christoffel(const Model&, Workspace<AXODE_T>&, Numbers<AXODE_T>,
+                                      std::span<AXODE_T>);
 
 }  // namespace axode

@@ -74,11 +74,11 @@ void potential_energy_regressor(const Model& model, Workspace<T>& workspace, Num
   }
 }
 
-template void regressor(const Model&, Workspace<AXODE_T>&, Numbers<AXODE_T>, Numbers<AXODE_T>,
-                        Numbers<AXODE_T>, std::span<AXODE_T>);
-template void kinetic_energy_regressor(const Model&, Workspace<AXODE_T>&, Numbers<AXODE_T>, Numbers<AXODE_T>,
-                                       std::span<AXODE_T>);
-template void potential_energy_regressor(const Model&, Workspace<AXODE_T>&, Numbers<AXODE_T>,
-                                         std::span<AXODE_T>);
+template AXODE_ENTRY void regressor(const Model&, Workspace<AXODE_T>&, Numbers<AXODE_T>, Numbers<AXODE_T>,
+                                    Numbers<AXODE_T>, std::span<AXODE_T>);
+template AXODE_ENTRY void kinetic_energy_regressor(const Model&, Workspace<AXODE_T>&, Numbers<AXODE_T>,
+                                                   Numbers<AXODE_T>, std::span<AXODE_T>);
+template AXODE_ENTRY void potential_energy_regressor(const Model&, Workspace<AXODE_T>&, Numbers<AXODE_T>,
+                                                     std::span<AXODE_T>);
 
 }  // namespace axode

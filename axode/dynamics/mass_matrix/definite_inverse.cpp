@@ -25,6 +25,6 @@ template <class T> int invert_definite(std::span<T, 36> matrix) {
   return rank;
 }
 
-template int invert_definite(std::span<AXODE_T, 36>);
+template AXODE_ENTRY int invert_definite(std::span<AXODE_T, 36>);
 
 }  // namespace axode

@@ -64,8 +64,9 @@ Solvability inverse_mass_matrix_partials(const Model& model, Workspace<T>& works
   return verdict;
 }
 
-template void mass_matrix_partials(const Model&, Workspace<AXODE_T>&, Numbers<AXODE_T>, std::span<AXODE_T>);
-template Solvability inverse_mass_matrix_partials(const Model&, Workspace<AXODE_T>&, Numbers<AXODE_T>,
-                                                  std::span<AXODE_T>);
+template AXODE_ENTRY void mass_matrix_partials(const Model&, Workspace<AXODE_T>&, Numbers<AXODE_T>,
+                                               std::span<AXODE_T>);
+template AXODE_ENTRY Solvability inverse_mass_matrix_partials(const Model&, Workspace<AXODE_T>&,
+                                                              Numbers<AXODE_T>, std::span<AXODE_T>);
 
 }  // namespace axode

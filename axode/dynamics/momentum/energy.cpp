@@ -53,10 +53,11 @@ template <class T> Inertia<T> centroidal_inertia(const Model& model, Workspace<T
   return {sum.m, {}, sum.Theta};
 }
 
-template AXODE_T kinetic_energy(const Model&, Workspace<AXODE_T>&, Numbers<AXODE_T>, Numbers<AXODE_T>);
-template AXODE_T potential_energy(const Model&, Workspace<AXODE_T>&, Numbers<AXODE_T>);
-template void load_powers(const Model&, Workspace<AXODE_T>&, Numbers<AXODE_T>, Numbers<AXODE_T>,
-                          const Loads<AXODE_T>&, std::span<AXODE_T>);
-template Inertia<AXODE_T> centroidal_inertia(const Model&, Workspace<AXODE_T>&, Numbers<AXODE_T>);
+template AXODE_ENTRY AXODE_T kinetic_energy(const Model&, Workspace<AXODE_T>&, Numbers<AXODE_T>,
+                                            Numbers<AXODE_T>);
+template AXODE_ENTRY AXODE_T potential_energy(const Model&, Workspace<AXODE_T>&, Numbers<AXODE_T>);
+template AXODE_ENTRY void load_powers(const Model&, Workspace<AXODE_T>&, Numbers<AXODE_T>, Numbers<AXODE_T>,
+                                      const Loads<AXODE_T>&, std::span<AXODE_T>);
+template AXODE_ENTRY Inertia<AXODE_T> centroidal_inertia(const Model&, Workspace<AXODE_T>&, Numbers<AXODE_T>);
 
 }  // namespace axode

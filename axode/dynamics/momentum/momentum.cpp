@@ -56,13 +56,13 @@ Momentum<Hybrid, T> centroidal_momentum(const Model& model, Workspace<T>& worksp
   return sum;
 }
 
-template void momenta(const Model&, Workspace<AXODE_T>&, Numbers<AXODE_T>, Numbers<AXODE_T>,
-                      std::span<AXODE_T>);
-template Solvability from_momenta(const Model&, Workspace<AXODE_T>&, Numbers<AXODE_T>, Numbers<AXODE_T>,
+template AXODE_ENTRY void momenta(const Model&, Workspace<AXODE_T>&, Numbers<AXODE_T>, Numbers<AXODE_T>,
                                   std::span<AXODE_T>);
-template Momentum<Spatial, AXODE_T> spatial_momentum(const Model&, Workspace<AXODE_T>&, Numbers<AXODE_T>,
-                                                     Numbers<AXODE_T>);
-template Momentum<Hybrid, AXODE_T> centroidal_momentum(const Model&, Workspace<AXODE_T>&, Numbers<AXODE_T>,
-                                                       Numbers<AXODE_T>);
+template AXODE_ENTRY Solvability from_momenta(const Model&, Workspace<AXODE_T>&, Numbers<AXODE_T>,
+                                              Numbers<AXODE_T>, std::span<AXODE_T>);
+template AXODE_ENTRY Momentum<Spatial, AXODE_T> spatial_momentum(const Model&, Workspace<AXODE_T>&,
+                                                                 Numbers<AXODE_T>, Numbers<AXODE_T>);
+template AXODE_ENTRY Momentum<Hybrid, AXODE_T> centroidal_momentum(const Model&, Workspace<AXODE_T>&,
+                                                                   Numbers<AXODE_T>, Numbers<AXODE_T>);
 
 }  // namespace axode

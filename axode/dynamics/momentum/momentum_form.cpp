@@ -59,12 +59,13 @@ Solvability spatial_momentum_form(const Model& model, Workspace<T>& workspace, N
   return verdict.ok() ? accelerated : verdict;
 }
 
-template Solvability momentum_form(const Model&, Workspace<AXODE_T>&, Numbers<AXODE_T>, Numbers<AXODE_T>,
-                                   Numbers<AXODE_T>, std::span<AXODE_T>, std::span<AXODE_T>,
-                                   const Loads<AXODE_T>&);
-template Solvability spatial_momentum_form(const Model&, Workspace<AXODE_T>&, Numbers<AXODE_T>,
-                                           std::span<const Momentum<Spatial, AXODE_T>>, Numbers<AXODE_T>,
-                                           std::span<AXODE_T>, std::span<Wrench<Spatial, AXODE_T>>,
-                                           const Loads<AXODE_T>&);
+template AXODE_ENTRY Solvability momentum_form(const Model&, Workspace<AXODE_T>&, Numbers<AXODE_T>,
+                                               Numbers<AXODE_T>, Numbers<AXODE_T>, std::span<AXODE_T>,
+                                               std::span<AXODE_T>, const Loads<AXODE_T>&);
+template AXODE_ENTRY Solvability spatial_momentum_form(const Model&, Workspace<AXODE_T>&, Numbers<AXODE_T>,
+                                                       std::span<const Momentum<Spatial, AXODE_T>>,
+                                                       Numbers<AXODE_T>, std::span<AXODE_T>,
+                                                       std::span<Wrench<Spatial, AXODE_T>>,
+                                                       const Loads<AXODE_T>&);
 
 }  // namespace axode

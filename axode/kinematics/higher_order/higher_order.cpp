@@ -66,21 +66,21 @@ void HigherOrderMotion<T>::jacobian_derivative(const Place<T>& given, int k,
 }
 
 template class HigherOrderMotion<AXODE_T>;
-template TwistRate<BodyFixed, AXODE_T> HigherOrderMotion<AXODE_T>::twist_derivative<BodyFixed>(
+template AXODE_ENTRY TwistRate<BodyFixed, AXODE_T> HigherOrderMotion<AXODE_T>::twist_derivative<BodyFixed>(
     const Place<AXODE_T>&, int) const;
-template void HigherOrderMotion<AXODE_T>::jacobian_derivative<BodyFixed>(
+template AXODE_ENTRY void HigherOrderMotion<AXODE_T>::jacobian_derivative<BodyFixed>(
     const Place<AXODE_T>&, int, std::span<TwistRate<BodyFixed, AXODE_T>>) const;
-template TwistRate<Spatial, AXODE_T> HigherOrderMotion<AXODE_T>::twist_derivative<Spatial>(
+template AXODE_ENTRY TwistRate<Spatial, AXODE_T> HigherOrderMotion<AXODE_T>::twist_derivative<Spatial>(
     const Place<AXODE_T>&, int) const;
-template void HigherOrderMotion<AXODE_T>::jacobian_derivative<Spatial>(
+template AXODE_ENTRY void HigherOrderMotion<AXODE_T>::jacobian_derivative<Spatial>(
     const Place<AXODE_T>&, int, std::span<TwistRate<Spatial, AXODE_T>>) const;
-template TwistRate<Hybrid, AXODE_T> HigherOrderMotion<AXODE_T>::twist_derivative<Hybrid>(
+template AXODE_ENTRY TwistRate<Hybrid, AXODE_T> HigherOrderMotion<AXODE_T>::twist_derivative<Hybrid>(
     const Place<AXODE_T>&, int) const;
-template void HigherOrderMotion<AXODE_T>::jacobian_derivative<Hybrid>(
+template AXODE_ENTRY void HigherOrderMotion<AXODE_T>::jacobian_derivative<Hybrid>(
     const Place<AXODE_T>&, int, std::span<TwistRate<Hybrid, AXODE_T>>) const;
-template TwistRate<Mixed, AXODE_T> HigherOrderMotion<AXODE_T>::twist_derivative<Mixed>(const Place<AXODE_T>&,
-                                                                                       int) const;
-template void HigherOrderMotion<AXODE_T>::jacobian_derivative<Mixed>(
+template AXODE_ENTRY TwistRate<Mixed, AXODE_T> HigherOrderMotion<AXODE_T>::twist_derivative<Mixed>(
+    const Place<AXODE_T>&, int) const;
+template AXODE_ENTRY void HigherOrderMotion<AXODE_T>::jacobian_derivative<Mixed>(
     const Place<AXODE_T>&, int, std::span<TwistRate<Mixed, AXODE_T>>) const;
 
 }  // namespace axode

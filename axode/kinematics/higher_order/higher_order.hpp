@@ -3,6 +3,7 @@
 
 #include "axode/kinematics/arguments.hpp"
 #include "axode/kinematics/place.hpp"
+#include "axode/scalar/instruction_set.hpp"
 
 /// Motion of higher order: jerk, snap and all further time derivatives, also those of Jacobians.
 namespace axode {
@@ -13,7 +14,7 @@ template <class T> class PoseSeries;
 /// The motion of all bodies of a model as power series in time up to an order: 0 velocity, 1 acceleration, 2
 /// jerk, ... Construct an object for a model and an order, and evaluate it as often as needed; evaluation
 /// allocates nothing. An object is for one thread.
-template <class T = double> class HigherOrderMotion {
+template <class T = double> class AXODE_ENTRY HigherOrderMotion {
  public:
   /// Throws std::invalid_argument for a negative order.
   HigherOrderMotion(const Model& model, int order);

@@ -8,6 +8,7 @@
 #include "axode/model/building/nearest_name.hpp"
 #include "axode/model/building/placement.hpp"
 #include "axode/model/building/value_checks.hpp"
+#include "axode/scalar/instruction_set.hpp"
 
 namespace axode {
 namespace {
@@ -74,6 +75,7 @@ std::vector<Fault> ModelBuilder::check(Strictness strictness) const {
 }
 
 Model ModelBuilder::build(Strictness strictness) const {
+  static_cast<void>(instruction_set());  // throws if AXODE_INSTRUCTION_SET names none that can be used
   std::vector<Fault> faults = inspect(description_, strictness);
   if (has_error(faults)) throw ModelError(description_.name, std::move(faults));
   Compilation out = compile(description_);

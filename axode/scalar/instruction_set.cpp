@@ -1,0 +1,74 @@
+#include "axode/scalar/instruction_set.hpp"
+
+#include <cstddef>
+#include <cstdlib>
+#include <stdexcept>
+#include <string>
+
+namespace axode {
+namespace {
+
+#ifdef AXODE_ONLY_SET
+constexpr const char* names[]{AXODE_ONLY_SET};
+constexpr char all_names[] = AXODE_ONLY_SET ", for which this library is compiled";
+
+bool processor_has(std::size_t) { return true; }
+#else
+constexpr const char* names[]{"x86-64", "x86-64-v3", "x86-64-v4"};
+constexpr const char all_names[] = "x86-64, x86-64-v3 or x86-64-v4";
+
+/// Whether the processor and the operating system support an instruction set. Every processor with the
+/// extensions that are tested also has the others of the set.
+bool processor_has(std::size_t set) {
+  __builtin_cpu_init();
+  const bool v3 = __builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma") &&
+                  __builtin_cpu_supports("bmi") && __builtin_cpu_supports("bmi2");
+  const bool v4 = __builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512bw") &&
+                  __builtin_cpu_supports("avx512cd") && __builtin_cpu_supports("avx512dq") &&
+                  __builtin_cpu_supports("avx512vl");
+  return set == 0 || (v3 && (set == 1 || v4));
+}
+#endif
+
+/// The index of the chosen set, and why AXODE_INSTRUCTION_SET does not choose it, or "".
+struct Choice {
+  std::size_t set = std::size(names) - 1;
+  std::string fault;
+};
+
+Choice choose() {
+  Choice best;
+  while (!processor_has(best.set)) --best.set;
+  const char* const wanted = std::getenv("AXODE_INSTRUCTION_SET");
+  if (wanted == nullptr) return best;
+  const std::string message = "AXODE_INSTRUCTION_SET is \"" + std::string(wanted) + "\"; ";
+  for (std::size_t set = 0; set < std::size(names); ++set) {
+    if (names[set] != std::string(wanted)) continue;
+    if (set <= best.set) return {set, ""};
+    return {best.set,
+            message + "this processor does not have it, the best set that it has is " + names[best.set]};
+  }
+  return {best.set, message + "it must be " + all_names};
+}
+
+/// The choice, which is made when the library is loaded.
+const Choice& choice() {
+  static const Choice chosen = choose();
+  return chosen;
+}
+
+}  // namespace
+
+const char* instruction_set() {
+  if (!choice().fault.empty()) throw std::invalid_argument(choice().fault);
+  return names[choice().set];
+}
+
+/// Copies the n addresses of the chosen set to `chosen`. The code that cmake/choose_at_load.cmake writes calls
+/// this function when the library is loaded, once for each group of kernels.
+extern "C" void axode_choose_entries(const void** chosen, const void* const* const* of_sets, std::size_t n) {
+  const void* const* const entries = of_sets[choice().set];
+  for (std::size_t k = 0; k < n; ++k) chosen[k] = entries[k];
+}
+
+}  // namespace axode
