@@ -47,7 +47,8 @@ void DrivePort::update(const Tree<double>& tree, std::span<const double> q, std:
 }
 
 /// With the columns r_k of the distance vector and w_k of the rotations, E_k = u·r_k. Along direction j, r
-/// changes by r_j. On the same end, r_k changes by w_j × r_k or, if j is farther from the ground, by w_k × r_j.
+/// changes by r_j. On the same end, r_k changes by w_j × r_k or, if j is farther from the ground, by w_k ×
+/// r_j.
 void DrivePort::add_row_derivatives(const Tree<double>& tree, std::span<const double> q, double factor,
                                     std::span<double> out) const {
   if (!along_line_) return;

@@ -46,8 +46,8 @@ struct SimulationOptions {
   /// trajectory.
   std::vector<PrescribedMotion> motions = {};
   /// Drives with states, besides those of the model. In relative coordinates explicit methods on (q, v) and
-  /// simulate_stiff() count them, and other methods throw std::invalid_argument. Steps end where a status of a drive changes and
-  /// where an input jumps.
+  /// simulate_stiff() count them, and other methods throw std::invalid_argument. Steps end where a status of
+  /// a drive changes and where an input jumps.
   std::vector<AddedDrive> drives = {};
   /// Damping and dry friction of the joints. In relative coordinates a joint at rest sticks while its
   /// friction can hold it: a step ends when a joint comes to rest or begins to slide. In absolute coordinates

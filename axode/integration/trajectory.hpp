@@ -37,8 +37,8 @@ class Trajectory {
   std::span<const double> v(std::size_t k) const { return std::span(v_).subspan(k * nv(), nv()); }
   std::span<const double> a(std::size_t k) const { return std::span(a_).subspan(k * nv(), nv()); }
 
-  /// The states of the drives and their rates, size() × nx numbers, and the names of the states; empty without
-  /// drives that have states. Units are those of DriveState.
+  /// The states of the drives and their rates, size() × nx numbers, and the names of the states; empty
+  /// without drives that have states. Units are those of DriveState.
   std::span<const double> x() const { return x_; }
   std::span<const double> x(std::size_t k) const { return std::span(x_).subspan(k * nx(), nx()); }
   std::span<const double> dx(std::size_t k) const { return std::span(dx_).subspan(k * nx(), nx()); }
@@ -119,7 +119,8 @@ class Trajectory {
   std::size_t nq() const { return static_cast<std::size_t>(model_.nq()); }
   std::size_t nv() const { return static_cast<std::size_t>(model_.nv()); }
 
-  /// Velocities, accelerations and rates of the drives at the end of step k, before a jump if there is one there.
+  /// Velocities, accelerations and rates of the drives at the end of step k, before a jump if there is one
+  /// there.
   struct Rates {
     std::vector<double> v, a, dx;
   };

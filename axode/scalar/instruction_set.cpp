@@ -64,8 +64,8 @@ const char* instruction_set() {
   return names[choice().set];
 }
 
-/// Copies the n addresses of the chosen set to `chosen`. The code that cmake/choose_at_load.cmake writes calls
-/// this function when the library is loaded, once for each group of kernels.
+/// Copies the n addresses of the chosen set to `chosen`. The code that cmake/choose_at_load.cmake writes
+/// calls this function when the library is loaded, once for each group of kernels.
 extern "C" void axode_choose_entries(const void** chosen, const void* const* const* of_sets, std::size_t n) {
   const void* const* const entries = of_sets[choice().set];
   for (std::size_t k = 0; k < n; ++k) chosen[k] = entries[k];

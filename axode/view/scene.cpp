@@ -105,8 +105,8 @@ Json loops_of(const Model& model) {
   return loops;
 }
 
-/// The segments of springs and dampers along points, with the points in the frames of their bodies. The stiffness is
-/// that without deflection.
+/// The segments of springs and dampers along points, with the points in the frames of their bodies. The
+/// stiffness is that without deflection.
 Json lines_of(const Model& model) {
   Json lines = Json::array();
   for (const Spring& spring : model.springs().elements) {

@@ -69,8 +69,8 @@ struct AppendSpring {
   }
 };
 
-/// Appends the forces of the springs between frames to the loads, and the tensions of those along lines, once for
-/// each segment.
+/// Appends the forces of the springs between frames to the loads, and the tensions of those along lines, once
+/// for each segment.
 void append_springs(const Model& model, Row q, Row v, Workspace<>& workspace,
                     std::vector<AppliedWrench<>>& loads, std::vector<double>& tensions) {
   if (!model.springs().between_frames()) return;

@@ -2,6 +2,7 @@
 #include "axode/constraints/embedding/limbs.hpp"
 #include "axode/constraints/embedding/row_elimination.hpp"
 #include "axode/constraints/loops/loop_table.hpp"
+#include "axode/scalar/instruction_set.hpp"
 
 namespace axode {
 
@@ -10,14 +11,15 @@ namespace axode {
 /// that the limb transmits while its passive joints move freely. The carrying velocities without a drive are
 /// eliminated from these. See (D18.7) to (D18.9) of docs/derivations. O(limbs) for limbs of bounded size. The
 /// constructor allocates all memory.
-template <class T> class DriveElimination {
+template <class T> class AXODE_ENTRY DriveElimination {
  public:
   DriveElimination(const Model& model, const LoopTable& table);
 
   /// Computes τ (nv) and, unless it is null, λ (loops().rows). driven (nv) flags the velocities with drives.
   /// entries[k] are those of loop k, a column of its rows for each column of its path. `considerable` is the
-  /// size below which entries may be rounding errors, see LoopSystem. If there are more drives than needed, τ is the least one. Returns false, without results, if some motion has no drive, if
-  /// λ is wanted and not unique, or if rounding leaves a rank open.
+  /// size below which entries may be rounding errors, see LoopSystem. If there are more drives than needed, τ
+  /// is the least one. Returns false, without results, if some motion has no drive, if λ is wanted and not
+  /// unique, or if rounding leaves a rank open.
   bool solve(const std::vector<std::vector<T>>& entries, const T& considerable, const char* driven,
              const T* f, T* tau, T* lambda) noexcept;
 

@@ -132,7 +132,8 @@ bool ContactStepDerivative::take_slip(const ContactPart& part, const Start& star
   return true;
 }
 
-/// The velocities of the rows at the start (D11.13), by which their law is obeyed, and their changes (D11.21).
+/// The velocities of the rows at the start (D11.13), by which their law is obeyed, and their changes
+/// (D11.21).
 bool ContactStepDerivative::take_start_velocities(const ContactPart& part, const Start& start,
                                                   const Flight& flight, const Slip& middle, Vector& u,
                                                   Matrix& du) {

@@ -127,8 +127,8 @@ Matrix ContactStepDerivative::rolling_changes(const ContactPart& part, const Row
   return du.bottomRows(model_.loops().rows);
 }
 
-/// The derivatives of the forces f = F - ad_vᵀ M v + ... in the middle by the place and velocity in the moving
-/// frames. Adds their changes with the frames to df.
+/// The derivatives of the forces f = F - ad_vᵀ M v + ... in the middle by the place and velocity in the
+/// moving frames. Adds their changes with the frames to df.
 void ContactStepDerivative::take_forces(const ContactPart& part, const Momenta& at_m, const Vector& v_m,
                                         Matrix& f_q, Matrix& f_v, Matrix& df) {
   const double h = part.h;

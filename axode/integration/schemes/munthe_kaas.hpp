@@ -12,8 +12,8 @@ namespace axode {
 /// momenta, for states of numbers T and a tree of numbers S:
 ///   θ_i = h Σ a_ij K_j,  Y_i = y + h Σ a_ij L_j,
 ///   (V_i, L_i) = (v, y')(t + c_i h, q ⊕ θ_i, Y_i),  K_i = dexp⁻¹_{-θ_i} V_i,
-/// or dcay⁻¹ in the coordinates of Cayley. y may have more numbers than q has velocities: other states follow.
-/// With one stage it is Euler's method; if y = v it is semi-implicit: q moves with the new v.
+/// or dcay⁻¹ in the coordinates of Cayley. y may have more numbers than q has velocities: other states
+/// follow. With one stage it is Euler's method; if y = v it is semi-implicit: q moves with the new v.
 template <class T = double, class S = T> class MuntheKaas {
  public:
   using Vector = std::vector<T>;
