@@ -163,7 +163,7 @@ template <class T> T LoopSystem<T>::considerable_entry() const noexcept {
   T square(0);
   for (const State& at : at_)
     square = std::max({square, dot(at.frames.a.r, at.frames.a.r), dot(at.frames.b.r, at.frames.b.r)});
-  constexpr T shortest(1e-6);  // shorter levers than this are no levers
+  constexpr T shortest = T(1e-6);  // shorter levers than this are no levers
   const T lever = sqrt(square);
   return T(0.1) * (lever > shortest ? std::min(T(1), lever) : T(1));
 }
