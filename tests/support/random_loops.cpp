@@ -141,7 +141,8 @@ Description with_closed_loops(Description tree, const std::vector<double>& q, do
   const Model bare = ModelBuilder(tree).build();
   LoopDrawing drawing(bare, q, length, random);
   std::vector<std::optional<LoopKind>> kinds;
-  for (const LoopTraits& kind : loop_kinds) kinds.emplace_back(kind.kind);
+  for (const LoopTraits& kind : loop_kinds)
+    if (kind.kind != LoopKind::belt) kinds.emplace_back(kind.kind);
   kinds.emplace_back();  // a coupling
   for (std::size_t k = kinds.size(); k > 1; --k)
     std::swap(kinds[k - 1], kinds[std::min(k - 1, static_cast<std::size_t>(random.number(0, double(k))))]);
@@ -164,6 +165,11 @@ Description with_closed_loops(Description tree, const std::vector<double>& q, do
     if (drawing.chance(0.2)) tree.loops.push_back(drawing.again(loop));
   if (drawing.chance(0.3))
     if (const auto loop = drawing.restated_joint()) tree.loops.push_back(*loop);
+  // Belts have a random generator of their own, so that they do not change what else is drawn.
+  Random<double> of_belts(static_cast<std::uint64_t>(1e6 * std::abs(q.empty() ? 0 : q[0])));
+  LoopDrawing belts(bare, q, length, of_belts);
+  if (to_spare > 1 && belts.chance(0.2))
+    if (const auto loop = belts.between_frames(LoopKind::belt)) tree.loops.push_back(*loop);
   for (BodyDescription& body : tree.bodies)
     body.joint.passive = body.joint.kind != JointKind::fixed && drawing.chance(0.3);
   set_last_description(tree);

@@ -141,6 +141,7 @@ template <class T> void LoopSystem<T>::multiply_rows() noexcept {
       }
   const T largest = m > 0 ? sqrt(G_.diagonal().head(m).maxCoeff()) : T(0);
   for (const LoopPath& path : table_.paths) {
+    if (count(path) == 0) continue;  // a belt has no row on positions
     const auto own = G_.diagonal().segment(first(path), count(path));
     const T floor = std::max(T(0.1) * sqrt(own.maxCoeff()), T(1e-6) * largest);
     scale_.segment(first(path), count(path)) = own.cwiseSqrt().cwiseMax(floor > T(0) ? floor : T(1));
