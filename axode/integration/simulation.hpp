@@ -27,6 +27,9 @@ enum class Coordinates {
   absolute_SO3xR3,  ///< poses of bodies in SO(3) × R³; joints and loops are constraints
 };
 
+/// Couplings with play are counted by explicit methods on (q, v) and by simulate_stiff(), in relative
+/// coordinates: a step ends where a play meets or leaves one of its ends, see Trajectory::play_events. They
+/// exclude dry friction by joint_losses. Other methods throw std::invalid_argument.
 struct SimulationOptions {
   Coordinates coordinates = Coordinates::relative;
   /// The coordinates of a step. Cayley's are for explicit methods and, in relative coordinates, for all.
