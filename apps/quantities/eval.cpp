@@ -66,6 +66,8 @@ constexpr std::pair<std::string_view, std::string_view> elsewhere[]{
     {"assemble", "ask for \"assembly\", or close the loops of the state by --assemble"},
     {"closure_derivatives",
      "a state has no derivatives of loop joints to take it along; it is a function of the library alone"},
+    {"contact_rollout_derivatives",
+     "a state has no forces of several steps; it is a function of the library alone"},
     {"forward_dynamics_rates",
      "a state has no time derivatives of drive forces; it is a function of the library alone"},
     {"independent_linearization", "use axode linearize"},
