@@ -22,6 +22,7 @@
 #include "apps/shell/table.hpp"
 #include "apps/shell/terminal.hpp"
 #include "axode/constraints/prescribed/prescribed_motion.hpp"
+#include "axode/drives.hpp"
 #include "axode/dynamics.hpp"
 #include "axode/eigen.hpp"
 #include "axode/integration.hpp"
@@ -77,7 +78,7 @@ of contact hold: 1e-12 is rounding. A drawing with [contact] is simulated so unl
 With --pd a controller drives all joints, except passive joints and free joints on the ground, towards the
 q and v of --target by tau = KP (q_target - q) + KD (v_target - v); the difference of rotations is a
 rotation vector. It is added to the drive forces of STATE. Springs, dampers and stops of the mechanism
-always act.
+always act, and so do drives, [[drive]], whose states x are written.
 
 STATE is the JSON object of `axode eval` with the keys q, v, tau and loads; keys that are left out are
 neutral, at rest or 0. Without STATE the motion begins in the initial state of the drawing, [state]; if it
@@ -168,6 +169,8 @@ struct Rows {
   Eigen::VectorXd t, energy, kinetic_energy;
   Eigen::MatrixXd q, v, a, tau;
   Eigen::MatrixXd motion_forces;  ///< force that each prescribed motion takes
+  std::vector<std::string> drive_states;
+  Eigen::MatrixXd x;  ///< states of the drives
 };
 Rows rows_of(const Trajectory& motion, const Drive& drive, const Loads<>& loads, int samples) {
   const Model& model = motion.model();
@@ -187,14 +190,23 @@ Rows rows_of(const Trajectory& motion, const Drive& drive, const Loads<>& loads,
             .v = Eigen::MatrixXd(N, nv),
             .a = Eigen::MatrixXd(N, nv),
             .tau = Eigen::MatrixXd(N, nv),
-            .motion_forces = Eigen::MatrixXd(N, motions)};
+            .motion_forces = Eigen::MatrixXd(N, motions),
+            .drive_states = {motion.drive_states().begin(), motion.drive_states().end()},
+            .x = Eigen::MatrixXd(N, static_cast<Eigen::Index>(motion.nx()))};
+  DriveSystem drives(model);
   std::vector<double> q(static_cast<std::size_t>(model.nq())), v(static_cast<std::size_t>(model.nv())), a(v),
-      tau(v);
+      tau(v), x(motion.nx()), dx(x);
   Workspace<> workspace(model);
   for (Eigen::Index k = 0; k < N; ++k) {
     const double t = times[static_cast<std::size_t>(k)];
     motion.at(t, q, v, a);
     drive(t, q, v, tau);
+    if (!drives.empty()) {
+      motion.drive_states_at(t, x);
+      drives.set_state(t, q, v, x);
+      drives.evaluate(t, q, v, x, tau, dx);
+      rows.x.row(k) = as_eigen(std::span<const double>(x)).transpose();
+    }
     rows.t[k] = t;
     for (const auto& [matrix, row] :
          {std::pair{&rows.q, &q}, {&rows.v, &v}, {&rows.a, &a}, {&rows.tau, &tau}})
@@ -225,8 +237,9 @@ std::string csv_of(const Model& model, const Rows& rows) {
   add("q ", coordinate_names(model));
   for (const char* what : {"v ", "a ", "tau "}) add(what, velocity_names(model));
   names.push_back("energy");
+  add("x ", rows.drive_states);
   Eigen::MatrixXd all(rows.t.size(), static_cast<Eigen::Index>(names.size()));
-  all << rows.t, rows.q, rows.v, rows.a, rows.tau, rows.energy;
+  all << rows.t, rows.q, rows.v, rows.a, rows.tau, rows.energy, rows.x;
   return as_csv(all, names);
 }
 
@@ -265,6 +278,10 @@ Json as_json(const Trajectory& motion, const Rows& rows, const Options& options)
     json["motions"] = motion_names(model);
     json["motion_forces"] = lists(rows.motion_forces);
   }
+  if (rows.x.cols() > 0) {
+    json["drive_states"] = rows.drive_states;
+    json["x"] = lists(rows.x);
+  }
   return json;
 }
 
@@ -272,6 +289,7 @@ std::string npz_of(const Rows& rows) {
   std::vector<NamedArray> arrays{{"t", rows.t, true}, {"q", rows.q},     {"v", rows.v},
                                  {"a", rows.a},       {"tau", rows.tau}, {"energy", rows.energy, true}};
   if (rows.motion_forces.cols() > 0) arrays.push_back({"motion_forces", rows.motion_forces});
+  if (rows.x.cols() > 0) arrays.push_back({"x", rows.x});
   return as_npz(arrays);
 }
 

@@ -249,6 +249,24 @@ TEST(SimulateCommand, FollowsMotionsAndGivesTheirForces) {
   EXPECT_GT(std::abs(motion.at("motion_forces")[1][0].get<double>()), 0.1);
 }
 
+TEST(SimulateCommand, WritesTheStatesOfDrives) {
+  const TemporaryFolder folder;
+  const std::string driven =
+      "[[drive]]\nname = \"motor\"\nkind = \"dc_motor\"\njoint = \"pin\"\nresistance = 2\n"
+      "inductance = 0.1\ntorque_constant = 0.5\ninput = 3\n";
+  const std::string csv = folder.file("run.csv");
+  const Outcome outcome = simulated(folder, driven, {"--format", "json", "--samples", "2", "--output", csv});
+  ASSERT_EQ(outcome.code, 0) << outcome.err;
+  const Motion motion = Motion::parse(outcome.out);
+  EXPECT_EQ(motion.at("drive_states"), std::vector<std::string>{"motor.current"});
+  EXPECT_EQ(motion.at("x")[0][0], 0);
+  EXPECT_GT(motion.at("x")[2][0].get<double>(), 0.1);
+  EXPECT_NEAR(motion.at("tau")[2][1].get<double>(), 0.5 * motion.at("x")[2][0].get<double>(), 1e-12);
+  EXPECT_THAT(contents(csv), testing::HasSubstr(",\"energy\",\"x motor.current\"\n"));
+  EXPECT_THAT(simulated(folder, driven, {"--method", "midpoint", "--step", "0.1"}).err,
+              testing::HasSubstr("do not count drives with states"));
+}
+
 TEST(SimulateCommand, MovesWithoutDynamicsIfMotionsUseUpTheMobility) {
   const TemporaryFolder folder;
   const std::string one = "[[motion]]\nof = \"shake\"\nkind = \"polynomial\"\ncoefficients = [0, 1, 2, 3]\n",
