@@ -41,6 +41,7 @@ class Builder:
         self.loops: list[dict[str, Any]] = []
         self.couplings: list[dict[str, Any]] = []
         self.motions: list[dict[str, Any]] = []
+        self.drives: list[dict[str, Any]] = []
         self.initial: dict[str, Any] | None = None
 
     def body(self, name: str, *, on: str = "ground", joint: dict[str, Any] | str, **keys: Any) -> Builder:
@@ -126,6 +127,27 @@ class Builder:
         self.motions.append({"of": of, "kind": kind, **keys})
         return self
 
+    def drive(self, kind: str, joint: str | None = None, **keys: Any) -> Builder:
+        """Adds a drive with states of its own. Returns the builder.
+
+        `kind` is dc_motor, pid, series_elastic, lugre or hydraulic_cylinder, and `joint` the joint of one velocity on
+        which it acts; `joints` with factors, or `between` and `points`, may take its place. The other keys are those of
+        a drive in a drawing (SI units).
+
+        >>> wheel = {"joint": {"kind": "revolute", "axis": "z", "point": [0, 0, 0]}, "mass": 1, "com": [0, 0, 0],
+        ...          "inertia": [1, 1, 1]}
+        >>> driven = axode.Builder().body("wheel", **wheel)
+        >>> motor = {"resistance": 1, "inductance": 0.01, "torque_constant": 0.1}
+        >>> driven = driven.drive("dc_motor", "wheel_joint", **motor, input=12)
+        >>> axode.simulate(driven.build(), [0], [0], until=1).drive_states
+        ['drive 1.current']
+        """
+        if "in_" in keys:
+            keys["in"] = keys.pop("in_")
+        given = {} if joint is None else {"joint": joint}
+        self.drives.append({"kind": kind, **given, **keys})
+        return self
+
     def state(self, q: Mapping[str, Any] | None = None, v: Mapping[str, Any] | None = None) -> Builder:
         """Says where motions of the mechanism start: coordinates and velocities by joint. Returns the builder.
 
@@ -143,7 +165,8 @@ class Builder:
         """Builds the model. ModelError lists every fault; `base` and `strict` are those of `load`."""
         return Model.from_bodies(
             self.bodies, self.frames, springs=self.springs, loops=self.loops, couplings=self.couplings,
-            motions=self.motions, state=self.initial, name=self.name, gravity=self.gravity, base=base, strict=strict
+            motions=self.motions, drives=self.drives, state=self.initial, name=self.name, gravity=self.gravity, base=base,
+            strict=strict
         )
 
     def __repr__(self) -> str:

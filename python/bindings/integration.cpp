@@ -10,6 +10,7 @@
 
 #include "axode/batch.hpp"
 #include "axode/batch/portions.hpp"
+#include "axode/drives.hpp"
 #include "axode/dynamics.hpp"
 #include "axode/integration/momenta/simulate_contact.hpp"
 #include "axode/view/mesh_hull.hpp"
@@ -56,15 +57,23 @@ struct BoundTrajectory {
   void sample(std::span<const double> times, const Drive& drive, bool calls_back) {
     const Model& model = motion.model();
     std::vector<double> q(static_cast<std::size_t>(model.nq())), v(static_cast<std::size_t>(model.nv()));
-    std::vector<double> a(v.size()), tau(v.size());
+    std::vector<double> a(v.size()), tau(v.size()), x(motion.nx()), dx(x);
+    DriveSystem drives(model);
     const double end = motion.t().empty() ? -1 : motion.t().back();
     const auto after = std::ranges::upper_bound(times, end);
     samples.emplace(model);
     samples->contact_shapes = motion.contact_shapes;
+    samples->set_drive_states({motion.drive_states().begin(), motion.drive_states().end()});
     const auto append = [&](std::size_t k) {
       motion.at(times[k], q, v, a);
+      motion.drive_states_at(times[k], x);
+      std::ranges::fill(tau, 0.0);
       if (drive) drive(times[k], q, v, tau);
-      samples->append(times[k], q, v, a, tau);
+      if (!drives.empty()) {
+        drives.set_state(times[k], q, v, x);
+        drives.evaluate(times[k], q, v, x, tau, dx);
+      }
+      samples->append(times[k], q, v, a, tau, x, dx);
       if (!motion.contact_shapes.empty()) samples->set_contacts(motion.contacts_at(times[k]));
     };
     each_of(static_cast<std::size_t>(after - times.begin()), append, calls_back);
@@ -128,6 +137,10 @@ Array contact_forces_on(const BoundTrajectory& of, const std::string& name) {
   return out.array();
 }
 
+std::vector<std::string> drive_states(const BoundTrajectory& of) {
+  return {of.motion.drive_states().begin(), of.motion.drive_states().end()};
+}
+
 /// The motion as a DataFrame of pandas, with a row for each time and a named column for each number of a
 /// state.
 nb::object as_data_frame(const BoundTrajectory& of) {
@@ -141,6 +154,7 @@ nb::object as_data_frame(const BoundTrajectory& of) {
   add("v", velocity_names(m), rows(of, &Trajectory::v));
   add("a", velocity_names(m), rows(of, &Trajectory::a));
   add("tau", velocity_names(m), rows(of, &Trajectory::tau));
+  add("x", drive_states(of), rows(of, &Trajectory::x, static_cast<int>(of.motion.nx())));
   columns["energy"] = energies(of);
   const nb::module_ pandas = nb::module_::import_("pandas");
   const nb::object times = pandas.attr("Index")(to_array(of.shown().t()), "name"_a = "t");
@@ -471,6 +485,11 @@ A motion from `simulate`: its states at the ends of its steps, or at the given t
       .def_prop_ro(
           "tau", [](const BoundTrajectory& x) { return rows(x, &Trajectory::tau); },
           "(N, nv) drive forces, N m or N.")
+      .def_prop_ro(
+          "x",
+          [](const BoundTrajectory& x) { return rows(x, &Trajectory::x, static_cast<int>(x.motion.nx())); },
+          "(N, nx) states of the drives, in the units of docs/drives.md.")
+      .def_prop_ro("drive_states", &drive_states, "Names of the states of the drives, the columns of x.")
       .def_prop_ro("energy", &energies, "Kinetic and potential energy, including springs and stops, (N,), J.")
       .def_prop_ro(
           "momentum",

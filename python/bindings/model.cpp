@@ -357,7 +357,7 @@ True
 
 /// The lists of tables that a drawing consists of, and the table of its initial state, which may be None.
 struct Tables {
-  nb::handle bodies, frames, springs, loops, couplings, motions, state;
+  nb::handle bodies, frames, springs, loops, couplings, motions, drives, state;
 };
 nb::dict drawing_of(const Tables& of, const std::string& name, nb::handle gravity) {
   nb::dict drawing;
@@ -370,6 +370,7 @@ nb::dict drawing_of(const Tables& of, const std::string& name, nb::handle gravit
   drawing["loop"] = of.loops;
   drawing["coupling"] = of.couplings;
   drawing["motion"] = of.motions;
+  drawing["drive"] = of.drives;
   if (!of.state.is_none()) drawing["state"] = of.state;
   return drawing;
 }
@@ -379,29 +380,31 @@ void add_construction(nb::class_<BoundModel>& model) {
       .def_static(
           "from_bodies",
           [](nb::handle bodies, nb::handle frames, nb::handle springs, nb::handle loops, nb::handle couplings,
-             nb::handle motions, nb::handle state, const std::string& name, nb::handle gravity, Base base,
-             bool strict) {
-            return BoundModel(from_dict(
-                drawing_of({bodies, frames, springs, loops, couplings, motions, state}, name, gravity), base,
-                strictness(strict)));
+             nb::handle motions, nb::handle drives, nb::handle state, const std::string& name,
+             nb::handle gravity, Base base, bool strict) {
+            return BoundModel(
+                from_dict(drawing_of({bodies, frames, springs, loops, couplings, motions, drives, state},
+                                     name, gravity),
+                          base, strictness(strict)));
           },
           "bodies"_a, "frames"_a = nb::make_tuple(), nb::kw_only(), "springs"_a = nb::make_tuple(),
           "loops"_a = nb::make_tuple(), "couplings"_a = nb::make_tuple(), "motions"_a = nb::make_tuple(),
-          "state"_a = nb::none(), "name"_a = "mechanism", "gravity"_a = nb::make_tuple(0.0, 0.0, -9.81),
-          "base"_a = nb::none(), "strict"_a = false,
+          "drives"_a = nb::make_tuple(), "state"_a = nb::none(), "name"_a = "mechanism",
+          "gravity"_a = nb::make_tuple(0.0, 0.0, -9.81), "base"_a = nb::none(), "strict"_a = false,
           nb::sig("def from_bodies(bodies: collections.abc.Sequence[dict[str, typing.Any]], "
                   "frames: collections.abc.Sequence[dict[str, typing.Any]] = (), *, "
                   "springs: collections.abc.Sequence[dict[str, typing.Any]] = (), "
                   "loops: collections.abc.Sequence[dict[str, typing.Any]] = (), "
                   "couplings: collections.abc.Sequence[dict[str, typing.Any]] = (), "
                   "motions: collections.abc.Sequence[dict[str, typing.Any]] = (), "
+                  "drives: collections.abc.Sequence[dict[str, typing.Any]] = (), "
                   "state: dict[str, typing.Any] | None = None, "
                   "name: str = 'mechanism', gravity: numpy.typing.ArrayLike = (0.0, 0.0, -9.81), "
                   "base: typing.Literal['fixed', 'free'] | None = None, strict: bool = False) -> Model"),
           R"(
 Builds a mechanism from axes, points, masses and inertias, all in one frame with every joint at zero.
 
-Each body, frame, spring, loop, coupling and motion, and the state, is a dict with the keys of the drawing format (docs/drawing-format.md): name, on, joint, mass, com,
+Each body, frame, spring, loop, coupling, motion and drive, and the state, is a dict with the keys of the drawing format (docs/drawing-format.md): name, on, joint, mass, com,
 inertia, ... SI units. The frame of a body is the construction frame unless its dict says another, such as
 "frame": "joint" or "frame": "com". ModelError lists every fault; base and strict are those of `load`.
 
@@ -687,6 +690,14 @@ Model("arm7": 7 moving bodies, nq = 7, nv = 7, 10 frames, 26.334 kg)
             return all;
           },
           "Names of the prescribed motions, in the order of the drawing.")
+      .def_prop_ro(
+          "drive_names",
+          [](const BoundModel& m) {
+            std::vector<std::string> all;
+            for (const DriveDescription& drive : m->drives()) all.push_back(drive_name(drive, all.size()));
+            return all;
+          },
+          "Names of the drives with states, in the order of the drawing.")
       .def_prop_ro(
           "parameters", [](const BoundModel& m) { return to_array(inertial_parameters(m)); },
           "Inertial parameters, (10 n_bodies,): m, m c, Theta (xx, yy, zz, xy, xz, yz) of each body in its "

@@ -61,13 +61,19 @@ auto fields(Like<MotionDescription> auto& m) {
   return std::tie(m.name, m.of, m.kind, m.offset, m.amplitude, m.frequency, m.phase, m.from, m.to, m.start,
                   m.end, m.coefficients, m.times, m.values, m.source);
 }
+auto fields(Like<DriveInput> auto& i) { return std::tie(i.from, i.function, i.times, i.values); }
+auto fields(Like<DriveDescription::Line> auto& l) { return std::tie(l.between, l.points, l.in); }
+auto fields(Like<DriveDescription> auto& d) {
+  return std::tie(d.name, d.kind, d.joints, d.line, d.parameters, d.conditional, d.input, d.initial,
+                  d.source);
+}
 auto fields(Like<InitialStateDescription> auto& s) { return std::tie(s.q, s.v, s.source); }
 auto fields(Like<ContactDescription> auto& c) {
   return std::tie(c.friction, c.margin, c.threshold, c.ignored, c.source);
 }
 auto fields(Like<Description> auto& d) {
   return std::tie(d.name, d.gravity, d.bodies, d.frames, d.shapes, d.springs, d.loops, d.couplings, d.motions,
-                  d.state, d.contact, d.source, d.warnings);
+                  d.drives, d.state, d.contact, d.source, d.warnings);
 }
 
 template <class T> struct Packing {

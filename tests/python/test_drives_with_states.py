@@ -1,0 +1,51 @@
+"""Drives with states of a mechanism: told, copied, simulated and refused."""
+
+import pickle
+
+import axode
+import numpy as np
+import pytest
+
+MOTOR = {"resistance": 1, "inductance": 0.01, "torque_constant": 0.1}
+
+
+def wheel():
+    """A wheel without gravity."""
+    return axode.Builder("wheel", gravity=[0, 0, 0]).body(
+        "wheel", joint={"kind": "revolute", "axis": "z", "point": [0, 0, 0], "name": "axle"}, mass=1, com=[0, 0, 0],
+        inertia=[0.01, 0.01, 0.02])
+
+
+def test_a_motor_runs_up_as_its_closed_form():
+    m = wheel().drive("dc_motor", "axle", name="motor", **MOTOR, input=12).build()
+    times = np.linspace(0, 2, 9)
+    motion = axode.simulate(m, [0], [0], 2, times=times, rtol=1e-11, atol=1e-12)
+    assert motion.drive_states == ["motor.current"]
+    poles, modes = np.linalg.eig(np.array([[-100, -10], [5, 0]]))
+    rest = np.array([0, 120])
+    parts = np.linalg.solve(modes, -rest)
+    exact = np.array([rest + modes @ (np.exp(poles * t) * parts) for t in times])
+    assert np.allclose(motion.x[:, 0], exact[:, 0], rtol=0, atol=1e-8)
+    assert np.allclose(motion.v[:, 0], exact[:, 1], rtol=0, atol=1e-7)
+    assert np.allclose(motion.tau[:, 0], 0.1 * exact[:, 0], rtol=0, atol=1e-8)
+
+
+def test_every_copy_has_the_drives():
+    builder = wheel().drive("pid", "axle", name="controller", kp=2, limit=5, input={"kind": "ramp", "to": 1, "end": 1})
+    m = builder.drive("dc_motor", "axle", **MOTOR, input="controller", initial={"current": 0.5}).build()
+    for copy in [m, axode.read_drawing(axode.drawing(m)), axode.Model.from_dict(m.to_dict()), pickle.loads(pickle.dumps(m))]:
+        assert copy.drive_names == ["controller", "drive 2"]
+        motion = axode.simulate(copy, [0], [0], 0.1)
+        assert motion.x.shape == (len(motion.t), 3) and motion.x[0].tolist() == [0, 0, 0.5]
+
+
+def test_wrong_drives_are_refused_by_name():
+    with pytest.raises(axode.ModelError, match='acts on joint "axel", which is not described; did you mean "axle"'):
+        wheel().drive("dc_motor", "axel", **MOTOR, input=1).build()
+    with pytest.raises(axode.ModelError, match="has no input"):
+        wheel().drive("dc_motor", "axle", **MOTOR).build()
+    m = wheel().drive("dc_motor", "axle", **MOTOR, input=1).build()
+    with pytest.raises(ValueError, match="do not count drives with states"):
+        axode.simulate(m, [0], [0], 1, method="midpoint", step=0.1)
+    with pytest.raises(ValueError, match="rollout does not carry the states of drives"):
+        axode.rollout(m, [0], [0], np.zeros((3, 1)), 0.1)
