@@ -26,7 +26,7 @@ double VelocitySolver::path_residual(double sigma) noexcept {
 /// Leaves f'⁻¹ (-f) in dx_ and the unit tangent (D11.10b) in next_, after path_residual().
 void VelocitySolver::linearize_path() noexcept {
   factorize_velocities(0);
-  u_ = z_.cwiseProduct(R_);
+  u_ = (z_ - lambda_0_).cwiseProduct(R_);
   multiply_blocks(u_);
   Vector& t = next_.x;
   t.setZero();
@@ -74,9 +74,11 @@ bool VelocitySolver::step_on_path(const PathVector& direction, double length, bo
 void VelocitySolver::follow_path(double tolerance) noexcept {
   constexpr double begin = 100, first_try = 1e-4, last_try = 1e-10, smooth = 0.9;
   if (!(size_ > 0)) return;
-  lambda_0_.setZero();
+  const Vector& center = y_;
+  lambda_0_ = center;
   path_point_.sigma = std::log(begin);
   x_ = problem_->w;
+  problem_->add_product(1, center.data(), x_.data());
   for (int k = 0; k < 20 && path_residual(path_point_.sigma) > residual_part * size_; ++k) {
     linearize_path();
     x_ += dx_;
@@ -99,10 +101,10 @@ void VelocitySolver::follow_path(double tolerance) noexcept {
     if (path_iterations_ <= 4) length = std::min(most_length, 2 * length);
     if (path_point_.sigma > next_try) continue;
     start_ = resolved_;
-    improve(tolerance, 0, std::exp(path_point_.sigma));
+    improve(tolerance, {.failures = 0, .mu = std::exp(path_point_.sigma), .patience = 5});
     if (solution_.certificate <= accepted || path_point_.sigma < std::log(last_try)) return;
     next_try = std::min(next_try, path_point_.sigma) - std::log(10.0);
-    lambda_0_.setZero();
+    lambda_0_ = center;
   }
 }
 

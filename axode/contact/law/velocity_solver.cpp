@@ -71,32 +71,35 @@ VelocitySolution VelocitySolver::solve(const VelocityProblem& problem, double* l
   solution_ = {};
   result_ = lambda;
   if (rows_ == 0) return solution_;
-  constexpr int few = 4, many = 8;
-  solution_.certificate = newton(lambda, tolerance, few);
+  solution_.certificate = newton(lambda, tolerance, {.failures = 4});
   const auto is_solved = [&] { return solution_.certificate <= accepted; };
   if (!is_solved()) {
     start_.setZero();
-    improve(tolerance, many);
+    improve(tolerance, {});
   }
   for (const bool on_laws : {false, true}) {
     if (is_solved()) break;
     alternate(start_.data(), on_laws);
-    improve(tolerance, many);
+    improve(tolerance, {});
   }
-  if (!is_solved()) follow_path(tolerance);
+  for (const double part : {0.0, 1.0, 0.5, 1.5}) {
+    if (is_solved()) break;
+    y_ = part * Vector(lambda, rows_);
+    follow_path(tolerance);
+  }
   // Exactly symmetric problems may lie on kinks of the law: further starts are off the symmetry.
   constexpr int most_disturbed = 6;
   for (int k = 0; k < most_disturbed && !is_solved(); ++k) {
     for (int row = 0; row < rows_; ++row)
       start_[row] = lambda[row] * (1 + 0.3 * std::sin(1.7 * row + 0.9 * k));
-    improve(tolerance, many);
+    improve(tolerance, {});
   }
   return solution_;
 }
 
-void VelocitySolver::improve(double tolerance, int failures, double mu) noexcept {
+void VelocitySolver::improve(double tolerance, const NewtonOptions& options) noexcept {
   ++solution_.restarts;
-  const double e = newton(start_.data(), tolerance, failures, mu);
+  const double e = newton(start_.data(), tolerance, options);
   if (!(e < solution_.certificate)) return;
   Vector(result_, rows_) = start_;
   solution_.certificate = e;
@@ -193,18 +196,18 @@ double VelocitySolver::proximal_step(double goal, int& iterations) noexcept {
   return norm;
 }
 
-double VelocitySolver::newton(double* lambda, double tolerance, int failures, double mu) noexcept {
+double VelocitySolver::newton(double* lambda, double tolerance, const NewtonOptions& options) noexcept {
   constexpr int most = 40, patience = 6;
   constexpr double rounding = 1e-13, near = 1e-2;
   const Eigen::Map<const Eigen::VectorXd> d2(problem_->squared_scales().data(), rows_);
   Vector l(lambda, rows_);
-  double e = certify(lambda), least = e;
+  double e = certify(lambda), least = e, mu = options.mu;
   int stalled = 0, failed = 0;
   best_ = l;
   for (int outer = 0; !(e <= tolerance); ++outer) {
     if (e < near) {
       const double before = e;
-      e = polish(lambda, tolerance);
+      e = polish(lambda, tolerance, options.patience);
       if (e < least) best_ = l;
       least = std::min(e, least);
       if (e <= tolerance || (e <= rounding && e > 0.5 * before)) break;
@@ -218,7 +221,7 @@ double VelocitySolver::newton(double* lambda, double tolerance, int failures, do
     const double left = proximal_step(std::max(rounding, 1e-3 * e) * size, iterations);
     if (!(left <= std::max(0.1 * e, rounding) * size)) {  // A shorter proximal step is easier.
       mu *= 10;
-      if (++failed > failures || mu > 100) break;
+      if (++failed > options.failures || mu > 100) break;
       continue;
     }
     l = resolved_;
@@ -232,13 +235,14 @@ double VelocitySolver::newton(double* lambda, double tolerance, int failures, do
   return least;
 }
 
-double VelocitySolver::polish(double* lambda, double tolerance) noexcept {
-  constexpr int most = 8;
+double VelocitySolver::polish(double* lambda, double tolerance, int patience) noexcept {
+  const int most = 8 + 2 * patience;
   constexpr double linear = 1e-3;
   const VelocityProblem& p = *problem_;
   const Eigen::Map<const Eigen::VectorXd> d2(p.squared_scales().data(), rows_);
   Vector l(lambda, rows_);
   double e = certify(lambda), least = e;
+  int idle = 0;
   bool factorized = false;  // The factors are used again where the law is almost linear.
   lambda_0_ = l;
   R_ = d2;
@@ -263,13 +267,13 @@ double VelocitySolver::polish(double* lambda, double tolerance) noexcept {
     }
     l += step_;
     e = certify(lambda);
-    const bool better = e < 0.5 * least;
+    if (!(e < 0.5 * least)) ++idle;
     factorized = e < linear * least;
     if (e < least) {
       least = e;
       lambda_0_ = l;
     }
-    if (e <= tolerance || !better) break;
+    if (e <= tolerance || idle > patience) break;
   }
   l = lambda_0_;
   return least;

@@ -41,11 +41,16 @@ class VelocitySolver {
   /// u_ = Yᵀ (w + Y λ) + r, and t_ = Y λ.
   void compute_velocities(const double* lambda) noexcept;
 
-  /// Newton's method with proximal steps, from R = mu d² on. `failures` is the number of proximal steps that
-  /// may fail. Improves λ and returns its certificate.
-  double newton(double* lambda, double tolerance, int failures, double mu = 1e-2) noexcept;
+  /// Newton's method from one start.
+  struct NewtonOptions {
+    int failures = 8;  ///< proximal steps that may fail
+    double mu = 1e-2;  ///< R = mu d² in the first proximal step
+    int patience = 0;  ///< see polish()
+  };
+  /// Newton's method with proximal steps. Improves λ and returns its certificate.
+  double newton(double* lambda, double tolerance, const NewtonOptions& options) noexcept;
   /// Runs newton() from start_ and keeps the better multipliers.
-  void improve(double tolerance, int failures, double mu = 1e-2) noexcept;
+  void improve(double tolerance, const NewtonOptions& options) noexcept;
   /// A proximal step from lambda_0_: returns the norm of what is left, writes λ to resolved_ and the number
   /// of iterations to `iterations`.
   double proximal_step(double goal, int& iterations) noexcept;
@@ -54,7 +59,9 @@ class VelocitySolver {
   template <class Residual>
   bool search(const Vector& from, const Vector& direction, Vector& to, double& norm,
               const Residual& residual) noexcept;
-  double polish(double* lambda, double tolerance) noexcept;
+  /// Newton's method on the law itself. It ends after more than `patience` steps that do not halve the least
+  /// certificate. Improves λ and returns its certificate.
+  double polish(double* lambda, double tolerance, int patience) noexcept;
 
   /// Makes the matrices B of the blocks at z_: Z/R, or (1 - (1 - kept) Z)⁻¹ Z/R if kept > 0. Returns whether
   /// all of them are symmetric.
@@ -82,7 +89,8 @@ class VelocitySolver {
   double path_residual(double sigma) noexcept;
   void linearize_path() noexcept;
   bool step_on_path(const PathVector& direction, double length, bool beyond_kink) noexcept;
-  /// Follows the path of solutions for R = exp(σ) d² as σ falls, and tries newton() from its points.
+  /// Follows the path of solutions for R = exp(σ) d² as σ falls, and tries newton() from its points. The path
+  /// begins at the multipliers in y_.
   void follow_path(double tolerance) noexcept;
 
   /// A certificate that needs no further start.
