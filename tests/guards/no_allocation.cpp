@@ -5,6 +5,7 @@
 
 #include "axode/constraints/constrained_dynamics.hpp"
 #include "axode/constraints/embedding/task_space.hpp"
+#include "axode/integration/momenta/contact_step.hpp"
 #include "axode/io.hpp"
 #include "tests/contact/two_shapes.hpp"
 #include "tests/laws/law.hpp"
@@ -220,6 +221,44 @@ TEST(NoAllocation, InInverseDynamicsWithLoopsAndInTaskSpaces) {
     EXPECT_TRUE(solved) << file;
     EXPECT_EQ(missing, 0) << file;
   }
+}
+
+/// A body of each shape falls on a floor, tumbles, slides and comes to rest, some on each other.
+TEST(NoAllocation, InStepsWithContact) {
+  Description d{.name = "falling", .bodies = {}};
+  d.shapes.push_back(collision_shape(ShapeKind::plane, {}, 0, 0));
+  d.contact = ContactDescription{};
+  Random<double> random(1);
+  for (const ShapeKind kind : bounded_kinds) {
+    d.bodies.push_back({.name = "body " + std::to_string(d.bodies.size()),
+                        .joint = {.kind = JointKind::free},
+                        .inertia = MassProperties{.mass = 1, .com = {}, .Theta = {0.1, 0.1, 0.1, 0, 0, 0}},
+                        .shapes = {random_collision_shape(random, kind)}});
+  }
+  const Model model = ModelBuilder(std::move(d)).build();
+  std::vector<double> q_0 = neutral(model);
+  for (std::size_t k = 0; k < bounded_kinds.size(); ++k) {
+    q_0[7 * k + 4] = 0.6 * static_cast<double>(k);
+    q_0[7 * k + 6] = 0.8 + 0.1 * static_cast<double>(k);
+  }
+  const std::vector<double> v_0(static_cast<std::size_t>(model.nv()), 0.3);
+  constexpr double h = 5e-3;
+  const SimulationOptions options;
+  ContactSimulationRun run(model, q_0, v_0, 10, options, false);
+  ContactStep step(run, model, ContactShapes(model), false);
+  Eigen::VectorXd q = run.q, v = run.v;
+  int touched = 0;
+  for (int k = 0; k < 300; ++k) {
+    bool failed = false;
+    const long operations = memory_operations([&] { failed = bool(step.run(k * h, h, q, v)); });
+    ASSERT_FALSE(failed) << "step " << k;
+    EXPECT_EQ(operations, 0) << "step " << k;
+    EXPECT_LE(step.certificate, 1e-9) << "step " << k;
+    touched += step.touched ? 1 : 0;
+    q = step.q;
+    v = step.v;
+  }
+  EXPECT_GT(touched, 100);
 }
 
 }  // namespace

@@ -12,7 +12,10 @@ namespace axode {
 /// parts.
 class ContactRecord {
  public:
-  explicit ContactRecord(ContactShapes shapes) : shapes_(std::move(shapes)) {}
+  /// `capacity` is the number of points for which memory is reserved.
+  ContactRecord(ContactShapes shapes, std::size_t capacity) : shapes_(std::move(shapes)) {
+    contacts_.reserve(capacity);
+  }
 
   void clear() noexcept;
   /// Sets the points at the end of the step, or of a part of it. A point that has received an impulse and is

@@ -8,6 +8,8 @@ namespace axode {
 namespace {
 
 constexpr double accepted = 1e-9;
+/// Contacts for which memory is reserved.
+constexpr std::size_t capacity = 64;
 
 std::size_t index(Eigen::Index k) { return static_cast<std::size_t>(k); }
 
@@ -21,13 +23,29 @@ ContactStep::ContactStep(ContactSimulationRun& run, const Model& model, ContactS
       model_(model),
       group_(model_.tree<double>()),
       finder_(std::move(touching)),
-      start_(model, finder_.shapes().contact_rows(), 16, dry_friction),
-      end_(model, finder_.shapes().contact_rows(), 16, dry_friction),
-      record_(finder_.shapes()),
+      start_(model, finder_.shapes().contact_rows(), capacity, dry_friction),
+      end_(model, finder_.shapes().contact_rows(), capacity, dry_friction),
+      record_(finder_.shapes(), 2 * capacity),
       C_(index(model.n_bodies()) + 1),
       v_after_(model.nv()),
-      change_(model.nv()) {
+      change_(model.nv()),
+      q_part_(model.nq()),
+      v_part_(model.nv()),
+      nothing_(Vector::Zero(model.nv())) {
   const ContactShapes& shapes = finder_.shapes();
+  const std::size_t others = start_.system.stops().size() + start_.system.dry_joints().size() +
+                             static_cast<std::size_t>(model.loops().rows);
+  const std::size_t rows = capacity * static_cast<std::size_t>(start_.system.contact_rows()) + others;
+  for (End* end : {&start_, &end_}) {
+    end->contacts.reserve(capacity);
+    for (std::vector<double>* x : {&end->lambda, &end->u, &end->u_after}) x->reserve(rows);
+  }
+  for (std::vector<double>* x : {&slip_, &openings_, &before_, &between_, &r_, &weights_}) x->reserve(rows);
+  for (std::vector<char>* x : {&slides_, &bounces_}) x->reserve(capacity + others);
+  for (std::vector<Contact>* x : {&middle_, &found_}) x->reserve(capacity);
+  remembered_.reserve(capacity);
+  secants_.reserve(rows);
+  solver_.reserve(model.nv(), static_cast<int>(rows));
   for (int i = 0; i < shapes.size(); ++i)
     reach_of_shape_.push_back(norm(shapes[i].pose.r) + shapes[i].convex.extent);
   for (int i = 0; i < shapes.size(); ++i)
@@ -43,17 +61,18 @@ double ContactStep::closed(const Contact& contact) const {
 Failure ContactStep::run(double t, double h, const Vector& q_0, const Vector& v_0) {
   constexpr int most_parts = 16;
   for (int parts = 1; parts <= most_parts; parts *= 4) {
-    Vector q_part = q_0, v_part = v_0;
+    q_part_ = q_0;
+    v_part_ = v_0;
     double worst = 0;
     kept.clear();
     bool any = false;
     record_.clear();
     for (int k = 0; k < parts; ++k) {
-      if (Failure failure = attempt(t + k * h / parts, h / parts, q_part, v_part)) return failure;
+      if (Failure failure = attempt(t + k * h / parts, h / parts, q_part_, v_part_)) return failure;
       worst = std::max(certificate, worst);
       any = any || touched;
-      q_part = q;
-      v_part = v;
+      q_part_ = q;
+      v_part_ = v;
     }
     certificate = worst;
     touched = any;
@@ -61,6 +80,13 @@ Failure ContactStep::run(double t, double h, const Vector& q_0, const Vector& v_
     if (worst <= accepted) break;
   }
   return {};
+}
+
+void ContactStep::restart() noexcept {
+  remembered_.clear();
+  start_.lambda.clear();
+  end_.lambda.clear();
+  hard_ = false;
 }
 
 /// How far a point of a shape moves in the step, at most and about, m.
@@ -124,7 +150,8 @@ void ContactStep::recall(End& end, std::size_t which) {
   const std::size_t width = index(end.system.contact_rows());
   // Stops, dry joints and loops keep their multipliers if their number is the same.
   const std::size_t old = end.lambda.size(), fresh = end.rows();
-  std::vector<double> lambda(fresh, 0.0);
+  std::vector<double>& lambda = before_;
+  lambda.assign(fresh, 0.0);
   const std::size_t others = fresh - end.contacts.size() * width;
   if (old >= others)
     std::copy(end.lambda.end() - static_cast<std::ptrdiff_t>(others), end.lambda.end(),
@@ -134,7 +161,7 @@ void ContactStep::recall(End& end, std::size_t which) {
       if (known.key == end.contacts[k].key)
         std::copy_n(known.lambda[which].begin(), width,
                     lambda.begin() + static_cast<std::ptrdiff_t>(k * width));
-  end.lambda = std::move(lambda);
+  end.lambda = lambda;
 }
 
 void ContactStep::remember() {
@@ -160,7 +187,9 @@ void ContactStep::record() {
 double ContactStep::solve(End& end) {
   const VelocityProblem& problem = end.system.problem();
   solver_.reserve(problem.nv(), problem.rows());
-  return solver_.solve(problem, end.lambda.data(), 1e-13).certificate;
+  const VelocitySolution solution = solver_.solve(problem, end.lambda.data(), 1e-13);
+  hard_ = solution.restarts > 0;
+  return solution.certificate;
 }
 
 /// v_after = v + M⁻¹ Jᵀ λ, and the velocities of the rows after it.
@@ -193,15 +222,17 @@ Failure ContactStep::move(double t, double h, const Vector& q_0, const Vector& v
   }
   // The free velocities of the middle, about: the size of the problem, and the point of its linearisation.
   system.momenta(v_0.data(), start_.x.data());
-  system.bias_forces(q_0.data(), Vector::Zero(v_0.size()).eval().data(), {}, start_.v.data());
+  system.bias_forces(q_0.data(), nothing_.data(), {}, start_.v.data());
   start_.x -= h / 2 * start_.v;
   system.pull(start_.x.data(), problem.w.data());
   problem.finish();
   recall(start_, 0);
-  std::vector<double> before;
-  double least = std::numeric_limits<double>::infinity();
+  weights_.clear();
+  for (const double d2 : problem.squared_scales()) weights_.push_back(1 / std::sqrt(d2));
+  secants_.restart();
+  double part = 0, least = std::numeric_limits<double>::infinity();
   for (int k = 0; k < most; ++k) {
-    if (k > first_fixed)
+    if (k > first_fixed || hard_)
       if (Failure failure = run_->interruption(t)) return failure;
     apply(start_, v_0, v_after_);
     if (Failure failure = run_->fly(t, h, q_0, v_after_)) return failure;
@@ -216,19 +247,23 @@ Failure ContactStep::move(double t, double h, const Vector& q_0, const Vector& v
     }
     if (Failure failure = find(run_->q_end, margin, found_, t + h)) return failure;
     set_r_of_start(h, k < first_fixed);
-    before = start_.lambda;
+    if (k > 0) secants_.update(r_, weights_, problem.r);
+    r_ = problem.r;
+    before_ = start_.lambda;
     certificate = solve(start_);
     change_.setZero();
     problem.add_product(1, start_.lambda.data(), change_.data());
     const double size = problem.w.norm() + change_.norm();
-    problem.add_product(-1, before.data(), change_.data());
+    problem.add_product(-1, before_.data(), change_.data());
     const double change = change_.norm();
     if (k >= first_fixed && (change <= rounding * size || (change >= 0.5 * least && change <= 1e-9 * size))) {
-      start_.lambda = before;  // those of the last free motion
+      start_.lambda = before_;  // those of the last free motion
       return {};
     }
     least = std::min(least, change);
+    part = size > 0 ? change / size : 0;
   }
+  certificate = std::max(certificate, part);
   apply(start_, v_0, v_after_);
   if (Failure failure = run_->fly(t, h, q_0, v_after_)) return failure;
   return find(run_->q_end, margin, found_, t + h);
@@ -356,12 +391,12 @@ void ContactStep::set_r_of_end(double bounciness) {
 }
 
 /// The work of all impulses of the step, each by the mean of the velocities before and after it.
-double ContactStep::work() const {
+double ContactStep::work() {
   double sum = 0;
-  std::vector<double> u_after(start_.rows());
-  start_.system.times(v_after_.data(), u_after.data());
+  between_.resize(start_.rows());
+  start_.system.times(v_after_.data(), between_.data());
   for (std::size_t k = 0; k < start_.rows(); ++k)
-    sum += start_.system.problem().c[k] * start_.lambda[k] * (start_.u[k] + u_after[k]) / 2;
+    sum += start_.system.problem().c[k] * start_.lambda[k] * (start_.u[k] + between_[k]) / 2;
   for (std::size_t k = 0; k < end_.rows(); ++k)
     sum += end_.system.problem().c[k] * end_.lambda[k] * (end_.u[k] + end_.u_after[k]) / 2;
   return sum;
@@ -386,15 +421,15 @@ Failure ContactStep::separate(double t, double h) {
   for (std::size_t row = first; row < problem.r.size(); ++row)
     problem.r[row] = room[unilateral + row - first];
   problem.finish();
-  std::vector<double> lambda(problem.r.size(), 0.0);
+  between_.assign(problem.r.size(), 0.0);
   solver_.reserve(problem.nv(), problem.rows());
-  if (!solver_.solve(problem, lambda.data()).holds(accepted)) return {};
+  if (!solver_.solve(problem, between_.data()).holds(accepted)) return {};
   end_.x.setZero();
-  problem.add_product(1, lambda.data(), end_.x.data());
+  problem.add_product(1, between_.data(), end_.x.data());
   end_.system.push(end_.x.data(), end_.v.data());
   if (keep_parts) {
     kept.back().apart = found_;
-    kept.back().lambda_apart = lambda;
+    kept.back().lambda_apart = between_;
     kept.back().most_apart = most;
   }
   group_.move(q, end_.v, q);

@@ -6,6 +6,7 @@
 #include "axode/contact/law/velocity_solver.hpp"
 #include "axode/integration/momenta/contact_part.hpp"
 #include "axode/integration/momenta/contact_record.hpp"
+#include "axode/integration/momenta/multisecant.hpp"
 #include "axode/integration/runs/contact_simulation_run.hpp"
 
 namespace axode {
@@ -21,12 +22,18 @@ class ContactStep {
   ContactStep(ContactSimulationRun& run, const Model& model, ContactShapes shapes, bool dry_friction);
 
   /// Steps from (q_0, v_0) at time t over h. A step whose certificate is above 1e-9 is repeated in up to 16
-  /// parts. Sets the public members.
+  /// parts. Sets the public members. Allocates nothing, unless there are more contacts than ever before and
+  /// than 64.
   Failure run(double t, double h, const Vector& q_0, const Vector& v_0);
 
-  Vector q, v;             ///< at the end of the step
-  double certificate = 0;  ///< the largest of the problems of the step, see certificate()
-  bool touched = false;    ///< whether an impulse acted
+  /// Forgets the multipliers of earlier steps. A motion after it does not depend on the motions before.
+  void restart() noexcept;
+
+  Vector q, v;  ///< at the end of the step
+  /// The largest certificate of the problems of the step, see certificate(). If the iteration for the impulses
+  /// at its start does not converge, also the last change of the motion by them, as a part of the motion.
+  double certificate = 0;
+  bool touched = false;  ///< whether an impulse acted
   /// Whether run() leaves in `kept` what its parts have decided.
   bool keep_parts = false;
   std::vector<ContactPart> kept;
@@ -67,9 +74,10 @@ class ContactStep {
   double closed(const Contact& contact) const;
   /// Moves q so that overlaps and loops close, by the motion that moves the masses least (D11.15).
   Failure separate(double t, double h);
-  double solve(End& end);  ///< returns the certificate
+  /// Solves the problem of an end, sets hard_ and returns the certificate.
+  double solve(End& end);
   void apply(End& end, const Vector& v, Vector& v_after);
-  double work() const;
+  double work();
   void keep_start(double h, const Vector& q_0, const Vector& v_0, double margin);
   void keep_end(double bounciness);
   void recall(End& end, std::size_t which);
@@ -93,7 +101,13 @@ class ContactStep {
   std::vector<double> openings_;  ///< of loop rows, m or rad
   std::vector<Remembered> remembered_;
   std::vector<char> bounces_;  ///< of each contact and stop at the start
-  Vector v_after_, change_;
+  Vector v_after_, change_, q_part_, v_part_, nothing_;
+  std::vector<double> before_;   ///< multipliers of the last iteration, or before recall()
+  std::vector<double> r_;        ///< right sides of the last problem at the start
+  std::vector<double> weights_;  ///< 1/d of the rows at the start
+  Multisecant secants_;          ///< of the right sides
+  std::vector<double> between_;  ///< velocities of the rows at the start after its impulses; multipliers
+  bool hard_ = false;            ///< whether the last problem needed further starts
 };
 
 }  // namespace axode

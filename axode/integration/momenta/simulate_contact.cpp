@@ -7,16 +7,24 @@
 #include "axode/table/check_counts.hpp"
 
 namespace axode {
+namespace {
+
+constexpr const char* instead = "simulate without contact, or drive the joints by tau";
+
+}  // namespace
+
+void check_contact(const Model& model, const ContactShapes& shapes) {
+  check_shapes(model, shapes);
+  catalog::refuse_motions("contact", instead, model);
+}
 
 Trajectory simulate_contact(const Model& model, const ContactShapes& shapes, std::span<const double> q,
                             std::span<const double> v, double until, double step,
                             const SimulationOptions& options) {
   check_step(step);
-  check_shapes(model, shapes);
+  check_contact(model, shapes);
   if (options.coordinates != Coordinates::relative)
     throw std::invalid_argument("contact needs relative coordinates, and these are absolute");
-  constexpr const char* instead = "simulate without contact, or drive the joints by tau";
-  catalog::refuse_motions("contact", instead, model);
   if (!options.motions.empty())
     throw std::invalid_argument("contact does not count the prescribed motion of \"" +
                                 options.motions.front().of + "\"; " + instead);

@@ -10,4 +10,8 @@ Trajectory simulate_contact(const Model& model, const ContactShapes& shapes, std
                             std::span<const double> v, double until, double step,
                             const SimulationOptions& options = {});
 
+/// Checks that steps with contact count everything that a mechanism has, and that the shapes are those of the
+/// model. Throws std::invalid_argument if not.
+void check_contact(const Model& model, const ContactShapes& shapes);
+
 }  // namespace axode

@@ -17,7 +17,18 @@ class ContactSimulationRun : public MomentumSimulationRun {
         midpoint_(*this, model.tree<double>()),
         q_0_(model.nq()),
         p_(model.nv()),
-        y_(model.nv()) {}
+        y_(model.nv()),
+        v_0_(model.nv()),
+        change_(model.nv()) {
+    for (Vector* x : {&q_end, &q_middle, &q_t_}) x->resize(model.nq());
+    for (Vector* x : {&v_end, &v_middle, &v_t_}) x->resize(model.nv());
+  }
+
+  /// Begins another motion at a configuration, for callers of fly() alone.
+  void restart(const Vector& q_0) {
+    places_ = norm_.of_places(tree(), q_0);
+    h_ = 0;
+  }
 
   /// Moves freely from (q_0, v_0) at time t over h by the midpoint rule (D8.5). A floating base keeps its
   /// momentum, or the sum of its momentum and that of gravity, to rounding. The state is given at the end and
@@ -26,14 +37,20 @@ class ContactSimulationRun : public MomentumSimulationRun {
     FloatingBases& bases = this->bases();
     bases.restart(t, q_0.data(), v_0.data(), is_loaded());
     q_0_ = q_0;
-    midpoint_.v = v_0;
-    bases.to_moving_frame(t, q_0_.data(), midpoint_.v.data());
-    if (!finite(q_0_) || !finite(midpoint_.v)) return not_finite(t, "the state is", as_span(v_0));
-    momenta(model_, workspace_, Span(as_span(q_0_)), as_span(midpoint_.v), as_span(p_));
+    v_0_ = v_0;
+    bases.to_moving_frame(t, q_0_.data(), v_0_.data());
+    if (!finite(q_0_) || !finite(v_0_)) return not_finite(t, "the state is", as_span(v_0));
+    momenta(model_, workspace_, Span(as_span(q_0_)), as_span(v_0_), as_span(p_));
     y_ = p_;
     bases.begin(q_0_.data(), y_.data());
     bases.to_momenta(q_0_.data(), y_.data(), p_.data());
+    // The change of the velocities up to the middle is about that of the last motion of this length.
+    midpoint_.v = v_0_;
+    if (h == h_) midpoint_.v += change_;
+    h_ = 0;
     if (Failure failure = midpoint_.run(t, h, q_0_, p_)) return failure;
+    h_ = h;
+    change_ = midpoint_.v - v_0_;
     q_end = midpoint_.q;
     p_ = midpoint_.p;
     bases.advance(midpoint_.q_middle.data(), h, pushes_bases(), midpoint_.f.data(), y_.data());
@@ -68,7 +85,8 @@ class ContactSimulationRun : public MomentumSimulationRun {
  private:
   bool damping_;
   Midpoint<ContactSimulationRun> midpoint_;
-  Vector q_0_, p_, y_;
+  Vector q_0_, p_, y_, v_0_, change_;
+  double h_ = 0;  ///< length of the motion of change_, 0 if there is none
 };
 
 }  // namespace axode
