@@ -216,6 +216,7 @@ axode_instantiate_for_sets(batch axode_batch_float AXODE_T=float batch/kernels)
 find_package(TBB REQUIRED)
 axode_add_library(axode_batch batch)
 target_sources(axode_batch PRIVATE ${PROJECT_SOURCE_DIR}/axode/batch/batch.cpp
+                                   ${PROJECT_SOURCE_DIR}/axode/batch/contact_rollout.cpp
                                    ${PROJECT_SOURCE_DIR}/axode/batch/control_law_sampler.cpp
                                    ${PROJECT_SOURCE_DIR}/axode/batch/portions.cpp
                                    ${PROJECT_SOURCE_DIR}/axode/batch/rollout.cpp)

@@ -1,0 +1,140 @@
+#include "axode/batch/contact_rollout.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "axode/integration/momenta/simulate_contact.hpp"
+#include "axode/model/configuration.hpp"
+#include "tests/contact/two_shapes.hpp"
+
+/// Rollouts with contact against simulations of each motion alone.
+namespace axode::test {
+namespace {
+
+using Numbers = std::vector<double>;
+
+/// A box and a ball on a floor, and states from which they fall with a spin.
+struct Thrown {
+  static constexpr std::size_t N = 5, K = 150, nq = 14, nv = 12;
+  static constexpr double step = 4e-3;
+  Model model;
+  ContactShapes shapes;
+  Numbers q, v, tau;
+
+  Thrown() : model(build()), shapes(model), tau(N * K * nv, 0.0) {
+    Random<double> random(1);
+    for (std::size_t n = 0; n < N; ++n) {
+      Numbers q_n = neutral(model);
+      q_n[6] = random.number(0.4, 0.6);
+      q_n[11] = 1;
+      q_n[13] = random.number(0.4, 0.6);
+      q.insert(q.end(), q_n.begin(), q_n.end());
+      for (std::size_t c = 0; c < nv; ++c) v.push_back(random.number(-1, 1));
+    }
+    for (double& x : tau) x = random.number(-0.5, 0.5);
+  }
+  static Model build() {
+    Description d = free_bodies({collision_shape(ShapeKind::box, {0.4, 0.3, 0.2}, 0, 0),
+                                 collision_shape(ShapeKind::sphere, {}, 0.2, 0)})
+                        .description();
+    d.shapes.push_back(collision_shape(ShapeKind::plane, {}, 0, 0));
+    d.contact = ContactDescription{};
+    return ModelBuilder(std::move(d)).build();
+  }
+  std::span<const double> q_of(std::size_t n) const { return std::span(q).subspan(n * nq, nq); }
+  std::span<const double> v_of(std::size_t n) const { return std::span(v).subspan(n * nv, nv); }
+};
+
+struct Rolled {
+  Numbers q = Numbers(Thrown::N * (Thrown::K + 1) * Thrown::nq),
+          v = Numbers(Thrown::N * (Thrown::K + 1) * Thrown::nv),
+          certificates = Numbers(Thrown::N * Thrown::K);
+};
+Rolled roll(const Thrown& at, int threads) {
+  Rolled out;
+  const batch::Outcome outcome = batch::rollout_with_contact(
+      at.model, at.shapes, at.q, at.v, at.tau, Thrown::step, out.q, out.v, out.certificates, threads);
+  EXPECT_TRUE(outcome.ok());
+  EXPECT_EQ(outcome.done, Thrown::N);
+  return out;
+}
+
+TEST(ContactRollout, HasTheMotionsOfSimulations) {
+  const Thrown at;
+  const Rolled found = roll(at, 1);
+  EXPECT_LE(std::ranges::max(found.certificates), 1e-9);
+  for (std::size_t n = 0; n < Thrown::N; ++n) {
+    SimulationOptions options;
+    options.drive = [&](double t, std::span<const double>, std::span<const double>, std::span<double> out) {
+      const std::size_t k = static_cast<std::size_t>(t / Thrown::step + 1e-6);
+      const std::size_t first = (n * Thrown::K + std::min(k, Thrown::K - 1)) * Thrown::nv;
+      std::ranges::copy(std::span(at.tau).subspan(first, Thrown::nv), out.begin());
+    };
+    const Trajectory one = simulate_contact(at.model, at.shapes, at.q_of(n), at.v_of(n),
+                                            Thrown::step * Thrown::K, Thrown::step, options);
+    ASSERT_EQ(one.size(), Thrown::K + 1);
+    for (const std::size_t k : {Thrown::K / 2, Thrown::K}) {
+      const std::span<const double> q =
+          std::span<const double>(found.q).subspan((n * (Thrown::K + 1) + k) * Thrown::nq, Thrown::nq);
+      for (const double d : difference(at.model, one.q(k), q)) EXPECT_NEAR(d, 0, 1e-7) << n << ", step " << k;
+    }
+  }
+}
+
+TEST(ContactRollout, DoesNotDependOnThreads) {
+  const Thrown at;
+  const Rolled one = roll(at, 1), three = roll(at, 3);
+  EXPECT_EQ(one.q, three.q);
+  EXPECT_EQ(one.v, three.v);
+  EXPECT_EQ(one.certificates, three.certificates);
+}
+
+TEST(ContactRollout, CallsADriveWithTheTime) {
+  const Thrown at;
+  Numbers constant(at.tau.size(), 0.1);
+  Rolled forces, drive;
+  EXPECT_TRUE(
+      batch::rollout_with_contact(at.model, at.shapes, at.q, at.v, constant, Thrown::step, forces.q, forces.v)
+          .ok());
+  const Drive same = [](double t, std::span<const double>, std::span<const double>, std::span<double> out) {
+    EXPECT_LE(t, Thrown::step * Thrown::K);
+    std::ranges::fill(out, 0.1);
+  };
+  EXPECT_TRUE(batch::rollout_with_contact(at.model, at.shapes, at.q, at.v, same, Thrown::K, Thrown::step,
+                                          drive.q, drive.v, {}, 2)
+                  .ok());
+  EXPECT_EQ(forces.q, drive.q);
+}
+
+TEST(ContactRollout, SaysWhichMotionFails) {
+  Thrown at;
+  at.tau[2 * Thrown::K * Thrown::nv + 30 * Thrown::nv] = std::numeric_limits<double>::infinity();
+  Rolled out;
+  const batch::Outcome outcome = batch::rollout_with_contact(at.model, at.shapes, at.q, at.v, at.tau,
+                                                             Thrown::step, out.q, out.v, out.certificates);
+  EXPECT_EQ(outcome.singular_states, 1U);
+  EXPECT_EQ(outcome.first, 2U);
+  const auto is_nan = [&](std::size_t k) {
+    return std::isnan(out.v[(2 * (Thrown::K + 1) + k) * Thrown::nv]);
+  };
+  EXPECT_FALSE(is_nan(30));
+  EXPECT_TRUE(is_nan(31));
+  EXPECT_TRUE(std::isnan(out.certificates[2 * Thrown::K + 30]));
+}
+
+TEST(ContactRollout, RefusesArraysOfAnotherSizeAndAnEmptyDrive) {
+  const Thrown at;
+  Rolled out;
+  out.certificates.pop_back();
+  EXPECT_THROW(static_cast<void>(batch::rollout_with_contact(at.model, at.shapes, at.q, at.v, at.tau,
+                                                             Thrown::step, out.q, out.v, out.certificates)),
+               std::invalid_argument);
+  EXPECT_THROW(static_cast<void>(batch::rollout_with_contact(at.model, at.shapes, at.q, at.v, Drive(),
+                                                             Thrown::K, Thrown::step, out.q, out.v)),
+               std::invalid_argument);
+}
+
+}  // namespace
+}  // namespace axode::test
