@@ -202,7 +202,7 @@ void ContactStep::apply(End& end, const Vector& v_before, Vector& v_after) {
 }
 
 Failure ContactStep::move(double t, double h, const Vector& q_0, const Vector& v_0, double margin) {
-  constexpr int most = 25, first_fixed = 2;
+  constexpr int most = 25, first_fixed = 2, most_failed = 2;
   constexpr double rounding = 1e-13;
   VelocityProblem& problem = start_.system.problem();
   ContactSystem& system = start_.system;
@@ -230,6 +230,7 @@ Failure ContactStep::move(double t, double h, const Vector& q_0, const Vector& v
   weights_.clear();
   for (const double d2 : problem.squared_scales()) weights_.push_back(1 / std::sqrt(d2));
   secants_.restart();
+  int failed = 0;
   double part = 0, least = std::numeric_limits<double>::infinity();
   for (int k = 0; k < most; ++k) {
     if (k > first_fixed || hard_)
@@ -251,6 +252,8 @@ Failure ContactStep::move(double t, double h, const Vector& q_0, const Vector& v
     r_ = problem.r;
     before_ = start_.lambda;
     certificate = solve(start_);
+    failed = certificate <= accepted ? 0 : failed + 1;
+    if (failed == most_failed) break;
     change_.setZero();
     problem.add_product(1, start_.lambda.data(), change_.data());
     const double size = problem.w.norm() + change_.norm();
