@@ -152,10 +152,10 @@ cannot touch, prescribed motions and a singular mass matrix.
 >>> point.a, point.b, point.status, point.force.round(9)
 ('floor', 'ball shape 1', 'stick', array([0.  , 0.  , 9.81]))
 )");
-  module.def(
-      "with_floor", [](const BoundModel& m, double height) { return BoundModel(with_floor(m, height)); },
-      "m"_a, "height"_a = 0.0, nb::sig("def with_floor(m: Model, height: float = 0.0) -> Model"),
-      R"(
+      module.def(
+          "with_floor", [](const BoundModel& m, double height) { return BoundModel(with_floor(m, height)); },
+          "m"_a, "height"_a = 0.0, nb::sig("def with_floor(m: Model, height: float = 0.0) -> Model"),
+          R"(
 The mechanism on a floor: with a plane across gravity (z if there is none) as one more collision shape of the ground, `floor`.
 
 `height` (m) is that of the plane above the inertial origin. ValueError if it is not finite. ModelError if the mechanism cannot

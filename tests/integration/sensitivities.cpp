@@ -113,8 +113,9 @@ struct SensitiveMotion {
     Numbers q, v, tau, geometry;
   };
   Gradients vjp(const Numbers& w) const {
-    Gradients to{Numbers(nv()), Numbers(nv()), Numbers(K * nv()),
-                 Numbers(model.springs().elements.empty() ? 6 * static_cast<std::size_t>(model.n_bodies()) : 0)};
+    Gradients to{
+        Numbers(nv()), Numbers(nv()), Numbers(K * nv()),
+        Numbers(model.springs().elements.empty() ? 6 * static_cast<std::size_t>(model.n_bodies()) : 0)};
     const std::span<const double> all(w), w_q = all.first(w.size() / 2), w_v = all.last(w.size() / 2);
     EXPECT_TRUE(rollout_vjp(model, start.q, start.v, tau, step, w_q, w_v, {to.q, to.v, to.tau, to.geometry},
                             loads(), method)
