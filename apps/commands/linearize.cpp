@@ -22,6 +22,7 @@
 #include "axode/constraints.hpp"
 #include "axode/constraints/check_loops.hpp"
 #include "axode/derivatives.hpp"
+#include "axode/drives/refuse_drives.hpp"
 #include "axode/dynamics/forward_dynamics.hpp"
 #include "axode/dynamics/inverse_dynamics.hpp"
 #include "axode/eigen.hpp"
@@ -117,6 +118,7 @@ State found_state(const Model& model, const Options& options) {
 
 Linearized linearized(const Options& options) {
   const Model model = load(options.mechanism);
+  refuse_drives("linearize", model);
   const Index nv = model.nv();
   Linearized at{model,
                 found_state(model, options),

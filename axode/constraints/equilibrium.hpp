@@ -35,7 +35,7 @@ struct EquilibriumResult {
 /// residual decreases. Equilibria may be stable or unstable; limits are ignored, and so are damping and
 /// Coulomb friction: friction would hold a whole range of configurations at rest. O(n³) for each iteration;
 /// allocates. Throws std::invalid_argument for wrong sizes, quaternions that are not of unit norm, a load on
-/// a frame that does not exist and numbers that are not finite.
+/// a frame that does not exist, numbers that are not finite, and drives with states.
 [[nodiscard]] EquilibriumResult equilibrium(const Model& model, std::span<const double> q0,
                                             std::span<const double> tau = {}, const Loads<>& loads = {},
                                             const EquilibriumOptions& options = {});

@@ -147,7 +147,9 @@ template <class A, class B> struct Packing<std::pair<A, B>> {
 template <class E> struct Packing<std::optional<E>> {
   static nb::object pack(const std::optional<E>& x) { return x ? Packing<E>::pack(*x) : nb::none(); }
   static void unpack(nb::handle from, std::optional<E>& x) {
-    if (!from.is_none()) Packing<E>::unpack(from, x.emplace());
+    if (from.is_none()) return;
+    x = E{};
+    Packing<E>::unpack(from, *x);
   }
 };
 template <class... E> struct Packing<std::variant<E...>> {
