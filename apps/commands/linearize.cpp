@@ -25,6 +25,7 @@
 #include "axode/drives/refuse_drives.hpp"
 #include "axode/dynamics/forward_dynamics.hpp"
 #include "axode/dynamics/inverse_dynamics.hpp"
+#include "axode/dynamics/springs.hpp"
 #include "axode/eigen.hpp"
 
 namespace axode::command {
