@@ -44,9 +44,10 @@ if(CMAKE_CXX_COMPILER_ID STREQUAL GNU)  # in its own AVX-512 header (GCC bug 105
 endif()
 
 # axode_mark_entries(<objects> <group> <set>): compiles objects of a group for an instruction set. Eigen aligns its arrays as
-# in other code, because code of different sets uses the same arrays.
+# in other code, and allocates them by malloc(), because code of one set frees arrays of another.
 function(axode_mark_entries objects group set)
-  target_compile_definitions(${objects} PRIVATE AXODE_MARK_ENTRIES EIGEN_MAX_ALIGN_BYTES=16)
+  target_compile_definitions(${objects} PRIVATE AXODE_MARK_ENTRIES EIGEN_MAX_ALIGN_BYTES=16
+                                                EIGEN_MALLOC_ALREADY_ALIGNED=1)
   target_compile_options(${objects} PRIVATE ${options_of_${set}} -fno-lto)
   set_property(GLOBAL APPEND PROPERTY axode_objects_of_${group}_for_${set} ${objects})
 endfunction()
