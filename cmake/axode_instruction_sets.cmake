@@ -43,11 +43,15 @@ if(CMAKE_CXX_COMPILER_ID STREQUAL GNU)  # in its own AVX-512 header (GCC bug 105
   list(APPEND options_of_x86-64-v4 -Wno-maybe-uninitialized -Wno-uninitialized)
 endif()
 
-# axode_mark_entries(<objects> <group> <set>): compiles objects of a group for an instruction set. Eigen aligns its arrays as
-# in other code, and allocates them by malloc(), because code of one set frees arrays of another.
+# Eigen allocates and aligns arrays in all sets as for x86-64, because code of one set uses and frees arrays of another. It
+# leaves vectors to the compiler: with its own for AVX, the order of a sum depends on where such an array lies in memory.
+set(as_for_x86-64 -DEIGEN_DONT_VECTORIZE -DEIGEN_MAX_ALIGN_BYTES=16 -DEIGEN_MAX_STATIC_ALIGN_BYTES=16)
+list(APPEND options_of_x86-64-v3 ${as_for_x86-64})
+list(APPEND options_of_x86-64-v4 ${as_for_x86-64})
+
+# axode_mark_entries(<objects> <group> <set>): compiles objects of a group for an instruction set.
 function(axode_mark_entries objects group set)
-  target_compile_definitions(${objects} PRIVATE AXODE_MARK_ENTRIES EIGEN_MAX_ALIGN_BYTES=16
-                                                EIGEN_MALLOC_ALREADY_ALIGNED=1)
+  target_compile_definitions(${objects} PRIVATE AXODE_MARK_ENTRIES)
   target_compile_options(${objects} PRIVATE ${options_of_${set}} -fno-lto)
   set_property(GLOBAL APPEND PROPERTY axode_objects_of_${group}_for_${set} ${objects})
 endfunction()
