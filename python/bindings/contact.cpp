@@ -131,6 +131,7 @@ points without a closed form and for motions that cannot continue.
 >>> slides.q[-1, 4].round(5), slides.A.shape, slides.unique
 (np.float64(0.04755), (5, 12, 12), True)
 )");
+  module.def(
       "contacts", &contacts_of, "m"_a, "q"_a, "tau"_a = nb::none(), "loads"_a = nb::none(),
       "joint_losses"_a = false, "margin"_a = nb::none(), "touching"_a = 1e-6,
       nb::sig("def contacts(m: Model, q: numpy.typing.ArrayLike, tau: numpy.typing.ArrayLike | None = None, "
@@ -152,10 +153,10 @@ cannot touch, prescribed motions and a singular mass matrix.
 >>> point.a, point.b, point.status, point.force.round(9)
 ('floor', 'ball shape 1', 'stick', array([0.  , 0.  , 9.81]))
 )");
-      module.def(
-          "with_floor", [](const BoundModel& m, double height) { return BoundModel(with_floor(m, height)); },
-          "m"_a, "height"_a = 0.0, nb::sig("def with_floor(m: Model, height: float = 0.0) -> Model"),
-          R"(
+  module.def(
+      "with_floor", [](const BoundModel& m, double height) { return BoundModel(with_floor(m, height)); },
+      "m"_a, "height"_a = 0.0, nb::sig("def with_floor(m: Model, height: float = 0.0) -> Model"),
+      R"(
 The mechanism on a floor: with a plane across gravity (z if there is none) as one more collision shape of the ground, `floor`.
 
 `height` (m) is that of the plane above the inertial origin. ValueError if it is not finite. ModelError if the mechanism cannot
