@@ -66,6 +66,7 @@ constexpr std::pair<std::string_view, std::string_view> elsewhere[]{
     {"assemble", "ask for \"assembly\", or close the loops of the state by --assemble"},
     {"closure_derivatives",
      "a state has no derivatives of loop joints to take it along; it is a function of the library alone"},
+    {"contacts", "use axode contacts"},
     {"contact_rollout_derivatives",
      "a state has no forces of several steps; it is a function of the library alone"},
     {"forward_dynamics_rates",

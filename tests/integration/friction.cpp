@@ -157,13 +157,19 @@ void expect_coulomb(const Rubbing& at, const Trajectory& motion, int& sticking, 
   const Tree<double>& tree = at.model.tree<double>();
   Workspace<> workspace(at.model, cut_tree);
   const std::size_t nv = at.v.size();
-  Numbers force(nv), acting(nv);
+  Numbers force(nv), acting(nv), M(nv * nv);
   for (std::size_t k = 0; k < motion.size(); ++k) {
     inverse_dynamics(at.model, workspace, motion.q(k), motion.v(k), motion.a(k), force);
     at.options.drive(motion.t()[k], motion.q(k), motion.v(k), acting);
     add_spring_forces(at.model, workspace, motion.q(k), motion.v(k), acting);
-    double size = 1;
-    for (std::size_t c = 0; c < nv; ++c) size = std::max({size, std::abs(force[c]), std::abs(acting[c])});
+    mass_matrix(at.model, workspace, motion.q(k), M);
+    const auto largest = [](Span x) {
+      return std::transform_reduce(
+          x.begin(), x.end(), 0.0, [](double a, double b) { return std::max(a, b); },
+          [](double x_c) { return std::abs(x_c); });
+    };
+    const double size =  // of the terms of M a, which may cancel each other
+        std::max({1.0, largest(force), largest(acting), largest(M) * largest(motion.a(k))});
     for (std::size_t c = 0; c < nv; ++c) {
       const double v_c = motion.v(k)[c], f = tree.friction[c];
       const double friction = force[c] - acting[c] + tree.damping[c] * v_c;

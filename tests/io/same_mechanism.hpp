@@ -84,17 +84,21 @@ inline double disparity(const Loops& one, const Loops& other, const Model& a, co
   return largest;
 }
 
-/// The difference of two springs: of their points and poses, and infinite if anything else differs.
+/// The difference of two springs: of their points, poses and rests, which may come from a preload, and infinite
+/// if anything else differs.
 inline double disparity(const Spring& one, const Spring& other, const Model& a, const Model& b) {
   const double infinity = std::numeric_limits<double>::infinity();
   const ForceLaw &law = one.law, &its_law = other.law;
   if (one.name != other.name || one.geometry.index() != other.geometry.index() ||
-      law.curve.index() != its_law.curve.index() || law.rest != its_law.rest ||
-      law.damping != its_law.damping || law.acts != its_law.acts || law.slopes != its_law.slopes)
+      law.curve.index() != its_law.curve.index() || law.damping != its_law.damping ||
+      law.acts != its_law.acts || law.slopes != its_law.slopes)
     return infinity;
-  for (const double x : {law.rest - 1.1, law.rest + 0.3})
-    if (tension(law, x, 1.0).f != tension(its_law, x, 1.0).f) return infinity;
-  double largest = 0;
+  for (const double x : {-1.1, 0.3}) {
+    const double f = curve_value(law, x).f, its_f = curve_value(its_law, x).f;
+    if (f != its_f && !(std::isnan(f) && std::isnan(its_f)))
+      return infinity;  // a gas may have no volume there
+  }
+  double largest = std::abs(law.rest - its_law.rest);
   const auto on = [&](int f, int g) { return a.frame(f).name == b.frame(g).name; };
   if (const auto* path = std::get_if<Spring::Path>(&one.geometry)) {
     const auto& its = std::get<Spring::Path>(other.geometry).points;
@@ -121,7 +125,7 @@ inline double disparity(const Spring& one, const Spring& other, const Model& a, 
   };
   if (const auto* torsion = std::get_if<Spring::Torsion>(&one.geometry)) {
     const auto &x = torsion->ends, &y = std::get<Spring::Torsion>(other.geometry).ends;
-    return ends(x, y);
+    return std::max(largest, ends(x, y));
   }
   const auto &x = std::get<Spring::Bushing>(one.geometry), &y = std::get<Spring::Bushing>(other.geometry);
   if (x.K != y.K || x.C != y.C) return infinity;

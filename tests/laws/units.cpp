@@ -336,7 +336,7 @@ TEST(UnitsOfLoops, OfLengthChangeNeitherAccelerationsNorMobility) {
 /// The guess tears the loops.
 TEST(UnitsOfLoops, OfLengthDoNotChangeHowLoopsAreClosed) {
   Comparison configurations("q", 1e-9);
-  int closed_loops = 0;
+  int closed_loops = 0, tried = 0;
   for (const Units& units : {Units{.length = 0x1p-10}, Units{.length = 0x1p10}})
     for_seeds(60, [&](std::uint64_t seed) {
       ClosedInUnits in(units, seed);
@@ -346,13 +346,14 @@ TEST(UnitsOfLoops, OfLengthDoNotChangeHowLoopsAreClosed) {
       const AssemblyResult closed = assemble(in.one.model, torn.q, torn.v),
                            other_closed = assemble(in.other, other_torn.q, other_torn.v);
       EXPECT_EQ(other_closed.status, closed.status);
+      ++tried;
       if (closed.status != AssemblyStatus::closed) return;
       ++closed_loops;
       const Units back{.length = 1 / units.length};
       const Numbers q = in_units(back, in.one.model, State<double>{.q = other_closed.q, .v = {}, .a = {}}).q;
       configurations.expect_equal(q, closed.q);
     });
-  EXPECT_GT(closed_loops, 60);
+  EXPECT_GT(2 * closed_loops, tried);
 }
 
 }  // namespace

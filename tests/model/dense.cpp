@@ -84,7 +84,8 @@ TEST_F(Dense, SeveralPlacesInOneCall) {
   poses(model, workspace, q, all);
   poses(model, workspace, q, places, C);
   EXPECT_EQ(distance(C[0], all[last]), 0);
-  EXPECT_EQ(distance(C[1], all[1] * places[1].offset), 0);
+  EXPECT_LT(distance(C[1], all[1] * places[1].offset),
+            1e-15);  // the product may be made by other instructions
   for (std::size_t k = 0; k < 3; ++k) {
     const Matrix6X<double> alone = jacobian<Spatial>(model, workspace, q, places[k]);
     const auto together = J.middleRows<6>(6 * static_cast<int>(k));

@@ -168,7 +168,7 @@ Description with_closed_loops(Description tree, const std::vector<double>& q, do
   // Belts have a random generator of their own, so that they do not change what else is drawn.
   Random<double> of_belts(static_cast<std::uint64_t>(1e6 * std::abs(q.empty() ? 0 : q[0])));
   LoopDrawing belts(bare, q, length, of_belts);
-  if (to_spare > 1 && belts.chance(0.2))
+  if (to_spare > 0 && belts.chance(0.5))
     if (const auto loop = belts.between_frames(LoopKind::belt)) tree.loops.push_back(*loop);
   for (BodyDescription& body : tree.bodies)
     body.joint.passive = body.joint.kind != JointKind::fixed && drawing.chance(0.3);

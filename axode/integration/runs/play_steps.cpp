@@ -161,16 +161,20 @@ Failure SimulationRun::take_up_to_play(double t_1, StepEnd& end, const Attempt& 
 
 /// Lets the plays change whose reserve is used up.
 Failure SimulationRun::change_plays(const std::vector<double>& reserve) {
+  std::vector<std::size_t> reaching;  // a play that leaves its end now does not meet it again
   bool released = false;
   for (std::size_t k = 0; k < plays_.size(); ++k) {
-    if (!(reserve[k] < 0) || plays_.side(k) == 0) continue;
+    if (!(reserve[k] < 0)) continue;
+    if (plays_.side(k) == 0) {
+      reaching.push_back(k);
+      continue;
+    }
     trajectory.play_events.push_back({plays_.name(k), now(), plays_.side(k), false});
     plays_.set_side(k, 0);
     released = true;
   }
   if (released) engage_plays();
-  for (std::size_t k = 0; k < plays_.size(); ++k) {
-    if (!(reserve[k] < 0) || plays_.side(k) != 0) continue;
+  for (const std::size_t k : reaching) {
     const int side = plays_.deflection(k, as_span(q)) > 0 ? upper : lower;
     if (side * plays_.rate(k, as_span(v)) > 0) meet_end(k, side);
   }
