@@ -99,7 +99,8 @@ PlatformPlacement place_platform(TaskSpace& space, const SE3<>& C, std::span<dou
     throw std::invalid_argument("model: \"" + model.name() +
                                 "\" has no platform; name the body when the task space is made");
   if (!finite(q) || !finite(C.r) || !finite(C.R.x) || !finite(C.R.y) || !finite(C.R.z))
-    throw std::invalid_argument("q or the pose has a number that is not finite");
+    throw std::invalid_argument("q or the pose of \"" + model.body(kernel.platform).name +
+                                "\" has a number that is not finite");
   set_platform(model, kernel.platform, C, q);
   LoopSystem<double>& system = kernel.system();
   std::vector<LimbClosure> limbs;

@@ -100,7 +100,7 @@ std::span<T> LoopSystem<T>::force_fast(const T* q, const T* v, const T* a, const
     const int p = t->parent[i];
     const auto& [R_p, r_p, v_p, w_p] = motion[p];
     const auto& b = inverse.fast.body[i];
-    const typename Bodies::Matrix R(R_p * Spread(b.R.x), R_p * Spread(b.R.y), R_p * Spread(b.R.z));
+    const typename Bodies::Matrix R{R_p * Spread(b.R.x), R_p * Spread(b.R.y), R_p * Spread(b.R.z)};
     const Triple d = R_p * Spread(b.r), w = R * now.w_each;
     const Triple r = p > 0 ? r_p + d : Triple{};
     Triple r_dot = v_p + cross(Factor(w_p), Factor(d));

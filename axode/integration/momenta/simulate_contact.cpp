@@ -2,6 +2,7 @@
 
 #include <stdexcept>
 
+#include "axode/drives/refuse_drives.hpp"
 #include "axode/integration/momenta/contact_step.hpp"
 #include "axode/integration/schemes/explicit_steps.hpp"
 #include "axode/table/check_counts.hpp"
@@ -16,6 +17,10 @@ constexpr const char* instead = "simulate without contact, or drive the joints b
 void check_contact(const Model& model, const ContactShapes& shapes) {
   check_shapes(model, shapes);
   catalog::refuse_motions("contact", instead, model);
+  refuse_drives("contact", model);
+  if (!model.loops().backlashes.empty())
+    throw std::invalid_argument("contact does not count the play of coupling \"" +
+                                model.loops().backlashes[0].name + "\"; simulate without contact");
 }
 
 Trajectory simulate_contact(const Model& model, const ContactShapes& shapes, std::span<const double> q,
@@ -28,11 +33,9 @@ Trajectory simulate_contact(const Model& model, const ContactShapes& shapes, std
   if (!options.motions.empty())
     throw std::invalid_argument("contact does not count the prescribed motion of \"" +
                                 options.motions.front().of + "\"; " + instead);
-  if (!model.loops().backlashes.empty())
-    throw std::invalid_argument("contact does not count the play of coupling \"" +
-                                model.loops().backlashes[0].name + "\"; simulate without contact");
-  if (!model.drives().empty() || !options.drives.empty())
-    throw std::invalid_argument(std::string("contact does not count drives with states; ") + instead);
+  if (!options.drives.empty())
+    throw std::invalid_argument("contact does not count drive \"" + options.drives.front().name + "\"; " +
+                                instead);
   if (options.local_coordinates != LocalCoordinates::exponential)
     throw std::invalid_argument("contact steps in exponential local coordinates, and these are Cayley's");
   SimulationOptions free = options;  // losses of joints belong to the step with contact
