@@ -66,9 +66,9 @@ class DriveLaw {
   virtual void change(std::size_t, const DrivePoint<double>&, Statuses, std::span<double>) const noexcept {}
 };
 
-/// A law whose functions are written once for all scalars, by a struct with
-///     template <class T> void evaluate(const DrivePoint<T>&, std::span<const int>, DriveResponse<T>&) const
-/// and the members states() and start(). If it has statuses, it has n_statuses() and the functions of them.
+/// A law whose functions are written once for all scalars T, by a struct with the member function
+/// `evaluate(const DrivePoint<T>&, std::span<const int>, DriveResponse<T>&) const`, which is a template, and
+/// the members states() and start(). If it has statuses, it has n_statuses() and the functions of them.
 template <class Law> class DriveLawOf final : public DriveLaw {
  public:
   explicit DriveLawOf(Law law) : law_(std::move(law)) {}

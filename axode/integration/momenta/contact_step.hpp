@@ -30,8 +30,9 @@ class ContactStep {
   void restart() noexcept;
 
   Vector q, v;  ///< at the end of the step
-  /// The largest certificate of the problems of the step, see certificate(). If the iteration for the impulses
-  /// at its start does not converge, also the last change of the motion by them, as a part of the motion.
+  /// The largest certificate of the problems of the step, see certificate(). If the iteration for the
+  /// impulses at its start does not converge, also the last change of the motion by them, as a part of the
+  /// motion.
   double certificate = 0;
   bool touched = false;  ///< whether an impulse acted
   /// Whether run() leaves in `kept` what its parts have decided.
