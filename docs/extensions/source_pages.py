@@ -66,7 +66,8 @@ def shown(path):
     """The body of the page that shows a file or folder."""
     if path.is_dir():
         rows = "".join(f'<li><a href="{relative_uri(page_of(path) + ".html", page_of(part) + ".html")}">{part.name}</a></li>'
-                       for part in sorted(path.iterdir()) if part.name != "__pycache__")
+                       for part in sorted(path.iterdir())
+                       if part.name != "__pycache__" and part.suffix not in PICTURES)
         return f"<ul>{rows}</ul>"
     text = path.read_text(encoding="utf-8")
     try:
