@@ -91,14 +91,6 @@ class _Answer(BaseHTTPRequestHandler):
 
     server: _Server
 
-    def setup(self) -> None:
-        super().setup()
-        self.server.connections[self.connection] = threading.current_thread()
-
-    def finish(self) -> None:
-        self.server.connections.pop(self.connection, None)
-        super().finish()
-
     def handle(self) -> None:
         try:
             super().handle()
@@ -134,8 +126,6 @@ class _Server(ThreadingHTTPServer):
     construction on, and answers after `start`.
     """
 
-    daemon_threads = True  # otherwise Python would wait for them before it calls `close`
-
     def __init__(self) -> None:
         super().__init__(("127.0.0.1", 0), _Answer)
         self.path = f"/{secrets.token_urlsafe(16)}/"
@@ -143,7 +133,7 @@ class _Server(ThreadingHTTPServer):
         self.text = ""
         self.seen = threading.Event()
         self.is_awaited = False
-        self.connections: dict[socket.socket, threading.Thread] = {}
+        self._answering: dict[threading.Thread, socket.socket] = {}
         self._told = threading.Condition()
         self._state, self._number, self._closed = "", 0, False
         self._thread: threading.Thread | None = None
@@ -155,6 +145,14 @@ class _Server(ThreadingHTTPServer):
         if self._thread is None:
             self._thread = threading.Thread(target=self.serve_forever, args=(0.05,), daemon=True, name="axode viewer")
             self._thread.start()
+
+    def process_request(self, request: Any, client_address: Any) -> None:
+        """Answers in a thread, for which `close` waits. Python would wait for a thread that is no daemon before it calls
+        `close`."""
+        self._answering = {thread: connection for thread, connection in self._answering.items() if thread.is_alive()}
+        thread = threading.Thread(target=self.process_request_thread, args=(request, client_address), daemon=True)
+        self._answering[thread] = request
+        thread.start()
 
     def push(self, state: str) -> None:
         with self._told:
@@ -184,7 +182,7 @@ class _Server(ThreadingHTTPServer):
             self.shutdown()
             self._thread.join()
         self.server_close()
-        for connection, thread in list(self.connections.items()):
+        for thread, connection in self._answering.items():
             try:
                 connection.shutdown(socket.SHUT_RDWR)
             except OSError:
