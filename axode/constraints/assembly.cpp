@@ -35,13 +35,17 @@ class Assembly {
     system_.update_kinematics(neutral(model_).data());
     size_ = size();
     unit_of_velocity_.setOnes(model_.nv());
-    for (int i = 1; i <= model_.n_bodies(); ++i)
-      for (int k = 0; k < model_.joint(i).nv; ++k)
-        if (is_length(model_.joint(i), k)) unit_of_velocity_[model_.joint(i).iv + k] = size_;
+    for (const Joint& joint : model_.joints())
+      if (!joint.leader)
+        with_subgroup(joint.kind, 1.0, [&](const auto& kind) {
+          for (int k = kind.angles; k < kind.nv; ++k) unit_of_velocity_[joint.iv + k] = size_;
+        });
+    unit_of_residual_ = units_of_rows(ConstraintLevel::position);
+    unit_of_row_ = units_of_rows(ConstraintLevel::velocity);
     result_.status = close();
     const bool closed = result_.status == AssemblyStatus::closed;
     if (closed && !v.empty() && !adapt_velocities()) result_.status = AssemblyStatus::singular;
-    report(residual_of(result_.q).cwiseProduct(units_of_rows(ConstraintLevel::position)));
+    report(residual_of(result_.q).cwiseProduct(unit_of_residual_));
     return std::move(result_);
   }
 
@@ -103,7 +107,7 @@ class Assembly {
     Vector r(model_.loops().residuals);
     system_.update_kinematics(q.data());
     system_.residual(q.data(), r.data());
-    return r.cwiseQuotient(units_of_rows(ConstraintLevel::position));
+    return r.cwiseQuotient(unit_of_residual_);
   }
   /// The unit of each row of a level: the size of the loops for a row along which a force acts, 1 for a row
   /// about which a couple acts, and the unit of the first term for a coupling.
@@ -131,21 +135,14 @@ class Assembly {
     const LoopCoupling::Term& first = coupling.terms.front();
     return std::abs(first.factor) * unit_of_velocity_[first.velocity];
   }
-  /// Whether velocity k of a joint is that of a length.
-  static bool is_length(const Joint& joint, int k) {
-    const std::array<bool, 6> free = free_directions(joint.kind);
-    int seen = 0;
-    for (int direction = 0; direction < 6; ++direction)
-      if (free[static_cast<std::size_t>(direction)] && seen++ == k) return direction >= 3;
-    return false;
-  }
   /// The matrix R or A of a level at the present kinematics. Columns of held velocities are 0.
   Matrix rows(ConstraintLevel level) {
     LoopSystem<double>::RowByRow R(system_.size(level), model_.nv());
     system_.make_rows(level);
     system_.write(R.data());
     for (const int c : options_.held) R.col(c).setZero();
-    return units_of_rows(level).cwiseInverse().asDiagonal() * R * unit_of_velocity_.asDiagonal();
+    const Vector& unit = level == ConstraintLevel::position ? unit_of_residual_ : unit_of_row_;
+    return unit.cwiseInverse().asDiagonal() * R * unit_of_velocity_.asDiagonal();
   }
   bool adapt_velocities() {
     if (options_.held.empty()) return impact(model_, workspace_, result_.q, result_.v, 0.0, result_.v).ok();
@@ -153,7 +150,7 @@ class Assembly {
     Vector rates(model_.loops().rows);
     system_.make_rows(ConstraintLevel::velocity);
     system_.velocity_residual(result_.v.data(), rates.data());
-    rates = rates.cwiseQuotient(units_of_rows(ConstraintLevel::velocity)).eval();
+    rates.array() /= unit_of_row_.array();
     const Matrix A = rows(ConstraintLevel::velocity);
     Eigen::Map<Vector> v(result_.v.data(), model_.nv());
     for (int n = 0; n < 3; ++n) {  // each step leaves a small part of the rates
@@ -220,8 +217,9 @@ class Assembly {
   const AssemblyOptions& options_;
   LoopWorkspace<double> workspace_;
   LoopSystem<double>& system_;
-  double size_ = 1;          ///< of the loops, m
-  Vector unit_of_velocity_;  ///< of each velocity: size_ for a length, and 1 for an angle
+  double size_ = 1;                        ///< of the loops, m
+  Vector unit_of_velocity_;                ///< of each velocity: size_ for a length, and 1 for an angle
+  Vector unit_of_residual_, unit_of_row_;  ///< see units_of_rows()
   AssemblyResult result_;
 };
 

@@ -5,6 +5,13 @@
 
 namespace axode {
 
+/// Lets articulated bodies use the links, the screws and the inertias of a spatial tree.
+template <class T> void use(const SpatialTree<T>& spatial, ArticulatedBodies<Spatial, T>& bodies) noexcept {
+  bodies.links.link = spatial.link;
+  bodies.S = spatial.J;
+  bodies.M_body = spatial.M_body;
+}
+
 /// The rates of the state (q, p): v = M⁻¹ p, and p' = τ + Jᵀ W^A + (ad_V J)ᵀ Π^A, where W^A and Π^A are the
 /// wrench on and the momentum of the subtree of each joint. See momentum_form().
 /// See (D5.1) of docs/derivations.
@@ -31,9 +38,7 @@ template <class T> struct MomentumForm {
   Solvability run(const AnyTree& tree, const T* q, const T* p, const T* tau, const Loads<T>& loads, T* v,
                   T* dp) noexcept {
     spatial.run(tree, q);
-    bodies.links.link = spatial.link;
-    bodies.S = spatial.J;
-    bodies.M_body = spatial.M_body;
+    use(spatial, bodies);
     Solvability verdict = bodies.eliminate_joints(tree, tree.armature.data());
     for (int c = 0; c < tree->nv; ++c) velocity[c] = p[c];
     if (verdict.ok()) bodies.solve(tree, velocity);

@@ -44,9 +44,7 @@ Solvability spatial_momentum_form(const Model& model, Workspace<T>& workspace, N
   for (int c = 0; c < tree->nv; ++c) at.v[c] = at.zero[c] = T(0);
   for (int i = 1; i <= tree->n; ++i)
     at.spatial.each_screw(i, [&](int c, const Twist<Spatial, T>& J) { at.v[c] += at.Pi[i] | J; });
-  at.bodies.links.link = at.spatial.link;
-  at.bodies.S = at.spatial.J;
-  at.bodies.M_body = at.spatial.M_body;
+  use(at.spatial, at.bodies);
   Solvability verdict = at.bodies.eliminate_joints(tree, at.zero);
   if (verdict.ok()) at.bodies.solve(tree, at.v);
   verdict = solved(verdict, tree->nv, at.v);
