@@ -88,11 +88,43 @@ Description many_frames(int n) {
   for (int k = 0; k < n; ++k) description.frames.push_back({.name = numbered('f', k), .body = "b9"});
   return description;
 }
+/// A spring on a line and one on a coordinate for every body.
+Description springs_on_every_body(int n) {
+  Description description = forest(n);
+  for (int k = 0; k < n; ++k) {
+    description.springs.push_back({.between = {"ground", numbered('b', k)}, .stiffness = 1, .rest = 1});
+    SpringDescription turn{.kind = SpringKind::joints, .stiffness = 1};
+    turn.terms = {{numbered('j', k), 1.0}};
+    description.springs.push_back(turn);
+  }
+  return description;
+}
+/// A controller on every body but the first, whose input is the output of the next one.
+Description chain_of_drives(int n) {
+  Description description = forest(n);
+  for (int k = 1; k < n; ++k) {
+    DriveDescription drive{.name = numbered('d', k), .kind = DriveKind::pid};
+    drive.joints = {{numbered('j', k), 1.0}};
+    drive.parameters = {{"kp", 1.0}};
+    if (k + 1 < n)
+      drive.input.from = numbered('d', k + 1);
+    else
+      drive.input.values = {0};
+    description.drives.push_back(std::move(drive));
+  }
+  return description;
+}
+Description ring_of_drives(int n) {
+  Description description = chain_of_drives(n);
+  description.drives.back().input.values.clear();
+  description.drives.back().input.from = "d1";
+  return description;
+}
 
 struct Shape {
   const char* name;
   Description (*make)(int n);
-  std::vector<Rule> faults_of_each = {};  ///< the faults that each body has
+  std::vector<Rule> faults_of_each = {};  ///< the faults that each body has, or each drive if there are any
   std::vector<Rule> faults_of_all = {};
 };
 class LargeTrees : public testing::TestWithParam<Shape> {};
@@ -155,7 +187,9 @@ TEST_P(LargeTrees, NeedNoDeepRecursion) {
         ++found[fault.rule];
         EXPECT_LT(fault.message.size(), 500u);
       }
-      for (const Rule rule : GetParam().faults_of_each) expected[rule] += description.bodies.size();
+      const std::size_t elements =
+          description.drives.empty() ? description.bodies.size() : description.drives.size();
+      for (const Rule rule : GetParam().faults_of_each) expected[rule] += elements;
       for (const Rule rule : GetParam().faults_of_all) ++expected[rule];
       EXPECT_EQ(found, expected);
     }
@@ -174,7 +208,9 @@ INSTANTIATE_TEST_SUITE_P(
                           {Rule::unknown_predecessor, Rule::mass_not_positive, Rule::coupling_unknown_joint}},
                     Shape{"ring", ring, {}, {Rule::cycle}},
                     Shape{"ring_of_couplings", ring_of_couplings, {Rule::coupling_loop}},
-                    Shape{"many_frames", many_frames}),
+                    Shape{"many_frames", many_frames}, Shape{"springs_on_every_body", springs_on_every_body},
+                    Shape{"chain_of_drives", chain_of_drives},
+                    Shape{"ring_of_drives", ring_of_drives, {Rule::cycle}}),
     [](const auto& shape) { return std::string(shape.param.name); });
 
 TEST(LargeTree, AChainOfTenThousandBodiesIsEvaluatedRight) {

@@ -50,6 +50,7 @@ class Compiler {
     for (auto& [frame, offset] : extra_) add_frame(std::move(frame), offset);
     const auto topology = std::make_shared<const Topology>(std::move(connections_));
     number_joints(*topology);
+    index_names();
     Springs springs;
     std::vector<Fault> faults;
     for (std::size_t k = 0; k < description_.springs.size(); ++k)
@@ -171,10 +172,10 @@ class Compiler {
     frames_.push_back(std::move(frame));
   }
 
-  std::unordered_map<std::string_view, int> frames_by_name() const {
-    std::unordered_map<std::string_view, int> frame;
-    for (std::size_t f = 0; f < frames_.size(); ++f) frame.emplace(frames_[f].name, static_cast<int>(f));
-    return frame;
+  /// Finds frames and joints by their names, after all of them were added.
+  void index_names() {
+    for (std::size_t f = 0; f < frames_.size(); ++f) frame_.emplace(frames_[f].name, static_cast<int>(f));
+    for (int i = 1; i < n_bodies(); ++i) joint_.emplace(joints_[i].name, i);
   }
 
   /// A pose that a description gives in frame f or in the construction frame, in frame f.
@@ -187,20 +188,18 @@ class Compiler {
     return internal_[frames_[f].body] * (numbers_.frame_offset[f] * C);
   }
 
-  std::array<Spring::End, 2> ends_of(const SpringDescription& from,
-                                     const std::unordered_map<std::string_view, int>& frame) const {
+  std::array<Spring::End, 2> ends_of(const SpringDescription& from) const {
     std::array<Spring::End, 2> ends;
     for (std::size_t e = 0; e < 2; ++e) {
-      const int f = frame.at(from.between[e]);
+      const int f = frame_.at(from.between[e]);
       ends[e] = {f, in_frame(f, from.in, orthonormal(from.frames[e]))};
     }
     return ends;
   }
-  Spring::Path path_of(const SpringDescription& from,
-                       const std::unordered_map<std::string_view, int>& frame) const {
+  Spring::Path path_of(const SpringDescription& from) const {
     Spring::Path path;
     const auto add = [&](const std::string& on, const Vec3<>& point) {
-      const int f = frame.at(on);
+      const int f = frame_.at(on);
       path.points.push_back({f, in_frame(f, from.in, {{}, point}).r});
     };
     for (const SpringDescription::Point& it : from.path) add(it.on, it.point);
@@ -210,9 +209,8 @@ class Compiler {
   Spring::JointSum sum_of(const SpringDescription& from, const Topology& topology) const {
     Spring::JointSum sum;
     for (const auto& [name, factor] : from.terms) {
-      const auto named = std::ranges::find(joints_, name, &Joint::name);
-      const int i = static_cast<int>(named - joints_.begin());
-      const Joint::Leader own = named->leader.value_or(Joint::Leader{i, 1, 0});
+      const int i = joint_.at(name);
+      const Joint::Leader own = joints_[i].leader.value_or(Joint::Leader{i, 1, 0});
       sum.terms.push_back({topology.iq[i], topology.iv[i], factor * own.ratio});
       sum.offset += factor * own.offset;
     }
@@ -238,16 +236,15 @@ class Compiler {
 
   /// Spring k of the description. A preload is turned into a rest (D16.4).
   Spring spring(std::size_t k, const Topology& topology, std::vector<Fault>& faults) const {
-    const std::unordered_map<std::string_view, int> frame = frames_by_name();
     const SpringDescription& from = description_.springs[k];
     Spring out{.name = spring_name(from, k), .geometry = Spring::Path{}, .law = {}};
     switch (from.kind) {
       case SpringKind::line:
-      case SpringKind::tendon: out.geometry = path_of(from, frame); break;
-      case SpringKind::torsion: out.geometry = Spring::Torsion{ends_of(from, frame)}; break;
+      case SpringKind::tendon: out.geometry = path_of(from); break;
+      case SpringKind::torsion: out.geometry = Spring::Torsion{ends_of(from)}; break;
       case SpringKind::joints: out.geometry = sum_of(from, topology); break;
       case SpringKind::bushing:
-        out.geometry = Spring::Bushing{ends_of(from, frame), orthonormal(from.rest_pose), from.K, from.C};
+        out.geometry = Spring::Bushing{ends_of(from), orthonormal(from.rest_pose), from.K, from.C};
         return out;
     }
     out.law = force_law(from);
@@ -255,7 +252,7 @@ class Compiler {
     const double x = std::visit([&](const auto& it) { return drawn_coordinate(it); }, out.geometry);
     const double size = std::holds_alternative<Spring::Path>(out.geometry) ? std::abs(x) : 1;
     const auto deflection = deflection_at(out.law, *from.preload, size > 0 ? size : 1);
-    if (deflection) {
+    if (deflection && finite(x - *deflection)) {
       out.law.rest = x - *deflection;
       return out;
     }
@@ -269,10 +266,9 @@ class Compiler {
 
   /// The line of a drive between two points, each in its frame.
   Spring::Path line_of(const DriveDescription::Line& from) const {
-    const std::unordered_map<std::string_view, int> frame = frames_by_name();
     Spring::Path path;
     for (std::size_t e = 0; e < 2; ++e) {
-      const int f = frame.at(from.between[e]);
+      const int f = frame_.at(from.between[e]);
       path.points.push_back({f, in_frame(f, from.in, {{}, from.points[e]}).r});
     }
     return path;
@@ -289,7 +285,6 @@ class Compiler {
 
   /// Loop joints with their frames in internal frames of bodies, followed by the couplings of coordinates.
   Loops closed_loops(const Topology& topology) const {
-    const std::unordered_map<std::string_view, int> frame = frames_by_name();
     Loops loops;
     for (std::size_t k = 0; k < description_.loops.size(); ++k) {
       const LoopDescription& from = description_.loops[k];
@@ -304,21 +299,19 @@ class Compiler {
       const DrawnLoop drawn = from.frames ? DrawnLoop{*from.frames, size_of(from)} : drawn_loop(from);
       loop.size = drawn.size;
       for (std::size_t e = 0; e < 2; ++e) {
-        const int f = frame.at(from.between[e]), body = frames_[f].body;
+        const int f = frame_.at(from.between[e]), body = frames_[f].body;
         loop.ends[e] = {body, from.frames ? numbers_.frame_offset[f] * orthonormal(drawn.C[e])
                                           : relative(internal_[body], drawn.C[e])};
       }
       number(loop, loops);
       loops.joints.push_back(std::move(loop));
     }
-    std::unordered_map<std::string_view, int> joint;
-    for (int i = 1; i < n_bodies(); ++i) joint.emplace(joints_[i].name, i);
     for (std::size_t k = 0; k < description_.couplings.size(); ++k) {
       const CouplingDescription& from = description_.couplings[k];
       double offset = from.offset;
       std::vector<LoopCoupling::Term> terms;
       for (const auto& [name, factor] : from.terms) {
-        const int i = joint.at(name);
+        const int i = joint_.at(name);
         const Joint::Leader own = joints_[i].leader.value_or(Joint::Leader{i, 1, 0});
         terms.push_back({topology.iq[i], topology.iv[i], factor * own.ratio});
         offset -= factor * own.offset;
@@ -478,7 +471,8 @@ class Compiler {
   const DepthFirstOrder order_;
   const std::vector<Placement> placements_;
   std::unordered_map<std::string_view, std::size_t> index_;
-  std::vector<Carried> on_;     ///< carrier of each body of the description
+  std::unordered_map<std::string_view, int> frame_, joint_;  ///< indices in the model by names
+  std::vector<Carried> on_;                                  ///< carrier of each body of the description
   std::vector<int> described_;  ///< index in the description of bodies 1, 2, ... of the model
   // The members below are indexed by bodies of the model, from the ground on.
   Connections connections_{.parent = {0}};

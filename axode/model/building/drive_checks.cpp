@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <string_view>
+#include <unordered_map>
 #include <unordered_set>
 
 #include "axode/model/building/nearest_name.hpp"
@@ -144,6 +145,21 @@ void check_port(const FaultySubject& at, const DriveDescription& drive) {
     at.error(Rule::non_finite_number, "a point is not finite");
 }
 
+/// Marks the drives that feed themselves by way of others. Entry k of `feeder` is the drive whose output is
+/// the input of drive k, or the number of drives if there is none.
+std::vector<char> on_cycles(const std::vector<std::size_t>& feeder) {
+  const std::size_t n = feeder.size();
+  std::vector<std::size_t> reached_from(n, n);
+  std::vector<char> marks(n, 0);
+  for (std::size_t k = 0; k < n; ++k) {
+    std::size_t i = k;
+    for (; i < n && reached_from[i] == n; i = feeder[i]) reached_from[i] = k;
+    if (i == n || reached_from[i] != k) continue;
+    for (; marks[i] == 0; i = feeder[i]) marks[i] = 1;
+  }
+  return marks;
+}
+
 }  // namespace
 
 void check_drive(const FaultySubject& at, const DriveDescription& drive) {
@@ -156,15 +172,20 @@ void check_drive(const FaultySubject& at, const DriveDescription& drive) {
 void check_feeding(FaultCollector& faults, const Description& description) {
   const std::vector<DriveDescription>& drives = description.drives;
   std::vector<std::string> names;
-  for (std::size_t k = 0; k < drives.size(); ++k) names.push_back(drive_name(drives[k], k));
-  const auto feeder = [&](std::size_t k) {
-    return static_cast<std::size_t>(std::ranges::find(names, drives[k].input.from) - names.begin());
-  };
+  std::unordered_map<std::string, std::size_t> number;
+  for (std::size_t k = 0; k < drives.size(); ++k) {
+    names.push_back(drive_name(drives[k], k));
+    number.emplace(names[k], k);
+  }
+  std::vector<std::size_t> feeder(drives.size(), drives.size());
+  for (std::size_t k = 0; k < drives.size(); ++k)
+    if (const auto it = number.find(drives[k].input.from); it != number.end()) feeder[k] = it->second;
+  const std::vector<char> feeds_itself = on_cycles(feeder);
   for (std::size_t k = 0; k < drives.size(); ++k) {
     if (drives[k].input.from.empty()) continue;
     const FaultySubject at{faults, "drive " + quoted(names[k]), drives[k].source};
     const std::string says = "its input is the output of " + quoted(drives[k].input.from);
-    const std::size_t from = feeder(k);
+    const std::size_t from = feeder[k];
     if (from == drives.size()) {
       at.error(Rule::unknown_drive_target,
                says + ", which is no drive" +
@@ -174,10 +195,7 @@ void check_feeding(FaultCollector& faults, const Description& description) {
     if (!traits(drives[from].kind).may_feed)
       at.error(Rule::wrong_value, says + ", which is a " + std::string(to_string(drives[from].kind)) +
                                       "; only controllers have an output for other drives");
-    std::size_t last = from, steps = 0;
-    while (last < drives.size() && last != k && !drives[last].input.from.empty() && steps++ < drives.size())
-      last = feeder(last);
-    if (last == k)
+    if (feeds_itself[k] != 0)
       at.error(Rule::cycle, says + ", whose input it is in the end; a drive must not feed itself");
   }
 }
