@@ -112,6 +112,25 @@ TEST(ForceLaws, PreloadsAreTheTensionsAsDrawn) {
   }
 }
 
+TEST(ForceLaws, PreloadsOfOneSidedSpringsAreOnTheirSide) {
+  for (const Acts acts : {Acts::in_tension, Acts::in_compression}) {
+    const double sign = acts == Acts::in_tension ? 1 : -1;
+    SpringDescription line{.between = {"ground", "leaf"},
+                           .points = {Vec3<>{0, 2, 0}, Vec3<>{0.5, 0, 0}},
+                           .in = GivenIn::construction_frame};
+    line.acts = acts;
+    line.preload = 4 * sign;
+    line.curve = PolynomialCurve{{0, 0, sign}};  // it has this force on both sides
+    EXPECT_NEAR(tension(hinge_with(line).springs().elements[0].law, std::hypot(2, 0.5), 0.0).f, 4 * sign,
+                1e-12);
+    line.curve = PolynomialCurve{{0, -1}};  // it has this force on the other side alone
+    EXPECT_THROW(hinge_with(line), ModelError);
+  }
+  SpringDescription feeble{.between = {"ground", "leaf"}, .stiffness = 5e-324};
+  feeble.preload = 1;
+  EXPECT_THROW(hinge_with(feeble), ModelError) << "its rest would be infinite";
+}
+
 TEST(ForceLaws, WarnOfForcesThatJump) {
   SpringDescription bumper{.between = {"ground", "leaf"}, .rest = 0.3};
   bumper.curve = PolynomialCurve{{5, 100}};

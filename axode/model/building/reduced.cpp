@@ -61,7 +61,8 @@ void lock_terms(Description& description, const Model& model, const std::vector<
 /// may have such a rest, and lengths in a description must not.
 void rest_at_zero(SpringDescription& spring) {
   const double rest = std::exchange(spring.rest, 0.0);
-  ForceCurve curve = spring.curve.value_or(PolynomialCurve{{0, spring.stiffness}});
+  ForceCurve curve = spring.curve.value_or(LinearCurve{spring.stiffness});
+  if (const auto* line = std::get_if<LinearCurve>(&curve)) curve = PolynomialCurve{{0, line->stiffness}};
   if (auto* table = std::get_if<TableCurve>(&curve)) {
     for (double& x : table->deflections) x += rest;
   } else if (auto* polynomial = std::get_if<PolynomialCurve>(&curve)) {
@@ -70,7 +71,8 @@ void rest_at_zero(SpringDescription& spring) {
       for (std::size_t k = c.size() - 1; k-- > n;) c[k] -= rest * c[k + 1];
   }
   spring.curve = std::move(curve);
-  spring.acts = Acts::both_ways;  // lengths are on the side on which it acts
+  // Lengths are on the side on which it acts. Only damping, which must not reverse the force, tells sides.
+  if (spring.damping == 0) spring.acts = Acts::both_ways;
 }
 
 /// Gives springs with a preload the rest that it means, because the mechanism is drawn in another

@@ -62,6 +62,7 @@ std::optional<double> deflection_at(const ForceLaw& law, double force, double si
   for (int scale = 0; scale < most_scales; ++scale, reach *= 16)
     for (int k = 1; k <= parts; ++k)
       for (const double side : {1.0, -1.0}) {
+        if (law.acts == (side > 0 ? Acts::in_compression : Acts::in_tension)) continue;
         double near = side * reach * (k - 1) / parts, far = side * reach * k / parts;
         if ((open(near) < 0) == (open(far) < 0)) continue;
         for (;;) {

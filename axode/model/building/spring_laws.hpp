@@ -11,7 +11,7 @@ namespace axode {
 ForceLaw force_law(const SpringDescription& spring);
 
 /// The deflection at which the curve of a law has a force (D16.4), the one nearest to 0 as far as steps of a
-/// part of `size` show it. Nothing if no deflection has this force.
+/// part of `size` show it. Nothing if no deflection at which the spring acts has this force.
 std::optional<double> deflection_at(const ForceLaw& law, double force, double size);
 
 }  // namespace axode
