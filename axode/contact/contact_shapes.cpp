@@ -102,7 +102,8 @@ struct Compilation {
 
   int body_of(const std::string& frame) const { return model.frame(model.frame_index(frame)).body; }
 
-  /// The pairs of moving bodies that a joint or a loop joint connects, the smaller index first.
+  /// The pairs of moving bodies that a joint or a loop joint connects, the smaller index first. Rods and belts,
+  /// which are drawn by two points, keep their bodies apart.
   std::set<std::pair<int, int>> joined_bodies() const {
     std::set<std::pair<int, int>> joined;
     const auto join = [&](const std::string& one, const std::string& other) {
@@ -111,7 +112,7 @@ struct Compilation {
     };
     for (const BodyDescription& body : model.description().bodies) join(body.name, body.predecessor);
     for (const LoopDescription& loop : model.description().loops)
-      if (loop.kind != LoopKind::rod && loop.kind != LoopKind::belt) join(loop.between[0], loop.between[1]);
+      if (!traits(loop.kind).has("points")) join(loop.between[0], loop.between[1]);
     return joined;
   }
 };

@@ -285,7 +285,8 @@ SpringWrench<T> wrench_of(const Spring::Bushing& bushing, const ForceLaw&, const
   return out;
 }
 
-/// The same wrench on the first frame, in its axes and about its origin, as a reaction.
+/// The wrench on the first frame of a spring that has the wrench W on its second frame: the reaction to W, in
+/// the axes and about the origin of the first frame. D is the pose of the second frame relative to the first.
 template <class T> Six<T> reaction(const SE3<T>& D, const Six<T>& W) noexcept {
   const Vec3<T> m = D.R * Vec3<T>{W[0], W[1], W[2]}, f = D.R * Vec3<T>{W[3], W[4], W[5]};
   return six(-(m + cross(D.r, f)), -f);

@@ -138,6 +138,7 @@ T spring_coordinate(const Model& model, Workspace<T>& workspace, int k, Numbers<
                     std::type_identity_t<std::span<T>> gradient) {
   checked<"elastic_energy">(model, workspace, q);
   const std::vector<Spring>& springs = model.springs().elements;
+  if (springs.empty()) throw std::invalid_argument("spring: model \"" + model.name() + "\" has no springs");
   if (k < 0 || k >= std::ssize(springs))
     throw std::invalid_argument("spring is " + std::to_string(k) + "; the model has springs 0 to " +
                                 std::to_string(std::ssize(springs) - 1));
@@ -147,6 +148,7 @@ T spring_coordinate(const Model& model, Workspace<T>& workspace, int k, Numbers<
   const Tree<T>& tree = model.tree<T>();
   if (!gradient.empty()) {
     check_size("gradient", gradient.size(), static_cast<std::size_t>(model.nv()), "nv");
+    check_separate("gradient", gradient, "q", static_cast<std::span<const T>>(q));
     std::ranges::fill(gradient, T(0));
     // The force of a spring whose tension is 1 is the gradient with the opposite sign.
     const ForceLaw unit{.curve = PolynomialCurve{{-1}}};

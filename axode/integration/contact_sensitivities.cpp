@@ -6,10 +6,10 @@
 
 #include "axode/integration/momenta/contact_step.hpp"
 #include "axode/integration/momenta/contact_step_derivative.hpp"
+#include "axode/integration/momenta/simulate_contact.hpp"
 #include "axode/integration/schemes/explicit_steps.hpp"
 #include "axode/kinematics/check_arguments.hpp"
 #include "axode/model/finite.hpp"
-#include "axode/table/check_counts.hpp"
 
 namespace axode {
 namespace {
@@ -29,8 +29,7 @@ void check_motion(const Model& model, const ContactShapes& shapes, double step,
                   std::initializer_list<Sized<const double>> arguments,
                   std::initializer_list<Sized<double>> results) {
   check_step(step);
-  check_shapes(model, shapes);
-  catalog::refuse_motions("contact", "drive the joints by tau", model);
+  check_contact(model, shapes);
   for (const auto& in : arguments) {
     check_size(in.name, in.x.size(), in.size, in.meaning);
     if (!finite(in.x)) throw std::invalid_argument(std::string(in.name) + " is not finite");

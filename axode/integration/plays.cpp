@@ -11,7 +11,8 @@ namespace axode {
 Plays::Plays(const Model& model)
     : model_(model),
       threshold_(model.description().contact.value_or(ContactDescription{}).threshold),
-      side_(model.loops().backlashes.size(), 0) {}
+      side_(model.loops().backlashes.size(), 0),
+      overshoot_(side_.size(), 0) {}
 
 bool Plays::any_at_an_end() const {
   return std::ranges::any_of(side_, [](int side) { return side != 0; });
@@ -50,6 +51,22 @@ double Plays::rate(std::size_t k, Span v) const {
 
 double Plays::restitution(std::size_t k, double speed) const {
   return speed > threshold_ ? plays()[k].restitution : 0;
+}
+
+double Plays::beyond(std::size_t k, Span q) const {
+  return std::max(0.0, std::abs(deflection(k, q)) - half(k));
+}
+
+double Plays::gap(std::size_t k, Span q) const {
+  return half(k) - std::abs(deflection(k, q)) + overshoot_[k];
+}
+
+void Plays::allow_overshoot(Span q) {
+  for (std::size_t k = 0; k < size(); ++k) overshoot_[k] = beyond(k, q);
+}
+
+void Plays::reduce_overshoot(Span q) {
+  for (std::size_t k = 0; k < size(); ++k) overshoot_[k] = std::min(overshoot_[k], beyond(k, q));
 }
 
 double Plays::gap_resolution(std::size_t k, Span q) const {

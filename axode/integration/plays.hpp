@@ -33,15 +33,24 @@ class Plays {
   double half(std::size_t k) const { return plays()[k].play / 2; }
   /// The restitution of an impact on the end of play k at a speed: 0 below the threshold of the mechanism.
   double restitution(std::size_t k, double speed) const;
-  /// The gap at an end of play k that cannot be told from 0.
+  /// The rounding error of the gap between play k and one of its ends; smaller gaps count as 0.
   double gap_resolution(std::size_t k, Span q) const;
+  /// The gap between play k and the end that is nearer, plus what it may be beyond this end while it is free.
+  double gap(std::size_t k, Span q) const;
+  /// Lets free plays be as far beyond their ends as they are now, where an event or the start has left them.
+  void allow_overshoot(Span q);
+  /// Takes back what the free plays no longer need of allow_overshoot().
+  void reduce_overshoot(Span q);
 
  private:
   const std::vector<Backlash>& plays() const { return model_.loops().backlashes; }
+  /// The distance of play k beyond one of its ends; 0 if it is between them.
+  double beyond(std::size_t k, Span q) const;
 
   Model model_;
   double threshold_;  ///< speed below which nothing bounces
   std::vector<int> side_;
+  std::vector<double> overshoot_;  ///< how far each play may be beyond an end while it is free
   std::map<std::vector<int>, Model> engaged_;
 };
 

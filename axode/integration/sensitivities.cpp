@@ -15,6 +15,7 @@
 #include "axode/dynamics/springs.hpp"
 #include "axode/eigen.hpp"
 #include "axode/integration/configuration_group.hpp"
+#include "axode/integration/refuse_plays.hpp"
 #include "axode/integration/schemes/group_derivatives.hpp"
 #include "axode/integration/schemes/munthe_kaas.hpp"
 #include "axode/kinematics/check_arguments.hpp"
@@ -45,6 +46,7 @@ void check_motion(const Model& model, double step, const Loads<double>& loads, c
   check_loads(model, loads);
   catalog::check_counts<"rollout sensitivities">(model);
   refuse_drives("rollout sensitivities", model);
+  refuse_plays("rollout sensitivities", "use simulate", model);
   for (const auto& in : arguments) check_size(in.name, in.x.size(), in.size, in.meaning);
   for (const auto* out = results.begin(); out != results.end(); ++out) {
     check_size(out->name, out->x.size(), out->size, out->meaning);

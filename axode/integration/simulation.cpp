@@ -63,7 +63,7 @@ void check_holonomic(const Model& model) {
   for (const Loop& loop : model.loops().joints)
     if (loop.rows != loop.residuals)
       throw std::invalid_argument("loop \"" + loop.name + "\" is a " +
-                                  (loop.kind == LoopKind::belt ? "belt" : "rolling contact") +
+                                  (traits(loop.kind).has("radii") ? "belt" : "rolling contact") +
                                   ", which conserving schemes do not support; use rattle in absolute "
                                   "coordinates or an explicit method");
 }

@@ -11,7 +11,7 @@
 
 namespace axode {
 
-/// What a spring measures.
+/// The kinds of springs, each with the quantity on which its force depends.
 enum class SpringKind {
   line,     ///< the distance of two points
   tendon,   ///< the length of a path of points with straight segments

@@ -3,8 +3,11 @@
 #include <algorithm>
 #include <cmath>
 
+#include "axode/batch.hpp"
 #include "axode/dynamics.hpp"
 #include "axode/integration.hpp"
+#include "axode/integration/contact_sensitivities.hpp"
+#include "axode/integration/sensitivities.hpp"
 #include "axode/model/building/builder.hpp"
 #include "tests/integration/motions.hpp"
 
@@ -101,6 +104,19 @@ TEST(Plays, PushAtTheirEndsAndLetGo) {
   }
 }
 
+/// An event leaves a play a little beyond its end, where an impact of another play may stop it.
+TEST(Plays, StayAtTheirEndsWithoutMoving) {
+  Description d = train(3, 1).description();
+  for (BodyDescription& body : d.bodies) body.inertia->mass = 1;
+  const Model model = ModelBuilder(std::move(d)).build();
+  // The sliders exchange their velocities. At 1.9 s two of them meet, while the third one begins to rest
+  // relative to one of them at the end of its play.
+  const Trajectory motion = simulate(model, Numbers{0, 0, -0.1}, Numbers{1, 0, 0}, 3);
+  EXPECT_TRUE(motion.complete) << motion.stop_reason;
+  EXPECT_NEAR(last_v(motion)[0] + last_v(motion)[1] + last_v(motion)[2], 1, 1e-12);
+  EXPECT_LE(widest(motion), 0.1 + 1e-11);
+}
+
 TEST(Plays, AreRefusedWhereTheyDoNotCount) {
   const Model model = train(2, 0);
   const Numbers q(2), v(2);
@@ -113,6 +129,25 @@ TEST(Plays, AreRefusedWhereTheyDoNotCount) {
   EXPECT_THAT([&] { simulate_contact(model, q, v, 1, 0.1); },
               testing::ThrowsMessage<std::invalid_argument>(
                   testing::HasSubstr("contact does not count the play of coupling \"buffer 1\"")));
+  Numbers q_out(4), v_out(4), A(32), B(16);
+  const auto does_not_count = [](const std::string& function) {
+    return testing::ThrowsMessage<std::invalid_argument>(
+        testing::HasSubstr(function + " does not count the play of coupling \"buffer 1\""));
+  };
+  EXPECT_THAT([&] { batch::rollout<double>(model, q, v, q, 0.1, q_out, v_out); }, does_not_count("rollout"));
+  EXPECT_THAT([&] { batch::rollout<double>(model, q, v, batch::Drive(), 1, 0.1, q_out, v_out); },
+              does_not_count("rollout"));
+  Workspace<> workspace(model);
+  EXPECT_THAT(
+      [&] {
+        static_cast<void>(step_derivatives(model, workspace, q, v, q, 0.1, {q_out, v_out, A, B}));
+      },
+      does_not_count("rollout sensitivities"));
+  EXPECT_THAT(
+      [&] {
+        contact_rollout_derivatives(model, ContactShapes(model), q, v, q, 0.1, {q_out, v_out, A, B});
+      },
+      does_not_count("contact"));
   EXPECT_THAT(
       [&] {
         simulate(model, Numbers{0.3, 0}, v, 1);

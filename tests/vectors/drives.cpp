@@ -9,30 +9,16 @@
 #include "axode/integration.hpp"
 #include "axode/io.hpp"
 #include "axode/model/building/builder.hpp"
-#include "tests/support/json_numbers.hpp"
-#include "tests/support/shared_files.hpp"
+#include "tests/vectors/machine_files.hpp"
 
 /// Machines with drives against reference trajectories and closed forms.
 namespace axode::test {
 namespace {
 
-std::filesystem::path folder_of_drives() { return vectors_folder() / "machines"; }
-
-std::vector<std::string> files_of_kind(const std::string& kind) {
-  std::vector<std::string> names;
-  for (const auto& file : files_ending_in(folder_of_drives(), ".json"))
-    if (read_json(file).at("kind").text() == kind) names.push_back(file.stem().string());
-  return names.empty() ? std::vector<std::string>{"NoFiles"} : names;
-}
-
 using Parameters = std::vector<std::pair<std::string, double>>;
 
-class DrivenMachine : public testing::TestWithParam<std::string> {
+class DrivenMachine : public MachineOfFile {
  protected:
-  void SetUp() override {
-    if (GetParam() == "NoFiles") GTEST_SKIP() << missing(folder_of_drives(), "AXODE_VECTORS");
-    file_ = read_json(folder_of_drives() / (GetParam() + ".json"));
-  }
   const Json& drive() const { return file_.at("drive"); }
   double of_drive(const char* key) const { return number(drive().at(key)); }
   /// Parameters of a drive from the keys of the file.
@@ -41,7 +27,6 @@ class DrivenMachine : public testing::TestWithParam<std::string> {
     for (const auto& [ours, theirs] : keys) all.emplace_back(ours, of_drive(theirs));
     return all;
   }
-  Description drawn() const { return read_drawing_text(file_.at("model").text(), GetParam()); }
   static Model with(Description d, DriveDescription drive) {
     d.drives = {std::move(drive)};
     return ModelBuilder(std::move(d)).build();
@@ -206,24 +191,22 @@ class DrivenMachine : public testing::TestWithParam<std::string> {
             << table.at("columns").at(c).text() << " at " << times[k] << " s";
     }
   }
-
-  Json file_;
 };
 class DrivenByMotor : public DrivenMachine {};
-INSTANTIATE_TEST_SUITE_P(Vectors, DrivenByMotor, testing::ValuesIn(files_of_kind("dc_motor")),
+INSTANTIATE_TEST_SUITE_P(Vectors, DrivenByMotor, testing::ValuesIn(machines_of({"dc_motor"})),
                          [](const auto& file) { return file.param; });
 class DrivenByController : public DrivenMachine {};
-INSTANTIATE_TEST_SUITE_P(Vectors, DrivenByController, testing::ValuesIn(files_of_kind("pid")),
+INSTANTIATE_TEST_SUITE_P(Vectors, DrivenByController, testing::ValuesIn(machines_of({"pid"})),
                          [](const auto& file) { return file.param; });
 class DrivenBySeriesElasticity : public DrivenMachine {};
 INSTANTIATE_TEST_SUITE_P(Vectors, DrivenBySeriesElasticity,
-                         testing::ValuesIn(files_of_kind("series_elastic")),
+                         testing::ValuesIn(machines_of({"series_elastic"})),
                          [](const auto& file) { return file.param; });
 class BristleFriction : public DrivenMachine {};
-INSTANTIATE_TEST_SUITE_P(Vectors, BristleFriction, testing::ValuesIn(files_of_kind("lugre")),
+INSTANTIATE_TEST_SUITE_P(Vectors, BristleFriction, testing::ValuesIn(machines_of({"lugre"})),
                          [](const auto& file) { return file.param; });
 class DrivenByCylinder : public DrivenMachine {};
-INSTANTIATE_TEST_SUITE_P(Vectors, DrivenByCylinder, testing::ValuesIn(files_of_kind("hydraulic_boom")),
+INSTANTIATE_TEST_SUITE_P(Vectors, DrivenByCylinder, testing::ValuesIn(machines_of({"hydraulic_boom"})),
                          [](const auto& file) { return file.param; });
 
 TEST_P(DrivenByMotor, MotorRunsUpAsItsClosedForm) {
@@ -234,7 +217,7 @@ TEST_P(DrivenByMotor, MotorRunsUpAsItsClosedForm) {
     if (known.contains("current_limit"))
       motor.parameters.emplace_back("current_limit", number(known.at("current_limit")));
     const Json& rows = known.at("rows");
-    const Trajectory motion = run(with(drawn(), motor), number(rows.at(rows.size() - 1).at("t")));
+    const Trajectory motion = run(with(drawing(), motor), number(rows.at(rows.size() - 1).at("t")));
     for (const Json& row : rows) {
       const double t = number(row.at("t"));
       const State at = state(motion, t);
@@ -257,7 +240,7 @@ TEST_P(DrivenByMotor, MotorWarms) {
                                      {"ambient_temperature", "ambient"},
                                      {"reference_temperature", "R_at"}})
     motor.parameters.emplace_back(ours, number(known.at(theirs)));
-  const Model model = with(drawn(), motor);
+  const Model model = with(drawing(), motor);
   const std::vector<double> times = numbers(known.at("times"));
   const Trajectory motion = run(model, times.back());
   DriveSystem drives(model);
@@ -276,7 +259,7 @@ TEST_P(DrivenByMotor, MotorWarms) {
 TEST_P(DrivenByController, ControllerSaturatesAndRecovers) {
   for (const char* key : {"back_calculation", "conditional"}) {
     const Json& known = file_.at(key);
-    Description d = drawn();
+    Description d = drawing();
     const Model model = with(std::move(d), pid(std::string(key) == "conditional"));
     SimulationOptions options;
     options.joint_losses = true;
@@ -295,7 +278,7 @@ TEST_P(DrivenByController, ControllerSaturatesAndRecovers) {
 
 TEST_P(DrivenBySeriesElasticity, SeriesElasticJointRestsAndSwings) {
   const Json& rest = file_.at("equilibrium");
-  const Model still = with(drawn(), series_elastic({.values = {number(rest.at("voltage"))}}));
+  const Model still = with(drawing(), series_elastic({.values = {number(rest.at("voltage"))}}));
   DriveSystem drives(still);
   const std::vector<double> guess{number(rest.at("q")) + 0.1, 0, number(rest.at("rotor_angle")) + 2, 0};
   const DriveEquilibrium found =
@@ -322,7 +305,7 @@ TEST_P(DrivenBySeriesElasticity, SeriesElasticJointRestsAndSwings) {
   DriveDescription drive = series_elastic({.function = voltage});
   const std::vector<double> first = numbers(known.at("values").at(0)), times = numbers(known.at("times"));
   drive.initial = {{"current", first[0]}, {"rotor_angle", first[1]}, {"rotor_speed", first[2]}};
-  const Model model = with(drawn(), drive);
+  const Model model = with(drawing(), drive);
   const Trajectory motion = run(model, times.back(), first[3], first[4]);
   DriveSystem system(model);
   const auto energies = [&](double DriveEnergy::*part) {
@@ -337,7 +320,7 @@ TEST_P(DrivenBySeriesElasticity, SeriesElasticJointRestsAndSwings) {
 }
 
 TEST_P(BristleFriction, FrictionWithBristlesSticksAndSlips) {
-  Description d = drawn();
+  Description d = drawing();
   MotionDescription belt{.of = file_.at("motion").at("joint").text()};
   belt.coefficients = numbers(file_.at("motion").at("coefficients"));
   d.motions = {belt};
@@ -380,7 +363,7 @@ TEST_P(DrivenByCylinder, CylinderLiftsAndLowersItsBoom) {
   }
   DriveDescription drive = cylinder(steps);
   drive.initial = {{"pressure_a", initial[2]}, {"pressure_b", initial[3]}, {"spool", initial[4]}};
-  const Model model = with(drawn(), drive);
+  const Model model = with(drawing(), drive);
 
   DrivePort port(model.springs().drive_lines[0]);
   port.update(model.tree<double>(), std::span(initial).first(1), {{1.0}});
@@ -401,7 +384,7 @@ TEST_P(DrivenByCylinder, CylinderWithAClosedValveIsASpring) {
   DriveDescription drive = cylinder({.values = {0}});
   for (auto& [name, value] : drive.parameters)
     if (name.ends_with("leakage")) value = 0;
-  const Model model = with(drawn(), drive);
+  const Model model = with(drawing(), drive);
   DriveSystem drives(model);
   const std::vector<double> initial = numbers(file_.at("initial"));
   const DriveEquilibrium rest =
@@ -424,7 +407,7 @@ class GearedRotor : public DrivenMachine {
   double of_rotor(const char* key) const { return number(rotor().at(key)); }
   /// The machine with the rotor as a body that follows its joint, or that is fixed, with reflected inertia.
   Model machine(bool exact) const {
-    Description d = drawn();
+    Description d = drawing();
     const std::vector<double> point = numbers(rotor().at("point"));
     const Vec3<> center{point[0], point[1], point[2]};
     const std::string driven = rotor().at("joint").text(), axis = rotor().at("axis").text();
@@ -448,7 +431,7 @@ class GearedRotor : public DrivenMachine {
     return ModelBuilder(std::move(d)).build();
   }
 };
-INSTANTIATE_TEST_SUITE_P(Vectors, GearedRotor, testing::ValuesIn(files_of_kind("geared_rotor")),
+INSTANTIATE_TEST_SUITE_P(Vectors, GearedRotor, testing::ValuesIn(machines_of({"geared_rotor"})),
                          [](const auto& file) { return file.param; });
 
 TEST_P(GearedRotor, IsABodyThatFollowsItsJointOrReflectedInertia) {

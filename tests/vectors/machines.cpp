@@ -5,37 +5,19 @@
 #include "axode/integration/prescribed/kinematic_motion.hpp"
 #include "axode/io.hpp"
 #include "axode/model/building/builder.hpp"
-#include "tests/support/json_numbers.hpp"
-#include "tests/support/shared_files.hpp"
+#include "tests/vectors/machine_files.hpp"
 
 /// Machines whose crank, or the length of whose cylinder, is prescribed, against closed forms.
 namespace axode::test {
 namespace {
 
-std::filesystem::path machines() { return vectors_folder() / "machines"; }
-
-const std::string no_machine = "NoFiles";
-
-std::vector<std::string> files_of_prescribed_machines() {
-  std::vector<std::string> names;
-  for (const auto& file : files_ending_in(machines(), ".json"))
-    if (const std::string kind = read_json(file).at("kind"); kind == "slider_crank" || kind == "rod_boom")
-      names.push_back(file.stem().string());
-  return names.empty() ? std::vector{no_machine} : names;
-}
-
 std::vector<double> all_of(const Json& x) { return x.is_array() ? numbers(x) : std::vector{number(x)}; }
 
 /// A machine that follows the motion of its file, and what the file knows of it.
-class PrescribedMachine : public testing::TestWithParam<std::string> {
+class PrescribedMachine : public MachineOfFile {
  protected:
-  void SetUp() override {
-    if (GetParam() == no_machine) GTEST_SKIP() << missing(machines(), "AXODE_VECTORS");
-    file_ = read_json(machines() / (GetParam() + ".json"));
-  }
-
   Model model() const {
-    Description d = read_drawing_text(file_.at("model").text(), GetParam());
+    Description d = drawing();
     d.motions.push_back(motion());
     return ModelBuilder(std::move(d)).build();
   }
@@ -82,10 +64,9 @@ class PrescribedMachine : public testing::TestWithParam<std::string> {
       EXPECT_NEAR(found[c], expected[c], tolerance * size[c]) << key << "[" << c << "] of row " << row;
   }
   double time(std::size_t row) const { return number(rows().at(row).at("t")); }
-
-  Json file_;
 };
-INSTANTIATE_TEST_SUITE_P(Vectors, PrescribedMachine, testing::ValuesIn(files_of_prescribed_machines()),
+INSTANTIATE_TEST_SUITE_P(Vectors, PrescribedMachine,
+                         testing::ValuesIn(machines_of({"slider_crank", "rod_boom"})),
                          [](const auto& file) { return file.param; });
 
 TEST_P(PrescribedMachine, MovesAsItsClosedFormWithoutDynamics) {

@@ -10,8 +10,7 @@
 #include "axode/io.hpp"
 #include "axode/model/building/builder.hpp"
 #include "axode/model/configuration.hpp"
-#include "tests/support/json_numbers.hpp"
-#include "tests/support/shared_files.hpp"
+#include "tests/vectors/machine_files.hpp"
 
 /// Gas springs, bushings and tendons against closed forms and trajectories of independent equations.
 namespace axode::test {
@@ -19,27 +18,6 @@ namespace springs_of_files {
 namespace {
 
 using Numbers = std::vector<double>;
-
-std::filesystem::path folder() { return vectors_folder() / "machines"; }
-const std::string none = "NoFiles";
-
-std::vector<std::string> files_of(const std::string& kind) {
-  std::vector<std::string> names;
-  for (const auto& file : files_ending_in(folder(), ".json"))
-    if (std::string(read_json(file).at("kind")) == kind) names.push_back(file.stem().string());
-  return names.empty() ? std::vector{none} : names;
-}
-
-class SpringOfFile : public testing::TestWithParam<std::string> {
- protected:
-  void SetUp() override {
-    if (GetParam() == none) GTEST_SKIP() << missing(folder(), "AXODE_VECTORS");
-    file_ = read_json(folder() / (GetParam() + ".json"));
-  }
-  Description drawing() const { return read_drawing_text(file_.at("model").text(), GetParam()); }
-
-  Json file_;
-};
 
 Vec3<> vector(const Json& x) { return {number(x.at(0)), number(x.at(1)), number(x.at(2))}; }
 SE3<> pose(const Json& x) {
@@ -89,7 +67,7 @@ void expect_motion(const Model& model, const Json& file) {
 
 // -------------------------------------------------------------------------------------------- gas springs
 
-class GasSpring : public SpringOfFile {
+class GasSpring : public MachineOfFile {
  protected:
   Model model() const {
     const Json& given = file_.at("spring");
@@ -105,7 +83,7 @@ class GasSpring : public SpringOfFile {
     return ModelBuilder(std::move(d)).build();
   }
 };
-INSTANTIATE_TEST_SUITE_P(Vectors, GasSpring, testing::ValuesIn(files_of("gas_spring")),
+INSTANTIATE_TEST_SUITE_P(Vectors, GasSpring, testing::ValuesIn(machines_of({"gas_spring"})),
                          [](const auto& file) { return file.param; });
 
 TEST_P(GasSpring, HasForceEnergyAndStiffnessOfTheTable) {
@@ -153,7 +131,7 @@ TEST_P(GasSpring, MovesAsInTheFileAndKeepsItsEnergy) {
 
 // ---------------------------------------------------------------------------------------------- bushings
 
-class BushingOfFile : public SpringOfFile {
+class BushingOfFile : public MachineOfFile {
  protected:
   /// Two free bodies with the bushing between their frames.
   Model model() const {
@@ -181,7 +159,7 @@ class BushingOfFile : public SpringOfFile {
     return q;
   }
 };
-INSTANTIATE_TEST_SUITE_P(Vectors, BushingOfFile, testing::ValuesIn(files_of("bushing")),
+INSTANTIATE_TEST_SUITE_P(Vectors, BushingOfFile, testing::ValuesIn(machines_of({"bushing"})),
                          [](const auto& file) { return file.param; });
 
 TEST_P(BushingOfFile, HasTheWrenchesEnergiesAndStiffnesses) {
@@ -226,7 +204,7 @@ TEST_P(BushingOfFile, HasTheWrenchesEnergiesAndStiffnesses) {
 
 // ----------------------------------------------------------------------------------------------- tendons
 
-class Tendon : public SpringOfFile {
+class Tendon : public MachineOfFile {
  protected:
   Model model() const {
     const Json& given = file_.at("tendon");
@@ -246,7 +224,7 @@ class Tendon : public SpringOfFile {
     return ModelBuilder(std::move(d)).build();
   }
 };
-INSTANTIATE_TEST_SUITE_P(Vectors, Tendon, testing::ValuesIn(files_of("tendon")),
+INSTANTIATE_TEST_SUITE_P(Vectors, Tendon, testing::ValuesIn(machines_of({"tendon"})),
                          [](const auto& file) { return file.param; });
 
 TEST_P(Tendon, HasLengthsMomentArmsAndTheirDerivatives) {

@@ -7,8 +7,7 @@
 #include "axode/integration.hpp"
 #include "axode/io.hpp"
 #include "axode/model/building/builder.hpp"
-#include "tests/support/json_numbers.hpp"
-#include "tests/support/shared_files.hpp"
+#include "tests/vectors/machine_files.hpp"
 
 /// Belts and gears with play against closed forms.
 namespace axode::test {
@@ -18,29 +17,10 @@ namespace {
 using Numbers = std::vector<double>;
 using Span = std::span<const double>;
 
-std::filesystem::path folder() { return vectors_folder() / "machines"; }
-const std::string none = "NoFiles";
-
-std::vector<std::string> files_of(const std::string& kind) {
-  std::vector<std::string> names;
-  for (const auto& file : files_ending_in(folder(), ".json"))
-    if (std::string(read_json(file).at("kind")) == kind) names.push_back(file.stem().string());
-  return names.empty() ? std::vector{none} : names;
-}
-
-class OfFile : public testing::TestWithParam<std::string> {
- protected:
-  void SetUp() override {
-    if (GetParam() == none) GTEST_SKIP() << missing(folder(), "AXODE_VECTORS");
-    file_ = read_json(folder() / (GetParam() + ".json"));
-  }
-  Json file_;
-};
-
 // -------------------------------------------------------------------------------------------------- belts
 
 /// An arm that turns about the origin with a pulley at its tip, and a pulley on the ground.
-class Belt : public OfFile {
+class Belt : public MachineOfFile {
  protected:
   Model model() const {
     const double arm = number(file_.at("arm"));
@@ -78,7 +58,7 @@ class Belt : public OfFile {
     return out;
   }
 };
-INSTANTIATE_TEST_SUITE_P(Vectors, Belt, testing::ValuesIn(files_of("belt")),
+INSTANTIATE_TEST_SUITE_P(Vectors, Belt, testing::ValuesIn(machines_of({"belt"})),
                          [](const auto& file) { return file.param; });
 
 TEST_P(Belt, HasTheRowOfItsSpan) {
@@ -122,11 +102,11 @@ TEST_P(Belt, HasTheRowThatIsTheGradientOfItsLength) {
 
 // ----------------------------------------------------------------------------------------------- backlash
 
-class BacklashOfFile : public OfFile {
+class BacklashOfFile : public MachineOfFile {
  protected:
   Model model() const {
     const Json& given = file_.at("backlash");
-    Description d = read_drawing_text(file_.at("model").text(), GetParam());
+    Description d = drawing();
     CouplingDescription gear{.name = "gear"};
     for (const char* const joint : {"motor_joint", "load_joint"})
       gear.terms.emplace_back(joint, number(given.at("terms").at(joint)));
@@ -137,7 +117,7 @@ class BacklashOfFile : public OfFile {
     return ModelBuilder(std::move(d)).build();
   }
 };
-INSTANTIATE_TEST_SUITE_P(Vectors, BacklashOfFile, testing::ValuesIn(files_of("backlash")),
+INSTANTIATE_TEST_SUITE_P(Vectors, BacklashOfFile, testing::ValuesIn(machines_of({"backlash"})),
                          [](const auto& file) { return file.param; });
 
 TEST_P(BacklashOfFile, MovesAndMeetsItsEndsAsInTheFile) {

@@ -6,8 +6,9 @@
 namespace axode::loops {
 
 /// The span of a belt that does not stretch, between two pulleys that turn about parallel axes, see
-/// (D16.15). z of the first frame is the axis, and the origins are the centres. The row has no residual,
-/// because turns of the pulleys cannot be told from their poses.
+/// (D16.15). z of the first frame is the axis, and the origins are the centres. The row constrains velocities
+/// alone and has no residual: the length of the span depends on the number of turns of the pulleys, and the
+/// pose of a pulley is the same after each turn.
 struct Belt {
   std::array<double, 2> radii = {};  ///< radii of the pulleys with their signs, m; see Loop::radii
 

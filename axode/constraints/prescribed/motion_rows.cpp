@@ -32,7 +32,7 @@ Motions motions_of(const Model& model, std::span<const PrescribedMotion> more) {
 
 const Loop* rod_named(const Model& model, std::string_view name) {
   for (const Loop& loop : model.loops().joints)
-    if (loop.name == name && loop.kind == LoopKind::rod) return &loop;
+    if (loop.name == name && traits(loop.kind).has("length")) return &loop;
   return nullptr;
 }
 

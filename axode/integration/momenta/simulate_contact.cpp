@@ -4,6 +4,7 @@
 
 #include "axode/drives/refuse_drives.hpp"
 #include "axode/integration/momenta/contact_step.hpp"
+#include "axode/integration/refuse_plays.hpp"
 #include "axode/integration/schemes/explicit_steps.hpp"
 #include "axode/table/check_counts.hpp"
 
@@ -18,9 +19,7 @@ void check_contact(const Model& model, const ContactShapes& shapes) {
   check_shapes(model, shapes);
   catalog::refuse_motions("contact", instead, model);
   refuse_drives("contact", model);
-  if (!model.loops().backlashes.empty())
-    throw std::invalid_argument("contact does not count the play of coupling \"" +
-                                model.loops().backlashes[0].name + "\"; simulate without contact");
+  refuse_plays("contact", "simulate without contact", model);
 }
 
 Trajectory simulate_contact(const Model& model, const ContactShapes& shapes, std::span<const double> q,

@@ -43,6 +43,7 @@ void SimulationRun::start_plays() {
     stop(failure);
     return;
   }
+  plays_.allow_overshoot(as_span(q));
   trajectory.pop_back();
   trajectory.append(0, as_span(q), as_span(v), as_span(a), as_span(tau_), as_span(drives_.x),
                     as_span(drives_.dx));
@@ -58,8 +59,8 @@ void SimulationRun::engage_plays() {
   loops_->determine_rank(as_span(q));
 }
 
-/// What is left of each play until it changes: the gap of a play that is free, and the force that pushes a
-/// play at an end. It is negative after the change.
+/// Computes a reserve of each play, which is positive until the play changes and negative afterwards. That of
+/// a free play is its gap, and that of a play at an end is the force with which the end pushes.
 Failure SimulationRun::reserves(double t, const StepEnd& end, std::vector<double>& out) {
   out.resize(plays_.size());
   if (plays_.any_at_an_end()) {
@@ -67,8 +68,7 @@ Failure SimulationRun::reserves(double t, const StepEnd& end, std::vector<double
     if (Failure failure = accelerate(t, as_span(end.q), as_span(end.v), as_span(a_end))) return failure;
   }
   for (std::size_t k = 0; k < plays_.size(); ++k)
-    out[k] = plays_.side(k) == 0 ? plays_.half(k) - std::abs(plays_.deflection(k, as_span(end.q))) +
-                                       plays_.gap_resolution(k, as_span(end.q))
+    out[k] = plays_.side(k) == 0 ? plays_.gap(k, as_span(end.q)) + plays_.gap_resolution(k, as_span(end.q))
                                  : -plays_.side(k) * loops_->multiplier(plays_.name(k));
   return {};
 }
@@ -147,7 +147,9 @@ Failure SimulationRun::take_up_to_play(double t_1, StepEnd& end, const Attempt& 
   }
   if (!changes()) {
     short_steps_ = 0;
-    return take(t_1, end);
+    if (Failure failure = take(t_1, end)) return failure;
+    plays_.reduce_overshoot(as_span(q));
+    return {};
   }
   if (Failure failure = find_change(t_1, end, attempt, reserve)) return failure;
   short_steps_ = t_1 - t_0 < short_part * length ? short_steps_ + 1 : 0;
@@ -179,6 +181,7 @@ Failure SimulationRun::change_plays(const std::vector<double>& reserve) {
     if (side * plays_.rate(k, as_span(v)) > 0) meet_end(k, side);
   }
   if (Failure failure = settle_plays()) return failure;
+  plays_.allow_overshoot(as_span(q));
   trajectory.jump(as_span(v), as_span(a), as_span(drives_.x), as_span(drives_.dx));
   values_ = values_at(now(), as_span(q), as_span(v));
   return {};

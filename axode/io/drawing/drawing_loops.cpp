@@ -53,8 +53,8 @@ void read_place(Table& table, LoopDescription& loop) {
   need("second_axis", "one, such as [0, 0, 1] or \"z\"");
   if (traits(loop.kind).located)
     need("point", "one: [x, y, z] of a point on its axis or plane, or of its centre");
-  need("points", loop.kind == LoopKind::belt ? "the centres of its pulleys, [[x, y, z], [x, y, z]]"
-                                             : "its ends, [[x, y, z], [x, y, z]]");
+  need("points", traits(loop.kind).has("radii") ? "the centres of its pulleys, [[x, y, z], [x, y, z]]"
+                                                : "its ends, [[x, y, z], [x, y, z]]");
   need("radii", "the radii of its pulleys, m, negative where a pulley turns the other way about the axis");
   need("center", "the centre of the rolling body, [x, y, z]");
   if (reads("pitch") && table.has("pitch") == table.has("lead"))

@@ -364,7 +364,7 @@ class Inspection {
               says + ", which is " + std::string(to_string(joint->second)) +
                   "; a motion prescribes a revolute, prismatic or helical joint, or the length of a rod");
       } else if (const auto loop = loops.find(motion.of); loop != loops.end()) {
-        if (loop->second != LoopKind::rod)
+        if (!traits(loop->second).has("length"))
           at.error(Rule::degrees_of_freedom, says + ", a loop that is " +
                                                  std::string(to_string(loop->second)) +
                                                  "; a motion prescribes a joint or the length of a rod");
