@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <limits>
 #include <stdexcept>
+#include <unordered_map>
 
 #include "axode/drives/make_law.hpp"
 #include "axode/model/building/placement.hpp"
@@ -42,6 +43,8 @@ DriveSystem::DriveSystem(const Model& model, std::span<const AddedDrive> more) :
 
 /// Finds the drives that feed others. The description has no cycle.
 void DriveSystem::order_by_inputs() {
+  std::unordered_map<std::string_view, std::size_t> index;
+  for (std::size_t d = 0; d < size(); ++d) index.try_emplace(drives_[d].name, d);
   std::vector<char> listed(size());
   for (std::size_t d = 0; d < size(); ++d) {
     if (drives_[d].from.empty()) {
@@ -50,16 +53,19 @@ void DriveSystem::order_by_inputs() {
       listed[d] = 1;
       continue;
     }
-    const auto feeder = std::ranges::find(drives_, drives_[d].from, &Drive::name);
-    drives_[d].fed_by = static_cast<int>(feeder - drives_.begin());
-    feeder->feeds = true;
+    const std::size_t feeder = index.at(drives_[d].from);
+    drives_[d].fed_by = static_cast<int>(feeder);
+    drives_[feeder].feeds = true;
   }
-  while (order_.size() < size())
-    for (std::size_t d = 0; d < size(); ++d)
-      if (!listed[d] && listed[static_cast<std::size_t>(drives_[d].fed_by)]) {
-        order_.push_back(d);
-        listed[d] = 1;
-      }
+  std::vector<std::size_t> fed;
+  for (std::size_t d = 0; d < size(); ++d) {
+    for (std::size_t next = d; !listed[next]; next = static_cast<std::size_t>(drives_[next].fed_by)) {
+      fed.push_back(next);
+      listed[next] = 1;
+    }
+    order_.insert(order_.end(), fed.rbegin(), fed.rend());
+    fed.clear();
+  }
 }
 
 void DriveSystem::update_ports(double t, Span q, Span v) {

@@ -323,6 +323,32 @@ TEST(DrivesWithStates, OwnLawsActBesidesThoseOfTheModel) {
   }
 }
 
+/// Each controller passes its input on, in a description that names the last one first.
+TEST(DrivesWithStates, FeedEachOtherInLongChains) {
+  constexpr int n = 20000;
+  Description d{.name = "chain", .gravity = {}};
+  d.bodies = {{.name = "wheel",
+               .joint = {.name = "hinge", .kind = JointKind::revolute},
+               .inertia = MassProperties{.mass = 1, .com = {}, .Theta = {1, 1, 0.5, 0, 0, 0}}}};
+  for (int k = n; k > 0; --k) {
+    DriveDescription drive{.name = std::to_string(k), .kind = DriveKind::pid, .joints = {{"hinge", 1.0}}};
+    drive.parameters = {{"kp", 1}};
+    if (k > 1)
+      drive.input.from = std::to_string(k - 1);
+    else
+      drive.input.values = {3};
+    d.drives.push_back(drive);
+  }
+  DriveSystem drives(ModelBuilder(d).build());
+  Numbers x(drives.nx()), dx(drives.nx()), tau(1);
+  drives.start(0, {{0.0}}, {{0.0}}, x);
+  drives.evaluate(0, {{0.0}}, {{0.0}}, x, tau, dx);
+  EXPECT_EQ(tau[0], 3);
+  d.drives.back().input = {.from = std::to_string(n)};
+  EXPECT_THAT([&] { static_cast<void>(ModelBuilder(d).build()); },
+              testing::ThrowsMessage<ModelError>(testing::HasSubstr("a drive must not feed itself")));
+}
+
 /// A motor that its load drives above the speed at which the amplifier can hold the current.
 TEST(DrivesWithStates, CurrentsLeaveTheirLimitIfTheVoltageIsTooSmall) {
   Description d{.name = "wheel", .gravity = {}};

@@ -145,19 +145,32 @@ void check_port(const FaultySubject& at, const DriveDescription& drive) {
     at.error(Rule::non_finite_number, "a point is not finite");
 }
 
-/// Marks the drives that feed themselves by way of others. Entry k of `feeder` is the drive whose output is
-/// the input of drive k, or the number of drives if there is none.
-std::vector<char> on_cycles(const std::vector<std::size_t>& feeder) {
+/// The index of the drive that feeds each one; their number if there is none.
+std::vector<std::size_t> feeders(const std::vector<DriveDescription>& drives,
+                                 const std::vector<std::string>& names) {
+  std::unordered_map<std::string_view, std::size_t> index;
+  for (std::size_t k = 0; k < names.size(); ++k) index.try_emplace(names[k], k);
+  std::vector<std::size_t> feeder(drives.size(), drives.size());
+  for (std::size_t k = 0; k < drives.size(); ++k)
+    if (const auto from = index.find(drives[k].input.from);
+        !drives[k].input.from.empty() && from != index.end())
+      feeder[k] = from->second;
+  return feeder;
+}
+
+/// Marks the drives that feed themselves. Each walk from a drive to those before it ends where another walk
+/// has been, so that all of them take as many steps as there are drives.
+std::vector<char> drives_on_cycles(const std::vector<std::size_t>& feeder) {
   const std::size_t n = feeder.size();
-  std::vector<std::size_t> reached_from(n, n);
-  std::vector<char> marks(n, 0);
+  std::vector<char> on_cycle(n);
+  std::vector<std::size_t> met_from(n, n);
   for (std::size_t k = 0; k < n; ++k) {
-    std::size_t i = k;
-    for (; i < n && reached_from[i] == n; i = feeder[i]) reached_from[i] = k;
-    if (i == n || reached_from[i] != k) continue;
-    for (; marks[i] == 0; i = feeder[i]) marks[i] = 1;
+    std::size_t last = k;
+    for (; last < n && met_from[last] == n; last = feeder[last]) met_from[last] = k;
+    if (last == n || met_from[last] != k) continue;
+    for (; on_cycle[last] == 0; last = feeder[last]) on_cycle[last] = 1;
   }
-  return marks;
+  return on_cycle;
 }
 
 }  // namespace
@@ -172,15 +185,9 @@ void check_drive(const FaultySubject& at, const DriveDescription& drive) {
 void check_feeding(FaultCollector& faults, const Description& description) {
   const std::vector<DriveDescription>& drives = description.drives;
   std::vector<std::string> names;
-  std::unordered_map<std::string, std::size_t> number;
-  for (std::size_t k = 0; k < drives.size(); ++k) {
-    names.push_back(drive_name(drives[k], k));
-    number.emplace(names[k], k);
-  }
-  std::vector<std::size_t> feeder(drives.size(), drives.size());
-  for (std::size_t k = 0; k < drives.size(); ++k)
-    if (const auto it = number.find(drives[k].input.from); it != number.end()) feeder[k] = it->second;
-  const std::vector<char> feeds_itself = on_cycles(feeder);
+  for (std::size_t k = 0; k < drives.size(); ++k) names.push_back(drive_name(drives[k], k));
+  const std::vector<std::size_t> feeder = feeders(drives, names);
+  const std::vector<char> on_cycle = drives_on_cycles(feeder);
   for (std::size_t k = 0; k < drives.size(); ++k) {
     if (drives[k].input.from.empty()) continue;
     const FaultySubject at{faults, "drive " + quoted(names[k]), drives[k].source};
@@ -195,7 +202,7 @@ void check_feeding(FaultCollector& faults, const Description& description) {
     if (!traits(drives[from].kind).may_feed)
       at.error(Rule::wrong_value, says + ", which is a " + std::string(to_string(drives[from].kind)) +
                                       "; only controllers have an output for other drives");
-    if (feeds_itself[k] != 0)
+    if (on_cycle[k] != 0)
       at.error(Rule::cycle, says + ", whose input it is in the end; a drive must not feed itself");
   }
 }
