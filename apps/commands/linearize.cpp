@@ -22,11 +22,11 @@
 #include "axode/constraints.hpp"
 #include "axode/constraints/check_loops.hpp"
 #include "axode/derivatives.hpp"
-#include "axode/drives/refuse_drives.hpp"
 #include "axode/dynamics/forward_dynamics.hpp"
 #include "axode/dynamics/inverse_dynamics.hpp"
 #include "axode/dynamics/springs.hpp"
 #include "axode/eigen.hpp"
+#include "axode/model/refuse_drives.hpp"
 
 namespace axode::command {
 namespace {

@@ -14,7 +14,6 @@
 #include "axode/batch/kernels.hpp"
 #include "axode/batch/portions.hpp"
 #include "axode/batch/scratch.hpp"
-#include "axode/drives/refuse_drives.hpp"
 #include "axode/dynamics/forward_dynamics.hpp"
 #include "axode/dynamics/springs.hpp"
 #include "axode/integration/closed_motion.hpp"
@@ -23,6 +22,7 @@
 #include "axode/integration/simulation.hpp"
 #include "axode/model/configuration.hpp"
 #include "axode/model/finite.hpp"
+#include "axode/model/refuse_drives.hpp"
 #include "axode/table/check_counts.hpp"
 
 namespace axode::batch {

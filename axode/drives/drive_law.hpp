@@ -1,10 +1,10 @@
 #pragma once
 #include <cstddef>
 #include <span>
-#include <string>
 #include <utility>
 #include <vector>
 
+#include "axode/model/drive_states.hpp"
 #include "axode/scalar/dual.hpp"
 
 /// The interface of drives with states. A drive acts at a port with the coordinate l and the rate w = l': an
@@ -12,12 +12,6 @@
 ///     x' = f(x, u, l, w, t),   force on the port g(x, u, l, w, t),   e' = P_in - P_loss - g w        (D17.1)
 /// where e is the stored energy. See the page D17 of docs/derivations.
 namespace axode {
-
-/// A state of a drive.
-struct DriveState {
-  std::string name, unit;
-  double nominal = 1;  ///< the size of a usual value, by which errors of this state are measured
-};
 
 /// The arguments of the functions of a drive.
 template <class T> struct DrivePoint {

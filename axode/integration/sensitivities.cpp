@@ -11,7 +11,6 @@
 #include "axode/derivatives/displacement/forward_first_order.hpp"
 #include "axode/derivatives/displacement/scratch.hpp"
 #include "axode/derivatives/spring_derivatives.hpp"
-#include "axode/drives/refuse_drives.hpp"
 #include "axode/dynamics/springs.hpp"
 #include "axode/eigen.hpp"
 #include "axode/integration/configuration_group.hpp"
@@ -20,6 +19,7 @@
 #include "axode/integration/schemes/munthe_kaas.hpp"
 #include "axode/kinematics/check_arguments.hpp"
 #include "axode/model/finite.hpp"
+#include "axode/model/refuse_drives.hpp"
 #include "axode/table/check_counts.hpp"
 
 namespace axode {

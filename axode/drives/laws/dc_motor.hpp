@@ -25,8 +25,8 @@ struct DcMotor {
 
   bool has_temperature() const { return std::isfinite(C); }
   std::vector<DriveState> states() const {
-    std::vector<DriveState> all{{"current", "A", 1}};
-    if (has_temperature()) all.push_back({"temperature", "degC", 10});
+    std::vector<DriveState> all = states_of(DriveKind::dc_motor);
+    if (!has_temperature()) all.pop_back();
     return all;
   }
   void start(const DrivePoint<double>&, std::span<double> x) const {

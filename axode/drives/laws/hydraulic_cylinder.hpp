@@ -24,9 +24,7 @@ struct HydraulicCylinder {
   double b = 0;             ///< viscous friction, N s/m
   double k_c = 0, d_c = 0;  ///< stiffness (N/m) and damping (s/m) of the cushions at both ends
 
-  std::vector<DriveState> states() const {
-    return {{"pressure_a", "Pa", 1e6}, {"pressure_b", "Pa", 1e6}, {"spool", "", 1}};
-  }
+  std::vector<DriveState> states() const { return states_of(DriveKind::hydraulic_cylinder); }
   void start(const DrivePoint<double>& at, std::span<double> x) const {
     x[0] = x[1] = p_tank;
     x[2] = at.u;

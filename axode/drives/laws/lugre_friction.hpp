@@ -14,7 +14,11 @@ struct LuGreFriction {
   double v_s;                                ///< Stribeck's velocity, rad/s
   double v_d;  ///< velocity above which the bristles are not damped, rad/s; infinite: there is none
 
-  std::vector<DriveState> states() const { return {{"bristle", "rad", F_c / sigma_0}}; }
+  std::vector<DriveState> states() const {
+    std::vector<DriveState> all = states_of(DriveKind::lugre);
+    all[0].nominal = F_c / sigma_0;
+    return all;
+  }
   void start(const DrivePoint<double>&, std::span<double> x) const { x[0] = 0; }
 
   template <class T>

@@ -14,7 +14,7 @@ struct PidController {
   double limit;              ///< largest output; infinite: not limited
   bool conditional = false;  ///< whether the integrator of a saturated controller stops instead
 
-  std::vector<DriveState> states() const { return {{"integral", "", 1}, {"filter", "", 1}}; }
+  std::vector<DriveState> states() const { return states_of(DriveKind::pid); }
   void start(const DrivePoint<double>& at, std::span<double> x) const {
     x[0] = 0;
     x[1] = at.u - at.l;

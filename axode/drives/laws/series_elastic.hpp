@@ -13,9 +13,7 @@ struct SeriesElastic {
   double k_s;      ///< N m/rad, at the joint
   double d_s = 0;  ///< N m s/rad, at the joint
 
-  std::vector<DriveState> states() const {
-    return {{"current", "A", 1}, {"rotor_angle", "rad", 1}, {"rotor_speed", "rad/s", 1}};
-  }
+  std::vector<DriveState> states() const { return states_of(DriveKind::series_elastic); }
   /// The motion starts with a relaxed spring.
   void start(const DrivePoint<double>& at, std::span<double> x) const {
     x[0] = 0;

@@ -2,10 +2,10 @@
 
 #include <stdexcept>
 
-#include "axode/drives/refuse_drives.hpp"
 #include "axode/integration/momenta/contact_step.hpp"
 #include "axode/integration/refuse_plays.hpp"
 #include "axode/integration/schemes/explicit_steps.hpp"
+#include "axode/model/refuse_drives.hpp"
 #include "axode/table/check_counts.hpp"
 
 namespace axode {

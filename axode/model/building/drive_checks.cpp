@@ -9,26 +9,15 @@
 
 #include "axode/model/building/nearest_name.hpp"
 #include "axode/model/building/placement.hpp"
+#include "axode/model/drive_states.hpp"
 #include "axode/model/finite.hpp"
 
 namespace axode {
 namespace {
 
-/// The states of a kind of drives, by the names in its law.
-std::vector<std::string_view> states_of(DriveKind kind) {
-  switch (kind) {
-    case DriveKind::dc_motor: return {"current", "temperature"};
-    case DriveKind::pid: return {"integral", "filter"};
-    case DriveKind::series_elastic: return {"current", "rotor_angle", "rotor_speed"};
-    case DriveKind::lugre: return {"bristle"};
-    case DriveKind::hydraulic_cylinder: break;
-  }
-  return {"pressure_a", "pressure_b", "spool"};
-}
-
-std::string one_of(const auto& names) {
+std::string names_of(const std::vector<DriveState>& states) {
   std::string list;
-  for (const std::string_view name : names) list += (list.empty() ? "" : ", ") + std::string(name);
+  for (const DriveState& state : states) list += (list.empty() ? "" : ", ") + state.name;
   return list;
 }
 
@@ -81,12 +70,12 @@ void check_parameters(const FaultySubject& at, const DriveDescription& drive) {
 }
 
 void check_initial(const FaultySubject& at, const DriveDescription& drive) {
-  const std::vector<std::string_view> names = states_of(drive.kind);
+  const std::vector<DriveState> states = states_of(drive.kind);
   for (const auto& [name, x] : drive.initial) {
     const std::string says = "initial " + name + " is " + to_text(x);
-    if (std::ranges::find(names, name) == names.end()) {
-      at.error(Rule::unknown_element,
-               says + ", and a " + std::string(to_string(drive.kind)) + " has the states " + one_of(names));
+    if (std::ranges::find(states, name, &DriveState::name) == states.end()) {
+      at.error(Rule::unknown_element, says + ", and a " + std::string(to_string(drive.kind)) +
+                                          " has the states " + names_of(states));
     } else if (!finite(x)) {
       at.error(Rule::non_finite_number, says + ", which is not finite");
     } else if (name == "temperature" && given(drive, "heat_capacity") == nullptr) {
