@@ -69,6 +69,11 @@ void check_parameters(const FaultySubject& at, const DriveDescription& drive) {
              "is a " + std::string(kind.name) + "; only a pid has conditional anti-windup");
 }
 
+bool has_heat_capacity(const DriveDescription& drive) {
+  const double* C = given(drive, "heat_capacity");
+  return C != nullptr && !std::isinf(*C);
+}
+
 void check_initial(const FaultySubject& at, const DriveDescription& drive) {
   const std::vector<DriveState> states = states_of(drive.kind);
   for (const auto& [name, x] : drive.initial) {
@@ -78,7 +83,7 @@ void check_initial(const FaultySubject& at, const DriveDescription& drive) {
                                           " has the states " + names_of(states));
     } else if (!finite(x)) {
       at.error(Rule::non_finite_number, says + ", which is not finite");
-    } else if (name == "temperature" && given(drive, "heat_capacity") == nullptr) {
+    } else if (name == "temperature" && !has_heat_capacity(drive)) {
       at.error(Rule::wrong_value, says + "; a motor has a temperature if it has a heat_capacity");
     } else if (const double* limit = given(drive, "current_limit");
                name == "current" && limit != nullptr && std::abs(x) > *limit) {
@@ -106,7 +111,8 @@ void check_input(const FaultySubject& at, const DriveDescription& drive) {
   };
   if (!all_finite(input.times) || !all_finite(input.values))
     return at.error(Rule::non_finite_number, "its input has a number that is not finite");
-  if (input.values.size() > 1 && input.times.size() != input.values.size())
+  const bool is_constant = input.values.size() == 1 && input.times.empty();
+  if (!is_constant && input.times.size() != input.values.size())
     return at.error(Rule::wrong_value, "its input has " + std::to_string(input.times.size()) + " times and " +
                                            std::to_string(input.values.size()) +
                                            " values; each step has both");
