@@ -420,6 +420,24 @@ TEST(DrivesWithStates, ImplicitStepsFollowLimitsAndStiffStates) {
   EXPECT_LE(motion.steps, 1020U);
 }
 
+/// A cylinder that begins farther in than its chamber has room.
+TEST(DrivesWithStates, ChambersWithoutVolumeEndTheMotion) {
+  Description d{.name = "boom", .gravity = {}};
+  d.bodies = {{.name = "boom",
+               .joint = {.name = "slide", .kind = JointKind::prismatic},
+               .inertia = MassProperties{.mass = 1, .com = {}, .Theta = {1, 1, 1, 0, 0, 0}}}};
+  d.drives = {{.name = "cylinder", .kind = DriveKind::hydraulic_cylinder, .joints = {{"slide", 1.0}}}};
+  d.drives[0].parameters = {{"stroke", 1},           {"area_a", 1e-3},         {"area_b", 1e-3},
+                            {"dead_volume_a", 1e-4}, {"dead_volume_b", 1e-4},  {"bulk_modulus", 1e8},
+                            {"valve", 1e-7},         {"supply_pressure", 1e6}, {"valve_time", 0.1}};
+  d.drives[0].input.values = {0};
+  const Model model = ModelBuilder(d).build();
+  for (const auto& [q, chamber] : {std::pair{-0.5, "pressure_a"}, {1.5, "pressure_b"}})
+    EXPECT_EQ(simulate(model, {{q}}, {{0.0}}, 1).stop_reason,
+              "at t = 0.000000 s: the rate of the drive state \"cylinder." + std::string(chamber) +
+                  "\" is not finite");
+}
+
 TEST(DrivesWithStates, AreRefusedWhereTheyAreNotFollowed) {
   const Model model = ModelBuilder(controlled_pendulum()).build();
   const Numbers q{0}, v{0};

@@ -1,6 +1,7 @@
 #pragma once
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "axode/drives/drive_law.hpp"
 #include "axode/scalar/exponential.hpp"
@@ -41,6 +42,11 @@ struct HydraulicCylinder {
     return T(beta) * (exp(p * T(1 / beta)) - T(1));
   }
 
+  /// The rate of the pressure by the flow into a chamber, Pa/m³; NaN for a chamber without volume.
+  template <class T> T stiffness(const T& volume) const {
+    return volume > T(0) ? T(beta) / volume : T(std::numeric_limits<double>::quiet_NaN());
+  }
+
   template <class T>
   void evaluate(const DrivePoint<T>& at, std::span<const int> statuses, DriveResponse<T>& out) const {
     const T &p_a = at.x[0], &p_b = at.x[1], &y = at.x[2], &w = at.w, s = at.l - T(closed_length);
@@ -51,8 +57,8 @@ struct HydraulicCylinder {
     const T across = T(C_i) * (p_a - p_b);
     const T into_a = Q_a - across - T(C_e) * p_a, into_b = Q_b + across - T(C_e) * p_b;
     const T volume_a = T(V_a) + T(A_a) * s, volume_b = T(V_b) + T(A_b) * (T(stroke) - s);
-    out.dx[0] = T(beta) / volume_a * (into_a - T(A_a) * w);
-    out.dx[1] = T(beta) / volume_b * (into_b + T(A_b) * w);
+    out.dx[0] = stiffness(volume_a) * (into_a - T(A_a) * w);
+    out.dx[1] = stiffness(volume_b) * (into_b + T(A_b) * w);
     out.dx[2] = (at.u - y) / T(T_v);
 
     // A cushion is compressed by `depth`; its force acts against the piston.

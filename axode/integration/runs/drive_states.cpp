@@ -1,6 +1,7 @@
 #include "axode/integration/runs/drive_states.hpp"
 
 #include <Eigen/LU>
+#include <cmath>
 
 #include "axode/eigen.hpp"
 
@@ -16,6 +17,12 @@ std::vector<std::string> DriveStates::names() const {
   std::vector<std::string> all;
   for (const DriveState& state : system_.states()) all.push_back(state.name);
   return all;
+}
+
+std::string DriveStates::first_not_finite() const {
+  for (std::size_t k = 0; k < size(); ++k)
+    if (!std::isfinite(rates()[k])) return system_.states()[k].name;
+  return {};
 }
 
 void DriveStates::start(Span q, Span v) {

@@ -1,6 +1,7 @@
 #pragma once
 #include <Eigen/Core>
 #include <span>
+#include <string>
 #include <vector>
 
 #include "axode/drives/drive_system.hpp"
@@ -42,6 +43,8 @@ class DriveStates {
   void add_forces(double t, Span q, Span v, std::span<double> tau);
   /// The rates of the states at the last evaluation of forces.
   Span rates() const { return {dx_t_.data(), size()}; }
+  /// The name of the first state whose rate is not finite, if there is one.
+  std::string first_not_finite() const;
 
   double next_jump(double t) const { return system_.next_jump(t); }
   double least_margin(double t, Span q, Span v, Span x_t) { return system_.least_margin(t, q, v, x_t); }

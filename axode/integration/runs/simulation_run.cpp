@@ -128,7 +128,8 @@ Failure SimulationRun::begin_evaluation(double t, Span q_t, Span v_t) {
   if (!finite(q_t) || !finite(v_t)) return not_finite(t, "the state is", v_t);
   compute_loads(t, q_t, v_t);
   compute_drive_forces(t, q_t, v_t);
-  if (!finite(drives_.rates())) return {t, "the rates of the states of the drives are not finite"};
+  if (!finite(drives_.rates()))
+    return {t, "the rate of the drive state \"" + drives_.first_not_finite() + "\" is not finite"};
   return finite(tau_) ? Failure{} : not_finite(t, "the drive forces are", as_span(tau_));
 }
 
