@@ -1,6 +1,7 @@
 #include "axode/drives/drive_system.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 #include <stdexcept>
 #include <unordered_map>
@@ -9,6 +10,22 @@
 #include "axode/model/building/placement.hpp"
 
 namespace axode {
+namespace {
+
+/// Checks a drive that no description has checked.
+void check(const AddedDrive& drive) {
+  const std::string subject = "drive \"" + drive.name + "\" ";
+  if (!drive.law)
+    throw std::invalid_argument(subject + "has no law; give one, such as a DriveLawOf with a struct");
+  if (drive.joints.empty()) throw std::invalid_argument(subject + "acts on nothing; name its joint");
+  for (const auto& [joint, factor] : drive.joints)
+    if (!std::isfinite(factor) || factor == 0)
+      throw std::invalid_argument(subject + "has the factor " + to_text(factor) + " of joint \"" + joint +
+                                  "\"; it must be finite and not 0");
+}
+
+}  // namespace
+
 DriveSystem::DriveSystem(const Model& model, std::span<const AddedDrive> more) : model_(model) {
   std::size_t line = 0;
   for (std::size_t k = 0; k < model.drives().size(); ++k) {
@@ -19,13 +36,15 @@ DriveSystem::DriveSystem(const Model& model, std::span<const AddedDrive> more) :
     drives_.push_back(
         {name, make_law(it), std::move(port), DriveSignal(it.input), it.input.from, it.initial});
   }
-  for (const AddedDrive& it : more)
+  for (const AddedDrive& it : more) {
+    check(it);
     drives_.push_back({it.name,
                        it.law,
                        DrivePort(model, it.name, it.joints),
                        it.input ? DriveSignal(it.input) : DriveSignal(),
                        "",
                        {}});
+  }
   for (Drive& drive : drives_) {
     drive.first_x = states_.size();
     drive.statuses.resize(drive.law->n_statuses());

@@ -321,6 +321,15 @@ TEST(DrivesWithStates, OwnLawsActBesidesThoseOfTheModel) {
     EXPECT_NEAR(last_v(motion)[0], v, 1e-9 * v);
     EXPECT_NEAR(motion.tau().back(), 6 * x, 1e-8);
   }
+  const auto refuses = [&](const AddedDrive& drive, const char* why) {
+    EXPECT_THAT([&] { DriveSystem(model, std::span(&drive, 1)); },
+                testing::ThrowsMessage<std::invalid_argument>(testing::HasSubstr(why)));
+  };
+  const auto law = options.drives[0].law;
+  refuses({.name = "coil", .joints = {{"hinge", 1.0}}, .law = {}}, "drive \"coil\" has no law");
+  refuses({.name = "coil", .joints = {}, .law = law}, "drive \"coil\" acts on nothing");
+  refuses({.name = "coil", .joints = {{"hinge", std::nan("")}}, .law = law},
+          "the factor nan of joint \"hinge\"");
 }
 
 /// Each controller passes its input on, in a description that names the last one first.
