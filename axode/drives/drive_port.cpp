@@ -31,16 +31,16 @@ void DrivePort::update(const Tree<double>& tree, std::span<const double> q, std:
     }
     return;
   }
-  std::vector<std::pair<std::size_t, Vec3<>>> columns;
+  columns_.clear();
   const Segment<double> line(line_.points.data(), tree, q.data(), v.data(),
                              [&](std::size_t end, int, int c, const Screw<double>& X) {
-                               columns.emplace_back(end, X.v);
+                               columns_.emplace_back(end, X.v);
                                row_.emplace_back(c, 0.0);
                              });
   l_ = line.length;
   w_ = line.rate;
-  for (std::size_t k = 0; k < columns.size(); ++k) {
-    const auto& [end, moves] = columns[k];
+  for (std::size_t k = 0; k < columns_.size(); ++k) {
+    const auto& [end, moves] = columns_[k];
     const double along = dot(line.u, line.R[end] * moves);
     row_[k].second = end == 0 ? -along : along;
   }

@@ -17,6 +17,9 @@ class DrivePort {
             std::span<const std::pair<std::string, double>> joints);
   explicit DrivePort(const Spring::Path& line) : line_(line), along_line_(true) {}
 
+  /// Whether the row E depends on q.
+  bool is_line() const { return along_line_; }
+
   /// Computes the coordinate, its rate and the row E at a state.
   void update(const Tree<double>& tree, std::span<const double> q, std::span<const double> v);
   double l() const { return l_; }
@@ -40,6 +43,7 @@ class DrivePort {
   bool along_line_ = false;
   double l_ = 0, w_ = 0;
   std::vector<std::pair<int, double>> row_;
+  std::vector<std::pair<std::size_t, Vec3<>>> columns_;  ///< of a line: its end, and the column of a velocity
 };
 
 }  // namespace axode

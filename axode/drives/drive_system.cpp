@@ -167,6 +167,29 @@ DriveEnergy DriveSystem::energy(double t, Span q, Span v, Span x) {
   return sum;
 }
 
+DriveSystem::Values<DriveLaw::Dual> DriveSystem::with_duals() const {
+  const auto of = [](const std::vector<double>& numbers) {
+    return std::vector<DriveLaw::Dual>(numbers.begin(), numbers.end());
+  };
+  return {of(now_.x), of(now_.l), of(now_.w), of(now_.u), of(now_.outputs), of(now_.dx)};
+}
+
+Eigen::MatrixXd DriveSystem::rates_by_states(double t, Span q, Span v, Span x, std::span<double> dx) {
+  evaluate_laws(t, q, v, x);
+  std::ranges::copy(now_.dx, dx.begin());
+  Values<DriveLaw::Dual> values = with_duals();
+  const auto n = static_cast<Eigen::Index>(nx());
+  Eigen::MatrixXd f_x(n, n);
+  for (Eigen::Index k = 0; k < n; ++k) {
+    DriveLaw::Dual& argument = values.x[static_cast<std::size_t>(k)];
+    argument.dx[0] = 1;
+    for (const std::size_t d : order_) static_cast<void>(respond(d, t, values));
+    argument.dx[0] = 0;
+    for (Eigen::Index c = 0; c < n; ++c) f_x(c, k) = values.dx[static_cast<std::size_t>(c)].dx[0];
+  }
+  return f_x;
+}
+
 DriveDerivatives DriveSystem::derivatives(double t, Span q, Span v, Span x) {
   using Dual = DriveLaw::Dual;
   evaluate_laws(t, q, v, x);
@@ -177,11 +200,7 @@ DriveDerivatives DriveSystem::derivatives(double t, Span q, Span v, Span x) {
   };
   DriveDerivatives out{zeros(nv, nv),  zeros(nv, nv),  zeros(nv, n_x),  zeros(nv, index(inputs_.size())),
                        zeros(n_x, nv), zeros(n_x, nv), zeros(n_x, n_x), zeros(n_x, index(inputs_.size()))};
-  const auto with_duals = [](const std::vector<double>& numbers) {
-    return std::vector<Dual>(numbers.begin(), numbers.end());
-  };
-  Values<Dual> values{with_duals(now_.x), with_duals(now_.l),       with_duals(now_.w),
-                      with_duals(now_.u), with_duals(now_.outputs), with_duals(now_.dx)};
+  Values<Dual> values = with_duals();
   // Evaluates the derivatives by one argument, and calls add(forces, rates) with that of τ and f.
   Eigen::VectorXd by_tau(nv), by_f(n_x);
   const auto along = [&](Dual& argument) {
@@ -218,7 +237,8 @@ DriveDerivatives DriveSystem::derivatives(double t, Span q, Span v, Span x) {
       out.tau_v.col(c) += factor * by_tau;
       out.f_v.col(c) += factor * by_f;
     }
-    // w = E v changes with q as well, and so does τ = Eᵀ g.
+    // Along a line w = E v changes with q as well, and so does τ = Eᵀ g.
+    if (!drive.port.is_line()) continue;
     std::ranges::fill(of_row, 0.0);
     drive.port.add_row_derivatives(model_.tree<double>(), q, 1, of_row);
     const Eigen::Map<const Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>> E_q(

@@ -58,6 +58,8 @@ class DriveSystem {
   DriveEnergy energy(double t, Span q, Span v, Span x);
   /// Allocates.
   DriveDerivatives derivatives(double t, Span q, Span v, Span x);
+  /// Writes the rates of x, and returns their derivatives f_x alone. Allocates.
+  Eigen::MatrixXd rates_by_states(double t, Span q, Span v, Span x, std::span<double> dx);
 
   /// The first time after t at which an input jumps; infinite if there is none.
   double next_jump(double t) const;
@@ -84,6 +86,8 @@ class DriveSystem {
   template <class T> struct Values { std::vector<T> x, l, w, u, outputs, dx; };
 
   void order_by_inputs();
+  /// The arguments and results of the last evaluation, with derivatives of 0.
+  Values<DriveLaw::Dual> with_duals() const;
   void update_ports(double t, Span q, Span v);
   /// Evaluates drive d after the one that feeds it.
   template <class T> DriveResponse<T> respond(std::size_t d, double t, Values<T>& values) const;

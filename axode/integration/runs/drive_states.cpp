@@ -57,10 +57,9 @@ void DriveStates::accept_implicit_step() { mean_0_ = old_mean_ + c_x_ * dx; }
 void DriveStates::solve_states(double t, Span q, Span v) {
   constexpr int most = 20;
   const auto n = static_cast<Eigen::Index>(size());
-  Vector unused(static_cast<Eigen::Index>(v.size()));
   for (int k = 0; k < most; ++k) {
-    system_.evaluate(t, q, v, as_span(std::as_const(x_t_)), as_span(unused), as_span(dx_t_));
-    const Eigen::MatrixXd f_x = system_.derivatives(t, q, v, as_span(std::as_const(x_t_))).f_x;
+    const Eigen::MatrixXd f_x =
+        system_.rates_by_states(t, q, v, as_span(std::as_const(x_t_)), as_span(dx_t_));
     const Vector step =
         (Eigen::MatrixXd::Identity(n, n) - kappa_ * f_x).partialPivLu().solve(base_ + kappa_ * dx_t_ - x_t_);
     x_t_ += step;
