@@ -473,7 +473,8 @@ The linear system of small motions of a mechanism with loops in k independent ve
 
 `linearize` does the same for a tree. q, v and `independent` are those of `independent_equations`. Springs, dampers
 and stops of the model act. At an equilibrium the eigenvalues of A are those of the small oscillations, whichever
-velocities are chosen. SingularError if the mass matrix is singular.
+velocities are chosen. SingularError if the mass matrix is singular. ValueError for a mechanism with drives that have
+states.
 
 >>> rods = axode.load(axode.robots / "bricard.toml")
 >>> q, still = axode.equilibrium(rods, rods.neutral()).q, np.zeros(rods.nv)

@@ -369,7 +369,7 @@ as in `Model.integrate`, rad and m; the second half are changes of v. A = [[-ad_
 at rest and for joints with one velocity. If v and the accelerations are 0, it is the linear system about an
 equilibrium; otherwise it holds at this instant only. Springs, dampers and stops of the model act, as in `simulate`;
 loads and joint_losses act as in `forward_dynamics_derivatives`. O(n) for each column. SingularError, with A, if the
-mass matrix is singular.
+mass matrix is singular. ValueError for a mechanism with drives that have states, which A would have to contain.
 
 >>> pendulum = axode.load(axode.robots / "double_pendulum.toml")
 >>> A, B = axode.linearize(pendulum, [0, 0], [0, 0], [0, 0])

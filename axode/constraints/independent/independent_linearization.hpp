@@ -25,7 +25,7 @@ struct IndependentLinearization {
 /// the others best are chosen. Springs, dampers, stops, loads and losses act as in `linearize`. At an
 /// equilibrium with v = 0 the eigenvalues of A are those of the small oscillations; they do not depend on the
 /// choice of velocities. Allocates; O((nv + m)³). Throws std::invalid_argument as independent_equations does,
-/// and for a state that leaves a loop open.
+/// for a state that leaves a loop open, and for drives with states.
 [[nodiscard]] IndependentLinearization independent_linearization(
     const Model& model, std::span<const double> q, std::span<const double> v, std::span<const double> tau,
     std::span<const int> velocities = {}, const Loads<double>& loads = {});
