@@ -8,26 +8,22 @@
 
 #include "apps/commands/assembling.hpp"
 #include "apps/commands/chart.hpp"
-#include "apps/files/contact_tables.hpp"
 #include "apps/files/json_text.hpp"
 #include "apps/files/matrix_file.hpp"
 #include "apps/files/model_options.hpp"
 #include "apps/files/state.hpp"
 #include "apps/files/state_table.hpp"
 #include "apps/files/text_file.hpp"
-#include "apps/quantities/components.hpp"
+#include "apps/quantities/written_motion.hpp"
 #include "apps/shell/choice.hpp"
 #include "apps/shell/commands.hpp"
 #include "apps/shell/progress.hpp"
 #include "apps/shell/table.hpp"
 #include "apps/shell/terminal.hpp"
-#include "axode/constraints/prescribed/prescribed_motion.hpp"
-#include "axode/drives.hpp"
 #include "axode/dynamics.hpp"
 #include "axode/eigen.hpp"
 #include "axode/integration.hpp"
 #include "axode/integration/momenta/simulate_contact.hpp"
-#include "axode/model/building/placement.hpp"
 #include "axode/model/configuration.hpp"
 #include "axode/view/mesh_hull.hpp"
 
@@ -164,169 +160,13 @@ Trajectory motion_of(const Model& model, const State& state, const Drive& drive,
                           acting});
 }
 
-/// The numbers of a motion that are written, a row for each time.
-struct Rows {
-  Eigen::VectorXd t, energy, kinetic_energy;
-  Eigen::MatrixXd q, v, a, tau;
-  Eigen::MatrixXd motion_forces;  ///< force that each prescribed motion takes
-  std::vector<std::string> drive_states;
-  Eigen::MatrixXd x;  ///< states of the drives
-};
-Rows rows_of(const Trajectory& motion, const Drive& drive, const Loads<>& loads, int samples) {
-  const Model& model = motion.model();
-  const auto motions = static_cast<Eigen::Index>(model.motions().size());
-  std::vector<double> times(motion.t().begin(), motion.t().end());
-  if (samples > 0) {
-    times.clear();
-    for (int k = 0; k <= samples; ++k)
-      times.push_back(k == samples ? motion.t().back() : motion.t().back() * k / samples);
-  }
-  const auto N = static_cast<Eigen::Index>(times.size());
-  const Eigen::Index nq = model.nq(), nv = model.nv();
-  Rows rows{.t = Eigen::VectorXd(N),
-            .energy = Eigen::VectorXd(N),
-            .kinetic_energy = Eigen::VectorXd(N),
-            .q = Eigen::MatrixXd(N, nq),
-            .v = Eigen::MatrixXd(N, nv),
-            .a = Eigen::MatrixXd(N, nv),
-            .tau = Eigen::MatrixXd(N, nv),
-            .motion_forces = Eigen::MatrixXd(N, motions),
-            .drive_states = {motion.drive_states().begin(), motion.drive_states().end()},
-            .x = Eigen::MatrixXd(N, static_cast<Eigen::Index>(motion.nx()))};
-  DriveSystem drives(model);
-  std::vector<double> q(static_cast<std::size_t>(model.nq())), v(static_cast<std::size_t>(model.nv())), a(v),
-      tau(v), x(motion.nx()), dx(x);
-  Workspace<> workspace(model);
-  for (Eigen::Index k = 0; k < N; ++k) {
-    const double t = times[static_cast<std::size_t>(k)];
-    motion.at(t, q, v, a);
-    drive(t, q, v, tau);
-    if (!drives.empty()) {
-      motion.drive_states_at(t, x);
-      drives.set_state(t, q, v, x);
-      drives.evaluate(t, q, v, x, tau, dx);
-      rows.x.row(k) = as_eigen(std::span<const double>(x)).transpose();
-    }
-    rows.t[k] = t;
-    for (const auto& [matrix, row] :
-         {std::pair{&rows.q, &q}, {&rows.v, &v}, {&rows.a, &a}, {&rows.tau, &tau}})
-      matrix->row(k) = as_eigen(std::span<const double>(*row)).transpose();
-    rows.kinetic_energy[k] = kinetic_energy(model, workspace, std::span<const double>(q), v);
-    rows.energy[k] = rows.kinetic_energy[k] + potential_energy(model, workspace, std::span<const double>(q)) +
-                     elastic_energy(model, workspace, std::span<const double>(q));
-    if (motions == 0) continue;
-    add_spring_forces(model, workspace, q, v, tau);
-    const DynamicsAtTime found = forward_dynamics_at(model, t, q, v, tau, loads);
-    rows.motion_forces.row(k) = as_eigen(std::span<const double>(found.motion_forces)).transpose();
-  }
-  return rows;
-}
-
-std::vector<std::string> motion_names(const Model& model) {
-  std::vector<std::string> names;
-  for (const MotionDescription& motion : model.motions()) names.push_back(motion_name(motion));
-  return names;
-}
-
-/// All numbers side by side, with the names of the columns.
-std::string csv_of(const Model& model, const Rows& rows) {
-  std::vector<std::string> names{"t"};
-  const auto add = [&](const char* what, const std::vector<std::string>& all) {
-    for (const std::string& name : all) names.push_back(what + name);
-  };
-  add("q ", coordinate_names(model));
-  for (const char* what : {"v ", "a ", "tau "}) add(what, velocity_names(model));
-  names.push_back("energy");
-  add("x ", rows.drive_states);
-  Eigen::MatrixXd all(rows.t.size(), static_cast<Eigen::Index>(names.size()));
-  all << rows.t, rows.q, rows.v, rows.a, rows.tau, rows.energy, rows.x;
-  return as_csv(all, names);
-}
-
-Json as_json(const Trajectory& motion, const Rows& rows, const Options& options) {
-  const Model& model = motion.model();
-  const auto list = [](const auto& numbers) {
-    return Json(std::vector<double>(numbers.begin(), numbers.end()));
-  };
-  const auto lists = [&](const Eigen::MatrixXd& matrix) {
-    Json all = Json::array();
-    for (const auto& row : matrix.rowwise()) all.push_back(list(row));
-    return all;
-  };
-  Json json{{"model", model.name()},
-            {"method", method_of(options, model)},
-            {"computed_in", options.coordinates},
-            {"coordinates", coordinate_names(model)},
-            {"velocities", velocity_names(model)},
-            {"steps", motion.steps},
-            {"evaluations", motion.evaluations},
-            {"certificates", motion.certificates},
-            {"complete", motion.complete},
-            {"stopped", motion.stop_reason},
-            {"t", list(rows.t)},
-            {"q", lists(rows.q)},
-            {"v", lists(rows.v)},
-            {"a", lists(rows.a)},
-            {"tau", lists(rows.tau)},
-            {"energy", list(rows.energy)}};
-  if (!motion.contact_shapes.empty()) {
-    json["contact_shapes"] = motion.contact_shapes;
-    for (const double t : rows.t)
-      json["contacts"].push_back(contacts_json(motion.contact_shapes, motion.contacts_at(t)));
-  }
-  if (rows.motion_forces.cols() > 0) {
-    json["motions"] = motion_names(model);
-    json["motion_forces"] = lists(rows.motion_forces);
-  }
-  if (rows.x.cols() > 0) {
-    json["drive_states"] = rows.drive_states;
-    json["x"] = lists(rows.x);
-  }
-  return json;
-}
-
-std::string npz_of(const Rows& rows) {
-  std::vector<NamedArray> arrays{{"t", rows.t, true}, {"q", rows.q},     {"v", rows.v},
-                                 {"a", rows.a},       {"tau", rows.tau}, {"energy", rows.energy, true}};
-  if (rows.motion_forces.cols() > 0) arrays.push_back({"motion_forces", rows.motion_forces});
-  if (rows.x.cols() > 0) arrays.push_back({"x", rows.x});
-  return as_npz(arrays);
-}
-
-Chart chart_of(const Trajectory& motion, const Rows& rows) {
-  const Model& model = motion.model();
-  Chart chart{.title = model.name()};
-  const std::vector<double> t(rows.t.begin(), rows.t.end());
-  const auto add = [&](const std::string& symbol, const std::string& unit,
-                       const std::vector<std::string>& names, const Eigen::MatrixXd& columns) {
-    Panel panel{.y_axis = symbol + ", " + unit, .name = symbol};
-    for (std::size_t k = 0; k < names.size(); ++k) {
-      const auto column = columns.col(static_cast<Eigen::Index>(k));
-      panel.curves.push_back({.name = names[k], .x = t, .y = {column.begin(), column.end()}});
-    }
-    chart.panels.push_back(panel);
-  };
-  const std::vector<Component> velocities = velocity_components(model);
-  add_panels(chart, "q", coordinate_components(model), {"rad", "m"}, t, rows.q);
-  add_panels(chart, "v", velocities, {"rad/s", "m/s"}, t, rows.v);
-  if (!rows.tau.isZero(0)) add_panels(chart, "tau", velocities, {"N m", "N"}, t, rows.tau);
-  if (rows.motion_forces.cols() > 0)
-    add("force of motions", "N m, N", motion_names(model), rows.motion_forces);
-  for (Panel& panel : contact_panels(motion, t)) chart.panels.push_back(std::move(panel));
-  Eigen::MatrixXd energies(rows.t.size(), 3);
-  energies << rows.kinetic_energy, rows.energy - rows.kinetic_energy, rows.energy;
-  add("energy", "J", {"kinetic", "potential", "total"}, energies);
-  chart.panels.back().x_axis = "t, s";
-  return chart;
-}
-
 /// Whether all joints stay where they are.
-bool rests(const Rows& rows) {
+bool rests(const WrittenMotion& rows) {
   constexpr double still = 1e-9;
   return rows.v.size() > 0 && rows.v.cwiseAbs().maxCoeff() <= still;
 }
 
-void print(const Trajectory& motion, const Rows& rows) {
+void print(const Trajectory& motion, const WrittenMotion& rows) {
   const std::size_t last = motion.size() - 1;
   const auto numbers = [](std::span<const double> x) { return std::vector<double>(x.begin(), x.end()); };
   fmt::print(
@@ -421,21 +261,22 @@ void run(const Options& options, int& exit_code) {
   const Trajectory motion = motion_of(model, state, drive, options);
   if (motion.size() == 0) throw InputError(motion.stop_reason);
   const Loads<> loads{state.loads, options.joint_losses};
-  const Rows rows = rows_of(motion, drive, loads, options.samples);
+  const WrittenMotion rows = written_motion(motion, drive, loads, options.samples);
+  const auto json = [&] { return json_of(motion, rows, method_of(options, model), options.coordinates); };
   for (std::size_t k = 0; k < kinds.size(); ++k) switch (kinds[k]) {
-      case FileFormat::json: write_text(options.outputs[k], text(as_json(motion, rows, options))); break;
+      case FileFormat::json: write_text(options.outputs[k], text(json())); break;
       case FileFormat::csv: write_text(options.outputs[k], csv_of(model, rows)); break;
       case FileFormat::npz: write_text(options.outputs[k], npz_of(rows)); break;
     }
   if (plot) {
     constexpr int smooth = 500;  // number of intervals; otherwise long steps would be drawn as straight lines
     const bool coarse = options.samples == 0 && rows.t.size() < smooth;
-    Chart chart = chart_of(motion, coarse ? rows_of(motion, drive, loads, smooth) : rows);
+    Chart chart = chart_of(motion, coarse ? written_motion(motion, drive, loads, smooth) : rows);
     keep_columns(chart, options.columns);
     plot->draw(chart);
   }
   if (format == Format::json) {
-    fmt::print("{}", text(as_json(motion, rows, options)));
+    fmt::print("{}", text(json()));
   } else {
     print(motion, rows);
   }

@@ -92,6 +92,12 @@ Array forces(BoundDrive& drive, double t, ArrayLike q, ArrayLike v) {
 
 }  // namespace
 
+void check_drive(const BoundModel& m, const BoundDrive& drive) {
+  if (drive.model.nq() != m->nq() || drive.model.nv() != m->nv())
+    throw nb::value_error(
+        ("tau: a drive of model \"" + drive.model.name() + "\", which has other velocities").c_str());
+}
+
 void add_drives(nb::module_& module) {
   nb::class_<BoundDrive>(module, "Drive",
                          "A drive of one mechanism: a function (t, q, v) -> tau, see axode.drives.")

@@ -2,6 +2,7 @@
 #include <nanobind/nanobind.h>
 
 #include "axode/integration/drives.hpp"
+#include "python/bindings/support/bound_model.hpp"
 
 namespace axode::python {
 
@@ -12,6 +13,9 @@ struct BoundDrive {
   Model model;
   Drive drive;
 };
+
+/// Throws ValueError if a drive was made for a model of other sizes.
+void check_drive(const BoundModel& m, const BoundDrive& drive);
 
 /// The motion in an axode.Trajectory; null if `given` is anything else.
 const Trajectory* motion_in(nb::handle given);

@@ -2,7 +2,6 @@
 
 #include <nanobind/stl/optional.h>
 #include <nanobind/stl/string.h>
-#include <nanobind/stl/tuple.h>
 #include <nanobind/stl/vector.h>
 
 #include <algorithm>
@@ -17,13 +16,11 @@
 #include "python/bindings/contact_force.hpp"
 #include "python/bindings/drives.hpp"
 #include "python/bindings/states/prescribed_motion.hpp"
-#include "python/bindings/states/specialised.hpp"
 #include "python/bindings/support/bindings.hpp"
 #include "python/bindings/support/choice.hpp"
 #include "python/bindings/support/conversions.hpp"
 #include "python/bindings/support/long_call.hpp"
 #include "python/bindings/support/one_state.hpp"
-#include "python/bindings/support/raise.hpp"
 
 /// Motion in time. Arguments are prepared and documented in axode.simulation.
 namespace axode::python {
@@ -170,12 +167,6 @@ const Value& chosen(const char* argument, nb::handle given,
   return table[choose(argument, given, words)].second;
 }
 
-void check_drive(const BoundModel& m, const BoundDrive& drive) {
-  if (drive.model.nq() != m->nq() || drive.model.nv() != m->nv())
-    throw nb::value_error(
-        ("tau: a drive of model \"" + drive.model.name() + "\", which has other velocities").c_str());
-}
-
 BoundTrajectory simulate_of(const BoundModel& m, ArrayLike q, ArrayLike v, double until, nb::handle method,
                             nb::handle coordinates, nb::handle local_coordinates, nb::handle step,
                             double rtol, double atol, double spectral_radius, nb::handle tau,
@@ -303,155 +294,6 @@ BoundTrajectory simulate_of(const BoundModel& m, ArrayLike q, ArrayLike v, doubl
     found.sample({sample_times->data(), static_cast<std::size_t>(sample_times->size())}, options.drive,
                  calls_back);
   return found;
-}
-
-/// The K steps of all motions: their length, and the forces or the drive under which they move.
-struct Steps {
-  std::span<const double> v, tau;
-  const Drive* drive;
-  nb::ssize_t K;
-  double length;
-  bool joint_losses;
-};
-template <class S, class M>
-batch::Outcome roll(const M& model, const Steps& steps, int threads, std::span<const S> q,
-                    std::span<const S> v, std::span<const S> tau, std::span<S> q_out, std::span<S> v_out,
-                    const batch::Monitor& monitor) {
-  if (steps.drive)
-    return batch::rollout<S>(model, q, v, *steps.drive, static_cast<std::size_t>(steps.K), steps.length,
-                             q_out, v_out, runge_kutta(4), threads, monitor, steps.joint_losses);
-  return batch::rollout<S>(model, q, v, tau, steps.length, q_out, v_out, runge_kutta(4), threads, monitor,
-                           steps.joint_losses);
-}
-/// Computes the motions by the model, or by code that was compiled for it, in the precision of that code.
-batch::Outcome roll(const States& states, const BoundSpecialised* compiled, const Steps& steps,
-                    std::span<double> q_out, std::span<double> v_out, const batch::Monitor& monitor) {
-  const auto in_double = [&](const auto& model) {
-    return roll<double>(model, steps, states.threads(), states.q(), steps.v, steps.tau, q_out, v_out,
-                        monitor);
-  };
-  if (!compiled) return in_double(states.model());
-  if (!compiled->is_single()) return in_double(std::get<Specialised<double>>(compiled->functions()));
-  const auto cast = [](std::span<const double> x) { return std::vector<float>(x.begin(), x.end()); };
-  std::vector<float> q(q_out.size()), v(v_out.size());
-  const batch::Outcome outcome =
-      roll<float>(std::get<Specialised<float>>(compiled->functions()), steps, states.threads(),
-                  cast(states.q()), cast(steps.v), cast(steps.tau), q, v, monitor);
-  std::ranges::copy(q, q_out.begin());
-  std::ranges::copy(v, v_out.begin());
-  return outcome;
-}
-
-std::tuple<Array, Array> motions_of(const States& states, const BoundSpecialised* compiled,
-                                    const Steps& steps) {
-  const nb::ssize_t K = steps.K;
-  if (compiled) compiled->check({"forward_dynamics"});
-  const int nq = states.model().nq(), nv = states.model().nv();
-  const Shape shape_v{K + 1, nv};
-  NewArray q_out = states.result({K + 1, nq}), v_out = states.result(shape_v);
-  const batch::Outcome outcome =
-      states.unlocked(100.0 * static_cast<double>(K), [&](const batch::Monitor& monitor) {
-        return roll(states, compiled, steps, q_out.all(), v_out.all(), monitor);
-      });
-  if (outcome.loops_open) {
-    std::vector<std::size_t> torn;
-    for (std::size_t n = outcome.first; n < states.count(); ++n)
-      if (!all_finite(item(v_out, n, shape_v))) torn.push_back(n);
-    raise_of_states("SingularError",
-                    (states.many() ? "state " + std::to_string(outcome.first) + ": " : std::string()) +
-                        "the loops cannot be kept closed; a shorter step may help",
-                    torn, q_out.array());
-  }
-  if (!outcome.ok()) {
-    std::vector<Solvability> found(states.count());
-    for (std::size_t n = outcome.first; n < found.size(); ++n)
-      if (!all_finite(item(v_out, n, shape_v))) found[n] = outcome.solvability;
-    states.refuse(found, q_out);
-  }
-  Array q = q_out.array(), v = v_out.array();
-  if (compiled && compiled->is_single())
-    for (Array* x : {&q, &v}) x->array = x->array.attr("astype")("float32");
-  return {q, v};
-}
-
-std::tuple<Array, Array> rollout_of(const BoundModel& m, ArrayLike q, ArrayLike v, ArrayLike tau, double step,
-                                    const BoundSpecialised* compiled, int threads, bool joint_losses) {
-  const States states(m, q, threads);
-  const Items velocities = states.velocities("v", v);
-  const Numbers forces("tau", tau);
-  const int axis = states.many() ? 1 : 0;  // the axis of the steps
-  const nb::ssize_t K = forces.axes() == axis + 2 ? forces.length(axis) : 0;
-  const Shape one{K, m->nv()},
-      expected = states.many() ? one.times(static_cast<nb::ssize_t>(states.count())) : one;
-  if (forces.axes() != axis + 2 || !forces.ends_with(expected))
-    forces.wrong_shape(std::string(states.many() ? "(" + std::to_string(states.count()) + ", K, " : "(K, ") +
-                       std::to_string(m->nv()) + "), nv numbers for each step");
-  return motions_of(states, compiled,
-                    {velocities.all(),
-                     {forces.data(), static_cast<std::size_t>(forces.size())},
-                     nullptr,
-                     K,
-                     step,
-                     joint_losses});
-}
-
-std::tuple<Array, Array> driven_rollout_of(const BoundModel& m, ArrayLike q, ArrayLike v,
-                                           const BoundDrive& drive, nb::ssize_t K, double step,
-                                           const BoundSpecialised* compiled, int threads, bool joint_losses) {
-  const States states(m, q, threads);
-  const Items velocities = states.velocities("v", v);
-  check_drive(m, drive);
-  return motions_of(states, compiled, {velocities.all(), {}, &drive.drive, K, step, joint_losses});
-}
-
-enum class Reconstruction { munthe_kaas, cayley, magnus, apart };
-constexpr std::array<std::pair<std::string_view, Reconstruction>, 4> reconstructions{
-    {{"munthe_kaas", Reconstruction::munthe_kaas},
-     {"cayley", Reconstruction::cayley},
-     {"magnus", Reconstruction::magnus},
-     {"apart", Reconstruction::apart}}};
-
-/// Times at which a method of reconstruction reads the twist, as parts of a step.
-std::vector<double> stage_times(int order, nb::handle method) {
-  if (chosen("method", method, reconstructions) != Reconstruction::magnus) return runge_kutta(order).c;
-  if (order != 4) throw nb::value_error("order: Magnus' method is of order 4");
-  return {magnus_points.begin(), magnus_points.end()};
-}
-
-Array reconstruct_of(ArrayLike C0, ArrayLike twists, ArrayLike times, Representation representation,
-                     int order, nb::handle given_method) {
-  const Numbers start("C0", C0), V("twist", twists), t("times", times);
-  if (start.axes() != 2 || !start.ends_with({4, 4})) start.wrong_shape("(4, 4), a pose");
-  const Reconstruction way = chosen("method", given_method, reconstructions);
-  const std::size_t stages = stage_times(order, given_method).size(), N = static_cast<std::size_t>(t.size());
-  const Shape expected{static_cast<nb::ssize_t>(N > 0 ? N - 1 : 0), static_cast<nb::ssize_t>(stages), 6};
-  if (V.axes() != 3 || !V.ends_with(expected)) V.wrong_shape(expected.text());
-  std::size_t asked = 0;
-  const auto next = [&]<class Rep>(Rep) {
-    const double* x = V.data() + 6 * asked++;
-    return Twist<Rep>{{x[0], x[1], x[2]}, {x[3], x[4], x[5]}};
-  };
-  const std::span<const double> at(t.data(), N);
-  const SE3<> C = pose_from("C0", start.data());
-  const auto by = [&]<class Rep>(Rep rep) {
-    const auto twist = [&](double) { return next(rep); };
-    if (way == Reconstruction::magnus) return reconstruct_magnus<Rep>(C, twist, at);
-    const Tableau& method = runge_kutta(order);
-    if (way == Reconstruction::apart) return reconstruct_apart<Rep>(C, twist, at, method);
-    return reconstruct<Rep>(
-        C, twist, at, method,
-        way == Reconstruction::cayley ? LocalCoordinates::cayley : LocalCoordinates::exponential);
-  };
-  std::vector<SE3<>> found;
-  if (representation == Representation::body)
-    found = by(BodyFixed{});
-  else if (representation == Representation::spatial)
-    found = by(Spatial{});
-  else
-    throw nb::value_error("representation must be 'body' or 'spatial' to integrate a twist to a pose");
-  NewArray out({static_cast<nb::ssize_t>(N), 4, 4});
-  for (std::size_t k = 0; k < N; ++k) write(found[k], out.data() + 16 * k);
-  return out.array();
 }
 
 }  // namespace
@@ -611,16 +453,6 @@ Its methods to_parquet (with pyarrow) and to_csv write files. ModuleNotFoundErro
              "coordinates"_a, "local_coordinates"_a, "step"_a.none(), "rtol"_a, "atol"_a, "spectral_radius"_a,
              "tau"_a.none(), "loads"_a.none(), "joint_losses"_a, "times"_a.none(), "events"_a,
              "motions"_a.none(), "progress"_a.none(), "See axode.simulate.");
-  module.def("rollout_under", &rollout_of, "m"_a, "q"_a, "v"_a, "tau"_a, "step"_a, "compiled"_a = nb::none(),
-             nb::kw_only(), "threads"_a = 1, "joint_losses"_a = false, "See axode.rollout.");
-  module.def("rollout_driven", &driven_rollout_of, "m"_a, "q"_a, "v"_a, "drive"_a, "steps"_a, "step"_a,
-             "compiled"_a = nb::none(), nb::kw_only(), "threads"_a = 1, "joint_losses"_a = false,
-             "See axode.rollout.");
-  module.def("reconstruct_poses", &reconstruct_of, "C0"_a, "twists"_a, "times"_a, "representation"_a,
-             "order"_a, "method"_a, "See axode.reconstruct.");
-  module.def(
-      "stage_times", [](int order, nb::handle method) { return to_array(stage_times(order, method)); },
-      "order"_a, "method"_a, "Stage times of a method as parts of a step, from 0 to 1.");
 }
 
 }  // namespace axode::python

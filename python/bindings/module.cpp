@@ -44,6 +44,8 @@ NB_MODULE(_axode, module) {
   add_mobility(module);
   add_contact(module);
   add_integration(module);
+  add_rollout(module);
+  add_reconstruction(module);
   add_prescribed_motion(module);
   add_sensitivities(module);
   add_drives(module);

@@ -18,6 +18,8 @@ void add_constraints(nanobind::module_& module);
 void add_mobility(nanobind::module_& module);
 void add_contact(nanobind::module_& module);
 void add_integration(nanobind::module_& module);
+void add_rollout(nanobind::module_& module);
+void add_reconstruction(nanobind::module_& module);
 void add_prescribed_motion(nanobind::module_& module);
 void add_sensitivities(nanobind::module_& module);
 void add_drives(nanobind::module_& module);

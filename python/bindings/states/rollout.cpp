@@ -1,0 +1,129 @@
+#include <nanobind/stl/tuple.h>
+
+#include <algorithm>
+
+#include "axode/batch.hpp"
+#include "axode/integration.hpp"
+#include "python/bindings/drives.hpp"
+#include "python/bindings/states/specialised.hpp"
+#include "python/bindings/support/bindings.hpp"
+#include "python/bindings/support/conversions.hpp"
+#include "python/bindings/support/raise.hpp"
+
+/// Motions of many states in steps of one length. Arguments are prepared and documented in axode.simulation.
+namespace axode::python {
+
+using namespace nb::literals;
+
+namespace {
+
+/// The K steps of all motions: their length, and the forces or the drive under which they move.
+struct Steps {
+  std::span<const double> v, tau;
+  const Drive* drive;
+  nb::ssize_t K;
+  double length;
+  bool joint_losses;
+};
+template <class S, class M>
+batch::Outcome roll(const M& model, const Steps& steps, int threads, std::span<const S> q,
+                    std::span<const S> v, std::span<const S> tau, std::span<S> q_out, std::span<S> v_out,
+                    const batch::Monitor& monitor) {
+  if (steps.drive)
+    return batch::rollout<S>(model, q, v, *steps.drive, static_cast<std::size_t>(steps.K), steps.length,
+                             q_out, v_out, runge_kutta(4), threads, monitor, steps.joint_losses);
+  return batch::rollout<S>(model, q, v, tau, steps.length, q_out, v_out, runge_kutta(4), threads, monitor,
+                           steps.joint_losses);
+}
+/// Computes the motions by the model, or by code that was compiled for it, in the precision of that code.
+batch::Outcome roll(const States& states, const BoundSpecialised* compiled, const Steps& steps,
+                    std::span<double> q_out, std::span<double> v_out, const batch::Monitor& monitor) {
+  const auto in_double = [&](const auto& model) {
+    return roll<double>(model, steps, states.threads(), states.q(), steps.v, steps.tau, q_out, v_out,
+                        monitor);
+  };
+  if (!compiled) return in_double(states.model());
+  if (!compiled->is_single()) return in_double(std::get<Specialised<double>>(compiled->functions()));
+  const auto cast = [](std::span<const double> x) { return std::vector<float>(x.begin(), x.end()); };
+  std::vector<float> q(q_out.size()), v(v_out.size());
+  const batch::Outcome outcome =
+      roll<float>(std::get<Specialised<float>>(compiled->functions()), steps, states.threads(),
+                  cast(states.q()), cast(steps.v), cast(steps.tau), q, v, monitor);
+  std::ranges::copy(q, q_out.begin());
+  std::ranges::copy(v, v_out.begin());
+  return outcome;
+}
+
+std::tuple<Array, Array> motions_of(const States& states, const BoundSpecialised* compiled,
+                                    const Steps& steps) {
+  const nb::ssize_t K = steps.K;
+  if (compiled) compiled->check({"forward_dynamics"});
+  const int nq = states.model().nq(), nv = states.model().nv();
+  const Shape shape_v{K + 1, nv};
+  NewArray q_out = states.result({K + 1, nq}), v_out = states.result(shape_v);
+  const batch::Outcome outcome =
+      states.unlocked(100.0 * static_cast<double>(K), [&](const batch::Monitor& monitor) {
+        return roll(states, compiled, steps, q_out.all(), v_out.all(), monitor);
+      });
+  if (outcome.loops_open) {
+    std::vector<std::size_t> torn;
+    for (std::size_t n = outcome.first; n < states.count(); ++n)
+      if (!all_finite(item(v_out, n, shape_v))) torn.push_back(n);
+    raise_of_states("SingularError",
+                    (states.many() ? "state " + std::to_string(outcome.first) + ": " : std::string()) +
+                        "the loops cannot be kept closed; a shorter step may help",
+                    torn, q_out.array());
+  }
+  if (!outcome.ok()) {
+    std::vector<Solvability> found(states.count());
+    for (std::size_t n = outcome.first; n < found.size(); ++n)
+      if (!all_finite(item(v_out, n, shape_v))) found[n] = outcome.solvability;
+    states.refuse(found, q_out);
+  }
+  Array q = q_out.array(), v = v_out.array();
+  if (compiled && compiled->is_single())
+    for (Array* x : {&q, &v}) x->array = x->array.attr("astype")("float32");
+  return {q, v};
+}
+
+std::tuple<Array, Array> rollout_of(const BoundModel& m, ArrayLike q, ArrayLike v, ArrayLike tau, double step,
+                                    const BoundSpecialised* compiled, int threads, bool joint_losses) {
+  const States states(m, q, threads);
+  const Items velocities = states.velocities("v", v);
+  const Numbers forces("tau", tau);
+  const int axis = states.many() ? 1 : 0;  // the axis of the steps
+  const nb::ssize_t K = forces.axes() == axis + 2 ? forces.length(axis) : 0;
+  const Shape one{K, m->nv()},
+      expected = states.many() ? one.times(static_cast<nb::ssize_t>(states.count())) : one;
+  if (forces.axes() != axis + 2 || !forces.ends_with(expected))
+    forces.wrong_shape(std::string(states.many() ? "(" + std::to_string(states.count()) + ", K, " : "(K, ") +
+                       std::to_string(m->nv()) + "), nv numbers for each step");
+  return motions_of(states, compiled,
+                    {velocities.all(),
+                     {forces.data(), static_cast<std::size_t>(forces.size())},
+                     nullptr,
+                     K,
+                     step,
+                     joint_losses});
+}
+
+std::tuple<Array, Array> driven_rollout_of(const BoundModel& m, ArrayLike q, ArrayLike v,
+                                           const BoundDrive& drive, nb::ssize_t K, double step,
+                                           const BoundSpecialised* compiled, int threads, bool joint_losses) {
+  const States states(m, q, threads);
+  const Items velocities = states.velocities("v", v);
+  check_drive(m, drive);
+  return motions_of(states, compiled, {velocities.all(), {}, &drive.drive, K, step, joint_losses});
+}
+
+}  // namespace
+
+void add_rollout(nb::module_& module) {
+  module.def("rollout_under", &rollout_of, "m"_a, "q"_a, "v"_a, "tau"_a, "step"_a, "compiled"_a = nb::none(),
+             nb::kw_only(), "threads"_a = 1, "joint_losses"_a = false, "See axode.rollout.");
+  module.def("rollout_driven", &driven_rollout_of, "m"_a, "q"_a, "v"_a, "drive"_a, "steps"_a, "step"_a,
+             "compiled"_a = nb::none(), nb::kw_only(), "threads"_a = 1, "joint_losses"_a = false,
+             "See axode.rollout.");
+}
+
+}  // namespace axode::python
