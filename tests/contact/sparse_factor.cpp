@@ -94,6 +94,13 @@ TEST(SparseFactor, CostsAsMuchAsItsBranches) {
   for (const bool chain : {true, false}) EXPECT_LE(cost(80, chain), 2.2 * cost(40, chain));
 }
 
+TEST(SparseFactor, OfAnEmptyMatrixCostsNothing) {
+  SparseFactor factor;
+  factor.reserve(0, 0);
+  set_groups(factor, 0, {});
+  EXPECT_EQ(factor.cost(), 0);
+}
+
 TEST(SparseFactor, SaysThatAMatrixIsSingular) {
   SparseFactor factor;
   factor.reserve(2, 1);

@@ -40,7 +40,8 @@ void multiply(const Panel& P, const Panel& Q, int n, double* out, bool lower) no
 
 void SparseFactor::reserve(int n, int groups) {
   const std::size_t size = index(n), entries = index(groups) * size, padding = index(2 * tile);
-  if (index_.size() >= size && group_indices_.capacity() >= entries) return;
+  const bool reserved = !size_.empty();  // an empty matrix needs memory for one cluster
+  if (reserved && index_.size() >= size && group_indices_.capacity() >= entries) return;
   for (std::vector<int>* x : {&group_end_, &known_end_}) x->reserve(index(groups));
   for (std::vector<int>* x : {&group_indices_, &known_indices_}) x->reserve(entries);
   for (std::vector<int>* x : {&cluster_of_, &members_, &rank_, &index_, &node_of_, &pivot_, &local_})
