@@ -40,8 +40,8 @@ Trajectory simulate_contact(const Model& model, const ContactShapes& shapes, std
   SimulationOptions free = options;  // losses of joints belong to the step with contact
   free.joint_losses = false;
   ContactSimulationRun run(model, q, v, until, free, options.joint_losses);
-  if (run.done()) return std::move(run.trajectory);
   for (int i = 0; i < shapes.size(); ++i) run.trajectory.contact_shapes.push_back(shapes[i].name);
+  if (run.done()) return std::move(run.trajectory);
   ContactStep scheme(run, model, shapes, options.joint_losses);
   each_step(run, until, step, [&](double t_1) {
     const double h = t_1 - run.now();
