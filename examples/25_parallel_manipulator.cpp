@@ -60,7 +60,8 @@ struct State {
   }
 };
 
-/// What the motors need at a time: their angles and speeds, and their torques with or without u''.
+/// The angles, speeds and torques of the motors for the motion of the plate at a time. The torques are computed
+/// with u'' or without it.
 struct FeedForward {
   Vector q, theta, omega, torque;
   FeedForward(Machine& machine, double t, bool with_springs, Vector near) : q(std::move(near)) {

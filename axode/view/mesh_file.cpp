@@ -39,12 +39,13 @@ std::vector<fs::path> folders_of(const char* variable) {
   return folders;
 }
 
-/// What a scheme calls the folder that it names, the file with the name of such a folder, and where such
-/// folders are searched.
+/// A URI scheme that begins with the name of a package, and how packages of this scheme are found.
 struct Library {
-  std::string_view scheme, what, manifest, element;
-  std::array<const char*, 2> variables;
-  std::string_view below_second;  ///< folder in those of the second variable that has the packages
+  std::string_view scheme;
+  std::string_view what;               ///< word for a package in messages
+  std::string_view manifest, element;  ///< XML file in a package, and its root element, which has the <name>
+  std::array<const char*, 2> variables;  ///< environment variables with lists of folders that have packages
+  std::string_view below_second;         ///< subfolder with the packages, in folders of the second variable
 };
 constexpr Library ros{
     "package://", "package", "package.xml", "package", {"ROS_PACKAGE_PATH", "AMENT_PREFIX_PATH"}, "share"};
