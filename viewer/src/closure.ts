@@ -19,6 +19,8 @@ const STEP = 0.1;
 const CORRECTION = 0.5;
 /** A joint that cannot move on by this part of its way has reached its end, unless it is at a dead point. */
 const LEAST_PART = 1e-6;
+/** A joint moves on at most this often: where the loops stay singular, steps stay so short that a page would stand still. */
+const MOST_STEPS = 400;
 /** At a dead point other joints are moved aside by these steps, and the joint moves on by the step after them. */
 const ASIDE = [0.05, -0.05, 0.2, -0.2];
 const FROM_DEAD_POINT = 1e-3;
@@ -83,7 +85,7 @@ export class Closure {
       if (gap <= ROUNDING || (gap <= CLOSED && gap > 0.1 * before)) return now;
       if (!(gap < before) && k > 2) return gap <= CLOSED ? now : null;
       before = gap;
-      const step = leastNormStep(this.jacobian(now, free), r);
+      const step = leastNormStep(this.jacobian(now, free, r.length), r);
       if (!step.every(Number.isFinite) || Math.hypot(...step) > CORRECTION) return null;
       now = advanced(this.scene, now, this.velocities(free, step));
       r = this.residuals(now);
@@ -107,11 +109,15 @@ export class Closure {
     };
     let q = from.slice();
     let part = 0;
-    for (let step = Math.min(1, STEP / length); part < 1; ) {
+    const longest = Math.min(1, STEP / length);
+    let last = 0; // length of the step before, 0 if it failed
+    for (let step = longest, steps = 0; part < 1 && steps < MOST_STEPS; ++steps) {
       const next = Math.min(1, part + step);
       const closed = this.close(at(next, q), masks[0]);
       if (closed) {
         [q, part] = [closed, next];
+        // A second step of one length succeeds only away from the end of the way: then steps grow again.
+        [step, last] = step === last ? [Math.min(longest, 2 * step), 0] : [step, step];
       } else if (masks.length > 1) {
         masks.shift();
       } else if (step >= LEAST_PART) {
@@ -120,8 +126,9 @@ export class Closure {
         const beyond = Math.min(1, part + FROM_DEAD_POINT / length);
         const off = part > 0 ? [] : this.aside(q).map((other) => this.close(at(beyond, other), masks[0])).filter((found) => found !== null);
         if (off.length === 0) break;
-        [q, part, step] = [off[0], beyond, Math.min(1, STEP / length)];
+        [q, part, step] = [off[0], beyond, longest];
       }
+      if (!closed) last = 0;
     }
     return { q, part };
   }
@@ -129,7 +136,7 @@ export class Closure {
   /** Configurations a little away from q along a velocity that the loops allow. */
   private aside(q: readonly number[]): number[][] {
     const every = this.scale.map((_, k) => k);
-    const J = this.jacobian(q, every);
+    const J = this.jacobian(q, every, this.residuals(q).length);
     const any = every.map((k) => Math.sin(1 + 1.7 * k));
     const forbidden = leastNormStep(J, J.map((row) => row.reduce((sum, a, k) => sum + a * any[k], 0)));
     const tangent = any.map((x, k) => x + forbidden[k]);
@@ -155,7 +162,7 @@ export class Closure {
   }
 
   /** The rows of the derivative of the residuals along the free velocities, by central differences. */
-  private jacobian(q: readonly number[], free: readonly number[]): number[][] {
+  private jacobian(q: readonly number[], free: readonly number[], rows: number): number[][] {
     const columns = free.map((_, j) => {
       const at = (sign: number) => {
         const step = free.map((__, i) => (i === j ? sign * DIFFERENCE : 0));
@@ -164,7 +171,7 @@ export class Closure {
       const [ahead, behind] = [at(1), at(-1)];
       return ahead.map((x, i) => (x - behind[i]) / (2 * DIFFERENCE));
     });
-    return this.residuals(q).map((_, i) => columns.map((column) => column[i]));
+    return Array.from({ length: rows }, (_, i) => columns.map((column) => column[i]));
   }
 }
 

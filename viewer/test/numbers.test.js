@@ -389,6 +389,27 @@ test("a crank goes round with its loop closed, and a rocker stops where the loop
   assert.ok(Math.min(Math.abs(reach - 1.0), Math.abs(reach - 0.4)) < 1e-4, `${reach}`);
 });
 
+test("a joint moves on in long steps after short ones, and does not go on for ever in short ones", () => {
+  const scene = fourBar();
+  const loops = new closure.Closure(scene);
+  const close = loops.close.bind(loops);
+  let [calls, last] = [0, scene.q[0]];
+  const turned = (isRefused) => {
+    [calls, last] = [0, scene.q[0]];
+    loops.close = (q, held) => {
+      ++calls;
+      if (isRefused(q)) return null;
+      last = q[0];
+      return close(q, held);
+    };
+    return loops.lead(scene.q, 1, (s) => [scene.q[0] + 3 * s], 3, []).part;
+  };
+  assert.equal(turned(() => calls <= 10), 1);
+  assert.ok(calls < 100, `${calls} steps`);
+  assert.ok(turned((q) => Math.abs(q[0] - last) > 1e-4) < 1);
+  assert.ok(calls <= 400, `${calls} steps`);
+});
+
 test("drives and chosen joints stay while another one moves, if the loops allow it; couplings hold", () => {
   const builder = new SceneBuilder("two cranks");
   const joints = [0, 1, 2].map((k) => builder.body(`c${k}`, 0, "revolute", frameAt([k, 0, 0])));
