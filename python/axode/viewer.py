@@ -19,7 +19,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
 from . import _axode
 from .support import signatures
@@ -29,8 +29,25 @@ from .support.written_files import replacing
 __all__ = ["Viewer", "view"]
 
 PAGE = Path(__file__).parent / "share/axode/viewer/page.html"
-Motion = tuple[Any, Any, Any, Any, Any, Trajectory | None]
-"""t, q, v, a and tau, the latter two perhaps None, and what has the contacts."""
+Contacts = tuple[list[str], list[NDArray[np.float64]]]
+"""The names of the collision shapes, and for each time the points of contact, 17 numbers each, as in a page."""
+Motion = tuple[Any, Any, Any, Any, Any, Trajectory | Contacts | None]
+"""t, q, v, a and tau, the latter two perhaps None, and the contacts."""
+
+
+def _contacts_in(found: dict[str, Any], file: Path) -> Contacts | None:
+    """The points of contact in the JSON of `axode simulate`."""
+    if "contacts" not in found:
+        return None
+    branches = ("open", "stick", "slide")
+    try:
+        shapes = [str(name) for name in found["contact_shapes"]]
+        number = {name: float(k) for k, name in enumerate(shapes)}
+        rows = [[[number[x["a"]], number[x["b"]], *x["point"], *x["normal"], x["gap"], *x["force"], *x["moment"],
+                  x["friction"], branches.index(x["status"])] for x in at_once] for at_once in found["contacts"]]
+        return shapes, [np.array(at_once, dtype=np.float64).reshape(len(at_once), 17) for at_once in rows]
+    except (KeyError, OverflowError, TypeError, ValueError) as error:
+        raise ValueError(f"motion: the contacts in {file} are not as `axode simulate` writes them") from error
 
 
 def _motion_in(m: Model, file: Path) -> Motion:
@@ -66,7 +83,7 @@ def _motion_in(m: Model, file: Path) -> Motion:
     if len(found["t"]) == 0:
         raise ValueError(f"motion: {file} has no states")
     t, q, v, a, tau = (found.get(name) for name in names)
-    return t, q, v, a, tau, None
+    return t, q, v, a, tau, _contacts_in(found, file)
 
 
 def _motion_of(m: Model, motion: Trajectory | str | os.PathLike[str] | None) -> Motion | None:

@@ -10,6 +10,7 @@
 #include "python/bindings/support/conversions.hpp"
 #include "python/bindings/support/long_call.hpp"
 #include "python/bindings/support/one_state.hpp"
+#include "python/bindings/support/text.hpp"
 
 /// Pages for a browser. Arguments are prepared and documented in axode.viewer.
 namespace axode::python {
@@ -18,8 +19,42 @@ using namespace nb::literals;
 
 namespace {
 
-/// The motion in a tuple (t, q, v, a, tau, contacts), of which a and tau may be None. The contacts are those
-/// of a Trajectory, or None.
+/// A point of contact from the 17 numbers that a page has of it.
+ContactForce contact_from(const double* x) {
+  const auto vector = [&](int k) { return Vec3<>{x[k], x[k + 1], x[k + 2]}; };
+  return {.a = static_cast<int>(x[0]),
+          .b = static_cast<int>(x[1]),
+          .point = vector(2),
+          .normal = vector(5),
+          .gap = x[8],
+          .force = vector(9),
+          .moment = vector(12),
+          .friction = x[15],
+          .branch = static_cast<LawBranch>(static_cast<int>(x[16]))};
+}
+
+/// Sets the contacts of a motion from those of a Trajectory, or from a tuple (names of the shapes, points at
+/// each time) that axode.viewer has read from a file.
+void set_contacts(nb::handle given, ShownMotion& motion) {
+  if (const Trajectory* shown = shown_in(given)) {
+    if (shown->contact_shapes.empty()) return;
+    motion.contact_shapes = shown->contact_shapes;
+    for (std::size_t k = 0; k < shown->size(); ++k) {
+      const std::span<const ContactForce> contacts = shown->contacts(k);
+      motion.contacts.emplace_back(contacts.begin(), contacts.end());
+    }
+    return;
+  }
+  const nb::tuple read = nb::borrow<nb::tuple>(given);
+  for (const nb::handle name : read[0]) motion.contact_shapes.push_back(text_of(name));
+  for (const nb::handle points : read[1]) {
+    const Numbers numbers("motion.contacts", {points.ptr()});
+    std::vector<ContactForce>& list = motion.contacts.emplace_back();
+    for (nb::ssize_t k = 0; k < numbers.size(); k += 17) list.push_back(contact_from(numbers.data() + k));
+  }
+}
+
+/// The motion in a tuple (t, q, v, a, tau, contacts), of which a, tau and contacts may be None.
 ShownMotion motion_from(const BoundModel& m, const nb::tuple& given) {
   const auto rows = [&](std::size_t k, const char* name, int width) {
     if (given[k].is_none()) return std::vector<double>{};
@@ -32,13 +67,7 @@ ShownMotion motion_from(const BoundModel& m, const nb::tuple& given) {
   };
   ShownMotion motion{rows(0, "motion.t", 0), rows(1, "motion.q", m->nq()), rows(2, "motion.v", m->nv()),
                      rows(3, "motion.a", m->nv()), rows(4, "motion.tau", m->nv())};
-  const Trajectory* shown = shown_in(given[5]);
-  if (!shown || shown->contact_shapes.empty()) return motion;
-  motion.contact_shapes = shown->contact_shapes;
-  for (std::size_t k = 0; k < shown->size(); ++k) {
-    const std::span<const ContactForce> contacts = shown->contacts(k);
-    motion.contacts.emplace_back(contacts.begin(), contacts.end());
-  }
+  if (!given[5].is_none()) set_contacts(given[5], motion);
   return motion;
 }
 

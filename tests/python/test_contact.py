@@ -1,5 +1,6 @@
 """Points of contact and their forces, in motions and at rest, and the page of contact with the command that writes it."""
 
+import json
 from pathlib import Path
 
 import axode
@@ -75,6 +76,29 @@ def test_a_page_shows_the_contacts_of_a_motion(tmp_path):
     axode.view(m, motion=motion, output=tmp_path / "page.html")
     page = (tmp_path / "page.html").read_text(encoding="utf-8")
     assert '"contact_shapes":["floor","cube 0 shape 1"]' in page and '"contacts":[[],[[0,1,' in page
+
+
+def test_a_file_of_a_motion_shows_the_contacts_of_the_motion(tmp_path):
+    m = cubes()
+    motion = axode.simulate(m, at(0.1), [0, 0, 0, 1, 0, 0], 0.02, step=1e-2)
+    run = {"t": motion.t.tolist(), "q": motion.q.tolist(), "v": motion.v.tolist(), "a": motion.a.tolist(),
+           "tau": motion.tau.tolist(), "contact_shapes": ["floor", "cube 0 shape 1"],
+           "contacts": [[{name: x.tolist() if isinstance(x, np.ndarray) else x for name, x in point._asdict().items()}
+                         for point in points] for points in motion.contacts]}
+    file, pages = tmp_path / "run.json", [tmp_path / "motion.html", tmp_path / "file.html"]
+    file.write_text(json.dumps(run))
+    for page, shown in zip(pages, (motion, file)):
+        axode.view(m, motion=shown, output=page)
+    assert pages[1].read_text(encoding="utf-8") == pages[0].read_text(encoding="utf-8")
+    first = run["contacts"][1][0]
+    for wrong in ({"a": "wall"}, {"status": "glue"}, {"gap": "1 m"}, {"force": [1, 2]}, {"gap": 10**400}):
+        file.write_text(json.dumps({**run, "contacts": [[], [first | wrong], []]}))
+        with pytest.raises(ValueError, match="the contacts in .*run.json are not as `axode simulate` writes them"):
+            axode.view(m, motion=file, output=pages[1])
+    for wrong in ({"contacts": [[]]}, {"contacts": [[], [first | {"gap": np.nan}], []]}):
+        file.write_text(json.dumps({**run, **wrong}))
+        with pytest.raises(ValueError, match="motion.contacts"):
+            axode.view(m, motion=file, output=pages[1])
 
 
 @pytest.fixture
