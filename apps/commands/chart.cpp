@@ -394,12 +394,14 @@ void add_plot_option(CLI::App& command, std::string& file) {
 }
 
 void add_columns_option(CLI::App& command, std::vector<std::string>& columns) {
-  command
-      .add_option("--columns", columns,
-                  "Draw these curves only: names of panels, curves, joints or bodies, as q or \"q pin\"")
-      ->type_name("NAMES")
-      ->delimiter(',')
-      ->allow_extra_args(false);
+  CLI::Option* option =
+      command
+          .add_option("--columns", columns,
+                      "Draw these curves only: names of panels, curves, joints or bodies, as q or \"q pin\"")
+          ->type_name("NAMES")
+          ->delimiter(',')
+          ->allow_extra_args(false);
+  if (CLI::Option* plot = command.get_option_no_throw("--plot")) option->needs(plot);
 }
 
 void keep_columns(Chart& chart, const std::vector<std::string>& columns) {

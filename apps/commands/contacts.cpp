@@ -45,6 +45,9 @@ void run(const Options& options) {
   const Format format = choose("--format", options.format, formats);
   const Model model = load(options.mechanism);
   State state = options.state.empty() ? starting_state(model) : read_state(model, options.state);
+  if (!options.state.empty() && std::ranges::any_of(state.v, [](double x) { return x != 0; }))
+    throw InputError(
+        "STATE has velocities, v; contacts finds forces at rest, and simulate those of a motion");
   Assembling assembling = options.assembling;
   if (options.state.empty() && model.description().state) assembling.wanted = !model.loops().empty();
   assemble(model, assembling, state);
@@ -69,7 +72,7 @@ void run(const Options& options) {
     fmt::print("no collision shapes can touch; --floor puts the mechanism on a floor\n");
   else if (found.contacts.empty())
     fmt::print("no shapes are nearer than the margin of {} m\n",
-               significant(std::isnan(options.contacts.margin) ? shapes.margin() : options.contacts.margin));
+               significant(options.contacts.margin.value_or(shapes.margin())));
   else
     fmt::print("{}\n", contacts_table(names, found.contacts));
   fmt::print("{}; certificate {}\n",

@@ -160,6 +160,32 @@ Trajectory motion_of(const Model& model, const State& state, const Drive& drive,
                           acting});
 }
 
+/// Refuses words of --columns that name no curve of any motion of the mechanism, before a motion is computed.
+void check_columns(const Model& model, const Options& options) {
+  if (options.columns.empty()) return;
+  // A chart of one state that has forces everywhere has all curves.
+  const auto zeros = [](int n) { return std::vector<double>(static_cast<std::size_t>(n)); };
+  Trajectory motion(model);
+  motion.append(0, zeros(model.nq()), zeros(model.nv()), zeros(model.nv()), zeros(model.nv()));
+  if (method_of(options, model) == "contact") {
+    const ContactShapes shapes(model, hull_of_mesh);
+    std::vector<ContactForce> contacts;
+    for (int k = 0; k < shapes.size(); ++k) motion.contact_shapes.push_back(shapes[k].name);
+    for (const auto& [a, b] : shapes.pairs())
+      contacts.push_back({.a = a, .b = b, .branch = LawBranch::stick});
+    motion.set_contacts(contacts);
+  }
+  const Eigen::VectorXd one = Eigen::VectorXd::Zero(1);
+  Chart chart = chart_of(motion, {.t = one,
+                                  .energy = one,
+                                  .kinetic_energy = one,
+                                  .q = Eigen::MatrixXd::Zero(1, model.nq()),
+                                  .v = Eigen::MatrixXd::Zero(1, model.nv()),
+                                  .tau = Eigen::MatrixXd::Ones(1, model.nv()),
+                                  .motion_forces = Eigen::MatrixXd::Zero(1, std::ssize(model.motions()))});
+  keep_columns(chart, options.columns);
+}
+
 /// Whether all joints stay where they are.
 bool rests(const WrittenMotion& rows) {
   constexpr double still = 1e-9;
@@ -247,6 +273,7 @@ void run(const Options& options, int& exit_code) {
   for (const std::string& file : options.outputs) kinds.push_back(file_format(file));
   const std::optional<ChartFile> plot = chart_file(options.plot);
   const Model model = load(options.mechanism);
+  check_columns(model, options);
   State state = options.state.empty() ? starting_state(model) : read_state(model, options.state);
   Assembling assembling = options.assembling;
   const bool starts = model.description().state && !model.loops().empty();

@@ -1,5 +1,5 @@
 #pragma once
-#include <limits>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -18,10 +18,9 @@ struct ContactsAtRest {
 };
 
 struct AtRestOptions {
-  double margin = std::numeric_limits<double>::quiet_NaN();  ///< gap below which points are given, m; that of
-                                                             ///< the shapes if it is not a number
-  double touching = 1e-6;     ///< gap, or room of a stop, up to which bodies touch, m or rad
-  bool joint_losses = false;  ///< whether dry friction of joints holds
+  std::optional<double> margin;  ///< gap below which points are given, m; that of the shapes if it is empty
+  double touching = 1e-6;        ///< gap, or room of a stop, up to which bodies touch, m or rad
+  bool joint_losses = false;     ///< whether dry friction of joints holds
 };
 
 /// The points of contact at a configuration, and the forces that act there at the instant at which the
@@ -31,8 +30,8 @@ struct AtRestOptions {
 /// forces (nv, or empty for none); springs of the mechanism act besides.
 ///
 /// Where several points carry one load, the share of each is arbitrary, and their sum and moment are not.
-/// Throws std::invalid_argument for wrong arguments, prescribed motions, more than 64 points for each shape,
-/// and a singular mass matrix. Allocates.
+/// Throws std::invalid_argument for wrong arguments, prescribed motions, drives with states, couplings with
+/// play, more than 64 points for each shape, and a singular mass matrix. Allocates.
 ContactsAtRest contacts_at_rest(const Model& model, const ContactShapes& shapes, Numbers<double> q,
                                 Numbers<double> tau = {}, const AtRestOptions& options = {},
                                 const Loads<>& loads = {});

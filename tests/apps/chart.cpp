@@ -150,6 +150,24 @@ TEST(Plot, HasTheColumnsThatAreNamed) {
               HasSubstr("--columns: \"fed\" is none of "));
 }
 
+/// Names are checked before a motion is computed and written; those of contacts are known by then, too.
+TEST(Plot, RefusesAWrongColumnBeforeTheMotion) {
+  const TemporaryFolder folder;
+  const std::string svg = folder.file("x.svg"), csv = folder.file("run.csv"),
+                    quadruped = robot("quadruped.toml");
+  const auto columns = [&](const std::string& names) {
+    return axode(
+        {"simulate", quadruped, "--until", "0.01", "--plot", svg, "--columns", names, "--output", csv});
+  };
+  EXPECT_THAT(columns("energy,FL fot").err, HasSubstr("--columns: \"FL fot\" is none of "));
+  EXPECT_FALSE(std::filesystem::exists(csv));
+  EXPECT_EQ(columns("normal force,energy,FL hip roll").err, "");
+  EXPECT_TRUE(std::filesystem::exists(csv));
+  const Outcome no_plot = axode({"simulate", quadruped, "--until", "0.01", "--columns", "energy"});
+  EXPECT_NE(no_plot.code, 0);
+  EXPECT_THAT(no_plot.err, HasSubstr("--columns requires --plot"));
+}
+
 TEST(Plot, OfALinearSystemHasItsPolesAndFrequencies) {
   const TemporaryFolder folder;
   const std::string file = folder.file("poles.svg");

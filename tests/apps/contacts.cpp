@@ -60,6 +60,78 @@ TEST(ContactsCommand, SaysWhetherItStaysAtRestAndWhatIsMissing) {
   EXPECT_THAT(refused.err, HasSubstr("the height is nan m; it must be finite"));
 }
 
+/// A foot on a rail above a floor.
+constexpr const char* foot = R"(format = "axode drawing 1"
+name = "foot"
+contact = {}
+shape = [{ name = "floor", kind = "plane", role = "collision" }]
+[[body]]
+name = "cart"
+joint = { name = "rail", kind = "prismatic", axis = "x" }
+[[body]]
+name = "foot"
+on = "cart"
+joint = { name = "down", kind = "prismatic", axis = "z" }
+mass = 1
+com = [0, 0, 0.1]
+inertia = [1, 1, 1]
+shape = [{ kind = "sphere", role = "collision", radius = 0.1, position = [0, 0, 0.1] }]
+)";
+
+TEST(ContactsCommand, RefusesWhatActsAndIsNotCounted) {
+  const TemporaryFolder folder;
+  const auto refusal = [&](const std::string& more) {
+    const Outcome outcome = axode({"contacts", folder.write("foot.toml", foot + more)});
+    EXPECT_EQ(outcome.code, 1) << outcome.out;
+    return outcome.err;
+  };
+  EXPECT_THAT(refusal(R"([[drive]]
+name = "motor"
+kind = "dc_motor"
+joint = "rail"
+resistance = 1
+inductance = 0.01
+torque_constant = 0.1
+input = 12
+initial = { current = 50 })"),
+              HasSubstr("contacts_at_rest does not count drives with states, and model \"foot\" has 1"));
+  EXPECT_THAT(refusal(R"([[coupling]]
+name = "gear"
+terms = { rail = 1, down = -1 }
+play = 0.02)"),
+              HasSubstr("contacts_at_rest does not count the play of coupling \"gear\""));
+  const Outcome no_margin = axode({"contacts", folder.write("foot.toml", foot), "--margin", "nan"});
+  EXPECT_EQ(no_margin.code, 1) << no_margin.out;
+  EXPECT_THAT(no_margin.err, HasSubstr("margin is nan m; it must be finite and not negative"));
+}
+
+TEST(ContactsCommand, RefusesAStateThatIsNotAtRest) {
+  const TemporaryFolder folder;
+  const std::string drawing = folder.write("foot.toml", foot);
+  EXPECT_EQ(
+      axode({"contacts", drawing, "--state", folder.write("at_rest.json", R"({"v": {"rail": 0}})")}).code, 0);
+  const Outcome moving =
+      axode({"contacts", drawing, "--state", folder.write("moving.json", R"({"v": {"rail": 1}})")});
+  EXPECT_EQ(moving.code, 1);
+  EXPECT_THAT(moving.err, HasSubstr("STATE has velocities, v; contacts finds forces at rest"));
+}
+
+TEST(ContactsCommand, SaysThatWhatIsFixedStaysAtRest) {
+  const TemporaryFolder folder;
+  const std::string head = "format = \"axode drawing 1\"\n", post = R"([[body]]
+name = "post"
+joint = { kind = "fixed" }
+mass = 1
+com = [0, 0, 0]
+inertia = [1, 1, 1]
+)";
+  for (const std::string& drawing : {head, head + post}) {
+    const Outcome outcome = axode({"contacts", folder.write("fixed.toml", drawing), "--floor", "0"});
+    EXPECT_EQ(outcome.code, 0) << outcome.err << drawing;
+    EXPECT_THAT(outcome.out, HasSubstr("the mechanism stays at rest; certificate 0"));
+  }
+}
+
 TEST(SimulateCommand, PutsAUrdfOnAFloorWithStepsOfAMillisecond) {
   const TemporaryFolder folder;
   const std::string urdf = (folder.path() / "quadruped.urdf").string();

@@ -101,6 +101,27 @@ def test_a_file_of_a_motion_shows_the_contacts_of_the_motion(tmp_path):
             axode.view(m, motion=file, output=pages[1])
 
 
+def test_a_motion_that_does_not_begin_has_the_names_of_its_shapes():
+    m = cubes()
+    motion = axode.simulate(m, at(0.1), np.zeros(6), 0.0, step=1e-2)
+    assert motion.contact_forces("floor").tolist() == [[0, 0, 0]]
+
+
+def test_what_acts_and_is_not_counted_is_refused():
+    foot = {"name": "foot", "joint": {"name": "down", "kind": "prismatic", "axis": "z"}, "mass": 1, "com": [0, 0, 0],
+            "inertia": [1, 1, 1]}
+    motor = {"kind": "dc_motor", "joint": "down", "resistance": 1, "inductance": 0.01, "torque_constant": 0.1, "input": 12}
+    m = axode.Model.from_dict({"format": "axode drawing 1", "body": [foot], "drive": [motor]})
+    with pytest.raises(ValueError, match="contacts_at_rest does not count drives with states"):
+        axode.contacts(m, [0])
+    with pytest.raises(ValueError, match="margin is nan m"):
+        axode.contacts(cubes(), at(0.1), margin=np.nan)
+
+
+def test_a_mechanism_without_velocities_has_no_contacts():
+    assert axode.contacts(axode.with_floor(axode.Model.from_dict({"format": "axode drawing 1"})), []) == []
+
+
 @pytest.fixture
 def tables(monkeypatch):
     pytest.importorskip("scipy")
