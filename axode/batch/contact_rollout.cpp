@@ -1,10 +1,12 @@
 #include "axode/batch/contact_rollout.hpp"
 
 #include <algorithm>
+#include <atomic>
 #include <limits>
 #include <memory>
 #include <stdexcept>
 #include <string>
+#include <thread>
 #include <vector>
 
 #include "axode/batch/check_states.hpp"
@@ -21,9 +23,12 @@ using Numbers = std::span<const double>;
 /// Integrates one motion after the other in the same memory.
 class ContactMotion {
  public:
-  ContactMotion(const Model& model, const ContactShapes& shapes, const Drive& drive, bool joint_losses)
+  /// `goes_on` is called in the thread of the motion, in steps that take long as well, and ends the motion if
+  /// it returns false.
+  ContactMotion(const Model& model, const ContactShapes& shapes, const Drive& drive, bool joint_losses,
+                const std::function<bool()>& goes_on)
       : drive_(drive),
-        options_(with_drive()),
+        options_(options_with(goes_on)),
         rest_(static_cast<std::size_t>(model.nv()), 0.0),
         run_(model, neutral(model), rest_, 0, options_, joint_losses),
         step_(run_, model, shapes, joint_losses),
@@ -51,8 +56,9 @@ class ContactMotion {
   double certificate() const { return step_.certificate; }
 
  private:
-  SimulationOptions with_drive() {
+  SimulationOptions options_with(const std::function<bool()>& goes_on) {
     SimulationOptions options;
+    options.monitor = [goes_on](double) { return goes_on(); };
     options.drive = [this](double t, Numbers q, Numbers v, std::span<double> out) {
       if (drive_)
         drive_(t, q, v, out);
@@ -77,7 +83,7 @@ Outcome run_motions(const Model& model, const ContactShapes& shapes, Numbers q, 
                     Numbers tau, const Drive& drive, double step, std::span<double> q_out,
                     std::span<double> v_out, std::span<double> certificates, int threads,
                     const Monitor& monitor, bool joint_losses) {
-  // Steps of a motion between two calls of the monitor.
+  // Steps of a motion before its thread takes another motion.
   constexpr std::size_t steps_at_once = 64;
   const std::size_t nq = static_cast<std::size_t>(model.nq()), nv = static_cast<std::size_t>(model.nv()),
                     N = nq == 0 ? 0 : q.size() / nq;
@@ -91,6 +97,8 @@ Outcome run_motions(const Model& model, const ContactShapes& shapes, Numbers q, 
     check_separate("certificates", certificates, name, given);
   }
   check_separate("q_out", q_out, "v_out", Numbers(v_out));
+  check_separate("certificates", certificates, "q_out", Numbers(q_out));
+  check_separate("certificates", certificates, "v_out", Numbers(v_out));
 
   for (const std::span<double> out : {q_out, v_out, certificates})
     std::ranges::fill(out, std::numeric_limits<double>::quiet_NaN());
@@ -101,24 +109,30 @@ Outcome run_motions(const Model& model, const ContactShapes& shapes, Numbers q, 
     std::ranges::copy(v.subspan(n * nv, nv), v_at(n, 0).begin());
   }
   std::vector<char> failed(N, 0);
-  Outcome outcome{.done = N};
+  // The motions advance side by side, and none is complete if the monitor ends the call.
+  const std::thread::id caller = std::this_thread::get_id();
   MonitorThrottle throttle(monitor, N);
-  for (std::size_t begin = 0; begin < K && outcome.done == N; begin += steps_at_once) {
+  std::atomic<bool> stopped = false;
+  const auto goes_on = [&] {
+    if (!stopped && std::this_thread::get_id() == caller && !throttle.should_continue(0)) stopped = true;
+    return !stopped;
+  };
+  for (std::size_t begin = 0; begin < K && !stopped; begin += steps_at_once) {
     const std::size_t end = std::min(K, begin + steps_at_once);
-    outcome.done = in_portions(N, 1, threads, monitor, [&]() -> Work {
-      return [&, motion = std::make_shared<ContactMotion>(model, shapes, drive, joint_losses)](std::size_t n,
-                                                                                               std::size_t) {
+    in_portions(N, 1, threads, {}, [&]() -> Work {
+      return [&, motion = std::make_shared<ContactMotion>(model, shapes, drive, joint_losses, goes_on)](
+                 std::size_t n, std::size_t) {
         if (failed[n] != 0) return;
         motion->begin(q_at(n, begin), v_at(n, begin));
-        for (std::size_t k = begin; k < end && failed[n] == 0; ++k) {
+        for (std::size_t k = begin; k < end && failed[n] == 0 && goes_on(); ++k) {
           const Numbers tau_k = drive ? Numbers{} : tau.subspan((n * K + k) * nv, nv);
           failed[n] = motion->run(k, step, tau_k, q_at(n, k + 1), v_at(n, k + 1)) ? 0 : 1;
           if (failed[n] == 0 && !certificates.empty()) certificates[n * K + k] = motion->certificate();
         }
       };
     });
-    if (!throttle.should_continue(0)) outcome.done = 0;
   }
+  Outcome outcome{.done = stopped ? 0 : N};
   for (std::size_t n = 0; n < outcome.done; ++n)
     if (failed[n] != 0 && outcome.singular_states++ == 0) {
       outcome.first = n;

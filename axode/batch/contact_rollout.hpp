@@ -7,7 +7,8 @@ namespace axode::batch {
 /// Integrates N motions with contact, K steps of equal length (s) each, see axode::simulate_contact(). tau
 /// has nv K N numbers, which are constant in each step; q_out and v_out receive (K + 1) states for each
 /// motion, beginning with the given one, and `certificates` the certificate of each step, K N numbers, unless
-/// it is empty. If a motion cannot continue, its later states and certificates are NaN.
+/// it is empty. If a motion cannot continue, its later states and certificates are NaN. The monitor is asked
+/// before each step of the calling thread. If it ends the call, the count of finished motions is 0.
 ///
 /// The shapes must be those of the model, as `ContactShapes(model, hull_of_mesh)`. With joint_losses damping
 /// and dry friction of joints act. Each thread has memory of a fixed size, which all of its motions use one

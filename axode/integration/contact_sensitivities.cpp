@@ -7,8 +7,8 @@
 #include "axode/integration/momenta/contact_step.hpp"
 #include "axode/integration/momenta/contact_step_derivative.hpp"
 #include "axode/integration/momenta/simulate_contact.hpp"
+#include "axode/integration/runs/sized_arguments.hpp"
 #include "axode/integration/schemes/explicit_steps.hpp"
-#include "axode/kinematics/check_arguments.hpp"
 #include "axode/model/finite.hpp"
 
 namespace axode {
@@ -17,29 +17,14 @@ namespace {
 using Span = std::span<const double>;
 using Matrix = Eigen::MatrixXd;
 
-/// An argument or a result, with the size that it must have.
-template <class T> struct Sized {
-  const char* name;
-  std::span<T> x;
-  std::size_t size;
-  const char* meaning;
-};
-
 void check_motion(const Model& model, const ContactShapes& shapes, double step,
                   std::initializer_list<Sized<const double>> arguments,
                   std::initializer_list<Sized<double>> results) {
   check_step(step);
   check_contact(model, shapes);
-  for (const auto& in : arguments) {
-    check_size(in.name, in.x.size(), in.size, in.meaning);
+  check_sizes(arguments, results);
+  for (const auto& in : arguments)
     if (!finite(in.x)) throw std::invalid_argument(std::string(in.name) + " is not finite");
-  }
-  for (const auto* out = results.begin(); out != results.end(); ++out) {
-    check_size(out->name, out->x.size(), out->size, out->meaning);
-    for (const auto& in : arguments) check_separate(out->name, out->x, in.name, in.x);
-    for (const auto* other = results.begin(); other != out; ++other)
-      check_separate(out->name, out->x, other->name, other->x);
-  }
 }
 
 /// Steps with contact under constant forces, with their derivatives.
@@ -98,11 +83,6 @@ class TangentContactSteps {
   ContactStepDerivative derivative_;
   int count_ = 0;
 };
-
-/// The number K of steps, from the number of drive forces.
-std::size_t steps_of(const Model& model, Span tau) {
-  return model.nv() == 0 ? 0 : tau.size() / static_cast<std::size_t>(model.nv());
-}
 
 /// Fills the results with NaN if the computation failed.
 ContactSensitivity finished(const ContactSensitivity& result,

@@ -18,10 +18,10 @@
 ///
 /// Throws std::invalid_argument for wrong sizes, a state that is not finite or
 /// quaternions that are not of unit norm, step <= 0, shapes of another model,
-/// prescribed motions, and results that share memory with arguments. Contact
-/// points need closed forms: planes with anything, spheres, capsules, boxes on
-/// faces, and boxes with spheres. Other points, and steps that fail, are a
-/// failure; then all results are NaN.
+/// prescribed motions, drives with states, couplings with play, and results
+/// that share memory with arguments. Contact points need closed forms: planes
+/// with anything, spheres, capsules, boxes on faces, and boxes with spheres.
+/// Other points, and steps that fail, are a failure; then all results are NaN.
 namespace axode {
 
 /// The state of a computation of sensitivities.
@@ -45,7 +45,9 @@ struct [[nodiscard]] ContactSensitivity {
 /// (2nv × 3 n for n shapes, or empty) has the derivatives by the surfaces of
 /// the shapes: first by the friction of each shape, then by the restitution of
 /// each, then by the thickness of a layer on it (m), which is the radius of a
-/// sphere or capsule and the height of a plane. The spans must not overlap.
+/// sphere or capsule and the height of a plane. If the friction of a pair is 0,
+/// its derivatives are given as 0: its square root has none. The spans must not
+/// overlap.
 struct ContactRolloutDerivatives {
   std::span<double> q, v, A, B, C = {};
 };

@@ -15,9 +15,9 @@
 #include "axode/eigen.hpp"
 #include "axode/integration/configuration_group.hpp"
 #include "axode/integration/refuse_plays.hpp"
+#include "axode/integration/runs/sized_arguments.hpp"
 #include "axode/integration/schemes/group_derivatives.hpp"
 #include "axode/integration/schemes/munthe_kaas.hpp"
-#include "axode/kinematics/check_arguments.hpp"
 #include "axode/model/finite.hpp"
 #include "axode/model/refuse_drives.hpp"
 #include "axode/table/check_counts.hpp"
@@ -31,13 +31,6 @@ using Matrix = GroupDerivatives::Matrix;
 using Rows = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
 using Joints = GroupDerivatives::Joints;
 
-/// An argument or a result, with the size that it must have.
-template <class T> struct Sized {
-  const char* name;
-  std::span<T> x;
-  std::size_t size;
-  const char* meaning;
-};
 void check_motion(const Model& model, double step, const Loads<double>& loads, const Tableau& method,
                   std::initializer_list<Sized<const double>> arguments,
                   std::initializer_list<Sized<double>> results) {
@@ -47,19 +40,8 @@ void check_motion(const Model& model, double step, const Loads<double>& loads, c
   catalog::check_counts<"rollout sensitivities">(model);
   refuse_drives("rollout sensitivities", model);
   refuse_plays("rollout sensitivities", "use simulate", model);
-  for (const auto& in : arguments) check_size(in.name, in.x.size(), in.size, in.meaning);
-  for (const auto* out = results.begin(); out != results.end(); ++out) {
-    check_size(out->name, out->x.size(), out->size, out->meaning);
-    for (const auto& in : arguments) check_separate(out->name, out->x, in.name, in.x);
-    for (const auto* other = results.begin(); other != out; ++other)
-      check_separate(out->name, out->x, other->name, other->x);
-  }
+  check_sizes(arguments, results);
   check_configuration(model, arguments.begin()->x);
-}
-
-/// The number K of steps, from the number of drive forces.
-std::size_t steps_of(const Model& model, Span tau) {
-  return model.nv() == 0 ? 0 : tau.size() / static_cast<std::size_t>(model.nv());
 }
 
 /// Sets all results to NaN if the motion failed or a result is not finite; returns the reason.

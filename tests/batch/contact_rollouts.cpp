@@ -3,7 +3,9 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <chrono>
 #include <cmath>
+#include <thread>
 
 #include "axode/integration/momenta/simulate_contact.hpp"
 #include "axode/model/configuration.hpp"
@@ -122,6 +124,51 @@ TEST(ContactRollout, SaysWhichMotionFails) {
   EXPECT_FALSE(is_nan(30));
   EXPECT_TRUE(is_nan(31));
   EXPECT_TRUE(std::isnan(out.certificates[2 * Thrown::K + 30]));
+}
+
+/// A monitor is asked after 20 ms at the earliest. The drive makes motions longer, which advance in portions.
+TEST(ContactRollout, HasNoCompleteMotionIfTheMonitorEndsIt) {
+  const Thrown at;
+  const Drive slow = [](double, std::span<const double>, std::span<const double>, std::span<double> out) {
+    std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    std::ranges::fill(out, 0.0);
+  };
+  for (const int threads : {1, 3}) {
+    Rolled out;
+    const batch::Outcome outcome =
+        batch::rollout_with_contact(at.model, at.shapes, at.q, at.v, slow, Thrown::K, Thrown::step, out.q,
+                                    out.v, {}, threads, [](std::size_t done, std::size_t of) {
+                                      EXPECT_EQ(done, 0U);
+                                      EXPECT_EQ(of, Thrown::N);
+                                      return false;
+                                    });
+    EXPECT_EQ(outcome.done, 0U);
+    EXPECT_EQ(outcome.singular_states, 0U);
+    const std::size_t after_a_portion = 64;
+    EXPECT_TRUE(std::isnan(out.q[after_a_portion * Thrown::nq]));
+  }
+}
+
+/// A state that is not finite is a failure of its motion alone, and no point of contact is sought there.
+TEST(ContactRollout, FailsAtAStateThatIsNotFinite) {
+  Thrown at;
+  at.q[Thrown::nq + 4] = std::numeric_limits<double>::quiet_NaN();
+  at.q[2 * Thrown::nq + 12] = std::numeric_limits<double>::infinity();
+  Rolled out;
+  const batch::Outcome outcome = batch::rollout_with_contact(at.model, at.shapes, at.q, at.v, at.tau,
+                                                             Thrown::step, out.q, out.v, out.certificates);
+  EXPECT_EQ(outcome.singular_states, 2U);
+  EXPECT_EQ(outcome.first, 1U);
+}
+
+TEST(ContactRollout, RefusesCertificatesInTheMemoryOfStates) {
+  const Thrown at;
+  Rolled out;
+  for (const std::span<double> shared : {std::span(out.q), std::span(out.v)})
+    EXPECT_THROW(static_cast<void>(batch::rollout_with_contact(at.model, at.shapes, at.q, at.v, at.tau,
+                                                               Thrown::step, out.q, out.v,
+                                                               shared.subspan(1, Thrown::N * Thrown::K))),
+                 std::invalid_argument);
 }
 
 TEST(ContactRollout, RefusesArraysOfAnotherSizeAndAnEmptyDrive) {

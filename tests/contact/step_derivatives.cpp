@@ -177,106 +177,43 @@ TEST_P(OneBody, HasTheDerivativeOfItsBranch) {
   expect_derivatives(model, {q, v, std::vector<double>(6)}, 1e-7, 3e-5, Matrix::Identity(18, 12));
 }
 constexpr Vec3<> some_turn{0.3, -0.5, 0.2}, spin{1, -0.7, 0.4};
+constexpr Vec3<> ball{0.1, 0, 0}, egg{0.1, 0.15, 0.2}, rod{0.1, 0.3, 0}, brick{0.2, 0.3, 0.25};
+/// A body that leans and turns close to the floor.
+OfOneBody leaning(const char* name, ShapeKind kind, const Vec3<>& size, double friction, double restitution,
+                  const Vec3<>& v) {
+  return {name, kind, size, friction, restitution, 1e-3, some_turn, spin, v};
+}
+/// A box with four corners on the floor.
+OfOneBody flat(const char* name, double friction, const Vec3<>& v) {
+  return {name, ShapeKind::box, brick, friction, 0, 1e-3, {0, 0.2, 0}, {}, v};
+}
 INSTANTIATE_TEST_SUITE_P(
     Branches, OneBody,
     testing::Values(
-        OfOneBody{"sphere_flies", ShapeKind::sphere, {0.1, 0, 0}, 0.4, 0, 0.3, some_turn, spin, {1, 0, -1}},
-        OfOneBody{
-            "sphere_slides", ShapeKind::sphere, {0.1, 0, 0}, 0.2, 0, 1e-3, some_turn, spin, {2, 1, -0.5}},
-        OfOneBody{
-            "sphere_sticks", ShapeKind::sphere, {0.1, 0, 0}, 5, 0, 1e-3, some_turn, spin, {0.05, 0, -0.5}},
-        OfOneBody{
-            "sphere_bounces", ShapeKind::sphere, {0.1, 0, 0}, 0.2, 0.6, 1e-3, some_turn, spin, {1, 0, -1.5}},
-        OfOneBody{"ellipsoid_slides",
-                  ShapeKind::ellipsoid,
-                  {0.1, 0.15, 0.2},
-                  0.3,
-                  0,
-                  1e-3,
-                  some_turn,
-                  spin,
-                  {2, 1, -0.5}},
-        OfOneBody{"ellipsoid_sticks",
-                  ShapeKind::ellipsoid,
-                  {0.1, 0.15, 0.2},
-                  5,
-                  0,
-                  1e-3,
-                  some_turn,
-                  spin,
-                  {0, 0, -0.5}},
-        OfOneBody{
-            "capsule_slides", ShapeKind::capsule, {0.1, 0.3, 0}, 0.3, 0, 1e-3, some_turn, spin, {2, 1, -0.5}},
-        OfOneBody{"cylinder_slides",
-                  ShapeKind::cylinder,
-                  {0.1, 0.3, 0},
-                  0.3,
-                  0,
-                  1e-3,
-                  some_turn,
-                  spin,
-                  {2, 1, -0.5}},
-        OfOneBody{"cylinder_bounces",
-                  ShapeKind::cylinder,
-                  {0.1, 0.3, 0},
-                  0.3,
-                  0.4,
-                  1e-3,
-                  some_turn,
-                  spin,
-                  {1, 1, -1}},
-        OfOneBody{"box_slides_on_a_corner",
-                  ShapeKind::box,
-                  {0.2, 0.3, 0.25},
-                  0.3,
-                  0,
-                  1e-3,
-                  some_turn,
-                  spin,
-                  {2, 1, -0.5}},
-        OfOneBody{"box_sticks_on_a_corner",
-                  ShapeKind::box,
-                  {0.2, 0.3, 0.25},
-                  5,
-                  0,
-                  1e-3,
-                  some_turn,
-                  spin,
-                  {0, 0, -0.5}},
-        OfOneBody{"box_bounces_on_a_corner",
-                  ShapeKind::box,
-                  {0.2, 0.3, 0.25},
-                  0.5,
-                  0.5,
-                  1e-3,
-                  some_turn,
-                  spin,
-                  {1, 0, -1.5}},
-        OfOneBody{"box_slides_on_four_corners",
-                  ShapeKind::box,
-                  {0.2, 0.3, 0.25},
-                  0.3,
-                  0,
-                  1e-3,
-                  {0, 0.2, 0},
-                  {},
-                  {2, 0, -0.5}},
-        OfOneBody{"box_sticks_on_four_corners",
-                  ShapeKind::box,
-                  {0.2, 0.3, 0.25},
-                  0.9,
-                  0,
-                  1e-3,
-                  {0, 0.2, 0},
-                  {},
-                  {0, 0, -0.5}}),
+        OfOneBody{"sphere_flies", ShapeKind::sphere, ball, 0.4, 0, 0.3, some_turn, spin, {1, 0, -1}},
+        leaning("sphere_slides", ShapeKind::sphere, ball, 0.2, 0, {2, 1, -0.5}),
+        leaning("sphere_sticks", ShapeKind::sphere, ball, 5, 0, {0.05, 0, -0.5}),
+        leaning("sphere_bounces", ShapeKind::sphere, ball, 0.2, 0.6, {1, 0, -1.5}),
+        leaning("ellipsoid_slides", ShapeKind::ellipsoid, egg, 0.3, 0, {2, 1, -0.5}),
+        leaning("ellipsoid_sticks", ShapeKind::ellipsoid, egg, 5, 0, {0, 0, -0.5}),
+        leaning("capsule_slides", ShapeKind::capsule, rod, 0.3, 0, {2, 1, -0.5}),
+        leaning("cylinder_slides", ShapeKind::cylinder, rod, 0.3, 0, {2, 1, -0.5}),
+        leaning("cylinder_bounces", ShapeKind::cylinder, rod, 0.3, 0.4, {1, 1, -1}),
+        leaning("box_slides_on_a_corner", ShapeKind::box, brick, 0.3, 0, {2, 1, -0.5}),
+        leaning("box_sticks_on_a_corner", ShapeKind::box, brick, 5, 0, {0, 0, -0.5}),
+        leaning("box_bounces_on_a_corner", ShapeKind::box, brick, 0.5, 0.5, {1, 0, -1.5}),
+        flat("box_slides_on_four_corners", 0.3, {2, 0, -0.5}),
+        flat("box_sticks_on_four_corners", 0.9, {0, 0, -0.5})),
     [](const auto& it) { return it.param.name; });
 
+struct Turned {
+  ShapeKind kind;
+  Vec3<> size, turn;
+};
 /// Two free bodies above each other: the lower one flies, so that both move.
 struct OfTwoBodies {
   const char* name;
-  ShapeKind lower, upper;
-  Vec3<> lower_size, upper_size, lower_turn, upper_turn;
+  Turned lower, upper;
   double friction, restitution;
 };
 void PrintTo(const OfTwoBodies& it, std::ostream* out) { *out << it.name; }
@@ -285,11 +222,11 @@ class TwoBodies : public testing::TestWithParam<OfTwoBodies> {};
 TEST_P(TwoBodies, HaveTheDerivative) {
   const OfTwoBodies& it = GetParam();
   Bodies bodies(it.friction);
-  bodies.add(shape_of(it.lower, it.lower_size, it.friction, it.restitution));
-  bodies.add(shape_of(it.upper, it.upper_size, it.friction, it.restitution));
+  bodies.add(shape_of(it.lower.kind, it.lower.size, it.friction, it.restitution));
+  bodies.add(shape_of(it.upper.kind, it.upper.size, it.friction, it.restitution));
   const Model model = bodies.build();
-  const std::vector<double> lower = posed(it.lower_turn, {0, 0, 2});
-  std::vector<double> upper = posed(it.upper_turn, {0.02, 0.03, 3});
+  const std::vector<double> lower = posed(it.lower.turn, {0, 0, 2});
+  std::vector<double> upper = posed(it.upper.turn, {0.02, 0.03, 3});
   const auto together = [&] {
     std::vector<double> q = lower;
     q.insert(q.end(), upper.begin(), upper.end());
@@ -308,80 +245,30 @@ TEST_P(TwoBodies, HaveTheDerivative) {
   for (const double x : push) tau.push_back(-0.5 * x);
   expect_derivatives(model, {together(), v, tau});
 }
-INSTANTIATE_TEST_SUITE_P(Pairs, TwoBodies,
-                         testing::Values(OfTwoBodies{"spheres_slide",
-                                                     ShapeKind::sphere,
-                                                     ShapeKind::sphere,
-                                                     {0.2, 0, 0},
-                                                     {0.1, 0, 0},
-                                                     some_turn,
-                                                     spin,
-                                                     0.2,
-                                                     0},
-                                         OfTwoBodies{"spheres_stick",
-                                                     ShapeKind::sphere,
-                                                     ShapeKind::sphere,
-                                                     {0.2, 0, 0},
-                                                     {0.1, 0, 0},
-                                                     some_turn,
-                                                     spin,
-                                                     3,
-                                                     0},
-                                         OfTwoBodies{"spheres_bounce",
-                                                     ShapeKind::sphere,
-                                                     ShapeKind::sphere,
-                                                     {0.2, 0, 0},
-                                                     {0.1, 0, 0},
-                                                     some_turn,
-                                                     spin,
-                                                     0.3,
-                                                     0.7},
-                                         OfTwoBodies{"capsules_cross",
-                                                     ShapeKind::capsule,
-                                                     ShapeKind::capsule,
-                                                     {0.1, 0.6, 0},
-                                                     {0.1, 0.6, 0},
-                                                     {1.5, 0, 0.1},
-                                                     {0, 1.6, 0.2},
-                                                     0.4,
-                                                     0},
-                                         OfTwoBodies{"capsule_on_a_sphere",
-                                                     ShapeKind::sphere,
-                                                     ShapeKind::capsule,
-                                                     {0.2, 0, 0},
-                                                     {0.1, 0.6, 0},
-                                                     some_turn,
-                                                     {0, 1.6, 0.2},
-                                                     2,
-                                                     0},
-                                         OfTwoBodies{"sphere_on_a_box",
-                                                     ShapeKind::box,
-                                                     ShapeKind::sphere,
-                                                     {0.6, 0.6, 0.2},
-                                                     {0.1, 0, 0},
-                                                     {0.05, 0.1, 0},
-                                                     some_turn,
-                                                     0.3,
-                                                     0},
-                                         OfTwoBodies{"box_on_a_sphere",
-                                                     ShapeKind::sphere,
-                                                     ShapeKind::box,
-                                                     {0.2, 0, 0},
-                                                     {0.6, 0.6, 0.2},
-                                                     some_turn,
-                                                     {0.05, 0.1, 0},
-                                                     2,
-                                                     0},
-                                         OfTwoBodies{"box_on_a_box",
-                                                     ShapeKind::box,
-                                                     ShapeKind::box,
-                                                     {0.6, 0.6, 0.2},
-                                                     {0.3, 0.3, 0.2},
-                                                     {0.02, 0.03, 0.4},
-                                                     {0.1, -0.15, 0.1},
-                                                     0.3,
-                                                     0}),
-                         [](const auto& it) { return it.param.name; });
+OfTwoBodies stacked(const char* name, const Turned& lower, const Turned& upper, double friction,
+                    double restitution = 0) {
+  return {name, lower, upper, friction, restitution};
+}
+constexpr Vec3<> big_ball{0.2, 0, 0}, long_rod{0.1, 0.6, 0}, slab{0.6, 0.6, 0.2};
+INSTANTIATE_TEST_SUITE_P(
+    Pairs, TwoBodies,
+    testing::Values(stacked("spheres_slide", {ShapeKind::sphere, big_ball, some_turn},
+                            {ShapeKind::sphere, ball, spin}, 0.2),
+                    stacked("spheres_stick", {ShapeKind::sphere, big_ball, some_turn},
+                            {ShapeKind::sphere, ball, spin}, 3),
+                    stacked("spheres_bounce", {ShapeKind::sphere, big_ball, some_turn},
+                            {ShapeKind::sphere, ball, spin}, 0.3, 0.7),
+                    stacked("capsules_cross", {ShapeKind::capsule, long_rod, {1.5, 0, 0.1}},
+                            {ShapeKind::capsule, long_rod, {0, 1.6, 0.2}}, 0.4),
+                    stacked("capsule_on_a_sphere", {ShapeKind::sphere, big_ball, some_turn},
+                            {ShapeKind::capsule, long_rod, {0, 1.6, 0.2}}, 2),
+                    stacked("sphere_on_a_box", {ShapeKind::box, slab, {0.05, 0.1, 0}},
+                            {ShapeKind::sphere, ball, some_turn}, 0.3),
+                    stacked("box_on_a_sphere", {ShapeKind::sphere, big_ball, some_turn},
+                            {ShapeKind::box, slab, {0.05, 0.1, 0}}, 2),
+                    stacked("box_on_a_box", {ShapeKind::box, slab, {0.02, 0.03, 0.4}},
+                            {ShapeKind::box, {0.3, 0.3, 0.2}, {0.1, -0.15, 0.1}}, 0.3)),
+    [](const auto& it) { return it.param.name; });
 
 /// The last state of a motion of some steps under constant forces, and its derivative by them.
 TEST(StepDerivatives, OfAWholeMotionAreProductsOfThoseOfItsSteps) {
@@ -449,6 +336,30 @@ TEST(StepDerivatives, BySurfacesAgreeWithDifferences) {
           << k << ": " << C.col(k).transpose() << "\n"
           << expected.transpose();
     }
+  }
+}
+
+TEST(StepDerivatives, RefuseDrivesWithStates) {
+  Bodies bodies(0.3);
+  bodies.add(shape_of(ShapeKind::sphere, {0.1, 0, 0}, 0.3));
+  BodyDescription wheel{.name = "wheel"};
+  wheel.joint = {.name = "axle", .kind = JointKind::revolute};
+  wheel.inertia = MassProperties{.mass = 1, .Theta = {0.1, 0.1, 0.1, 0, 0, 0}};
+  bodies.description.bodies.push_back(wheel);
+  bodies.description.drives.push_back(
+      {.kind = DriveKind::dc_motor,
+       .joints = {{"axle", 1.0}},
+       .parameters = {{"resistance", 1}, {"inductance", 0.01}, {"torque_constant", 0.2}},
+       .input = {.values = {1.0}}});
+  const Model model = bodies.build();
+  std::vector<double> q = posed({}, {0, 0, 0.1});
+  q.push_back(0);
+  try {
+    static_cast<void>(
+        step_of(model, ContactShapes(model), {q, std::vector<double>(7), std::vector<double>(7)}));
+    FAIL() << "the drive was ignored";
+  } catch (const std::invalid_argument& error) {
+    EXPECT_EQ(std::string(error.what()).find("contact does not carry the states of drives, and model"), 0U);
   }
 }
 

@@ -73,6 +73,25 @@ TEST(VelocitySolver, ReachesTheLawOnDensePiles) {
   }
 }
 
+TEST(VelocitySolver, AsksItsMonitorBeforeFurtherStarts) {
+  int calls = 0;
+  for (unsigned seed = 0; seed < 4; ++seed) {
+    const VelocityProblem problem = pile(8, 40, seed, 0.1, 1.2).build();
+    VelocitySolver solver;
+    solver.reserve(problem.nv(), problem.rows());
+    std::vector<double> lambda(problem.r.size()), one = lambda, none = lambda;
+    const VelocitySolution free = solver.solve(problem, lambda.data());
+    const VelocitySolution watched = solver.solve(problem, one.data(), 1e-12, [&] {
+      ++calls;
+      return true;
+    });
+    EXPECT_EQ(lambda, one) << "seed " << seed;
+    EXPECT_EQ(solver.solve(problem, none.data(), 1e-12, [] { return false; }).restarts, 0) << "seed " << seed;
+    EXPECT_EQ(free.restarts, watched.restarts) << "seed " << seed;
+  }
+  EXPECT_GE(calls, 20);
+}
+
 TEST(VelocitySolver, ReachesTheLawOnAWallOfAHundredBricks) {
   const Solved solved = solve(wall(10, 10, 15));
   EXPECT_LE(solved.solution.certificate, 1e-12);

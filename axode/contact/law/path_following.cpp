@@ -71,7 +71,7 @@ bool VelocitySolver::step_on_path(const PathVector& direction, double length, bo
   return true;
 }
 
-void VelocitySolver::follow_path(double tolerance) noexcept {
+void VelocitySolver::follow_path(double tolerance) {
   constexpr double begin = 100, first_try = 1e-4, last_try = 1e-10, smooth = 0.9;
   if (!(size_ > 0)) return;
   const Vector& center = y_;
@@ -88,7 +88,7 @@ void VelocitySolver::follow_path(double tolerance) noexcept {
   tangent_.x = next_.x;
   tangent_.sigma = next_.sigma;
   double length = 0.5, next_try = std::log(first_try);
-  for (int k = 0; k < most_steps && length > least_length; ++k) {
+  for (int k = 0; k < most_steps && length > least_length && searches(); ++k) {
     bool found = step_on_path(tangent_, length, false);
     const double straight = tangent_.x.dot(after_kink_.x) + tangent_.sigma * after_kink_.sigma;
     if (!found && length < 0.3 && straight < smooth) found = step_on_path(after_kink_, length, true);
@@ -102,7 +102,7 @@ void VelocitySolver::follow_path(double tolerance) noexcept {
     if (path_point_.sigma > next_try) continue;
     start_ = resolved_;
     improve(tolerance, {.failures = 0, .mu = std::exp(path_point_.sigma), .patience = 5});
-    if (solution_.certificate <= accepted || path_point_.sigma < std::log(last_try)) return;
+    if (path_point_.sigma < std::log(last_try)) return;
     next_try = std::min(next_try, path_point_.sigma) - std::log(10.0);
     lambda_0_ = center;
   }

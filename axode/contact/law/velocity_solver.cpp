@@ -65,36 +65,43 @@ void VelocitySolver::analyse() noexcept {
   sparse_.analyse();
 }
 
-VelocitySolution VelocitySolver::solve(const VelocityProblem& problem, double* lambda,
-                                       double tolerance) noexcept {
+VelocitySolution VelocitySolver::solve(const VelocityProblem& problem, double* lambda, double tolerance,
+                                       const Monitor& monitor) {
   begin(problem);
+  monitor_ = &monitor;
+  stopped_ = false;
   solution_ = {};
   result_ = lambda;
   if (rows_ == 0) return solution_;
   solution_.certificate = newton(lambda, tolerance, {.failures = 4});
-  const auto is_solved = [&] { return solution_.certificate <= accepted; };
-  if (!is_solved()) {
+  if (searches()) {
     start_.setZero();
     improve(tolerance, {});
   }
   for (const bool on_laws : {false, true}) {
-    if (is_solved()) break;
+    if (!searches()) break;
     alternate(start_.data(), on_laws);
     improve(tolerance, {});
   }
   for (const double part : {0.0, 1.0, 0.5, 1.5}) {
-    if (is_solved()) break;
+    if (!searches()) break;
     y_ = part * Vector(lambda, rows_);
     follow_path(tolerance);
   }
   // Exactly symmetric problems may lie on kinks of the law: further starts are off the symmetry.
   constexpr int most_disturbed = 6;
-  for (int k = 0; k < most_disturbed && !is_solved(); ++k) {
+  for (int k = 0; k < most_disturbed && searches(); ++k) {
     for (int row = 0; row < rows_; ++row)
       start_[row] = lambda[row] * (1 + 0.3 * std::sin(1.7 * row + 0.9 * k));
     improve(tolerance, {});
   }
   return solution_;
+}
+
+bool VelocitySolver::searches() {
+  if (solution_.certificate <= accepted) return false;
+  stopped_ = stopped_ || (*monitor_ && !(*monitor_)());
+  return !stopped_;
 }
 
 void VelocitySolver::improve(double tolerance, const NewtonOptions& options) noexcept {

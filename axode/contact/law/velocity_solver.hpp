@@ -1,4 +1,6 @@
 #pragma once
+#include <functional>
+
 #include "axode/contact/law/dense_factor.hpp"
 #include "axode/contact/law/sparse_factor.hpp"
 #include "axode/contact/law/velocity_problem.hpp"
@@ -26,9 +28,14 @@ class VelocitySolver {
   /// Allocates for problems with nv velocities and up to a number of rows.
   void reserve(int nv, int rows);
 
+  /// Whether to go on with a problem that needs further starts, which may take seconds. It may be empty.
+  using Monitor = std::function<bool()>;
+
   /// Improves λ, in the scaled rows of the problem, from its given value until the certificate is at most
-  /// `tolerance`. Requires reserve(). Allocates nothing.
-  VelocitySolution solve(const VelocityProblem& problem, double* lambda, double tolerance = 1e-12) noexcept;
+  /// `tolerance`, or until the monitor returns false. It is called before each further start and each step on
+  /// the path of solutions. Requires reserve(). Allocates nothing, and throws only what the monitor throws.
+  VelocitySolution solve(const VelocityProblem& problem, double* lambda, double tolerance = 1e-12,
+                         const Monitor& monitor = {});
 
  private:
   using Vector = Eigen::Map<Eigen::VectorXd>;
@@ -49,6 +56,8 @@ class VelocitySolver {
   };
   /// Newton's method with proximal steps. Improves λ and returns its certificate.
   double newton(double* lambda, double tolerance, const NewtonOptions& options) noexcept;
+  /// Whether neither a solution is found nor the monitor ends the search.
+  bool searches();
   /// Runs newton() from start_ and keeps the better multipliers.
   void improve(double tolerance, const NewtonOptions& options) noexcept;
   /// A proximal step from lambda_0_: returns the norm of what is left, writes λ to resolved_ and the number
@@ -91,12 +100,14 @@ class VelocitySolver {
   bool step_on_path(const PathVector& direction, double length, bool beyond_kink) noexcept;
   /// Follows the path of solutions for R = exp(σ) d² as σ falls, and tries newton() from its points. The path
   /// begins at the multipliers in y_.
-  void follow_path(double tolerance) noexcept;
+  void follow_path(double tolerance);
 
   /// A certificate that needs no further start.
   static constexpr double accepted = 1e-9;
 
   const VelocityProblem* problem_ = nullptr;
+  const Monitor* monitor_ = nullptr;
+  bool stopped_ = false;  ///< whether the monitor has returned false
   VelocitySolution solution_;
   double* result_ = nullptr;  ///< the best multipliers
   int rows_ = 0;

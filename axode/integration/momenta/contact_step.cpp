@@ -7,7 +7,7 @@
 namespace axode {
 namespace {
 
-constexpr double accepted = 1e-9;
+constexpr double accepted = 1e-9, precise = 1e-13;  // certificates
 /// Contacts for which memory is reserved.
 constexpr std::size_t capacity = 64;
 
@@ -56,6 +56,11 @@ ContactStep::ContactStep(ContactSimulationRun& run, const Model& model, ContactS
 double ContactStep::closed(const Contact& contact) const {
   constexpr double of_size = 1e-12, of_places = 32 * std::numeric_limits<double>::epsilon();
   return std::max(of_size * size_, of_places * (norm(contact.point) + size_));
+}
+
+bool ContactStep::overlaps(const Contact& contact) const {
+  constexpr double parted = 100;
+  return contact.gap < -parted * closed(contact);
 }
 
 Failure ContactStep::run(double t, double h, const Vector& q_0, const Vector& v_0) {
@@ -125,6 +130,7 @@ const Contact* ContactStep::with_key(const std::vector<Contact>& contacts, std::
 Failure ContactStep::attempt(double t, double h, const Vector& q_0, const Vector& v_0) {
   certificate = 0;
   touched = false;
+  if (Failure failure = run_->check_finite(t, q_0, v_0)) return failure;
   start_.system.poses(q_0.data(), C_.data());
   const double margin = finder_.shapes().margin() + reach(h, v_0);
   if (Failure failure = find(q_0, margin, start_.contacts, t)) return failure;
@@ -184,12 +190,17 @@ void ContactStep::record() {
   record_.add(end_.system.problem(), end_.contacts, end_.lambda.data(), end_.u_after.data(), v.norm());
 }
 
-double ContactStep::solve(End& end) {
-  const VelocityProblem& problem = end.system.problem();
+Failure ContactStep::solve(double t, const VelocityProblem& problem, std::vector<double>& lambda,
+                           double tolerance, double& e) {
   solver_.reserve(problem.nv(), problem.rows());
-  const VelocitySolution solution = solver_.solve(problem, end.lambda.data(), 1e-13);
+  interruption_ = {};
+  const VelocitySolution solution = solver_.solve(problem, lambda.data(), tolerance, [this, t] {
+    interruption_ = run_->interruption(t);
+    return !interruption_;
+  });
   hard_ = solution.restarts > 0;
-  return solution.certificate;
+  e = solution.certificate;
+  return interruption_;
 }
 
 /// v_after = v + M⁻¹ Jᵀ λ, and the velocities of the rows after it.
@@ -251,7 +262,7 @@ Failure ContactStep::move(double t, double h, const Vector& q_0, const Vector& v
     if (k > 0) secants_.update(r_, weights_, problem.r);
     r_ = problem.r;
     before_ = start_.lambda;
-    certificate = solve(start_);
+    if (Failure failure = solve(t, problem, start_.lambda, precise, certificate)) return failure;
     failed = certificate <= accepted ? 0 : failed + 1;
     if (failed == most_failed) break;
     change_.setZero();
@@ -329,9 +340,8 @@ Failure ContactStep::land(double t, double h) {
   select_active();
   q = run_->q_end;
   v = run_->v_end;
-  constexpr double near_stop = 1e-9;
-  if (Failure failure = run_->checked(t + h, end_.system.set(q.data(), end_.contacts, h / 2, near_stop)))
-    return failure;
+  const Solvability verdict = end_.system.set(q.data(), end_.contacts, h / 2, ContactPart::near_stop);
+  if (Failure failure = run_->checked(t + h, verdict)) return failure;
   touched = std::ranges::any_of(start_.lambda, [](double x) { return x != 0; });
   VelocityProblem& problem = end_.system.problem();
   if (problem.rows() == 0) return {};
@@ -346,7 +356,8 @@ Failure ContactStep::land(double t, double h) {
   const bool any_bounces = std::ranges::any_of(bounces_, [](char x) { return x != 0; });
   for (double bounciness = 1; bounciness >= 0; bounciness -= 0.25) {
     set_r_of_end(bounciness);
-    certificate = std::max(solve(end_), before);
+    if (Failure failure = solve(t, problem, end_.lambda, precise, certificate)) return failure;
+    certificate = std::max(certificate, before);
     apply(end_, run_->v_end, v);
     constexpr double rounding = 1e-12;
     keep_end(bounciness);
@@ -406,10 +417,7 @@ double ContactStep::work() {
 }
 
 Failure ContactStep::separate(double t, double h) {
-  constexpr double parted = 100;  // overlaps beyond this multiple of what counts as closed
-  const bool overlaps = std::ranges::any_of(
-      found_, [&](const Contact& contact) { return contact.gap < -parted * closed(contact); });
-  if (!overlaps) return {};
+  if (std::ranges::none_of(found_, [&](const Contact& contact) { return overlaps(contact); })) return {};
   for (Contact& contact : found_) contact.surface = {};
   // Dry friction holds velocities, and no displacements: its bound is 0.
   if (Failure failure = run_->checked(t + h, end_.system.set(q.data(), found_, 0))) return failure;
@@ -425,8 +433,9 @@ Failure ContactStep::separate(double t, double h) {
     problem.r[row] = room[unilateral + row - first];
   problem.finish();
   between_.assign(problem.r.size(), 0.0);
-  solver_.reserve(problem.nv(), problem.rows());
-  if (!solver_.solve(problem, between_.data()).holds(accepted)) return {};
+  double e = 0;
+  if (Failure failure = solve(t, problem, between_, 1e-12, e)) return failure;
+  if (!(e <= accepted)) return {};
   end_.x.setZero();
   problem.add_product(1, between_.data(), end_.x.data());
   end_.system.push(end_.x.data(), end_.v.data());
@@ -457,8 +466,7 @@ void ContactStep::keep_start(double h, const Vector& q_0, const Vector& v_0, dou
     part.slides = slides_;
     part.bounces = bounces_;
   }
-  constexpr double parted = 100;  // as in separate()
-  for (const Contact& contact : part.start) part.overlaps.push_back(contact.gap < -parted * closed(contact));
+  for (const Contact& contact : part.start) part.overlaps.push_back(overlaps(contact));
   kept.push_back(std::move(part));
 }
 

@@ -73,10 +73,13 @@ class ContactStep {
   void set_r_of_end(double bounciness);
   void select_active();
   double closed(const Contact& contact) const;
+  bool overlaps(const Contact& contact) const;  ///< by more than rounding
   /// Moves q so that overlaps and loops close, by the motion that moves the masses least (D11.15).
   Failure separate(double t, double h);
-  /// Solves the problem of an end, sets hard_ and returns the certificate.
-  double solve(End& end);
+  /// Solves a problem in the step that begins at time t, sets hard_ and the certificate, and fails if it is
+  /// interrupted.
+  Failure solve(double t, const VelocityProblem& problem, std::vector<double>& lambda, double tolerance,
+                double& e);
   void apply(End& end, const Vector& v, Vector& v_after);
   double work();
   void keep_start(double h, const Vector& q_0, const Vector& v_0, double margin);
@@ -109,6 +112,7 @@ class ContactStep {
   Multisecant secants_;          ///< of the right sides
   std::vector<double> between_;  ///< velocities of the rows at the start after its impulses; multipliers
   bool hard_ = false;            ///< whether the last problem needed further starts
+  Failure interruption_ = {};    ///< of the last problem
 };
 
 }  // namespace axode

@@ -34,9 +34,8 @@ bool ContactStepDerivative::impulses_at_end(const ContactPart& part, const Start
   Momenta at;
   Impulses last;
   Rows rows;
-  constexpr double near_stop = 1e-9;  // as in the step
   if (m > 0) {
-    last = set_rows(q_1, part.end, part.h / 2, near_stop, part.lambda_end);
+    last = set_rows(q_1, part.end, part.h / 2, ContactPart::near_stop, part.lambda_end);
     take_momenta(q_1, v_1, at);
     v_1 += at.factor.solve(last.J.transpose() * last.physical());
   }

@@ -30,6 +30,11 @@ class ContactSimulationRun : public MomentumSimulationRun {
     h_ = 0;
   }
 
+  /// Fails if a state at time t has numbers that are not finite.
+  Failure check_finite(double t, const Vector& q_t, const Vector& v_t) const {
+    return finite(q_t) && finite(v_t) ? Failure{} : not_finite(t, "the state is", as_span(v_t));
+  }
+
   /// Moves freely from (q_0, v_0) at time t over h by the midpoint rule (D8.5). A floating base keeps its
   /// momentum, or the sum of its momentum and that of gravity, to rounding. The state is given at the end and
   /// in the middle of the step, with the velocities of the middle for its whole length.
@@ -39,7 +44,7 @@ class ContactSimulationRun : public MomentumSimulationRun {
     q_0_ = q_0;
     v_0_ = v_0;
     bases.to_moving_frame(t, q_0_.data(), v_0_.data());
-    if (!finite(q_0_) || !finite(v_0_)) return not_finite(t, "the state is", as_span(v_0));
+    if (Failure failure = check_finite(t, q_0_, v_0_)) return failure;
     momenta(model_, workspace_, Span(as_span(q_0_)), as_span(v_0_), as_span(p_));
     y_ = p_;
     bases.begin(q_0_.data(), y_.data());

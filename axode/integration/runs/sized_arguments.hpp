@@ -1,0 +1,33 @@
+#pragma once
+#include <initializer_list>
+
+#include "axode/kinematics/check_arguments.hpp"
+
+namespace axode {
+
+/// An argument or a result, with the size that it must have.
+template <class T> struct Sized {
+  const char* name;
+  std::span<T> x;
+  std::size_t size;
+  const char* meaning;
+};
+
+/// Checks the sizes of the arguments and results of one call, and that results have memory of their own.
+inline void check_sizes(std::initializer_list<Sized<const double>> arguments,
+                        std::initializer_list<Sized<double>> results) {
+  for (const auto& in : arguments) check_size(in.name, in.x.size(), in.size, in.meaning);
+  for (const auto* out = results.begin(); out != results.end(); ++out) {
+    check_size(out->name, out->x.size(), out->size, out->meaning);
+    for (const auto& in : arguments) check_separate(out->name, out->x, in.name, in.x);
+    for (const auto* other = results.begin(); other != out; ++other)
+      check_separate(out->name, out->x, other->name, other->x);
+  }
+}
+
+/// The number K of steps, from the number of drive forces.
+inline std::size_t steps_of(const Model& model, std::span<const double> tau) {
+  return model.nv() == 0 ? 0 : tau.size() / static_cast<std::size_t>(model.nv());
+}
+
+}  // namespace axode
