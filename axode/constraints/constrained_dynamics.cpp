@@ -65,12 +65,13 @@ template <class T> struct DriveForces {
     for (std::size_t k = 0; k < drives.size(); ++k)
       NB.col(static_cast<Eigen::Index>(k)) = N.row(drives[k]).transpose();
     Vector u = Vector::Zero(NB.cols());
-    if (NB.size() > 0) {
-      const double rounding =
-          static_cast<double>(Eigen::NumTraits<T>::epsilon() * T(std::min(NB.rows(), NB.cols())));
-      u = least_squares(NB.template cast<double>(), wanted.template cast<double>(), rounding)
+    // The columns of N are orthonormal, so that this bound tells drives that loops lock from all others.
+    constexpr T rounding = RowElimination<T>::rounding;
+    const T largest = NB.size() > 0 ? NB.colwise().norm().maxCoeff() : T(0);
+    if (largest > rounding)
+      u = least_squares(NB.template cast<double>(), wanted.template cast<double>(),
+                        static_cast<double>(rounding / largest))
               .template cast<T>();
-    }
     for (std::size_t k = 0; k < drives.size(); ++k) tau[drives[k]] += u[static_cast<Eigen::Index>(k)];
     const T left = (wanted - NB * u).norm(), size = need.norm();
     missing = size > T(0) ? left / size : T(0);

@@ -1,6 +1,7 @@
 #pragma once
 #include <cmath>
 #include <string>
+#include <vector>
 
 #include "axode/lie/vec3.hpp"
 #include "axode/model/building/fault.hpp"
@@ -17,6 +18,16 @@ inline std::string rounded_text(const Vec3<>& a) {
     out += rounded_text(x);
   }
   return out += ')';
+}
+
+/// Entries of null vectors that are named in a message, relative to the largest one.
+inline constexpr double considerable = 0.1;
+/// Names in quotes, separated by commas and "and".
+inline std::string listed(const std::vector<std::string>& names) {
+  std::string all;
+  for (std::size_t k = 0; k < names.size(); ++k)
+    all += (k == 0 ? "" : k + 1 == names.size() ? " and " : ", ") + ('"' + names[k] + '"');
+  return all;
 }
 
 }  // namespace axode

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "axode/constraints/check_loops.hpp"
 #include "axode/constraints/embedding/task_kernel.hpp"
 #include "axode/kinematics/check_arguments.hpp"
 #include "axode/model/configuration.hpp"
@@ -29,7 +30,7 @@ class LimbClosure {
   double last_norm() const { return last_norm_; }
 
   /// Computes a step of Newton's method at the present rows of positions and their residuals r. Returns
-  /// whether a step is due: the residual is larger than rounding and less than before.
+  /// whether a step is due: the residual is finite, and larger than rounding or less than before.
   bool compute_step(const LoopSystem<double>& system, const Eigen::VectorXd& r) {
     const int n = static_cast<int>(part_.velocities.size());
     matrix_.reset(rows_, n);
@@ -50,11 +51,9 @@ class LimbClosure {
     }
     const double norm = std::sqrt(square);
     std::ranges::fill(step_, 0.0);
-    if (norm == 0 || (last_norm_ <= reached && !(norm < last_norm_))) {
-      last_norm_ = std::min(norm, last_norm_);
-      return false;
-    }
+    const bool due = norm > 0 && std::isfinite(norm) && (norm > reached || norm < last_norm_);
     last_norm_ = norm;
+    if (!due) return false;
     static_cast<void>(matrix_.run(system.considerable_entry()));
     matrix_.reduce(residual_.data(), reduced_.data());
     matrix_.solve(reduced_.data(), step_.data());
@@ -89,16 +88,21 @@ void set_platform(const Model& model, int platform, const SE3<>& C, std::span<do
   with_joint(tree, platform, [&](const auto& joint) { joint.coordinates(D, near.data(), own); });
 }
 
+/// How far the body frame of the platform is from the pose C, rad and m.
+double distance_from(const TaskKernel& kernel, const SE3<>& C) {
+  const SE3<> found = kernel.platform_pose() *
+                      kernel.model().tree<double>().frame_offset[static_cast<std::size_t>(kernel.platform)];
+  return std::max(norm(log_SO3(transpose(found.R) * C.R)), norm(found.r - C.r));
+}
+
 }  // namespace
 
 PlatformPlacement place_platform(TaskSpace& space, const SE3<>& C, std::span<double> q) {
   TaskKernel& kernel = space.kernel();
   const Model& model = space.model();
   check_configuration(model, q);
-  if (kernel.platform == 0)
-    throw std::invalid_argument("model: \"" + model.name() +
-                                "\" has no platform; name the body when the task space is made");
-  if (!finite(q) || !finite(C.r) || !finite(C.R.x) || !finite(C.R.y) || !finite(C.R.z))
+  kernel.check_platform();
+  if (!finite(q) || !finite(C))
     throw std::invalid_argument("q or the pose of \"" + model.body(kernel.platform).name +
                                 "\" has a number that is not finite");
   set_platform(model, kernel.platform, C, q);
@@ -121,11 +125,13 @@ PlatformPlacement place_platform(TaskSpace& space, const SE3<>& C, std::span<dou
     if (moves) std::ranges::copy(integrate(model, q, dv), q.begin());
   }
   for (std::size_t l = 0; l < limbs.size(); ++l)
-    if (out.limb < 0 || limbs[l].last_norm() > out.residual) {
+    if (out.limb < 0 || !(limbs[l].last_norm() <= out.residual)) {
       out.limb = static_cast<int>(l);
       out.residual = limbs[l].last_norm();
     }
   out.reached = out.residual <= reached;
+  if (const double off = distance_from(kernel, C); !(off <= closed_enough))
+    out = {.limb = -1, .residual = off, .iterations = out.iterations};
   return out;
 }
 

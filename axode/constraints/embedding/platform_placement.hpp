@@ -7,8 +7,9 @@ namespace axode {
 /// Where place_platform() ended.
 struct PlatformPlacement {
   bool reached = false;
-  int limb = -1;        ///< the limb that reaches the pose least
-  double residual = 0;  ///< the largest residual |r| of a limb, rad and m
+  /// The limb that reaches the pose least; -1 if the joint of the platform itself does not have this pose.
+  int limb = -1;
+  double residual = 0;  ///< the residual |r| of this limb, or of the platform's pose, rad and m
   int iterations = 0;
 };
 

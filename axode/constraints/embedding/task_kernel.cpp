@@ -1,12 +1,14 @@
 #include "axode/constraints/embedding/task_kernel.hpp"
 
 #include <algorithm>
+#include <limits>
 #include <stdexcept>
 
 #include "axode/dynamics/mass_matrix/mass_matrix.hpp"
 #include "axode/eigen.hpp"
 #include "axode/fast/fast.hpp"
 #include "axode/model/configuration.hpp"
+#include "axode/model/finite.hpp"
 
 namespace axode {
 namespace {
@@ -33,6 +35,15 @@ Limbs division(const Model& model, const LoopTable& table, int platform) {
 }
 
 }  // namespace
+
+TaskVerdict judged(TaskVerdict verdict, std::initializer_list<std::span<double>> results) noexcept {
+  for (const std::span<double> x : results)
+    if (verdict.ok() && !finite(x)) verdict.kind = TaskVerdict::Kind::not_finite;
+  if (!verdict.ok())
+    for (const std::span<double> x : results)
+      std::ranges::fill(x, std::numeric_limits<double>::quiet_NaN());
+  return verdict;
+}
 
 TaskKernel::TaskKernel(const Model& model, std::span<const double> q, int body)
     : zero(Vector::Zero(model.nv())),
@@ -248,6 +259,7 @@ void TaskKernel::expand(const double* X, const double* gamma, double* x) noexcep
     for (int i = 0; i < rows; ++i) before_[i] = gamma == nullptr ? 0 : -gamma[part.rows[index(i)]];
     part.matrix.reduce(before_.data(), part.b.data());
     for (int i = part.dependent; i < rows; ++i) remaining_[next++] = part.b[i];
+    std::copy_n(X + part.first_inner, part.inner(), part.x.data() + part.dependent);
   }
   s_.setZero();
   constraints_.reduce(remaining_.data(), after_.data());
@@ -260,14 +272,12 @@ void TaskKernel::expand(const double* X, const double* gamma, double* x) noexcep
     for (int j = 0; j < free; ++j) s_[k] += N_(k, j) * y_[j];
   for (int k = 0; k < s; ++k) x[carrying_[index(k)]] = s_[k];
   for (Part& part : parts_) {
-    const double* const own = X + part.first_inner;
     for (int i = 0; i < part.dependent; ++i) {
       const double* const row = part.matrix.row(i);
-      for (int j = 0; j < part.inner(); ++j) part.b[i] -= row[part.dependent + j] * own[j];
+      for (int j = part.dependent; j < part.first_carrying(); ++j) part.b[i] -= row[j] * part.x[j];
       for (int k = 0; k < s; ++k) part.b[i] -= row[part.first_carrying() + k] * s_[k];
     }
     part.matrix.solve(part.b.data(), part.x.data());
-    for (int j = 0; j < part.inner(); ++j) part.x[part.dependent + j] = own[j];
     for (std::size_t j = 0; j < part.velocities.size(); ++j)
       x[part.velocities[j]] = part.x[static_cast<Eigen::Index>(j)];
   }
@@ -381,6 +391,17 @@ bool TaskKernel::solve(double* b) noexcept {
   Eigen::Map<Vector> x(b, freedom_);
   factor_.solveInPlace(x);
   return true;
+}
+
+void TaskKernel::check_platform() const {
+  if (platform == 0)
+    throw std::invalid_argument("model: \"" + model().name() +
+                                "\" has no platform; name the body when the task space is made");
+}
+
+SE3<> TaskKernel::platform_pose() const {
+  const SE3<> C = system_.link(platform).C;
+  return {C.R, C.r + system_.root_origins()[platform]};
 }
 
 std::string TaskKernel::name_of_limb(int l) const {

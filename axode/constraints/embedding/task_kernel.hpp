@@ -6,6 +6,9 @@
 
 namespace axode {
 
+/// Completes a verdict: results that are not finite are refused, and results without a solution are NaN.
+TaskVerdict judged(TaskVerdict verdict, std::initializer_list<std::span<double>> results) noexcept;
+
 /// The computations of a TaskSpace. Each limb has velocities that its rows determine from the others, its
 /// dependent ones, and `inner` ones that are task velocities; what remains of its rows are the wrenches that
 /// the limb exerts on the platform however its joints move, and the carrying velocities must not work on
@@ -41,7 +44,7 @@ class TaskKernel {
   /// Resolves the limbs and the carrying velocities at the present rows A of velocities, (D18.2) to (D18.5).
   TaskVerdict resolve() noexcept;
   /// Computes x (nv) with A x = -γ and the task part X (f): v for γ = 0, which may be null, or a (D18.10).
-  /// Must follow resolve().
+  /// x may share the memory of X. Must follow resolve().
   void expand(const double* X, const double* gamma, double* x) noexcept;
   /// Computes F of (D18.6). Must follow resolve().
   void make_F() noexcept;
@@ -57,6 +60,10 @@ class TaskKernel {
   bool solve(double* b) noexcept;
 
   std::string name_of_limb(int l) const;
+  /// Throws std::invalid_argument if there is no platform.
+  void check_platform() const;
+  /// The pose of the internal frame of the platform in the inertial frame, at the present kinematics.
+  SE3<> platform_pose() const;
 
   int platform = 0;
   std::vector<std::string> names;

@@ -1,7 +1,6 @@
 #include "axode/constraints/embedding/task_rates.hpp"
 
 #include <algorithm>
-#include <limits>
 
 #include "axode/constraints/check_loops.hpp"
 #include "axode/constraints/embedding/task_kernel.hpp"
@@ -28,11 +27,13 @@ TaskVerdict inverse_dynamics_rates(TaskSpace& space, std::span<const double> q, 
                                 " rows of nv = " + std::to_string(nv));
   check_size("rates", rates.size(), (orders + 1) * f, "a row of freedom() more than rows of tau");
   if (!motion.empty()) check_size("motion", motion.size(), (orders + 1) * nv, "a row of nv more than tau");
-  if (!finite(q) || !finite(rates)) return {TaskVerdict::Kind::not_finite};
+  check_separate("motion", motion, "tau", tau);
+  if (!finite(q) || !finite(rates)) return judged({TaskVerdict::Kind::not_finite}, {tau, motion});
 
   system.update_kinematics(q.data());
   system.make_rows(ConstraintLevel::velocity);
-  if (const TaskVerdict verdict = kernel.resolve(); !verdict.ok()) return verdict;
+  if (const TaskVerdict verdict = kernel.resolve(); !verdict.ok())
+    return judged(verdict, {tau, motion});
   std::vector<double> v((orders + 1) * nv), forces(orders * nv);
   LoopSeries loops(model, static_cast<int>(orders));
   for (std::size_t k = 0; k <= orders; ++k) {
@@ -53,13 +54,11 @@ TaskVerdict inverse_dynamics_rates(TaskSpace& space, std::span<const double> q, 
       Q -= binomial * (loops.derivative(static_cast<int>(l)).transpose() * lambda[k - l]);
     }
     lambda.emplace_back(model.loops().rows);
-    if (!system.drive_forces({}, Q.data(), tau.data() + k * nv, lambda.back().data())) {
-      std::ranges::fill(tau, std::numeric_limits<double>::quiet_NaN());
-      return {TaskVerdict::Kind::drives_singular};
-    }
+    if (!system.drive_forces({}, Q.data(), tau.data() + k * nv, lambda.back().data()))
+      return judged({TaskVerdict::Kind::drives_singular}, {tau, motion});
   }
   if (!motion.empty()) std::ranges::copy(v, motion.begin());
-  return {};
+  return judged({}, {tau, motion});
 }
 
 }  // namespace axode

@@ -17,16 +17,6 @@ namespace {
 using Matrix = Eigen::MatrixXd;
 using Vector = Eigen::VectorXd;
 
-/// Entries of null vectors that are named, relative to the largest one.
-constexpr double considerable = 0.1;
-
-std::string listed(const std::vector<std::string>& names) {
-  std::string all;
-  for (std::size_t k = 0; k < names.size(); ++k)
-    all += (k == 0 ? "" : k + 1 == names.size() ? " and " : ", ") + ('"' + names[k] + '"');
-  return all;
-}
-
 /// Describes a twist about the inertial origin. An axis that is farther away than 1e6 lengths is none.
 std::string in_words(const Twist<Spatial>& V, double length) {
   if (!(norm(V.w) * 1e6 * length > norm(V.v))) return "along " + rounded_text((1 / norm(V.v)) * V.v);
@@ -80,11 +70,7 @@ class Scaled {
  private:
   void find_center(const LoopSystem<double>& system) {
     std::vector<Vec3<>> points;
-    if (kernel_.platform == 0) return;
-    const int root = kernel_.platform;
-    const SE3<> C = system.link(root).C;
-    const Vec3<> origin = system.root_origins()[root];
-    pose_ = {C.R, C.r + origin};
+    pose_ = kernel_.platform_pose();
     for (const LoopPath& path : system.table().paths)
       for (const Loop::End& end : path.ends)
         if (end.body == kernel_.platform) points.push_back(pose_ * end.F.r);
@@ -112,7 +98,6 @@ class Scaled {
   void make_twists() {
     const std::vector<int>& carrying = kernel_.carrying();
     twists_.setZero(6, std::ssize(carrying));
-    if (kernel_.platform == 0) return;
     const int first = model_.joint(kernel_.platform).iv;
     const SE3<> body = pose_ * model_.tree<double>().frame_offset[static_cast<std::size_t>(kernel_.platform)];
     for (std::size_t j = 0; j < carrying.size(); ++j) {
@@ -162,6 +147,9 @@ std::vector<TaskSingularity> singularities(TaskSpace& space, std::span<const dou
   TaskKernel& kernel = space.kernel();
   const Model& model = space.model();
   check_configuration(model, q);
+  kernel.check_platform();
+  if (!(within >= 0 && within <= 1))
+    throw std::invalid_argument("within is " + to_text(within) + "; distances are from 0 to 1");
   check_closed(kernel.system(), q, std::vector<double>(static_cast<std::size_t>(model.nv())));
   const std::vector<std::string> names = velocity_names(model);
   const Scaled scaled(kernel, q);
@@ -208,7 +196,6 @@ std::vector<TaskSingularity> singularities(TaskSpace& space, std::span<const dou
     driven_velocities.push_back(carrying[static_cast<std::size_t>(j)]);
     drive_rows.push_back(Eigen::RowVectorXd::Unit(s, j));
   }
-  if (s == 0) return found;
   const auto stacked = [&](const std::vector<Eigen::RowVectorXd>& rows) {
     Matrix out(std::ssize(rows), s);
     for (std::size_t k = 0; k < rows.size(); ++k) out.row(static_cast<Eigen::Index>(k)) = rows[k];
@@ -219,7 +206,7 @@ std::vector<TaskSingularity> singularities(TaskSpace& space, std::span<const dou
     return Matrix(Eigen::JacobiSVD<Matrix>(A, Eigen::ComputeThinU | Eigen::ComputeThinV)
                       .solve(Matrix::Identity(A.rows(), A.rows())));
   };
-  const Matrix to_carrying = kernel.platform > 0 && s == 6 ? basis(scaled.twists()) : Matrix::Identity(s, s);
+  const Matrix to_carrying = s == 6 ? basis(scaled.twists()) : Matrix::Identity(s, s);
   const auto free_motion = [&](TaskSingularity& at, const Vector& x) {
     at.twist = normalized(scaled.twist(to_carrying * x), scaled);
     return in_words(at.twist, scaled.length);
@@ -239,13 +226,14 @@ std::vector<TaskSingularity> singularities(TaskSpace& space, std::span<const dou
     N = svd.matrixV().rightCols(s - rank);
   }
   if (N.cols() == 0) return found;
+  if (drive_rows.empty()) drive_rows.emplace_back(Eigen::RowVectorXd::Zero(s));
   const Matrix J = stacked(drive_rows) * to_carrying * N;
   const Eigen::JacobiSVD<Matrix> svd(J, Eigen::ComputeFullU | Eigen::ComputeFullV);
   if (const double distance = distance_of(svd, N.cols()); distance < within) {
     TaskSingularity at{.type = TaskSingularity::Type::drives, .distance = distance, .twist = {}};
     at.sentence = "type 2: the platform can move while all drives are locked, " +
                   free_motion(at, N * svd.matrixV().col(N.cols() - 1));
-    if (N.cols() <= J.rows()) {
+    if (N.cols() <= std::ssize(driven_velocities)) {
       at.joints = considerable_names(svd.matrixU().col(N.cols() - 1), driven_velocities, names);
       at.sentence += "; these drives hold each other: " + listed(at.joints);
     }

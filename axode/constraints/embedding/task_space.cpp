@@ -1,7 +1,6 @@
 #include "axode/constraints/embedding/task_space.hpp"
 
 #include <algorithm>
-#include <limits>
 
 #include "axode/constraints/check_loops.hpp"
 #include "axode/constraints/embedding/task_kernel.hpp"
@@ -18,11 +17,6 @@ void check_state(TaskKernel& kernel, std::span<const double> q, std::span<const 
 }
 void check_task(const char* name, std::span<const double> X, const TaskKernel& kernel) {
   check_size(name, X.size(), static_cast<std::size_t>(kernel.freedom()), "freedom()");
-}
-/// Writes NaN if a result does not exist.
-TaskVerdict judged(TaskVerdict verdict, std::span<double> out) {
-  if (!verdict.ok()) std::ranges::fill(out, std::numeric_limits<double>::quiet_NaN());
-  return verdict;
 }
 
 }  // namespace
@@ -54,12 +48,12 @@ TaskVerdict TaskSpace::velocities(std::span<const double> q, std::span<const dou
   TaskKernel& kernel = *kernel_;
   check_state(kernel, q, v);
   check_task("V", V, kernel);
-  if (!finite(q) || !finite(V)) return judged({TaskVerdict::Kind::not_finite}, v);
+  if (!finite(q) || !finite(V)) return judged({TaskVerdict::Kind::not_finite}, {v});
   kernel.system().update_kinematics(q.data());
   kernel.system().make_rows(ConstraintLevel::velocity);
   const TaskVerdict verdict = kernel.resolve();
   if (verdict.ok()) kernel.expand(V.data(), nullptr, v.data());
-  return judged(verdict, v);
+  return judged(verdict, {v});
 }
 
 TaskVerdict TaskSpace::accelerations(std::span<const double> q, std::span<const double> v,
@@ -68,12 +62,12 @@ TaskVerdict TaskSpace::accelerations(std::span<const double> q, std::span<const 
   check_state(kernel, q, v);
   check_task("dV", dV, kernel);
   check_size("a", a.size(), v.size(), "nv");
-  if (!finite(q) || !finite(v) || !finite(dV)) return judged({TaskVerdict::Kind::not_finite}, a);
+  if (!finite(q) || !finite(v) || !finite(dV)) return judged({TaskVerdict::Kind::not_finite}, {a});
   static_cast<void>(kernel.system().force_fast(q.data(), v.data(), kernel.zero.data(), {}));
   const TaskVerdict verdict = kernel.resolve();
   if (verdict.ok())
     kernel.expand(dV.data(), kernel.system().acceleration_residual(kernel.zero.data()).data(), a.data());
-  return judged(verdict, a);
+  return judged(verdict, {a});
 }
 
 TaskVerdict TaskSpace::inverse_dynamics(std::span<const double> q, std::span<const double> v,
@@ -83,12 +77,12 @@ TaskVerdict TaskSpace::inverse_dynamics(std::span<const double> q, std::span<con
   check_loads(kernel.model(), loads);
   check_size("tau", tau.size(), v.size(), "nv");
   TaskVerdict verdict = accelerations(q, v, dV, as_span(kernel.acceleration));
-  if (!verdict.ok()) return judged(verdict, tau);
+  if (!verdict.ok()) return judged(verdict, {tau});
   const std::span<double> f =
       kernel.system().force_fast(q.data(), v.data(), kernel.acceleration.data(), loads);
   if (!kernel.system().drive_forces({}, f.data(), tau.data(), nullptr))
     verdict.kind = TaskVerdict::Kind::drives_singular;
-  return judged(verdict, tau);
+  return judged(verdict, {tau});
 }
 
 TaskVerdict TaskSpace::forward_dynamics(std::span<const double> q, std::span<const double> v,
@@ -99,14 +93,11 @@ TaskVerdict TaskSpace::forward_dynamics(std::span<const double> q, std::span<con
   check_task("dV", dV, kernel);
   check_size("tau", tau.size(), v.size(), "nv");
   if (!a.empty()) check_size("a", a.size(), v.size(), "nv");
+  check_separate("a", a, "dV", dV);
   check_loads(kernel.model(), loads);
-  const auto failed = [&](TaskVerdict verdict) {
-    static_cast<void>(judged(verdict, a));
-    return judged(verdict, dV);
-  };
-  if (!finite(q) || !finite(v) || !finite(tau)) return failed({TaskVerdict::Kind::not_finite});
+  if (!finite(q) || !finite(v) || !finite(tau)) return judged({TaskVerdict::Kind::not_finite}, {dV, a});
   const std::span<double> w = kernel.system().force_fast(q.data(), v.data(), kernel.zero.data(), loads);
-  if (const TaskVerdict verdict = kernel.resolve(); !verdict.ok()) return failed(verdict);
+  if (const TaskVerdict verdict = kernel.resolve(); !verdict.ok()) return judged(verdict, {dV, a});
   std::ranges::copy(kernel.system().acceleration_residual(kernel.zero.data()), kernel.bias.begin());
   kernel.expand(kernel.zero.data(), kernel.bias.data(), kernel.acceleration.data());
   kernel.make_F();
@@ -114,9 +105,9 @@ TaskVerdict TaskSpace::forward_dynamics(std::span<const double> q, std::span<con
   for (std::size_t c = 0; c < w.size(); ++c) w[c] = tau[c] - w[c];
   kernel.subtract_inertia_forces(kernel.acceleration.data(), w.data());
   kernel.project(w.data(), dV.data());
-  if (!kernel.solve(dV.data())) return failed({TaskVerdict::Kind::mass_singular});
+  if (!kernel.solve(dV.data())) return judged({TaskVerdict::Kind::mass_singular}, {dV, a});
   if (!a.empty()) kernel.expand(dV.data(), kernel.bias.data(), a.data());
-  return {};
+  return judged({}, {dV, a});
 }
 
 TaskEquations TaskSpace::equations(std::span<const double> q, std::span<const double> v,

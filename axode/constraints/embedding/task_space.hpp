@@ -20,7 +20,7 @@ struct TaskVerdict {
     drives_singular,      ///< type 2: the platform can move while all drives are locked
     constraint_singular,  ///< the limbs of reduced mobility leave the platform another freedom
     mass_singular,        ///< a motion moves no mass
-    not_finite,           ///< an argument is not a finite number
+    not_finite,           ///< an argument or a result is not a finite number
   };
   Kind kind = Kind::solved;
   int limb = -1;  ///< the number of the singular limb

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "axode/constraints/loop_system/independent_rows.hpp"
+#include "axode/constraints/vector_text.hpp"
 #include "axode/model/configuration.hpp"
 
 namespace axode {
@@ -14,15 +15,6 @@ using Matrix = Eigen::MatrixXd;
 
 /// Singular values that are smaller than this part of the largest one belong to a singularity nearby.
 constexpr double near = 0.05;
-/// Entries of null vectors that are named, relative to the largest one.
-constexpr double considerable = 0.1;
-
-std::string listed(const std::vector<std::string>& names) {
-  std::string all;
-  for (std::size_t k = 0; k < names.size(); ++k)
-    all += (k == 0 ? "" : k + 1 == names.size() ? " and " : ", ") + ('"' + names[k] + '"');
-  return all;
-}
 
 }  // namespace
 
