@@ -7,7 +7,7 @@
 #include <string>
 #include <utility>
 
-#include "axode/model/shape_kinds.hpp"
+#include "axode/model/kinds/shape_kinds.hpp"
 
 namespace axode {
 namespace {

@@ -13,7 +13,7 @@
 
 #include "axode/io/reading.hpp"
 #include "axode/model/building/nearest_name.hpp"
-#include "axode/model/shape_kinds.hpp"
+#include "axode/model/kinds/shape_kinds.hpp"
 
 /// The base of the readers of XML formats.
 namespace axode::io {

@@ -9,7 +9,7 @@
 
 #include "axode/lie/inertia.hpp"
 #include "axode/model/building/fault.hpp"
-#include "axode/model/drive_kinds.hpp"
+#include "axode/model/kinds/drive_kinds.hpp"
 #include "axode/model/loops.hpp"
 #include "axode/model/springs.hpp"
 

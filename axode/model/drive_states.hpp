@@ -2,7 +2,7 @@
 #include <string>
 #include <vector>
 
-#include "axode/model/drive_kinds.hpp"
+#include "axode/model/kinds/drive_kinds.hpp"
 
 namespace axode {
 

@@ -13,8 +13,8 @@
 #include "axode/lie/quaternion.hpp"
 #include "axode/model/configuration.hpp"
 #include "axode/model/finite.hpp"
-#include "axode/model/joint_kinds.hpp"
-#include "axode/model/shape_kinds.hpp"
+#include "axode/model/kinds/joint_kinds.hpp"
+#include "axode/model/kinds/shape_kinds.hpp"
 #include "axode/view/mesh_file.hpp"
 #include "axode/view/stand_ins.hpp"
 

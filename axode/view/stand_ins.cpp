@@ -9,7 +9,7 @@
 #include <unordered_map>
 
 #include "axode/eigen.hpp"
-#include "axode/model/joint_kinds.hpp"
+#include "axode/model/kinds/joint_kinds.hpp"
 
 namespace axode::view {
 namespace {

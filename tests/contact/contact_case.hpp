@@ -4,7 +4,7 @@
 
 #include "axode/contact.hpp"
 #include "axode/io.hpp"
-#include "axode/model/shape_kinds.hpp"
+#include "axode/model/kinds/shape_kinds.hpp"
 #include "tests/support/vectors.hpp"
 
 /// Mechanisms with shapes and reference values of contact, from the folder `contact` of the vectors.

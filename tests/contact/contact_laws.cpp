@@ -4,7 +4,7 @@
 #include <set>
 
 #include "axode/contact/convex/support.hpp"
-#include "axode/model/shape_kinds.hpp"
+#include "axode/model/kinds/shape_kinds.hpp"
 #include "tests/contact/two_shapes.hpp"
 #include "tests/laws/law.hpp"
 

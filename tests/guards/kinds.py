@@ -9,11 +9,11 @@ DRAWING = ("docs/drawing-format.md", "`{}`")
 ENUMERATIONS = {
     "JointKind": (
         "axode/model/description.hpp",
-        [("axode/model/joint_kinds.hpp", "{{JointKind::{},"), DRAWING],
+        [("axode/model/kinds/joint_kinds.hpp", "{{JointKind::{},"), DRAWING],
     ),
     "Subgroup": (
         "axode/model/subgroup.hpp",
-        [("axode/model/subgroup.hpp", "case Subgroup::{}:"), ("axode/model/joint_kinds.hpp", "Subgroup::{},")],
+        [("axode/model/subgroup.hpp", "case Subgroup::{}:"), ("axode/model/kinds/joint_kinds.hpp", "Subgroup::{},")],
     ),
     "SpringKind": ("axode/model/springs.hpp", [("axode/model/springs.hpp", "{{SpringKind::{},"), DRAWING]),
     "LoopKind": ("axode/model/loops.hpp", [("axode/model/loops.hpp", "{{LoopKind::{},"), DRAWING]),

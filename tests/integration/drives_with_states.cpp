@@ -8,7 +8,7 @@
 #include "axode/dynamics.hpp"
 #include "axode/integration.hpp"
 #include "axode/model/configuration.hpp"
-#include "axode/model/joint_kinds.hpp"
+#include "axode/model/kinds/joint_kinds.hpp"
 #include "tests/integration/motions.hpp"
 
 /// Drives with states of their own: balances of power, derivatives, small motions, and what is refused.

@@ -9,7 +9,7 @@
 #include "axode/io.hpp"
 #include "axode/model/building/builder.hpp"
 #include "axode/model/configuration.hpp"
-#include "axode/model/shape_kinds.hpp"
+#include "axode/model/kinds/shape_kinds.hpp"
 #include "tests/io/same_mechanism.hpp"
 #include "tests/laws/law.hpp"
 #include "tests/model/random_loops.hpp"

@@ -9,7 +9,7 @@
 #include "axode/dynamics.hpp"
 #include "axode/eigen.hpp"
 #include "axode/kinematics.hpp"
-#include "axode/model/joint_kinds.hpp"
+#include "axode/model/kinds/joint_kinds.hpp"
 #include "tests/lie/relative_error.hpp"
 #include "tests/model/random_loops.hpp"
 #include "tests/support/random_tree.hpp"

@@ -7,7 +7,7 @@
 #include "axode/io.hpp"
 #include "axode/model.hpp"
 #include "axode/model/building/edited.hpp"
-#include "axode/model/joint_kinds.hpp"
+#include "axode/model/kinds/joint_kinds.hpp"
 #include "tests/lie/random_quantities.hpp"
 #include "tests/support/comparison.hpp"
 

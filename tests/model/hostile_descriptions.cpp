@@ -6,7 +6,7 @@
 #include <set>
 
 #include "axode/dynamics.hpp"
-#include "axode/model/shape_kinds.hpp"
+#include "axode/model/kinds/shape_kinds.hpp"
 #include "tests/model/random_mechanism.hpp"
 
 /// The builder turns every description, whatever it holds, into a consistent model or refuses it with at

@@ -5,7 +5,7 @@
 #include <map>
 #include <stdexcept>
 
-#include "axode/model/joint_kinds.hpp"
+#include "axode/model/kinds/joint_kinds.hpp"
 
 namespace axode::test {
 namespace {

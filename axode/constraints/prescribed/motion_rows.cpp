@@ -5,9 +5,9 @@
 #include <stdexcept>
 
 #include "axode/model/building/builder.hpp"
+#include "axode/model/building/checks/value_checks.hpp"
 #include "axode/model/building/nearest_name.hpp"
 #include "axode/model/building/placement.hpp"
-#include "axode/model/building/value_checks.hpp"
 
 namespace axode {
 namespace {

@@ -7,7 +7,7 @@
 #include <variant>
 
 #include "axode/model/building/placement.hpp"
-#include "axode/model/joint_kinds.hpp"
+#include "axode/model/kinds/joint_kinds.hpp"
 
 namespace axode::io {
 namespace {

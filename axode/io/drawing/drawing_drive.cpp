@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "axode/io/drawing/drawing_motion.hpp"
-#include "axode/model/drive_kinds.hpp"
+#include "axode/model/kinds/drive_kinds.hpp"
 
 namespace axode::io {
 namespace {

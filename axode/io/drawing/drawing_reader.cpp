@@ -11,8 +11,8 @@
 #include "axode/io/drawing/drawing_motion.hpp"
 #include "axode/io/drawing/drawing_springs.hpp"
 #include "axode/model/building/placement.hpp"
-#include "axode/model/joint_kinds.hpp"
-#include "axode/model/shape_kinds.hpp"
+#include "axode/model/kinds/joint_kinds.hpp"
+#include "axode/model/kinds/shape_kinds.hpp"
 
 namespace axode::io {
 namespace {

@@ -6,9 +6,9 @@
 
 #include "axode/io.hpp"
 #include "axode/io/drawing/construction_frame.hpp"
-#include "axode/model/joint_kinds.hpp"
+#include "axode/model/kinds/joint_kinds.hpp"
+#include "axode/model/kinds/shape_kinds.hpp"
 #include "axode/model/loops.hpp"
-#include "axode/model/shape_kinds.hpp"
 
 namespace axode {
 namespace {

@@ -7,9 +7,9 @@
 #include "axode/io/xml_text.hpp"
 #include "axode/lie/quaternion.hpp"
 #include "axode/model/building/placement.hpp"
-#include "axode/model/joint_kinds.hpp"
+#include "axode/model/kinds/joint_kinds.hpp"
+#include "axode/model/kinds/shape_kinds.hpp"
 #include "axode/model/loops.hpp"
-#include "axode/model/shape_kinds.hpp"
 
 namespace axode::io::mjcf {
 namespace {

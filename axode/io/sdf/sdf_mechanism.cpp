@@ -5,7 +5,7 @@
 #include <queue>
 
 #include "axode/model/building/placement.hpp"
-#include "axode/model/joint_kinds.hpp"
+#include "axode/model/kinds/joint_kinds.hpp"
 
 namespace axode::io {
 

@@ -9,7 +9,7 @@
 #include "axode/io.hpp"
 #include "axode/io/pose.hpp"
 #include "axode/io/sdf/sdf_mechanism.hpp"
-#include "axode/model/joint_kinds.hpp"
+#include "axode/model/kinds/joint_kinds.hpp"
 
 namespace axode::io {
 namespace {

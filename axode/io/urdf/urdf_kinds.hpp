@@ -1,7 +1,7 @@
 #pragma once
 #include <array>
 
-#include "axode/model/joint_kinds.hpp"
+#include "axode/model/kinds/joint_kinds.hpp"
 #include "axode/model/loops.hpp"
 
 namespace axode::io {

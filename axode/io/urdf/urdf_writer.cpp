@@ -13,7 +13,7 @@
 #include "axode/io/writing.hpp"
 #include "axode/io/xml_text.hpp"
 #include "axode/model/building/placement.hpp"
-#include "axode/model/shape_kinds.hpp"
+#include "axode/model/kinds/shape_kinds.hpp"
 
 namespace axode {
 namespace {

@@ -3,11 +3,11 @@
 #include <algorithm>
 #include <utility>
 
+#include "axode/model/building/checks/value_checks.hpp"
 #include "axode/model/building/compilation.hpp"
 #include "axode/model/building/inspection.hpp"
 #include "axode/model/building/nearest_name.hpp"
 #include "axode/model/building/placement.hpp"
-#include "axode/model/building/value_checks.hpp"
 #include "axode/scalar/instruction_set.hpp"
 
 namespace axode {

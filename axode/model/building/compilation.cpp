@@ -9,7 +9,7 @@
 #include "axode/model/building/placement.hpp"
 #include "axode/model/building/spring_laws.hpp"
 #include "axode/model/finite.hpp"
-#include "axode/model/joint_kinds.hpp"
+#include "axode/model/kinds/joint_kinds.hpp"
 
 namespace axode {
 namespace {

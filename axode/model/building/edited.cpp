@@ -13,7 +13,7 @@
 #include "axode/model/building/placement.hpp"
 #include "axode/model/configuration.hpp"
 #include "axode/model/inertial_parameters.hpp"
-#include "axode/model/joint_kinds.hpp"
+#include "axode/model/kinds/joint_kinds.hpp"
 
 namespace axode {
 namespace {

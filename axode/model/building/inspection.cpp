@@ -5,13 +5,13 @@
 #include <unordered_set>
 #include <utility>
 
-#include "axode/model/building/drive_checks.hpp"
+#include "axode/model/building/checks/drive_checks.hpp"
+#include "axode/model/building/checks/spring_checks.hpp"
+#include "axode/model/building/checks/value_checks.hpp"
 #include "axode/model/building/nearest_name.hpp"
 #include "axode/model/building/placement.hpp"
-#include "axode/model/building/spring_checks.hpp"
-#include "axode/model/building/value_checks.hpp"
 #include "axode/model/finite.hpp"
-#include "axode/model/joint_kinds.hpp"
+#include "axode/model/kinds/joint_kinds.hpp"
 
 namespace axode {
 namespace {

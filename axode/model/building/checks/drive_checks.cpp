@@ -1,4 +1,4 @@
-#include "axode/model/building/drive_checks.hpp"
+#include "axode/model/building/checks/drive_checks.hpp"
 
 #include <algorithm>
 #include <array>

@@ -1,5 +1,5 @@
 #pragma once
-#include "axode/model/building/value_checks.hpp"
+#include "axode/model/building/checks/value_checks.hpp"
 
 namespace axode {
 

@@ -1,4 +1,4 @@
-#include "axode/model/building/value_checks.hpp"
+#include "axode/model/building/checks/value_checks.hpp"
 
 #include <algorithm>
 #include <array>
@@ -10,9 +10,9 @@
 
 #include "axode/model/building/placement.hpp"
 #include "axode/model/finite.hpp"
-#include "axode/model/joint_kinds.hpp"
+#include "axode/model/kinds/joint_kinds.hpp"
+#include "axode/model/kinds/shape_kinds.hpp"
 #include "axode/model/loops.hpp"
-#include "axode/model/shape_kinds.hpp"
 
 namespace axode {
 

@@ -1,4 +1,4 @@
-#include "axode/integration/plays.hpp"
+#include "axode/integration/runs/plays.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -1,4 +1,4 @@
-#include "axode/model/building/spring_checks.hpp"
+#include "axode/model/building/checks/spring_checks.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "axode/model/building/value_checks.hpp"
+#include "axode/model/building/checks/value_checks.hpp"
 
 namespace axode {
 
