@@ -26,7 +26,7 @@
 #include "axode/dynamics/inverse_dynamics.hpp"
 #include "axode/dynamics/springs.hpp"
 #include "axode/eigen.hpp"
-#include "axode/model/refuse_drives.hpp"
+#include "axode/table/check_counts.hpp"
 
 namespace axode::command {
 namespace {
@@ -119,7 +119,10 @@ State found_state(const Model& model, const Options& options) {
 
 Linearized linearized(const Options& options) {
   const Model model = load(options.mechanism);
-  refuse_drives("linearize", model);
+  if (model.loops().empty())
+    catalog::check_counts<"linearize">(model);
+  else
+    catalog::check_counts<"independent_linearization">(model);
   const Index nv = model.nv();
   Linearized at{model,
                 found_state(model, options),

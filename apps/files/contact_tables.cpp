@@ -74,10 +74,10 @@ std::vector<Panel> contact_panels(const Trajectory& motion, const std::vector<do
   Panel normal{.y_axis = "normal force, N", .name = "normal force"},
       friction{.y_axis = "friction force, N", .name = "friction force"};
   for (const auto& [pair, curves] : pairs) {
-    const std::string both =
-        name(motion.contact_shapes, pair.first) + ", " + name(motion.contact_shapes, pair.second);
-    normal.curves.push_back({.name = both, .x = times, .y = curves.normal});
-    friction.curves.push_back({.name = both, .x = times, .y = curves.friction});
+    const std::string a = name(motion.contact_shapes, pair.first),
+                      b = name(motion.contact_shapes, pair.second), both = a + " and " + b;
+    normal.curves.push_back({.name = both, .x = times, .y = curves.normal, .of = {a, b}});
+    friction.curves.push_back({.name = both, .x = times, .y = curves.friction, .of = {a, b}});
   }
   return {normal, friction};
 }

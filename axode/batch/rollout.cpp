@@ -17,12 +17,10 @@
 #include "axode/dynamics/forward_dynamics.hpp"
 #include "axode/dynamics/springs.hpp"
 #include "axode/integration/closed_motion.hpp"
-#include "axode/integration/refuse_plays.hpp"
 #include "axode/integration/schemes/munthe_kaas.hpp"
 #include "axode/integration/simulation.hpp"
 #include "axode/model/configuration.hpp"
 #include "axode/model/finite.hpp"
-#include "axode/model/refuse_drives.hpp"
 #include "axode/table/check_counts.hpp"
 
 namespace axode::batch {
@@ -317,8 +315,6 @@ Outcome rollout(const Model& model, std::span<const S> q, Numbers<S> v, Numbers<
   check(method);
   check_step(step);
   catalog::check_counts<"rollout">(model);
-  refuse_drives("rollout", model);
-  refuse_plays("rollout", "use simulate", model);
   const Losses losses = losses_of<S>(model, joint_losses);
   const std::size_t nv = model.nv(), N = check_states(model, q, threads),
                     K = N * nv == 0 ? 0 : tau.size() / (N * nv);
@@ -336,8 +332,6 @@ Outcome rollout(const Model& model, std::span<const S> q, Numbers<S> v, const Dr
   check(method);
   check_step(step);
   catalog::check_counts<"rollout">(model);
-  refuse_drives("rollout", model);
-  refuse_plays("rollout", "use simulate", model);
   const Losses losses = losses_of<S>(model, joint_losses);
   if (!drive) throw std::invalid_argument("drive is empty; expected a function of (t, q, v)");
   static_cast<void>(check_states(model, q, threads));

@@ -180,7 +180,7 @@ T joint_wrenches(const Model& model, LoopWorkspace<T>& workspace, Numbers<T> q, 
 template <class T>
 Solvability impact(const Model& model, LoopWorkspace<T>& workspace, Numbers<T> q, Numbers<T> v, T restitution,
                    std::type_identity_t<std::span<T>> v_after, std::type_identity_t<std::span<T>> impulses) {
-  catalog::refuse_motions("impact", "assemble finds velocities that follow them", model);
+  catalog::check_counts<"impact">(model);
   LoopSystem<T>& system = checked(model, workspace, q, v);
   check_size("v_after", v_after.size(), v.size(), "nv");
   check_separate("impulses", impulses, "v", v);

@@ -156,11 +156,7 @@ void check(const Model& model, std::span<const double> q0, std::span<const doubl
 
 EquilibriumResult equilibrium(const Model& model, std::span<const double> q0, std::span<const double> tau,
                               const Loads<>& loads, const EquilibriumOptions& options) {
-  catalog::refuse_motions("equilibrium", "reduced locks the joints that they move", model);
-  if (!model.drives().empty())
-    throw std::invalid_argument("equilibrium does not count drives with states, and model \"" + model.name() +
-                                "\" has some; use equilibrium_with_drives, or remove the drives and give "
-                                "their forces as tau");
+  catalog::check_counts<"equilibrium">(model);
   check(model, q0, tau, loads, options);
   Statics statics(model, tau, loads);
   Iterate at(model, q0), next(model, q0);

@@ -24,18 +24,6 @@ void check_distance(const char* name, double x) {
                                 " m; it must be finite and not negative");
 }
 
-/// Throws if a mechanism has something that acts and is not counted here.
-void check_counted(const Model& model) {
-  catalog::refuse_motions("contact", "drive the joints by tau", model);
-  if (!model.drives().empty())
-    throw std::invalid_argument("contacts_at_rest does not count drives with states, and model \"" +
-                                model.name() + "\" has " + std::to_string(model.drives().size()) +
-                                "; remove the drives and give their forces as tau");
-  if (!model.loops().backlashes.empty())
-    throw std::invalid_argument("contacts_at_rest does not count the play of coupling \"" +
-                                model.loops().backlashes[0].name + "\"; remove the play or the coupling");
-}
-
 /// The drive forces with those of springs, at rest.
 std::vector<double> joint_forces(const Model& model, Numbers<double> q, Numbers<double> tau) {
   const std::vector<double> at_rest(index(model.nv()));
@@ -58,7 +46,7 @@ ContactsAtRest contacts_at_rest(const Model& model, const ContactShapes& shapes,
   check_shapes(model, shapes);
   check_configuration(model, q);
   check_loads(model, loads);
-  check_counted(model);
+  catalog::check_counts<"contacts_at_rest">(model);
   const double margin = options.margin.value_or(shapes.margin());
   check_distance("margin", margin);
   check_distance("touching", options.touching);

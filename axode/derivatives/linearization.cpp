@@ -30,6 +30,13 @@ Solvability linearize(const Model& model, Workspace<T>& workspace, Numbers<T> q,
                       const std::type_identity_t<Linearization<T>>& linear,
                       const std::type_identity_t<Loads<T>>& loads) {
   catalog::check_counts<"linearize">(model);
+  return linearize_without_drives(model, workspace, q, v, tau, linear, loads);
+}
+
+template <class T>
+Solvability linearize_without_drives(const Model& model, Workspace<T>& workspace, Numbers<T> q, Numbers<T> v,
+                                     Numbers<T> tau, const std::type_identity_t<Linearization<T>>& linear,
+                                     const std::type_identity_t<Loads<T>>& loads) {
   const auto& [A, B] = linear;
   const std::size_t n = static_cast<std::size_t>(model.nv()), width = 2 * n;
   check_size("linear.A", A.size(), width * width, "2nv * 2nv");
@@ -80,5 +87,9 @@ Solvability linearize(const Model& model, Workspace<T>& workspace, Numbers<T> q,
 template AXODE_ENTRY Solvability linearize(const Model&, Workspace<AXODE_T>&, Numbers<AXODE_T>,
                                            Numbers<AXODE_T>, Numbers<AXODE_T>, const Linearization<AXODE_T>&,
                                            const Loads<AXODE_T>&);
+template AXODE_ENTRY Solvability linearize_without_drives(const Model&, Workspace<AXODE_T>&, Numbers<AXODE_T>,
+                                                          Numbers<AXODE_T>, Numbers<AXODE_T>,
+                                                          const Linearization<AXODE_T>&,
+                                                          const Loads<AXODE_T>&);
 
 }  // namespace axode

@@ -18,11 +18,19 @@ template <class T> struct Linearization { std::span<T> A, B; };
 /// rest, and for joints with one velocity. Springs, dampers and stops of the model act, as in simulations. If
 /// a = 0 and v = 0, the state is an equilibrium, and A and B are constant; otherwise A and B hold at this
 /// instant only. Loads, losses, units and cost are those of forward_dynamics_derivatives. No allocation.
-/// Throws std::invalid_argument for a wrong size, quaternions that are not of unit norm, a load on a frame
-/// that does not exist and results that overlap. If the status is not ok(), all results are NaN.
+/// Throws std::invalid_argument for loops, prescribed motions, drives with states, a wrong size, quaternions
+/// that are not of unit norm, a load on a frame that does not exist and results that overlap. If the status is
+/// not ok(), all results are NaN.
 template <class T>
 Solvability linearize(const Model& model, Workspace<T>& workspace, Numbers<T> q, Numbers<T> v, Numbers<T> tau,
                       const std::type_identity_t<Linearization<T>>& linear,
                       const std::type_identity_t<Loads<T>>& loads = {});
+
+/// linearize() for a part of linearize_with_drives(): tau has the forces of the drives at this state, and A
+/// and B do not have their derivatives.
+template <class T>
+Solvability linearize_without_drives(const Model& model, Workspace<T>& workspace, Numbers<T> q, Numbers<T> v,
+                                     Numbers<T> tau, const std::type_identity_t<Linearization<T>>& linear,
+                                     const std::type_identity_t<Loads<T>>& loads);
 
 }  // namespace axode

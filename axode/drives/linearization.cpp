@@ -11,6 +11,7 @@
 #include "axode/model/configuration.hpp"
 #include "axode/model/finite.hpp"
 #include "axode/recursion/least_squares.hpp"
+#include "axode/table/check_counts.hpp"
 
 namespace axode {
 namespace {
@@ -100,6 +101,7 @@ class Statics {
 
 DriveLinearization linearize_with_drives(const Model& model, DriveSystem& drives, double t, Span q, Span v,
                                          Span x, const Loads<double>& loads) {
+  catalog::check_counts<"linearize_with_drives">(model);
   check(model, drives, q, v, x);
   const Eigen::Index nv = model.nv(), nx = static_cast<Eigen::Index>(drives.nx()), n = 2 * nv + nx;
   Vector tau = Vector::Zero(nv), dx(nx);
@@ -108,8 +110,8 @@ DriveLinearization linearize_with_drives(const Model& model, DriveSystem& drives
   RowMajor A_0(2 * nv, 2 * nv), B_0(2 * nv, nv);
   Workspace<> workspace(model);
   DriveLinearization out;
-  out.solvability = linearize<double>(model, workspace, q, v, as_span(std::as_const(tau)),
-                                      {as_span(A_0), as_span(B_0)}, loads);
+  out.solvability = linearize_without_drives<double>(model, workspace, q, v, as_span(std::as_const(tau)),
+                                                     {as_span(A_0), as_span(B_0)}, loads);
   const DriveDerivatives by = drives.derivatives(t, q, v, x);
   const auto inverse = B_0.bottomRows(nv);  // M⁻¹
   out.A = Eigen::MatrixXd::Zero(n, n);
@@ -125,6 +127,7 @@ DriveLinearization linearize_with_drives(const Model& model, DriveSystem& drives
 }
 
 DriveEquilibrium equilibrium_with_drives(const Model& model, DriveSystem& drives, double t, Span q, Span x) {
+  catalog::check_counts<"equilibrium_with_drives">(model);
   const std::vector<double> still(static_cast<std::size_t>(model.nv()));
   check(model, drives, q, still, x);
   constexpr int most_iterations = 100, most_halves = 40;

@@ -14,12 +14,10 @@
 #include "axode/dynamics/springs.hpp"
 #include "axode/eigen.hpp"
 #include "axode/integration/configuration_group.hpp"
-#include "axode/integration/refuse_plays.hpp"
 #include "axode/integration/runs/sized_arguments.hpp"
 #include "axode/integration/schemes/group_derivatives.hpp"
 #include "axode/integration/schemes/munthe_kaas.hpp"
 #include "axode/model/finite.hpp"
-#include "axode/model/refuse_drives.hpp"
 #include "axode/table/check_counts.hpp"
 
 namespace axode {
@@ -38,8 +36,6 @@ void check_motion(const Model& model, double step, const Loads<double>& loads, c
   check_step(step);
   check_loads(model, loads);
   catalog::check_counts<"rollout sensitivities">(model);
-  refuse_drives("rollout sensitivities", model);
-  refuse_plays("rollout sensitivities", "use simulate", model);
   check_sizes(arguments, results);
   check_configuration(model, arguments.begin()->x);
 }

@@ -33,19 +33,18 @@ template <OtherId id> void check_counts(const Model& model, Way way = Way::whole
 template <Id row, class T> void check_counts(const Model& model, const Workspace<T>& workspace) {
   constexpr const Counts& counts = row.words().counts;
   constexpr bool motions = counts.motions.word == Word::refused;
+  static_assert(counts.drives.word != Word::refused && counts.plays.word != Word::refused,
+                "functions of a state take the forces of drives, and plays are free in them");
   if constexpr (motions || counts.loops.word != Word::of_the_tree)
     if ((!model.loops().empty() || (motions && !model.motions().empty())) && !workspace.is_for_cut_tree())
         [[unlikely]]
       check_counts(row.words(), model, Way::workspace);
 }
-/// Throws std::invalid_argument if the model has prescribed motions, which a function does not count;
-/// `instead` says what to do.
-void refuse_motions(std::string_view function, std::string_view instead, const Model& model);
 /// The check of a row that counts loops, for a call with a LoopWorkspace.
 template <Id row> void check_motions(const Model& model) {
-  constexpr const Words& words = row.words();
-  if constexpr (words.counts.motions.word == Word::refused)
-    refuse_motions(words.name, words.counts.motions.sentence, model);
+  if constexpr (row.words().counts.motions.word == Word::refused)
+    if (!model.motions().empty()) [[unlikely]]
+      check_counts(row.words(), model, Way::whole);
 }
 
 inline std::size_t value_of(Extent extent, const Model& model, std::size_t n_loads) {

@@ -30,23 +30,29 @@ inline constexpr std::string_view add_springs = "spring_forces(q, v) are to be a
 /// motions.
 inline constexpr Count at_a_time =
     refused("simulate and forward_dynamics_at count them, because they know the time");
+/// Drives with states act by forces, which are given as tau.
+inline constexpr Count forces_of_drives = of_the_tree("tau has their forces, which DriveSystem computes");
+/// Whether a coupling with play is at one of its ends is no part of a state.
+inline constexpr Count free_plays = of_the_tree("simulate counts them");
 /// Contacts of collision shapes and hard stops act by impulses over a step, which a function of a state does
-/// not have. Whether a coupling with play is at one of its ends is no part of a state either.
-inline constexpr Count without_contacts = of_the_tree(
-    "simulate with contact and ContactDynamics count contacts and hard stops, and simulate counts the play "
-    "of "
-    "couplings");
+/// not have.
+inline constexpr Count without_contacts =
+    of_the_tree("simulate with contact and ContactDynamics count contacts and hard stops");
 inline constexpr Counts of_motion{.loops = of_the_tree(),
                                   .passive_joints = of_the_tree(),
                                   .springs = of_the_tree(),
                                   .joint_losses = of_the_tree(),
                                   .motions = of_the_tree(),
+                                  .drives = of_the_tree(),
+                                  .plays = of_the_tree(),
                                   .contacts = of_the_tree()};
 inline constexpr Counts of_loads{.loops = of_the_tree(),
                                  .passive_joints = of_the_tree(),
                                  .springs = of_the_tree(),
                                  .joint_losses = optional,
                                  .motions = of_the_tree(),
+                                 .drives = of_the_tree(),
+                                 .plays = of_the_tree(),
                                  .contacts = of_the_tree()};
 inline constexpr Counts of_columns{
     .loops = of_the_tree("loops allow only velocities v with loop_jacobian(q) v = 0"),
@@ -54,6 +60,8 @@ inline constexpr Counts of_columns{
     .springs = of_the_tree(),
     .joint_losses = of_the_tree(),
     .motions = of_the_tree(),
+    .drives = of_the_tree(),
+    .plays = of_the_tree(),
     .contacts = of_the_tree()};
 inline constexpr Counts of_terms{
     .loops = of_the_tree(
@@ -62,6 +70,8 @@ inline constexpr Counts of_terms{
     .springs = of_the_tree(),
     .joint_losses = of_the_tree(),
     .motions = of_the_tree(),
+    .drives = of_the_tree(),
+    .plays = of_the_tree(),
     .contacts = of_the_tree()};
 inline constexpr Counts of_gravity{
     .loops = of_the_tree(
@@ -70,12 +80,16 @@ inline constexpr Counts of_gravity{
     .springs = of_the_tree(),
     .joint_losses = of_the_tree(),
     .motions = of_the_tree(),
+    .drives = of_the_tree(),
+    .plays = of_the_tree(),
     .contacts = of_the_tree()};
 inline constexpr Counts of_springs{.loops = of_the_tree(),
                                    .passive_joints = of_the_tree(),
                                    .springs = counted,
                                    .joint_losses = of_the_tree(),
                                    .motions = of_the_tree(),
+                                   .drives = of_the_tree(),
+                                   .plays = of_the_tree(),
                                    .contacts = of_the_tree()};
 inline constexpr Counts of_forces{
     .loops = counted,
@@ -83,24 +97,32 @@ inline constexpr Counts of_forces{
     .springs = of_the_tree(subtract_springs),
     .joint_losses = optional,
     .motions = of_the_tree("tau has the forces that they take"),
+    .drives = forces_of_drives,
+    .plays = free_plays,
     .contacts = without_contacts};
 inline constexpr Counts of_wrenches{.loops = counted,
                                     .passive_joints = of_the_tree(),
                                     .springs = of_the_tree(),
                                     .joint_losses = optional,
                                     .motions = of_the_tree(),
+                                    .drives = of_the_tree(),
+                                    .plays = of_the_tree(),
                                     .contacts = of_the_tree()};
 inline constexpr Counts of_accelerations{.loops = counted,
                                          .passive_joints = of_the_tree(),
                                          .springs = of_the_tree(add_springs),
                                          .joint_losses = optional,
                                          .motions = at_a_time,
+                                         .drives = forces_of_drives,
+                                         .plays = free_plays,
                                          .contacts = without_contacts};
 inline constexpr Counts of_impulses{.loops = counted,
                                     .passive_joints = of_the_tree(),
                                     .springs = of_the_tree(),
                                     .joint_losses = of_the_tree(),
                                     .motions = refused("reduced locks the joints that they move"),
+                                    .drives = of_the_tree(),
+                                    .plays = of_the_tree(),
                                     .contacts = of_the_tree()};
 inline constexpr Counts of_momentum_form{
     .loops = refused("forward_dynamics counts them; momenta(q, v) of its motion are those of the mechanism"),
@@ -108,6 +130,8 @@ inline constexpr Counts of_momentum_form{
     .springs = of_the_tree(add_springs),
     .joint_losses = optional,
     .motions = at_a_time,
+    .drives = forces_of_drives,
+    .plays = free_plays,
     .contacts = of_the_tree()};
 inline constexpr Counts of_derivatives_of_forces{
     .loops = refused("forward_dynamics_derivatives and independent_linearization count them"),
@@ -115,6 +139,8 @@ inline constexpr Counts of_derivatives_of_forces{
     .springs = of_the_tree("spring_force_derivatives(q, v) are to be subtracted"),
     .joint_losses = optional,
     .motions = of_the_tree(),
+    .drives = forces_of_drives,
+    .plays = free_plays,
     .contacts = of_the_tree()};
 inline constexpr Counts of_derivatives_of_accelerations{
     .loops =
@@ -123,6 +149,8 @@ inline constexpr Counts of_derivatives_of_accelerations{
     .springs = of_the_tree(add_springs),
     .joint_losses = optional,
     .motions = at_a_time,
+    .drives = forces_of_drives,
+    .plays = free_plays,
     .contacts = without_contacts};
 
 }  // namespace table

@@ -1,5 +1,6 @@
 #include "axode/table/check_counts.hpp"
 
+#include <algorithm>
 #include <cctype>
 #include <stdexcept>
 #include <string>
@@ -62,25 +63,42 @@ std::string to_string(const Counts& counts) {
   return line + ".";
 }
 
-void refuse_motions(std::string_view function, std::string_view instead, const Model& model) {
-  if (model.motions().empty()) return;
-  throw std::invalid_argument(std::string(function) + " does not count prescribed motions, and model \"" +
-                              model.name() + "\" has " + std::to_string(model.motions().size()) + "; " +
-                              std::string(instead));
+namespace {
+
+constexpr bool refuses_others(const Counts& counts) {
+  for (const Count& count : {counts.passive_joints, counts.springs, counts.joint_losses, counts.contacts})
+    if (count.word == Word::refused) return true;
+  return false;
+}
+static_assert(std::ranges::none_of(functions_of_state, refuses_others, &Words::counts));
+static_assert(std::ranges::none_of(other_functions, refuses_others, &Other::counts));
+
+/// How many of a property a model has, for the properties that functions refuse.
+std::size_t number_of(Count Counts::*property, const Model& model) {
+  if (property == &Counts::loops) return model.loops().all.size();
+  if (property == &Counts::motions) return model.motions().size();
+  if (property == &Counts::drives) return model.drives().size();
+  if (property == &Counts::plays) return model.loops().backlashes.size();
+  return 0;
 }
 
+}  // namespace
+
 void check_counts(std::string_view function, const Counts& counts, const Model& model, Way way) {
-  if (counts.motions.word == Word::refused) refuse_motions(function, counts.motions.sentence, model);
-  if (model.loops().empty()) return;
-  const auto& [word, sentence] = counts.loops;
-  if (word == Word::of_the_tree || (word == Word::counted && way == Way::whole)) return;
   const std::string name(function);
-  const std::string instead = word == Word::refused ? std::string(sentence)
-                              : way == Way::workspace
-                                  ? name + " with a LoopWorkspace counts them"
-                                  : "axode's own " + name + ", not recorded or traced, counts them";
-  throw std::invalid_argument(name + " does not count loops, and model \"" + model.name() + "\" has " +
-                              std::to_string(model.loops().all.size()) + "; " + instead);
+  for (const auto& [property, member] : properties) {
+    const auto& [word, sentence] = counts.*member;
+    const bool by_others = word == Word::counted && way != Way::whole;
+    if (word != Word::refused && !by_others) continue;
+    const std::size_t number = number_of(member, model);
+    if (number == 0) continue;
+    const std::string instead = word == Word::refused ? std::string(sentence)
+                                : way == Way::workspace
+                                    ? name + " with a LoopWorkspace counts them"
+                                    : "axode's own " + name + ", not recorded or traced, counts them";
+    throw std::invalid_argument(name + " does not count " + std::string(property) + ", and model \"" +
+                                model.name() + "\" has " + std::to_string(number) + "; " + instead);
+  }
 }
 
 namespace {

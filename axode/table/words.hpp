@@ -113,7 +113,7 @@ consteval Count refused(std::string_view instead) { return {Word::refused, inste
 /// The treatment of every property of mechanisms by a function. A new property is a member here; a row that
 /// does not state its treatment does not compile.
 struct Counts {
-  Count loops, passive_joints, springs, joint_losses, motions, contacts;
+  Count loops, passive_joints, springs, joint_losses, motions, drives, plays, contacts;
 };
 /// The members by their names in sentences.
 inline constexpr std::array properties{std::pair{std::string_view("loops"), &Counts::loops},
@@ -121,6 +121,8 @@ inline constexpr std::array properties{std::pair{std::string_view("loops"), &Cou
                                        std::pair{std::string_view("springs"), &Counts::springs},
                                        std::pair{std::string_view("joint losses"), &Counts::joint_losses},
                                        std::pair{std::string_view("prescribed motions"), &Counts::motions},
+                                       std::pair{std::string_view("drives with states"), &Counts::drives},
+                                       std::pair{std::string_view("couplings with play"), &Counts::plays},
                                        std::pair{std::string_view("contacts"), &Counts::contacts}};
 static_assert(sizeof(Counts) == properties.size() * sizeof(Count));
 

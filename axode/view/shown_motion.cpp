@@ -107,7 +107,7 @@ view::MotionNumbers::Series contact_series(const ShownMotion& motion) {
   for (auto& [pair, column] : columns) {
     column = series.labels.size();
     const auto& [a, b] = pair;
-    series.labels.push_back(motion.contact_shapes[static_cast<std::size_t>(a)] + ", " +
+    series.labels.push_back(motion.contact_shapes[static_cast<std::size_t>(a)] + " and " +
                             motion.contact_shapes[static_cast<std::size_t>(b)]);
   }
   for (const std::vector<ContactForce>& at_once : motion.contacts) {

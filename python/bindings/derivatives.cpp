@@ -1,6 +1,6 @@
 #include "axode/derivatives.hpp"
 #include "axode/constraints/equilibrium.hpp"
-#include "axode/model/refuse_drives.hpp"
+#include "axode/table/check_counts.hpp"
 #include "python/bindings/states/state_function.hpp"
 #include "python/bindings/support/bindings.hpp"
 #include "python/bindings/support/conversions.hpp"
@@ -38,7 +38,7 @@ nb::object motion_vjp_of(const BoundModel& m, ArrayLike q, ArrayLike v, ArrayLik
 
 nb::object linearize_of(const BoundModel& m, ArrayLike q, ArrayLike v, ArrayLike tau, LoadList loads,
                         bool joint_losses, int threads) {
-  refuse_drives("linearize", *m);
+  catalog::check_counts<"linearize">(*m);
   const States states(m, q, threads);
   const Items of_v = states.velocities("v", v), of_tau = states.velocities("tau", tau);
   const AppliedLoads applied(states, loads, joint_losses);

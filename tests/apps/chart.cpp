@@ -161,7 +161,7 @@ TEST(Plot, RefusesAWrongColumnBeforeTheMotion) {
   };
   EXPECT_THAT(columns("energy,FL fot").err, HasSubstr("--columns: \"FL fot\" is none of "));
   EXPECT_FALSE(std::filesystem::exists(csv));
-  EXPECT_EQ(columns("normal force,energy,FL hip roll").err, "");
+  EXPECT_EQ(columns("normal force,energy,FL hip pitch").err, "");
   EXPECT_TRUE(std::filesystem::exists(csv));
   const Outcome no_plot = axode({"simulate", quadruped, "--until", "0.01", "--columns", "energy"});
   EXPECT_NE(no_plot.code, 0);

@@ -99,7 +99,8 @@ initial = { current = 50 })"),
 name = "gear"
 terms = { rail = 1, down = -1 }
 play = 0.02)"),
-              HasSubstr("contacts_at_rest does not count the play of coupling \"gear\""));
+              HasSubstr("contacts_at_rest does not count couplings with play, and model \"foot\" has 1; "
+                        "simulate without contact"));
   const Outcome no_margin = axode({"contacts", folder.write("foot.toml", foot), "--margin", "nan"});
   EXPECT_EQ(no_margin.code, 1) << no_margin.out;
   EXPECT_THAT(no_margin.err, HasSubstr("margin is nan m; it must be finite and not negative"));
@@ -158,7 +159,7 @@ TEST(SimulateCommand, DrawsContactForcesAndTheViewerReadsThem) {
   ASSERT_EQ(outcome.code, 0) << outcome.err;
   EXPECT_THAT(outcome.out, HasSubstr("largest certificate of contact"));
   const std::string drawn = contents(svg);
-  for (const char* words : {"normal force, N", "friction force, N", "floor, FL foot"})
+  for (const char* words : {"normal force, N", "friction force, N", "floor and FL foot"})
     EXPECT_THAT(drawn, HasSubstr(words));
   if (std::string_view(AXODE_PAGE).empty()) return;
   const Outcome shown = axode({"view", quadruped, "--motion", json, "--output", page});

@@ -359,7 +359,7 @@ TEST(StepDerivatives, RefuseDrivesWithStates) {
         step_of(model, ContactShapes(model), {q, std::vector<double>(7), std::vector<double>(7)}));
     FAIL() << "the drive was ignored";
   } catch (const std::invalid_argument& error) {
-    EXPECT_EQ(std::string(error.what()).find("contact does not carry the states of drives, and model"), 0U);
+    EXPECT_EQ(std::string(error.what()).find("contact does not count drives with states, and model"), 0U);
   }
 }
 

@@ -462,10 +462,10 @@ TEST(DrivesWithStates, AreRefusedWhereTheyAreNotFollowed) {
   EXPECT_THAT([&] { simulate(model, q, v, 1, {}, absolute); }, refuses(why));
   EXPECT_THAT([&] { simulate_rattle(model, q, v, 1, 0.1, 2, absolute); }, refuses(why));
   EXPECT_THAT([&] { simulate_contact(model, q, v, 1, 0.1); },
-              refuses("contact does not carry the states of drives"));
+              refuses("contact does not count drives with states"));
   Numbers tau(1), out(2);
   EXPECT_THAT([&] { static_cast<void>(batch::rollout<double>(model, q, v, tau, 0.1, out, out)); },
-              refuses("rollout does not carry the states of drives"));
+              refuses("rollout does not count drives with states"));
 }
 
 }  // namespace

@@ -126,42 +126,64 @@ TEST(WhatFunctionsCount, AWorkspaceKnowsTheTree) {
   EXPECT_GT(seen[Word::refused], 0);
 }
 
+/// Joints that neither follow others nor have another number of velocities than one.
+std::vector<std::string> joints_of_one_velocity(const Description& d) {
+  std::vector<std::string> names;
+  for (const BodyDescription& body : d.bodies)
+    if (body.joint.dof.size() == 1 && !body.joint.coupling) names.push_back(body.joint.name);
+  return names;
+}
+
 /// If a function answers for the mechanism without some property, its results do not change when that
-/// property is taken away or, if it is contact, added.
+/// property is taken away or added.
 TEST(WhatFunctionsCount, OtherPropertiesChangeNothingThatIsOfTheTree) {
   struct Property {
     catalog::Count catalog::Counts::*count;
     void (*change)(Description&);
   };
-  const Property properties[]{{&catalog::Counts::springs,
-                               [](Description& d) {
-                                 d.springs.clear();
-                                 for (BodyDescription& body : d.bodies)
-                                   for (Dof& dof : body.joint.dof) dof.stiffness = dof.stop_stiffness = 0;
-                               }},
-                              {&catalog::Counts::passive_joints,
-                               [](Description& d) {
-                                 for (BodyDescription& body : d.bodies) body.joint.passive = false;
-                               }},
-                              {&catalog::Counts::joint_losses,
-                               [](Description& d) {
-                                 for (BodyDescription& body : d.bodies)
-                                   for (Dof& dof : body.joint.dof) dof.damping = dof.friction = 0;
-                               }},
-                              {&catalog::Counts::contacts, [](Description& d) {
-                                 const ShapeDescription ball{.role = ShapeDescription::Role::collision,
-                                                             .kind = ShapeKind::sphere,
-                                                             .radius = 10};
-                                 for (BodyDescription& body : d.bodies) {
-                                   body.shapes.push_back(ball);
-                                   const std::vector<Dof>& dof = body.joint.dof;
-                                   if (dof.size() != 1 || body.joint.coupling) continue;
-                                   if (dof[0].stop_stiffness > 0) continue;
-                                   body.joint.dof[0].lower = -1;
-                                   body.joint.dof[0].upper = 1;
-                                   body.joint.dof[0].hard_stops = true;
-                                 }
-                               }}};
+  const Property properties[]{
+      {&catalog::Counts::springs,
+       [](Description& d) {
+         d.springs.clear();
+         for (BodyDescription& body : d.bodies)
+           for (Dof& dof : body.joint.dof) dof.stiffness = dof.stop_stiffness = 0;
+       }},
+      {&catalog::Counts::passive_joints,
+       [](Description& d) {
+         for (BodyDescription& body : d.bodies) body.joint.passive = false;
+       }},
+      {&catalog::Counts::joint_losses,
+       [](Description& d) {
+         for (BodyDescription& body : d.bodies)
+           for (Dof& dof : body.joint.dof) dof.damping = dof.friction = 0;
+       }},
+      {&catalog::Counts::drives,
+       [](Description& d) {
+         for (const std::string& joint : joints_of_one_velocity(d))
+           d.drives.push_back(
+               {.joints = {{joint, 1.0}},
+                .parameters = {{"resistance", 2}, {"inductance", 0.01}, {"torque_constant", 0.1}},
+                .input = {.values = {5}}});
+       }},
+      {&catalog::Counts::plays,
+       [](Description& d) {
+         const std::vector<std::string> joints = joints_of_one_velocity(d);
+         for (std::size_t k = 1; k < joints.size(); ++k)
+           d.couplings.push_back({.terms = {{joints[k - 1], 1.0}, {joints[k], -2.0}}, .play = 0.1});
+       }},
+      {&catalog::Counts::contacts, [](Description& d) {
+         const ShapeDescription ball{
+             .role = ShapeDescription::Role::collision, .kind = ShapeKind::sphere, .radius = 10};
+         for (BodyDescription& body : d.bodies) {
+           body.shapes.push_back(ball);
+           const std::vector<Dof>& dof = body.joint.dof;
+           if (dof.size() != 1 || body.joint.coupling) continue;
+           if (dof[0].stop_stiffness > 0) continue;
+           body.joint.dof[0].lower = -1;
+           body.joint.dof[0].upper = 1;
+           body.joint.dof[0].hard_stops = true;
+         }
+       }}};
   for_rows(5, [&](const Whole& whole, const Row& row, const Case&) {
     for (const Property& property : properties) {
       const Model without = whole.with(property.change);

@@ -47,14 +47,14 @@ def test_wrong_drives_are_refused_by_name():
     m = wheel().drive("dc_motor", "axle", **MOTOR, input=1).build()
     with pytest.raises(ValueError, match="do not count drives with states"):
         axode.simulate(m, [0], [0], 1, method="midpoint", step=0.1)
-    with pytest.raises(ValueError, match="rollout does not carry the states of drives"):
+    with pytest.raises(ValueError, match="rollout does not count drives with states"):
         axode.rollout(m, [0], [0], np.zeros((3, 1)), 0.1)
 
 
 def test_small_motions_without_the_drives_are_refused():
     m = wheel().drive("dc_motor", "axle", **MOTOR, input=1).build()
     for small_motions in (axode.linearize, axode.independent_linearization):
-        with pytest.raises(ValueError, match="linear.* does not carry the states of drives"):
+        with pytest.raises(ValueError, match="linear.* does not count drives with states"):
             small_motions(m, [0], [0], [0])
-    with pytest.raises(ValueError, match="contact does not carry the states of drives"):
+    with pytest.raises(ValueError, match="contact does not count drives with states"):
         axode.contact_rollout_derivatives(m, [0], [0], np.zeros((3, 1)), 0.01)

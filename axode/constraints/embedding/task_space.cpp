@@ -22,7 +22,7 @@ void check_task(const char* name, std::span<const double> X, const TaskKernel& k
 }  // namespace
 
 TaskSpace::TaskSpace(const Model& model, std::span<const double> q, std::string_view platform) {
-  catalog::refuse_motions("TaskSpace", "reduced locks the joints that they move", model);
+  catalog::check_counts<"TaskSpace">(model);
   if (model.loops().empty())
     throw std::invalid_argument("model: \"" + model.name() +
                                 "\" has no loops; a task space is that of a parallel manipulator");

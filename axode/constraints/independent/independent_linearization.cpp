@@ -10,7 +10,6 @@
 #include "axode/dynamics/springs.hpp"
 #include "axode/eigen.hpp"
 #include "axode/kinematics/check_arguments.hpp"
-#include "axode/model/refuse_drives.hpp"
 #include "axode/table/check_counts.hpp"
 
 namespace axode {
@@ -39,8 +38,7 @@ IndependentLinearization independent_linearization(const Model& model, std::span
                                                    std::span<const double> v, std::span<const double> tau,
                                                    std::span<const int> velocities,
                                                    const Loads<double>& loads) {
-  catalog::refuse_motions("independent_linearization", "reduced locks the joints that they move", model);
-  refuse_drives("independent_linearization", model);
+  catalog::check_counts<"independent_linearization">(model);
   LoopWorkspace<double> loops(model);
   LoopSystem<double>& system = checked<double>(model, loops, q, v);
   check_size("tau", tau.size(), v.size(), "nv");

@@ -3,9 +3,7 @@
 #include <stdexcept>
 
 #include "axode/integration/momenta/contact_step.hpp"
-#include "axode/integration/refuse_plays.hpp"
 #include "axode/integration/schemes/explicit_steps.hpp"
-#include "axode/model/refuse_drives.hpp"
 #include "axode/table/check_counts.hpp"
 
 namespace axode {
@@ -17,9 +15,7 @@ constexpr const char* instead = "simulate without contact, or drive the joints b
 
 void check_contact(const Model& model, const ContactShapes& shapes) {
   check_shapes(model, shapes);
-  catalog::refuse_motions("contact", instead, model);
-  refuse_drives("contact", model);
-  refuse_plays("contact", "simulate without contact", model);
+  catalog::check_counts<"contact">(model);
 }
 
 Trajectory simulate_contact(const Model& model, const ContactShapes& shapes, std::span<const double> q,
