@@ -105,24 +105,31 @@ Json loops_of(const Model& model) {
   return loops;
 }
 
-/// The segments of springs and dampers along points, with the points in the frames of their bodies. The
-/// stiffness is that without deflection.
+/// The segments of springs and dampers along points, followed by the drives along lines, with the points in
+/// the frames of their bodies. The stiffness is that without deflection.
 Json lines_of(const Model& model) {
   Json lines = Json::array();
+  const auto end_of = [&](const Spring::Path::Point& end) {
+    const Frame& frame = model.frame(end.frame);
+    return Json{{"body", frame.body}, {"point", json_of(frame.pose * end.point)}};
+  };
   for (const Spring& spring : model.springs().elements) {
     const auto* path = std::get_if<Spring::Path>(&spring.geometry);
     if (path == nullptr) continue;
     const bool straight = path->points.size() == 2;
-    const auto end_of = [&](const auto& end) {
-      const Frame& frame = model.frame(end.frame);
-      return Json{{"body", frame.body}, {"point", json_of(frame.pose * end.point)}};
-    };
     for (std::size_t k = 1; k < path->points.size(); ++k)
       lines.push_back({{"ends", {end_of(path->points[k - 1]), end_of(path->points[k])}},
                        {"stiffness", curve_value(spring.law, 0.0).slope},
                        {"rest", straight ? spring.law.rest : 0},
-                       {"damping", spring.law.damping}});
+                       {"damping", spring.law.damping},
+                       {"driven", false}});
   }
+  for (const Spring::Path& line : model.springs().drive_lines)
+    lines.push_back({{"ends", {end_of(line.points[0]), end_of(line.points[1])}},
+                     {"stiffness", 0},
+                     {"rest", 0},
+                     {"damping", 0},
+                     {"driven", true}});
   return lines;
 }
 

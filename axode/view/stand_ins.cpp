@@ -44,6 +44,19 @@ bool has_point(const Joint& joint, const BodyDescription* body) {
          traits(body->joint.kind).point;
 }
 
+/// Calls f(body, point) for each point of springs and drives along lines, with the point in the body frame.
+template <class F> void for_line_ends(const Model& model, const F& f) {
+  const auto visit = [&](const Spring::Path& path) {
+    for (const Spring::Path::Point& it : path.points) {
+      const Frame& frame = model.frame(it.frame);
+      f(frame.body, frame.pose * it.point);
+    }
+  };
+  for (const Spring& spring : model.springs().elements)
+    if (const auto* path = std::get_if<Spring::Path>(&spring.geometry)) visit(*path);
+  for (const Spring::Path& line : model.springs().drive_lines) visit(line);
+}
+
 Points::Points(const Model& model)
     : joints_(static_cast<std::size_t>(model.n_bodies()) + 1), all_(joints_.size()) {
   std::unordered_map<std::string_view, const BodyDescription*> described;
@@ -70,6 +83,7 @@ Points::Points(const Model& model)
     if (traits(loop.kind).located)
       for (const Loop::End& end : loop.ends)
         all_[end.body].push_back((model.body(end.body).S_self * end.F).r);
+  for_line_ends(model, [&](int body, const Vec3<>& point) { all_[body].push_back(point); });
   for (int i = 1; i <= model.n_bodies(); ++i) {
     if (all_[i].empty()) continue;
     Eigen::AlignedBox3d box;
@@ -246,6 +260,9 @@ std::vector<StandIn> stand_ins(const Model& model, const std::vector<bool>& seen
         all.push_back({end.body, joint_part(*kind, pose, radius, passive)});
     }
   }
+  for_line_ends(model, [&](int body, const Vec3<>& point) {
+    if (body == 0 && radius > 0) add_mount(point);
+  });
   return all;
 }
 

@@ -404,6 +404,58 @@ TEST(StandIns, ReachFromPointToPointOfTheirBody) {
   }
 }
 
+/// A boom on a pin, which a cylinder and a spring hold.
+constexpr const char* boom = R"(format = "axode drawing 1"
+
+[[body]]
+name = "boom"
+joint = { kind = "revolute", axis = "y", point = [0, 0, 1] }
+mass = 1
+com = [1, 0, 1]
+inertia = [1, 1, 1]
+
+[[spring]]
+between = ["boom", "ground"]
+points = [[2, 0, 1], [2, 0, 3]]
+stiffness = 10
+
+[[drive]]
+kind = "hydraulic_cylinder"
+between = ["ground", "boom"]
+points = [[1, 0, 0], [1, 0, 0.5]]
+stroke = 1
+area_a = 1
+area_b = 1
+dead_volume_a = 1
+dead_volume_b = 1
+bulk_modulus = 1
+valve = 1
+supply_pressure = 1
+valve_time = 1
+input = 0
+)";
+
+TEST(StandIns, ReachToTheEndsOfSpringsAndDrives) {
+  const Model model = ModelBuilder(read_drawing_text(boom, "boom")).build();
+  const Json scene = scene_of(model, neutral(model));
+  ASSERT_EQ(scene["lines"].size(), 2U);
+  for (const bool driven : {false, true}) {
+    const Json& line = scene["lines"][driven ? 1 : 0];
+    EXPECT_EQ(line["driven"], driven);
+    EXPECT_EQ(line["ends"][0]["body"], driven ? 0 : 1);
+  }
+  EXPECT_EQ(scene["lines"][0]["stiffness"], 10);
+  int mounts = 0;
+  for (const Json& shape : scene["shapes"]) {
+    mounts += shape["body"] == 0 && shape["kind"] == "box" ? 1 : 0;
+    if (shape["body"] == 1 && shape["kind"] != "cylinder") {
+      EXPECT_EQ(shape["kind"], "hull");
+      EXPECT_EQ(shape["points"].size(), 3U);
+    }
+  }
+  EXPECT_EQ(mounts, 3);
+}
+
 TEST(StandIns, APlateJoinsTheTopsOfLegs) {
   const Model model = shipped("gough.toml");
   const Json scene = scene_of(model, neutral(model));

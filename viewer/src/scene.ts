@@ -78,12 +78,13 @@ export interface Coupling {
   offset: number;
 }
 
-/** A spring or damper between two points. */
+/** A spring, a damper or a drive between two points. */
 export interface Line {
   ends: [{ body: number; point: Vec3 }, { body: number; point: Vec3 }];
   stiffness: number;
   rest: number;
   damping: number;
+  driven: boolean;
 }
 
 export interface Series {

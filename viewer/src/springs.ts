@@ -39,15 +39,16 @@ function bare(geometry: BufferGeometry): BufferGeometry {
 /** Radius of a coil, in units of symbols. */
 const RADIUS = 0.4;
 
-/** Springs and dampers between two points: coils, pistons, and pistons in coils. */
+/** What acts between two points: springs are coils, dampers are pistons (in a coil, if both), and drives are cylinders. */
 export function springs({ scene, state, stage }: View): Layer | null {
   const lines = scene.lines ?? [];
   if (lines.length === 0) return null;
   const material = new MeshStandardMaterial({ roughness: 0.45, metalness: 0.2 });
   const items = (which: (line: Line) => boolean): { line: Line; item: Item }[] =>
-    lines.filter(which).map((line) => ({ line, item: { body: 0, pose: new Matrix4(), color: colors.spring } }));
+    lines.filter(which).map((line) => ({ line, item: { body: 0, pose: new Matrix4(), color: line.driven ? colors.driven : colors.spring } }));
   const coils = items(({ stiffness }) => stiffness !== 0);
   const pistons = items(({ damping }) => damping !== 0);
+  const cylinders = items(({ driven }) => driven);
   const width = ({ rest }: Line, length: number, radius: number) => Math.min(radius * stage.unit, 0.2 * (rest || length));
   const lengthOf = (line: Line) => {
     const [a, b] = line.ends.map(({ body, point }) => new Vector3(...point).applyMatrix4(state.tree.poses[body]));
@@ -57,6 +58,7 @@ export function springs({ scene, state, stage }: View): Layer | null {
   const parts = [
     { entries: coils, drawn: new Instances(coil(slender), material, coils.map(({ item }) => item)), radius: RADIUS },
     { entries: pistons, drawn: new Instances(piston(), material, pistons.map(({ item }) => item)), radius: 0.2 },
+    { entries: cylinders, drawn: new Instances(piston(), material, cylinders.map(({ item }) => item)), radius: 0.35 },
   ].filter(({ entries }) => entries.length > 0);
   const root = new Group();
   for (const { drawn } of parts) {
@@ -75,5 +77,5 @@ export function springs({ scene, state, stage }: View): Layer | null {
       drawn.place(state.tree.poses, 1);
     }
   };
-  return { id: "springs", title: "Springs", hint: () => "coils; pistons are dampers", swatch: colors.spring, on: true, root, update };
+  return { id: "springs", title: "Springs", hint: () => "coils; pistons are dampers and drives", swatch: colors.spring, on: true, root, update };
 }
