@@ -25,7 +25,7 @@ const PICTURES = {
   viewer: {
     robot: "arm7.toml", state: { q: { A1: -0.6, A2: 0.4, A4: -1.3, A6: 0.8 } }, target: { q: { A1: 1.2, A2: 1.3, A4: -0.9, A6: 1.2 } },
     simulate: ["--pd", "300,60", "--until", "1.5", "--samples", "150"], layers: ["screw-axis", "fixed-axode", "moving-axode"], body: "link 4",
-    time: 0.3, orbit: [0, 0.1, 1.6], show: "page", width: 1000, height: 700, file: "docs/viewer.png",
+    time: 0.3, orbit: [0, 0.1, 1.15], show: "page", width: 1000, height: 700, file: "docs/viewer.png",
   },
   bricard: {
     robot: "bricard.toml", state: { v: { "hinge 0": 3 } }, simulate: ["--assemble", "--until", "4.15", "--samples", "250"],
