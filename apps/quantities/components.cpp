@@ -9,46 +9,41 @@
 namespace axode::command {
 namespace {
 
-/// The directions of the numbers of a joint, and how many of them come before the lengths.
-struct Directions {
-  std::vector<std::string_view> names;
-  int before_lengths;
-};
+using Names = std::vector<std::string_view>;
 
-Directions coordinates_of(Subgroup kind) {
+Names coordinates_of(Subgroup kind) {
   switch (kind) {
-    case Subgroup::spherical: return {{"qx", "qy", "qz", "qw"}, 4};
-    case Subgroup::planar: return {{"angle", "x", "y"}, 1};
-    case Subgroup::free: return {{"qx", "qy", "qz", "qw", "x", "y", "z"}, 4};
-    case Subgroup::prismatic: return {{""}, 0};
-    default: return {{""}, 1};
+    case Subgroup::spherical: return {"qx", "qy", "qz", "qw"};
+    case Subgroup::planar: return {"angle", "x", "y"};
+    case Subgroup::free: return {"qx", "qy", "qz", "qw", "x", "y", "z"};
+    default: return {""};
   }
 }
 
-Directions velocities_of(Subgroup kind) {
+Names velocities_of(Subgroup kind) {
   switch (kind) {
-    case Subgroup::spherical: return {{"wx", "wy", "wz"}, 3};
-    case Subgroup::planar: return {{"w", "vx", "vy"}, 1};
-    case Subgroup::free: return {{"wx", "wy", "wz", "vx", "vy", "vz"}, 3};
-    case Subgroup::prismatic: return {{""}, 0};
-    default: return {{""}, 1};
+    case Subgroup::spherical: return {"wx", "wy", "wz"};
+    case Subgroup::planar: return {"w", "vx", "vy"};
+    case Subgroup::free: return {"wx", "wy", "wz", "vx", "vy", "vz"};
+    default: return {""};
   }
 }
 
-std::vector<Component> components(const Model& model, Directions (*directions_of)(Subgroup),
-                                  bool with_quaternions) {
+/// The components of joints whose directions have these names. Lengths come last.
+std::vector<Component> components(const Model& model, Names (*names_of)(Subgroup)) {
   std::vector<Component> all;
   for (int i = 1; i <= model.n_bodies(); ++i) {
     const Joint& joint = model.joint(i);
     if (joint.leader) continue;
-    const auto [names, before_lengths] = directions_of(joint.kind);
-    const bool turns = joint.kind == Subgroup::spherical || joint.kind == Subgroup::free;
-    for (int k = 0; k < static_cast<int>(names.size()); ++k) {
-      const auto direction = std::string(names[static_cast<std::size_t>(k)]);
+    const Names names = names_of(joint.kind);
+    const std::size_t lengths = with_subgroup(
+        joint.kind, 1.0, [](const auto& kind) { return static_cast<std::size_t>(kind.nv - kind.angles); });
+    for (std::size_t k = 0; k < names.size(); ++k) {
+      const std::string_view name = names[k];
       Component::Kind kind = Component::length;
-      if (k < before_lengths) kind = turns && with_quaternions ? Component::quaternion : Component::angle;
+      if (k + lengths < names.size()) kind = name.starts_with('q') ? Component::quaternion : Component::angle;
       all.push_back(
-          {joint.name + (direction.empty() ? "" : " " + direction), kind, joint.name, model.body(i).name});
+          {joint.name + (name.empty() ? "" : " " + std::string(name)), kind, joint.name, model.body(i).name});
     }
   }
   return all;
@@ -94,12 +89,8 @@ std::optional<std::size_t> take_velocity(std::string_view& name, const std::vect
 
 }  // namespace
 
-std::vector<Component> coordinate_components(const Model& model) {
-  return components(model, coordinates_of, true);
-}
-std::vector<Component> velocity_components(const Model& model) {
-  return components(model, velocities_of, false);
-}
+std::vector<Component> coordinate_components(const Model& model) { return components(model, coordinates_of); }
+std::vector<Component> velocity_components(const Model& model) { return components(model, velocities_of); }
 
 void add_panels(Chart& chart, const std::string& symbol, const std::vector<Component>& components,
                 const std::vector<std::string_view>& units, const std::vector<double>& x,

@@ -7,40 +7,28 @@ namespace {
 
 using Kind = MotionDescription::Kind;
 
-/// Reads a number that the motion must have.
-double needed(Table& table, std::string_view key, std::string_view unit) {
-  if (!table.has(key)) table.missing(key, "give it in " + std::string(unit));
-  return table.number(key).value_or(0);
-}
-std::vector<double> needed_list(Table& table, std::string_view key, std::string_view need) {
-  if (!table.has(key)) table.missing(key, need);
-  return table.list(key, need).value_or(std::vector<double>{});
-}
-
 }  // namespace
 
 void read_function(Table& table, MotionDescription& motion) {
   switch (motion.kind) {
     case Kind::harmonic:
       motion.offset = table.number("offset").value_or(0);
-      motion.amplitude = needed(table, "amplitude", "rad or m");
-      motion.frequency = needed(table, "frequency", "Hz");
+      motion.amplitude = table.needed_number("amplitude", "rad or m");
+      motion.frequency = table.needed_number("frequency", "Hz");
       motion.phase = table.number("phase").value_or(0);
       break;
     case Kind::ramp:
       motion.from = table.number("from").value_or(0);
-      motion.to = needed(table, "to", "rad or m");
+      motion.to = table.needed_number("to", "rad or m");
       motion.start = table.number("start").value_or(0);
-      motion.end = needed(table, "end", "s");
+      motion.end = table.needed_number("end", "s");
       break;
     case Kind::polynomial:
-      motion.coefficients =
-          needed_list(table, "coefficients", "it needs those of 1, t, t^2, ... in brackets");
+      motion.coefficients = table.needed_list("coefficients", "it needs those of 1, t, t^2, ... in brackets");
       break;
     case Kind::samples:
-      motion.times = needed_list(table, "times", "it needs the times of the samples in brackets, s");
-      motion.values =
-          needed_list(table, "values", "it needs the values of the samples in brackets, rad or m");
+      motion.times = table.needed_list("times", "it needs the times of the samples in brackets, s");
+      motion.values = table.needed_list("values", "it needs the values of the samples in brackets, rad or m");
       break;
   }
 }

@@ -110,15 +110,6 @@ void read_matrix(Table& table, std::string_view key, SixBySix& A) {
   }
 }
 
-double needed(Table& table, std::string_view key, std::string_view unit) {
-  if (!table.has(key)) table.missing(key, "give it in " + std::string(unit));
-  return table.number(key).value_or(0);
-}
-std::vector<double> needed_list(Table& table, std::string_view key, std::string_view need) {
-  if (!table.has(key)) table.missing(key, need);
-  return table.list(key, need).value_or(std::vector<double>{});
-}
-
 std::optional<ForceCurve> read_law(Table& table) {
   if (!table.has("kind")) table.missing("kind", "give one, such as \"table\" or \"gas\"");
   const auto kind = table.choice("kind", law_names);
@@ -126,19 +117,19 @@ std::optional<ForceCurve> read_law(Table& table) {
   std::optional<ForceCurve> curve;
   if (*kind == 0) {
     curve = PolynomialCurve{
-        needed_list(table, "coefficients", "it needs those of 1, x, x^2, ... of the deflection in brackets")};
+        table.needed_list("coefficients", "it needs those of 1, x, x^2, ... of the deflection in brackets")};
   } else if (*kind == 1) {
     TableCurve points;
-    points.deflections = needed_list(table, "deflections", "it needs deflections in brackets, m or rad");
-    points.forces = needed_list(table, "forces", "it needs a force for each deflection, N or N m");
+    points.deflections = table.needed_list("deflections", "it needs deflections in brackets, m or rad");
+    points.forces = table.needed_list("forces", "it needs a force for each deflection, N or N m");
     curve = std::move(points);
   } else {
     GasCurve gas;
-    gas.area = needed(table, "area", "m^2");
-    gas.pressure = needed(table, "pressure", "Pa");
-    gas.volume = needed(table, "volume", "m^3");
+    gas.area = table.needed_number("area", "m^2");
+    gas.pressure = table.needed_number("pressure", "Pa");
+    gas.volume = table.needed_number("volume", "m^3");
     gas.exponent =
-        needed(table, "exponent", "numbers: 1 at constant temperature, 1.4 without exchange of heat");
+        table.needed_number("exponent", "numbers: 1 at constant temperature, 1.4 without exchange of heat");
     gas.ambient = table.number("ambient").value_or(gas.ambient);
     curve = gas;
   }

@@ -167,6 +167,15 @@ std::optional<std::vector<double>> Table::list(std::string_view key, std::string
   return std::nullopt;
 }
 
+double Table::needed_number(std::string_view key, std::string_view unit) {
+  if (!has(key)) missing(key, "give it in " + std::string(unit));
+  return number(key).value_or(0);
+}
+std::vector<double> Table::needed_list(std::string_view key, std::string_view need) {
+  if (!has(key)) missing(key, need);
+  return list(key, need).value_or(std::vector<double>{});
+}
+
 std::optional<Sym3<>> Table::symmetric(std::string_view key) {
   const toml::Value* node = look(key);
   const auto* array = node == nullptr ? nullptr : node->array();

@@ -139,6 +139,10 @@ class Table {
   std::vector<std::pair<std::string, double>> named_numbers(std::string_view key);
   /// The numbers of an array of any length. Its numbers are finite.
   std::optional<std::vector<double>> list(std::string_view key, std::string_view need);
+
+  /// A number in a unit, and a list of numbers, that must be given; 0 and an empty list if they are not.
+  double needed_number(std::string_view key, std::string_view unit);
+  std::vector<double> needed_list(std::string_view key, std::string_view need);
   /// All keys of a table, each with one number or an array of them.
   std::vector<std::pair<std::string, std::vector<double>>> named_lists(std::string_view key);
   /// A symmetric tensor, given by Ixx Iyy Izz, by Ixx Iyy Izz Ixy Ixz Iyz, or by the rows of a symmetric
