@@ -6,6 +6,7 @@
 #include "axode/integration.hpp"
 #include "python/bindings/drives.hpp"
 #include "python/bindings/states/specialised.hpp"
+#include "python/bindings/states/states.hpp"
 #include "python/bindings/support/bindings.hpp"
 #include "python/bindings/support/conversions.hpp"
 #include "python/bindings/support/raise.hpp"
