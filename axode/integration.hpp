@@ -4,6 +4,8 @@
 #include "axode/integration/methods.hpp"
 #include "axode/integration/prescribed/kinematic_motion.hpp"
 #include "axode/integration/reconstruction.hpp"
+#include "axode/integration/references/profiles.hpp"
+#include "axode/integration/references/sampled_trajectory.hpp"
 #include "axode/integration/sensitivities.hpp"
 #include "axode/integration/simulation.hpp"
 #include "axode/integration/tableau.hpp"

@@ -11,6 +11,7 @@
 #include "axode/dynamics/inverse_dynamics.hpp"
 #include "axode/dynamics/springs.hpp"
 #include "axode/eigen.hpp"
+#include "axode/integration/references/number_checks.hpp"
 #include "axode/model/configuration.hpp"
 #include "axode/recursion/least_squares.hpp"
 
@@ -22,23 +23,14 @@ using Vector = std::vector<double>;
 
 std::size_t nv_of(const Model& model) { return static_cast<std::size_t>(model.nv()); }
 
-void check_finite(const char* name, Span x) {
-  for (std::size_t k = 0; k < x.size(); ++k)
-    if (!std::isfinite(x[k]))
-      throw std::invalid_argument(std::string(name) + "[" + std::to_string(k) + "] is not finite");
-}
-
 /// The gains as one number for each velocity, whether one number or nv numbers were given.
 Vector gains(const Model& model, const char* name, Span given) {
-  const std::size_t nv = nv_of(model);
-  if (given.size() != 1 && given.size() != nv)
-    throw std::invalid_argument(std::string(name) + " has " + std::to_string(given.size()) +
-                                " numbers; expected 1 or nv = " + std::to_string(nv));
+  Vector all = for_each_velocity(model, name, given);
   for (std::size_t k = 0; k < given.size(); ++k)
     if (!(given[k] >= 0) || !std::isfinite(given[k]))
       throw std::invalid_argument(std::string(name) + "[" + std::to_string(k) + "] is " +
                                   std::to_string(given[k]) + "; a gain must be finite and not negative");
-  return given.size() == nv ? Vector(given.begin(), given.end()) : Vector(nv, given[0]);
+  return all;
 }
 
 }  // namespace
@@ -47,10 +39,7 @@ SampledDrive::SampledDrive(const Model& model, Span times, Span tau, bool hold)
     : times_(times.begin(), times.end()), tau_(tau.begin(), tau.end()), hold_(hold) {
   if (times.empty()) throw std::invalid_argument("t is empty; a sampled drive needs at least one time");
   check_size("tau", tau.size(), times.size() * nv_of(model), "nv for each time");
-  for (std::size_t k = 0; k < times.size(); ++k)
-    if (!std::isfinite(times[k]) || (k > 0 && !(times[k] > times[k - 1])))
-      throw std::invalid_argument("t[" + std::to_string(k) + "] is " + std::to_string(times[k]) +
-                                  "; times must be finite and increase");
+  check_times(times);
   check_finite("tau", tau);
 }
 

@@ -1,18 +1,22 @@
-"""Drives for `simulate` and `rollout` that are computed without calls into Python: samples and controllers.
+"""Drives for `simulate` and `rollout` that are computed without calls into Python, and motions that they follow.
 
 A drive is the argument `tau` of `axode.simulate` and `axode.rollout`; `on(m)` is the drive of a mechanism m as a
-function (t, q, v) -> tau.
+function (t, q, v) -> tau. Profiles are motions from rest at a configuration to rest at another one within limits, as
+an `axode.Trajectory` from t = 0 on. Every joint moves along its geodesic, rotations the shorter way round, and all joints
+start and arrive together. With loops, states in between are not closed; controllers follow the coordinates of the
+driven joints.
 """
 
 from __future__ import annotations
 
+import numpy as np
 from numpy.typing import ArrayLike
 
 from . import _axode
 from .support import signatures
 from ._axode import Model, Trajectory
 
-__all__ = ["PD", "ComputedTorque", "Sampled"]
+__all__ = ["PD", "ComputedTorque", "Sampled", "jerk_limited_profile", "quintic_profile", "trapezoidal_profile"]
 
 
 class Sampled:
@@ -43,8 +47,8 @@ class PD:
 
     kp (N m/rad, N/m) and kd (N m s/rad, N s/m): a number, or (nv,). With gains of 0 a joint, or a free base, is not
     controlled; gains of passive joints are taken as 0.
-    q: the reference configuration (nq,), or a Trajectory, which has velocities as well. The reference is at rest
-        before a trajectory begins and after it ends.
+    q: the reference configuration (nq,), or a Trajectory, which has velocities as well: of a simulation, through samples,
+        by functions of time, or a profile. The reference is at rest before a trajectory begins and after it ends.
     v: (nv,), 0 if left out. feedforward: (nv,), or a `Sampled`. clip: whether tau is limited to the effort limits of
         the joints. When `simulate` starts, ValueError for wrong shapes and for gains that are negative or not finite.
 
@@ -97,6 +101,88 @@ class ComputedTorque:
     def on(self, m: Model) -> _axode.Drive:
         """The function (t, q, v) -> tau, (nv,)."""
         return _axode.computed_torque_drive(m, self.kp, self.kd, self.q, self.v, self.a)
+
+
+def quintic_profile(m: Model, start: ArrayLike, goal: ArrayLike, *, acceleration: ArrayLike,
+                    velocity: ArrayLike | None = None) -> Trajectory:
+    """The motion from start to goal by polynomials of degree 5 in time, with continuous accelerations.
+
+    start, goal: (nq,). acceleration (rad/s^2, m/s^2) and velocity (rad/s, m/s) are the largest ones of each velocity: a
+    number, or (nv,). If velocity is left out, it is the limit of the mechanism, which may be infinite. The time is the
+    shortest within these limits.
+
+    ValueError for wrong shapes, numbers that are not finite, a goal outside the limits of the joints, and limits that are
+    not positive.
+
+    >>> motion = axode.drives.quintic_profile(arm, np.zeros(7), np.full(7, 0.6), acceleration=2.0, velocity=0.5)
+    >>> [round(float(x), 9) for x in (motion.t[-1], motion.q[-1, 0], np.max(motion.v))]
+    [2.25, 0.6, 0.5]
+    >>> followed = axode.simulate(arm, np.zeros(7), np.zeros(7), 2.25, tau=axode.drives.ComputedTorque(400.0, 40.0, motion))
+    >>> bool(np.allclose(followed.q[-1], 0.6, atol=1e-5))
+    True
+    """
+    return _axode.quintic_profile(m, start, goal, acceleration, velocity)
+
+
+def trapezoidal_profile(m: Model, start: ArrayLike, goal: ArrayLike, *, acceleration: ArrayLike,
+                        velocity: ArrayLike | None = None) -> Trajectory:
+    """The fastest motion from start to goal: constant acceleration, constant velocity, constant deceleration.
+
+    Arguments and errors are those of `quintic_profile`. Accelerations jump. A joint that does not reach its velocity
+    limit has no phase of constant velocity; the profiles of the faster joints are stretched in time.
+
+    >>> motion = axode.drives.trapezoidal_profile(arm, np.zeros(7), np.full(7, 0.6), acceleration=2.0, velocity=0.5)
+    >>> [round(float(x), 9) for x in (motion.t[-1], np.max(motion.v), np.max(motion.a))]
+    [1.45, 0.5, 2.0]
+    """
+    return _axode.trapezoidal_profile(m, start, goal, acceleration, velocity)
+
+
+def jerk_limited_profile(m: Model, start: ArrayLike, goal: ArrayLike, *, acceleration: ArrayLike, jerk: ArrayLike,
+                         velocity: ArrayLike | None = None) -> Trajectory:
+    """The fastest motion from start to goal within limits of velocity, acceleration and jerk, by Ruckig.
+
+    jerk (rad/s^3, m/s^3): a number, or (nv,). Other arguments and errors are those of `quintic_profile`. Ruckig
+    (Berscheid and Kroeger 2021) is a package of its own, `pip install ruckig`; ImportError without it. RuntimeError if it
+    finds no motion.
+
+    >>> limits = {"acceleration": 2.0, "jerk": 20.0, "velocity": 0.5}
+    >>> motion = axode.drives.jerk_limited_profile(arm, np.zeros(7), np.full(7, 0.6), **limits)
+    >>> [round(float(x), 9) for x in (motion.t[-1], np.max(motion.v), np.max(motion.a))]
+    [1.55, 0.5, 2.0]
+    """
+    try:
+        import ruckig  # type: ignore[import-not-found, import-untyped, unused-ignore]
+    except ImportError as error:
+        raise ImportError("axode.drives.jerk_limited_profile needs Ruckig: pip install ruckig") from error
+    path = _axode.straight_path(m, start, goal)
+    lengths = np.array(path.lengths)
+    limits = (path.velocity_limits(velocity), path.limits("acceleration", acceleration), path.limits("jerk", jerk))
+    v, a, j = (np.array(of_joints) / lengths for of_joints in limits)
+    if not path.lengths:
+        return path.follow([], 0.0, lambda t: ([], [], []))
+    # Tolerances of Ruckig are absolute, so that distances are in units of the lengths, and times in units of the longest
+    # time that a limit demands. A joint that needs less than a tenth of it waits for others within these limits as well.
+    least = np.max([1 / v, a**-0.5, np.cbrt(1 / j)], axis=0)
+    unit = np.max(least)
+    waits = least < unit / 10
+    given = ruckig.InputParameter(len(lengths))
+    given.target_position = [1.0] * len(lengths)
+    given.max_velocity = np.where(waits, 10, v * unit).tolist()
+    given.max_acceleration = np.where(waits, 100, a * unit**2).tolist()
+    given.max_jerk = np.where(waits, 1000, j * unit**3).tolist()
+    found = ruckig.Trajectory(len(lengths))
+    try:
+        ruckig.Ruckig(len(lengths)).calculate(given, found)
+    except (ruckig.RuckigError, ValueError) as error:
+        raise RuntimeError(f"jerk_limited_profile: Ruckig finds no motion from start to goal: {error}") from error
+    scale = lengths / found.at_time(found.duration)[0]
+    jumps = np.concatenate([np.cumsum(joint.t) for joint in found.profiles[0]])
+
+    def distances(t: float) -> tuple[list[float], list[float], list[float]]:
+        s, ds, dds = (scale * x for x in found.at_time(t / unit))
+        return s.tolist(), (ds / unit).tolist(), (dds / unit**2).tolist()
+    return path.follow((unit * jumps[jumps < found.duration]).tolist(), float(unit * found.duration), distances)
 
 
 signatures.explain_calls(__name__)

@@ -19,5 +19,7 @@ void check_drive(const BoundModel& m, const BoundDrive& drive);
 
 /// The motion in an axode.Trajectory; null if `given` is anything else.
 const Trajectory* motion_in(nb::handle given);
+/// A motion as an axode.Trajectory.
+nb::object bound_trajectory(Trajectory motion);
 
 }  // namespace axode::python

@@ -302,6 +302,10 @@ const Trajectory* motion_in(nb::handle given) {
   return nb::isinstance<BoundTrajectory>(given) ? &nb::cast<BoundTrajectory&>(given).motion : nullptr;
 }
 
+nb::object bound_trajectory(Trajectory motion) {
+  return nb::cast(BoundTrajectory{std::move(motion), std::nullopt});
+}
+
 const Trajectory* shown_in(nb::handle given) {
   return nb::isinstance<BoundTrajectory>(given) ? &nb::cast<BoundTrajectory&>(given).shown() : nullptr;
 }
@@ -310,6 +314,8 @@ void add_integration(nb::module_& module) {
   nb::class_<BoundTrajectory>(module, "Trajectory",
                               R"(
 A motion from `simulate`: its states at the ends of its steps, or at the given times, with interpolation in between.
+
+Motions for drives to follow are made by `from_samples`, `from_functions` and the profiles of `axode.drives`.
 
 >>> fall = axode.simulate(arm, np.full(7, 0.1), np.zeros(7), until=0.5)
 >>> fall.complete, bool(np.ptp(fall.energy) < 1e-6)

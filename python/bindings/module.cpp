@@ -49,6 +49,7 @@ NB_MODULE(_axode, module) {
   add_prescribed_motion(module);
   add_sensitivities(module);
   add_drives(module);
+  add_references(module);
   nb::module_ closed_form = module.def_submodule("closed_form", "See axode.closed_form.");
   add_system_matrices(closed_form);
   add_closed_form(closed_form);

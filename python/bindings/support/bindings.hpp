@@ -23,6 +23,7 @@ void add_reconstruction(nanobind::module_& module);
 void add_prescribed_motion(nanobind::module_& module);
 void add_sensitivities(nanobind::module_& module);
 void add_drives(nanobind::module_& module);
+void add_references(nanobind::module_& module);
 void add_closed_form(nanobind::module_& closed_form);
 void add_files(nanobind::module_& module);
 void add_view(nanobind::module_& module);

@@ -1,0 +1,60 @@
+#pragma once
+#include <functional>
+#include <span>
+#include <vector>
+
+#include "axode/constraints/prescribed/motion_function.hpp"
+#include "axode/integration/trajectory.hpp"
+
+namespace axode {
+
+/// The path from a configuration to another on which every joint moves along its geodesic on the group: q =
+/// start ⊕ s X, with X = goal ⊖ start and a function s of time for each joint, from 0 to 1. Then v = s' X and
+/// a = s'' X, because the velocity of exp(s X) is s' X. The distance that a joint has gone is s times its
+/// length.
+class StraightPath {
+ public:
+  /// A joint that moves along the path.
+  struct Joint {
+    int iv, nv;     ///< its velocities are v[iv] to v[iv + nv - 1]
+    double length;  ///< the largest |X_c| of its velocities, rad or m
+  };
+
+  /// Throws std::invalid_argument for wrong sizes, numbers that are not finite, quaternions that are not of
+  /// unit norm, and a goal outside the limits of the joints. The start may lie outside.
+  StraightPath(const Model& model, std::span<const double> start, std::span<const double> goal);
+
+  const Model& model() const { return model_; }
+  const std::vector<double>& start() const { return start_; }
+  const std::vector<double>& X() const { return X_; }
+  /// The joints whose start and goal differ.
+  std::span<const Joint> joints() const { return joints_; }
+
+  /// The largest derivative of the distance of each of joints() that keeps the limits. `given` has one limit
+  /// for each velocity, or one for all: rad or m, per s, s² or s³. Throws std::invalid_argument unless they
+  /// are positive and finite.
+  std::vector<double> limits(const char* name, std::span<const double> given) const;
+  /// The largest velocity along the path of each of joints(). Limits of velocities may be infinite; if none
+  /// are given, they are those of the model, in which a joint that moves must have a limit above 0.
+  std::vector<double> velocity_limits(std::span<const double> given) const;
+
+  /// A function that writes the distance of each of joints() at a time from 0 to the duration, with its first
+  /// two derivatives. `side` is -1 for the values before a jump at this time, and 1 for those after it.
+  using Profile = std::function<void(double t, int side, std::span<MotionValue> distances)>;
+  /// The trajectory whose joints have these distances, with a state wherever a second or third derivative
+  /// jumps, and in at least fifty steps. Between the states it is exact if distances are polynomials of
+  /// degree 5 there. If no joint moves it has one state.
+  Trajectory follow(std::vector<double> jumps, double duration, const Profile& profile) const;
+
+  /// Jumps that are closer to each other than this part of the duration are taken as one.
+  static constexpr double resolution = 1e-7;
+
+ private:
+  std::vector<double> of_joints(std::span<const double> of_velocities) const;
+
+  Model model_;
+  std::vector<double> start_, X_;
+  std::vector<Joint> joints_;
+};
+
+}  // namespace axode
