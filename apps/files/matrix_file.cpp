@@ -1,16 +1,14 @@
 #include "apps/files/matrix_file.hpp"
 
 #include <fmt/format.h>
-#include <zip.h>
 
 #include <array>
 #include <bit>
 #include <cstdint>
 #include <filesystem>
-#include <memory>
-#include <stdexcept>
 
 #include "apps/files/csv_file.hpp"
+#include "apps/fmu/zip_archive.hpp"
 #include "apps/shell/choice.hpp"
 
 namespace axode::command {
@@ -84,42 +82,12 @@ std::string as_npy(const NamedArray& array) {
   return out;
 }
 
-/// Throws if a call of libzip has returned null, because there is no memory.
-template <class T> T* made(T* thing) {
-  if (thing == nullptr) throw std::runtime_error("no .npz can be written: there is not enough memory");
-  return thing;
-}
-
 }  // namespace
 
 std::string as_npz(const std::vector<NamedArray>& arrays) {
-  const std::unique_ptr<zip_source_t, void (*)(zip_source_t*)> bytes(
-      made(zip_source_buffer_create(nullptr, 0, 0, nullptr)), zip_source_free);
-  zip_source_keep(bytes.get());  // otherwise the archive would free the source
-  std::unique_ptr<zip_t, void (*)(zip_t*)> archive(
-      made(zip_open_from_source(bytes.get(), ZIP_TRUNCATE, nullptr)), zip_discard);
-  std::vector<std::string> files;
-  for (const NamedArray& array : arrays) files.push_back(as_npy(array));
-  for (std::size_t k = 0; k < files.size(); ++k) {
-    zip_source_t* file = made(zip_source_buffer(archive.get(), files[k].data(), files[k].size(), 0));
-    const zip_int64_t index =
-        zip_file_add(archive.get(), (arrays[k].name + ".npy").c_str(), file, ZIP_FL_ENC_UTF_8);
-    made(index < 0 ? nullptr : file);
-    zip_set_file_compression(archive.get(), static_cast<zip_uint64_t>(index), ZIP_CM_STORE, 0);
-    zip_file_set_dostime(archive.get(), static_cast<zip_uint64_t>(index), 0, 0x21,
-                         0);  // the time is 1980, so that the bytes are the same in every run
-  }
-  made(zip_close(archive.get()) == 0 ? archive.release() : nullptr);
-  zip_stat_t size;
-  zip_stat_init(&size);
-  std::string out;
-  if (zip_source_stat(bytes.get(), &size) == 0 && zip_source_open(bytes.get()) == 0) {
-    out.resize(size.size);
-    const zip_int64_t read = zip_source_read(bytes.get(), out.data(), out.size());
-    zip_source_close(bytes.get());
-    made(read == static_cast<zip_int64_t>(out.size()) ? bytes.get() : nullptr);
-  }
-  return out;
+  std::vector<std::pair<std::string, std::string>> files;
+  for (const NamedArray& array : arrays) files.emplace_back(array.name + ".npy", as_npy(array));
+  return as_zip(files, Compression::stored);
 }
 
 }  // namespace axode::command
