@@ -438,6 +438,22 @@ Failure SimulationRun::switch_drives() {
 
 // Ends of steps.
 
+Failure SimulationRun::continue_until(double until) {
+  if (loops_) loops_->motions().check_times(now(), until);
+  until_ = until;
+  // What follows every step but the last one.
+  if (friction_.active()) stop_sliding(0);
+  if (Failure failure = switch_drives()) return failure;
+  return friction_.active() ? forces_changed() : Failure{};
+}
+
+Failure SimulationRun::forces_changed() {
+  if (Failure failure = accelerate_now()) return failure;
+  friction_.start_sliding(as_span(a));
+  trajectory.jump(as_span(v), as_span(a), as_span(drives_.x), as_span(drives_.dx));
+  return {};
+}
+
 Failure SimulationRun::take(double t, const StepEnd& end) {
   if (!loops_) return record(t, end);
   StepEnd closed{.q = end.q, .v = end.v, .x = end.x};

@@ -89,6 +89,10 @@ class SimulationRun {
   Failure interruption(double t) const;
   /// Ends the motion for a reason.
   void stop(const Failure& failure);
+  /// Lets a motion that has reached its end continue until a later time.
+  Failure continue_until(double until);
+  /// Computes the accelerations at the present state anew, after a force of the options has changed.
+  Failure forces_changed();
   bool done() const { return trajectory.size() == 0 || ended_ || !trajectory.complete || now() >= until_; }
   double now() const { return trajectory.t().back(); }
   /// The time at which a step that would end at t_1 has to end, because motions or inputs of drives jump
