@@ -1,6 +1,6 @@
 # The library: axode::axode (standard library and Eigen's headers only), axode::io (the readers and writers of files),
-# axode::batch (many states at once; oneTBB), axode::codegen (C source for one mechanism, and functions compiled from it) and
-# axode::view (pages for a browser, and hulls of meshes). Sources lie beside their
+# axode::batch (many states at once; oneTBB), axode::codegen (C source for one mechanism, and functions compiled from it),
+# axode::view (pages for a browser, and hulls of meshes) and axode::fmi (FMUs). Sources lie beside their
 # headers in axode/<floor>/. axode::axode is two archives: libaxode, which is enough for double, and libaxode_float.
 
 find_package(tinyxml2 REQUIRED)
@@ -252,5 +252,34 @@ target_link_libraries(
   axode_view PUBLIC $<BUILD_INTERFACE:axode_core> $<INSTALL_INTERFACE:axode::axode>
   PRIVATE tinyxml2::tinyxml2 Qhull::qhull_r $<BUILD_INTERFACE:nlohmann_json::nlohmann_json>)
 
+# Mechanisms as FMUs. axode_fmu.so is the binary of every FMU: it contains the parts of the library that it needs, and exports
+# the functions of FMI alone. With shared libraries it could not contain them.
+axode_add_library(axode_fmi fmi)
+file(GLOB sources CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/axode/fmi/*.cpp)
+set(binary ${PROJECT_SOURCE_DIR}/axode/fmi/binary)
+set(entries)
+foreach(name component.hpp fmi2.cpp fmi3.cpp exported.map README.md)
+  file(READ ${binary}/${name} text)
+  string(APPEND entries "    {\"${name}\", R\"text(${text})text\"},\n")
+  set_property(DIRECTORY APPEND PROPERTY CMAKE_CONFIGURE_DEPENDS ${binary}/${name})
+endforeach()
+configure_file(${PROJECT_SOURCE_DIR}/axode/fmi/sources.cpp.in ${PROJECT_BINARY_DIR}/fmi_sources.cpp @ONLY)
+target_sources(axode_fmi PRIVATE ${sources} ${PROJECT_BINARY_DIR}/fmi_sources.cpp)
+target_link_libraries(axode_fmi PUBLIC $<BUILD_INTERFACE:axode_io> $<INSTALL_INTERFACE:axode::io> PRIVATE tinyxml2::tinyxml2)
+set(AXODE_FMU "")
+if(NOT BUILD_SHARED_LIBS)
+  set(AXODE_FMU ${PROJECT_BINARY_DIR}/axode_fmu.so)
+  add_library(axode_fmu MODULE ${binary}/fmi2.cpp ${binary}/fmi3.cpp)
+  axode_compile_options(axode_fmu)
+  target_include_directories(axode_fmu PRIVATE ${PROJECT_SOURCE_DIR})
+  target_link_libraries(axode_fmu PRIVATE axode_fmi)
+  target_link_options(axode_fmu PRIVATE -Wl,--version-script=${binary}/exported.map -Wl,--as-needed $<$<CONFIG:Release>:-s>)
+  if(NOT AXODE_SANITIZE)
+    target_link_options(axode_fmu PRIVATE -static-libstdc++ -static-libgcc)
+  endif()
+  set_target_properties(axode_fmu PROPERTIES PREFIX "" SUFFIX ".so" LINK_DEPENDS ${binary}/exported.map
+                                             LIBRARY_OUTPUT_DIRECTORY ${PROJECT_BINARY_DIR})
+endif()
+
 # Exports the libraries for another build that uses them as they are, see AXODE_LIBRARIES.
-export(TARGETS axode_core axode_float axode_axode axode_batch axode_codegen axode_io axode_view NAMESPACE axode:: FILE ${PROJECT_BINARY_DIR}/axode-built.cmake)
+export(TARGETS axode_core axode_float axode_axode axode_batch axode_codegen axode_io axode_view axode_fmi NAMESPACE axode:: FILE ${PROJECT_BINARY_DIR}/axode-built.cmake)

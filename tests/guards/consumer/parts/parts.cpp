@@ -14,6 +14,7 @@
 #include "axode/derivatives.hpp"
 #include "axode/dynamics.hpp"
 #include "axode/eigen.hpp"
+#include "axode/fmi.hpp"
 #include "axode/integration.hpp"
 #include "axode/io.hpp"
 #include "axode/kinematics.hpp"
@@ -59,5 +60,7 @@ int main() {
   std::printf("a linkage falls by %.3f rad, its energy drifts by %.0e J; a level pendulum takes %.3f N m\n",
               fall.q(fall.size() - 1)[0], drift, tau[1]);
   const bool held = std::abs(tau[1] - 2 * 9.81 * 0.5) < 1e-12, falls = fall.q(fall.size() - 1)[0] < -0.5;
-  return held && falls && drift < 1e-6 && !source.text.empty() && !scene.str().empty() ? 0 : 1;
+  const bool written =
+      !source.text.empty() && !scene.str().empty() && !fmi::fmu_files(linkage, {}, "").empty();
+  return held && falls && drift < 1e-6 && written ? 0 : 1;
 }

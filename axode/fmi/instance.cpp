@@ -1,0 +1,437 @@
+#include "axode/fmi/instance.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+#include <string>
+
+#include "axode/eigen.hpp"
+#include "axode/io.hpp"
+#include "axode/model/building/builder.hpp"
+#include "axode/model/configuration.hpp"
+#include "axode/table/check_counts.hpp"
+
+namespace axode::fmi {
+namespace {
+
+/// The distance from closed loops, in rad, m, rad/s and m/s, above which model exchange asks for an event,
+/// unless the master has a tolerance.
+constexpr double usual_drift = 1e-8, least_drift = 1e-10;
+/// The deviation of the norm of a quaternion from 1 above which model exchange asks for an event.
+constexpr double usual_norm_error = 1e-6;
+
+/// The treatment of properties of mechanisms. Contact, hard stops and dry friction are no properties that a
+/// model counts; check_supported() looks for them itself.
+constexpr catalog::Counts of_co_simulation{.loops = catalog::counted,
+                                           .passive_joints = catalog::counted,
+                                           .springs = catalog::counted,
+                                           .joint_losses = catalog::optional,
+                                           .motions = catalog::counted,
+                                           .drives = catalog::counted,
+                                           .plays = catalog::counted,
+                                           .contacts = catalog::of_the_tree()};
+constexpr catalog::Counts of_model_exchange{.loops = catalog::counted,
+                                            .passive_joints = catalog::counted,
+                                            .springs = catalog::counted,
+                                            .joint_losses = catalog::optional,
+                                            .motions = catalog::counted,
+                                            .drives = catalog::counted,
+                                            .plays = catalog::refused("export it for co-simulation"),
+                                            .contacts = catalog::of_the_tree()};
+
+std::string quoted(const std::string& name) { return '"' + name + '"'; }
+
+Model read(std::string_view drawing) {
+  return ModelBuilder(read_drawing_text(drawing, "mechanism.toml")).build();
+}
+
+}  // namespace
+
+void check_supported(const Model& model, const Settings& settings, Kind kind) {
+  const bool exchange = kind == Kind::model_exchange;
+  const std::string fmu = exchange ? "an FMU for model exchange" : "an FMU for co-simulation";
+  catalog::check_counts(fmu, exchange ? of_model_exchange : of_co_simulation, model, catalog::Way::whole);
+  const auto refuse = [&](const std::string& property, const std::string& where, const char* instead) {
+    throw std::invalid_argument(fmu + " does not count " + property + ", and " + where + " of model \"" +
+                                model.name() + "\" has it; " + instead);
+  };
+  if (model.description().contact)
+    throw std::invalid_argument(fmu + " does not count contact, and model \"" + model.name() +
+                                "\" has settings of contact; remove [contact], or simulate it with axode");
+  for (const Joint& joint : model.joints())
+    for (const Dof& dof : joint.dof) {
+      const std::string where = "joint \"" + joint.name + '"';
+      if (dof.hard_stops)
+        refuse("a hard stop", where, "give its stop a stiffness, or simulate it with axode");
+      if (exchange && settings.joint_losses && dof.friction != 0)
+        refuse("dry friction", where, "export it for co-simulation, or without joint losses");
+    }
+}
+
+Instance::Instance(Kind kind, std::string_view drawing, std::string_view settings)
+    : kind_(kind),
+      settings_(read_settings(settings)),
+      model_(read(drawing)),
+      table_(model_, settings_),
+      equations_(model_, settings_, table_.loads()) {
+  check_supported(model_, settings_, kind_);
+  for (const Variable& it : table_.of(Role::parameter)) parameters_.push_back(it.start);
+  reset();
+}
+
+Instance::Instance(const Instance& other)
+    : kind_(other.kind_),
+      settings_(other.settings_),
+      model_(other.model_),
+      table_(other.table_),
+      parameters_(other.parameters_),
+      equations_(other.equations_),
+      motion_(other.motion_ ? std::make_unique<SteppedMotion>(*other.motion_) : nullptr),
+      at_(other.at_),
+      mode_(other.mode_),
+      model_is_old_(other.model_is_old_),
+      state_is_raw_(other.state_is_raw_),
+      tolerance_(other.tolerance_),
+      rates_(other.rates_),
+      poses_(other.poses_),
+      jacobian_(other.jacobian_) {}
+
+void Instance::reset() {
+  const auto starts = [&](Role role) {
+    std::vector<double> all;
+    for (const Variable& it : table_.of(role)) all.push_back(it.start);
+    return all;
+  };
+  at_ = {0,
+         starts(Role::coordinate),
+         starts(Role::velocity),
+         starts(Role::drive_state),
+         std::vector<double>(static_cast<std::size_t>(model_.nv())),
+         std::vector<double>(6 * table_.loads().size())};
+  parameters_ = starts(Role::parameter);
+  motion_.reset();
+  mode_ = Mode::instantiated;
+  model_is_old_ = state_is_raw_ = true;
+  tolerance_.reset();
+  state_changed();
+}
+
+void Instance::set_up(double start, std::optional<double> tolerance) {
+  at_.t = start;
+  tolerance_ = tolerance;
+  motion_.reset();
+  state_is_raw_ = true;
+  state_changed();
+}
+
+void Instance::exit_initialization() {
+  prepare();
+  if (kind_ == Kind::co_simulation && !motion_) start_stepping();
+  mode_ = kind_ == Kind::co_simulation ? Mode::step : Mode::event;
+}
+
+void Instance::prepare() {
+  if (!is_before_start()) return;
+  if (model_is_old_) {
+    Description description = model_.description();
+    for (std::size_t k = 0; k < parameters_.size(); ++k)
+      table_.parameters()[k].in(description) = parameters_[k];
+    // The states of drives start where the master has set them.
+    std::size_t k = 0;
+    for (DriveDescription& drive : description.drives) drive.initial.clear();
+    for (const DriveState& state : equations_.drives().states()) {
+      const std::size_t dot = state.name.rfind('.');
+      for (std::size_t d = 0; d < description.drives.size(); ++d)
+        if (equations_.drives().name(d) == state.name.substr(0, dot))
+          description.drives[d].initial.emplace_back(state.name.substr(dot + 1), at_.x[k]);
+      ++k;
+    }
+    model_ = ModelBuilder(std::move(description)).build();
+    equations_ = MotionEquations(model_, settings_, table_.loads());
+    model_is_old_ = false;
+    state_is_raw_ = true;
+  }
+  if (!state_is_raw_) return;
+  equations_.start(at_);
+  state_is_raw_ = false;
+  state_changed();
+}
+
+void Instance::start_stepping() {
+  Tolerances tolerances;
+  if (tolerance_) {
+    tolerances.relative = *tolerance_;
+    tolerances.absolute = 0.01 * *tolerance_;
+  }
+  motion_ = std::make_unique<SteppedMotion>(model_, settings_, at_.t, at_.q, at_.v, tolerances);
+  motion_->set_forces(at_.tau, applied(at_.wrenches, table_.loads()));
+}
+
+void Instance::step(double t, double h) {
+  if (mode_ != Mode::step) throw std::runtime_error("a step is taken after the initialization");
+  if (!(h > 0))
+    throw std::runtime_error("the length of a communication step is " + std::to_string(h) +
+                             " s; it must be positive");
+  constexpr double rounding = 1e-9;
+  if (!(std::abs(t - motion_->t()) <= rounding * std::max({1.0, std::abs(t), h})))
+    throw std::runtime_error("the communication step begins at t = " + std::to_string(t) +
+                             " s, and the last one has ended at " + std::to_string(motion_->t()) + " s");
+  motion_->set_forces(at_.tau, applied(at_.wrenches, table_.loads()));
+  motion_->advance(t + h);
+  at_.t = motion_->t();
+  at_.q.assign(motion_->q().begin(), motion_->q().end());
+  at_.v.assign(motion_->v().begin(), motion_->v().end());
+  at_.x.assign(motion_->x().begin(), motion_->x().end());
+  state_changed();
+}
+
+// Values.
+
+const Variable& Instance::variable(unsigned reference) const {
+  if (reference >= table_.size())
+    throw std::invalid_argument("there is no variable with the value reference " + std::to_string(reference));
+  return table_[reference];
+}
+
+void Instance::refuse(const Variable& variable, const char* why) const {
+  throw std::invalid_argument("variable " + quoted(variable.name) + " " + why);
+}
+
+void Instance::set(References references, Span values) {
+  for (std::size_t k = 0; k < references.size(); ++k) {
+    const Variable& it = variable(references[k]);
+    if (!std::isfinite(values[k])) refuse(it, "cannot be set to a number that is not finite");
+    set_one(it, values[k]);
+  }
+  state_changed();
+}
+
+void Instance::set_one(const Variable& it, double value) {
+  if (it.role == Role::force) {
+    at_.tau[table_.driven()[it.index]] = value;
+    return;
+  }
+  if (it.role == Role::load) {
+    at_.wrenches[it.index] = value;
+    return;
+  }
+  const bool is_state =
+      it.role == Role::coordinate || it.role == Role::velocity || it.role == Role::drive_state;
+  if (!is_state && it.role != Role::parameter) refuse(it, "is computed and cannot be set");
+  if (!is_before_start()) refuse(it, "can be set before the end of the initialization only");
+  if (it.role == Role::coordinate) at_.q[it.index] = value;
+  if (it.role == Role::velocity) at_.v[it.index] = value;
+  if (it.role == Role::drive_state) at_.x[it.index] = value;
+  if (it.role == Role::parameter) parameters_[it.index] = value;
+  state_is_raw_ = true;
+  motion_.reset();
+  if (it.role == Role::parameter || it.role == Role::drive_state) model_is_old_ = true;
+}
+
+void Instance::get(References references, std::span<double> values) {
+  for (std::size_t k = 0; k < references.size(); ++k) values[k] = get_one(variable(references[k]));
+}
+
+double Instance::get_one(const Variable& it) {
+  switch (it.role) {
+    case Role::time: return at_.t;
+    case Role::parameter: return parameters_[it.index];
+    case Role::force: return at_.tau[table_.driven()[it.index]];
+    case Role::load: return at_.wrenches[it.index];
+    case Role::coordinate: return at_.q[it.index];
+    case Role::velocity: return at_.v[it.index];
+    case Role::drive_state: return at_.x[it.index];
+    case Role::coordinate_rate: return rates().dq[it.index];
+    case Role::acceleration: return rates().a[it.index];
+    case Role::drive_rate: return rates().dx[it.index];
+    case Role::pose: return poses()[it.index];
+    case Role::indicator: prepare(); return indicator(it.index);
+  }
+  return 0;
+}
+
+const Rates& Instance::rates() {
+  prepare();
+  if (rates_) return *rates_;
+  if (kind_ == Kind::co_simulation) {
+    if (!motion_) start_stepping();
+    motion_->set_forces(at_.tau, applied(at_.wrenches, table_.loads()));
+    rates_ = Rates{coordinate_rates(model_, at_.q, at_.v),
+                   {motion_->a().begin(), motion_->a().end()},
+                   {motion_->dx().begin(), motion_->dx().end()}};
+  } else {
+    rates_ = equations_.rates(at_);
+  }
+  return *rates_;
+}
+
+const std::vector<double>& Instance::poses() {
+  prepare();
+  if (!poses_) poses_ = equations_.poses(at_, table_.frames());
+  return *poses_;
+}
+
+// Model exchange.
+
+void Instance::set_states(Span states) {
+  for (const double x : states)
+    if (!std::isfinite(x)) throw NoRates("the state is not finite");
+  for (std::vector<double>* part : {&at_.q, &at_.v, &at_.x}) {
+    std::ranges::copy(states.first(part->size()), part->begin());
+    states = states.subspan(part->size());
+  }
+  state_changed();
+}
+
+void Instance::get_states(std::span<double> states) const {
+  for (const std::vector<double>* part : {&at_.q, &at_.v, &at_.x}) {
+    std::ranges::copy(*part, states.begin());
+    states = states.subspan(part->size());
+  }
+}
+
+void Instance::get_rates(std::span<double> out) {
+  const Rates& now = rates();
+  for (const std::vector<double>* part : {&now.dq, &now.a, &now.dx}) {
+    std::ranges::copy(*part, out.begin());
+    out = out.subspan(part->size());
+  }
+}
+
+double Instance::gap(const Stop& stop) const {
+  return stop.side * (stop.limit - (stop.ratio * at_.q[stop.coordinate] + stop.offset));
+}
+
+double Instance::indicator(std::size_t k) {
+  return k < table_.stops().size() ? gap(table_.stops()[k]) : equations_.least_margin(at_);
+}
+
+void Instance::get_indicators(std::span<double> indicators) {
+  prepare();
+  for (std::size_t k = 0; k < indicators.size(); ++k) indicators[k] = indicator(k);
+}
+
+void Instance::get_nominals(std::span<double> nominals) const {
+  std::size_t k = 0;
+  for (const Role role : {Role::coordinate, Role::velocity, Role::drive_state})
+    for (const Variable& it : table_.of(role)) nominals[k++] = it.nominal;
+}
+
+double Instance::drift(const Point& closed) const {
+  double most = 0;
+  for (std::size_t k = 0; k < at_.q.size(); ++k) most = std::max(most, std::abs(closed.q[k] - at_.q[k]));
+  for (std::size_t k = 0; k < at_.v.size(); ++k) most = std::max(most, std::abs(closed.v[k] - at_.v[k]));
+  return most;
+}
+
+bool Instance::needs_event() {
+  const bool closes = !model_.loops().empty() || !model_.motions().empty();
+  Point closed = at_;
+  if (!equations_.close(closed)) throw std::runtime_error("the loops cannot be kept closed");
+  if (!closes) return drift(closed) > usual_norm_error;
+  return drift(closed) > (tolerance_ ? std::max(*tolerance_, least_drift) : usual_drift);
+}
+
+Instance::Event Instance::update_discrete_states() {
+  Event event;
+  Point closed = at_;
+  if (!equations_.close(closed)) throw std::runtime_error("the loops cannot be kept closed");
+  event.states_changed = closed.q != at_.q || closed.v != at_.v;
+  at_ = std::move(closed);
+  const std::vector<double> before = at_.x;
+  static_cast<void>(equations_.switch_drives(at_));
+  event.states_changed = event.states_changed || at_.x != before;
+  if (const double next = equations_.next_jump(at_.t); std::isfinite(next)) event.next = next;
+  state_changed();
+  return event;
+}
+
+// Derivatives.
+
+/// Whether dry friction or play acts.
+bool Instance::has_jumps() const {
+  const auto rubs = [](const Joint& joint) {
+    return std::ranges::any_of(joint.dof, [](const Dof& dof) { return dof.friction != 0; });
+  };
+  return !model_.loops().backlashes.empty() ||
+         (settings_.joint_losses && std::ranges::any_of(model_.joints(), rubs));
+}
+
+Eigen::RowVectorXd Instance::row(const Variable& it, const Eigen::MatrixXd& all) const {
+  const auto nq = static_cast<Eigen::Index>(at_.q.size()), nv = static_cast<Eigen::Index>(at_.v.size()),
+             nx = static_cast<Eigen::Index>(at_.x.size()), k = static_cast<Eigen::Index>(it.index);
+  Eigen::RowVectorXd unit = Eigen::RowVectorXd::Zero(all.cols());
+  switch (it.role) {
+    case Role::coordinate_rate: return all.row(k);
+    case Role::acceleration: return all.row(nq + k);
+    case Role::drive_rate: return all.row(nq + nv + k);
+    case Role::pose: return all.row(nq + nv + nx + k);
+    case Role::coordinate: unit[k] = 1; return unit;
+    case Role::velocity: unit[nq + k] = 1; return unit;
+    case Role::drive_state: unit[nq + nv + k] = 1; return unit;
+    case Role::indicator:
+      if (it.index < table_.stops().size()) {
+        const Stop& stop = table_.stops()[it.index];
+        unit[static_cast<Eigen::Index>(stop.coordinate)] = -stop.side * stop.ratio;
+        return unit;
+      }
+      break;
+    default: break;
+  }
+  refuse(it, "is no unknown of a derivative: unknowns are rates, outputs and gaps of stops");
+}
+
+/// The column of a known in the Jacobian of the equations; empty for a parameter.
+std::optional<Eigen::Index> Instance::column(const Variable& known) const {
+  const std::size_t nq = at_.q.size(), nv = at_.v.size(), nx = at_.x.size();
+  const auto at = [](std::size_t k) { return static_cast<Eigen::Index>(k); };
+  switch (known.role) {
+    case Role::coordinate: return at(known.index);
+    case Role::velocity: return at(nq + known.index);
+    case Role::drive_state: return at(nq + nv + known.index);
+    case Role::force: return at(nq + nv + nx + table_.driven()[known.index]);
+    case Role::load: return at(nq + 2 * nv + nx + known.index);
+    case Role::parameter:
+      if (!is_before_start()) refuse(known, "is a known of a derivative during the initialization only");
+      if (table_.parameters()[known.index].has_derivative) return {};
+      refuse(known, "is no known of a derivative, because the geometry depends on it");
+    default: refuse(known, "is no known of a derivative: knowns are states, inputs and parameters");
+  }
+}
+
+Eigen::MatrixXd Instance::jacobian(References unknowns, References knowns) {
+  prepare();
+  if (has_jumps()) throw std::runtime_error("there are no derivatives with dry friction or play");
+  if (!jacobian_) jacobian_ = equations_.jacobian(at_, table_.frames());
+  const Eigen::MatrixXd& all = *jacobian_;
+  Eigen::MatrixXd J = Eigen::MatrixXd::Zero(static_cast<Eigen::Index>(unknowns.size()),
+                                            static_cast<Eigen::Index>(knowns.size()));
+  for (Eigen::Index i = 0; i < J.rows(); ++i) {
+    const Eigen::RowVectorXd by_all = row(variable(unknowns[static_cast<std::size_t>(i)]), all);
+    for (Eigen::Index k = 0; k < J.cols(); ++k)
+      if (const std::optional<Eigen::Index> c = column(variable(knowns[static_cast<std::size_t>(k)])))
+        J(i, k) = by_all[*c];
+  }
+  for (Eigen::Index k = 0; k < J.cols(); ++k) {
+    const Variable& known = variable(knowns[static_cast<std::size_t>(k)]);
+    if (known.role != Role::parameter) continue;
+    const Eigen::VectorXd by_known = equations_.acceleration_by(at_, table_.parameters()[known.index]);
+    for (Eigen::Index i = 0; i < J.rows(); ++i) {
+      const Variable& unknown = variable(unknowns[static_cast<std::size_t>(i)]);
+      if (unknown.role == Role::acceleration) J(i, k) = by_known[static_cast<Eigen::Index>(unknown.index)];
+    }
+  }
+  return J;
+}
+
+void Instance::directional_derivative(References unknowns, References knowns, Span seed,
+                                      std::span<double> result) {
+  as_eigen(result) = jacobian(unknowns, knowns) * as_eigen(seed);
+}
+
+void Instance::adjoint_derivative(References unknowns, References knowns, Span seed,
+                                  std::span<double> result) {
+  as_eigen(result) = jacobian(unknowns, knowns).transpose() * as_eigen(seed);
+}
+
+}  // namespace axode::fmi

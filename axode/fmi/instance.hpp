@@ -1,0 +1,120 @@
+#pragma once
+#include <memory>
+#include <optional>
+#include <span>
+#include <string_view>
+#include <vector>
+
+#include "axode/fmi/motion_equations.hpp"
+#include "axode/fmi/stepped_motion.hpp"
+#include "axode/fmi/variables.hpp"
+
+namespace axode::fmi {
+
+/// Who integrates: the master (model exchange), or the FMU (co-simulation).
+enum class Kind { model_exchange, co_simulation };
+
+/// Throws std::invalid_argument, in one sentence, if an FMU of a kind cannot have everything that the
+/// mechanism has.
+void check_supported(const Model& model, const Settings& settings, Kind kind);
+
+/// An instance of an FMU, independent of the version of FMI. All functions throw std::runtime_error or
+/// std::invalid_argument with a sentence for the log of the master. A copy is a saved state.
+class Instance {
+ public:
+  using References = std::span<const unsigned>;
+  using Span = std::span<const double>;
+
+  /// The modes of FMI 3.0. Version 2.0 has no name for the mode of a co-simulation between its steps.
+  enum class Mode { instantiated, initialization, event, continuous_time, step, terminated };
+
+  /// Reads the drawing of the mechanism and the settings.
+  Instance(Kind kind, std::string_view drawing, std::string_view settings);
+  Instance(const Instance& other);
+  Instance& operator=(const Instance&) = delete;
+  ~Instance() = default;
+
+  void reset();
+  /// Sets the start time and the tolerance of the master, if it has one.
+  void set_up(double start, std::optional<double> tolerance);
+  void enter_initialization(double start, std::optional<double> tolerance) {
+    set_up(start, tolerance);
+    enter(Mode::initialization);
+  }
+  void exit_initialization();
+  void enter(Mode mode) { mode_ = mode; }
+  Mode mode() const { return mode_; }
+
+  void get(References references, std::span<double> values);
+  void set(References references, Span values);
+
+  std::size_t n_states() const { return at_.q.size() + at_.v.size() + at_.x.size(); }
+  std::size_t n_indicators() const { return table_.count(Role::indicator); }
+  void set_time(double t) {
+    at_.t = t;
+    state_changed();
+  }
+  void set_states(Span states);
+  void get_states(std::span<double> states) const;
+  void get_rates(std::span<double> rates);
+  void get_indicators(std::span<double> indicators);
+  void get_nominals(std::span<double> nominals) const;
+  /// Whether a completed step of the master has to be followed by event mode.
+  bool needs_event();
+  struct Event {
+    bool states_changed = false;
+    std::optional<double> next = {};  ///< time of the next event
+  };
+  Event update_discrete_states();
+
+  /// Integrates from a communication point at time t to t + h.
+  void step(double t, double h);
+
+  /// Products of the Jacobian of unknowns by knowns with a seed of the knowns, and below of its transpose
+  /// with a seed of the unknowns.
+  void directional_derivative(References unknowns, References knowns, Span seed, std::span<double> result);
+  void adjoint_derivative(References unknowns, References knowns, Span seed, std::span<double> result);
+
+ private:
+  const Variable& variable(unsigned reference) const;
+  [[noreturn]] void refuse(const Variable& variable, const char* why) const;
+  bool is_before_start() const { return mode_ == Mode::instantiated || mode_ == Mode::initialization; }
+  void set_one(const Variable& variable, double value);
+  double get_one(const Variable& variable);
+  /// Rebuilds the model if parameters or initial states of drives have changed, and makes the state one of
+  /// the mechanism.
+  void prepare();
+  void start_stepping();
+  const Rates& rates();
+  const std::vector<double>& poses();
+  double indicator(std::size_t k);
+  double gap(const Stop& stop) const;
+  /// The rows of unknowns and the columns of knowns of the Jacobian.
+  Eigen::MatrixXd jacobian(References unknowns, References knowns);
+  Eigen::RowVectorXd row(const Variable& unknown, const Eigen::MatrixXd& all) const;
+  std::optional<Eigen::Index> column(const Variable& known) const;
+  bool has_jumps() const;
+  double drift(const Point& closed) const;
+  void state_changed() {
+    rates_.reset();
+    poses_.reset();
+    jacobian_.reset();
+  }
+
+  Kind kind_;
+  Settings settings_;
+  Model model_;
+  VariableTable table_;
+  std::vector<double> parameters_;
+  MotionEquations equations_;
+  std::unique_ptr<SteppedMotion> motion_;  ///< in co-simulation, once accelerations are wanted
+  Point at_;
+  Mode mode_ = Mode::instantiated;
+  bool model_is_old_ = false, state_is_raw_ = true;
+  std::optional<double> tolerance_;
+  std::optional<Rates> rates_;
+  std::optional<std::vector<double>> poses_;
+  std::optional<Eigen::MatrixXd> jacobian_;
+};
+
+}  // namespace axode::fmi

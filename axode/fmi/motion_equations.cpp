@@ -1,0 +1,288 @@
+#include "axode/fmi/motion_equations.hpp"
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+
+#include "axode/constraints/assembly.hpp"
+#include "axode/derivatives/forward_dynamics_derivatives.hpp"
+#include "axode/derivatives/spring_derivatives.hpp"
+#include "axode/dynamics/forward_dynamics.hpp"
+#include "axode/dynamics/inverse_dynamics.hpp"
+#include "axode/dynamics/springs.hpp"
+#include "axode/eigen.hpp"
+#include "axode/kinematics/jacobian.hpp"
+#include "axode/kinematics/poses.hpp"
+#include "axode/model/building/builder.hpp"
+#include "axode/model/configuration.hpp"
+#include "axode/model/finite.hpp"
+#include "axode/scalar/dual.hpp"
+
+namespace axode::fmi {
+namespace {
+
+using Span = std::span<const double>;
+
+/// Calls f(joint, iq, iv) for every joint with coordinates of its own, where joint is its subgroup on T.
+template <class T, class F> void each_subgroup(const Model& model, const F& f) {
+  for (const Joint& joint : model.joints())
+    if (!joint.leader)
+      with_subgroup(joint.kind, T(joint.pitch),
+                    [&](const auto& subgroup) { f(subgroup, joint.iq, joint.iv); });
+}
+
+}  // namespace
+
+std::vector<AppliedWrench<>> applied(Span wrenches, std::span<const int> frames) {
+  std::vector<AppliedWrench<>> out;
+  for (std::size_t k = 0; k < frames.size(); ++k) {
+    const double* W = &wrenches[6 * k];
+    out.emplace_back(frames[k], Representation::hybrid, Vec3<>{W[0], W[1], W[2]}, Vec3<>{W[3], W[4], W[5]});
+  }
+  return out;
+}
+
+MotionEquations::MotionEquations(const Model& model, const Settings& settings, std::span<const int> loads)
+    : model_(model),
+      settings_(settings),
+      load_frames_(loads.begin(), loads.end()),
+      workspace_(model_, cut_tree),
+      drives_(model_) {
+  if (!model_.loops().empty() || !model_.motions().empty()) loops_.emplace(model_);
+}
+
+std::vector<double> MotionEquations::normalized(Span q) const {
+  if (!finite(q)) throw NoRates("the state is not finite");
+  try {
+    return normalize(model_, q);
+  } catch (const std::invalid_argument& error) {
+    throw NoRates(error.what());
+  }
+}
+
+void MotionEquations::start(Point& at) {
+  at.q = normalized(at.q);
+  if (loops_) {
+    loops_->motions().check_times(at.t, at.t);
+    loops_->set_time(at.t);
+    if (!is_closed(at)) {
+      AssemblyResult found = assemble(model_, at.q, at.v, {.time = at.t});
+      if (found.status != AssemblyStatus::closed) throw std::runtime_error(to_string(model_, found));
+      at.q = std::move(found.q);
+      at.v = std::move(found.v);
+    }
+    loops_->check(at.q, at.v);
+    if (!close(at)) throw std::runtime_error("the loops cannot be closed");
+  }
+  drives_.set_state(at.t, at.q, at.v, at.x);
+}
+
+/// Whether the loops are closed and the motions are followed, so that a motion may start.
+bool MotionEquations::is_closed(const Point& at) {
+  try {
+    loops_->check(at.q, at.v);
+    return true;
+  } catch (const std::invalid_argument&) {
+    return false;
+  }
+}
+
+bool MotionEquations::close(Point& at) {
+  at.q = normalized(at.q);
+  if (!loops_) return true;
+  loops_->set_time(at.t);
+  return loops_->close(at.q, at.v);
+}
+
+Loads<double> MotionEquations::loads(const Point& at) {
+  wrenches_ = applied(at.wrenches, load_frames_);
+  return {wrenches_, settings_.joint_losses};
+}
+
+std::vector<double> MotionEquations::force_sum(const Point& at, Span q, std::vector<double>* dx) {
+  std::vector<double> tau = at.tau, rates(at.x.size());
+  if (!drives_.empty()) drives_.evaluate(at.t, q, at.v, at.x, tau, rates);
+  if (!model_.springs().empty()) add_spring_forces(model_, workspace_, q, Span(at.v), tau);
+  if (dx != nullptr) *dx = std::move(rates);
+  return tau;
+}
+
+Rates MotionEquations::rates(const Point& at) {
+  const std::vector<double> q = normalized(at.q);
+  if (!finite(at.v) || !finite(at.x)) throw NoRates("the state is not finite");
+  Rates out{coordinate_rates(model_, q, at.v), std::vector<double>(at.v.size()), {}};
+  const std::vector<double> tau = force_sum(at, q, &out.dx);
+  Solvability found;
+  if (loops_) {
+    loops_->motions().check_times(at.t, at.t);
+    loops_->set_time(at.t);
+    found = loops_->accelerate(q, at.v, tau, loads(at), out.a);
+  } else {
+    found = forward_dynamics(model_, workspace_, Span(q), Span(at.v), Span(tau), out.a, loads(at));
+  }
+  if (!found.ok()) throw NoRates(to_string(model_, found));
+  if (!finite(out.dx)) throw NoRates("the rates of the states of the drives are not finite");
+  if (loops_)
+    if (const std::string why = loops_->unfollowed(q, at.v, out.a); !why.empty()) throw NoRates(why);
+  return out;
+}
+
+bool MotionEquations::switch_drives(Point& at) {
+  return !drives_.empty() && drives_.switch_at(at.t, normalized(at.q), at.v, at.x);
+}
+
+double MotionEquations::next_jump(double t) const {
+  const double next = drives_.next_jump(t);
+  return loops_ ? std::min(next, loops_->motions().next_jump(t)) : next;
+}
+
+double MotionEquations::least_margin(const Point& at) {
+  return std::min(1.0, drives_.least_margin(at.t, normalized(at.q), at.v, at.x));
+}
+
+std::vector<double> MotionEquations::poses(const Point& at, std::span<const int> frames) {
+  const std::vector<double> q = normalized(at.q);
+  const std::vector<Place<double>> places(frames.begin(), frames.end());
+  std::vector<SE3<>> C(places.size());
+  axode::poses<double>(model_, workspace_, q, places, C);
+  std::vector<double> out;
+  for (const SE3<>& pose : C)
+    for (const Vec3<>& column : {pose.R.x, pose.R.y, pose.R.z, pose.r})
+      out.insert(out.end(), {column.x, column.y, column.z});
+  return out;
+}
+
+MotionEquations::Derivatives MotionEquations::derivatives(const Point& at, Span q) {
+  const Eigen::Index nv = model_.nv();
+  const Span v(at.v);
+  const std::vector<double> tau = force_sum(at, q, nullptr);
+  Derivatives d{RowMajor(nv, nv), RowMajor(nv, nv), RowMajor(nv, nv), {}, {}};
+  if (loops_) {
+    loops_->set_time(at.t);
+    loops_->differentiate(q, v, tau, loads(at), {as_span(d.a_q), as_span(d.a_v), as_span(d.a_tau)});
+  } else {
+    static_cast<void>(forward_dynamics_derivatives(
+        model_, workspace_, q, v, Span(tau), {as_span(d.a_q), as_span(d.a_v), as_span(d.a_tau)}, loads(at)));
+  }
+  if (!d.a_q.allFinite() || !d.a_v.allFinite() || !d.a_tau.allFinite())
+    throw NoRates("the accelerations have no derivatives at this state");
+  RowMajor by_q = RowMajor::Zero(nv, nv), by_v = by_q;
+  if (!model_.springs().empty())
+    spring_force_derivatives(model_, workspace_, q, v, {as_span(by_q), as_span(by_v)});
+  d.drives = drives_.derivatives(at.t, q, v, at.x);
+  d.a_q += d.a_tau * (by_q + d.drives.tau_q);
+  d.a_v += d.a_tau * (by_v + d.drives.tau_v);
+  d.a_x = d.a_tau * d.drives.tau_x;
+  return d;
+}
+
+void MotionEquations::seeds(Span raw, Span q, Eigen::MatrixXd& displacement,
+                            Eigen::MatrixXd& normalization) const {
+  normalization = Eigen::MatrixXd::Identity(model_.nq(), model_.nq());
+  displacement = Eigen::MatrixXd::Zero(model_.nv(), model_.nq());
+  each_subgroup<double>(model_, [&]<class Kind>(const Kind& joint, int iq, int iv) {
+    if constexpr (Kind::nq > Kind::nv) {
+      const Eigen::Vector4d unit = as_eigen(q).segment<4>(iq);
+      const double size = as_eigen(raw).segment<4>(iq).norm();
+      normalization.block<4, 4>(iq, iq) = (Eigen::Matrix4d::Identity() - unit * unit.transpose()) / size;
+    }
+    for (int k = 0; k < Kind::nq; ++k) {
+      const Eigen::VectorXd dq = normalization.block(iq, iq + k, Kind::nq, 1);
+      joint.velocities(q.data() + iq, dq.data(), &displacement(iv, iq + k));
+    }
+  });
+}
+
+/// The derivatives of E(q) v by the entries of q.
+Eigen::MatrixXd MotionEquations::rates_by_coordinates(Span q, Span v) const {
+  using T = Dual<double, 1>;
+  Eigen::MatrixXd out = Eigen::MatrixXd::Zero(model_.nq(), model_.nq());
+  each_subgroup<T>(model_, [&]<class Kind>(const Kind& joint, int iq, int iv) {
+    if constexpr (!Kind::vector_coordinates) {
+      T at[Kind::nq], velocity[Kind::nv], rate[Kind::nq];
+      for (int k = 0; k < Kind::nq; ++k) at[k] = T(q[static_cast<std::size_t>(iq + k)]);
+      for (int k = 0; k < Kind::nv; ++k) velocity[k] = T(v[static_cast<std::size_t>(iv + k)]);
+      for (int k = 0; k < Kind::nq; ++k) {
+        at[k].dx[0] = 1;
+        joint.rates(at, velocity, rate);
+        at[k].dx[0] = 0;
+        for (int i = 0; i < Kind::nq; ++i) out(iq + i, iq + k) = rate[i].dx[0];
+      }
+    }
+  });
+  return out;
+}
+
+Eigen::MatrixXd MotionEquations::jacobian(const Point& at, std::span<const int> frames) {
+  const std::vector<double> q = normalized(at.q);
+  const Eigen::Index nq = model_.nq(), nv = model_.nv(), nx = static_cast<Eigen::Index>(at.x.size());
+  const Eigen::Index n_poses = 12 * static_cast<Eigen::Index>(frames.size());
+  Eigen::MatrixXd displacement, normalization;
+  seeds(at.q, q, displacement, normalization);
+  const Derivatives d = derivatives(at, q);
+  const Eigen::Index n_loads = static_cast<Eigen::Index>(load_frames_.size());
+  Eigen::MatrixXd J = Eigen::MatrixXd::Zero(nq + nv + nx + n_poses, nq + 2 * nv + nx + 6 * n_loads);
+  J.topLeftCorner(nq, nq) = rates_by_coordinates(q, at.v) * normalization;
+  each_subgroup<double>(model_, [&]<class Kind>(const Kind& joint, int iq, int iv) {
+    for (int k = 0; k < Kind::nv; ++k) {
+      double unit[Kind::nv] = {};
+      unit[k] = 1;
+      Eigen::Matrix<double, Kind::nq, 1> rate;
+      joint.rates(&q[static_cast<std::size_t>(iq)], unit, rate.data());
+      J.block<Kind::nq, 1>(iq, nq + iv + k) = rate;
+    }
+  });
+  J.middleRows(nq, nv).leftCols(nq + 2 * nv + nx) << d.a_q * displacement, d.a_v, d.a_x, d.a_tau;
+  J.middleRows(nq + nv, nx).leftCols(nq + nv + nx) << d.drives.f_q * displacement, d.drives.f_v, d.drives.f_x;
+
+  std::vector<Twist<Hybrid>> hybrid(static_cast<std::size_t>(nv));
+  for (std::size_t f = 0; f < load_frames_.size(); ++f) {
+    axode::jacobian<Hybrid>(model_, workspace_, Span(q), Place<double>(load_frames_[f]), std::span(hybrid));
+    Eigen::MatrixXd by_wrench(nv, 6);
+    for (Eigen::Index c = 0; c < nv; ++c) {
+      const Twist<Hybrid>& V = hybrid[static_cast<std::size_t>(c)];
+      by_wrench.row(c) << V.w.x, V.w.y, V.w.z, V.v.x, V.v.y, V.v.z;
+    }
+    J.block(nq, nq + 2 * nv + nx + 6 * static_cast<Eigen::Index>(f), nv, 6) = d.a_tau * by_wrench;
+  }
+  const std::vector<double> C = poses(at, frames);
+  std::vector<Twist<BodyFixed>> columns(static_cast<std::size_t>(nv));
+  for (std::size_t f = 0; f < frames.size(); ++f) {
+    axode::jacobian<BodyFixed>(model_, workspace_, Span(q), Place<double>(frames[f]), std::span(columns));
+    const Eigen::Index row = nq + nv + nx + 12 * static_cast<Eigen::Index>(f);
+    const Eigen::Map<const Eigen::Matrix3d> R(&C[12 * f]);
+    Eigen::MatrixXd by_displacement(12, nv);
+    for (Eigen::Index c = 0; c < nv; ++c) {
+      const Twist<BodyFixed>& V = columns[static_cast<std::size_t>(c)];
+      const Eigen::Vector3d w(V.w.x, V.w.y, V.w.z), v(V.v.x, V.v.y, V.v.z);
+      for (int k = 0; k < 3; ++k)
+        by_displacement.block<3, 1>(3 * k, c) = R * w.cross(Eigen::Vector3d::Unit(k));
+      by_displacement.block<3, 1>(9, c) = R * v;
+    }
+    J.block(row, 0, 12, nq) = by_displacement * displacement;
+  }
+  return J;
+}
+
+Eigen::VectorXd MotionEquations::acceleration_by(const Point& at, const Parameter& parameter) {
+  const std::vector<double> q = normalized(at.q), a = rates(at).a;
+  const auto missing_force = [&](double by) {
+    Description description = model_.description();
+    parameter.in(description) += by;
+    const Model changed = ModelBuilder(std::move(description)).build();
+    Workspace<> workspace(changed, cut_tree);
+    std::vector<double> force(a.size()), springs(a.size());
+    inverse_dynamics(changed, workspace, Span(q), Span(at.v), Span(a), force, loads(at));
+    spring_forces(changed, workspace, Span(q), Span(at.v), springs);
+    return Eigen::VectorXd(as_eigen(Span(force)) - as_eigen(Span(springs)));
+  };
+  Description numbers = model_.description();
+  const double value = std::abs(parameter.in(numbers)), h = value > 0 ? value / 4 : 0.25;
+  // Numbers that are 0 may not become negative.
+  const Eigen::VectorXd change =
+      value > 0 ? Eigen::VectorXd(missing_force(h) - missing_force(-h))
+                : Eigen::VectorXd(4 * missing_force(h) - missing_force(2 * h) - 3 * missing_force(0));
+  return derivatives(at, q).a_tau * change / (-2 * h);
+}
+
+}  // namespace axode::fmi
