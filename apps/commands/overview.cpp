@@ -35,6 +35,7 @@ const std::vector<Task>& tasks() {
         {"axode map mass_matrix arm7.toml in.parquet out.parquet", "many states, by way of Python"}}},
       {"Go further",
        {{"axode codegen arm7.toml --output arm7.c", "C code of this one mechanism"},
+        {"axode fmu four_bar.toml --output four_bar.fmu", "an FMU, which other simulators run"},
         {"axode study arm7.toml", "what each representation costs"}}},
       {"Get to know axode",
        {{"axode demo", "an arm and a humanoid, each in four representations"},

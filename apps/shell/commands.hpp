@@ -47,6 +47,7 @@ void add_view(CLI::App& app, int& exit_code);
 /// Python replaces this program, and the exit code is Python's.
 void add_map(CLI::App& app);
 void add_codegen(CLI::App& app, int& exit_code);
+void add_fmu(CLI::App& app, int& exit_code);
 void add_study(CLI::App& app, int& exit_code);
 void add_demo(CLI::App& app, int& exit_code);
 void add_completion(CLI::App& app, int& exit_code);

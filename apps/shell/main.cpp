@@ -89,6 +89,7 @@ int run(int argc, char** argv) {
   add_view(app, exit_code);
   add_map(app);
   add_codegen(app, exit_code);
+  add_fmu(app, exit_code);
   add_study(app, exit_code);
   add_demo(app, exit_code);
   for (CLI::App* command : app.get_subcommands({}))

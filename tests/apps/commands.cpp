@@ -27,7 +27,7 @@ TEST(Program, HelpListsTheCommandsAndTheExitCodes) {
   EXPECT_EQ(outcome.code, 0);
   EXPECT_EQ(outcome.err, "");
   for (const char* said : {"info", "check", "convert", "eval", "linearize", "mobility", "contacts", "plot",
-                           "view", "map", "codegen", "study", "demo", "Exit codes:", "0  all is well",
+                           "view", "map", "codegen", "fmu", "study", "demo", "Exit codes:", "0  all is well",
                            "1  a file is missing", "2  the command line is wrong"})
     EXPECT_THAT(outcome.out, HasSubstr(said));
 }
@@ -105,8 +105,8 @@ TEST(Program, AloneShowsWhatOneCanDoInExamplesThatRun) {
   EXPECT_GT(largest_change_of_coordinates(folder.path() / "run.csv"), 0.05);
   EXPECT_THAT(commands,
               testing::UnorderedElementsAre("info", "check", "convert", "eval", "simulate", "linearize",
-                                            "mobility", "contacts", "plot", "view", "map", "codegen", "study",
-                                            "demo", "manual", "completion"));
+                                            "mobility", "contacts", "plot", "view", "map", "codegen", "fmu",
+                                            "study", "demo", "manual", "completion"));
 }
 
 /// The lines of a help text from below `Example:` to the next empty line.
@@ -143,8 +143,8 @@ TEST_P(Help, ShowsAnExampleThatRuns) {
 }
 INSTANTIATE_TEST_SUITE_P(Commands, Help,
                          testing::Values("info", "check", "convert", "eval", "linearize", "simulate",
-                                         "contacts", "plot", "view", "codegen", "study", "demo", "completion",
-                                         "manual"),
+                                         "contacts", "plot", "view", "codegen", "fmu", "study", "demo",
+                                         "completion", "manual"),
                          [](const auto& p) { return std::string(p.param); });
 
 // ----------------------------------------------------------------------------------------------------- map
