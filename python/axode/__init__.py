@@ -23,7 +23,7 @@ import warnings
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from . import calibration, closed_form, codegen, convert, drives, identification, lie, table
+from . import calibration, closed_form, codegen, convert, drives, fmi, identification, lie, table
 from ._axode import (
     Body,
     Joint,
@@ -243,7 +243,7 @@ __all__ = [
     "ContactRolloutDerivatives", "ShapeDistance", "ContactForce", "AssemblyError", "Fault", "ModelError", "NotFiniteError",
     "SimulationError", "SingularError", "StatesError",
     # modules
-    "lie", "closed_form", "codegen", "convert", "drives", "identification", "calibration", "table",
+    "lie", "closed_form", "codegen", "convert", "drives", "fmi", "identification", "calibration", "table",
 ]
 
 #: Modules that need other packages, which are imported where one asks for them.

@@ -4,6 +4,7 @@
 #include <fstream>
 #include <sstream>
 
+#include "axode/fmi.hpp"
 #include "axode/io.hpp"
 #include "axode/io/reading.hpp"
 #include "axode/model/building/edited.hpp"
@@ -34,6 +35,26 @@ std::string written(ModelWriter write, const BoundModel& m, bool strict) {
 }
 std::string urdf_text(const BoundModel& m, bool strict) { return written(write_urdf, m, strict); }
 std::string mjcf_text(const BoundModel& m, bool strict) { return written(write_mjcf, m, strict); }
+
+/// The files of an FMU with their names, see axode.fmi.export().
+nb::list fmu_files(const BoundModel& m, nb::handle version, const nb::list& kinds, bool joint_losses,
+                   const std::vector<std::string>& frames, const std::vector<std::string>& loads,
+                   const nb::bytes& binary) {
+  fmi::ExportOptions options{choose("version", version, std::array<std::string_view, 2>{"2.0", "3.0"}) == 0
+                                 ? fmi::Version::fmi2
+                                 : fmi::Version::fmi3,
+                             {},
+                             {joint_losses, frames, loads}};
+  for (const nb::handle kind : kinds)
+    options.kinds.push_back(
+        choose("kinds", kind, std::array<std::string_view, 2>{"model_exchange", "co_simulation"}) == 0
+            ? fmi::Kind::model_exchange
+            : fmi::Kind::co_simulation);
+  nb::list files;
+  for (const fmi::FmuFile& file : fmi::fmu_files(m, options, {binary.c_str(), binary.size()}))
+    files.append(nb::make_tuple(to_str(file.name), nb::bytes(file.contents.data(), file.contents.size())));
+  return files;
+}
 
 /// The warnings that readers in Python give as (element, message), as faults of a file.
 std::vector<Fault> warnings_of(const nb::list& given, const std::string& file) {
@@ -162,6 +183,11 @@ refuses, such as helical joints and moving bodies without mass, always causes a 
 >>> print(axode.mjcf(arm).splitlines()[0])
 <mujoco model="arm7">
 )");
+  module.def("fmu_files", &fmu_files, "m"_a, "version"_a, "kinds"_a, "joint_losses"_a, "frames"_a, "loads"_a,
+             "binary"_a,
+             nb::sig("def fmu_files(m: Model, version: str, kinds: list[str], joint_losses: bool, "
+                     "frames: list[str], loads: list[str], binary: bytes) -> list[tuple[str, bytes]]"),
+             "The files of an FMU; see axode.fmi.");
 }
 
 }  // namespace axode::python

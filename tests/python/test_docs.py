@@ -17,7 +17,7 @@ from pages import SOURCE, blocks, printed_by_shell, run_page
 PAGES = ["README.md", "docs/index.md", "docs/python.md", "docs/specialised.md", "docs/mobility.md",
          "docs/contact.md",
          *sorted(file.relative_to(SOURCE).as_posix() for file in SOURCE.glob("docs/tutorials/*.md"))]
-MODULES = [axode, axode.lie, axode.closed_form, axode.codegen, axode.convert, axode.drives, axode.identification,
+MODULES = [axode, axode.lie, axode.closed_form, axode.codegen, axode.convert, axode.drives, axode.fmi, axode.identification,
            axode.calibration, axode.table]
 
 

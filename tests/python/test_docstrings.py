@@ -8,7 +8,7 @@ import axode
 import numpy as np
 import pytest
 
-MODULES = [axode, axode.lie, axode.closed_form, axode.codegen, axode.convert, axode.drives, axode.identification,
+MODULES = [axode, axode.lie, axode.closed_form, axode.codegen, axode.convert, axode.drives, axode.fmi, axode.identification,
            axode.calibration]
 
 

@@ -37,7 +37,7 @@ def test_every_example_is_run_here():
         "08_elastic_arm.py", "09_trajectory_optimization.py",
         "10_casadi_collocation.py", "11_learning_with_torch.py", "12_gait_with_jax.py", "13_monte_carlo.py",
         "14_on_a_gpu.py",  # these in tests/bridges
-        "15_tippe_top.py", "16_gripper.py", "17_quadruped.py",
+        "15_tippe_top.py", "16_gripper.py", "17_quadruped.py", "18_fmu.py",
     ]
 
 
@@ -182,3 +182,12 @@ def test_the_quadruped_stands_and_trots(tmp_path):
     assert way > 0.3 and mean == pytest.approx(weight, rel=0.05)
     assert numbers_behind(printed, "largest certificate")[0] <= 1e-9
     assert (tmp_path / "forces.svg").read_text().count("<!-- FL -->") == 1
+
+
+def test_another_simulator_moves_the_four_bar_as_axode_does(tmp_path):
+    pytest.importorskip("fmpy")
+    printed = run(tmp_path, "18_fmu.py")
+    _, off = numbers_behind(printed, "ModelExchange: crank at")
+    assert off < 1e-5
+    _, off = numbers_behind(printed, "CoSimulation: crank at")
+    assert off < 1e-9
