@@ -19,6 +19,9 @@ namespace {
 constexpr double usual_drift = 1e-8, least_drift = 1e-10;
 /// The deviation of the norm of a quaternion from 1 above which model exchange asks for an event.
 constexpr double usual_norm_error = 1e-6;
+/// The indicator of the drives is their least margin plus this part of the largest margin so far. Where it is 0,
+/// the margin is negative by more than the error of the master in time, so that a status changes there.
+constexpr double indicator_shift = 1e-9;
 
 /// The treatment of properties of mechanisms. Contact, hard stops and dry friction are no properties that a
 /// model counts; check_supported() looks for them itself.
@@ -91,6 +94,7 @@ Instance::Instance(const Instance& other)
       mode_(other.mode_),
       model_is_old_(other.model_is_old_),
       state_is_raw_(other.state_is_raw_),
+      margin_scale_(other.margin_scale_),
       tolerance_(other.tolerance_),
       rates_(other.rates_),
       poses_(other.poses_),
@@ -112,6 +116,7 @@ void Instance::reset() {
   motion_.reset();
   mode_ = Mode::instantiated;
   model_is_old_ = state_is_raw_ = true;
+  margin_scale_ = 0;
   tolerance_.reset();
   state_changed();
 }
@@ -303,7 +308,15 @@ double Instance::gap(const Stop& stop) const {
 }
 
 double Instance::indicator(std::size_t k) {
-  return k < table_.stops().size() ? gap(table_.stops()[k]) : equations_.least_margin(at_);
+  return k < table_.stops().size() ? gap(table_.stops()[k])
+                                   : equations_.least_margin(at_) + indicator_shift * margin_scale_;
+}
+
+double Instance::observe_margin() {
+  if (!table_.drives_have_indicator()) return 1;
+  const double margin = equations_.least_margin(at_);
+  margin_scale_ = std::max(margin_scale_, std::abs(margin));
+  return margin;
 }
 
 void Instance::get_indicators(std::span<double> indicators) {
@@ -325,6 +338,7 @@ double Instance::drift(const Point& closed) const {
 }
 
 bool Instance::needs_event() {
+  if (observe_margin() < 0) return true;
   const bool closes = !model_.loops().empty() || !model_.motions().empty();
   Point closed = at_;
   if (!equations_.close(closed)) throw std::runtime_error("the loops cannot be kept closed");
@@ -340,6 +354,7 @@ Instance::Event Instance::update_discrete_states() {
   at_ = std::move(closed);
   const std::vector<double> before = at_.x;
   static_cast<void>(equations_.switch_drives(at_));
+  observe_margin();
   event.states_changed = event.states_changed || at_.x != before;
   if (const double next = equations_.next_jump(at_.t); std::isfinite(next)) event.next = next;
   state_changed();

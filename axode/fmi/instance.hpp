@@ -89,6 +89,8 @@ class Instance {
   const std::vector<double>& poses();
   double indicator(std::size_t k);
   double gap(const Stop& stop) const;
+  /// The least margin of the drives; updates margin_scale_.
+  double observe_margin();
   /// The rows of unknowns and the columns of knowns of the Jacobian.
   Eigen::MatrixXd jacobian(References unknowns, References knowns);
   Eigen::RowVectorXd row(const Variable& unknown, const Eigen::MatrixXd& all) const;
@@ -111,6 +113,7 @@ class Instance {
   Point at_;
   Mode mode_ = Mode::instantiated;
   bool model_is_old_ = false, state_is_raw_ = true;
+  double margin_scale_ = 0;  ///< the largest margin of the drives at ends of steps so far
   std::optional<double> tolerance_;
   std::optional<Rates> rates_;
   std::optional<std::vector<double>> poses_;

@@ -137,7 +137,8 @@ double MotionEquations::next_jump(double t) const {
 }
 
 double MotionEquations::least_margin(const Point& at) {
-  return std::min(1.0, drives_.least_margin(at.t, normalized(at.q), at.v, at.x));
+  const double least = drives_.least_margin(at.t, normalized(at.q), at.v, at.x);
+  return std::isfinite(least) ? least : 1;
 }
 
 std::vector<double> MotionEquations::poses(const Point& at, std::span<const int> frames) {
@@ -200,8 +201,9 @@ Eigen::MatrixXd MotionEquations::rates_by_coordinates(Span q, Span v) const {
   each_subgroup<T>(model_, [&]<class Kind>(const Kind& joint, int iq, int iv) {
     if constexpr (!Kind::vector_coordinates) {
       T at[Kind::nq], velocity[Kind::nv], rate[Kind::nq];
-      for (int k = 0; k < Kind::nq; ++k) at[k] = T(q[static_cast<std::size_t>(iq + k)]);
-      for (int k = 0; k < Kind::nv; ++k) velocity[k] = T(v[static_cast<std::size_t>(iv + k)]);
+      const double *const q_joint = q.data() + iq, *const v_joint = v.data() + iv;
+      for (int k = 0; k < Kind::nq; ++k) at[k] = T(q_joint[k]);
+      for (int k = 0; k < Kind::nv; ++k) velocity[k] = T(v_joint[k]);
       for (int k = 0; k < Kind::nq; ++k) {
         at[k].dx[0] = 1;
         joint.rates(at, velocity, rate);
@@ -255,7 +257,7 @@ Eigen::MatrixXd MotionEquations::jacobian(const Point& at, std::span<const int> 
     for (Eigen::Index c = 0; c < nv; ++c) {
       const Twist<BodyFixed>& V = columns[static_cast<std::size_t>(c)];
       const Eigen::Vector3d w(V.w.x, V.w.y, V.w.z), v(V.v.x, V.v.y, V.v.z);
-      for (int k = 0; k < 3; ++k)
+      for (Eigen::Index k = 0; k < 3; ++k)
         by_displacement.block<3, 1>(3 * k, c) = R * w.cross(Eigen::Vector3d::Unit(k));
       by_displacement.block<3, 1>(9, c) = R * v;
     }

@@ -58,7 +58,7 @@ class MotionEquations {
   /// Continues with the statuses and inputs of the drives after a time. Returns whether x changed.
   bool switch_drives(Point& at);
   double next_jump(double t) const;
-  /// The least margin of the drives, at most 1.
+  /// The least margin of the drives, or 1 if they have no statuses.
   double least_margin(const Point& at);
   /// The poses of frames: 12 numbers for each, the columns of R and r.
   std::vector<double> poses(const Point& at, std::span<const int> frames);

@@ -28,8 +28,8 @@ std::vector<std::string> coordinate_units(const Joint& joint) {
 }
 std::vector<std::string> velocity_units(const Joint& joint) {
   return with_subgroup(joint.kind, joint.pitch, []<class Kind>(const Kind&) {
-    std::vector<std::string> units;
-    for (int k = 0; k < Kind::nv; ++k) units.emplace_back(k < Kind::angles ? "rad" : "m");
+    std::vector<std::string> units(Kind::nv, "m");
+    std::fill_n(units.begin(), Kind::angles, "rad");
     return units;
   });
 }
