@@ -285,7 +285,8 @@ def test_what_an_fmu_does_not_count_is_refused(tmp_path):
 
 def test_the_command_writes_the_same_files(tmp_path, exported):
     file = tmp_path / "arm.fmu"
-    done = subprocess.run([COMMAND, "fmu", axode.robots / "arm7.toml", "--output", file, "--frame", "flange"], capture_output=True, text=True)
+    done = subprocess.run([COMMAND, "fmu", axode.robots / "arm7.toml", "--output", file, "--frame", "flange"],
+                          capture_output=True, text=True)
     assert (done.returncode, done.stderr) == (0, "")
     fmu = exported(axode.load(axode.robots / "arm7.toml"), "3.0", frames=("flange",))
     with zipfile.ZipFile(file) as of_command, zipfile.ZipFile(fmu) as of_python:
