@@ -173,6 +173,7 @@ from .records import (
     MotionChange,
     MotionDerivatives,
     RedundantRow,
+    Rollout,
     RolloutDerivatives,
     RolloutGradient,
     ShapeDistance,
@@ -238,7 +239,7 @@ __all__ = [
     # what else is taken, given and raised
     "Load", "Target", "InverseKinematics", "InverseDynamicsDerivatives", "ForwardDynamicsDerivatives",
     "InverseDynamicsHessian", "ForwardDynamicsHessian", "StateDerivatives", "MotionDerivatives", "MotionChange",
-    "MomentumFormDerivatives", "Linearization", "Equilibrium", "DynamicsAtTime", "KinematicMotion", "RolloutDerivatives",
+    "MomentumFormDerivatives", "Linearization", "Equilibrium", "DynamicsAtTime", "KinematicMotion", "Rollout", "RolloutDerivatives",
     "RolloutGradient", "JointState", "LoopMobility", "RedundantRow", "LocalMobility", "MotionBranch", "BranchPoint",
     "ContactRolloutDerivatives", "ShapeDistance", "ContactForce", "AssemblyError", "Fault", "ModelError", "NotFiniteError",
     "SimulationError", "SingularError", "StatesError",

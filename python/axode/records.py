@@ -14,7 +14,7 @@ __all__ = ["BranchPoint", "ContactForce", "ContactRolloutDerivatives", "Dynamics
            "IndependentEquations", "IndependentLinearization", "InverseDynamicsDerivatives", "InverseDynamicsHessian",
            "InverseKinematics", "JointState", "KinematicMotion", "Linearization", "Load", "LocalMobility",
            "LoopMobility", "MomentumFormDerivatives", "MotionBranch", "MotionChange", "MotionDerivatives",
-           "RedundantRow", "RolloutDerivatives", "RolloutGradient", "ShapeDistance", "StateDerivatives", "Target"]
+           "RedundantRow", "Rollout", "RolloutDerivatives", "RolloutGradient", "ShapeDistance", "StateDerivatives", "Target"]
 
 Representation = Literal["body", "spatial", "hybrid", "mixed"]
 
@@ -329,6 +329,39 @@ class Linearization(NamedTuple):
 
     A: NDArray[np.float64]
     B: NDArray[np.float64]
+
+
+class Rollout(tuple[NDArray[np.float64], NDArray[np.float64]]):
+    """The pair (q, v) of the states of N motions, and the `certificates` (N, K) of their steps with contact.
+
+    A certificate says how exactly the laws of contact hold in a step, 1e-12 being rounding. Without contact there are none,
+    and their shape is (0,).
+
+    >>> q, v = path = axode.rollout(arm, np.zeros((5, 7)), np.zeros((5, 7)), np.ones((5, 20, 7)), 1e-3)
+    >>> path.q is q, path.certificates.size
+    (True, 0)
+    """
+
+    certificates: NDArray[np.float64]
+
+    def __new__(cls, q: NDArray[np.float64], v: NDArray[np.float64],
+                certificates: NDArray[np.float64] | None = None) -> Rollout:
+        made = super().__new__(cls, (q, v))
+        made.certificates = np.empty(0) if certificates is None else certificates
+        return made
+
+    def __getnewargs__(self) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        return self[0], self[1]
+
+    @property
+    def q(self) -> NDArray[np.float64]:
+        """(K + 1, nq) or (N, K + 1, nq)."""
+        return self[0]
+
+    @property
+    def v(self) -> NDArray[np.float64]:
+        """(K + 1, nv) or (N, K + 1, nv)."""
+        return self[1]
 
 
 class RolloutDerivatives(NamedTuple):

@@ -15,7 +15,7 @@ from .codegen import Specialised
 from .drives import PD, ComputedTorque, Sampled
 from .errors import SimulationError, StatesError
 from .support.progress import progress_bar
-from .records import Load
+from .records import Load, Rollout
 
 __all__ = ["reconstruct", "rollout", "simulate"]
 
@@ -83,9 +83,8 @@ def simulate(m: Model, q: ArrayLike, v: ArrayLike, until: float, *,
     """
     if isinstance(tau, (Sampled, PD, ComputedTorque)):
         tau = tau.on(m)
+    _check_contact(contact)
     if contact is not None:
-        if not isinstance(contact, (bool, np.bool_)):
-            raise TypeError(f"contact: expected True, False or None, got {type(contact).__name__}")
         if method is not None and (method == "contact") != contact:
             raise ValueError(f"contact is {contact} and method is {method!r}; leave one of them out")
         method = method or ("contact" if contact else "dopri5")
@@ -109,7 +108,7 @@ def simulate(m: Model, q: ArrayLike, v: ArrayLike, until: float, *,
 
 def rollout(m: Model | Specialised, q: ArrayLike, v: ArrayLike,
             tau: ArrayLike | Callable[[float, Array, Array], ArrayLike] | Sampled | PD | ComputedTorque, step: float, *,
-            steps: int | None = None, joint_losses: bool = False, threads: int = 1) -> tuple[Array, Array]:
+            steps: int | None = None, joint_losses: bool = False, threads: int = 1, contact: bool | None = None) -> Rollout:
     """(q, v): the states of N motions of K steps of `step` s, (N, K + 1, nq) and (N, K + 1, nv), beginning with the
     given ones.
 
@@ -123,10 +122,14 @@ def rollout(m: Model | Specialised, q: ArrayLike, v: ArrayLike,
     joint_losses: whether damping and dry friction act, as in `simulate`. m may be a model that is specialised with
     forward_dynamics, which is several times as fast; then lanes are also used for coupled joints, and if it is in
     float32, so are the motions.
+    contact: whether shapes touch and hard stops stop, as in `simulate` with method="contact", which steps in double
+    precision and takes no specialised model. If left out, they do if the drawing has `[contact]`. The result then has
+    `certificates`, see `Rollout`. Every 64 steps, and after each step if tau is a function, the solver of contacts begins
+    anew, so that motions differ from those of `simulate` by its tolerance.
 
     ValueError for wrong shapes, numbers that are not finite, a drive of another mechanism, loops that are open at
-    first and step <= 0. SingularError or NotFiniteError, with q, if a motion cannot continue; its later states are
-    NaN, and those of all motions if tau is a function.
+    first and step <= 0. StatesError, with q, if a motion cannot continue: SingularError or NotFiniteError without contact.
+    Its later states are NaN, and those of all motions if tau is a function.
 
     >>> q, v = axode.rollout(arm, np.zeros((5, 7)), np.zeros((5, 7)), np.ones((5, 20, 7)), 1e-3)
     >>> q.shape
@@ -139,27 +142,40 @@ def rollout(m: Model | Specialised, q: ArrayLike, v: ArrayLike,
     True
     """
     compiled = m if isinstance(m, Specialised) else None
-    m = m.model if isinstance(m, Specialised) else m
+    model = m.model if isinstance(m, Specialised) else m
+    _check_contact(contact)
+    touches = _axode.has_contact(model) if contact is None else bool(contact)
+    if touches and compiled is not None:
+        raise ValueError(f"contact: code that is compiled for {model.name!r} has no contact; give the model, or contact=False")
+    shapes = _axode.contact_shapes(model) if touches else None
     if isinstance(tau, (Sampled, PD, ComputedTorque)):
-        tau = tau.on(m)
+        tau = tau.on(model)
     given: dict[str, Any] = {"threads": threads, "joint_losses": joint_losses}
+
+    def under(q: ArrayLike, v: ArrayLike, tau: ArrayLike) -> Rollout:
+        if shapes is None:
+            return Rollout(*_axode.rollout_under(model, q, v, tau, step, compiled, **given))
+        return Rollout(*_axode.contact_rollout_under(model, shapes, q, v, tau, step, **given))
+
     if steps is None:
         if callable(tau):
             raise ValueError("steps is missing; a function or a drive as tau needs the number of steps")
-        return _axode.rollout_under(m, q, v, tau, step, compiled, **given)
+        return under(q, v, tau)
     if steps < 0:
         raise ValueError(f"steps is {steps}; it must not be negative")
     if not callable(tau):
         if np.ndim(tau) != 1:
             raise ValueError("steps is for functions, drives and constant forces (nv,); tau has forces for each step")
-        tau = Sampled([0.0], np.asarray(tau)[None]).on(m)
+        tau = Sampled([0.0], np.asarray(tau)[None]).on(model)
     if isinstance(tau, _axode.Drive):
-        return _axode.rollout_driven(m, q, v, tau, steps, step, compiled, **given)
+        if shapes is None:
+            return Rollout(*_axode.rollout_driven(model, q, v, tau, steps, step, compiled, **given))
+        return Rollout(*_axode.contact_rollout_driven(model, shapes, q, v, tau, steps, step, **given))
     q_0, v_0 = np.asarray(q, dtype=np.float64), np.asarray(v, dtype=np.float64)
-    none = np.empty((*q_0.shape[:-1], 0, m.nv))
-    q_k, v_k = _axode.rollout_under(m, q_0, v_0, none, step, compiled, **given)
-    all_q = np.full((*q_0.shape[:-1], steps + 1, m.nq), np.nan, q_k.dtype)
-    all_v = np.full((*q_0.shape[:-1], steps + 1, m.nv), np.nan, v_k.dtype)
+    q_k, v_k = under(q_0, v_0, np.empty((*q_0.shape[:-1], 0, model.nv)))
+    all_q = np.full((*q_0.shape[:-1], steps + 1, model.nq), np.nan, q_k.dtype)
+    all_v = np.full((*q_0.shape[:-1], steps + 1, model.nv), np.nan, v_k.dtype)
+    certificates = None if shapes is None else np.full((*q_0.shape[:-1], steps), np.nan)
     all_q[..., :1, :], all_v[..., :1, :] = q_k, v_k
     for k in range(steps):
         q_k, v_k = all_q[..., k, :], all_v[..., k, :]
@@ -167,13 +183,20 @@ def rollout(m: Model | Specialised, q: ArrayLike, v: ArrayLike,
         if forces.shape != v_k.shape:
             raise ValueError(f"tau(t, q, v): expected shape {v_k.shape}, got {forces.shape}")
         try:
-            q_1, v_1 = _axode.rollout_under(m, q_k, v_k, forces[..., None, :], step, compiled, **given)
+            made = under(q_k, v_k, forces[..., None, :])
         except StatesError as error:
             all_q[..., k:k + 2, :] = error.result
             error.result = all_q
             raise
-        all_q[..., k + 1, :], all_v[..., k + 1, :] = q_1[..., 1, :], v_1[..., 1, :]
-    return all_q, all_v
+        all_q[..., k + 1, :], all_v[..., k + 1, :] = made.q[..., 1, :], made.v[..., 1, :]
+        if certificates is not None:
+            certificates[..., k:k + 1] = made.certificates
+    return Rollout(all_q, all_v, certificates)
+
+
+def _check_contact(contact: bool | None) -> None:
+    if contact is not None and not isinstance(contact, (bool, np.bool_)):
+        raise TypeError(f"contact: expected True, False or None, got {type(contact).__name__}")
 
 
 def reconstruct(C0: ArrayLike, twist: ArrayLike | Callable[[float], ArrayLike], times: ArrayLike,

@@ -83,6 +83,7 @@ LONG = {
         ARM, np.zeros(7), np.zeros(7), tau, 1e-9).B, np.zeros(7)),
     "inverse kinematics from many starts": (lambda N: [N], lambda restarts: np.zeros(axode.inverse_kinematics(
         ARM, [{"frame": "flange", "pose": FAR_AWAY}], np.zeros(7), iterations=5, restarts=restarts).restarts)),
+    "rollouts with contact": of_states(ARM, lambda q, v, a: axode.rollout(ARM, q, v, a[:, None], 1e-4, contact=True)[0]),
     "states in between": (lambda N: [np.linspace(0, 0.5, N)], lambda t: FALL.at(t)[0]),
 }
 

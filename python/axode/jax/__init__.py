@@ -235,7 +235,7 @@ def jacobian(m: Model, q: Array, frame: str | int, representation: Representatio
 
 def rollout(m: Model, q: Array, v: Array, tau: Array, step: float, *, threads: int = 1) -> tuple[Array, Array]:
     """(q, v): the states of motions of K steps of `step` s: (..., K + 1, nq) and (..., K + 1, nv), see
-    `axode.rollout`.
+    `axode.rollout` with contact=False.
 
     tau has shape (..., K, nv). First derivatives exist; a product with them costs O(n) for each step and stores only
     the states. If a motion cannot continue, its later states are NaN.

@@ -213,7 +213,7 @@ def jacobian(m: Model | Specialised, q: Tensor, frame: str | int, representation
 
 def rollout(m: Model, q: Tensor, v: Tensor, tau: Tensor, step: float) -> tuple[Tensor, Tensor]:
     """(q, v): the states of motions of K steps, (..., K + 1, nq) and (..., K + 1, nv), under tau (..., K, nv), see
-    `axode.rollout`.
+    `axode.rollout` with contact=False.
 
     First derivatives by q, v and tau exist; they take O(n) for each step and store only the states. With K = 1 it
     computes one step. ValueError for models with loops, SingularError and NotFiniteError if a motion cannot continue.

@@ -3,7 +3,10 @@
 #include <algorithm>
 
 #include "axode/batch.hpp"
+#include "axode/batch/contact_rollout.hpp"
 #include "axode/integration.hpp"
+#include "axode/integration/methods.hpp"
+#include "axode/view/mesh_hull.hpp"
 #include "python/bindings/drives.hpp"
 #include "python/bindings/states/specialised.hpp"
 #include "python/bindings/states/states.hpp"
@@ -55,6 +58,14 @@ batch::Outcome roll(const States& states, const BoundSpecialised* compiled, cons
   return outcome;
 }
 
+/// The motions that could not continue.
+std::vector<std::size_t> ended(const States& states, const NewArray& v, const Shape& shape) {
+  std::vector<std::size_t> found;
+  for (std::size_t n = 0; n < states.count(); ++n)
+    if (!all_finite(item(v, n, shape))) found.push_back(n);
+  return found;
+}
+
 std::tuple<Array, Array> motions_of(const States& states, const BoundSpecialised* compiled,
                                     const Steps& steps) {
   const nb::ssize_t K = steps.K;
@@ -66,15 +77,9 @@ std::tuple<Array, Array> motions_of(const States& states, const BoundSpecialised
       states.unlocked(100.0 * static_cast<double>(K), [&](const batch::Monitor& monitor) {
         return roll(states, compiled, steps, q_out.all(), v_out.all(), monitor);
       });
-  if (outcome.loops_open) {
-    std::vector<std::size_t> torn;
-    for (std::size_t n = outcome.first; n < states.count(); ++n)
-      if (!all_finite(item(v_out, n, shape_v))) torn.push_back(n);
-    raise_of_states("SingularError",
-                    (states.many() ? "state " + std::to_string(outcome.first) + ": " : std::string()) +
-                        "the loops cannot be kept closed; a shorter step may help",
-                    torn, q_out.array());
-  }
+  if (outcome.loops_open)
+    states.raise("SingularError", "the loops cannot be kept closed; a shorter step may help",
+                 ended(states, v_out, shape_v), q_out);
   if (!outcome.ok()) {
     std::vector<Solvability> found(states.count());
     for (std::size_t n = outcome.first; n < found.size(); ++n)
@@ -87,25 +92,30 @@ std::tuple<Array, Array> motions_of(const States& states, const BoundSpecialised
   return {q, v};
 }
 
+/// The drive forces of K steps.
+struct Forces {
+  Numbers tau;
+  nb::ssize_t K = 0;
+
+  Forces(const States& states, ArrayLike given) : tau("tau", given) {
+    const nb::ssize_t nv = states.model().nv(), N = static_cast<nb::ssize_t>(states.count());
+    const int axis = states.many() ? 1 : 0;  // the axis of the steps
+    if (tau.axes() == axis + 2) K = tau.length(axis);
+    const Shape one{K, nv}, expected = states.many() ? one.times(N) : one;
+    if (tau.axes() != axis + 2 || !tau.ends_with(expected))
+      tau.wrong_shape(std::string(states.many() ? "(" + std::to_string(N) + ", K, " : "(K, ") +
+                      std::to_string(nv) + "), nv numbers for each step");
+  }
+  std::span<const double> all() const { return {tau.data(), static_cast<std::size_t>(tau.size())}; }
+};
+
 std::tuple<Array, Array> rollout_of(const BoundModel& m, ArrayLike q, ArrayLike v, ArrayLike tau, double step,
                                     const BoundSpecialised* compiled, int threads, bool joint_losses) {
   const States states(m, q, threads);
   const Items velocities = states.velocities("v", v);
-  const Numbers forces("tau", tau);
-  const int axis = states.many() ? 1 : 0;  // the axis of the steps
-  const nb::ssize_t K = forces.axes() == axis + 2 ? forces.length(axis) : 0;
-  const Shape one{K, m->nv()},
-      expected = states.many() ? one.times(static_cast<nb::ssize_t>(states.count())) : one;
-  if (forces.axes() != axis + 2 || !forces.ends_with(expected))
-    forces.wrong_shape(std::string(states.many() ? "(" + std::to_string(states.count()) + ", K, " : "(K, ") +
-                       std::to_string(m->nv()) + "), nv numbers for each step");
+  const Forces forces(states, tau);
   return motions_of(states, compiled,
-                    {velocities.all(),
-                     {forces.data(), static_cast<std::size_t>(forces.size())},
-                     nullptr,
-                     K,
-                     step,
-                     joint_losses});
+                    {velocities.all(), forces.all(), nullptr, forces.K, step, joint_losses});
 }
 
 std::tuple<Array, Array> driven_rollout_of(const BoundModel& m, ArrayLike q, ArrayLike v,
@@ -117,6 +127,53 @@ std::tuple<Array, Array> driven_rollout_of(const BoundModel& m, ArrayLike q, Arr
   return motions_of(states, compiled, {velocities.all(), {}, &drive.drive, K, step, joint_losses});
 }
 
+std::tuple<Array, Array, Array> motions_with_contact(const States& states, const ContactShapes& shapes,
+                                                     const Steps& steps) {
+  const nb::ssize_t K = steps.K, nq = states.model().nq();
+  const Shape shape_v{K + 1, states.model().nv()};
+  NewArray q = states.result({K + 1, nq}), v = states.result(shape_v), certificates = states.result({K});
+  const batch::Outcome outcome =
+      states.unlocked(1000.0 * static_cast<double>(K), [&](const batch::Monitor& monitor) {
+        const auto roll = [&](const auto&... forces) {
+          return batch::rollout_with_contact(states.model(), shapes, states.q(), steps.v, forces...,
+                                             steps.length, q.all(), v.all(), certificates.all(),
+                                             states.threads(), monitor, steps.joint_losses);
+        };
+        return steps.drive ? roll(*steps.drive, static_cast<std::size_t>(K)) : roll(steps.tau);
+      });
+  if (!outcome.ok()) {
+    const std::span<const double> of_first = item(v, outcome.first, shape_v);
+    const std::size_t nv = of_first.size() / static_cast<std::size_t>(K + 1);
+    std::size_t k = 0;
+    while (all_finite(of_first.subspan((k + 1) * nv, nv))) ++k;
+    states.raise("StatesError",
+                 "the motion with contact cannot continue after " + std::to_string(k) +
+                     (k == 1 ? " step" : " steps") + "; simulate from there says why",
+                 ended(states, v, shape_v), q);
+  }
+  return {q.array(), v.array(), certificates.array()};
+}
+
+std::tuple<Array, Array, Array> contact_rollout_of(const BoundModel& m, const ContactShapes& shapes,
+                                                   ArrayLike q, ArrayLike v, ArrayLike tau, double step,
+                                                   int threads, bool joint_losses) {
+  const States states(m, q, threads);
+  const Items velocities = states.velocities("v", v);
+  const Forces forces(states, tau);
+  return motions_with_contact(states, shapes,
+                              {velocities.all(), forces.all(), nullptr, forces.K, step, joint_losses});
+}
+
+std::tuple<Array, Array, Array> driven_contact_rollout_of(const BoundModel& m, const ContactShapes& shapes,
+                                                          ArrayLike q, ArrayLike v, const BoundDrive& drive,
+                                                          nb::ssize_t K, double step, int threads,
+                                                          bool joint_losses) {
+  const States states(m, q, threads);
+  const Items velocities = states.velocities("v", v);
+  check_drive(m, drive);
+  return motions_with_contact(states, shapes, {velocities.all(), {}, &drive.drive, K, step, joint_losses});
+}
+
 }  // namespace
 
 void add_rollout(nb::module_& module) {
@@ -124,6 +181,19 @@ void add_rollout(nb::module_& module) {
              nb::kw_only(), "threads"_a = 1, "joint_losses"_a = false, "See axode.rollout.");
   module.def("rollout_driven", &driven_rollout_of, "m"_a, "q"_a, "v"_a, "drive"_a, "steps"_a, "step"_a,
              "compiled"_a = nb::none(), nb::kw_only(), "threads"_a = 1, "joint_losses"_a = false,
+             "See axode.rollout.");
+  nb::class_<ContactShapes>(module, "ContactShapes",
+                            "The collision shapes of a mechanism, see axode.rollout.");
+  module.def(
+      "contact_shapes", [](const BoundModel& m) { return ContactShapes(m, hull_of_mesh); }, "m"_a,
+      nb::call_guard<nb::gil_scoped_release>(), "The collision shapes, whose meshes are read from files.");
+  module.def(
+      "has_contact", [](const BoundModel& m) { return usual_method(m) == "contact"; }, "m"_a,
+      "Whether a mechanism moves with contact where nothing else is asked for.");
+  module.def("contact_rollout_under", &contact_rollout_of, "m"_a, "shapes"_a, "q"_a, "v"_a, "tau"_a, "step"_a,
+             nb::kw_only(), "threads"_a = 1, "joint_losses"_a = false, "See axode.rollout.");
+  module.def("contact_rollout_driven", &driven_contact_rollout_of, "m"_a, "shapes"_a, "q"_a, "v"_a, "drive"_a,
+             "steps"_a, "step"_a, nb::kw_only(), "threads"_a = 1, "joint_losses"_a = false,
              "See axode.rollout.");
 }
 

@@ -88,14 +88,19 @@ void States::refuse(const std::vector<Solvability>& found, NewArray& result,
     refused.push_back(k);
   }
   if (refused.empty()) return;
-  std::string sentence = to_string(model(), first);
-  if (many_)
-    sentence = "state " + std::to_string(refused.front()) +
-               (refused.size() > 1 ? " and " + std::to_string(refused.size() - 1) +
-                                         (refused.size() > 2 ? " others: " : " other: ")
-                                   : ": ") +
-               sentence;
-  raise_of_states(first.not_finite ? "NotFiniteError" : "SingularError", sentence, refused, result.array());
+  raise(first.not_finite ? "NotFiniteError" : "SingularError", to_string(model(), first), refused, result);
+}
+
+void States::raise(const char* error, const std::string& sentence, const std::vector<std::size_t>& refused,
+                   NewArray& result) const {
+  std::string where;
+  if (many_) {
+    where = "state " + std::to_string(refused.front());
+    if (const std::size_t others = refused.size() - 1; others > 0)
+      where += " and " + std::to_string(others) + (others > 1 ? " others" : " other");
+    where += ": ";
+  }
+  raise_of_states(error, where + sentence, refused, result.array());
 }
 
 Rows::Rows(const States& states, const char* name, ArrayLike given, const char* meaning)

@@ -73,6 +73,15 @@ class States {
     const BoundModel::Lease<W> workspace(bound_);
     for (std::size_t k = 0; k < count_; ++k) run(k, [&] { f(*workspace, k); });
   }
+  /// Calls f() for state k. If there are several states, messages of errors name this one.
+  template <class F> void run(std::size_t k, const F& f) const {
+    if (!many_) return f();
+    try {
+      f();
+    } catch (const std::invalid_argument& error) {
+      throw std::invalid_argument("state " + std::to_string(k) + ": " + error.what());
+    }
+  }
   /// Calls f() while other Python threads run.
   template <class F> auto released(double microseconds, const F& f) const {
     std::optional<nb::gil_scoped_release> released;
@@ -109,19 +118,14 @@ class States {
   /// is wrong.
   void refuse(const std::vector<Solvability>& found, NewArray& result,
               const Solvability& otherwise = {.not_finite = true}) const;
+  /// Throws an error of axode.errors about some states, with the result. The sentence is about the first of
+  /// them; if the call has several states, the message names it.
+  [[noreturn]] void raise(const char* error, const std::string& sentence,
+                          const std::vector<std::size_t>& refused, NewArray& result) const;
 
  private:
   bool takes_long(double microseconds) const { return microseconds * static_cast<double>(count_) > 20; }
 
-  /// Calls f() for state k. If there are several states, messages of errors name this one.
-  template <class F> void run(std::size_t k, const F& f) const {
-    if (!many_) return f();
-    try {
-      f();
-    } catch (const std::invalid_argument& error) {
-      throw std::invalid_argument("state " + std::to_string(k) + ": " + error.what());
-    }
-  }
   template <class W, class F> void on_cores(const F& f) const {
     unlocked(100, [&](const batch::Monitor& monitor) {
       return batch::in_portions(count_, 1, threads_, monitor, [&]() -> batch::Work {
