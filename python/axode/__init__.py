@@ -29,6 +29,7 @@ from ._axode import (
     Joint,
     MassMatrixFactor,
     Model,
+    TaskSpace,
     Trajectory,
     accelerations,
     assemble,
@@ -179,6 +180,8 @@ from .records import (
     ShapeDistance,
     StateDerivatives,
     Target,
+    TaskEquations,
+    TaskSingularity,
 )
 from .simulation import reconstruct, rollout, simulate
 from .support import former_names as _former_names
@@ -226,7 +229,7 @@ __all__ = [
     "loop_residual", "loop_jacobian", "loop_bias", "loop_residual_jacobian", "loop_hessian_product", "assemble",
     "loop_mobility", "local_mobility", "closure_coordinates", "closure_derivatives", "impact", "constraint_wrenches",
     "independent_equations", "independent_linearization",
-    "loop_multipliers", "loop_multiplier_derivatives", "joint_state",
+    "loop_multipliers", "loop_multiplier_derivatives", "joint_state", "TaskSpace",
     # prescribed motions
     "forward_dynamics_at", "kinematic_motion",
     # collision shapes
@@ -240,7 +243,7 @@ __all__ = [
     "Load", "Target", "InverseKinematics", "InverseDynamicsDerivatives", "ForwardDynamicsDerivatives",
     "InverseDynamicsHessian", "ForwardDynamicsHessian", "StateDerivatives", "MotionDerivatives", "MotionChange",
     "MomentumFormDerivatives", "Linearization", "Equilibrium", "DynamicsAtTime", "KinematicMotion", "Rollout", "RolloutDerivatives",
-    "RolloutGradient", "JointState", "LoopMobility", "RedundantRow", "LocalMobility", "MotionBranch", "BranchPoint",
+    "RolloutGradient", "TaskEquations", "TaskSingularity", "JointState", "LoopMobility", "RedundantRow", "LocalMobility", "MotionBranch", "BranchPoint",
     "ContactRolloutDerivatives", "ShapeDistance", "ContactForce", "AssemblyError", "Fault", "ModelError", "NotFiniteError",
     "SimulationError", "SingularError", "StatesError",
     # modules

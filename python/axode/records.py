@@ -14,7 +14,8 @@ __all__ = ["BranchPoint", "ContactForce", "ContactRolloutDerivatives", "Dynamics
            "IndependentEquations", "IndependentLinearization", "InverseDynamicsDerivatives", "InverseDynamicsHessian",
            "InverseKinematics", "JointState", "KinematicMotion", "Linearization", "Load", "LocalMobility",
            "LoopMobility", "MomentumFormDerivatives", "MotionBranch", "MotionChange", "MotionDerivatives",
-           "RedundantRow", "Rollout", "RolloutDerivatives", "RolloutGradient", "ShapeDistance", "StateDerivatives", "Target"]
+           "RedundantRow", "Rollout", "RolloutDerivatives", "RolloutGradient", "ShapeDistance", "StateDerivatives", "Target",
+           "TaskEquations", "TaskSingularity"]
 
 Representation = Literal["body", "spatial", "hybrid", "mixed"]
 
@@ -243,6 +244,38 @@ class IndependentLinearization(NamedTuple):
     B: NDArray[np.float64]
     N: NDArray[np.float64]
     D: NDArray[np.float64]
+
+
+class TaskEquations(NamedTuple):
+    """Equations of motion of a parallel manipulator in task velocities V: M dV + h = J^T u, v = F V, a = F dV + c.
+
+    u are the forces of the drives, whose velocities have the indices `drives` and are J V. With f task velocities and d drives
+    M has the shape (f, f), J (d, f) and F (nv, f). h (f,) has Coriolis, centrifugal and gravity forces, less those of loads.
+    """
+
+    M: NDArray[np.float64]
+    h: NDArray[np.float64]
+    J: NDArray[np.float64]
+    drives: list[int]
+    F: NDArray[np.float64]
+    c: NDArray[np.float64]
+
+
+class TaskSingularity(NamedTuple):
+    """A singularity of a parallel manipulator near a configuration, or at it, with a `sentence` about it.
+
+    `type`: "limb" (type 1: `joints` of the limb of the number `limb` can move while the platform is at rest), "drives" (type 2:
+    the platform can move while all drives are locked; `joints` are drives that hold each other) or "constraint" (the limbs leave
+    the platform another freedom). `distance` is the least singular value divided by the largest one, 0 at the singularity.
+    `twist` (6,) is the spatial twist of the platform that becomes free, angular before linear; it is 0 for a limb.
+    """
+
+    type: Literal["limb", "drives", "constraint"]
+    limb: int | None
+    distance: float
+    twist: NDArray[np.float64]
+    joints: list[str]
+    sentence: str
 
 
 class JointState(NamedTuple):

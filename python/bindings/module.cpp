@@ -42,6 +42,7 @@ NB_MODULE(_axode, module) {
   add_rates(module);
   add_constraints(module);
   add_mobility(module);
+  add_task_space(module);
   add_contact(module);
   add_integration(module);
   add_rollout(module);

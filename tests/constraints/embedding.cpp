@@ -255,8 +255,10 @@ TEST(ConstraintEmbedding, ResolvesLimbsOfLessMobility) {
   const Vec3<> there{0.08, -0.05, 0.06};
   ASSERT_TRUE(place_platform(space, {{}, there}, q).reached);
   Numbers unreachable = q;
-  EXPECT_FALSE(place_platform(space, exp(Screw<>{{0.1, 0, 0}, {}}), unreachable).reached)
-      << "it does not turn";
+  const PlatformPlacement turned = place_platform(space, exp(Screw<>{{0.1, 0, 0}, {}}), unreachable);
+  EXPECT_FALSE(turned.reached) << "it does not turn";
+  EXPECT_THAT(to_string(space, turned),
+              testing::MatchesRegex("the limb with loops? .* by .* \\(rad and m\\); .*"));
   EXPECT_FALSE(place_platform(space, {{}, {0, 0, -5}}, unreachable).reached) << "too far";
   Numbers v(static_cast<std::size_t>(model.nv())), a(v), expected(v), tau(v), dV(3);
   const Numbers V{0.3, -0.2, 0.5}, wanted{1, 2, -3};
@@ -295,6 +297,10 @@ TEST(PlatformSingularities, OfTheDrivesHaveTheScrewOfTheFreeMotion) {
   EXPECT_LT(std::hypot(V.v.x, V.v.y), 2e-3) << "through the centre";
   EXPECT_NEAR(V.v.z / V.w.z, -0.306, 1e-3) << "pitch";
   EXPECT_THAT(found.front().sentence, testing::StartsWith("type 2: the platform can move while all drives"));
+  Numbers tau(static_cast<std::size_t>(model.nv()));
+  const TaskVerdict verdict = space.inverse_dynamics(q, Numbers(24), Numbers(6, 1.0), tau);
+  EXPECT_THAT(to_string(space, verdict),
+              testing::StartsWith("type 2: the platform can move while all drives"));
   // The platform moves along this screw while the drives rest.
   const SE3<> C = exp(Screw<>{{0, 0, 0.5 * 3.14159265358979323846}, {}});
   const Screw<> body = Ad_inv(C, Screw<>{V.w, V.v});

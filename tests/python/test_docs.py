@@ -15,7 +15,7 @@ import pytest
 from pages import SOURCE, blocks, printed_by_shell, run_page
 
 PAGES = ["README.md", "docs/index.md", "docs/python.md", "docs/specialised.md", "docs/mobility.md",
-         "docs/contact.md",
+         "docs/contact.md", "docs/parallel-manipulators.md",
          *sorted(file.relative_to(SOURCE).as_posix() for file in SOURCE.glob("docs/tutorials/*.md"))]
 MODULES = [axode, axode.lie, axode.closed_form, axode.codegen, axode.convert, axode.drives, axode.fmi, axode.identification,
            axode.calibration, axode.table]

@@ -37,7 +37,7 @@ def test_every_example_is_run_here():
         "08_elastic_arm.py", "09_trajectory_optimization.py",
         "10_casadi_collocation.py", "11_learning_with_torch.py", "12_gait_with_jax.py", "13_monte_carlo.py",
         "14_on_a_gpu.py",  # these in tests/bridges
-        "15_tippe_top.py", "16_gripper.py", "17_quadruped.py", "18_fmu.py",
+        "15_tippe_top.py", "16_gripper.py", "17_quadruped.py", "18_fmu.py", "19_parallel_manipulator.py",
     ]
 
 
@@ -191,3 +191,11 @@ def test_another_simulator_moves_the_four_bar_as_axode_does(tmp_path):
     assert off < 1e-5
     _, off = numbers_behind(printed, "CoSimulation: crank at")
     assert off < 1e-9
+
+
+def test_the_platform_with_elastic_drives_follows_its_motion(tmp_path):
+    printed = run(tmp_path, "19_parallel_manipulator.py")
+    [without] = numbers_behind(printed, "plate off by, without u'' in the forces of the motors:")
+    [with_springs] = numbers_behind(printed, "plate off by, with it:")
+    assert with_springs < 1e-7 and without > 1e-5
+    assert "turned by 90 degrees: type 2: the platform can move while all drives are locked, about the axis" in printed

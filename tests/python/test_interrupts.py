@@ -15,6 +15,8 @@ import pytest
 from mechanisms import MECHANISMS, random_states
 
 ARM, MACHINE = MECHANISMS["arm"], MECHANISMS["machine"]
+GOUGH = axode.load(axode.robots / "gough.toml")
+PLATFORM = axode.TaskSpace(GOUGH, GOUGH.neutral())
 POSES = axode.poses(ARM, ARM.random())
 FAR_AWAY = axode.lie.exp(np.array([0, 0, 0, 9.0, 0, 0]))
 FALL = axode.simulate(ARM, np.full(7, 0.1), np.zeros(7), 0.5)
@@ -84,6 +86,7 @@ LONG = {
     "inverse kinematics from many starts": (lambda N: [N], lambda restarts: np.zeros(axode.inverse_kinematics(
         ARM, [{"frame": "flange", "pose": FAR_AWAY}], np.zeros(7), iterations=5, restarts=restarts).restarts)),
     "rollouts with contact": of_states(ARM, lambda q, v, a: axode.rollout(ARM, q, v, a[:, None], 1e-4, contact=True)[0]),
+    "task space": of_items(lambda q, dV: PLATFORM.inverse_dynamics(q, np.zeros((len(q), 24)), dV), GOUGH.neutral(), np.ones(6)),
     "states in between": (lambda N: [np.linspace(0, 0.5, N)], lambda t: FALL.at(t)[0]),
 }
 

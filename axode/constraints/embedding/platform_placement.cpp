@@ -135,4 +135,14 @@ PlatformPlacement place_platform(TaskSpace& space, const SE3<>& C, std::span<dou
   return out;
 }
 
+std::string to_string(const TaskSpace& space, const PlatformPlacement& placement) {
+  if (placement.reached) return "the platform has the pose";
+  const std::string off = to_text(placement.residual) + " (rad and m)";
+  if (placement.limb < 0)
+    return "the joint of \"" + space.model().body(space.platform()).name +
+           "\" does not have this pose; the nearest one is off by " + off;
+  return "the limb " + space.kernel().name_of_limb(placement.limb) +
+         " does not reach the pose: it stays open by " + off + "; q may be too far from the pose";
+}
+
 }  // namespace axode

@@ -21,4 +21,7 @@ struct PlatformPlacement {
 /// std::invalid_argument for a mechanism without a platform, a wrong q and numbers that are not finite.
 [[nodiscard]] PlatformPlacement place_platform(TaskSpace& space, const SE3<>& C, std::span<double> q);
 
+/// One sentence for the user: what does not reach the pose.
+std::string to_string(const TaskSpace& space, const PlatformPlacement& placement);
+
 }  // namespace axode

@@ -93,9 +93,13 @@ class TaskSpace {
 
   /// The scratch memory, for the functions of this room.
   TaskKernel& kernel() { return *kernel_; }
+  const TaskKernel& kernel() const { return *kernel_; }
 
  private:
   std::unique_ptr<TaskKernel> kernel_;
 };
+
+/// One sentence for the user: what is singular, or that numbers are not finite.
+std::string to_string(const TaskSpace& space, const TaskVerdict& verdict);
 
 }  // namespace axode

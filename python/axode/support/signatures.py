@@ -167,4 +167,5 @@ for found in functions_in(_axode):
 _axode.describe(type(_axode.load_file), property(signature))
 _axode.describe(type(_axode.Model.neutral), property(signature))
 _axode.describe(type(_axode.Model.neutral.__get__(object())), property(signature_without_self))
-setattr(_axode.MassMatrixFactor, "__signature__", signature_without_self(_axode.MassMatrixFactor.__init__))
+for made in (_axode.MassMatrixFactor, _axode.TaskSpace):
+    setattr(made, "__signature__", signature_without_self(made.__init__))

@@ -16,6 +16,7 @@ void add_derivatives(nanobind::module_& module);
 void add_rates(nanobind::module_& module);
 void add_constraints(nanobind::module_& module);
 void add_mobility(nanobind::module_& module);
+void add_task_space(nanobind::module_& module);
 void add_contact(nanobind::module_& module);
 void add_integration(nanobind::module_& module);
 void add_rollout(nanobind::module_& module);
