@@ -69,6 +69,7 @@ constexpr std::pair<std::string_view, std::string_view> elsewhere[]{
     {"contacts", "use axode contacts"},
     {"contact_rollout_derivatives",
      "a state has no forces of several steps; it is a function of the library alone"},
+    {"equilibrium_with_drives", "a state has no states of drives; it is a function of the library alone"},
     {"forward_dynamics_rates",
      "a state has no time derivatives of drive forces; it is a function of the library alone"},
     {"independent_linearization", "use axode linearize"},
@@ -78,6 +79,7 @@ constexpr std::pair<std::string_view, std::string_view> elsewhere[]{
     {"jacobian_derivative_along", "ask for \"jacobian_partials\", its derivatives along all directions"},
     {"jacobian_derivatives", "ask for \"jacobian_derivative\" with --order"},
     {"linearize", "use axode linearize"},
+    {"linearize_with_drives", "a state has no states of drives; it is a function of the library alone"},
     {"local_mobility", "use axode mobility"},
     {"loop_hessian_product",
      "a state has no multipliers to take it with; it is a function of the library alone"},
@@ -88,6 +90,7 @@ constexpr std::pair<std::string_view, std::string_view> elsewhere[]{
     {"rollout_vjp", "a state has no forces of several steps; it is a function of the library alone"},
     {"second_order_inverse_dynamics", "ask for \"inverse_dynamics_rates\", the same numbers"},
     {"simulate", "use axode simulate"},
+    {"spring_coordinate", "a state has no name of a spring; it is a function of the library alone"},
     {"twist_derivatives", "ask for \"twist_derivative\" with --order"},
     {"view", "use axode view"}};
 

@@ -9,13 +9,14 @@ from numpy.typing import ArrayLike, NDArray
 
 from .support import signatures
 
-__all__ = ["BranchPoint", "ContactForce", "ContactRolloutDerivatives", "DynamicsAtTime", "Equilibrium",
+__all__ = ["BranchPoint", "ContactForce", "ContactRolloutDerivatives", "DriveEquilibrium", "DriveLinearization",
+           "DynamicsAtTime", "Equilibrium",
            "ForwardDynamicsDerivatives", "ForwardDynamicsHessian",
            "IndependentEquations", "IndependentLinearization", "InverseDynamicsDerivatives", "InverseDynamicsHessian",
            "InverseKinematics", "JointState", "KinematicMotion", "Linearization", "Load", "LocalMobility",
            "LoopMobility", "MomentumFormDerivatives", "MotionBranch", "MotionChange", "MotionDerivatives",
-           "RedundantRow", "Rollout", "RolloutDerivatives", "RolloutGradient", "ShapeDistance", "StateDerivatives", "Target",
-           "TaskEquations", "TaskSingularity"]
+           "PlayEvent", "RedundantRow", "Rollout", "RolloutDerivatives", "RolloutGradient", "ShapeDistance",
+           "SpringCoordinate", "StateDerivatives", "Target", "TaskEquations", "TaskSingularity"]
 
 Representation = Literal["body", "spatial", "hybrid", "mixed"]
 
@@ -199,6 +200,57 @@ class ContactForce(NamedTuple):
     moment: NDArray[np.float64]
     friction: float
     status: Literal["open", "stick", "slide"]
+
+
+class PlayEvent(NamedTuple):
+    """The play of a `coupling` that meets one of its ends at the time `t` (s), or leaves it.
+
+    `side` is -1 at the lower end and 1 at the upper one. `impact`: whether the play meets the end; otherwise it leaves. `stays`:
+    whether it is at the end after the event. `speed` is that before an impact, in units of the offset per s, and `impulse` that
+    of the impact along the coupling.
+    """
+
+    coupling: str
+    t: float
+    side: Literal[-1, 1]
+    impact: bool
+    stays: bool
+    speed: float
+    impulse: float
+
+
+class SpringCoordinate(NamedTuple):
+    """The `coordinate` of a spring, m or rad, (N,) for N states, and its `gradient` (nv,) or (N, nv), see `spring_coordinate`."""
+
+    coordinate: NDArray[np.float64]
+    gradient: NDArray[np.float64]
+
+
+class DriveLinearization(NamedTuple):
+    """Small motions z' = A z + B du of a mechanism with drives, z = (delta, dv, dx), see `linearize_with_drives`.
+
+    With nx states of the drives A has the shape (2 nv + nx, 2 nv + nx). `states` names those of dx, and `inputs` the drives
+    whose input is a function of time, which du changes: B has the shape (2 nv + nx, number of inputs).
+    """
+
+    A: NDArray[np.float64]
+    B: NDArray[np.float64]
+    states: list[str]
+    inputs: list[str]
+
+
+class DriveEquilibrium(NamedTuple):
+    """The best state that `equilibrium_with_drives` met: q (nq,) and the states x (nx,) of the drives, named in `states`.
+
+    `residual` is the largest acceleration that remains, or rate of a state relative to its usual size, in SI units; `found` says
+    whether it is at most 1e-9.
+    """
+
+    found: bool
+    q: NDArray[np.float64]
+    x: NDArray[np.float64]
+    states: list[str]
+    residual: float
 
 
 class ShapeDistance(NamedTuple):

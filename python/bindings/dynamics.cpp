@@ -2,11 +2,15 @@
 
 #include <nanobind/stl/string.h>
 
+#include <algorithm>
+
+#include "axode/model/building/nearest_name.hpp"
 #include "python/bindings/constraints.hpp"
 #include "python/bindings/states/state_function.hpp"
 #include "python/bindings/support/bindings.hpp"
 #include "python/bindings/support/choice.hpp"
 #include "python/bindings/support/conversions.hpp"
+#include "python/bindings/support/named_tuple.hpp"
 #include "python/bindings/support/raise.hpp"
 
 namespace axode::python {
@@ -289,6 +293,36 @@ True
       });
 }
 
+/// The number of a spring that is given by its name or number.
+int spring_index(const Model& m, nb::handle given) {
+  const std::vector<Spring>& springs = m.springs().elements;
+  int k = -1;
+  if (!nb::isinstance<nb::str>(given)) {
+    if (!nb::try_cast(given, k))
+      throw nb::value_error(("spring is " + shown(given) + "; expected its name or number").c_str());
+    return k;
+  }
+  const std::string name = text_of(given);
+  const auto found = std::ranges::find(springs, name, &Spring::name);
+  if (found == springs.end())
+    throw UnknownName("model \"" + m.name() + "\" has no spring \"" + name + '"' +
+                      did_you_mean(name, springs, [](const Spring& spring) { return spring.name; }));
+  return static_cast<int>(found - springs.begin());
+}
+
+nb::object spring_coordinate_of(const BoundModel& m, ArrayLike q, nb::handle spring, int threads) {
+  const States states(m, q, threads);
+  const int number = spring_index(m, spring);
+  const Shape one{}, row{m->nv()};
+  NewArray coordinate = states.result(one), gradient = states.result(row);
+  states.each(linear_cost(m), [&](Workspace<>& workspace, std::size_t k) {
+    item(coordinate, k, one)[0] =
+        spring_coordinate<double>(m, workspace, number, states.q(k), item(gradient, k, row));
+  });
+  states.refuse({}, coordinate);
+  return named_tuple("axode.records", "SpringCoordinate", coordinate.array(), gradient.array());
+}
+
 void add_energies(nb::module_& module) {
   const StateFunctions functions(module);
   functions.define<"kinetic_energy">(R"(
@@ -320,6 +354,24 @@ The energy of springs and stops, J: a number, or (N,). At rest, its gradient is 
 
 >>> float(axode.elastic_energy(arm, np.ones(7)))
 0.0
+)");
+  module.def("spring_coordinate", &spring_coordinate_of, "m"_a, "q"_a, "spring"_a, nb::kw_only(),
+             "threads"_a = 1,
+             nb::sig("def spring_coordinate(m: Model, q: numpy.typing.ArrayLike, spring: str | int, *, "
+                     "threads: int = 1) -> axode.records.SpringCoordinate"),
+             R"(
+(coordinate, gradient): the length or angle x of a spring, m or rad, a number or (N,), and dx/dq, (nv,) or (N, nv).
+
+`spring` is the name of a spring of the drawing that is not that of a joint, or its number. The entries of the gradient are
+the moment arms of its force with the opposite sign: a tension F has the generalized forces -F dx/dq (eq. (D16.1)).
+KeyError for an unknown name; ValueError for a bushing, which has no coordinate. O(depth) for each segment.
+
+>>> drawing = arm.to_dict() | {"spring": [{"name": "wire", "between": ["ground", "flange"], "stiffness": 50.0}]}
+>>> wired = axode.Model.from_dict(drawing)
+>>> x, gradient = axode.spring_coordinate(wired, np.full(7, 0.3), "wire")
+>>> tension = -gradient * 50.0 * x  # its force, because its rest length is 0
+>>> bool(np.allclose(tension, axode.spring_forces(wired, np.full(7, 0.3), np.zeros(7))))
+True
 )");
   module.def(
       "load_powers",

@@ -20,6 +20,7 @@
 #include "python/bindings/support/choice.hpp"
 #include "python/bindings/support/conversions.hpp"
 #include "python/bindings/support/long_call.hpp"
+#include "python/bindings/support/named_tuple.hpp"
 #include "python/bindings/support/one_state.hpp"
 
 /// Motion in time. Arguments are prepared and documented in axode.simulation.
@@ -132,6 +133,14 @@ Array contact_forces_on(const BoundTrajectory& of, const std::string& name) {
     std::ranges::copy(std::array{sum.x, sum.y, sum.z}, out.data() + 3 * k);
   }
   return out.array();
+}
+
+nb::list play_events_of(const BoundTrajectory& of) {
+  nb::list all;
+  for (const Trajectory::PlayEvent& x : of.motion.play_events)
+    all.append(named_tuple("axode.records", "PlayEvent", to_str(x.coupling), x.t, x.side, x.impact, x.stays,
+                           x.speed, x.impulse));
+  return all;
 }
 
 std::vector<std::string> drive_states(const BoundTrajectory& of) {
@@ -411,6 +420,10 @@ array([0.  , 0.  , 9.81])
           },
           nb::sig("def events(self) -> list[tuple[int, float]]"),
           "Events that occurred, as pairs of the index in the list `events` and the time.")
+      .def_prop_ro(
+          "play_events", &play_events_of, nb::sig("def play_events(self) -> list[axode.records.PlayEvent]"),
+          "The plays of couplings that met one of their ends or left it, as `PlayEvent`s in the order "
+          "of time.")
       .def(
           "at",
           [](const BoundTrajectory& x, ArrayLike t) {

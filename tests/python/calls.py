@@ -1,5 +1,7 @@
 """Every function of the state as f(m, q, v, a), for one state or many: the rows of the table, and others."""
 
+import functools
+
 import axode
 import numpy as np
 from axode.table import ROWS
@@ -37,6 +39,20 @@ def of_row(name, **more):
     def call(m, q, v, a):
         return in_one(getattr(axode, name)(m, **given_to(ROWS[name], m, q, v, a), **more), q)
     return call
+
+
+@functools.cache
+def wired(m):
+    """The mechanism with a spring to its farthest frame; m itself if it is none."""
+    if not isinstance(m, axode.Model):
+        return m
+    wire = {"name": "wire", "between": ["ground", tool(m)], "stiffness": 1.0}
+    drawing = m.to_dict()
+    return axode.Model.from_dict(drawing | {"spring": [*drawing.get("spring", []), wire]})
+
+
+def coordinate_and_gradient(x, gradient):
+    return np.concatenate([np.expand_dims(x, -1), gradient], axis=-1)
 
 
 def rates(v, a):
@@ -83,6 +99,7 @@ CALLS |= {
     "forward_dynamics_rates": lambda m, q, v, a: axode.forward_dynamics_rates(m, q, v, np.stack([a, v], axis=-2), load_on(m, q)),
     "inverse_kinematics_rates": lambda m, q, v, a: axode.inverse_kinematics_rates(
         m, q, axode.twist_derivatives(m, q, rates(v, a), tool(m)), tool(m)),
+    "spring_coordinate": lambda m, q, v, a: coordinate_and_gradient(*axode.spring_coordinate(wired(m), q, "wire")),
     "rollout": lambda m, q, v, a: axode.rollout(m, q, v, steps(a), 1e-4)[1],
     "rollout_derivatives": lambda m, q, v, a: np.concatenate(axode.rollout_derivatives(m, q, v, steps(a), 1e-4), axis=-1),
     "rollout_jvp": lambda m, q, v, a: in_one(axode.rollout_jvp(m, q, v, steps(a), 1e-4, v, a, np.stack([v, a], axis=-2)), q),

@@ -58,3 +58,29 @@ def test_small_motions_without_the_drives_are_refused():
             small_motions(m, [0], [0], [0])
     with pytest.raises(ValueError, match="contact does not count drives with states"):
         axode.contact_rollout_derivatives(m, [0], [0], np.zeros((3, 1)), 0.01)
+
+
+def test_small_motions_with_the_drives_are_those_of_simulations():
+    m = axode.Builder("arm").body("arm", joint={"name": "axle", "kind": "revolute", "axis": "y", "point": [0, 0, 0]}, mass=1,
+                                  com=[0.2, 0, 0], inertia=[0.01, 0.02, 0.02]).drive(
+        "pid", "axle", name="controller", kp=30, ki=10, kd=2, filter_time=0.02, limit=50,
+        input={"kind": "harmonic", "amplitude": 0.1, "frequency": 1}).drive(
+        "dc_motor", "axle", name="motor", input="controller", **MOTOR).build()
+    rest = axode.equilibrium_with_drives(m, [0.1])
+    assert rest.found and rest.residual < 1e-9 and rest.states == ["controller.integral", "controller.filter", "motor.current"]
+    small = axode.linearize_with_drives(m, rest.q, [0], rest.x)
+    assert small.A.shape == (5, 5) and small.B.shape == (5, 1) and small.inputs == ["controller"]
+    assert small.states == rest.states and np.linalg.eigvals(small.A).real.max() < 0
+    assert small.A[1, 4] == pytest.approx(0.1 / 0.06)  # torque constant over inertia about the axle
+    started = axode.linearize_with_drives(m, [0.1], [0])
+    np.testing.assert_array_equal(started.A, axode.linearize_with_drives(m, [0.1], [0], [0, -0.1, 0]).A)
+
+
+@pytest.mark.parametrize("call, words", [
+    (lambda m: axode.linearize_with_drives(m, [0], [0], [0, 0]), r"x: expected shape \(1,\), a number for each state"),
+    (lambda m: axode.linearize_with_drives(m, [0, 0], [0]), "q: expected shape"),
+    (lambda m: axode.linearize_with_drives(m, [0], [0], t=np.nan), "^t"),
+    (lambda m: axode.equilibrium_with_drives(m, [0], [np.inf]), "^x")])
+def test_wrong_states_of_drives_are_refused(call, words):
+    with pytest.raises(ValueError, match=words):
+        call(wheel().drive("dc_motor", "axle", **MOTOR, input=1).build())

@@ -373,3 +373,19 @@ def test_what_falls_on_a_floor_stays_there(tmp_path):
     assert axode.simulate(touching, start, np.zeros(6), 0.5, contact=False).q[-1, 6] < 0
     through = axode.simulate(ball, start, np.zeros(6), 0.5, step=1e-3, method="midpoint")
     assert through.q[-1, 6] < 0 and len(through.certificates) == 0
+
+
+def test_plays_tell_when_they_meet_their_ends():
+    slider = {"kind": "prismatic", "axis": "x"}
+    m = axode.Model.from_dict({
+        "format": "axode drawing 1", "gravity": [0, 0, 0],
+        "body": [{"name": name, "joint": slider | {"name": name}, "mass": mass, "com": [0, 0, 0], "inertia": [1, 1, 1]}
+                 for name, mass in (("a", 1), ("b", 2))],
+        "coupling": [{"name": "buffer", "terms": {"a": 1, "b": -1}, "play": 0.2, "restitution": 0.5}]})
+    motion = axode.simulate(m, [0, 0], [3, 0], 0.2)
+    first, second = motion.play_events
+    assert (first.coupling, first.side, first.impact, first.stays) == ("buffer", 1, True, False)
+    assert (first.t, first.speed, first.impulse) == pytest.approx((0.1 / 3, 3, 3), abs=1e-9)
+    assert second.side == -1 and second.t == pytest.approx(0.1 / 3 + 0.2 / 1.5, abs=1e-9)
+    assert axode.simulate(m, [0, 0], [3, 0], 0.2, times=[0, 0.2]).play_events == motion.play_events
+    assert axode.simulate(m, [0, 0], [0, 0], 0.2).play_events == []

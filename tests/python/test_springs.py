@@ -97,3 +97,28 @@ def test_what_cannot_be_is_refused(change, sentence):
     change(drawing)
     with pytest.raises(axode.ModelError, match=sentence):
         axode.Model.from_dict(drawing)
+
+
+def test_coordinates_of_springs_have_their_gradients_and_energies():
+    q, _ = states()
+    for spring in ("tendon", "clock", "cam", "spring 1"):
+        x, gradient = axode.spring_coordinate(M, q, spring)
+        assert x.shape == (20,) and gradient.shape == (20, M.nv)
+        step = 1e-6
+        for c in range(M.nv):
+            to = np.zeros((20, M.nv))
+            to[:, c] = step
+            ahead, back = (axode.spring_coordinate(M, M.integrate(q, sign * to), spring).coordinate for sign in (1, -1))
+            np.testing.assert_allclose(gradient[:, c], (ahead - back) / (2 * step), atol=1e-6)
+        one = axode.spring_coordinate(M, q[3], spring)
+        assert one.coordinate == x[3] and np.array_equal(one.gradient, gradient[3])
+    flap = M.joint("flap_joint").q.start
+    np.testing.assert_allclose(axode.spring_coordinate(M, q, "cam").coordinate, 1.5 * q[:, flap], atol=1e-12)
+
+
+@pytest.mark.parametrize("spring, error, words", [
+    ("tendom", KeyError, 'has no spring "tendom"; did you mean "tendon"'), ("mount", ValueError, '"mount" is a bushing'),
+    (99, ValueError, "spring is 99; the model has springs 0 to"), (0.5, ValueError, "spring is 0.5; expected its name or number")])
+def test_what_is_no_spring_has_no_coordinate(spring, error, words):
+    with pytest.raises(error, match=words):
+        axode.spring_coordinate(M, M.neutral(), spring)

@@ -147,16 +147,18 @@ TaskEquations TaskSpace::equations(std::span<const double> q, std::span<const do
 }
 
 std::string to_string(const TaskSpace& space, const TaskVerdict& verdict) {
-  const std::string more = "; singularities() of this configuration has more";
+  const bool carried = space.platform() > 0;
+  const std::string body = carried ? "the platform" : "the mechanism",
+                    more = carried ? "; singularities() of this configuration has more" : "";
   switch (verdict.kind) {
     case TaskVerdict::Kind::solved: break;
     case TaskVerdict::Kind::limb_singular:
-      return "type 1: joints of the limb " + space.kernel().name_of_limb(verdict.limb) +
-             " can move while the platform is at rest" + more;
+      return "type 1: joints of the limb " + space.kernel().name_of_limb(verdict.limb) + " can move while " +
+             (carried ? "the platform is at rest" : "the task velocities are 0") + more;
     case TaskVerdict::Kind::drives_singular:
-      return "type 2: the platform can move while all drives are locked" + more;
+      return "type 2: " + body + " can move while all drives are locked" + more;
     case TaskVerdict::Kind::constraint_singular:
-      return "constraint singularity: the limbs leave the platform another freedom" + more;
+      return "constraint singularity: the limbs leave " + body + " another freedom" + more;
     case TaskVerdict::Kind::mass_singular:
       return "the mass matrix of the task space is singular, because a motion moves no mass";
     case TaskVerdict::Kind::not_finite: return "an argument or a result is not a finite number";
