@@ -59,9 +59,9 @@ Outcome run(const Model& model, catalog::Id function,
 /// which are constant in each step; q_out and v_out receive (K + 1) states for each motion, beginning with
 /// the given one. If a motion cannot continue, its later states are NaN. Loops, in double precision only, are
 /// closed again after each step; throws std::invalid_argument if they are open at first. With joint_losses
-/// damping and dry friction act as in simulate_fixed(), friction in double precision only; motions with
-/// friction are computed one at a time. `compiled` replaces the library's forward dynamics if it is not
-/// empty.
+/// damping, dry friction and losses of gears act as in simulate_fixed(), the last two in double precision
+/// only; motions with friction are computed one at a time. `compiled` replaces the library's forward dynamics
+/// if it is not empty.
 template <class T>
 Outcome rollout(const Model& model, std::span<const T> q, Numbers<T> v, Numbers<T> tau, double step,
                 std::type_identity_t<std::span<T>> q_out, std::type_identity_t<std::span<T>> v_out,

@@ -204,6 +204,10 @@ Json as_json(const Model& model) {
   for (const Frame& frame : model.frames())
     out["frames"].push_back(
         {{"name", frame.name}, {"body", model.body(frame.body).name}, {"pose", to_json(frame.pose)}});
+  for (const Gear& gear : model.gears())
+    out["gears"].push_back({{"joint", velocity_names(model)[static_cast<std::size_t>(gear.velocity)]},
+                            {"gear_loss", gear.loss},
+                            {"gear_loss_back", gear.loss_back}});
   for (std::size_t k = 0; k < model.springs().elements.size(); ++k)
     out["springs"].push_back(as_json(model, k));
   for (const Loop& loop : model.loops().joints) out["loops"].push_back(as_json(loop, model));
@@ -247,6 +251,15 @@ void print_joints(const Model& model) {
   }
   fmt::print("\n{} (rad or m, N m or N, and per s; pitch in m/rad)\n{}", in(Ink::heading, "joints"),
              table.text());
+}
+
+void print_gears(const Model& model) {
+  Table table({"joint", "loss when driving", "loss when driven back", ""});
+  for (const Gear& gear : model.gears())
+    table.row({velocity_names(model)[static_cast<std::size_t>(gear.velocity)], gear.loss, gear.loss_back,
+               gear.loss_back >= 1 ? "locks itself" : ""});
+  if (!table.empty())
+    fmt::print("\n{} (parts of the force that they transmit)\n{}", in(Ink::heading, "gears"), table.text());
 }
 
 void print_springs(const Model& model) {
@@ -353,6 +366,7 @@ void run(const Options& options) {
   if (!model.loops().empty()) fmt::print("{}\n\n", freedom_and_drives(model));
   fmt::print("{}", draw_tree(model));
   print_joints(model);
+  print_gears(model);
   print_springs(model);
   print_loops(model);
   print_bodies(model);

@@ -355,7 +355,8 @@ void add_simulate(CLI::App& app, int& exit_code) {
   add_assembly_options(*simulate, options->assembling);
   simulate->add_flag("--kinematic", options->kinematic,
                      "Without dynamics, if motions of the drawing use up the mobility");
-  simulate->add_flag("--joint-losses", options->joint_losses, "Count damping and friction of the joints");
+  simulate->add_flag("--joint-losses", options->joint_losses,
+                     "Count damping, friction and losses of gears of the joints");
   simulate
       ->add_flag("--contact", options->contact,
                  "Let collision shapes and hard stops act; the same as --method contact")

@@ -318,7 +318,7 @@ void add_eval(CLI::App& app, int& exit_code) {
       ->type_name(words(wrench_points))
       ->capture_default_str();
   eval->add_flag("--joint-losses", options->joint_losses,
-                 "Count damping and friction of the joints as forces");
+                 "Count damping, friction and losses of gears of the joints as forces");
   add_plot_option(*eval, options->plot);
   add_columns_option(*eval, options->columns);
   eval->add_option("--format", options->format, "How to print; table if left out")->type_name(words(formats));

@@ -83,6 +83,7 @@ Outcome run_motions(const Model& model, const ContactShapes& shapes, Numbers q, 
                     Numbers tau, const Drive& drive, double step, std::span<double> q_out,
                     std::span<double> v_out, std::span<double> certificates, int threads,
                     const Monitor& monitor, bool joint_losses) {
+  if (joint_losses) refuse_gears(model);
   // Steps of a motion before its thread takes another motion.
   constexpr std::size_t steps_at_once = 64;
   const std::size_t nq = static_cast<std::size_t>(model.nq()), nv = static_cast<std::size_t>(model.nv()),

@@ -29,7 +29,7 @@ namespace {
 
 template <class S> void none(std::span<S> x) { std::ranges::fill(x, std::numeric_limits<S>::quiet_NaN()); }
 
-/// The joint losses (damping and dry friction) of a model, and which of them act.
+/// The joint losses of a model, and which of them act: damping, and dry friction or losses of gears.
 struct Losses {
   bool damping, friction;
 };
@@ -128,7 +128,7 @@ template <class S> class ScalarRollout {
       if (!maybe_singular) return {.not_finite = !finite(a)};
       return axode::forward_dynamics(*model_, workspace_, q, v, total_, a);
     }
-    const Loads<S> loads{.joint_losses = losses_.damping};
+    const Loads<S> loads{.joint_losses = losses_.damping && model_->gears().empty()};
     if constexpr (std::same_as<S, double>)
       if (loops_) return loops_->accelerate(q, v, total_, loads, a);
     return axode::forward_dynamics(*model_, workspace_, q, v, total_, a, loads);
@@ -295,13 +295,15 @@ bool check_loops(const Model& model, std::span<const S> q, std::span<const S> v,
   }
 }
 
-/// The losses of a model. Throws if it has dry friction and S is float.
+/// The losses of a model. Throws if it has dry friction or gears with losses, and S is float.
 template <class S> Losses losses_of(const Model& model, bool enabled) {
-  const bool friction =
-      enabled && std::ranges::any_of(model.tree<double>().friction, [](double f) { return f > 0; });
+  const bool gears = !model.gears().empty();
+  const bool friction = enabled && (gears || std::ranges::any_of(model.tree<double>().friction,
+                                                                 [](double f) { return f > 0; }));
   if (std::same_as<S, float> && friction)
-    throw std::invalid_argument("model \"" + model.name() +
-                                "\" has dry friction, which rollouts count in double precision alone");
+    throw std::invalid_argument("model \"" + model.name() + "\" has " +
+                                (gears ? "gears with losses" : "dry friction") +
+                                ", which rollouts count in double precision alone");
   return {enabled, friction};
 }
 

@@ -1,7 +1,9 @@
 #include "axode/constraints/constrained_dynamics.hpp"
 
 #include "axode/constraints/check_loops.hpp"
+#include "axode/constraints/loop_system/geared_acceleration.hpp"
 #include "axode/constraints/loop_system/independent_rows.hpp"
+#include "axode/dynamics/gear_losses.hpp"
 #include "axode/dynamics/wrench_frame.hpp"
 #include "axode/kinematics/check_arguments.hpp"
 #include "axode/recursion/instantiate.hpp"
@@ -33,7 +35,7 @@ template <class T>
 Eigen::VectorX<T> tree_forces(LoopSystem<T>& system, Numbers<T> q, Numbers<T> v, Numbers<T> a,
                               const Loads<T>& loads) {
   check_size("a", a.size(), v.size(), "nv");
-  check_loads(system.model(), loads);
+  check_loads(system.model(), loads, true);
   Eigen::VectorX<T> need(system.model().nv());
   system.force(q.data(), v.data(), a.data(), loads, need.data());
   return need;
@@ -83,6 +85,19 @@ template <class T> struct DriveForces {
   T missing;             ///< the part of |need| that neither drives nor loops produce
 };
 
+/// Throws if the gear of a joint has losses, and the joint has no drive that could bear them.
+template <class T>
+void check_gears_driven(const Model& model, const Loads<T>& loads, std::span<const int> drives) {
+  if (!loads.joint_losses || model.gears().empty()) return;
+  const std::vector<int> all = driven(model, drives);
+  for (const Gear& gear : model.gears())
+    if (std::ranges::find(all, gear.velocity) == all.end())
+      throw std::invalid_argument("the gear of joint \"" +
+                                  velocity_names(model)[static_cast<std::size_t>(gear.velocity)] +
+                                  "\" has losses, and its joint is not among the drives; add it to them, or "
+                                  "set joint_losses to false");
+}
+
 /// Computes joint wrenches from the multipliers. Must be called after force() and make_rows().
 template <class Rep, class T>
 void write_joint_wrenches(const Model& model, LoopSystem<T>& system, Numbers<T> lambda, WrenchPoint at,
@@ -113,10 +128,10 @@ Solvability forward_dynamics(const Model& model, LoopWorkspace<T>& workspace, Nu
   LoopSystem<T>& system = checked(model, workspace, q, v);
   check_size("tau", tau.size(), v.size(), "nv");
   check_size("a", a.size(), v.size(), "nv");
-  check_loads(model, loads);
+  check_loads(model, loads, true);
   check_separate("lambda", lambda, "a", a);
-  return system.accelerate(q.data(), v.data(), tau.data(), loads, a.data(),
-                           Multipliers<T>(model, "lambda", lambda).data());
+  Multipliers<T> multipliers(model, "lambda", lambda);
+  return accelerate_with_losses(system, model, q, v, tau, loads, a, multipliers.data());
 }
 
 template <class T>
@@ -134,18 +149,27 @@ T inverse_dynamics(const Model& model, LoopWorkspace<T>& workspace, Numbers<T> q
   if (!lambda.empty()) check_rows("lambda", lambda.size(), model.loops().rows, "loops().rows");
   check_drives(model, drives);
   check_size("a", a.size(), v.size(), "nv");
-  check_loads(model, loads);
+  check_loads(model, loads, true);
+  check_gears_driven(model, loads, drives);
+  std::optional<GearLosses<T>> gears;
+  if (loads.joint_losses && !model.gears().empty()) {
+    if (forces.empty()) refuse_springs_with_gears("inverse_dynamics", "give them as `forces`", model);
+    gears.emplace(model, v, a);
+  }
   const std::span<T> f = system.force_fast(q.data(), v.data(), a.data(), loads);
   if constexpr (std::same_as<T, double>)  // in single precision this difference is rounding
     check_accelerations(system, q, v, a);
   for (std::size_t c = 0; c < forces.size(); ++c) f[c] -= forces[c];
-  if (system.drive_forces(drives, f.data(), tau.data(), lambda.empty() ? nullptr : lambda.data()))
+  if (system.drive_forces(drives, f.data(), tau.data(), lambda.empty() ? nullptr : lambda.data())) {
+    if (gears) gears->add(tau);
     return T(0);
+  }
   const std::vector<int> at = driven(model, drives);
   Eigen::VectorX<T> need = tree_forces(system, q, v, a, loads);
   for (std::size_t c = 0; c < forces.size(); ++c) need[static_cast<Eigen::Index>(c)] -= forces[c];
   const DriveForces<T> found(system, need, at);
   std::ranges::copy(found.tau, tau.begin());
+  if (gears) gears->add(tau);
   if (!lambda.empty()) found.rows.least_multipliers(found.by_loops, lambda);
   return found.missing;
 }
@@ -169,6 +193,7 @@ T joint_wrenches(const Model& model, LoopWorkspace<T>& workspace, Numbers<T> q, 
                  const std::type_identity_t<Loads<T>>& loads, WrenchPoint at) {
   LoopSystem<T>& system = checked(model, workspace, q, v);
   check_size("W", W.size(), static_cast<std::size_t>(model.n_bodies()), "n_bodies");
+  check_gears_driven(model, loads, drives);
   const std::vector<int> at_drives = driven(model, drives);
   const DriveForces<T> found(system, closed_forces(system, q, v, a, loads), at_drives);
   std::vector<T> lambda(static_cast<std::size_t>(model.loops().rows));

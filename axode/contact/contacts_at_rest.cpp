@@ -47,6 +47,7 @@ ContactsAtRest contacts_at_rest(const Model& model, const ContactShapes& shapes,
   check_configuration(model, q);
   check_loads(model, loads);
   catalog::check_counts<"contacts_at_rest">(model);
+  if (options.joint_losses) refuse_gears(model);
   const double margin = options.margin.value_or(shapes.margin());
   check_distance("margin", margin);
   check_distance("touching", options.touching);

@@ -153,6 +153,13 @@ void DriveSystem::evaluate(double t, Span q, Span v, Span x, std::span<double> t
   }
 }
 
+void DriveSystem::add_line_forces(std::span<double> tau) const {
+  for (std::size_t d = 0; d < size(); ++d)
+    if (drives_[d].port.is_line() && !drives_[d].feeds)
+      for (const auto& [c, factor] : drives_[d].port.row())
+        tau[static_cast<std::size_t>(c)] += factor * now_.outputs[d];
+}
+
 DriveEnergy DriveSystem::energy(double t, Span q, Span v, Span x) {
   std::ranges::copy(x, now_.x.begin());
   update_ports(t, q, v);

@@ -55,6 +55,9 @@ class DriveSystem {
 
   /// Adds the drive forces to tau (nv), and writes the rates of x.
   void evaluate(double t, Span q, Span v, Span x, std::span<double> tau, std::span<double> dx);
+  /// Adds to tau the forces of drives that act along lines, at the last evaluation; evaluate() has added them
+  /// as well.
+  void add_line_forces(std::span<double> tau) const;
   DriveEnergy energy(double t, Span q, Span v, Span x);
   /// Allocates.
   DriveDerivatives derivatives(double t, Span q, Span v, Span x);

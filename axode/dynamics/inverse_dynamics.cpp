@@ -1,5 +1,6 @@
 #include "axode/dynamics/inverse_dynamics.hpp"
 
+#include "axode/dynamics/gear_losses.hpp"
 #include "axode/fast/inverse_dynamics.hpp"
 #include "axode/kinematics/checked.hpp"
 #include "axode/recursion/instantiate.hpp"
@@ -13,7 +14,13 @@ void inverse_dynamics(const Model& model, Workspace<T>& workspace, Numbers<T> q,
   const Tree<T>& tree = model.tree<T>();
   InverseDynamicsRecursion<Rep, T> recursion{arena};
   recursion.run(tree, q.data(), v.data(), a.data(), loads);
-  recursion.project(tree, v.data(), a.data(), loads.joint_losses, tau.data());
+  if (!loads.joint_losses || model.gears().empty()) [[likely]]
+    return recursion.project(tree, v.data(), a.data(), loads.joint_losses, tau.data());
+  refuse_springs_with_gears("inverse_dynamics",
+                            "inverse_dynamics with a LoopWorkspace takes their forces, or simulate", model);
+  const GearLosses<T> losses(model, v, a);
+  recursion.project(tree, v.data(), a.data(), true, tau.data());
+  losses.add(tau);
 }
 
 template AXODE_ENTRY void inverse_dynamics<AXODE_REP>(const Model&, Workspace<AXODE_T>&, Numbers<AXODE_T>,

@@ -8,21 +8,43 @@
 
 namespace axode {
 
-DryFriction::DryFriction(const Tree<double>& tree, bool enabled) : tree_(&tree) {
+namespace {
+
+/// Tolerances on the acceleration of a sticking joint: relative to the acceleration that the friction of this
+/// joint can cause, and relative to the largest acceleration (D9.6).
+constexpr double by_friction = 1e-9, by_largest = 1e-13;
+
+}  // namespace
+
+DryFriction::DryFriction(const Tree<double>& tree, std::span<const Gear> gears, bool enabled) : tree_(&tree) {
   if (!enabled) return;
-  for (int c = 0; c < tree->nv; ++c)
-    if (tree.friction[at(c)] > 0) joints_.push_back({c, tree.friction[at(c)], 0, 0});
+  has_gears_ = !gears.empty();
+  for (int c = 0; c < tree->nv; ++c) {
+    const auto gear = std::ranges::find(gears, c, &Gear::velocity);
+    if (tree.friction[at(c)] > 0 || gear != gears.end())
+      joints_.push_back({.velocity = c,
+                         .friction = tree.friction[at(c)],
+                         .direction = 0,
+                         .force = 0,
+                         .gear = gear == gears.end() ? Gear{} : *gear});
+  }
   list_sticking();
 }
 
 void DryFriction::list_sticking() {
-  sticking_.clear();
-  sticking_joints_.clear();
-  for (std::size_t k = 0; k < joints_.size(); ++k)
-    if (joints_[k].direction == 0) {
-      sticking_.push_back(joints_[k].velocity);
+  for (std::vector<int>* velocities : {&sticking_, &resisting_}) velocities->clear();
+  for (std::vector<std::size_t>* joints : {&sticking_joints_, &resisting_joints_}) joints->clear();
+  for (std::size_t k = 0; k < joints_.size(); ++k) {
+    const Joint& joint = joints_[k];
+    if (joint.direction == 0) {
+      sticking_.push_back(joint.velocity);
       sticking_joints_.push_back(k);
     }
+    if (joint.direction == 0 || joint.gear.loss > 0 || joint.gear.loss_back > 0) {
+      resisting_.push_back(joint.velocity);
+      resisting_joints_.push_back(k);
+    }
+  }
 }
 
 void DryFriction::start(Span v) {
@@ -39,11 +61,9 @@ void DryFriction::add_losses(Span v, std::span<double> tau) const {
   for (const Joint& joint : joints_) tau[at(joint.velocity)] -= joint.direction * joint.friction;
 }
 
-void DryFriction::apply_sticking_forces(const Matrix& compliance, Span own, const EnergyNorm& norm,
-                                        std::span<double> a) {
-  // Tolerances on the acceleration of a sticking joint: relative to the acceleration that the friction of
-  // this joint can cause, and relative to the largest acceleration (D9.6).
-  constexpr double by_friction = 1e-9, by_largest = 1e-13;
+int DryFriction::apply_friction(const Matrix& compliance, Span own, const EnergyNorm& norm, Span v,
+                                Span drive, std::span<double> a) {
+  if (has_gears_) return apply_with_gears(compliance, own, norm, v, drive, a);
   const auto k = static_cast<Eigen::Index>(sticking_joints_.size());
   const double size = norm.of_velocities(as_eigen(Span(a)));
   A_.resize(k, k);
@@ -63,6 +83,62 @@ void DryFriction::apply_sticking_forces(const Matrix& compliance, Span own, cons
     const double slip = std::abs(a_[i]) / tolerance_[i];
     violation_ = std::max(violation_, slip);
     a[at(sticking_[at(i)])] = slip > 1 ? a_[i] : 0;
+  }
+  return -1;
+}
+
+int DryFriction::apply_with_gears(const Matrix& compliance, Span own, const EnergyNorm& norm, Span v,
+                                  Span drive, std::span<double> a) {
+  const auto k = static_cast<Eigen::Index>(resisting_.size());
+  const double size = norm.of_velocities(as_eigen(Span(a)));
+  const Eigen::MatrixXd Phi = compliance(resisting_, Eigen::all);
+  resistances_.clear();
+  a_0_.resize(k);
+  for (Eigen::Index i = 0; i < k; ++i) {
+    const Joint& joint = joints_[resisting_joints_[at(i)]];
+    a_0_[i] = a[at(joint.velocity)];
+    resistances_.push_back({.drive = through_gear(joint, v, drive),
+                            .friction = joint.direction == 0 ? joint.friction : 0,
+                            .rotor = joint.gear.rotor,
+                            .loss = joint.gear.loss,
+                            .loss_back = joint.gear.loss_back,
+                            .direction = joint.direction,
+                            .compliance = own[at(i)]});
+  }
+  if (const int locked = gear_forces_.find(Phi, a_0_, resistances_); locked >= 0)
+    return resisting_[static_cast<std::size_t>(locked)];
+  as_eigen(a) += compliance * gear_forces_.x();
+  for (Eigen::Index i = 0; i < k; ++i) {
+    Joint& joint = joints_[resisting_joints_[at(i)]];
+    if (joint.direction != 0) continue;
+    const double a_i = gear_forces_.a()[i], bound = gear_forces_.bound(i, a_i < 0 ? -1 : 1);
+    const double slip =
+        std::abs(a_i) / (by_friction * own[at(i)] * bound + by_largest * norm.alone(joint.velocity, size));
+    joint.force = gear_forces_.x()[i];
+    violation_ = std::max(violation_, slip);
+    a[at(joint.velocity)] = slip > 1 ? a_i : 0;
+  }
+  return -1;
+}
+
+void DryFriction::add_gear_losses(Span v, Span a, Span drive, std::span<double> r) {
+  for (Joint& joint : joints_) {
+    if (joint.direction == 0) continue;
+    const std::size_t c = at(joint.velocity);
+    const double F = r[c] + through_gear(joint, v, drive) - joint.gear.rotor * a[c];
+    joint.slope = joint.direction * F > 0 ? joint.gear.loss : -joint.gear.loss_back;
+    r[c] += joint.slope * F;
+  }
+}
+
+void DryFriction::scale_derivatives(std::initializer_list<std::span<double>> derivatives) const {
+  const auto nv = static_cast<Eigen::Index>((*tree_)->nv);
+  for (const Joint& joint : joints_) {
+    if (joint.direction == 0) continue;
+    for (const std::span<double> derivative : derivatives)
+      Eigen::Map<Matrix>(derivative.data(), nv, nv).row(joint.velocity) *= 1 + joint.slope;
+    const std::size_t c = at(joint.velocity);
+    derivatives.begin()->data()[c * static_cast<std::size_t>(nv) + c] -= joint.slope * joint.gear.rotor;
   }
 }
 

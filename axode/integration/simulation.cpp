@@ -104,6 +104,10 @@ void check_smooth(const Model& model, const SimulationOptions& options) {
             "joint \"" + model.joint(i).name +
             "\" has stops, which conserving schemes do not support; use dopri5 or rk4");
   if (!options.joint_losses) return;
+  if (!model.gears().empty())
+    throw std::invalid_argument(
+        "the gear of joint \"" + velocity_names(model)[static_cast<std::size_t>(model.gears()[0].velocity)] +
+        "\" loses a part of its force, which conserving schemes do not support; use dopri5 or rk4");
   const Tree<double>& tree = model.tree<double>();
   for (std::size_t c = 0; c < tree.friction.size(); ++c)
     if (tree.friction[c] != 0)

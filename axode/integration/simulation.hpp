@@ -52,9 +52,10 @@ struct SimulationOptions {
   /// simulate_stiff() count them, and other methods throw std::invalid_argument. Steps end where a status of
   /// a drive changes and where an input jumps.
   std::vector<AddedDrive> drives = {};
-  /// Damping and dry friction of the joints. In relative coordinates a joint at rest sticks while its
-  /// friction can hold it: a step ends when a joint comes to rest or begins to slide. In absolute coordinates
-  /// friction is -f sign(v).
+  /// Damping and dry friction of the joints, and losses of their gears. In relative coordinates a joint at
+  /// rest sticks while its friction can hold it: a step ends when a joint comes to rest or begins to slide.
+  /// In absolute coordinates friction is -f sign(v), and losses of gears are refused, as in conserving
+  /// schemes, with contact and with play.
   bool joint_losses = false;
   std::vector<Event> events = {};
   /// A function that is called with the time at the end of each step. A step with contact that takes many

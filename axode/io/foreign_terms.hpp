@@ -56,7 +56,8 @@ inline constexpr auto foreign_terms = std::to_array<ForeignTerm>({
     {"type", "joint.kind"}, {"kind", "joint.kind"}, {"axis", "joint.axis"}, {"point", "joint.point"},
     {"limits", "joint.limits"}, {"limit", "joint.limits"}, {"effort", "joint.effort"},
     {"velocity", "joint.velocity"}, {"damping", "joint.damping"}, {"friction", "joint.friction"},
-    {"armature", "joint.armature"}, {"follows", "joint.follows"}, {"mimic", "joint.follows"},
+    {"armature", "joint.armature"}, {"gear_loss", "joint.gear_loss"},
+    {"follows", "joint.follows"}, {"mimic", "joint.follows"},
     // kinds of joints and loops
     {"hinge", "revolute"}, {"continuous", "revolute"}, {"slide", "prismatic"}, {"slider", "prismatic"},
     {"screw", "helical"}, {"ball", "spherical"}, {"cardan", "universal"}, {"floating", "free"},

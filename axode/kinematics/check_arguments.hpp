@@ -52,7 +52,19 @@ template <class T> void check_results(const Model& model, std::initializer_list<
   }
 }
 
-template <class T> void check_loads(const Model& model, const Loads<T>& loads) {
+/// Throws std::invalid_argument for joint losses of a model with losses of gears, if it has any.
+inline void refuse_gears(const Model& model) {
+  if (model.gears().empty()) return;
+  throw std::invalid_argument(
+      "the gear of joint \"" + velocity_names(model)[static_cast<std::size_t>(model.gears()[0].velocity)] +
+      "\" loses a part of the force that it transmits; of the functions with joint_losses, inverse_dynamics, "
+      "forward_dynamics, rollout and, in relative coordinates and without contact, simulate count such "
+      "losses: "
+      "set joint_losses to false, or gear_loss to 0");
+}
+/// Checks loads on a model. Unless the caller counts losses of gears, these are refused if joint losses act.
+template <class T> void check_loads(const Model& model, const Loads<T>& loads, bool counts_gears = false) {
+  if (loads.joint_losses && !counts_gears) refuse_gears(model);
   for (const AppliedWrench<T>& load : loads.wrenches)
     if (load.frame < 0 || load.frame >= model.n_frames())
       throw std::invalid_argument("loads: a wrench acts on frame " + std::to_string(load.frame) +

@@ -50,6 +50,13 @@ struct Dof {
   double stop_damping = 0;  ///< damping of the stops by Hunt and Crossley, s/rad or s/m
   bool hard_stops = false;  ///< whether the limits are stops that do not yield; for joints of one velocity
   double restitution = 0;   ///< restitution of hard stops, 0 to 1
+  /// The part of the force F that the gear transmits to the joint and that it loses in addition while the
+  /// drive drives, an efficiency of 1/(1 + gear_loss); a force law, see Loads::joint_losses. For joints of
+  /// one velocity.
+  double gear_loss = 0;
+  /// The same part while the joint drives the drive back, an efficiency of 1 - gear_loss_back; empty:
+  /// gear_loss. From 1 on the gear locks itself.
+  std::optional<double> gear_loss_back = {};
 };
 
 /// q = ratio q_leader + offset; a coupled joint has no coordinate of its own.

@@ -41,6 +41,14 @@ struct Joint {
   bool passive = false;          ///< whether the joint has no drive
 };
 
+/// A gear with losses between the drive of a joint and the joint. It transmits the force F = τ - I a - x, where
+/// x are the losses of the joint: damping, dry friction, and a part of |F|. See (D9.8).
+struct Gear {
+  int velocity;
+  double rotor;            ///< the armature I of this joint alone, kg m² or kg
+  double loss, loss_back;  ///< the part of |F| that is lost while the drive drives, and while it is driven
+};
+
 /// A named frame: the ground, a body, a body fixed to another, or a frame of interest.
 struct Frame {
   std::string name;
@@ -88,6 +96,9 @@ class Model {
   /// Drives with states, which act in simulations, see axode/drives.hpp.
   std::span<const DriveDescription> drives() const { return data_->description.drives; }
 
+  /// Gears with losses, in the order of their velocities.
+  std::span<const Gear> gears() const { return data_->gears; }
+
   /// The index of a body, joint or frame by its name. Throws std::invalid_argument, with the unknown name and
   /// the nearest known one, if there is none.
   int body_index(std::string_view name) const;
@@ -114,6 +125,7 @@ class Model {
     std::vector<Frame> frames;
     Springs springs;
     Loops loops;
+    std::vector<Gear> gears;
     std::vector<Fault> warnings;
     Tree<double> tree;
     Tree<float> tree_float;

@@ -24,6 +24,15 @@ std::string to_string(const Model& model, const Solvability& solvability) {
     return "the frame can move in " + std::to_string(solvability.directions) +
            " of six directions, so its operational-space inertia does not exist; compute its "
            "inverse_operational_space_inertia instead";
+  if (const int i = solvability.locked_body; i > 0) {
+    const Dof& dof = model.joint(i).dof[0];
+    return "the gear of joint \"" + model.joint(i).name +
+           "\" locks itself so strongly that a state has no or "
+           "several accelerations: gear_loss_back is " +
+           std::to_string(dof.gear_loss_back.value_or(dof.gear_loss)) +
+           ", and it must be less than 1 + armature / (inertia that the gear moves); raise the armature, " +
+           std::to_string(dof.armature) + ", or lower gear_loss_back";
+  }
   const int i = solvability.singular_body;
   const std::string joint = "joint \"" + model.joint(i).name + '"';
   return "the mass matrix is singular: with the other joints free, " + joint + " of body \"" +

@@ -21,7 +21,10 @@ struct [[nodiscard]] Solvability {
   int singular_body = 0;    ///< the body of the joint with the first pivot that counts as 0, or 0
   bool not_finite = false;  ///< whether an argument is NaN or infinite, or a result overflowed
   int directions = 6;       ///< number of independent directions in which the frame can move
-  bool ok() const { return singular_body == 0 && !not_finite && directions == 6; }
+  /// The body of a joint whose gear locks itself so strongly that there are no or several accelerations, or
+  /// 0; see (D9.12).
+  int locked_body = 0;
+  bool ok() const { return singular_body == 0 && !not_finite && directions == 6 && locked_body == 0; }
   bool operator==(const Solvability&) const = default;
 };
 /// One sentence for the user: the reason, the joint in question and a remedy.

@@ -38,6 +38,10 @@ inline constexpr Count free_plays = of_the_tree("simulate counts them");
 /// not have.
 inline constexpr Count without_contacts =
     of_the_tree("simulate with contact and ContactDynamics count contacts and hard stops");
+/// Damping and dry friction of joints, which a caller enables, without the losses of gears: these depend on
+/// the force that a gear transmits.
+inline constexpr Count without_gears{
+    Word::partly, "losses of gears are refused; inverse_dynamics, forward_dynamics and simulate count them"};
 inline constexpr Counts of_motion{.loops = of_the_tree(),
                                   .passive_joints = of_the_tree(),
                                   .springs = of_the_tree(),
@@ -49,7 +53,7 @@ inline constexpr Counts of_motion{.loops = of_the_tree(),
 inline constexpr Counts of_loads{.loops = of_the_tree(),
                                  .passive_joints = of_the_tree(),
                                  .springs = of_the_tree(),
-                                 .joint_losses = optional,
+                                 .joint_losses = without_gears,
                                  .motions = of_the_tree(),
                                  .drives = of_the_tree(),
                                  .plays = of_the_tree(),
@@ -116,6 +120,11 @@ inline constexpr Counts of_accelerations{.loops = counted,
                                          .drives = forces_of_drives,
                                          .plays = free_plays,
                                          .contacts = without_contacts};
+inline constexpr Counts of_variations_of_accelerations = [] {
+  Counts counts = of_accelerations;
+  counts.joint_losses = without_gears;
+  return counts;
+}();
 inline constexpr Counts of_impulses{.loops = counted,
                                     .passive_joints = of_the_tree(),
                                     .springs = of_the_tree(),
@@ -128,7 +137,7 @@ inline constexpr Counts of_momentum_form{
     .loops = refused("forward_dynamics counts them; momenta(q, v) of its motion are those of the mechanism"),
     .passive_joints = of_the_tree(),
     .springs = of_the_tree(add_springs),
-    .joint_losses = optional,
+    .joint_losses = without_gears,
     .motions = at_a_time,
     .drives = forces_of_drives,
     .plays = free_plays,
@@ -137,7 +146,7 @@ inline constexpr Counts of_derivatives_of_forces{
     .loops = refused("forward_dynamics_derivatives and independent_linearization count them"),
     .passive_joints = of_the_tree(),
     .springs = of_the_tree("spring_force_derivatives(q, v) are to be subtracted"),
-    .joint_losses = optional,
+    .joint_losses = without_gears,
     .motions = of_the_tree(),
     .drives = forces_of_drives,
     .plays = free_plays,
@@ -147,7 +156,7 @@ inline constexpr Counts of_derivatives_of_accelerations{
         refused("forward_dynamics_derivatives, forward_dynamics_jvp and forward_dynamics_vjp count them"),
     .passive_joints = of_the_tree(),
     .springs = of_the_tree(add_springs),
-    .joint_losses = optional,
+    .joint_losses = without_gears,
     .motions = at_a_time,
     .drives = forces_of_drives,
     .plays = free_plays,
@@ -371,7 +380,7 @@ inline constexpr auto functions_of_state = [] {
        .units = "of a per unit of the direction", .takes = {q, v, tau, loads}, .choice = none,
        .entry = number, .shape = {nv, nv}, .columns = false, .symbols = {"da/dq", "da/dv", "da/dtau"},
        .together = "da", .cost = quadratic, .allocates = false, .memory = may_share, .may_fail = true,
-       .derivative_of = "forward_dynamics", .lanes = true, .tape = true, .counts = of_accelerations},
+       .derivative_of = "forward_dynamics", .lanes = true, .tape = true, .counts = of_variations_of_accelerations},
       {.name = "momentum_form_derivatives", .purpose = "partial derivatives of momentum_form",
        .units = "of v and p' per unit of the direction", .takes = {q, p, loads}, .choice = none,
        .entry = number, .shape = {nv, nv}, .columns = false,
@@ -467,12 +476,12 @@ inline constexpr auto functions_of_state = [] {
        .takes = {q, v, tau, dq, dv, dtau, loads}, .choice = none, .entry = number, .shape = {nv},
        .columns = false, .symbols = {"da"}, .together = "da", .cost = linear, .allocates = false,
        .memory = may_share, .may_fail = true, .derivative_of = "forward_dynamics", .lanes = true,
-       .tape = true, .counts = of_accelerations},
+       .tape = true, .counts = of_variations_of_accelerations},
       {.name = "forward_dynamics_vjp", .purpose = "gradient of the accelerations weighted with w",
        .units = "of w a per unit of the direction", .takes = {q, v, tau, weights, loads}, .choice = none,
        .entry = number, .shape = {nv}, .columns = false, .symbols = {"by q", "by v", "by tau"},
        .together = "gradient", .cost = linear, .allocates = false, .memory = may_share, .may_fail = true,
-       .derivative_of = "forward_dynamics", .lanes = true, .tape = true, .counts = of_accelerations},
+       .derivative_of = "forward_dynamics", .lanes = true, .tape = true, .counts = of_variations_of_accelerations},
       {.name = "inverse_dynamics_hessian",
        .purpose = "second partial derivatives of the drive forces weighted with w",
        .units = "of w tau per units of the directions", .takes = {q, v, a, weights, loads}, .choice = none,

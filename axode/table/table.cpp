@@ -45,6 +45,7 @@ std::string_view to_string(Input input) {
 std::string to_string(const Counts& counts) {
   constexpr std::pair<Word, std::string_view> phrases[]{{Word::counted, "counts "},
                                                         {Word::optional, "counts on request: "},
+                                                        {Word::partly, "counts a part on request: "},
                                                         {Word::of_the_tree, "ignores "},
                                                         {Word::refused, "refuses "}};
   std::string line;

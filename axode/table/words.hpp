@@ -95,6 +95,7 @@ enum class Word {
   counted,      ///< the answer is that of the whole mechanism
   of_the_tree,  ///< the quantity is by definition one of the mechanism without the property
   optional,     ///< a parameter turns it on
+  partly,       ///< a parameter turns on a part of it, and the call throws for the rest
   refused,      ///< the call throws
 };
 
@@ -103,7 +104,8 @@ struct Count {
   Word word;
   std::string_view sentence;
   consteval Count(Word of, std::string_view hint = {}) : word(of), sentence(hint) {
-    if (of == Word::refused && hint.empty()) throw "a refusal says what to call instead";
+    if ((of == Word::refused || of == Word::partly) && hint.empty())
+      throw "a refusal says what to call instead";
   }
 };
 inline constexpr Count counted{Word::counted}, optional{Word::optional};

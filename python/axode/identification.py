@@ -131,6 +131,11 @@ def identify(m: Model, q: ArrayLike, v: ArrayLike, a: ArrayLike, tau: ArrayLike,
     linalg = _scipy_linalg()
     if not (np.isfinite(prior) and prior > 0):
         raise ValueError(f"prior is {prior}; expected a relative standard deviation, more than 0")
+    if joint_losses:
+        for joint in m.joints:
+            if np.any(joint.gear_loss > 0) or np.any(joint.gear_loss_back > 0):
+                raise ValueError(f'the gear of joint "{joint.name}" loses a part of the force that it transmits, which is '
+                                 "not linear in the parameters; subtract it from tau, and set gear_loss to 0")
     samples = _samples(m, q, v, a, tau)
     given = None if noise is None else _given_noise(noise, m.nv)
     unknowns = _Unknowns(m, known, joint_losses, armature)

@@ -59,7 +59,7 @@ def simulate(m: Model, q: ArrayLike, v: ArrayLike, until: float, *,
         evaluation. Springs, dampers and stops of the mechanism act besides, see `spring_forces`.
     loads: wrenches on frames, constant in their representations, or a function (t, q, v) -> such wrenches, called for each
         evaluation.
-    joint_losses: whether damping and dry friction act. What rests sticks as long as its friction can hold it; steps end
+    joint_losses: whether damping, dry friction and losses of gears act. What rests sticks as long as its friction can hold it; steps end
         where a joint comes to rest or begins to slide, so that one of given length becomes two. In absolute coordinates
         it creeps instead, the slower the shorter steps are.
     times: when states are wanted, increasing from 0 to until; without it, at the ends of the steps.

@@ -48,7 +48,7 @@ class Row(NamedTuple):
     """Whether code can be generated for it, see axode.codegen."""
     counts: dict[str, tuple[str, str]]
     """For loops, passive joints, springs, joint losses, prescribed motions, drives with states, couplings with play and
-    contacts: "counted", "of_the_tree", "optional" or "refused", with a sentence that names another function if there
+    contacts: "counted", "of_the_tree", "optional", "partly" or "refused", with a sentence that names another function if there
     is one."""
 
     @property

@@ -53,7 +53,8 @@ void add_equations_of_motion(nb::module_& module) {
                             .loads = loads,
                             .joint_losses = joint_losses,
                             .threads = threads};
-        if (!drives.is_none() || (!m->loops().empty() && !forces.is_none()))
+        const bool gears = joint_losses && !m->gears().empty();  // through which `forces` do not pass
+        if (!drives.is_none() || (!forces.is_none() && (gears || !m->loops().empty())))
           return closed_inverse_dynamics(m, all, drives, forces);
         Array tau = f(m, all);
         return forces.is_none() ? tau : without(forces, std::move(tau), States(m, q, threads));
@@ -63,8 +64,8 @@ void add_equations_of_motion(nb::module_& module) {
       documented("inverse_dynamics", R"(
 tau = M(q) a + C(q, v) v + g(q) - (applied forces): the drive forces that produce the accelerations a.
 
-Shape (nv,) or (N, nv), N m or N. `loads` are wrenches on frames, see `axode.Load`; joint_losses adds damping and
-friction; armatures are always included. All representations give the same result; "fast" takes the least time, and
+Shape (nv,) or (N, nv), N m or N. `loads` are wrenches on frames, see `axode.Load`; joint_losses adds damping,
+friction and losses of gears; armatures are always included. All representations give the same result; "fast" takes the least time, and
 computes N states in SIMD lanes on up to `threads` cores. `forces` (nv,) or (N, nv) act in addition; springs and stops
 of m are left out unless forces=axode.spring_forces(m, q, v). In a mechanism with loops, only joints that are not
 passive have drive forces or, if `drives` (names of joints or numbers of velocities) is given, only these; if several

@@ -136,6 +136,18 @@ void add_parts(nb::module_& module) {
                    "Coulomb friction, N m or N; counted if `joint_losses` is set.")
       .def_prop_ro("armature", &of_each_dof<&Dof::armature>,
                    "Inertia of the drive at the joint, kg m^2 or kg.")
+      .def_prop_ro("gear_loss", &of_each_dof<&Dof::gear_loss>,
+                   "Part of the force that its gear transmits and loses in addition while the drive drives; "
+                   "counted if `joint_losses` is set.")
+      .def_prop_ro(
+          "gear_loss_back",
+          [](const BoundJoint& j) {
+            NewArray out({static_cast<nb::ssize_t>((*j).dof.size())});
+            double* to = out.data();
+            for (const Dof& dof : (*j).dof) *to++ = dof.gear_loss_back.value_or(dof.gear_loss);
+            return out.array();
+          },
+          "The same while the joint drives the drive back; from 1 on the gear locks itself.")
       .def_prop_ro(
           "passive", [](const BoundJoint& j) { return (*j).passive; },
           "Whether it has no drive; this matters in mechanisms with loops.")

@@ -18,8 +18,9 @@ auto fields(Like<SE3<>> auto& C) { return std::tie(C.R, C.r); }
 auto fields(Like<axode::Source> auto& s) { return std::tie(s.file, s.line); }
 auto fields(Like<Fault> auto& f) { return std::tie(f.severity, f.rule, f.element, f.message, f.source); }
 auto fields(Like<Dof> auto& d) {
-  return std::tie(d.lower, d.upper, d.velocity, d.effort, d.damping, d.friction, d.armature, d.stiffness,
-                  d.rest, d.stop_stiffness, d.stop_damping, d.hard_stops, d.restitution);
+  return std::tie(d.lower, d.upper, d.velocity, d.effort, d.damping, d.friction, d.armature, d.gear_loss,
+                  d.gear_loss_back, d.stiffness, d.rest, d.stop_stiffness, d.stop_damping, d.hard_stops,
+                  d.restitution);
 }
 auto fields(Like<Coupling> auto& c) { return std::tie(c.leader, c.ratio, c.offset); }
 auto fields(Like<JointDescription> auto& j) {

@@ -279,7 +279,7 @@ TEST(Drawing, EveryKeyIsUnderstood) {
 
   const Joint& turn = model.joint(model.joint_index("turn"));
   ASSERT_EQ(turn.dof.size(), 1U);
-  const Dof expected{-1, 2, 3, 4, 0.5, 0.6, 0.7, 8, 0.1, 1e4, 0.2};
+  const Dof expected{-1, 2, 3, 4, 0.5, 0.6, 0.7, 8, 0.1, 1e4, 0.2, false, 0, 0.3, 0.4};
   EXPECT_TRUE(test::same(turn.dof[0], expected));
 
   const Joint& follower = model.joint(model.joint_index("follower"));

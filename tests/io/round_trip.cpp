@@ -304,9 +304,10 @@ TEST(Writers, AStrictUrdfNamesEverythingItCannotSayAndWritesNothing) {
   } catch (const ModelError& error) {
     for (const char* part :
          {"gravity: is (0 0 -1.62)", "joint \"screw\": is helical", "joint \"ball\": is spherical",
-          "joint \"turn\": has an armature of 0.7", "joint \"turn\": has a spring",
-          "joint \"turn\": has elastic stops", "spring 3: is between \"ghost\" and \"knob\"",
-          "is rod; URDF has no word for it", "\": is passive; URDF has no word for it",
+          "joint \"turn\": has an armature of 0.7", "joint \"turn\": has a gear with losses",
+          "joint \"turn\": has a spring", "joint \"turn\": has elastic stops",
+          "spring 3: is between \"ghost\" and \"knob\"", "is rod; URDF has no word for it",
+          "\": is passive; URDF has no word for it",
           "coupling \"coupling 1\": is one of the coordinates of 2 joints",
           "joint \"stage\": has several degrees"})
       EXPECT_THAT(error.what(), HasSubstr(part));

@@ -32,7 +32,8 @@ inline bool same(const Dof& a, const Dof& b) {
   return a.lower == b.lower && a.upper == b.upper && a.velocity == b.velocity && a.effort == b.effort &&
          a.damping == b.damping && a.friction == b.friction && a.armature == b.armature &&
          a.stiffness == b.stiffness && a.rest == b.rest && a.stop_stiffness == b.stop_stiffness &&
-         a.stop_damping == b.stop_damping;
+         a.stop_damping == b.stop_damping && a.gear_loss == b.gear_loss &&
+         a.gear_loss_back == b.gear_loss_back;
 }
 
 /// The pose of every frame in the inertial frame at q = 0, by the name of the frame.

@@ -197,6 +197,47 @@ TEST(WhatFunctionsCount, OtherPropertiesChangeNothingThatIsOfTheTree) {
   });
 }
 
+/// A function counts losses of gears or refuses them, or is of the mechanism without losses.
+TEST(WhatFunctionsCount, LossesOfGearsAreCountedOrRefused) {
+  std::map<Word, int> seen;
+  for_rows(5, [&](const Whole& whole, const Row& row, const Case&) {
+    const auto change = [&](double loss) {
+      return whole.with([loss](Description& d) {
+        d.springs.clear();
+        for (BodyDescription& body : d.bodies) {
+          JointDescription& joint = body.joint;
+          for (Dof& dof : joint.dof) dof.stiffness = dof.stop_stiffness = dof.stop_damping = 0;
+          if (has_one_velocity(joint.kind) && !joint.coupling && !joint.passive.value_or(false)) {
+            joint.dof.resize(1);
+            joint.dof[0].gear_loss = loss;
+          }
+        }
+      });
+    };
+    const Model lossless = change(0), lossy = change(0.5);
+    if (lossy.gears().empty()) return;
+    Workspace<> workspace(lossy, cut_tree), other(lossless, cut_tree);
+    catalog::Arguments<double> given = whole.arguments.given();
+    const Numbers expected = call(row, lossless, other, given);
+    EXPECT_TRUE(same_bits(call(row, lossy, workspace, given), expected)) << "without joint losses";
+    given.loads.joint_losses = true;
+    const Word word = row.counts.joint_losses.word;
+    ++seen[word];
+    if (word == Word::of_the_tree) {
+      EXPECT_TRUE(same_bits(call(row, lossy, workspace, given), expected));
+    } else if (word == Word::partly) {
+      const std::string refused = refusal_of([&] { call(row, lossy, workspace, given); });
+      EXPECT_NE(refused.find("loses a part of the force that it transmits"), std::string::npos) << refused;
+    } else {
+      EXPECT_EQ(word, Word::optional);
+      EXPECT_EQ(call(row, lossy, workspace, given).size(), expected.size());
+    }
+  });
+  EXPECT_GT(seen[Word::of_the_tree], 0);
+  EXPECT_GT(seen[Word::optional], 0);
+  EXPECT_GT(seen[Word::partly], 0);
+}
+
 /// A function refuses a mechanism with prescribed motions in the words of its row, or is of the mechanism without them.
 TEST(WhatFunctionsCount, PrescribedMotionsAreRefusedOrIgnored) {
   std::map<Word, int> seen;

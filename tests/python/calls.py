@@ -26,7 +26,7 @@ def given_to(row, m, q, v, a):
     numbers = {"q": q, "v": v, "a": a, "tau": a, "p": v, "dq": v, "dv": a, "da": 2 * v, "dtau": 2 * v, "w": v - a}
     settings = {"frame": tool(m), "base": m.frame_names[min(1, m.n_bodies)], "loads": load_on(m, q)}
     given = {name: (numbers | settings)[name] for name in row.takes if name in numbers or name in settings}
-    losses = {"joint_losses": True} if "loads" in row.takes and row.counts["joint losses"][0] == "optional" else {}
+    losses = {"joint_losses": True} if "loads" in row.takes and row.counts["joint losses"][0] in ("optional", "partly") else {}
     return given | losses
 
 

@@ -5,6 +5,7 @@
 #include <string>
 #include <utility>
 
+#include "axode/constraints/loop_system/geared_acceleration.hpp"
 #include "axode/constraints/prescribed/motion_rows.hpp"
 #include "axode/kinematics/check_arguments.hpp"
 #include "axode/model/finite.hpp"
@@ -18,7 +19,7 @@ DynamicsAtTime forward_dynamics_at(const Model& model, double t, std::span<const
   check_configuration(model, q);
   check_size("v", v.size(), nv, "nv");
   check_size("tau", tau.size(), nv, "nv");
-  check_loads(model, loads);
+  check_loads(model, loads, true);
   for (const auto& [name, x] : {std::pair{"q", q}, {"v", v}, {"tau", tau}})
     if (!finite(x))
       throw std::invalid_argument("forward_dynamics_at: " + std::string(name) + " is not finite");
@@ -30,7 +31,7 @@ DynamicsAtTime forward_dynamics_at(const Model& model, double t, std::span<const
   DynamicsAtTime found{.solvability = {}, .a = std::vector<double>(nv), .lambda = {}, .motion_forces = {}};
   found.lambda.resize(static_cast<std::size_t>(rows.model().loops().rows));
   found.solvability =
-      system.accelerate(q.data(), v.data(), tau.data(), loads, found.a.data(), found.lambda.data());
+      accelerate_with_losses<double>(system, model, q, v, tau, loads, found.a, found.lambda.data());
   for (const MotionRows::Row& row : rows.rows())
     found.motion_forces.push_back(found.lambda[static_cast<std::size_t>(row.place.row)]);
   found.lambda.resize(static_cast<std::size_t>(model.loops().rows));

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <limits>
 
+#include "axode/kinematics/check_arguments.hpp"
+
 namespace axode {
 namespace {
 
@@ -32,6 +34,7 @@ ContactStep::ContactStep(ContactSimulationRun& run, const Model& model, ContactS
       q_part_(model.nq()),
       v_part_(model.nv()),
       nothing_(Vector::Zero(model.nv())) {
+  if (dry_friction) refuse_gears(model);
   const ContactShapes& shapes = finder_.shapes();
   const std::size_t others = start_.system.stops().size() + start_.system.dry_joints().size() +
                              static_cast<std::size_t>(model.loops().rows);

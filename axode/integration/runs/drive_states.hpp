@@ -41,6 +41,8 @@ class DriveStates {
   void add_force_derivatives(Span q, Span v, Eigen::Ref<Matrix> by_q, Eigen::Ref<Matrix> by_v);
   /// Adds the drive forces to tau, and computes rates().
   void add_forces(double t, Span q, Span v, std::span<double> tau);
+  /// Adds to tau the part of these forces that acts along lines, at the last evaluation of forces.
+  void add_line_forces(std::span<double> tau) const { system_.add_line_forces(tau); }
   /// The rates of the states at the last evaluation of forces.
   Span rates() const { return {dx_t_.data(), size()}; }
   /// The name of the first state whose rate is not finite, if there is one.

@@ -25,9 +25,10 @@ double part_of_least(double g_0, double d_0, double g_1, double d_1) {
 /// Finds which plays are at an end when the motion starts.
 void SimulationRun::start_plays() {
   if (friction_.active())
-    throw std::invalid_argument("coupling \"" + plays_.name(0) +
-                                "\" has play, and joints have dry friction; a simulation counts one of both: "
-                                "set joint_losses to false or the friction to 0");
+    throw std::invalid_argument(
+        "coupling \"" + plays_.name(0) +
+        "\" has play, and joints have dry friction or gears with losses; a simulation "
+        "counts one of both: set joint_losses to false or the friction to 0");
   constexpr double tolerance = 1e-9;
   for (std::size_t k = 0; k < plays_.size(); ++k) {
     const double x = plays_.deflection(k, as_span(q)), half = plays_.half(k);

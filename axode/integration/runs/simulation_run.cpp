@@ -46,7 +46,8 @@ SimulationRun::SimulationRun(const Model& model, Span q_0, Span v_0, double unti
       model_(model),
       options_(options),
       workspace_(model, cut_tree),
-      friction_(model.tree<double>(), options.joint_losses && options.coordinates == Coordinates::relative),
+      friction_(model.tree<double>(), model.gears(),
+                options.joint_losses && options.coordinates == Coordinates::relative),
       drives_(DriveSystem(model, options.drives)),
       norm_(model.tree<double>()),
       places_(0),
@@ -84,16 +85,18 @@ SimulationRun::SimulationRun(const Model& model, Span q_0, Span v_0, double unti
   values_ = values_at(0, q_0, as_span(v));
 }
 
-/// Throws if a joint that follows a motion has dry friction, which would have to hold it.
+/// Throws if a joint that follows a motion has dry friction or a gear with losses, which would have to hold it.
 void SimulationRun::check_friction_of_motions() const {
   if (!friction_.active()) return;
   for (const MotionRows::Row& row : loops_->motions().rows())
     for (const Joint& joint : model_.joints())
-      if (joint.name == row.of && tree().friction[static_cast<std::size_t>(joint.iv)] > 0)
-        throw std::invalid_argument(
-            "joint \"" + row.of +
-            "\" follows a motion and has dry friction, which joint_losses would count; "
-            "its friction changes the force of the motion alone: set it to 0");
+      if (const bool gear =
+              std::ranges::find(model_.gears(), joint.iv, &Gear::velocity) != model_.gears().end();
+          joint.name == row.of && (gear || tree().friction[static_cast<std::size_t>(joint.iv)] > 0))
+        throw std::invalid_argument("joint \"" + row.of + "\" follows a motion and has " +
+                                    (gear ? "a gear with losses" : "dry friction") +
+                                    ", which joint_losses would count; "
+                                    "its friction changes the force of the motion alone: set it to 0");
 }
 
 void SimulationRun::stop(const Failure& failure) {
@@ -135,9 +138,14 @@ Failure SimulationRun::begin_evaluation(double t, Span q_t, Span v_t) {
 
 void SimulationRun::compute_drive_forces(double t, Span q_t, Span v_t) {
   if (options_.drive) options_.drive(t, q_t, v_t, as_span(tau_));
-  if (drives_.empty()) return;
-  if (!options_.drive) tau_.setZero();
-  drives_.add_forces(t, q_t, v_t, as_span(tau_));
+  if (!drives_.empty()) {
+    if (!options_.drive) tau_.setZero();
+    drives_.add_forces(t, q_t, v_t, as_span(tau_));
+  }
+  if (!friction_.has_gears()) return;
+  forces_.setZero();
+  if (!drives_.empty()) drives_.add_line_forces(as_span(forces_));
+  through_gears_ = tau_ - forces_;
 }
 
 Failure SimulationRun::accelerate_now() {
@@ -173,8 +181,7 @@ Failure SimulationRun::accelerate(double t, Span q_t, Span v_t, std::span<double
     weakest_row_ = std::min(weakest_row_, loops_->weakest_row());
     if (std::string why = loops_->unfollowed(q_t, v_t, a_t); !why.empty()) return {t, std::move(why)};
   }
-  if (!friction_.sticking().empty()) apply_sticking_forces(q_t, a_t);
-  return {};
+  return friction_.resisting().empty() ? Failure{} : apply_friction(t, q_t, v_t, a_t);
 }
 
 Failure SimulationRun::residual(double t, const Vector& q_t, const Vector& v_t, const Vector& a_t,
@@ -190,6 +197,8 @@ Failure SimulationRun::residual(double t, const Vector& q_t, const Vector& v_t, 
   inverse_dynamics(model_, workspace_, as_span(q_t), as_span(v_t), as_span(a_t), as_span(r), loads());
   compute_drive_forces(t, as_span(q_t), as_span(v_t));
   r -= as_eigen(joint_force_sum(as_span(q_t), as_span(v_t)));
+  if (friction_.has_gears())
+    friction_.add_gear_losses(as_span(v_t), as_span(a_t), as_span(std::as_const(through_gears_)), as_span(r));
   for (const int c : friction_.sticking()) r[c] = a_t[c];
   return finite(r) ? Failure{} : not_finite(t, "forces are", as_span(r));
 }
@@ -199,21 +208,22 @@ void SimulationRun::residual_derivatives(const Vector& q_t, const Vector& v_t, c
   const Eigen::Index nv = model_.nv();
   const Span q_s = as_span(q_t), v_s = as_span(v_t);
   const bool forces = !model_.springs().empty() || friction_.active() || !drives_.empty();
-  SquareMatrix by_q, by_v;
+  SquareMatrix by_q, by_v, drives_by_q, drives_by_v;  // of springs, and of drives and damping
   if (forces) {
     by_q.resize(nv, nv);
     by_v.resize(nv, nv);
     spring_force_derivatives(model_, workspace_, q_s, v_s, {as_span(by_q), as_span(by_v)});
-    if (friction_.active()) by_v.diagonal() -= as_eigen(Span(tree().damping));
-    if (!drives_.empty()) drives_.add_force_derivatives(q_s, v_s, by_q, by_v);
+    drives_by_q = drives_by_v = SquareMatrix::Zero(nv, nv);
+    if (friction_.active()) drives_by_v.diagonal() -= as_eigen(Span(tree().damping));
+    if (!drives_.empty()) drives_.add_force_derivatives(q_s, v_s, drives_by_q, drives_by_v);
   }
   Eigen::Map<SquareMatrix> r_q(dr.q.data(), nv, nv), r_v(dr.v.data(), nv, nv), r_a(dr.a.data(), nv, nv);
   if (loops_) {
     compliance_.resize(nv, nv);
     loops_->differentiate(q_s, v_s, joint_force_sum(q_s, v_s), loads(), {dr.q, dr.v, as_span(compliance_)});
     if (forces) {
-      r_q += compliance_ * by_q;
-      r_v += compliance_ * by_v;
+      r_q += compliance_ * (by_q + drives_by_q);
+      r_v += compliance_ * (by_v + drives_by_v);
     }
     friction_.constrain_derivatives({as_span(compliance_), dr.q, dr.v});
     r_q = -r_q;
@@ -225,6 +235,9 @@ void SimulationRun::residual_derivatives(const Vector& q_t, const Vector& v_t, c
   if (forces) {
     r_q -= by_q;
     r_v -= by_v;
+    if (friction_.has_gears()) friction_.scale_derivatives({dr.a, dr.q, dr.v});
+    r_q -= drives_by_q;
+    r_v -= drives_by_v;
   }
   for (const int c : friction_.sticking()) {
     r_q.row(c).setZero();
@@ -278,11 +291,11 @@ void SimulationRun::add_resistance_of_drive(double t, Span q_t, Span v_t, double
 
 // Dry friction.
 
-/// Changes the last accelerations a to the accelerations under the sticking forces.
-void SimulationRun::apply_sticking_forces(Span q_t, std::span<double> a_t) {
-  const std::vector<int>& sticking = friction_.sticking();
-  columns_.resize(model_.nv(), static_cast<Eigen::Index>(sticking.size()));
-  own_.resize(sticking.size());
+/// Changes the last accelerations a to the accelerations under the friction that depends on them.
+Failure SimulationRun::apply_friction(double t, Span q_t, Span v_t, std::span<double> a_t) {
+  const std::vector<int>& resisting = friction_.resisting();
+  columns_.resize(model_.nv(), static_cast<Eigen::Index>(resisting.size()));
+  own_.resize(resisting.size());
   if (loops_) {
     loops_->factorize(q_t);
   } else {
@@ -290,13 +303,15 @@ void SimulationRun::apply_sticking_forces(Span q_t, std::span<double> a_t) {
     static_cast<void>(inverse_mass_matrix(model_, workspace_, q_t, as_span(compliance_)));
   }
   Vector column(model_.nv());
-  for (std::size_t k = 0; k < sticking.size(); ++k) {
-    const int c = sticking[k];
+  for (std::size_t k = 0; k < resisting.size(); ++k) {
+    const int c = resisting[k];
     own_[k] = loops_ ? loops_->unit_force_response(c, as_span(column)) : compliance_(c, c);
     if (!loops_) column = compliance_.col(c);
     columns_.col(static_cast<Eigen::Index>(k)) = column;
   }
-  friction_.apply_sticking_forces(columns_, own_, norm_, a_t);
+  const int locked = friction_.apply_friction(columns_, own_, norm_, v_t, as_span(through_gears_), a_t);
+  if (locked < 0) return {};
+  return {t, to_string(model_, {.locked_body = body_of_velocity(model_.topology(), locked)})};
 }
 
 void SimulationRun::begin_step() {

@@ -157,7 +157,7 @@ class SimulationRun {
   Failure take_under_friction(double t_1, StepEnd& end, const Attempt& attempt);
   Failure end_at_switch(double& t_1, StepEnd& end, const Attempt& attempt);
   Failure switch_drives();
-  void apply_sticking_forces(Span q_t, std::span<double> a_t);
+  Failure apply_friction(double t, Span q_t, Span v_t, std::span<double> a_t);
   Failure ensure_accelerations(double t, StepEnd& end);
   void start_plays();
   void engage_plays();
@@ -181,8 +181,9 @@ class SimulationRun {
 
   Vector driven_;            ///< the result of drive()
   SquareMatrix compliance_;  ///< ∂a/∂τ
-  SquareMatrix columns_;     ///< the columns of ∂a/∂τ that belong to sticking velocities
-  std::vector<double> own_;  ///< argument `own` of DryFriction::apply_sticking_forces()
+  SquareMatrix columns_;     ///< the columns of ∂a/∂τ that belong to DryFriction::resisting()
+  std::vector<double> own_;  ///< argument `own` of DryFriction::apply_friction()
+  Vector through_gears_;     ///< the part of tau_ that passes through gears, if there are any
   std::vector<double> values_;
   double until_, weakest_row_ = 1;
   bool ended_ = false, accelerations_jumped_ = false;

@@ -45,8 +45,9 @@ Way read_geometry(Table& table, BodyDescription& body) {
   return Way::construction;
 }
 
-constexpr std::array<std::string_view, 9> dof_keys{"limits",   "velocity", "effort", "damping",    "friction",
-                                                   "armature", "spring",   "stop",   "restitution"};
+constexpr std::array<std::string_view, 11> dof_keys{"limits",   "velocity", "effort",     "damping",
+                                                    "friction", "armature", "gear_loss",  "gear_loss_back",
+                                                    "spring",   "stop",     "restitution"};
 
 /// Reads the table of a spring or of stops, which has the key `stiffness` and one other key.
 void read_elastic(Table& table, std::string_view what, double& stiffness, std::string_view key,
@@ -82,6 +83,8 @@ Dof read_dof(Table& table) {
   dof.damping = table.number("damping").value_or(0);
   dof.friction = table.number("friction").value_or(0);
   dof.armature = table.number("armature").value_or(0);
+  dof.gear_loss = table.number("gear_loss").value_or(0);
+  dof.gear_loss_back = table.number("gear_loss_back");
   read_elastic(table, "spring", dof.stiffness, "rest", dof.rest);
   read_stops(table, dof);
   return dof;

@@ -210,6 +210,8 @@ class DrawingWriter {
     if (dof.damping != 0) all.emplace_back("damping", text(dof.damping));
     if (dof.friction != 0) all.emplace_back("friction", text(dof.friction));
     if (dof.armature != 0) all.emplace_back("armature", text(dof.armature));
+    if (dof.gear_loss != 0) all.emplace_back("gear_loss", text(dof.gear_loss));
+    if (dof.gear_loss_back) all.emplace_back("gear_loss_back", text(*dof.gear_loss_back));
     if (dof.stiffness != 0 || dof.rest != 0)
       all.emplace_back("spring", pair(dof.stiffness, "rest", dof.rest));
     if (dof.stop_stiffness != 0 || dof.stop_damping != 0)

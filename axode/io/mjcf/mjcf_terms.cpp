@@ -78,6 +78,8 @@ void joint_unsaid(const JointDescription& joint, const std::string& element, con
   check(&Dof::damping, "has damping" + several);
   check(&Dof::friction, "has friction" + several);
   check(&Dof::armature, "has armatures" + several);
+  if (std::ranges::any_of(joint.dof, has_gear_losses))
+    unsaid.leave_out(element, "has a gear with losses", source);
   check(&Dof::stiffness, joint.kind == JointKind::spherical
                              ? "has springs" + several
                              : "is " + std::string(to_string(joint.kind)) + " and has a spring");

@@ -18,6 +18,17 @@ bool has_error(const std::vector<Fault>& faults) {
                      [](const Fault& f) { return f.severity == Severity::error; });
 }
 
+std::vector<Gear> gears_of(const std::vector<Joint>& joints) {
+  std::vector<Gear> gears;
+  for (const Joint& joint : joints)
+    for (const Dof& dof : joint.dof) {
+      const double back = dof.gear_loss_back.value_or(dof.gear_loss);
+      if (dof.gear_loss > 0 || back > 0) gears.push_back({joint.iv, dof.armature, dof.gear_loss, back});
+    }
+  std::ranges::sort(gears, {}, &Gear::velocity);
+  return gears;
+}
+
 }  // namespace
 
 ModelBuilder& ModelBuilder::add(BodyDescription body) {
@@ -82,10 +93,11 @@ Model ModelBuilder::build(Strictness strictness) const {
   faults.insert(faults.end(), out.faults.begin(), out.faults.end());
   if (has_error(faults)) throw ModelError(description_.name, std::move(faults));
   Tree<float> tree_float = cast<float>(out.tree);
+  std::vector<Gear> gears = gears_of(out.joints);
   auto data = std::make_shared<const Model::Data>(
       Model::Data{description_, std::move(out.bodies), std::move(out.joints), std::move(out.frames),
-                  std::move(out.springs), std::move(out.loops), std::move(faults), std::move(out.tree),
-                  std::move(tree_float)});
+                  std::move(out.springs), std::move(out.loops), std::move(gears), std::move(faults),
+                  std::move(out.tree), std::move(tree_float)});
   return Model(std::move(data));
 }
 

@@ -14,7 +14,8 @@ using namespace nb::literals;
 nb::object text(std::string_view words) { return nb::str(words.data(), words.size()); }
 
 constexpr std::array<std::string_view, 3> choices{"none", "representation", "recursion"};
-constexpr std::array<std::string_view, 4> words_of_counts{"counted", "of_the_tree", "optional", "refused"};
+constexpr std::array<std::string_view, 5> words_of_counts{"counted", "of_the_tree", "optional", "partly",
+                                                          "refused"};
 
 nb::object row_of(const catalog::Words& row) {
   nb::list takes, shape, symbols;

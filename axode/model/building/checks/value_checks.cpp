@@ -84,6 +84,28 @@ void springs(const FaultySubject& at, const JointDescription& joint, const Dof& 
   }
 }
 
+/// Reports losses of a gear that a joint cannot have.
+void gear(const FaultySubject& at, const JointDescription& joint, const Dof& dof) {
+  if (dof.gear_loss == 0 && !dof.gear_loss_back) return;
+  const double back = dof.gear_loss_back.value_or(dof.gear_loss);
+  const std::string has = dof.gear_loss != 0 ? "has a gear_loss of " + to_text(dof.gear_loss)
+                                             : "has a gear_loss_back of " + to_text(back);
+  not_negative(at, {{"gear_loss", dof.gear_loss}, {"gear_loss_back", dof.gear_loss_back.value_or(0)}});
+  if (with_subgroup(traits(joint.kind).subgroup, 0.0, [](const auto& s) { return s.nv; }) > 1)
+    at.error(Rule::wrong_value, has + ", and a " + std::string(to_string(joint.kind)) +
+                                    " joint has several velocities that move together; a gear drives one");
+  if (joint.coupling)
+    at.error(Rule::wrong_value, has + " and follows joint " + quoted(joint.coupling->leader) +
+                                    ", whose drive moves it; give the loss to that joint");
+  if (joint.passive.value_or(false))
+    at.error(Rule::wrong_value, has + " and is passive; a gear stands between a drive and its joint");
+  if (back >= 1 && dof.armature == 0)
+    at.error(
+        Rule::wrong_value,
+        "gear_loss_back is " + to_text(back) +
+            " and the armature is 0; a gear that locks itself, from 1 on, needs the inertia of its drive");
+}
+
 }  // namespace
 
 bool check_pose(const FaultySubject& at, const std::string& what, const SE3<>& C) {
@@ -121,6 +143,7 @@ bool check_numbers(const BodyDescription& body, FaultCollector& faults) {
     need(!std::isnan(dof.velocity) && !std::isnan(dof.effort), in_joint, "a limit");
     need(finite(dof.damping) && finite(dof.friction) && finite(dof.armature), in_joint,
          "damping, friction or armature");
+    need(finite(dof.gear_loss) && finite(dof.gear_loss_back.value_or(0)), in_joint, "the loss of a gear");
     need(finite(dof.stiffness) && finite(dof.rest) && finite(dof.stop_stiffness) &&
              finite(dof.stop_damping) && finite(dof.restitution),
          in_joint, "a spring or stop");
@@ -222,6 +245,7 @@ void check_joint(const BodyDescription& body, FaultCollector& faults) {
                       {"stiffness of the stops", dof.stop_stiffness},
                       {"damping of the stops", dof.stop_damping}});
     springs(at, joint, dof);
+    gear(at, joint, dof);
   }
 }
 
