@@ -68,6 +68,8 @@ void check_supported(const Model& model, const Settings& settings, Kind kind) {
         refuse("a hard stop", where, "give its stop a stiffness, or simulate it with axode");
       if (exchange && settings.joint_losses && dof.friction != 0)
         refuse("dry friction", where, "export it for co-simulation, or without joint losses");
+      if (exchange && settings.joint_losses && (dof.gear_loss != 0 || dof.gear_loss_back.value_or(0) != 0))
+        refuse("a loss of a gear", where, "export it for co-simulation, or without joint losses");
     }
 }
 
@@ -363,13 +365,13 @@ Instance::Event Instance::update_discrete_states() {
 
 // Derivatives.
 
-/// Whether dry friction or play acts.
+/// Whether dry friction, losses of gears or play act.
 bool Instance::has_jumps() const {
   const auto rubs = [](const Joint& joint) {
     return std::ranges::any_of(joint.dof, [](const Dof& dof) { return dof.friction != 0; });
   };
   return !model_.loops().backlashes.empty() ||
-         (settings_.joint_losses && std::ranges::any_of(model_.joints(), rubs));
+         (settings_.joint_losses && (!model_.gears().empty() || std::ranges::any_of(model_.joints(), rubs)));
 }
 
 Eigen::RowVectorXd Instance::row(const Variable& it, const Eigen::MatrixXd& all) const {

@@ -147,7 +147,8 @@ void add_parts(nb::module_& module) {
             for (const Dof& dof : (*j).dof) *to++ = dof.gear_loss_back.value_or(dof.gear_loss);
             return out.array();
           },
-          "The same while the joint drives the drive back; from 1 on the gear locks itself.")
+          "Losses of the gears of its degrees of freedom while the joint drives the drive back; from 1 on a "
+          "gear locks itself.")
       .def_prop_ro(
           "passive", [](const BoundJoint& j) { return (*j).passive; },
           "Whether it has no drive; this matters in mechanisms with loops.")

@@ -436,6 +436,13 @@ TEST(FmuErrors, RefuseInOneSentenceWhatAKindDoesNotCount) {
       "an FMU for model exchange does not count dry friction, and joint \"pin\" of model \"driven\" has it; "
       "export it for co-simulation, or without joint losses");
   EXPECT_EQ(refused(driven_pendulum(), Kind::co_simulation, losses), "nothing was refused");
+  Description lossy = shipped("double_pendulum.toml").description();
+  lossy.bodies[0].joint.dof[0].gear_loss = 0.2;
+  const Model with_gear = ModelBuilder(lossy).build();
+  EXPECT_THAT(refused(with_gear, Kind::model_exchange, losses),
+              HasSubstr("does not count a loss of a gear, and joint \"pin\""));
+  EXPECT_EQ(refused(with_gear, Kind::model_exchange, {}), "nothing was refused");
+  EXPECT_EQ(refused(with_gear, Kind::co_simulation, losses), "nothing was refused");
   EXPECT_THAT(refused(shipped("quadruped.toml"), Kind::co_simulation, {}),
               HasSubstr("an FMU for co-simulation does not count contact, and model \"quadruped\""));
   ModelBuilder geared(shipped("double_pendulum.toml"));
