@@ -103,7 +103,7 @@ def test_compiled_code_has_no_contact():
 def test_a_motion_that_cannot_continue_is_named_with_the_states_until_then():
     q, v, tau = thrown()
     tau[1, 5] = 1e300
-    with pytest.raises(axode.StatesError, match="^state 1: the motion with contact cannot continue after [56] steps?") as found:
+    with pytest.raises(axode.StatesError, match="^state 1: the motion with contact cannot continue: ") as found:
         axode.rollout(BOX, q, v, tau, STEP)
     assert found.value.states == [1]
     assert np.isfinite(found.value.result[[0, 2]]).all() and np.isfinite(found.value.result[1, :6]).all()

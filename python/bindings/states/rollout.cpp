@@ -6,13 +6,13 @@
 #include "axode/batch/contact_rollout.hpp"
 #include "axode/integration.hpp"
 #include "axode/integration/methods.hpp"
+#include "axode/integration/momenta/simulate_contact.hpp"
 #include "axode/view/mesh_hull.hpp"
 #include "python/bindings/drives.hpp"
 #include "python/bindings/states/specialised.hpp"
 #include "python/bindings/states/states.hpp"
 #include "python/bindings/support/bindings.hpp"
 #include "python/bindings/support/conversions.hpp"
-#include "python/bindings/support/raise.hpp"
 
 /// Motions of many states in steps of one length. Arguments are prepared and documented in axode.simulation.
 namespace axode::python {
@@ -127,6 +127,28 @@ std::tuple<Array, Array> driven_rollout_of(const BoundModel& m, ArrayLike q, Arr
   return motions_of(states, compiled, {velocities.all(), {}, &drive.drive, K, step, joint_losses});
 }
 
+/// Why motion n ended, from a simulation of the step that could not be computed: ": ..."; empty if it can be.
+std::string reason_of_end(const States& states, const ContactShapes& shapes, const Steps& steps,
+                          std::size_t n, std::span<const double> q, std::span<const double> v) {
+  const std::size_t K = static_cast<std::size_t>(steps.K), nq = static_cast<std::size_t>(states.model().nq()),
+                    nv = static_cast<std::size_t>(states.model().nv());
+  std::size_t k = 0;
+  while (k + 1 < K && all_finite(v.subspan((n * (K + 1) + k + 1) * nv, nv))) ++k;
+  SimulationOptions options{.joint_losses = steps.joint_losses};
+  options.drive = [&](double t, std::span<const double> q_t, std::span<const double> v_t,
+                      std::span<double> out) {
+    if (steps.drive)
+      (*steps.drive)(static_cast<double>(k) * steps.length + t, q_t, v_t, out);
+    else
+      std::ranges::copy(steps.tau.subspan((n * K + k) * nv, nv), out.begin());
+  };
+  const std::size_t state = n * (K + 1) + k;
+  const std::string reason = simulate_contact(states.model(), shapes, q.subspan(state * nq, nq),
+                                              v.subspan(state * nv, nv), steps.length, steps.length, options)
+                                 .stop_reason;
+  return reason.substr(std::min(reason.find(": "), reason.size()));
+}
+
 std::tuple<Array, Array, Array> motions_with_contact(const States& states, const ContactShapes& shapes,
                                                      const Steps& steps) {
   const nb::ssize_t K = steps.K, nq = states.model().nq();
@@ -141,16 +163,11 @@ std::tuple<Array, Array, Array> motions_with_contact(const States& states, const
         };
         return steps.drive ? roll(*steps.drive, static_cast<std::size_t>(K)) : roll(steps.tau);
       });
-  if (!outcome.ok()) {
-    const std::span<const double> of_first = item(v, outcome.first, shape_v);
-    const std::size_t nv = of_first.size() / static_cast<std::size_t>(K + 1);
-    std::size_t k = 0;
-    while (all_finite(of_first.subspan((k + 1) * nv, nv))) ++k;
+  if (!outcome.ok())
     states.raise("StatesError",
-                 "the motion with contact cannot continue after " + std::to_string(k) +
-                     (k == 1 ? " step" : " steps") + "; simulate from there says why",
+                 "the motion with contact cannot continue" +
+                     reason_of_end(states, shapes, steps, outcome.first, q.all(), v.all()),
                  ended(states, v, shape_v), q);
-  }
   return {q.array(), v.array(), certificates.array()};
 }
 
