@@ -384,6 +384,23 @@ TEST(FmuStart, ClosesTheLoopsNearTheValuesOfTheMaster) {
   EXPECT_NE(closed, q);
 }
 
+TEST(FmuStart, TakesAMechanismWithoutJoints) {
+  const Model model = ModelBuilder("stone").add(BodyDescription{.name = "stone"}).build();
+  for (const Kind kind : {Kind::model_exchange, Kind::co_simulation}) {
+    Instance instance = instance_of(model, kind, {.frames = {"stone"}});
+    start(instance, variables_of(model), {}, {});
+    EXPECT_EQ(instance.n_states(), 0U);
+    instance.get_rates({});
+    if (kind == Kind::model_exchange)
+      EXPECT_FALSE(instance.needs_event());
+    else
+      instance.step(0, 0.1);
+    EXPECT_EQ(values(instance,
+                     reference(variables_of(model, {.frames = {"stone"}}), "frame.stone.rotation[0,0]"))[0],
+              1);
+  }
+}
+
 template <class F> std::string refusal(const F& f) {
   try {
     f();

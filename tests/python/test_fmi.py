@@ -185,6 +185,7 @@ def test_directional_derivatives_are_those_of_the_rates(exported, version):
 def test_inputs_parameters_and_poses_are_those_of_the_library(exported, version):
     m = axode.load(axode.robots / "arm7.toml")
     fmu = exported(m, version, frames=("flange",))
+    assert fmpy_validation.validate_fmu(fmu) == []
     start = {**MECHANISMS["arm7.toml"], "body.link 7.mass": 5.0, "tau.A2": -40.0}
     result = fmpy.simulate_fmu(fmu, fmi_type="CoSimulation", stop_time=0.2, output_interval=0.1, relative_tolerance=1e-12,
                                start_values=start)
@@ -223,6 +224,7 @@ def test_limits_and_inputs_of_a_motor_are_events(exported, version):
         inertia=[0.01, 0.01, 0.02]).drive(
         "dc_motor", "axle", name="motor", resistance=1, inductance=0.01, torque_constant=0.1, current_limit=5,
         input={"kind": "steps", "times": [0, 0.5], "values": [12, -8]}).build()
+    assert fmpy_validation.validate_fmu(exported(m, version)) == []
     motion = axode.simulate(m, [0], [0], 1, rtol=1e-11, atol=1e-12)
     for kind, tolerance, off in [("CoSimulation", 1e-12, 1e-9), ("ModelExchange", 1e-10, 1e-6)]:
         result = fmpy.simulate_fmu(exported(m, version), fmi_type=kind, stop_time=1, output_interval=0.01,
