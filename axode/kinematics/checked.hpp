@@ -73,7 +73,7 @@ template <catalog::Id id, class T, class... Given>
   std::size_t n_loads = 0;
   const auto check_if_loads = [&](const auto& x) {
     if constexpr (requires { x.wrenches; }) {
-      check_loads(model, x, id.words().counts.joint_losses.word == catalog::Word::optional);
+      check_loads(model, x, id.words().counts.joint_losses.word != catalog::Word::partly);
       n_loads = x.wrenches.size();
     }
   };

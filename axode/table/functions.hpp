@@ -42,6 +42,11 @@ inline constexpr Count without_contacts =
 /// the force that a gear transmits.
 inline constexpr Count without_gears{
     Word::partly, "losses of gears are refused; inverse_dynamics, forward_dynamics and simulate count them"};
+/// The same treatment of all properties but joint losses.
+consteval Counts with_losses(Counts counts, Count joint_losses) {
+  counts.joint_losses = joint_losses;
+  return counts;
+}
 inline constexpr Counts of_motion{.loops = of_the_tree(),
                                   .passive_joints = of_the_tree(),
                                   .springs = of_the_tree(),
@@ -120,11 +125,7 @@ inline constexpr Counts of_accelerations{.loops = counted,
                                          .drives = forces_of_drives,
                                          .plays = free_plays,
                                          .contacts = without_contacts};
-inline constexpr Counts of_variations_of_accelerations = [] {
-  Counts counts = of_accelerations;
-  counts.joint_losses = without_gears;
-  return counts;
-}();
+inline constexpr Counts of_variations_of_accelerations = with_losses(of_accelerations, without_gears);
 inline constexpr Counts of_impulses{.loops = counted,
                                     .passive_joints = of_the_tree(),
                                     .springs = of_the_tree(),
@@ -502,14 +503,14 @@ inline constexpr auto functions_of_state = [] {
        .shape = {nv, nv, nv}, .columns = false, .symbols = {"by q, q", "by q, v", "by v, v", "by a, q"},
        .cost = cubic, .allocates = false, .memory = may_share, .may_fail = false,
        .derivative_of = "inverse_dynamics", .lanes = false, .tape = false,
-       .counts = of_derivatives_of_forces},
+       .counts = with_losses(of_derivatives_of_forces, of_the_tree())},
       {.name = "forward_dynamics_second_derivatives",
        .purpose = "second partial derivatives of the accelerations, without loads",
        .units = "of a per units of the directions", .takes = {q, v, tau}, .choice = none, .entry = number,
        .shape = {nv, nv, nv}, .columns = false, .symbols = {"by q, q", "by q, v", "by v, v", "by tau, q"},
        .cost = cubic, .allocates = false, .memory = own, .may_fail = true,
        .derivative_of = "forward_dynamics", .lanes = false, .tape = false,
-       .counts = of_derivatives_of_accelerations},
+       .counts = with_losses(of_derivatives_of_accelerations, of_the_tree())},
       // clang-format on
   });
 }();

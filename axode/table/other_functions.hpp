@@ -16,15 +16,7 @@ inline constexpr Count locked = refused("reduced locks the joints that they move
                        as_forces = refused("remove the drives and give their forces as tau");
 }  // namespace table
 inline constexpr auto other_functions = std::to_array<Other>({
-    {"inverse_dynamics_rates",
-     {.loops = counted,
-      .passive_joints = table::of_forces.passive_joints,
-      .springs = table::of_forces.springs,
-      .joint_losses = table::without_gears,
-      .motions = table::of_forces.motions,
-      .drives = table::of_forces.drives,
-      .plays = table::of_forces.plays,
-      .contacts = table::of_forces.contacts}},
+    {"inverse_dynamics_rates", table::with_losses(table::of_forces, table::without_gears)},
     {"inverse_kinematics_rates",
      {.loops = counted,
       .passive_joints = of_the_tree(),
