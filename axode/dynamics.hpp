@@ -13,6 +13,7 @@
 #include "axode/dynamics/momentum/energy.hpp"
 #include "axode/dynamics/momentum/momentum.hpp"
 #include "axode/dynamics/momentum/momentum_form.hpp"
+#include "axode/dynamics/momentum/spatial_momentum_form.hpp"
 #include "axode/dynamics/operational_space.hpp"
 #include "axode/dynamics/springs.hpp"
 #include "axode/kinematics.hpp"

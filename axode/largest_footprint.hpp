@@ -10,12 +10,14 @@
 #include "axode/kinematics/scratch.hpp"
 #include "axode/model/workspace.hpp"
 #include "axode/recursion/composite_bodies.hpp"
+#include "axode/recursion/momentum.hpp"
 
 namespace axode {
 
 template <class Rep, class T> std::size_t footprint_of_representation(const Topology& t) {
   return footprint<TreeMotion<Rep, T>, BiasForces<Rep, T>, ForwardDynamicsRecursion<Rep, T>,
-                   CompositeBodies<Rep, T>, FrameResponse<Rep, T>, StateForm<Rep, T>>(t);
+                   CompositeBodies<Rep, T>, FrameResponse<Rep, T>, StateForm<Rep, T>, MomentumForm<Rep, T>>(
+      t);
 }
 
 /// The memory of the largest kernel that works in a Workspace<T>, in bytes. It depends on the instruction set
@@ -25,7 +27,7 @@ template <class T> std::size_t largest_footprint(const Topology& t) {
       {footprint_of_representation<BodyFixed, T>(t), footprint_of_representation<Spatial, T>(t),
        footprint_of_representation<Hybrid, T>(t), footprint_of_representation<Mixed, T>(t),
        footprint<FramePoses<T>, SubtreeInertias<T>, MovingMass<T>, PosesAndMotion<T>, CoriolisBodies<T>,
-                 MomentumForm<T>, BiasForces<Fast, T>, FastForwardDynamics<T>, FastInverse<T>,
+                 SpatialMomentumForm<T>, BiasForces<Fast, T>, FastForwardDynamics<T>, FastInverse<T>,
                  FastCompositeBodies<T>, FastJacobians<T>, FastMotion<T, true>, FastBodyFixedMotion<T, true>,
                  ForwardFirstOrder<T>, ForwardJvp<T>, ForwardVjp<T>, HessiansOfAccelerations<T>,
                  SecondOrderTensors<T>, ForwardGeometryDerivatives<T>, CarryingScrews<T>, SpringColumns<T>,

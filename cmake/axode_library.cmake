@@ -51,7 +51,7 @@ set(AXODE_PER_SCALAR
     dynamics/momentum/energy
     dynamics/mass_matrix/mass_matrix_partials
     dynamics/momentum/momentum
-    dynamics/momentum/momentum_form
+    dynamics/momentum/spatial_momentum_form
     dynamics/closed_form/regressor
     dynamics/springs)
 set(AXODE_PER_REPRESENTATION
@@ -59,6 +59,7 @@ set(AXODE_PER_REPRESENTATION
     constraints/constrained_operational_space
     derivatives/motion_derivatives
     dynamics/momentum/body_momenta
+    dynamics/momentum/momentum_form
     dynamics/joint_wrenches
     dynamics/operational_space
     dynamics/closed_form/twist_form)

@@ -29,11 +29,11 @@ template <class T> struct Numbers {
 /// The size of the scratch memory that the algorithms need.
 template <class T> std::size_t footprint_of_study(const Topology& t) {
   const auto of = [&]<class Rep>(Rep) {
-    return footprint<ForwardDynamicsRecursion<Rep, T>, CompositeBodies<Rep, T>>(t);
+    return footprint<ForwardDynamicsRecursion<Rep, T>, CompositeBodies<Rep, T>, MomentumForm<Rep, T>>(t);
   };
   return std::max({of(BodyFixed{}), of(Spatial{}), of(Hybrid{}), of(Mixed{}),
-                   footprint<MomentumForm<T>, FastInverseDynamics<typename FastGeometry<T>::type, T>,
-                             FastForwardDynamics<T>, FastInverse<T>, FastCompositeBodies<T>>(t)});
+                   footprint<FastInverseDynamics<typename FastGeometry<T>::type, T>, FastForwardDynamics<T>,
+                             FastInverse<T>, FastCompositeBodies<T>>(t)});
 }
 
 /// Runs an algorithm once, by the recursion in Rep.
@@ -67,8 +67,7 @@ void call(Algorithm algorithm, const AnyTree& tree, Workspace<T>& workspace, Num
     }
     case Algorithm::accelerations: TreeMotion<Rep, T>(arena).run(tree, q, v, a); break;
     case Algorithm::momentum_form:
-      if constexpr (std::same_as<Rep, Spatial>)
-        static_cast<void>(MomentumForm<T>(arena).run(tree, q, v, a, x.loads(), out, x.out_2.data()));
+      static_cast<void>(MomentumForm<Rep, T>(arena).run(tree, q, v, a, x.loads(), out, x.out_2.data()));
       break;
   }
 }
@@ -131,9 +130,9 @@ template <class Rep, class Frames> class SubjectIn : public Subject {
 
   bool can(Algorithm algorithm) const override {
     if (fast && !numbers_.wrenches.empty()) return false;
-    if (algorithm == Algorithm::momentum_form) return std::same_as<Rep, Spatial>;
     if (!fast || algorithm == Algorithm::inverse_dynamics) return true;
-    return algorithm != Algorithm::accelerations && tree_->coupled_bodies.empty();
+    return algorithm != Algorithm::accelerations && algorithm != Algorithm::momentum_form &&
+           tree_->coupled_bodies.empty();
   }
   void run(Algorithm algorithm, int calls) override {
     for (int k = 0; k < calls; ++k) call<Rep>(algorithm, tree_, workspace_, numbers_);

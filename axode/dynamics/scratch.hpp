@@ -3,7 +3,8 @@
 #include "axode/lie/six.hpp"
 #include "axode/recursion/articulated_bodies.hpp"
 #include "axode/recursion/forward_dynamics.hpp"
-#include "axode/recursion/momentum.hpp"
+#include "axode/recursion/inverse_dynamics.hpp"
+#include "axode/recursion/spatial_tree.hpp"
 
 /// Scratch memory of the functions in this folder, in addition to that of the recursions.
 namespace axode {
@@ -51,28 +52,21 @@ template <class T> struct MovingMass {
   }
 };
 
-/// Memory for the state as (q, V) or (q, Π): velocities of the joints, then accelerations of all bodies.
+/// Memory for the state as (q, V): velocities of the joints, then accelerations of all bodies.
 template <class Rep, class T> struct StateForm {
   BodyPoses<T> C;
   Twist<Spatial, T>* V_s;
-  SpatialTree<T> spatial;
-  Momentum<Spatial, T>* Pi;
-  ArticulatedBodies<Spatial, T> bodies;
   ForwardDynamicsRecursion<Rep, T> dynamics;
   TreeMotion<Rep, T> motion;
-  T *v, *a, *zero;
+  T *v, *a;
 
   explicit StateForm(Arena& arena)
       : C(arena),
         V_s(arena.per_body<Twist<Spatial, T>>()),
-        spatial(arena),
-        Pi(arena.per_body<Momentum<Spatial, T>>()),
-        bodies(arena),
         dynamics(arena),
         motion(arena),
         v(arena.per_velocity<T>()),
-        a(arena.per_velocity<T>()),
-        zero(arena.per_velocity<T>()) {}
+        a(arena.per_velocity<T>()) {}
 };
 
 /// Poses and motion of a tree.

@@ -1,69 +1,195 @@
 #pragma once
+#include <algorithm>
+#include <limits>
+
 #include "axode/recursion/articulated_bodies.hpp"
 #include "axode/recursion/inverse_dynamics.hpp"
-#include "axode/recursion/spatial_tree.hpp"
 
 namespace axode {
 
-/// Lets articulated bodies use the links, the screws and the inertias of a spatial tree.
-template <class T> void use(const SpatialTree<T>& spatial, ArticulatedBodies<Spatial, T>& bodies) noexcept {
-  bodies.links.link = spatial.link;
-  bodies.S = spatial.J;
-  bodies.M_body = spatial.M_body;
+/// The rate of a momentum Π whose components in Rep are constant while the body moves with the twist V:
+/// -ad_Vᵀ Π. In hybrid twists the components are those about the origin of the body in inertial axes, in mixed
+/// twists the moment is in the axes of the body and the force in inertial axes.
+template <class Rep, class T>
+constexpr Wrench<Rep, T> convected(const Link<Rep, T>& link, const Twist<Rep, T>& V,
+                                   const Wrench<Rep, T>& Pi) {
+  const ScrewOperationScope<T> scope(ScrewOperation::bracket);
+  if constexpr (std::same_as<Rep, Mixed>)
+    return {cross(V.w, Pi.m) + transpose(link.R) * cross(V.v, Pi.f), cross(link.R * V.w, Pi.f)};
+  else
+    return {cross(V.w, Pi.m) + cross(V.v, Pi.f), cross(V.w, Pi.f)};
 }
 
-/// The rates of the state (q, p): v = M⁻¹ p, and p' = τ + Jᵀ W^A + (ad_V J)ᵀ Π^A, where W^A and Π^A are the
-/// wrench on and the momentum of the subtree of each joint. See momentum_form().
-/// See (D5.1) of docs/derivations.
-template <class T> struct MomentumForm {
-  SpatialTree<T> spatial;
-  SubtreeMomenta<T> momenta;
-  ArticulatedBodies<Spatial, T> bodies;
-  Wrench<Spatial, T>* W;
+/// The wrench of the acceleration g on a body, in Rep; g is in body axes for body-fixed twists, and in
+/// inertial axes for all others. M is the inertia as Link::inertia() returns it.
+template <class Rep, class T>
+constexpr Wrench<Rep, T> weight(const Link<Rep, T>& link, const Inertia<T>& M, const Vec3<T>& g) {
+  if constexpr (std::same_as<Rep, Mixed>)
+    return {cross(M.h, transpose(link.R) * g), M.m * g};
+  else
+    return {cross(M.h, g), M.m * g};
+}
+
+/// The rates of the state (q, p) in one representation: v = M⁻¹ p by the articulated bodies, whose forward
+/// sweep gives the twists V as well, and
+///   p' = τ + S|(W^c + ad_Vᵀ Π^c),
+/// where W^c and Π^c are the wrench on and the momentum of the subtree of each joint. Subtrees are summed up
+/// from the leaves to the roots by Link::up. See momentum_form(), and (D5.1) and (D5.9) of docs/derivations.
+template <class Rep, class T> struct MomentumForm {
+  ArticulatedBodies<Rep, T> bodies;
+  Wrench<Rep, T>* Pi;  ///< momentum of each subtree, l and p
+  Wrench<Rep, T>* W;   ///< gravity and loads on each subtree
+  Vec3<T>* g;          ///< gravity in body axes; used by body-fixed twists
+  BodyPoses<T> C;
   Wrench<BodyFixed, T>* W_app;
   T *velocity, *force;
 
   explicit MomentumForm(Arena& arena)
-      : spatial(arena),
-        momenta(arena),
-        bodies(arena),
-        W(arena.per_body<Wrench<Spatial, T>>()),
+      : bodies(arena),
+        Pi(arena.per_body<Wrench<Rep, T>>()),
+        W(arena.per_body<Wrench<Rep, T>>()),
+        g(arena.per_body<Vec3<T>>()),
+        C(arena),
         W_app(arena.per_body<Wrench<BodyFixed, T>>()),
         velocity(arena.per_velocity<T>()),
         force(arena.per_velocity<T>()) {}
 
   /// Writes v and p' (nv numbers each), which may share the memory of arguments. If M is singular, both are
-  /// NaN.
+  /// NaN. O(n).
   template <TreeOf<T> AnyTree>
   Solvability run(const AnyTree& tree, const T* q, const T* p, const T* tau, const Loads<T>& loads, T* v,
                   T* dp) noexcept {
-    spatial.run(tree, q);
-    use(spatial, bodies);
-    Solvability verdict = bodies.eliminate_joints(tree, tree.armature.data());
+    joint_poses(tree, q, bodies.links.C_pi);
+    if (!loads.wrenches.empty()) {
+      C.run(tree, bodies.links.C_pi);
+      sum_applied(tree, loads.wrenches, C.C, W_app);
+    }
+    bodies.links.run(tree);
+    Solvability verdict = bodies.factorize(tree, tree.armature.data());
     for (int c = 0; c < tree->nv; ++c) velocity[c] = p[c];
     if (verdict.ok()) bodies.solve(tree, velocity);
     verdict = solved(verdict, tree->nv, velocity);
 
-    momenta.run(spatial, velocity);
-    for (int i = 0; i <= tree->n; ++i) W[i] = spatial.M_body[i] * TwistRate<Spatial, T>{{}, tree.g};
-    if (!loads.wrenches.empty()) {
-      SE3<T>* const C = spatial.links.C_pi;
-      for (int i = 0; i <= tree->n; ++i) C[i] = spatial.pose(i);
-      sum_applied(tree, loads.wrenches, C, W_app);
-      for (int i = 0; i <= tree->n; ++i) W[i] += push(spatial.link[i], W_app[i]);
-    }
-    sum_subtrees(*spatial.topology, W);
     for (int c = 0; c < tree->nv; ++c)
       force[c] = loads.joint_losses ? tau[c] - joint_loss(tree, c, velocity[c]) : tau[c];
-    for (int i = 1; i <= tree->n; ++i)
-      spatial.each_screw(i, [&](int c, const Twist<Spatial, T>& J) {
-        force[c] += (W[i] | J) + (momenta.Pi[i] | ad(momenta.V[i], J));
-      });
+    if (verdict.ok()) add_body_forces(tree, !loads.wrenches.empty());
     for (int c = 0; c < tree->nv; ++c) {
       v[c] = velocity[c];
       dp[c] = force[c];
     }
     return solved(verdict, tree->nv, dp);
+  }
+
+ private:
+  /// Adds S|(W^c + ad_Vᵀ Π^c) to the forces; bodies.X has the twists V.
+  template <class AnyTree> void add_body_forces(const AnyTree& tree, bool has_wrenches) noexcept {
+    const auto& link = bodies.links.link;
+    g[0] = tree.g;
+    for (int i = 1; i <= tree->n; ++i) {
+      g[i] = tree.g;
+      if constexpr (std::same_as<Rep, BodyFixed>) g[i] = transpose(link[i].C_pi.R) * g[tree->parent[i]];
+      Pi[i] = impulse(link[i], bodies.M_body[i], bodies.X[i]);
+      W[i] = weight(link[i], bodies.M_body[i], g[i]);
+      if (has_wrenches) W[i] += push(link[i], W_app[i]);
+    }
+    for (int i = tree->n; i > 0; --i) {
+      const Wrench<Rep, T> sum = W[i] - convected(link[i], bodies.X[i], Pi[i]);
+      const int first = tree->first_screw[i];
+      for (int s = first; s < tree->first_screw[i + 1]; ++s)
+        force[tree->iv[i] + s - first] += sum | bodies.S[s];
+      const int p = tree->parent[i];
+      if (p == 0) continue;
+      Pi[p] += link[i].up(Pi[i]);
+      W[p] += link[i].up(W[i]);
+    }
+  }
+};
+
+/// The rates of the state (q, Π) with the spatial momenta Π_i of all bodies, by substitution in the block
+/// triangular matrix J^s of eq. PEs: a sweep with (J^s)ᵀ from the leaves to the roots, and a sweep with J^s
+/// from the roots to the leaves. The velocities solve the second line, projected by (J^s)ᵀ, and the rates the
+/// first line. Without armatures both lines have the same articulated inertias, which are computed once. See
+/// (D5.8), (D5.10) and (D5.11) of docs/derivations.
+template <class T> struct SpatialMomentumForm {
+  ArticulatedBodies<Spatial, T> bodies;
+  Wrench<Spatial, T>* W;
+  TwistRate<Spatial, T>* bias;  ///< V'_i - V'_p at a = 0; entry 0 is the acceleration of the ground, (0, -g)
+  BodyPoses<T> C;
+  Wrench<BodyFixed, T>* W_app;
+  T *velocity, *x;
+
+  explicit SpatialMomentumForm(Arena& arena)
+      : bodies(arena),
+        W(arena.per_body<Wrench<Spatial, T>>()),
+        bias(arena.per_body<TwistRate<Spatial, T>>()),
+        C(arena),
+        W_app(arena.per_body<Wrench<BodyFixed, T>>()),
+        velocity(arena.per_velocity<T>()),
+        x(arena.per_velocity<T>()) {}
+
+  /// Writes v (nv numbers) and Π' (n wrenches), which may share the memory of arguments. If M is singular,
+  /// Π' is NaN, and v is NaN if M without armatures is singular. O(n).
+  Solvability run(const Tree<T>& tree, const T* q, const Momentum<Spatial, T>* Pi, const T* tau,
+                  const Loads<T>& loads, T* v, Wrench<Spatial, T>* dPi) noexcept {
+    joint_poses(tree, q, bodies.links.C_pi);
+    if (!loads.wrenches.empty()) {
+      C.run(tree, bodies.links.C_pi);
+      sum_applied(tree, loads.wrenches, C.C, W_app);
+    }
+    bodies.links.run(tree);
+    bodies.put_screws_and_inertias(tree);
+    Vec3<T>* const origin = bodies.links.origin;
+    for (int i = 1; i <= tree->n; ++i)
+      if (tree->parent[i] > 0) origin[i] = origin[tree->parent[i]];
+
+    Solvability verdict = put_velocities(tree, Pi);
+    for (int c = 0; c < tree->nv; ++c)
+      x[c] = loads.joint_losses ? tau[c] - joint_loss(tree, c, velocity[c]) : tau[c];
+    if (verdict.ok()) verdict = put_accelerations(tree, !loads.wrenches.empty());
+    const Vec3<T> nan = T(std::numeric_limits<double>::quiet_NaN()) * Vec3<T>{T(1), T(1), T(1)};
+    for (int i = 1; i <= tree->n; ++i) {
+      const Twist<Spatial, T>& X = bodies.X[i];  // V'_i - (0, g)
+      const Wrench<Spatial, T> rate = W[i] + bodies.M_body[i] * TwistRate<Spatial, T>{X.w, X.v + tree.g};
+      dPi[i - 1] = verdict.ok() ? Wrench<Spatial, T>{rate.m + cross(origin[i], rate.f), rate.f}
+                                : Wrench<Spatial, T>{nan, nan};
+    }
+    for (int c = 0; c < tree->nv; ++c) v[c] = velocity[c];
+    return verdict;
+  }
+
+ private:
+  /// Solves the second line: (JᵀMJ) v = JᵀΠ, without armatures, because these have no part in the momenta of
+  /// the bodies. bodies.X receives the twists J v.
+  Solvability put_velocities(const Tree<T>& tree, const Momentum<Spatial, T>* Pi) noexcept {
+    for (int c = 0; c < tree->nv; ++c) velocity[c] = x[c] = T(0);
+    const Solvability verdict = bodies.eliminate_joints(tree, x);
+    for (int i = 1; i <= tree->n; ++i) {
+      const Momentum<Spatial, T>& given = Pi[i - 1];  // the given momentum is about the inertial origin
+      bodies.W[i] = {cross(bodies.links.origin[i], given.p) - given.l, T(-1) * given.p};
+    }
+    if (verdict.ok()) bodies.accelerate(tree, nullptr, velocity);
+    return solved(verdict, tree->nv, velocity);
+  }
+
+  /// Solves the first line, Jᵀ (Π' - W_app) = τ with Π' = M V' - ad_Vᵀ M V. W receives -ad_Vᵀ M V, and
+  /// bodies.X receives V' less the acceleration of gravity.
+  Solvability put_accelerations(const Tree<T>& tree, bool has_wrenches) noexcept {
+    bias[0] = {{}, T(-1) * tree.g};
+    bodies.X[0] = {};
+    for (int i = 1; i <= tree->n; ++i) {
+      const Twist<Spatial, T> moved = ad(bodies.X[tree->parent[i]], bodies.X[i]);
+      bias[i] = {moved.w, moved.v};
+      W[i] = velocity_wrench(bodies.M_body[i], bodies.X[i]);
+    }
+    Solvability verdict;
+    if (std::ranges::any_of(tree.armature, [](const T& I) { return I != T(0); }))
+      verdict = bodies.eliminate_joints(tree, tree.armature.data());
+    for (int i = 1; i <= tree->n; ++i) {
+      bodies.W[i] = W[i];
+      if (has_wrenches) bodies.W[i] -= push(bodies.links.link[i], W_app[i]);
+    }
+    if (verdict.ok()) bodies.accelerate(tree, bias, x);
+    return solved(verdict, tree->nv, x);
   }
 };
 

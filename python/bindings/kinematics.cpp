@@ -61,12 +61,22 @@ Array jacobians_of(const BoundModel& m, ArrayLike q, nb::handle frames, Represen
 Array jacobian_partials_of(const BoundModel& m, ArrayLike q, FrameName frame, Representation representation,
                            int order, ArrayLike offset, int threads) {
   const Place<> at = place(m, frame, offset);
-  if (order < 0 || order > largest_partial_order)
-    throw nb::value_error(
-        ("order is " + std::to_string(order) + "; expected 0 to " + std::to_string(largest_partial_order))
-            .c_str());
+  constexpr int largest = Shape::most - 3;  // an axis for each derivative, and those of states and columns
+  if (order < 0 || order > largest)
+    throw nb::value_error(("order is " + std::to_string(order) + "; expected 0 to " +
+                           std::to_string(largest) + ", as an array has at most " +
+                           std::to_string(Shape::most) + " axes")
+                              .c_str());
   Shape shape{m->nv(), 6};
-  for (int k = 0; k < order; ++k) shape = shape.times(m->nv());
+  double size = 6.0 * m->nv();
+  for (int k = 0; k < order; ++k) {
+    size *= m->nv();
+    shape = shape.times(m->nv());
+  }
+  if (size > static_cast<double>(PY_SSIZE_T_MAX / 16))
+    throw nb::value_error(("order is " + std::to_string(order) + "; nv^(order + 1) columns of nv = " +
+                           std::to_string(m->nv()) + " are more than an array can have")
+                              .c_str());
   const double cost = linear_cost(m) + 0.02 * static_cast<double>(shape.size());
   const States states(m, q, threads);
   NewArray J = states.result(shape);
@@ -267,10 +277,11 @@ The time derivative J' of the Jacobian of a frame: V' = J a + J' v. Shape (6, nv
 )");
   module.def("jacobian_partials", &jacobian_partials_of, "m"_a, "q"_a, "frame"_a, "representation"_a = "body",
              "order"_a = 1, nb::kw_only(), "offset"_a = nb::none(), "threads"_a = 1, R"(
-The partial derivatives of the Jacobian of a frame, of any order up to 12, in closed form (eqs. der1, nthorder, Jhder).
+The partial derivatives of the Jacobian of a frame, of any order, in closed form (eqs. der1, nthorder, Jhder).
 
-Shape (nv, ..., nv, 6, nv), one axis for each derivative, the outermost first: entry [k, :, j] of the first order is
-the derivative of column j along direction e_k, d/de J(q (+) e e_k). For N states, there is another axis in front.
+Shape (nv, ..., nv, 6, nv), one axis for each derivative, the outermost first: entry [k, :, j] of the first order is the
+derivative of column j along direction e_k, d/de J(q (+) e e_k). For N states, there is another axis in front; an array has
+at most 32 axes.
 
 >>> dJ = axode.jacobian_partials(arm, arm.neutral(), "flange", "spatial")
 >>> dJ.shape

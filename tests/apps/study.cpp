@@ -33,7 +33,7 @@ std::vector<std::string> split(const std::string& text, char separator) {
 /// fast path.
 const std::map<std::string, int> rows_of{{"inverse_dynamics", 17}, {"forward_dynamics", 17},
                                          {"mass_matrix", 17},      {"inverse_mass_matrix", 17},
-                                         {"accelerations", 16},    {"momentum_form", 4}};
+                                         {"accelerations", 16},    {"momentum_form", 16}};
 
 TEST(Study, WritesARowForEveryWayToCompute) {
   const TemporaryFolder folder;

@@ -57,6 +57,24 @@ template <class F> long memory_operations(const F& f) {
   return allocations + releases - before;
 }
 
+/// The lists that partials of a Jacobian need have a size that grows with the order, and not a number.
+TEST(NoAllocation, OfPartialsOfAJacobianDoNotGrowWithTheOrder) {
+  const Model model = load(AXODE_SOURCE_DIR "/examples/robots/arm7.toml");
+  Workspace<> workspace(model);
+  const std::vector<double> q = neutral(model);
+  for (const Representation representation : representations)
+    with_representation(representation, [&]<class Rep>(Rep) {
+      std::vector<long> counts;
+      for (const std::size_t size : {7UL * 7, 7UL * 7 * 7 * 7 * 7}) {
+        std::vector<Twist<Rep>> J(size);
+        counts.push_back(memory_operations(
+            [&] { jacobian_partials<Rep>(model, workspace, q, "flange", size == 49 ? 1 : 4, J); }));
+      }
+      EXPECT_EQ(counts[1], counts[0]);
+      EXPECT_LE(counts[0], 20);
+    });
+}
+
 TEST(NoAllocation, IsWhatTheCounterWouldNotice) {
   volatile std::size_t size = 3;
   EXPECT_EQ(memory_operations([&] { std::vector<double> numbers(size); }), 2);

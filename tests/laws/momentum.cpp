@@ -1,3 +1,4 @@
+#include "axode/lie/newton_euler.hpp"
 #include "tests/laws/law.hpp"
 
 /// The momentum form gives the same motion as Lagrange's equations, in other variables. Momenta, energies and
@@ -80,6 +81,44 @@ TEST_P(MomentumForm, GivesBackTheVelocitiesAndTheRateOfTheMomenta) {
   });
 }
 
+/// The rates of (q, p) by the recursion in Rep: v, then p'.
+template <class Rep, class T> Numbers rates_in(const Trial& t, const Ask& ask) {
+  Workspace<T> workspace(t.model);
+  const State<T> at = cast<T>(t.state);
+  Loads<T> loads = at.loads();
+  loads.joint_losses = ask.loads.joint_losses;
+  std::vector<T> v(at.v.size()), dp(at.v.size());
+  const Solvability solvability =
+      momentum_form<Rep>(t.model, workspace, at.q, cast<T>(ask.p), cast<T>(ask.tau), v, dp, loads);
+  EXPECT_TRUE(solvability.ok());
+  v.insert(v.end(), dp.begin(), dp.end());
+  return cast<double>(v);
+}
+
+TEST_P(MomentumForm, DoesNotDependOnTheRepresentation) {
+  Comparison momentum("M v", agreement), rate("p'", agreement);
+  int compared = 0;
+  for_seeds(1000, [&](std::uint64_t seed) {
+    Trial trial(how, Random<double>(seed), {.most_bodies = 25});
+    if (definiteness(trial.mass_matrix()) < 1e-2)
+      return;  // M must be well conditioned, because the rates are computed from the velocities
+    ++compared;
+    Ask ask = trial.ask();
+    ask.loads.joint_losses = seed % 2 == 0;
+    ask.tau = trial.call("inverse_dynamics", ask), ask.p = momenta(trial, ask.v);
+    const Numbers expected = trial.call("momentum_form", ask);
+    const std::ptrdiff_t nv = trial.model.nv();
+    for (const Representation representation : representations)
+      with_representation(representation, [&]<class Rep>(Rep) {
+        const Numbers found = (how.single ? rates_in<Rep, float> : rates_in<Rep, double>)(trial, ask);
+        momentum.expect_equal(momenta(trial, {found.begin(), found.begin() + nv}), ask.p);
+        rate.expect_equal(Numbers(found.begin() + nv, found.end()),
+                          Numbers(expected.begin() + nv, expected.end()), largest(ask.tau));
+      });
+  });
+  EXPECT_GE(compared, 10);
+}
+
 TEST_P(MomentumForm, OfBodiesAddUpToThatOfTheSystem) {
   Comparison total("Π", agreement), energy("T", agreement), centroidal("A v", agreement);
   for_seeds(2000, [&](std::uint64_t seed) {
@@ -139,7 +178,8 @@ template <class T> Rates by_momenta(const Trial& t, const Numbers& Pi, const Num
 }
 
 TEST_P(MomentumForm, StatesInTwistsAndInSpatialMomentaMoveAlike) {
-  Comparison velocity("v", agreement), twist("V'", agreement), momentum("Π'", agreement);
+  Comparison velocity("v", agreement), twist("V'", agreement), momentum("Π'", agreement),
+      balance("M V' - ad_Vᵀ M V", agreement);
   int compared = 0, trees = 0;
   for_seeds(2000, [&](std::uint64_t seed) {
     Trial trial(how, Random<double>(seed), {.most_bodies = 25, .always_mass = true});
@@ -173,6 +213,16 @@ TEST_P(MomentumForm, StatesInTwistsAndInSpatialMomentaMoveAlike) {
         (how.single ? by_momenta<float> : by_momenta<double>)(trial, trial.call("body_momenta"), ask.tau);
     if (!solved) return;
     velocity.expect_equal(momenta(trial, v), momenta(trial, trial.state.v));
+    // Each body has the momentum balance M V' - ad_Vᵀ M V = Π̇.
+    Trial in_spatial = trial.by(Representation::spatial);
+    const std::vector<Six> twists = in_spatial.twists(), rates = sixes_of(in_spatial.call("accelerations")),
+                           found = sixes_of(dPi);
+    for (std::size_t i = 1; i <= n && largest(a) < 1e4; ++i) {
+      const Inertia<> M = transform(trial.poses()[i], trial.model.body(static_cast<int>(i)).M);
+      const Wrench<Spatial> W = newton_euler(M, Twist<Spatial>{twists[i].a, twists[i].b},
+                                             TwistRate<Spatial>{rates[i].a, rates[i].b});
+      balance.expect_equal(found[i - 1], six(W), loss * std::max(largest(dPi), largest(a)));
+    }
     // The sum of Π̇ of all bodies equals the wrenches on the whole system by loads, by gravity and by the
     // joints on the ground.
     Six sum{}, external{};
@@ -193,6 +243,46 @@ TEST_P(MomentumForm, StatesInTwistsAndInSpatialMomentaMoveAlike) {
     momentum.expect_equal(sum, external, 10 * std::max(size, largest(dPi)));
   });
   EXPECT_GE(compared, how.single ? trees / 100 : trees);
+}
+
+bool is_on_path(const Model& model, int i, int j) {
+  while (j > i) j = model.body(j).predecessor;
+  return j == i;
+}
+
+/// Momenta Π of bodies that no velocities have are replaced by M J v with (JᵀMJ) v = JᵀΠ.
+TEST_P(MomentumForm, TakesTheProjectionOfMomentaThatNoMotionHas) {
+  Comparison projection("JᵀΠ", agreement);
+  int compared = 0;
+  for_seeds(300, [&](std::uint64_t seed) {
+    Trial trial(how, Random<double>(seed), {.most_bodies = 12, .couplings = false, .always_mass = true});
+    if (definiteness(trial.mass_matrix()) < 1e-2) return;
+    const auto form = how.single ? by_momenta<float> : by_momenta<double>;
+    const Numbers tau = trial.inverse_dynamics();
+    Numbers Pi = trial.call("body_momenta");
+    for (std::size_t k = 0; k < Pi.size(); ++k) Pi[k] += std::sin(static_cast<double>(k));
+    const Rates given = form(trial, Pi, tau);
+    if (!given.solved) return;
+    ++compared;
+    trial.state.v = given.v;
+    const Numbers consistent = trial.call("body_momenta");
+    const std::vector<Six> J = sixes_of(trial.call("joint_screws"));
+    Numbers expected, found;
+    for (int i = 1; i <= trial.model.n_bodies(); ++i)
+      for (int s = trial.model.first_screw(i); s < trial.model.first_screw(i) + trial.model.joint(i).nv;
+           ++s) {
+        Six sum{}, sum_found{};
+        for (int j = i; j <= trial.model.n_bodies(); ++j) {
+          if (!is_on_path(trial.model, i, j)) continue;
+          sum = sum + sixes_of(Pi)[static_cast<std::size_t>(j - 1)];
+          sum_found = sum_found + sixes_of(consistent)[static_cast<std::size_t>(j - 1)];
+        }
+        expected.push_back(sum | J[static_cast<std::size_t>(s)]);
+        found.push_back(sum_found | J[static_cast<std::size_t>(s)]);
+      }
+    projection.expect_equal(found, expected, largest(Pi));
+  });
+  EXPECT_GE(compared, 10);
 }
 
 TEST_P(MomentumForm, RegressorsAreLinearInTheInertialParameters) {

@@ -1,7 +1,7 @@
 #include <algorithm>
 
 #include "axode/dynamics/closed_form/closed_form.hpp"
-#include "axode/dynamics/momentum/momentum_form.hpp"
+#include "axode/dynamics/momentum/spatial_momentum_form.hpp"
 #include "tests/paper/energy.hpp"
 
 /// Section 5.1: the projected Newton-Euler equations of all bodies, and the general form of the equations of

@@ -133,13 +133,16 @@ def test_ctrl_c_is_answered_long_before_the_call_would_have_ended(call):
 
 
 def test_ctrl_c_is_answered_in_the_midst_of_one_state():
+    start = processor_time()
+    axode.jacobian_partials(ARM, ARM.random(seed=1), "flange", "hybrid", order=7)
+    whole = (processor_time() - start)[0]
     before = signal.signal(signal.SIGPROF, signal.default_int_handler)
     start = processor_time()
     try:
-        with pytest.raises(KeyboardInterrupt):  # all of it takes some seconds
+        with pytest.raises(KeyboardInterrupt):
             signal.setitimer(signal.ITIMER_PROF, 0.05)
             axode.jacobian_partials(ARM, ARM.random(seed=1), "flange", "hybrid", order=7)
-        assert (processor_time() - start)[0] < 0.7
+        assert (processor_time() - start)[0] < 0.8 * whole
     finally:
         signal.setitimer(signal.ITIMER_PROF, 0)
         signal.signal(signal.SIGPROF, before)

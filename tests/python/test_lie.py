@@ -314,9 +314,9 @@ def test_every_argument_is_checked_and_named(name):
 
 
 def test_more_axes_than_an_array_can_have_are_refused():
-    assert lie.exp(np.zeros((1,) * 14 + (6,))).shape == (1,) * 14 + (4, 4)
-    for axes in (15, 16, 31):
-        with pytest.raises(ValueError, match="X: expected shape with at most 14 axes"):
+    assert lie.exp(np.zeros((1,) * 30 + (6,))).shape == (1,) * 30 + (4, 4)
+    for axes in (31, 40, 63):
+        with pytest.raises(ValueError, match="X: expected shape with at most 30 axes"):
             lie.exp(np.zeros((1,) * axes + (6,)))
 
 

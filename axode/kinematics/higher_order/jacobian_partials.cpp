@@ -25,22 +25,22 @@ void jacobian_partials(const Model& model, Workspace<T>& workspace, Numbers<T> q
                        std::type_identity_t<std::span<Twist<Rep, T>>> J, const std::function<bool()>& go_on) {
   check_state(model, workspace, q);
   const Place<T> place = found(model, given);
-  check_order(order, largest_partial_order);
+  if (order < 0) throw std::invalid_argument("order is " + std::to_string(order) + "; expected 0 or more");
   check_size("J", J.size(), tensor_size(static_cast<std::size_t>(model.nv()), order), "nv^(order + 1)");
   check_separate("J", J, "q", q);
   for (Twist<Rep, T>& column : J) column = {};
 
   const ScrewPath<T> path(model.tree<T>(), q.data(), place);
   if (path.screws.empty()) return;
-  const ScrewPartials<Rep, T> partials(path, order, go_on);
   const auto nv = static_cast<std::size_t>(model.nv());
-  partials.each_multi_index(order, [&](const std::vector<int>& alpha) {
-    std::size_t at = 0;
-    for (int k = order; k-- > 0;) at = at * nv + static_cast<std::size_t>(path.screws[alpha[k]].c);
-    partials.along(alpha, [&](int a, const Screw<T>& X) {
-      J[at * nv + static_cast<std::size_t>(path.screws[a].c)] += Twist<Rep, T>{X.w, X.v};
-    });
-  });
+  ScrewPartials<Rep, T>(path, order)
+      .each(go_on, [&](const std::vector<int>& alpha, int a, const Screw<T>& X) {
+        std::size_t at = 0;
+        for (std::size_t k = alpha.size(); k-- > 0;)
+          at = at * nv + static_cast<std::size_t>(path.screws[static_cast<std::size_t>(alpha[k])].c);
+        J[at * nv + static_cast<std::size_t>(path.screws[static_cast<std::size_t>(a)].c)] +=
+            Twist<Rep, T>{X.w, X.v};
+      });
 }
 
 template <RecursionRepresentation Rep, class T>
@@ -49,7 +49,7 @@ void jacobian_derivative_along(const Model& model, Workspace<T>& workspace, Numb
                                std::type_identity_t<std::span<Twist<Rep, T>>> J) {
   check_state(model, workspace, q);
   const Place<T> place = found(model, given);
-  check_order(order, largest_partial_order);
+  check_order(order, largest_directional_order);
   check_size("directions", directions.size(), static_cast<std::size_t>(order * model.nv()), "order nv");
   check_size("J", J.size(), static_cast<std::size_t>(model.nv()), "nv");
   check_separate("J", J, "q", q);

@@ -8,16 +8,20 @@
 /// products. All derivatives are along the joints' left-trivialised directions, d/dε of J(q ⊕ ε e_k).
 namespace axode {
 
-/// The largest order of partials; their cost grows exponentially with the order.
-inline constexpr int largest_partial_order = 12;
+/// The largest order of jacobian_derivative_along(), whose cost grows exponentially with the order.
+inline constexpr int largest_directional_order = 12;
+[[deprecated("jacobian_partials() has no largest order; use largest_directional_order")]]  //
+inline constexpr int largest_partial_order = largest_directional_order;
 
 /// The partial derivatives ∂^ν J / ∂q_αν ... ∂q_α1 of the Jacobian of a place, as a dense tensor: nv^(ν + 1)
 /// columns; J[((αν nv + ...) nv + α1) nv + j] is the column of velocity j. α1 is the inner derivative (taken
 /// first); the order matters only between directions of one spherical, planar or free joint. Body-fixed: eqs.
-/// der1, der2Jb, nthorderBody; spatial: eqs. Jsder, Jsder2, nthorder; hybrid and mixed: eq. Jhder with its
-/// cases k < j (errata 6 to 12) and the product rule for r and R. Cost O(m^(ν + 1)) screw products for m
-/// joint screws on the path. Allocates. During long calls, go_on() is called from time to time; if it returns
-/// false, the call ends early and the tensor is not complete.
+/// der1, der2Jb, nthorderBody; spatial: eqs. Jsder, Jsder2, nthorder; hybrid and mixed: (D15.4) of
+/// docs/derivations, which for the first order is eq. Jhder with its cases k < j (errata 6 to 12). Any order
+/// >= 0 is allowed. A column of the result takes at most ν brackets or 2 ν cross products, O(ν m^(ν + 1)) in
+/// all for m joint screws on the path. The number of allocations does not depend on the order. During long
+/// calls, go_on() is called from time to time; if it returns false, the call ends early and the tensor is not
+/// complete.
 template <RecursionRepresentation Rep = BodyFixed, class T>
 void jacobian_partials(const Model& model, Workspace<T>& workspace, Numbers<T> q,
                        const std::type_identity_t<Place<T>>& place, int order,
@@ -26,7 +30,8 @@ void jacobian_partials(const Model& model, Workspace<T>& workspace, Numbers<T> q
 
 /// The tensor of jacobian_partials() contracted with one direction for each derivative, D_uν ... D_u1 J:
 /// `directions` has `order` rows of nv numbers, u1 first. The tensor is never built: O(m 3^order) screw
-/// products. Allocates.
+/// products, order <= largest_directional_order. If all directions are equal, HigherOrderMotion takes a time
+/// that grows with the square of the order. Allocates.
 template <RecursionRepresentation Rep = BodyFixed, class T>
 void jacobian_derivative_along(const Model& model, Workspace<T>& workspace, Numbers<T> q,
                                const std::type_identity_t<Place<T>>& place, int order, Numbers<T> directions,

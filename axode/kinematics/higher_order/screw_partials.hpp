@@ -1,8 +1,6 @@
 #pragma once
 #include <algorithm>
-#include <bit>
 #include <functional>
-#include <utility>
 #include <vector>
 
 #include "axode/kinematics/path.hpp"
@@ -16,6 +14,7 @@ template <class T> struct PathScrew {
   int c;
   Screw<T> body_fixed;  ///< body-fixed screw J_{f,c}^b
   Screw<T> spatial;     ///< spatial screw J_c^s
+  Screw<T> hybrid;      ///< hybrid screw J_{f,c}^h; its linear part is ∂r/∂q_c of the place
 };
 
 /// The path to a place, from the root outwards.
@@ -25,128 +24,134 @@ template <class T> struct ScrewPath {
 
   ScrewPath(const Tree<T>& tree, const T* q, const Place<T>& place) {
     C = each_body_fixed_column(tree, q, place, [&](int i, int c, const Screw<T>& X) {
-      screws.push_back({i, c, X, {}});
+      screws.push_back({i, c, X, {}, {}});
     });
     std::stable_sort(screws.begin(), screws.end(),
                      [](const auto& a, const auto& b) { return a.joint < b.joint; });
-    for (PathScrew<T>& screw : screws) screw.spatial = Ad(C, screw.body_fixed);
+    for (PathScrew<T>& screw : screws) {
+      screw.spatial = Ad(C, screw.body_fixed);
+      screw.hybrid = Ad(C.R, screw.body_fixed);
+    }
   }
 };
 
-/// The partial derivative of the body-fixed screw a along the screws alpha, alpha[0] first; all are indices
-/// into path.screws.
-///
-/// It is [...[[J_a, J_β1], J_β2]..., J_βν] (eq. nthorderBody), where β is alpha sorted from the root
-/// outwards, or 0 unless all of β lie outward of a. If several directions belong to one joint, the one that
-/// acts last comes first in β.
-template <class T> Screw<T> body_fixed_partial(const ScrewPath<T>& path, int a, std::vector<int> alpha) {
-  const auto joint = [&](int k) { return path.screws[k].joint; };
-  std::reverse(alpha.begin(), alpha.end());
-  std::stable_sort(alpha.begin(), alpha.end(), [&](int k, int l) { return joint(k) < joint(l); });
-  Screw<T> X = path.screws[a].body_fixed;
-  for (const int k : alpha) {
-    if (joint(k) <= joint(a)) return {};
-    X = ad(X, path.screws[k].body_fixed);
-  }
-  return X;
-}
-
-/// The partial derivative of the spatial screw a along the screws alpha, alpha[0] first; all are indices into
-/// path.screws. It is [J_βν, ...[J_β2, [J_β1, J_a]]...] (eq. nthorder), where β is alpha sorted from the tip
-/// inwards, or 0 if one of β lies outward of a or β1 is a itself. If several directions belong to one joint,
-/// the one that acts last is the outermost bracket.
-template <class T> Screw<T> spatial_partial(const ScrewPath<T>& path, int a, std::vector<int> alpha) {
-  const auto joint = [&](int k) { return path.screws[k].joint; };
-  std::stable_sort(alpha.begin(), alpha.end(), [&](int k, int l) { return joint(k) > joint(l); });
-  if (!alpha.empty() && alpha.front() == a) return {};
-  Screw<T> X = path.screws[a].spatial;
-  for (const int k : alpha) {
-    if (joint(k) > joint(a)) return {};
-    X = ad(path.screws[k].spatial, X);
-  }
-  return X;
-}
-
-/// The partial derivatives of all screws of a path by all multi-indices alpha of one order, computed from the
-/// lower orders. With the spatial screw J^s = (w; v) and the position r of the place, the hybrid screw is J^h
-/// = (w; v + w × r). By the product rule
-///   ∂_α v^h = ∂_α v + Σ_{A ⊆ α} ∂_A w × ∂_{α∖A} r,    ∂_α r = ∂_{α2 ... αν} v^h of the screw α1.
-/// A table keeps ∂_A w and ∂_A r of every lower order, so that each term of the sum is one cross product. It
-/// has about 2/m of the numbers of the result for m screws; body-fixed and spatial derivatives need no table.
+/// The partial derivatives of all screws of a path along multi-indices α of one order ν, where α[0] acts
+/// first; all are indices into path.screws. The chain β of α has its directions from the root outwards, and
+/// among those of one joint the one that acts last comes first. Then ∂_α C = Ĵ_β1 ... Ĵ_βν C with the spatial
+/// screws as 4 × 4 matrices, and the derivatives of the screw a are
+///   body-fixed  [...[[J_a, J_β1], J_β2]..., J_βν], or 0 unless all of β lie outward of a    (eq. nthorderBody)
+///   spatial     [J_β1, ...[J_βν, J_a]...], or 0 if one of β lies outward of a or βν is a    (eq. nthorder)
+///   hybrid      the angular part of the spatial derivative; the linear part is ∂_α ∂_a r,
+///               w_γ1 × (w_γ2 × ... (w_γν × v_γ(ν+1))),  γ the chain of (a, α1, ..., αν)     (D15.4)
+///   mixed       the angular part of the body-fixed and the linear part of the hybrid derivative
+/// with w and v of hybrid screws. A column takes at most ν brackets or 2 ν cross products. The constructor
+/// allocates, and the other functions do not. See docs/derivations/jacobian-partials.md.
 template <class Rep, class T> class ScrewPartials {
  public:
-  ScrewPartials(const ScrewPath<T>& path, int order, const std::function<bool()>& go_on)
-      : path_(path), go_on_(go_on) {
-    if constexpr (std::same_as<Rep, Hybrid> || std::same_as<Rep, Mixed>) {
-      r_.push_back({path.C.r});
-      for (int k = 0; k < order; ++k) {
-        std::vector<Vec3<T>> w, r;
-        each_multi_index(k, [&](const std::vector<int>& alpha) {
-          hybrid(alpha, [&](int, const Screw<T>& X) { w.push_back(X.w), r.push_back(X.v); });
-        });
-        w_.push_back(std::move(w));
-        r_.push_back(std::move(r));
-      }
-    }
-  }
+  ScrewPartials(const ScrewPath<T>& path, int order)
+      : screws_(path.screws),
+        alpha_(static_cast<std::size_t>(order)),
+        chain_(static_cast<std::size_t>(order)),
+        tails_(static_cast<std::size_t>(order)) {}
 
-  /// Calls f(alpha) for every multi-index of an order, alpha[0] changing first, while go_on() returns true.
-  template <class F> void each_multi_index(int order, const F& f) const {
-    std::vector<int> alpha(static_cast<std::size_t>(order), 0);
+  /// Calls f(alpha, a, X) with the derivative X of every screw a along every multi-index, alpha[0] changing
+  /// first, while go_on() returns true.
+  template <class F> void each(const std::function<bool()>& go_on, const F& f) {
+    std::fill(alpha_.begin(), alpha_.end(), 0);
     for (bool more = true; more;) {
-      if (alpha.size() > 2 && alpha[0] == 0 && alpha[1] == 0 && go_on_) stopped_ = stopped_ || !go_on_();
-      if (stopped_) return;
-      f(alpha);
+      if (alpha_.size() > 2 && alpha_[0] == 0 && alpha_[1] == 0 && go_on && !go_on()) return;
+      along([&](int a, const Screw<T>& X) { f(alpha_, a, X); });
       more = false;
-      for (std::size_t k = 0; k < alpha.size() && !more; ++k) {
-        more = ++alpha[k] < count();
-        if (!more) alpha[k] = 0;
+      for (std::size_t k = 0; k < alpha_.size() && !more; ++k) {
+        more = ++alpha_[k] < count();
+        if (!more) alpha_[k] = 0;
       }
     }
-  }
-  /// Calls f(a, X) with the derivative X of every screw a along alpha, alpha[0] first; its order is that of
-  /// the constructor.
-  template <class F> void along(const std::vector<int>& alpha, const F& f) const {
-    if constexpr (std::same_as<Rep, BodyFixed>)
-      for (int a = 0; a < count(); ++a) f(a, body_fixed_partial(path_, a, alpha));
-    else if constexpr (std::same_as<Rep, Spatial>)
-      for (int a = 0; a < count(); ++a) f(a, spatial_partial(path_, a, alpha));
-    else if constexpr (std::same_as<Rep, Hybrid>)
-      hybrid(alpha, f);
-    else  // mixed: the angular part of the body-fixed and the linear part of the hybrid derivative
-      hybrid(alpha, [&](int a, const Screw<T>& X) {
-        f(a, Screw<T>{body_fixed_partial(path_, a, alpha).w, X.v});
-      });
   }
 
  private:
-  int count() const { return static_cast<int>(path_.screws.size()); }
-  template <class F> void hybrid(const std::vector<int>& alpha, const F& f) const {
-    const auto m = static_cast<std::size_t>(count());
-    const unsigned all = (1U << alpha.size()) - 1;
-    // `at` has the index in the table of ∂_A for the members A of alpha whose bits are set; alpha[0] is the
-    // lowest digit of a number of base m.
-    std::vector<std::size_t> at(all + 1, 0);
-    for (unsigned A = 1; A <= all; ++A)
-      at[A] = static_cast<std::size_t>(alpha[static_cast<std::size_t>(std::countr_zero(A))]) +
-              m * at[A & (A - 1)];
-    const auto size = [](unsigned A) { return static_cast<std::size_t>(std::popcount(A)); };
-    for (int a = 0; a < count(); ++a) {
-      Screw<T> X = spatial_partial(path_, a, alpha);
-      for (unsigned A = 0; A < all; ++A) {
-        const unsigned others = all & ~A;
-        X.v += cross(w_[size(A)][at[A] * m + static_cast<std::size_t>(a)], r_[size(others)][at[others]]);
+  int count() const { return static_cast<int>(screws_.size()); }
+  int joint(int a) const { return screws_[static_cast<std::size_t>(a)].joint; }
+  const PathScrew<T>& screw(int a) const { return screws_[static_cast<std::size_t>(a)]; }
+
+  /// Calls f(a, X) with the derivative X of every screw a along alpha_.
+  template <class F> void along(const F& f) {
+    sort();
+    if constexpr (std::same_as<Rep, BodyFixed>) {
+      for (int a = 0; a < count(); ++a) f(a, body_fixed(a));
+    } else if constexpr (std::same_as<Rep, Spatial>) {
+      for (int a = 0; a < count(); ++a) f(a, spatial(a));
+    } else {
+      put_tails();
+      std::size_t inward = 0;  // number of directions whose joints do not lie outward of the joint of a
+      for (int a = 0; a < count(); ++a) {
+        while (inward < chain_.size() && joint(chain_[inward]) <= joint(a)) ++inward;
+        const Vec3<T> w = std::same_as<Rep, Hybrid> ? spatial_rotation(a) : body_fixed_rotation(a);
+        f(a, Screw<T>{w, linear(a, inward)});
       }
-      X.v += cross(X.w, path_.C.r);
-      f(a, X);
     }
   }
+  /// Sorts alpha_ into the chain.
+  void sort() {
+    std::size_t n = 0;
+    for (std::size_t k = alpha_.size(); k-- > 0; ++n) {
+      std::size_t at = n;
+      for (; at > 0 && joint(chain_[at - 1]) > joint(alpha_[k]); --at) chain_[at] = chain_[at - 1];
+      chain_[at] = alpha_[k];
+    }
+  }
+  bool all_outward_of(int a) const { return chain_.empty() || joint(chain_.front()) > joint(a); }
+  bool moves_screw(int a) const {
+    return chain_.empty() || (joint(chain_.back()) <= joint(a) && chain_.back() != a);
+  }
 
-  const ScrewPath<T>& path_;
-  std::vector<std::vector<Vec3<T>>> w_;  ///< ∂_A w of screw a, by the order of A, at (number of A) m + a
-  std::vector<std::vector<Vec3<T>>> r_;  ///< ∂_A r, by the order of A, at the number of A
-  const std::function<bool()>& go_on_;
-  mutable bool stopped_ = false;  ///< whether go_on_() has returned false; the table is then unfinished
+  Screw<T> body_fixed(int a) const {
+    if (!all_outward_of(a)) return {};
+    Screw<T> X = screw(a).body_fixed;
+    for (const int k : chain_) X = ad(X, screw(k).body_fixed);
+    return X;
+  }
+  Screw<T> spatial(int a) const {
+    if (!moves_screw(a)) return {};
+    Screw<T> X = screw(a).spatial;
+    for (std::size_t k = chain_.size(); k-- > 0;) X = ad(screw(chain_[k]).spatial, X);
+    return X;
+  }
+  /// The angular part of body_fixed().
+  Vec3<T> body_fixed_rotation(int a) const {
+    if (!all_outward_of(a)) return {};
+    Vec3<T> w = screw(a).body_fixed.w;
+    for (const int k : chain_) w = cross(w, screw(k).body_fixed.w);
+    return w;
+  }
+  /// The angular part of spatial().
+  Vec3<T> spatial_rotation(int a) const {
+    if (!moves_screw(a)) return {};
+    return rotated(chain_.size(), screw(a).hybrid.w);
+  }
+  /// w_β1 × (w_β2 × ... (w_βn × x)).
+  Vec3<T> rotated(std::size_t n, Vec3<T> x) const {
+    while (n-- > 0) x = cross(screw(chain_[n]).hybrid.w, x);
+    return x;
+  }
+  /// Computes the derivatives of r along the tails of the chain, (βk, ..., βν).
+  void put_tails() {
+    for (std::size_t k = chain_.size(); k-- > 0;) {
+      const Screw<T>& J = screw(chain_[k]).hybrid;
+      tails_[k] = k + 1 == chain_.size() ? J.v : cross(J.w, tails_[k + 1]);
+    }
+  }
+  /// The linear part of the hybrid derivative, ∂_α ∂_a r, where the first `inward` directions of the chain lie
+  /// before a.
+  Vec3<T> linear(int a, std::size_t inward) const {
+    const Screw<T>& J = screw(a).hybrid;
+    return rotated(inward, inward == chain_.size() ? J.v : cross(J.w, tails_[inward]));
+  }
+
+  const std::vector<PathScrew<T>>& screws_;
+  std::vector<int> alpha_;      ///< indices of screws; alpha_[0] acts first
+  std::vector<int> chain_;      ///< alpha_ from the root outwards
+  std::vector<Vec3<T>> tails_;  ///< ∂r along (βk, ..., βν), for each k
 };
 
 /// Directional derivatives along several directions at once. For a set S of directions X^S means D_S X, the

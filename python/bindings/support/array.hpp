@@ -14,7 +14,7 @@ namespace nb = nanobind;
 
 /// The lengths of the axes of an array.
 struct Shape {
-  static constexpr int most = 16;
+  static constexpr int most = 32;  ///< the number of axes that every version of numpy allows
   std::array<nb::ssize_t, most> length{};
   int axes = 0;
 
