@@ -1,14 +1,16 @@
 // A parallel manipulator in its task space: a Gough platform whose six drives are elastic follows a motion of
 // its plate in open loop. Such a machine is flat: the motion of the plate, up to the fourth derivative of its
-// pose, determines the motors' angles and torques. Without the second derivative of the drive forces it would
+// pose, determines the motors' positions and forces. Without the second derivative of the drive forces it would
 // be off.
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <limits>
 #include <vector>
 
 #include "axode/axode.hpp"
 #include "axode/constraints.hpp"
+#include "axode/drives.hpp"
 #include "axode/io.hpp"
 
 using namespace axode;
@@ -35,6 +37,8 @@ SE3<> pose_at(double t) {
 struct Machine {
   Model model = load(AXODE_ROBOTS_DIR "/gough.toml");
   TaskSpace space{model, neutral(model)};
+  ElasticFeedForward elastic = with_stiffness(stiffness),
+                     rigid = with_stiffness(std::numeric_limits<double>::infinity());
   std::vector<std::size_t> drives;  ///< velocities of the drives
   std::vector<std::size_t> legs;    ///< coordinates of the drives
 
@@ -44,6 +48,9 @@ struct Machine {
       drives.push_back(static_cast<std::size_t>(joint.iv));
       legs.push_back(static_cast<std::size_t>(joint.iq));
     }
+  }
+  ElasticFeedForward with_stiffness(double k) const {
+    return {model, std::vector<ElasticDrive>(static_cast<std::size_t>(model.nv()), {k, inertia})};
   }
 };
 
@@ -60,33 +67,31 @@ struct State {
   }
 };
 
-/// The angles, speeds and torques of the motors for the motion of the plate at a time. The torques are computed
-/// with u'' or without it.
+/// The positions, velocities and forces of the motors for the motion of the plate at a time. The forces are
+/// computed with u'' or without it, as if the drives were rigid.
 struct FeedForward {
-  Vector q, theta, omega, torque;
+  Vector q, theta, omega, force;
   FeedForward(Machine& machine, double t, bool with_springs, Vector near) : q(std::move(near)) {
-    const auto nv = static_cast<std::size_t>(machine.model.nv());
-    Vector tau(3 * nv), motion(4 * nv);
+    ElasticFeedForward& drives = with_springs ? machine.elastic : machine.rigid;
+    MotorMotion motors;
     const bool found = place_platform(machine.space, pose_at(t), q).reached &&
-                       inverse_dynamics_rates(machine.space, q, twist_and_rates(t), tau, motion).ok();
+                       drives.evaluate(machine.space, q, twist_and_rates(t), motors).ok();
     if (!found) std::puts("the motion cannot be made");
-    for (std::size_t k = 0; k < machine.drives.size(); ++k) {
-      const std::size_t c = machine.drives[k];
-      theta.push_back(q[machine.legs[k]] + tau[c] / stiffness);
-      omega.push_back(motion[c] + tau[nv + c] / stiffness);
-      torque.push_back(tau[c] +
-                       inertia * (motion[nv + c] + (with_springs ? tau[2 * nv + c] / stiffness : 0)));
+    for (const std::size_t c : machine.drives) {
+      theta.push_back(motors.position[c]);
+      omega.push_back(motors.velocity[c]);
+      force.push_back(motors.force[c]);
     }
   }
 };
 
-State rate_of(Machine& machine, const State& x, const Vector& torque) {
+State rate_of(Machine& machine, const State& x, const Vector& force) {
   Vector v(static_cast<std::size_t>(machine.model.nv())), tau(v.size());
   State rate{{}, Vector(6), x.omega, Vector(6)};
   for (std::size_t k = 0; k < 6; ++k) {
     const double spring = stiffness * (x.theta[k] - x.q[machine.legs[k]]);
     tau[machine.drives[k]] = spring;
-    rate.omega[k] = (torque[k] - spring) / inertia;
+    rate.omega[k] = (force[k] - spring) / inertia;
   }
   const bool moves =
       machine.space.velocities(x.q, x.V, v).ok() && machine.space.forward_dynamics(x.q, v, tau, rate.V).ok();
@@ -103,8 +108,8 @@ double largest_error(Machine& machine, bool with_springs) {
   double worst = 0;
   for (int n = 0; n < 600; ++n) {
     const double t = step * n;
-    const auto torque = [&](double at) { return FeedForward(machine, at, with_springs, x.q).torque; };
-    const Vector now = torque(t), middle = torque(t + step / 2), end = torque(t + step);
+    const auto force = [&](double at) { return FeedForward(machine, at, with_springs, x.q).force; };
+    const Vector now = force(t), middle = force(t + step / 2), end = force(t + step);
     const State k1 = rate_of(machine, x, now), k2 = rate_of(machine, x.plus(step / 2, k1), middle),
                 k3 = rate_of(machine, x.plus(step / 2, k2), middle),
                 k4 = rate_of(machine, x.plus(step, k3), end);

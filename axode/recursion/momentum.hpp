@@ -23,7 +23,7 @@ constexpr Wrench<Rep, T> convected(const Link<Rep, T>& link, const Twist<Rep, T>
 /// The wrench of the acceleration g on a body, in Rep; g is in body axes for body-fixed twists, and in
 /// inertial axes for all others. M is the inertia as Link::inertia() returns it.
 template <class Rep, class T>
-constexpr Wrench<Rep, T> weight(const Link<Rep, T>& link, const Inertia<T>& M, const Vec3<T>& g) {
+constexpr Wrench<Rep, T> gravity_wrench(const Link<Rep, T>& link, const Inertia<T>& M, const Vec3<T>& g) {
   if constexpr (std::same_as<Rep, Mixed>)
     return {cross(M.h, transpose(link.R) * g), M.m * g};
   else
@@ -89,7 +89,7 @@ template <class Rep, class T> struct MomentumForm {
       g[i] = tree.g;
       if constexpr (std::same_as<Rep, BodyFixed>) g[i] = transpose(link[i].C_pi.R) * g[tree->parent[i]];
       Pi[i] = impulse(link[i], bodies.M_body[i], bodies.X[i]);
-      W[i] = weight(link[i], bodies.M_body[i], g[i]);
+      W[i] = gravity_wrench(link[i], bodies.M_body[i], g[i]);
       if (has_wrenches) W[i] += push(link[i], W_app[i]);
     }
     for (int i = tree->n; i > 0; --i) {

@@ -4,6 +4,7 @@
 #include "axode/constraints/higher_order/constrained_rates.hpp"
 #include "axode/constraints/higher_order/inverse_kinematics_rates.hpp"
 #include "axode/constraints/loop_system/loop_system.hpp"
+#include "axode/drives/elastic_feed_forward.hpp"
 #include "axode/io.hpp"
 #include "tests/vectors/reference_state.hpp"
 
@@ -207,6 +208,43 @@ TEST_P(ParallelManipulators, HaveTheirJacobiansForcesAndTimeDerivatives) {
     for (const char* const key : {"Q", "dQ", "ddQ"})
       forces.expect_equal(at.of_drives(std::span<const double>(tau).subspan(nv * k++, nv)),
                           numbers(state.at(key)));
+  }
+}
+
+/// With springs the motors have θ = q + Q/k, θ' = v + Q'/k and u = Q + I (a + Q''/k), from the reference values
+/// of lengths, Jacobians and forces.
+TEST_P(ParallelManipulators, AreFlatWithElasticDrives) {
+  const double k = 1e5, I = 20;
+  Comparison position("θ", bound), velocity("θ'", 1e-11), force("u", 1e-11);
+  for (const Json& state : file.at("states")) {
+    Platform at(file, state);
+    const std::size_t nv = static_cast<std::size_t>(at.model.nv());
+    TaskSpace space(at.model, neutral(at.model), "platform");
+    std::vector<double> rates;
+    for (const char* const key : {"V", "dV", "ddV", "dddV"})
+      for (const double x : numbers(state.at(key))) rates.push_back(x);
+    ElasticFeedForward drives(at.model, std::vector<ElasticDrive>(nv, {k, I}));
+    MotorMotion motors;
+    ASSERT_TRUE(drives.evaluate(space, at.q, rates, motors).ok());
+
+    std::vector<double> v(nv), a(nv);
+    ASSERT_TRUE(space.velocities(at.q, numbers(state.at("V")), v).ok());
+    ASSERT_TRUE(space.accelerations(at.q, v, numbers(state.at("dV")), a).ok());
+    const std::vector<double> Q = numbers(state.at("Q")), dQ = numbers(state.at("dQ")),
+                              ddQ = numbers(state.at("ddQ")), lengths = numbers(state.at("lengths")),
+                              legs = at.leg_lengths(), v_d = at.of_drives(v), a_d = at.of_drives(a);
+    std::vector<double> theta, rate, u;
+    for (std::size_t d = 0; d < at.drives.size(); ++d) {
+      const double wanted = lengths[d] + Q[d] / k;  // the coordinate of a drive is the length less a constant
+      for (const Joint& joint : at.model.joints())
+        if (joint.iv == at.drives[d] && joint.nq == 1)
+          theta.push_back(wanted - legs[d] + at.q[static_cast<std::size_t>(joint.iq)]);
+      rate.push_back(v_d[d] + dQ[d] / k);
+      u.push_back(Q[d] + I * (a_d[d] + ddQ[d] / k));
+    }
+    position.expect_equal(at.of_drives(motors.position), theta, 1);
+    velocity.expect_equal(at.of_drives(motors.velocity), rate);
+    force.expect_equal(at.of_drives(motors.force), u);
   }
 }
 
