@@ -1,7 +1,7 @@
 // A parallel manipulator in its task space: a Gough platform whose six drives are elastic follows a motion of
 // its plate in open loop. Such a machine is flat: the motion of the plate, up to the fourth derivative of its
-// pose, determines the motors' positions and forces. Without the second derivative of the drive forces it would
-// be off.
+// pose, determines the motors' positions and forces. Without the second derivative of the drive forces it
+// would be off.
 #include <algorithm>
 #include <cmath>
 #include <cstdio>

@@ -8,8 +8,8 @@
 namespace axode {
 
 /// The rate of a momentum Π whose components in Rep are constant while the body moves with the twist V:
-/// -ad_Vᵀ Π. In hybrid twists the components are those about the origin of the body in inertial axes, in mixed
-/// twists the moment is in the axes of the body and the force in inertial axes.
+/// -ad_Vᵀ Π. In hybrid twists the components are those about the origin of the body in inertial axes, in
+/// mixed twists the moment is in the axes of the body and the force in inertial axes.
 template <class Rep, class T>
 constexpr Wrench<Rep, T> convected(const Link<Rep, T>& link, const Twist<Rep, T>& V,
                                    const Wrench<Rep, T>& Pi) {

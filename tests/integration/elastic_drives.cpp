@@ -139,8 +139,8 @@ struct Platform {
         (with == With::springs ? elastic : rigid).evaluate(space, closed(rows[0], near), rates, out).ok());
     return out;
   }
-  /// The largest error of the place of the plate in m. The state has the coordinates q, the task velocities V,
-  /// and the motors.
+  /// The largest error of the place of the plate in m. The state has the coordinates q, the task
+  /// velocities V, and the motors.
   double largest_error(With with) {
     constexpr double step = 5e-4;
     const std::size_t nq = static_cast<std::size_t>(model.nq());

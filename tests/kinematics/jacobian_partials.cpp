@@ -330,8 +330,8 @@ TEST(JacobianPartials, OfSecondOrderCommuteBetweenDifferentJoints) {
   });
 }
 
-/// Contracted with the velocities of a motion with constant velocities, the partials are the derivative of the
-/// Jacobian in time, which HigherOrderMotion computes without them.
+/// Contracted with the velocities of a motion with constant velocities, the partials are the derivative of
+/// the Jacobian in time, which HigherOrderMotion computes without them.
 TEST(JacobianPartials, OfOrdersBeyondTwelveAreDerivativesAlongTheMotion) {
   const int order = 13;
   Comparison derivative("derivative", agreement<double>);
@@ -367,8 +367,8 @@ TEST(JacobianPartials, OfOneHingeRepeatAfterFourOrders) {
   EXPECT_FALSE(largest(entries(sample.partials<Hybrid>(40)[0])) == 0);
 }
 
-/// A column takes at most 2 ν cross products of six multiplications each, or ν brackets of 18, for every order
-/// ν; the partials share at most ν cross products of the derivatives of r.
+/// A column takes at most 2 ν cross products of six multiplications each, or ν brackets of 18, for every
+/// order ν; the partials share at most ν cross products of the derivatives of r.
 template <class Rep> long products_of_a_column(int order) {
   const Model model = chain(JointKind::revolute, 4);
   const Tree<Counted> tree = on<Counted>(model);

@@ -211,8 +211,8 @@ TEST_P(ParallelManipulators, HaveTheirJacobiansForcesAndTimeDerivatives) {
   }
 }
 
-/// With springs the motors have θ = q + Q/k, θ' = v + Q'/k and u = Q + I (a + Q''/k), from the reference values
-/// of lengths, Jacobians and forces.
+/// With springs the motors have θ = q + Q/k, θ' = v + Q'/k and u = Q + I (a + Q''/k), from the reference
+/// values of lengths, Jacobians and forces.
 TEST_P(ParallelManipulators, AreFlatWithElasticDrives) {
   const double k = 1e5, I = 20;
   Comparison position("θ", bound), velocity("θ'", 1e-11), force("u", 1e-11);

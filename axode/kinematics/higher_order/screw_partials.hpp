@@ -39,10 +39,10 @@ template <class T> struct ScrewPath {
 /// first; all are indices into path.screws. The chain β of α has its directions from the root outwards, and
 /// among those of one joint the one that acts last comes first. Then ∂_α C = Ĵ_β1 ... Ĵ_βν C with the spatial
 /// screws as 4 × 4 matrices, and the derivatives of the screw a are
-///   body-fixed  [...[[J_a, J_β1], J_β2]..., J_βν], or 0 unless all of β lie outward of a    (eq. nthorderBody)
-///   spatial     [J_β1, ...[J_βν, J_a]...], or 0 if one of β lies outward of a or βν is a    (eq. nthorder)
+///   body-fixed  [...[[J_a, J_β1], J_β2]..., J_βν], or 0 unless all of β lie outward of a  (eq. nthorderBody)
+///   spatial     [J_β1, ...[J_βν, J_a]...], or 0 if one of β lies outward of a or βν is a  (eq. nthorder)
 ///   hybrid      the angular part of the spatial derivative; the linear part is ∂_α ∂_a r,
-///               w_γ1 × (w_γ2 × ... (w_γν × v_γ(ν+1))),  γ the chain of (a, α1, ..., αν)     (D15.4)
+///               w_γ1 × (w_γ2 × ... (w_γν × v_γ(ν+1))),  γ the chain of (a, α1, ..., αν)  (D15.4)
 ///   mixed       the angular part of the body-fixed and the linear part of the hybrid derivative
 /// with w and v of hybrid screws. A column takes at most ν brackets or 2 ν cross products. The constructor
 /// allocates, and the other functions do not. See docs/derivations/jacobian-partials.md.
@@ -141,8 +141,8 @@ template <class Rep, class T> class ScrewPartials {
       tails_[k] = k + 1 == chain_.size() ? J.v : cross(J.w, tails_[k + 1]);
     }
   }
-  /// The linear part of the hybrid derivative, ∂_α ∂_a r, where the first `inward` directions of the chain lie
-  /// before a.
+  /// The linear part of the hybrid derivative, ∂_α ∂_a r, where the first `inward` directions of the chain
+  /// lie before a.
   Vec3<T> linear(int a, std::size_t inward) const {
     const Screw<T>& J = screw(a).hybrid;
     return rotated(inward, inward == chain_.size() ? J.v : cross(J.w, tails_[inward]));
