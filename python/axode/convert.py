@@ -32,8 +32,8 @@ from weakref import WeakKeyDictionary
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from . import lie, mujoco_model
-from .support import coordinates, signatures
+from . import lie
+from .support import coordinates, mujoco_model, signatures
 from ._axode import Model
 from ._axode import load_dict as _load_dict
 from .support.coordinates import NUMPY

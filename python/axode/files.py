@@ -11,8 +11,7 @@ from xml.etree import ElementTree
 
 from numpy.typing import ArrayLike
 
-from . import mujoco_model
-from .support import signatures
+from .support import mujoco_model, signatures
 from ._axode import Model, check_file, load_dict, load_file, load_urdf, syntax_fault
 from .errors import ModelError
 

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from . import lie
+from .. import lie
 
 __all__: list[str] = []
 
