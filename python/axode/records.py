@@ -18,6 +18,7 @@ __all__ = ["BranchPoint", "ContactForce", "ContactRolloutDerivatives", "DriveEqu
            "PlayEvent", "RedundantRow", "Rollout", "RolloutDerivatives", "RolloutGradient", "ShapeDistance",
            "SpringCoordinate", "StateDerivatives", "Target", "TaskEquations", "TaskSingularity"]
 
+Array = NDArray[np.float64]
 Representation = Literal["body", "spatial", "hybrid", "mixed"]
 
 
@@ -67,7 +68,7 @@ class InverseKinematics(NamedTuple):
     """The best configuration that `inverse_kinematics` found, and the norm of the error there (rad and m)."""
 
     status: Literal["solved", "stalled", "iteration_limit"]
-    q: NDArray[np.float64]
+    q: Array
     residual: float
     iterations: int
     restarts: int
@@ -83,7 +84,7 @@ class RedundantRow(NamedTuple):
     row: int
     loop: str
     wrench: str
-    dependency: NDArray[np.float64]
+    dependency: Array
 
 
 class LoopMobility(NamedTuple):
@@ -99,7 +100,7 @@ class LoopMobility(NamedTuple):
     rank: int
     redundant: list[RedundantRow]
     mobility: Literal["regular", "branches", "shaky"]
-    kernel: NDArray[np.float64]
+    kernel: Array
     indeterminate: list[int]
 
 
@@ -110,9 +111,9 @@ class BranchPoint(NamedTuple):
     in rad and characteristic lengths.
     """
 
-    parameter: NDArray[np.float64]
-    x: NDArray[np.float64]
-    q: NDArray[np.float64]
+    parameter: Array
+    x: Array
+    q: Array
     residual: float
 
 
@@ -132,9 +133,9 @@ class MotionBranch(NamedTuple):
 
     dimension: int
     power: int
-    T: NDArray[np.float64]
-    II: NDArray[np.float64] | None
-    series: NDArray[np.float64] | None
+    T: Array
+    II: Array | None
+    series: Array | None
     settled: bool
     closes: bool
     multiple: bool
@@ -143,7 +144,7 @@ class MotionBranch(NamedTuple):
     idle: list[str]
     loops: list[str]
     points: list[BranchPoint]
-    residual_orders: NDArray[np.float64]
+    residual_orders: Array
 
 
 class LocalMobility(NamedTuple):
@@ -193,11 +194,11 @@ class ContactForce(NamedTuple):
 
     a: str
     b: str
-    point: NDArray[np.float64]
-    normal: NDArray[np.float64]
+    point: Array
+    normal: Array
     gap: float
-    force: NDArray[np.float64]
-    moment: NDArray[np.float64]
+    force: Array
+    moment: Array
     friction: float
     status: Literal["open", "stick", "slide"]
 
@@ -264,12 +265,12 @@ class ShapeDistance(NamedTuple):
     a: str
     b: str
     distance: float
-    normal: NDArray[np.float64]
-    point_a: NDArray[np.float64]
-    point_b: NDArray[np.float64]
+    normal: Array
+    point_a: Array
+    point_b: Array
     residual: float
     proved: bool
-    jacobian: NDArray[np.float64]
+    jacobian: Array
 
 
 class IndependentEquations(NamedTuple):
@@ -279,10 +280,10 @@ class IndependentEquations(NamedTuple):
     """
 
     velocities: list[int]
-    M: NDArray[np.float64]
-    h: NDArray[np.float64]
-    N: NDArray[np.float64]
-    c: NDArray[np.float64]
+    M: Array
+    h: Array
+    N: Array
+    c: Array
 
 
 class IndependentLinearization(NamedTuple):
@@ -292,10 +293,10 @@ class IndependentLinearization(NamedTuple):
     """
 
     velocities: list[int]
-    A: NDArray[np.float64]
-    B: NDArray[np.float64]
-    N: NDArray[np.float64]
-    D: NDArray[np.float64]
+    A: Array
+    B: Array
+    N: Array
+    D: Array
 
 
 class TaskEquations(NamedTuple):
@@ -336,8 +337,8 @@ class JointState(NamedTuple):
     `position_residual` is by how much joints and loops are open, the largest number of any (rad, m), `velocity_residual` that of their velocities.
     """
 
-    q: NDArray[np.float64]
-    v: NDArray[np.float64]
+    q: Array
+    v: Array
     position_residual: float
     velocity_residual: float
 
@@ -345,75 +346,75 @@ class JointState(NamedTuple):
 class InverseDynamicsDerivatives(NamedTuple):
     """Derivatives by configuration, velocities and accelerations: of the forces, or of a number that they make."""
 
-    q: NDArray[np.float64]
-    v: NDArray[np.float64]
-    a: NDArray[np.float64]
+    q: Array
+    v: Array
+    a: Array
 
 
 class ForwardDynamicsDerivatives(NamedTuple):
     """Derivatives by configuration, velocities and forces: of the accelerations, or of a number that they make."""
 
-    q: NDArray[np.float64]
-    v: NDArray[np.float64]
-    tau: NDArray[np.float64]
+    q: Array
+    v: Array
+    tau: Array
 
 
 class StateDerivatives(NamedTuple):
     """Derivatives by configuration and velocities."""
 
-    q: NDArray[np.float64]
-    v: NDArray[np.float64]
+    q: Array
+    v: Array
 
 
 class MotionDerivatives(NamedTuple):
     """Derivatives of a twist V and of its rate dV by configuration and velocities, a column for each direction."""
 
-    V_q: NDArray[np.float64]
-    V_v: NDArray[np.float64]
-    dV_q: NDArray[np.float64]
-    dV_v: NDArray[np.float64]
+    V_q: Array
+    V_v: Array
+    dV_q: Array
+    dV_v: Array
 
 
 class MotionChange(NamedTuple):
     """Changes of the pose, a displacement X, of a twist V and of its rate dV."""
 
-    X: NDArray[np.float64]
-    V: NDArray[np.float64]
-    dV: NDArray[np.float64]
+    X: Array
+    V: Array
+    dV: Array
 
 
 class MomentumFormDerivatives(NamedTuple):
     """Derivatives of the velocities v and of the rates dp of the momenta by configuration and momenta."""
 
-    v_q: NDArray[np.float64]
-    v_p: NDArray[np.float64]
-    dp_q: NDArray[np.float64]
-    dp_p: NDArray[np.float64]
+    v_q: Array
+    v_p: Array
+    dp_q: Array
+    dp_p: Array
 
 
 class InverseDynamicsHessian(NamedTuple):
     """Second derivatives by pairs of configuration, velocities and accelerations, [outer, inner]; the others vanish."""
 
-    qq: NDArray[np.float64]
-    qv: NDArray[np.float64]
-    vv: NDArray[np.float64]
-    aq: NDArray[np.float64]
+    qq: Array
+    qv: Array
+    vv: Array
+    aq: Array
 
 
 class ForwardDynamicsHessian(NamedTuple):
     """Second derivatives by pairs of configuration, velocities and forces, [outer, inner]; the others vanish."""
 
-    qq: NDArray[np.float64]
-    qv: NDArray[np.float64]
-    vv: NDArray[np.float64]
-    tauq: NDArray[np.float64]
+    qq: Array
+    qv: Array
+    vv: Array
+    tauq: Array
 
 
 class Linearization(NamedTuple):
     """The linear system x' = A x + B dtau of small deviations from a motion, x displacements before velocities."""
 
-    A: NDArray[np.float64]
-    B: NDArray[np.float64]
+    A: Array
+    B: Array
 
 
 class Rollout(tuple[NDArray[np.float64], NDArray[np.float64]]):
@@ -452,18 +453,18 @@ class Rollout(tuple[NDArray[np.float64], NDArray[np.float64]]):
 class RolloutDerivatives(NamedTuple):
     """Linear maps of small deviations x over the steps of a motion, x_{k+1} = A_k x_k + B_k dtau_k, displacements before velocities."""
 
-    A: NDArray[np.float64]
-    B: NDArray[np.float64]
+    A: Array
+    B: Array
 
 
 class ContactRolloutDerivatives(NamedTuple):
     """A motion with contact, linear maps of small deviations over its steps, and how exact they are, see `contact_rollout_derivatives`."""
 
-    q: NDArray[np.float64]
-    v: NDArray[np.float64]
-    A: NDArray[np.float64]
-    B: NDArray[np.float64]
-    C: NDArray[np.float64]
+    q: Array
+    v: Array
+    A: Array
+    B: Array
+    C: Array
     certificate: float
     unique: bool
     at_kink: bool
@@ -472,17 +473,17 @@ class ContactRolloutDerivatives(NamedTuple):
 class RolloutGradient(NamedTuple):
     """The gradient of a number that a motion makes, by its first q and v, its drive forces and geometric parameters."""
 
-    q: NDArray[np.float64]
-    v: NDArray[np.float64]
-    tau: NDArray[np.float64]
-    geometry: NDArray[np.float64]
+    q: Array
+    v: Array
+    tau: Array
+    geometry: Array
 
 
 class Equilibrium(NamedTuple):
     """The best configuration that `equilibrium` met, and the norm of the forces that are missing there (N m and N)."""
 
     status: Literal["solved", "stalled", "iteration_limit", "open"]
-    q: NDArray[np.float64]
+    q: Array
     residual: float
     iterations: int
 
@@ -490,19 +491,19 @@ class Equilibrium(NamedTuple):
 class DynamicsAtTime(NamedTuple):
     """Accelerations at a time, multipliers of the loops, and the force that each motion takes."""
 
-    a: NDArray[np.float64]
-    multipliers: NDArray[np.float64]
-    motion_forces: NDArray[np.float64]
+    a: Array
+    multipliers: Array
+    motion_forces: Array
 
 
 class KinematicMotion(NamedTuple):
     """A motion without dynamics, up to the last time that could be reached."""
 
-    t: NDArray[np.float64]
-    q: NDArray[np.float64]
-    v: NDArray[np.float64]
-    a: NDArray[np.float64]
-    jerk: NDArray[np.float64]
+    t: Array
+    q: Array
+    v: Array
+    a: Array
+    jerk: Array
     complete: bool
     stop_reason: str
 
