@@ -23,17 +23,19 @@ class Unknown(Exception):
     """A value holds something that cannot be compared with what an earlier call was given."""
 
 
-def digest(value: Any) -> str:
+def digest(value: Any) -> str | Unknown:
     """SHA-256 of a value. The digest of a function depends on its code, its defaults and the values to which it is
     bound; that of an object on its state and the code of its class; that of a compiled function, a compiled class or
     a module on its name. Global variables and the functions that are called by name do not count.
 
-    Unknown if the value holds something whose state Python cannot read, such as a lock or an open file.
+    An Unknown if the value holds something whose state Python cannot read, such as a lock or an open file.
     """
     try:
         return _Digests().of(value).hex()
+    except Unknown as error:
+        return error
     except RecursionError:
-        raise Unknown("is nested too deeply to be compared") from None
+        return Unknown("is nested too deeply to be compared")
 
 
 class _Digests:

@@ -164,10 +164,9 @@ def run(task: Any, parts: Sequence[Any], paths: Sequence[Path | None], *, cluste
     its input, which is loaded in the order of the parts, and `task.tables(part, loaded)` yields its results in pieces,
     each with its number of rows without a result. Errors of a task name the row.
     """
-    numbered = list(zip(range(len(parts)), parts, paths))
-    there = [path is not None and path.exists() for path in paths]
-    written = deque(itertools.compress(numbered, there))
-    missing = deque(itertools.compress(numbered, [not exists for exists in there]))
+    written, missing = deque[Part](), deque[Part]()
+    for number, (part, path) in enumerate(zip(parts, paths)):
+        (written if path is not None and path.exists() else missing).append((number, part, path))
     rows, done, schema = sum(part.rows for part in parts), 0, None
     with contextlib.ExitStack() as stack:
         if progress is True:
@@ -193,13 +192,6 @@ def run(task: Any, parts: Sequence[Any], paths: Sequence[Path | None], *, cluste
 # ------------------------------------------------------------------------------------------------------- files
 
 
-def _identity(value: Any) -> str | Unknown:
-    try:
-        return digest(value)
-    except Unknown as error:
-        return error
-
-
 class Output:
     """Destination of the parts of a job: files in a folder, or in a temporary folder beside the file into which they
     are joined.
@@ -212,7 +204,7 @@ class Output:
         self.target, self.overwrite = Path(target), overwrite
         self.is_file = self.target.suffix == ".parquet"
         self.folder = self.target.with_name(self.target.name + ".parts") if self.is_file else self.target
-        self.identity = {name: _identity(value) for name, value in job.items()}
+        self.identity = {name: digest(value) for name, value in job.items()}
         width, suffix = max(6, len(str(parts))), ".arrow" if self.is_file else ".parquet"
         self.paths = [self.folder / f"part-{number:0{width}}{suffix}" for number in range(parts)]
         if not self.target.parent.is_dir():
