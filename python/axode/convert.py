@@ -33,7 +33,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from . import lie
-from .support import coordinates, mujoco_model, signatures
+from .support import arguments, coordinates, mujoco_model, signatures
 from ._axode import Model
 from ._axode import load_dict as _load_dict
 from .support.coordinates import NUMPY
@@ -71,7 +71,7 @@ def from_pinocchio(m: Model, q: ArrayLike, v: ArrayLike | None = None, *, joints
     >>> q[m.joint("free_base").q]
     array([0. , 0. , 0. , 1. , 0.1, 0.2, 0.3])
     """
-    names, given = None if joints is None else tuple(joints), _array("q", q)
+    names, given = None if joints is None else tuple(joints), arguments.array("q", q)
     plain, coupled = (_layout(m, "Pinocchio", names, followers) for followers in (True, False))
     layout = coupled if given.shape[-1:] == (coupled.nq,) else plain
     return layout.from_there(given, v, tolerance)
@@ -359,14 +359,14 @@ class _Layout:
             self.nq, self.nv = nq, nv
 
     def to_there(self, q: ArrayLike, v: ArrayLike | None) -> tuple[Array, Array | None]:
-        given = _numbers("q", q, self.nq_here, "nq numbers")
+        given = arguments.numbers("q", q, self.nq_here, "nq numbers")
         here, states = np.atleast_2d(given), given.shape[:-1]
         there = np.empty((len(here), self.nq))
         for x in self.places:
             there[:, x.q_there] = x.coding.q_there(x.ratio * here[:, x.q] + x.offset)
         if v is None:
             return there.reshape(*states, self.nq), None
-        v_here = np.atleast_2d(_numbers("v", v, self.nv_here, "nv numbers", states))
+        v_here = np.atleast_2d(arguments.numbers("v", v, self.nv_here, "nv numbers", states))
         v_there = np.empty((len(here), self.nv))
         for x in self.places:
             v_there[:, x.v_there] = x.coding.v_there(here[:, x.q], x.ratio * v_here[:, x.v])
@@ -375,7 +375,7 @@ class _Layout:
     def from_there(self, q: ArrayLike, v: ArrayLike | None, tolerance: float) -> tuple[Array, Array | None]:
         if not tolerance >= 0:
             raise ValueError(f"tolerance is {tolerance}; expected 0 or more")
-        given = _numbers("q", q, self.nq, self.coordinates)
+        given = arguments.numbers("q", q, self.nq, self.coordinates)
         there, states = np.atleast_2d(given), given.shape[:-1]
         here = np.empty((len(there), self.nq_here))
         own = [x for x in self.places if x.leader is None]
@@ -389,7 +389,7 @@ class _Layout:
             _check_follower("q", x, off, tolerance)
         if v is None:
             return here.reshape(*states, self.nq_here), None
-        v_there = np.atleast_2d(_numbers("v", v, self.nv, self.velocities, states))
+        v_there = np.atleast_2d(arguments.numbers("v", v, self.nv, self.velocities, states))
         v_here = np.empty((len(there), self.nv_here))
         for x in own:
             v_here[:, x.v] = x.coding.v_here(here[:, x.q], v_there[:, x.v_there])
@@ -403,32 +403,6 @@ def _check_follower(name: str, x: _Place, off: Array, tolerance: float) -> None:
         k = int(np.argmax(np.abs(off)))
         raise ValueError(f'{name}: joint "{x.joint}" follows joint "{x.leader}" and is off its place by '
                          f"{abs(off[k, 0]):.3g} in state {k}; the tolerance is {tolerance:g}")
-
-
-def _array(name: str, given: ArrayLike) -> NDArray[Any]:
-    try:
-        x = np.asarray(given)
-    except ValueError as error:
-        raise ValueError(f"{name}: expected numbers in rows of equal length") from error
-    if x.dtype.kind not in "fiu":
-        raise ValueError(f"{name}: expected real numbers (float64), got dtype {x.dtype}")
-    return x
-
-
-def _numbers(name: str, given: ArrayLike, length: int, meaning: str, states: tuple[int, ...] | None = None) -> Array:
-    """The argument as an array (length,) or (N, length), with the N of `states` if these are given."""
-    x = _array(name, given)
-    if x.ndim not in (1, 2) or x.shape[-1] != length or states not in (None, x.shape[:-1]):
-        expected = f"({length},) or (N, {length})" if states is None else str((*states, length))
-        raise ValueError(f"{name}: expected shape {expected}, {meaning}, got {x.shape}")
-    return _finite(name, x)
-
-
-def _finite(name: str, x: NDArray[Any]) -> Array:
-    if not np.all(np.isfinite(x)):
-        at = tuple(int(k) for k in np.argwhere(~np.isfinite(x))[0])
-        raise ValueError(f"{name}[{', '.join(map(str, at))}] is {x[at]}; expected finite numbers")
-    return x.astype(np.float64, copy=False)
 
 
 #: The conversions that have been made, as long as their models exist.

@@ -6,6 +6,7 @@ import axode
 import numpy as np
 import pytest
 from axode.calibration import calibrate, with_geometry
+from axode.fitting import least_squares
 from mechanisms import MECHANISMS, close
 
 EVERYWHERE = pytest.mark.parametrize("mechanism", MECHANISMS)
@@ -449,7 +450,7 @@ def test_poses_and_positions_of_one_frame_in_parts_are_as_in_one():
 def test_blocks_of_poses_give_the_same(monkeypatch):
     poses = measured(built(ARM), "flange", 90, (1e-4, 1e-4))
     once = calibrate(ARM, poses, robust=True)
-    monkeypatch.setattr(axode.calibration, "BLOCK", 12 * 64 * 7)
+    monkeypatch.setattr(least_squares, "BLOCK", 12 * 64 * 7)
     blocks = calibrate(ARM, poses, robust=True)
     assert close(blocks.parameters, once.parameters, 1e-6) and close(blocks.covariance, once.covariance, 1e-6)
 

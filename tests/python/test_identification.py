@@ -7,6 +7,7 @@ import sys
 import axode
 import numpy as np
 import pytest
+from axode.fitting import least_squares
 from axode.identification import identify, pseudo_inertia
 from mechanisms import MECHANISMS, close
 
@@ -294,7 +295,7 @@ def test_bodies_without_mass_and_without_extension_are_no_obstacle():
 def test_blocks_of_samples_give_the_same(monkeypatch):
     samples = measured(ARM, 300, 0.05)
     once = identify(ARM, *samples, robust=True)
-    monkeypatch.setattr(axode.identification, "BLOCK", 7 * 70 * 13)
+    monkeypatch.setattr(least_squares, "BLOCK", 7 * 70 * 13)
     blocks = identify(ARM, *samples, robust=True)
     assert close(blocks.parameters, once.parameters, 1e-8) and close(blocks.base_residual, once.base_residual, 1e-9)
 
