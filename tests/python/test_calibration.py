@@ -7,33 +7,13 @@ import numpy as np
 import pytest
 from axode.calibration import calibrate, with_geometry
 from axode.fitting import least_squares
+from measured_poses import FAR, built, every_joint, measured, noisy, seen
 from mechanisms import MECHANISMS, close
 
 EVERYWHERE = pytest.mark.parametrize("mechanism", MECHANISMS)
 ARM = MECHANISMS["arm"]
 FRAMES = {"arm": ["flange"], "machine": ["drill tip", "pointer tip", "cardan shaft", "jack", "lead screw", "chip"],
           "humanoid": ["left_palm", "right_palm", "left_sole"]}
-FAR = axode.lie.exp([0.3, -0.5, 2, 3, 1, -2])  # where the device is
-
-
-def built(m, seed=0, angle=0.03, length=0.03):
-    """The mechanism m with errors in the geometry of every joint."""
-    pi = np.random.default_rng(seed).normal(size=(m.n_bodies, 6)) * np.repeat([angle, length], 3)
-    return with_geometry(m, pi)
-
-
-def seen(m, q, frame, device=FAR):
-    return axode.lie.inverse(device) @ axode.poses(m, q)[:, m.frame_index(frame)]
-
-
-def noisy(C, deviations, random):
-    """The poses with noise of these standard deviations, in rad and m."""
-    return C @ axode.lie.exp(random.normal(size=(len(C), 6)) * np.repeat(deviations, 3))
-
-
-def measured(m, frame, N, deviations=(0, 0), seed=0, device=FAR):
-    q = m.random(seed=seed + 1, n=N)
-    return {"frame": frame, "q": q, "pose": noisy(seen(m, q, frame, device), deviations, np.random.default_rng(seed))}
 
 
 def error(found, true, frame, device=FAR, n=40):
@@ -53,91 +33,6 @@ def serial(kinds, seed=0):
         arm.body(f"link {k + 1}", on=on, joint=joint)
         on = f"link {k + 1}"
     return arm.frame("tool", on=on, position=random.uniform(-0.5, 0.5, 3)).build()
-
-
-def every_joint():
-    """A chain of every kind of joint, one of them coupled, on a base that floats."""
-    random = np.random.default_rng(3)
-    chain, on = axode.Builder("chain"), "ground"
-    for kind in ["free", "helical", "cylindrical", "universal", "spherical", "planar", "prismatic", "revolute", "fixed",
-                 "revolute"]:
-        name = f"{kind} body {len(chain.bodies)}"
-        joint = {"kind": kind, "name": f"{kind} {len(chain.bodies)}"}
-        if kind not in ("free", "fixed"):
-            joint |= {"point": random.uniform(-0.5, 0.5, 3)}
-        if kind not in ("free", "fixed", "spherical"):
-            joint |= {"axis": random.normal(size=3)}
-        if kind == "universal":
-            joint |= {"second_axis": np.cross(joint["axis"], [1, 2, 3])}
-        if kind == "helical":
-            joint |= {"pitch": 0.1}
-        if kind == "prismatic":
-            joint |= {"follows": {"joint": "helical 1", "ratio": 0.5, "offset": 0.1}}
-        given = {"A": {"position": random.uniform(-0.5, 0.5, 3), "rpy": random.uniform(-1, 1, 3)}}
-        given |= {"inertia_axes": {"rpy": [0.1, 0.2, 0.3]}, "inertia_about": "origin"} if kind == "helical" else {}
-        chain.body(name, on=on, joint=joint, mass=1, com=random.uniform(-1, 1, 3), inertia=[5, 5.5, 6], **given)
-        on = name
-    return chain.frame("tip", on=on, position=[0.1, 0.2, 0.3]).build()
-
-
-# ------------------------------------------------------------------------------------------ a model of other geometry
-
-
-@pytest.mark.parametrize("m", [*MECHANISMS.values(), every_joint()], ids=lambda m: m.name)
-def test_a_model_without_errors_is_the_one_that_was_drawn(m):
-    same = with_geometry(m, np.zeros((m.n_bodies, 6)))
-    q = m.random(n=5)
-    assert close(axode.poses(same, q), axode.poses(m, q), 1e-14) and close(same.parameters, m.parameters, 1e-14)
-    for names in ("body_names", "joint_names", "frame_names", "coordinate_names", "velocity_names", "warnings"):
-        assert getattr(same, names) == getattr(m, names)
-    for x, y in zip(same.joints, m.joints):
-        assert (x.kind, x.leader, x.pitch) == (y.kind, y.leader, y.pitch)
-        for value in ("lower", "upper", "velocity", "effort", "damping", "friction", "armature"):
-            assert np.array_equal(getattr(x, value), getattr(y, value)), (x.name, value)
-    assert np.array_equal(same.gravity, m.gravity)
-
-
-@pytest.mark.parametrize("m", [*MECHANISMS.values(), every_joint()], ids=lambda m: m.name)
-def test_errors_displace_what_they_say_and_keep_screws_and_inertias(m):
-    pi = np.random.default_rng(1).normal(0, 0.1, (m.n_bodies, 6))
-    other = with_geometry(m, pi)
-    for k, name in enumerate(m.body_names):
-        drawn, found = m.body(name), other.body(name)
-        assert close(found.B, drawn.B @ axode.lie.exp(pi[k]), 1e-13)
-        assert close(found.X, drawn.X, 1e-13) and close(found.M, drawn.M, 1e-13) and found.mass == drawn.mass
-    for name in m.frame_names:
-        assert m.frame_pose(name)[0] == other.frame_pose(name)[0]
-        assert close(other.frame_pose(name)[1], m.frame_pose(name)[1], 1e-13)
-    q, frame, h = m.random(n=1)[0], m.frame_names[-1], 1e-5
-    J = axode.frame_geometry_jacobian(other, q, frame)
-    for k in [0, m.n_bodies // 2, m.n_bodies - 1]:
-        for u in range(6):
-            step = np.zeros((m.n_bodies, 6))
-            step[k, u] = h
-            C = [axode.poses(with_geometry(other, s * step), q)[m.frame_index(frame)] for s in (-1, 1)]
-            assert np.allclose(axode.lie.log(axode.lie.inverse(C[0]) @ C[1]) / (2 * h), J[:, k, u], atol=1e-8)
-
-
-def test_a_tool_is_displaced_and_nothing_else():
-    m = MECHANISMS["humanoid"]
-    tool = axode.lie.exp([0.1, 0.2, 0.3, 0.01, 0.02, 0.03])
-    other = with_geometry(m, np.zeros((m.n_bodies, 6)), {"left_sole": tool})
-    q = m.random(n=3)
-    moved = axode.lie.inverse(axode.poses(m, q)) @ axode.poses(other, q)
-    k = m.frame_index("left_sole")
-    assert np.allclose(moved[:, k], tool, atol=1e-13)
-    assert np.allclose(np.delete(moved, k, axis=1), np.eye(4), atol=1e-13)
-    drawing = ARM.to_dict()  # a body on a plate that is itself measured, and has mass
-    drawing["body"].append({"name": "plate", "on": "link 7", "joint": "fixed", "mass": 1, "com": [0, 0, 1.4],
-                            "inertia": [0.01, 0.02, 0.02], "A": {"position": [0, 0, 1.3], "rpy": [0.1, 0.2, 0.3]}})
-    drawing["body"].append({"name": "wheel", "on": "plate", "joint": {"kind": "revolute", "axis": "x",
-                                                                      "point": [0, 0, 1.4]}})
-    m = axode.Model.from_dict(drawing)
-    other, q = with_geometry(m, np.zeros((8, 6)), {"plate": tool}), m.random(n=3)
-    moved = axode.lie.inverse(axode.poses(m, q)) @ axode.poses(other, q)
-    k = m.frame_index("plate")
-    assert np.allclose(moved[:, k], tool, atol=1e-13) and close(other.parameters, m.parameters, 1e-13)
-    assert np.allclose(np.delete(moved, k, axis=1), np.eye(4), atol=1e-13)
 
 
 # ------------------------------------------------------------------------------------------ without noise
