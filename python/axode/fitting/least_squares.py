@@ -13,7 +13,7 @@ __all__: list[str] = []
 Array = NDArray[np.float64]
 
 #: The largest number of entries of a matrix of all rows that are in memory at once.
-BLOCK = 1 << 22
+BLOCK = 1 << 20
 
 
 def blocks(rows: int, width: int) -> Iterator[slice]:
