@@ -84,7 +84,8 @@ TEST_P(ChoiceOfFrames, DoesNotChangeTheAccelerations) {
 }
 
 class MomentaInFrames : public testing::TestWithParam<Choice> {};
-INSTANTIATE_TEST_SUITE_P(Laws, MomentaInFrames, testing::ValuesIn(choices()), name_of_choice);
+INSTANTIATE_TEST_SUITE_P(Laws, MomentaInFrames, testing::Values(choices()[1], choices()[5], choices()[9]),
+                         name_of_choice);
 
 TEST_P(MomentaInFrames, GiveTheSameVelocitiesAndRates) {
   Comparison momentum("M v", how.agreement()), rate("p'", how.agreement());
