@@ -38,7 +38,7 @@ constexpr const char* footer = R"(Example:
 An FMU is a file that other simulators run. It contains the mechanism as a drawing, and a binary for this
 platform with the parts of axode that simulate it. Loops stay closed, and springs, motions and drives act as
 in `axode simulate`. In model exchange the other simulator integrates; in co-simulation the FMU does, with
-dopri5. Contact, hard stops and, in model exchange, dry friction and play are refused.
+dopri5. Contact, hard stops and, in model exchange, dry friction, losses of gears and play are refused.
 
 Variables are in SI units. States and outputs are the coordinates q.JOINT and the velocities v.JOINT, with
 the rates der(q.JOINT) and der(v.JOINT). Inputs are the drive forces tau.JOINT and, for every --load, the
@@ -102,7 +102,8 @@ void add_fmu(CLI::App& app, int& exit_code) {
   fmu->add_option("--load", options->loads, "A frame with a wrench as input; may be given again")
       ->type_name("FRAME")
       ->allow_extra_args(false);
-  fmu->add_flag("--joint-losses", options->joint_losses, "Count damping and friction of the joints");
+  fmu->add_flag("--joint-losses", options->joint_losses,
+                "Count damping, friction and losses of gears of the joints");
   fmu->footer(footer);
   fmu->callback([options, &exit_code] {
     run(*options);

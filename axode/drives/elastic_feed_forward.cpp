@@ -25,6 +25,13 @@ void check_drive(const ElasticDrive& drive, bool has_coordinate, const std::stri
     refuse("is elastic, but its joint has several velocities; give it an infinite stiffness");
 }
 
+void check_apart(const MotorMotion& motors, std::span<const double> q, std::span<const double> rates) {
+  for (const std::vector<double>* const x : {&motors.position, &motors.velocity, &motors.force}) {
+    check_separate("motors", std::span<const double>(*x), "q", q);
+    check_separate("motors", std::span<const double>(*x), "rates", rates);
+  }
+}
+
 }  // namespace
 
 ElasticFeedForward::ElasticFeedForward(const Model& model, std::vector<ElasticDrive> drives)
@@ -34,6 +41,9 @@ ElasticFeedForward::ElasticFeedForward(const Model& model, std::vector<ElasticDr
       coordinate_(static_cast<std::size_t>(model.nv()), -1) {
   const std::size_t nv = coordinate_.size();
   check_size("drives", drives_.size(), nv, "nv");
+  if (!model.springs().empty())
+    throw std::invalid_argument("ElasticFeedForward does not count springs, and model \"" + model.name() +
+                                "\" has springs; remove them");
   for (int i = 1; i <= model.n_bodies(); ++i) {
     const Joint& joint = model.joint(i);
     if (!joint.leader && joint.nv == 1) coordinate_[static_cast<std::size_t>(joint.iv)] = joint.iq;
@@ -53,6 +63,7 @@ void ElasticFeedForward::evaluate(std::span<const double> q, std::span<const dou
                                 "\" has loops; pass a TaskSpace of it, and task velocities");
   check_configuration(model_, q);
   check_size("rates", rates.size(), motion_.size(), "4 nv");
+  check_apart(motors, q, rates);
   chain_->evaluate(q, rates, forces_, loads);
   put_motors(q, rates, motors);
 }
@@ -61,6 +72,7 @@ TaskVerdict ElasticFeedForward::evaluate(TaskSpace& space, std::span<const doubl
                                          std::span<const double> rates, MotorMotion& motors,
                                          const Loads<double>& loads) {
   check_size("velocities of the space", static_cast<std::size_t>(space.model().nv()), driven_.size(), "nv");
+  check_apart(motors, q, rates);
   const TaskVerdict verdict = inverse_dynamics_rates(space, q, rates, forces_, motion_, loads);
   put_motors(q, motion_, motors);
   return verdict;

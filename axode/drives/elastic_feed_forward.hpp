@@ -28,11 +28,12 @@ struct MotorMotion {
 ///   k (θ - q) = Q,  I θ'' + Q = u   ⟹   θ = q + Q/k,  θ' = v + Q'/k,  u = Q + I (a + Q''/k)        (D17.18)
 /// where Q are the drive forces of inverse dynamics, without the inertias of the motors. Armatures of the
 /// model belong to the links. Motors that start with θ and θ' and get the force u let the links follow the
-/// motion without error. Springs have no damping, because a damped drive is not flat in this sense.
+/// motion without error. Springs of drives have no damping, because a damped drive is not flat in this sense.
 class ElasticFeedForward {
  public:
-  /// `drives` has a drive for each velocity (nv); those of passive joints are ignored. Throws
-  /// std::invalid_argument for a wrong number of drives, a stiffness that is not positive, an inertia that is
+  /// `drives` has a drive for each velocity (nv); those of passive joints are ignored. A motion of a tree with
+  /// passive joints must be one that its drives can produce. Throws std::invalid_argument for a model with
+  /// springs, for a wrong number of drives, a stiffness that is not positive, an inertia that is
   /// negative or not finite, and a finite stiffness on a joint with several velocities, which has no angle
   /// that a spring could measure.
   ElasticFeedForward(const Model& model, std::vector<ElasticDrive> drives);

@@ -135,7 +135,7 @@ DriveEquilibrium equilibrium_with_drives(const Model& model, DriveSystem& drives
   Statics statics(model, drives, t);
   AtRest at{{q.begin(), q.end()}, {x.begin(), x.end()}, {}, 0, {}};
   statics.evaluate(at);
-  bool moves = at.solvability.ok();
+  bool moves = at.solvability.ok() && at.residual > 0;
   for (int iteration = 0; moves && iteration < most_iterations; ++iteration) {
     const Vector step = statics.step(at);
     moves = false;

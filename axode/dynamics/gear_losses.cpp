@@ -94,8 +94,8 @@ void ResistingForces::start(const Matrix& Phi, const Vector& a_0) {
 }
 
 /// Solves the linear equations of the present pieces (D9.10) for x.
-ResistingForces::Vector ResistingForces::solve(const Matrix& Phi, const Vector& a_0,
-                                               const Vector& tau) const {
+ResistingForces::Vector ResistingForces::solve(const Matrix& Phi, const Vector& a_0, const Vector& tau,
+                                               double little) const {
   const Eigen::Index k = Phi.rows();
   Matrix A(k, k);
   Vector rhs(k), regular = Vector::Zero(k);
@@ -105,7 +105,7 @@ ResistingForces::Vector ResistingForces::solve(const Matrix& Phi, const Vector& 
     if (slide == 0) {
       A.row(i) = Phi.row(i) / joint.compliance;
       rhs[i] = -a_0[i] / joint.compliance;
-      regular[i] = regularisation;
+      regular[i] = little > 0 ? little : regularisation;
     } else {
       const double part = slide * sign * part_lost(i, slide, sign);
       A.row(i) = -part * joint.rotor * Phi.row(i);
@@ -117,7 +117,7 @@ ResistingForces::Vector ResistingForces::solve(const Matrix& Phi, const Vector& 
   regularised.diagonal() += regular;
   const Eigen::PartialPivLU<Matrix> factors(regularised);
   Vector x = factors.solve(rhs);
-  for (int pass = 0; pass < 2; ++pass) x += factors.solve(rhs - A * x);
+  for (int pass = 0; little == 0 && pass < 2; ++pass) x += factors.solve(rhs - A * x);
   return x;
 }
 
@@ -138,6 +138,44 @@ std::vector<ResistingForces::Boundary> ResistingForces::boundaries(Eigen::Index 
     all.push_back({most + slide * x[i], {slide, piece.sign}});
   }
   return all;
+}
+
+/// Follows the path from the problem of start() to that with a_0 and tau, and writes its solution to x_. The
+/// forces of sticking joints are regularised by `little`. Returns false if the path does not end, as where
+/// such forces are indeterminate.
+bool ResistingForces::follow(const Matrix& Phi, const Vector& a_0, const Vector& tau, double little) {
+  const Eigen::Index k = Phi.rows();
+  tau_ = tau;
+  start(Phi, a_0);
+  Vector now_a_0 = start_a_0_, now_x = x_, now_tau = tau_;
+  tau_ = tau;
+  for (Eigen::Index tries = 0; tries < 100 + 40 * k; ++tries) {
+    const Vector x = solve(Phi, a_0, tau, little), a = a_0 + Phi * x, now_a = now_a_0 + Phi * now_x;
+    double part = 1;
+    Eigen::Index first = -1;
+    Piece beyond{};
+    for (Eigen::Index i = 0; i < k; ++i) {
+      const std::vector<Boundary> now = boundaries(i, now_x, now_a, now_tau), end = boundaries(i, x, a, tau);
+      const double none = rounding * (magnitude(i, a_0) + std::abs(x[i]));
+      for (std::size_t b = 0; b < end.size(); ++b) {
+        if (!(end[b].value < -none)) continue;
+        const double from = std::max(now[b].value, 0.0), at_end = from / (from - end[b].value);
+        if (first >= 0 && !(at_end < part)) continue;
+        part = at_end;
+        first = i;
+        beyond = end[b].beyond;
+      }
+    }
+    if (first < 0) {
+      x_ = x;
+      return true;
+    }
+    now_x += part * (x - now_x);
+    now_tau += part * (tau - now_tau);
+    now_a_0 += part * (a_0 - now_a_0);
+    pieces_[at(first)] = beyond;
+  }
+  return false;
 }
 
 int ResistingForces::find(const Matrix& Phi, const Vector& a_0, std::span<const ResistingJoint> joints) {
@@ -168,32 +206,11 @@ int ResistingForces::find(const Matrix& Phi, const Vector& a_0, std::span<const 
     const Vector x = solve(Phi, a_0, tau);
     if (x.allFinite() && inside(x, a_0 + Phi * x)) return finish(x);
   }
-  start(Phi, a_0);
-  Vector now_a_0 = start_a_0_, now_x = x_, now_tau = tau_;
-  const Vector start_tau = tau_;
-  tau_ = tau;
-  for (Eigen::Index tries = 0; tries < 100 + 40 * k; ++tries) {
-    const Vector x = solve(Phi, a_0, tau), a = a_0 + Phi * x, now_a = now_a_0 + Phi * now_x;
-    double part = 1;
-    Eigen::Index first = -1;
-    Piece beyond{};
-    for (Eigen::Index i = 0; i < k; ++i) {
-      const std::vector<Boundary> now = boundaries(i, now_x, now_a, now_tau), end = boundaries(i, x, a, tau);
-      const double none = rounding * (magnitude(i, a_0) + std::abs(x[i]));
-      for (std::size_t b = 0; b < end.size(); ++b) {
-        if (!(end[b].value < -none)) continue;
-        const double from = std::max(now[b].value, 0.0), at_end = from / (from - end[b].value);
-        if (first >= 0 && !(at_end < part)) continue;
-        part = at_end;
-        first = i;
-        beyond = end[b].beyond;
-      }
-    }
-    if (first < 0) return finish(x);
-    now_x += part * (x - now_x);
-    now_tau += part * (tau - now_tau);
-    now_a_0 += part * (a_0 - now_a_0);
-    pieces_[at(first)] = beyond;
+  if (follow(Phi, a_0, tau, 0)) return finish(x_);
+  constexpr double little = 1e-8;
+  if (follow(Phi, a_0, tau, little)) {
+    const Vector x = solve(Phi, a_0, tau);
+    return finish(x.allFinite() && inside(x, a_0 + Phi * x) ? x : x_);
   }
   pieces_.clear();
   return static_cast<int>(

@@ -24,7 +24,8 @@ struct ResistingJoint {
 /// F = τ - I a + x is the force that a gear transmits. The equations are linear as long as every F keeps its
 /// sign and every joint at rest either sticks or slides in one direction. A path leads from a problem whose
 /// solution is known to the given one, through one such piece after the other (Katzenelson). It ends if the
-/// solution is unique for all forces, which is checked by (D9.12).
+/// solution is unique for all forces, which is checked by (D9.12). The forces of joints that stick in loops may
+/// be indeterminate; the path is followed with regularised forces then.
 class ResistingForces {
  public:
   using Matrix = Eigen::MatrixXd;
@@ -64,7 +65,8 @@ class ResistingForces {
   }
   int not_unique(const Matrix& Phi) const;
   void start(const Matrix& Phi, const Vector& a_0);
-  Vector solve(const Matrix& Phi, const Vector& a_0, const Vector& tau) const;
+  Vector solve(const Matrix& Phi, const Vector& a_0, const Vector& tau, double little = 0) const;
+  bool follow(const Matrix& Phi, const Vector& a_0, const Vector& tau, double little);
   std::vector<Boundary> boundaries(Eigen::Index i, const Vector& x, const Vector& a, const Vector& tau) const;
   double magnitude(Eigen::Index i, const Vector& a_0) const;
 

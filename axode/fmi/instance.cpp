@@ -61,6 +61,10 @@ void check_supported(const Model& model, const Settings& settings, Kind kind) {
   if (model.description().contact)
     throw std::invalid_argument(fmu + " does not count contact, and model \"" + model.name() +
                                 "\" has settings of contact; remove [contact], or simulate it with axode");
+  const auto loses = [&](const Dof& dof) {
+    return settings.joint_losses &&
+           (dof.friction != 0 || dof.gear_loss != 0 || dof.gear_loss_back.value_or(0) != 0);
+  };
   for (const Joint& joint : model.joints())
     for (const Dof& dof : joint.dof) {
       const std::string where = "joint \"" + joint.name + '"';
@@ -70,6 +74,12 @@ void check_supported(const Model& model, const Settings& settings, Kind kind) {
         refuse("dry friction", where, "export it for co-simulation, or without joint losses");
       if (exchange && settings.joint_losses && (dof.gear_loss != 0 || dof.gear_loss_back.value_or(0) != 0))
         refuse("a loss of a gear", where, "export it for co-simulation, or without joint losses");
+      const std::string losses = "dry friction or losses of gears ";
+      if (loses(dof) &&
+          std::ranges::find(model.motions(), joint.name, &MotionDescription::of) != model.motions().end())
+        refuse(losses + "of a joint that follows a motion", where, "export it without joint losses");
+      if (loses(dof) && !model.loops().backlashes.empty())
+        refuse(losses + "together with play", where, "export it without joint losses");
     }
 }
 
@@ -189,6 +199,7 @@ void Instance::step(double t, double h) {
   at_.q.assign(motion_->q().begin(), motion_->q().end());
   at_.v.assign(motion_->v().begin(), motion_->v().end());
   at_.x.assign(motion_->x().begin(), motion_->x().end());
+  if (!equations_.drives().empty()) equations_.act_by(motion_->drives());
   state_changed();
 }
 
@@ -418,7 +429,8 @@ std::optional<Eigen::Index> Instance::column(const Variable& known) const {
 
 Eigen::MatrixXd Instance::jacobian(References unknowns, References knowns) {
   prepare();
-  if (has_jumps()) throw std::runtime_error("there are no derivatives with dry friction or play");
+  if (has_jumps())
+    throw std::runtime_error("there are no derivatives with dry friction, losses of gears or play");
   if (!jacobian_) jacobian_ = equations_.jacobian(at_, table_.frames());
   const Eigen::MatrixXd& all = *jacobian_;
   Eigen::MatrixXd J = Eigen::MatrixXd::Zero(static_cast<Eigen::Index>(unknowns.size()),

@@ -63,7 +63,11 @@ std::vector<double> MotionEquations::normalized(Span q) const {
 void MotionEquations::start(Point& at) {
   at.q = normalized(at.q);
   if (loops_) {
-    loops_->motions().check_times(at.t, at.t);
+    try {
+      loops_->motions().check_times(at.t, at.t);
+    } catch (const std::invalid_argument& error) {
+      throw NoRates(error.what());  // a solver tries a shorter step then
+    }
     loops_->set_time(at.t);
     if (!is_closed(at)) {
       AssemblyResult found = assemble(model_, at.q, at.v, {.time = at.t});
@@ -279,7 +283,7 @@ Eigen::VectorXd MotionEquations::acceleration_by(const Point& at, const Paramete
     return Eigen::VectorXd(as_eigen(Span(force)) - as_eigen(Span(springs)));
   };
   Description numbers = model_.description();
-  const double value = std::abs(parameter.in(numbers)), h = value > 0 ? value / 4 : 0.25;
+  const double value = std::abs(parameter.in(numbers)), h = parameter.step * (value > 0 ? value : 1);
   // Numbers that are 0 may not become negative.
   const Eigen::VectorXd change =
       value > 0 ? Eigen::VectorXd(missing_force(h) - missing_force(-h))

@@ -46,6 +46,8 @@ class MotionEquations {
 
   const Model& model() const { return model_; }
   const DriveSystem& drives() const { return drives_; }
+  /// Continues with the statuses and inputs of other drives of the same mechanism.
+  void act_by(const DriveSystem& drives) { drives_ = drives; }
 
   /// Makes (q, v) a state of the mechanism: quaternions of unit norm, loops that are closed, motions that are
   /// followed; and chooses the statuses of the drives. Throws std::runtime_error if the loops cannot be

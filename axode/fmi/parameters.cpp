@@ -78,6 +78,7 @@ class Parameters {
     const auto number = [&](const char* what, const char* unit, double SpringDescription::*member) {
       add(name + "." + what, unit, std::string(what) + " of the spring",
           [i, member](Description& d) -> double& { return d.springs[i].*member; });
+      if (spring.acts != Acts::both_ways) all.back().step = 0x1p-17;
     };
     if (!spring.curve) {
       number("stiffness", mixed ? "" : turns ? "N.m/rad" : "N/m", &SpringDescription::stiffness);

@@ -32,6 +32,8 @@ class SteppedMotion {
   Span q() const { return {run_.q.data(), static_cast<std::size_t>(run_.q.size())}; }
   Span v() const { return {run_.v.data(), static_cast<std::size_t>(run_.v.size())}; }
   Span a() const { return {run_.a.data(), static_cast<std::size_t>(run_.a.size())}; }
+  /// The drives with their present statuses and inputs.
+  const DriveSystem& drives() { return run_.drives().system(); }
   Span x() { return {run_.drives().x.data(), run_.drives().size()}; }
   Span dx() { return {run_.drives().dx.data(), run_.drives().size()}; }
 

@@ -39,6 +39,13 @@ template <class F> void each_own_joint(const Model& model, const F& f) {
     if (!joint.leader) f(joint);
 }
 
+/// Throws if a frame is named twice, because names of variables must differ.
+void refuse_repeated(const std::vector<std::string>& names, const std::string& what) {
+  for (auto name = names.begin(); name != names.end(); ++name)
+    if (std::find(names.begin(), name, *name) != name)
+      throw std::invalid_argument(what + ": frame \"" + *name + "\" is given twice; give it once");
+}
+
 std::string rate_of(const std::string& name) { return "der(" + name + ")"; }
 
 }  // namespace
@@ -158,6 +165,7 @@ void VariableTable::add_forces(const Model& model) {
 }
 
 void VariableTable::add_loads(const Model& model, const Settings& settings) {
+  refuse_repeated(settings.loads, "loads");
   for (const std::string& name : settings.loads) {
     loads_.push_back(model.frame_index(name));
     for (const bool is_moment : {true, false})
@@ -170,6 +178,7 @@ void VariableTable::add_loads(const Model& model, const Settings& settings) {
 }
 
 void VariableTable::add_poses(const Model& model, const Settings& settings) {
+  refuse_repeated(settings.frames, "frames");
   for (const std::string& name : settings.frames) {
     frames_.push_back(model.frame_index(name));
     for (int k = 0; k < 9; ++k)

@@ -14,7 +14,7 @@ namespace axode::fmi {
 
 /// The choices with which an FMU is made, besides the mechanism.
 struct Settings {
-  bool joint_losses = false;             ///< whether damping and dry friction of joints act
+  bool joint_losses = false;             ///< whether damping, dry friction and gears act
   std::vector<std::string> frames = {};  ///< frames whose poses are outputs
   std::vector<std::string> loads = {};   ///< frames on which wrenches act that are inputs
 };
@@ -53,6 +53,9 @@ struct Parameter {
   /// Whether accelerations at a given state are known functions of it, at most quadratic before the inversion
   /// of the mass matrix, so that central differences of inverse dynamics have no error but rounding.
   bool has_derivative = true;
+  /// The step of these differences relative to the number. It is small if the force has kinks, as that of a
+  /// one-sided spring.
+  double step = 0.25;
 };
 
 /// A stop whose gap is an event indicator: side × (limit - p) for the position p = ratio q + offset of a

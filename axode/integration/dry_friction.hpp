@@ -60,7 +60,7 @@ class DryFriction {
   /// that sticking velocities remain 0 (D9.7). The first of `derivatives` is ∂a/∂τ.
   void constrain_derivatives(std::initializer_list<std::span<double>> derivatives);
 
-  /// The largest acceleration of a sticking velocity in apply_sticking_forces() since reset_violation(),
+  /// The largest acceleration of a sticking velocity in apply_friction() since reset_violation(),
   /// relative to the tolerance (D9.6): more than 1 if friction cannot hold a joint.
   double violation() const { return violation_; }
   void reset_violation() { violation_ = 0; }
@@ -73,7 +73,7 @@ class DryFriction {
   /// Sets sticking velocities to 0. Sliding velocities that have come to rest, or will do so within the time
   /// `within`, stick from now on; returns whether there was one.
   bool stop_sliding(std::span<double> v, Span a, double within);
-  /// Sticking velocities that have an acceleration after apply_sticking_forces() slide from now on.
+  /// Sticking velocities that have an acceleration after apply_friction() slide from now on.
   void start_sliding(Span a);
 
  private:

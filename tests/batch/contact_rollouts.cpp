@@ -1,5 +1,6 @@
 #include "axode/batch/contact_rollout.hpp"
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -8,6 +9,7 @@
 #include <thread>
 
 #include "axode/integration/momenta/simulate_contact.hpp"
+#include "axode/io.hpp"
 #include "axode/model/configuration.hpp"
 #include "tests/contact/two_shapes.hpp"
 
@@ -147,6 +149,45 @@ TEST(ContactRollout, HasNoCompleteMotionIfTheMonitorEndsIt) {
     const std::size_t after_a_portion = 64;
     EXPECT_TRUE(std::isnan(out.q[after_a_portion * Thrown::nq]));
   }
+}
+
+TEST(ContactRollout, RefusesLoopsThatAreOpen) {
+  const Model model = load(AXODE_SOURCE_DIR "/examples/robots/four_bar.toml");
+  const ContactShapes shapes(model);
+  const Numbers open{0.1, 0.1, 0.1}, rest(3);
+  Numbers q(6), v(6);
+  EXPECT_THAT(
+      [&] {
+        static_cast<void>(batch::rollout_with_contact(model, shapes, open, rest, rest, 1e-3, q, v, {}));
+      },
+      testing::ThrowsMessage<std::invalid_argument>(testing::HasSubstr("open")));
+}
+
+/// Four corners of a box slide while it turns. Their forces are determined badly, and rounding moves them by
+/// more than the tolerance of the iteration.
+TEST(ContactRollout, ObeysTheLawWhereFrictionDeterminesForcesBadly) {
+  Description d{.name = "box on an incline"};
+  const SO3<> tilt = exp_SO3(Vec3<>{0, 0.26, 0});
+  const Vec3<> center = tilt * Vec3<>{0, 0, 0.1};
+  d.contact = ContactDescription{.friction = 0.5};
+  d.shapes.push_back(collision_shape(ShapeKind::plane, {}, 0, 0));
+  d.shapes.back().pose.R = tilt;
+  d.bodies.push_back({.name = "box",
+                      .joint = {.kind = JointKind::free},
+                      .inertia = MassProperties{.mass = 2, .com = center, .Theta = {0.0133, 0.0133, 0.0133}},
+                      .shapes = {collision_shape(ShapeKind::box, {0.2, 0.2, 0.2}, 0, 0)}});
+  d.bodies.back().shapes.back().pose = {tilt, center};
+  const Model model = ModelBuilder(d).build();
+  const ContactShapes shapes(model);
+  constexpr std::size_t K = 1000;
+  Random<double> random(1);
+  std::vector<double> tau(6 * K), q(7 * (K + 1)), v(6 * (K + 1)), certificates(K);
+  for (double& x : tau) x = random.number(-2, 2);
+  const std::vector<double> start = neutral(model), rest(6);
+  const batch::Outcome outcome =
+      batch::rollout_with_contact(model, shapes, start, rest, tau, 0.002, q, v, certificates);
+  EXPECT_TRUE(outcome.ok());
+  EXPECT_LE(std::ranges::max(certificates), 1e-9);
 }
 
 /// A state that is not finite is a failure of its motion alone, and no point of contact is sought there.

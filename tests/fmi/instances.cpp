@@ -129,7 +129,8 @@ TEST(FmuDerivatives, AreThoseOfRatesAndPosesOfRandomTrees) {
     Random<double> random(seed);
     const State<double> state = random_state(model, random);
     const std::string last = model.frame(model.n_bodies()).name;
-    const fmi::Settings settings{false, {last}, {model.frame(1).name, last}};
+    fmi::Settings settings{false, {last}, {last}};
+    if (model.n_bodies() > 1) settings.loads.push_back(model.frame(1).name);
     Instance instance = instance_of(model, Kind::model_exchange, settings);
     instance.enter_initialization(0, {});
     instance.exit_initialization();
@@ -454,7 +455,7 @@ TEST(FmuErrors, RefuseInOneSentenceWhatAKindDoesNotCount) {
       "export it for co-simulation, or without joint losses");
   EXPECT_EQ(refused(driven_pendulum(), Kind::co_simulation, losses), "nothing was refused");
   Description lossy = shipped("double_pendulum.toml").description();
-  lossy.bodies[0].joint.dof[0].gear_loss = 0.2;
+  lossy.bodies[0].joint.dof = {{.gear_loss = 0.2}};
   const Model with_gear = ModelBuilder(lossy).build();
   EXPECT_THAT(refused(with_gear, Kind::model_exchange, losses),
               HasSubstr("does not count a loss of a gear, and joint \"pin\""));
@@ -471,6 +472,14 @@ TEST(FmuErrors, RefuseInOneSentenceWhatAKindDoesNotCount) {
                 fmi::fmu_files(shipped("arm7.toml"), {.settings = {false, {"hand"}}}, "");
               }),
               HasSubstr("no frame \"hand\""));
+  EXPECT_THAT(refusal([] {
+                fmi::fmu_files(shipped("arm7.toml"), {.settings = {false, {"flange", "flange"}}}, "");
+              }),
+              HasSubstr("frames: frame \"flange\" is given twice"));
+  Description driven = driven_pendulum().description();
+  driven.motions.push_back({.of = "pin", .coefficients = {0, 1}});
+  EXPECT_THAT(refused(ModelBuilder(driven).build(), Kind::co_simulation, losses),
+              HasSubstr("of a joint that follows a motion, and joint \"pin\""));
   EXPECT_THAT(refusal([] { fmi::fmu_files(shipped("arm7.toml"), {.kinds = {}}, ""); }),
               HasSubstr("needs a kind"));
 }

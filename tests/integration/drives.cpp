@@ -74,6 +74,21 @@ TEST(Drives, SamplesAreJoinedByLinesOrHeld) {
   EXPECT_EQ(at(1.25, false), Numbers({2.5, 3.5, 4.5, 5.5}));
 }
 
+/// While nothing moves, the error of a step is 0 whatever its length is.
+TEST(Drives, AreNotMissedAfterARest) {
+  const Model cart = ModelBuilder("cart")
+                         .add({.name = "cart",
+                               .joint = {.name = "x", .kind = JointKind::prismatic, .axis = {1, 0, 0}},
+                               .inertia = MassProperties{.mass = 1, .Theta = {1, 1, 1, 0, 0, 0}}})
+                         .build();
+  const std::vector<double> zero(1), times{0, 4, 4.1, 4.4, 4.5, 10}, tau{0, 0, 1, 1, 0, 0};
+  SimulationOptions options;
+  options.drive = SampledDrive(cart, times, tau);
+  const Trajectory motion = simulate(cart, zero, zero, 10, {}, options);
+  ASSERT_TRUE(motion.complete);
+  EXPECT_NEAR(motion.v(motion.size() - 1)[0], 0.4, 1e-6);  // the force has kinks
+}
+
 TEST(Drives, AProportionalDerivativeDriveIsItsFormulaOnTheGroup) {
   for_seeds(50, [](std::uint64_t seed) {
     const Driven subject(seed);

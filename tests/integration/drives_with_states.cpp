@@ -254,6 +254,9 @@ TEST(DrivesWithStates, SmallMotionsAreThoseOfTheLinearSystem) {
   Numbers x(drives.nx());
   drives.start(0, {{0.4}}, {{0.0}}, x);
   const DriveEquilibrium rest = equilibrium_with_drives(model, drives, 0, {{0.4}}, x);
+  const Model nothing = ModelBuilder("nothing").build();
+  DriveSystem without(nothing);
+  EXPECT_TRUE(equilibrium_with_drives(nothing, without, 0, {}, {}).found);
   ASSERT_TRUE(rest.found) << rest.residual;
   EXPECT_NEAR(rest.q[0], 0.5, 1e-12);
   const DriveLinearization linear = linearize_with_drives(model, drives, 0, rest.q, {{0.0}}, rest.x);

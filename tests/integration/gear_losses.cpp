@@ -380,7 +380,8 @@ TEST(GearLosses, HoldLoops) {
     };
     const Trajectory motion = simulate(model, q, rest, 0.05, tight, options);
     ASSERT_TRUE(motion.complete) << motion.stop_reason;
-    EXPECT_EQ(apart(model, q, last_q(motion)) == 0, sticks) << part;
+    constexpr double by_closing = 1e-15;  // the loops are closed again after each step
+    EXPECT_EQ(apart(model, q, last_q(motion)) <= by_closing, sticks) << part;
   }
 }
 

@@ -216,7 +216,7 @@ void ContactStep::apply(End& end, const Vector& v_before, Vector& v_after) {
 }
 
 Failure ContactStep::move(double t, double h, const Vector& q_0, const Vector& v_0, double margin) {
-  constexpr int most = 25, first_fixed = 2, most_failed = 2;
+  constexpr int most = 25, first_fixed = 2, settled = 8, most_failed = 2;
   constexpr double rounding = 1e-13;
   VelocityProblem& problem = start_.system.problem();
   ContactSystem& system = start_.system;
@@ -245,7 +245,7 @@ Failure ContactStep::move(double t, double h, const Vector& q_0, const Vector& v
   for (const double d2 : problem.squared_scales()) weights_.push_back(1 / std::sqrt(d2));
   secants_.restart();
   int failed = 0;
-  double part = 0, least = std::numeric_limits<double>::infinity();
+  double part = 0, least = std::numeric_limits<double>::infinity(), least_error = least;
   for (int k = 0; k < most; ++k) {
     if (k > first_fixed || hard_)
       if (Failure failure = run_->interruption(t)) return failure;
@@ -262,6 +262,14 @@ Failure ContactStep::move(double t, double h, const Vector& q_0, const Vector& v
     }
     if (Failure failure = find(run_->q_end, margin, found_, t + h)) return failure;
     set_r_of_start(h, k < first_fixed);
+    if (k > settled) {
+      const double e = law_error();
+      if (e <= accepted && e >= 0.5 * least_error) {
+        certificate = e;
+        return {};
+      }
+      least_error = std::min(least_error, e);
+    }
     if (k > 0) secants_.update(r_, weights_, problem.r);
     r_ = problem.r;
     before_ = start_.lambda;
@@ -284,6 +292,12 @@ Failure ContactStep::move(double t, double h, const Vector& q_0, const Vector& v
   apply(start_, v_0, v_after_);
   if (Failure failure = run_->fly(t, h, q_0, v_after_)) return failure;
   return find(run_->q_end, margin, found_, t + h);
+}
+
+double ContactStep::law_error() {
+  const VelocityProblem& problem = start_.system.problem();
+  scratch_.resize(2 * index(problem.rows()) + index(problem.nv()));
+  return axode::certificate(problem, start_.lambda.data(), scratch_.data());
 }
 
 void ContactStep::set_r_of_start(double h, bool choose) {

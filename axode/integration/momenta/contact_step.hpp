@@ -66,6 +66,10 @@ class ContactStep {
   double reach(double h, const Vector& v_0);
   /// Iterates for the impulses at the start and the free motion after them.
   Failure move(double t, double h, const Vector& q_0, const Vector& v_0, double margin);
+  /// The certificate of the multipliers of the last free motion in the law at its end, which is the problem with
+  /// the r that set_r_of_start() has found. It is small where rounding moves the multipliers, because friction
+  /// determines them badly.
+  double law_error();
   /// Sets r of the problem at the start by the last free motion.
   void set_r_of_start(double h, bool choose);
   /// Solves the problem at the end of the free motion.
@@ -110,6 +114,7 @@ class ContactStep {
   std::vector<double> r_;        ///< right sides of the last problem at the start
   std::vector<double> weights_;  ///< 1/d of the rows at the start
   Multisecant secants_;          ///< of the right sides
+  std::vector<double> scratch_;  ///< of law_error()
   std::vector<double> between_;  ///< velocities of the rows at the start after its impulses; multipliers
   bool hard_ = false;            ///< whether the last problem needed further starts
   Failure interruption_ = {};    ///< of the last problem

@@ -48,6 +48,7 @@ class AbsoluteSimulationRun {
   LocalCoordinates local_coordinates() const { return run_.local_coordinates(); }
   ConfigurationGroup<double> group() const { return ConfigurationGroup<double>(tree(), local_coordinates()); }
   DriveStates& drives() { return run_.drives(); }
+  bool is_driven_in_time() const { return run_.is_driven_in_time(); }
   bool done() const { return run_.done(); }
   double now() const { return run_.now(); }
   double step_end(double t_1) const { return run_.step_end(t_1); }

@@ -19,6 +19,8 @@ class DriveStates {
 
   explicit DriveStates(DriveSystem system);
 
+  /// The drives with their statuses and inputs.
+  const DriveSystem& system() const { return system_; }
   bool empty() const { return system_.empty(); }
   std::size_t size() const { return system_.nx(); }
   const Vector& nominal() const { return nominal_; }

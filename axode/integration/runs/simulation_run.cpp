@@ -463,6 +463,10 @@ Failure SimulationRun::continue_until(double until) {
 }
 
 Failure SimulationRun::forces_changed() {
+  if (friction_.active()) {  // joints at rest may stick under the new forces
+    stop_sliding(0);
+    friction_.start(as_span(v));
+  }
   if (Failure failure = accelerate_now()) return failure;
   friction_.start_sliding(as_span(a));
   trajectory.jump(as_span(v), as_span(a), as_span(drives_.x), as_span(drives_.dx));

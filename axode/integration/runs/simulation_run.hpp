@@ -101,6 +101,8 @@ class SimulationRun {
     const double t = std::min(t_1, drives_.next_jump(now()));
     return loops_ ? std::min(t, loops_->motions().next_jump(now())) : t;
   }
+  /// Whether forces or motions are functions of time.
+  bool is_driven_in_time() const { return options_.drive || (loops_ && !loops_->motions().rows().empty()); }
   DriveStates& drives() { return drives_; }
   const Tree<double>& tree() const { return model_.tree<double>(); }
   LocalCoordinates local_coordinates() const { return options_.local_coordinates; }

@@ -114,7 +114,9 @@ template <class Run> void take_adapted_steps(Run& run, double until, const Toler
     return std::sqrt(squares /
                      std::max(1.0, static_cast<double>(scheme.theta.size() + scheme.error_y.size())));
   };
-  const double most = tolerances.largest_step > 0 ? tolerances.largest_step : until;
+  // While nothing moves, errors do not tell when a force or a motion begins.
+  const double unless_given = run.is_driven_in_time() ? until / 50 : until;
+  const double most = tolerances.largest_step > 0 ? tolerances.largest_step : unless_given;
   double h = tolerances.first_step;
   if (!(h > 0)) {
     const Eigen::Index n = static_cast<Eigen::Index>(run.v.size());

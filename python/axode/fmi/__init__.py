@@ -29,9 +29,10 @@ def export(m: Model, file: str | os.PathLike[str], *, version: Literal["3.0", "2
            frames: Sequence[str] = (), loads: Sequence[str] = ()) -> None:
     """Writes a mechanism as an FMU for a version of FMI, for model exchange, co-simulation or both.
 
-    Loops stay closed, and springs, prescribed motions and drives act as in `simulate`, damping and friction of
-    joints with `joint_losses`. Poses of the frames in `frames` are outputs, and wrenches on those in `loads` are
-    inputs. Contact, hard stops and, in model exchange, dry friction and play raise ValueError.
+    Loops stay closed, and springs, prescribed motions and drives act as in `simulate`, damping, friction and
+    losses of gears of joints with `joint_losses`. Poses of the frames in `frames` are outputs, and wrenches on those in `loads` are
+    inputs. Contact, hard stops and, in model exchange, dry friction, losses of gears and
+    play raise ValueError.
 
     >>> import tempfile
     >>> with tempfile.TemporaryDirectory() as folder:
