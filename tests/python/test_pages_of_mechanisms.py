@@ -62,6 +62,9 @@ def test_every_body_is_drawn_where_its_joints_are(file, tmp_path):
     for loop in scene["loops"]:
         for end in loop["ends"]:
             places[end["body"]].append(end["pose"][:3])
+    for line in scene["lines"]:
+        for end in line["ends"]:
+            places[end["body"]].append(end["point"])
     drawn = {shape["body"] for shape in scene["shapes"] if shape["role"] == "visual"}
     assert drawn - {0}, "no body is drawn"
     for i, body in enumerate(bodies[1:], 1):

@@ -40,8 +40,7 @@ TaskVerdict judged(TaskVerdict verdict, std::initializer_list<std::span<double>>
   for (const std::span<double> x : results)
     if (verdict.ok() && !finite(x)) verdict.kind = TaskVerdict::Kind::not_finite;
   if (!verdict.ok())
-    for (const std::span<double> x : results)
-      std::ranges::fill(x, std::numeric_limits<double>::quiet_NaN());
+    for (const std::span<double> x : results) std::ranges::fill(x, std::numeric_limits<double>::quiet_NaN());
   return verdict;
 }
 

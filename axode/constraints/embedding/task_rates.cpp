@@ -32,8 +32,7 @@ TaskVerdict inverse_dynamics_rates(TaskSpace& space, std::span<const double> q, 
 
   system.update_kinematics(q.data());
   system.make_rows(ConstraintLevel::velocity);
-  if (const TaskVerdict verdict = kernel.resolve(); !verdict.ok())
-    return judged(verdict, {tau, motion});
+  if (const TaskVerdict verdict = kernel.resolve(); !verdict.ok()) return judged(verdict, {tau, motion});
   std::vector<double> v((orders + 1) * nv), forces(orders * nv);
   LoopSeries loops(model, static_cast<int>(orders));
   for (std::size_t k = 0; k <= orders; ++k) {

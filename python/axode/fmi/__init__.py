@@ -13,9 +13,8 @@ from pathlib import Path
 from typing import Literal
 
 from .. import _axode
-from ..support import signatures
 from .._axode import Model
-from ..support.written_files import replacing
+from ..support import signatures, written_files
 
 __all__ = ["export"]
 
@@ -42,7 +41,7 @@ def export(m: Model, file: str | os.PathLike[str], *, version: Literal["3.0", "2
         raise RuntimeError(f"this build of axode has no binary for FMUs: there is no {BINARY}")
     contents = _axode.fmu_files(m, version, list(kinds), bool(joint_losses), list(frames), list(loads),
                                 BINARY.read_bytes())
-    with replacing(Path(os.fspath(file))) as unfinished, zipfile.ZipFile(unfinished, "w", zipfile.ZIP_DEFLATED) as archive:
+    with written_files.replacing(Path(os.fspath(file))) as unfinished, zipfile.ZipFile(unfinished, "w", zipfile.ZIP_DEFLATED) as archive:
         for name, data in contents:
             archive.writestr(zipfile.ZipInfo(name), data, zipfile.ZIP_DEFLATED)
 
