@@ -102,8 +102,8 @@ struct Compilation {
 
   int body_of(const std::string& frame) const { return model.frame(model.frame_index(frame)).body; }
 
-  /// The pairs of moving bodies that a joint or a loop joint connects, the smaller index first. Rods and belts,
-  /// which are drawn by two points, keep their bodies apart.
+  /// The pairs of moving bodies that a joint or a loop joint connects, the smaller index first. Rods and
+  /// belts, which are drawn by two points, keep their bodies apart.
   std::set<std::pair<int, int>> joined_bodies() const {
     std::set<std::pair<int, int>> joined;
     const auto join = [&](const std::string& one, const std::string& other) {

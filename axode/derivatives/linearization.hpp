@@ -19,8 +19,8 @@ template <class T> struct Linearization { std::span<T> A, B; };
 /// a = 0 and v = 0, the state is an equilibrium, and A and B are constant; otherwise A and B hold at this
 /// instant only. Loads, losses, units and cost are those of forward_dynamics_derivatives. No allocation.
 /// Throws std::invalid_argument for loops, prescribed motions, drives with states, a wrong size, quaternions
-/// that are not of unit norm, a load on a frame that does not exist and results that overlap. If the status is
-/// not ok(), all results are NaN.
+/// that are not of unit norm, a load on a frame that does not exist and results that overlap. If the status
+/// is not ok(), all results are NaN.
 template <class T>
 Solvability linearize(const Model& model, Workspace<T>& workspace, Numbers<T> q, Numbers<T> v, Numbers<T> tau,
                       const std::type_identity_t<Linearization<T>>& linear,

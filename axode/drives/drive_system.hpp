@@ -35,7 +35,8 @@ class DriveSystem {
   using Span = std::span<const double>;
 
   /// The drives of the description, followed by `more`. Throws std::invalid_argument for unknown joints, for
-  /// joints that do not have one velocity, and for drives of `more` without a law, a joint or a finite factor.
+  /// joints that do not have one velocity, and for drives of `more` without a law, a joint or a finite
+  /// factor.
   explicit DriveSystem(const Model& model, std::span<const AddedDrive> more = {});
 
   bool empty() const { return drives_.empty(); }

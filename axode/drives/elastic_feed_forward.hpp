@@ -31,9 +31,9 @@ struct MotorMotion {
 /// motion without error. Springs of drives have no damping, because a damped drive is not flat in this sense.
 class ElasticFeedForward {
  public:
-  /// `drives` has a drive for each velocity (nv); those of passive joints are ignored. A motion of a tree with
-  /// passive joints must be one that its drives can produce. Throws std::invalid_argument for a model with
-  /// springs, for a wrong number of drives, a stiffness that is not positive, an inertia that is
+  /// `drives` has a drive for each velocity (nv); those of passive joints are ignored. A motion of a tree
+  /// with passive joints must be one that its drives can produce. Throws std::invalid_argument for a model
+  /// with springs, for a wrong number of drives, a stiffness that is not positive, an inertia that is
   /// negative or not finite, and a finite stiffness on a joint with several velocities, which has no angle
   /// that a spring could measure.
   ElasticFeedForward(const Model& model, std::vector<ElasticDrive> drives);

@@ -20,12 +20,12 @@ struct ResistingJoint {
   double compliance = 0;  ///< acceleration that a unit force causes in the tree without loops
 };
 
-/// The friction forces x of resisting joints and their accelerations a = a_0 + Φ x, by (D9.10) and (D9.11).
-/// F = τ - I a + x is the force that a gear transmits. The equations are linear as long as every F keeps its
+/// The friction forces x of resisting joints and their accelerations a = a_0 + Φ x, by (D9.10) and (D9.11). F
+/// = τ - I a + x is the force that a gear transmits. The equations are linear as long as every F keeps its
 /// sign and every joint at rest either sticks or slides in one direction. A path leads from a problem whose
 /// solution is known to the given one, through one such piece after the other (Katzenelson). It ends if the
-/// solution is unique for all forces, which is checked by (D9.12). The forces of joints that stick in loops may
-/// be indeterminate; the path is followed with regularised forces then.
+/// solution is unique for all forces, which is checked by (D9.12). The forces of joints that stick in loops
+/// may be indeterminate; the path is followed with regularised forces then.
 class ResistingForces {
  public:
   using Matrix = Eigen::MatrixXd;

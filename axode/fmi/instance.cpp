@@ -19,8 +19,8 @@ namespace {
 constexpr double usual_drift = 1e-8, least_drift = 1e-10;
 /// The deviation of the norm of a quaternion from 1 above which model exchange asks for an event.
 constexpr double usual_norm_error = 1e-6;
-/// The indicator of the drives is their least margin plus this part of the largest margin so far. Where it is 0,
-/// the margin is negative by more than the error of the master in time, so that a status changes there.
+/// The indicator of the drives is their least margin plus this part of the largest margin so far. Where it is
+/// 0, the margin is negative by more than the error of the master in time, so that a status changes there.
 constexpr double indicator_shift = 1e-9;
 
 /// The treatment of properties of mechanisms. Contact, hard stops and dry friction are no properties that a

@@ -19,8 +19,8 @@ class NoRates : public std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
-/// A state of a mechanism at a time, under forces tau (nv) and wrenches on frames, six numbers for each: moment
-/// and force about the origin of the frame, in inertial axes.
+/// A state of a mechanism at a time, under forces tau (nv) and wrenches on frames, six numbers for each:
+/// moment and force about the origin of the frame, in inertial axes.
 struct Point {
   double t = 0;
   std::vector<double> q, v, x, tau, wrenches = {};
@@ -65,7 +65,8 @@ class MotionEquations {
   /// The poses of frames: 12 numbers for each, the columns of R and r.
   std::vector<double> poses(const Point& at, std::span<const int> frames);
 
-  /// The derivatives of (q', v', x', poses), one below the other, by (q, v, x, tau, wrenches). They are exact.
+  /// The derivatives of (q', v', x', poses), one below the other, by (q, v, x, tau, wrenches). They are
+  /// exact.
   Eigen::MatrixXd jacobian(const Point& at, std::span<const int> frames);
   /// The derivatives of the accelerations by a number of the description, which must have one, see Parameter.
   Eigen::VectorXd acceleration_by(const Point& at, const Parameter& parameter);

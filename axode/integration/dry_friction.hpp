@@ -30,7 +30,8 @@ class DryFriction {
   /// If `enabled` is false, no joint has friction.
   DryFriction(const Tree<double>& tree, std::span<const Gear> gears, bool enabled);
 
-  /// Whether any joint has dry friction or a gear with losses. If not, the functions for dynamics compute the losses.
+  /// Whether any joint has dry friction or a gear with losses. If not, the functions for dynamics compute the
+  /// losses.
   bool active() const { return !joints_.empty(); }
   /// The indices of the velocities that stick.
   const std::vector<int>& sticking() const { return sticking_; }

@@ -140,8 +140,10 @@ Trajectory simulate_momenta(const Model& model, std::span<const double> q, std::
 
 struct Tolerances {
   double relative = 1e-8, absolute = 1e-10;
-  double first_step = 0, largest_step = 0;  ///< if 0, the first step is chosen automatically, and steps are
-                                            ///< not limited
+  double first_step = 0;  ///< s; if 0, it is chosen automatically
+  /// s. If 0, a fiftieth of the motion where a drive or prescribed motions act, which a step must not jump
+  /// over; otherwise steps are not limited.
+  double largest_step = 0;
 };
 /// Integrates with Dormand's and Prince's method in adaptive steps. The error estimates of θ, the step of q
 /// in the algebra, and of v must be at most absolute + relative max(1, |θ|) in rad and m, and absolute +

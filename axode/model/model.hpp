@@ -41,8 +41,8 @@ struct Joint {
   bool passive = false;          ///< whether the joint has no drive
 };
 
-/// A gear with losses between the drive of a joint and the joint. It transmits the force F = τ - I a - x, where
-/// x are the losses of the joint: damping, dry friction, and a part of |F|. See (D9.8).
+/// A gear with losses between the drive of a joint and the joint. It transmits the force F = τ - I a - x,
+/// where x are the losses of the joint: damping, dry friction, and a part of |F|. See (D9.8).
 struct Gear {
   int velocity;
   double rotor;            ///< the armature I of this joint alone, kg m² or kg

@@ -25,8 +25,8 @@ struct TaskSingularity {
 /// configuration q is less than `within`. Lengths are measured in the mean distance of the loop joints on the
 /// platform from their centre, about which twists are taken, so that distances have no unit. Where a
 /// singularity of a limb and one of the drives are found together, it is one of type 3. Allocates; a singular
-/// value decomposition for each limb. Throws std::invalid_argument for a mechanism without a platform, a wrong q, and
-/// `within` that is not from 0 to 1.
+/// value decomposition for each limb. Throws std::invalid_argument for a mechanism without a platform, a
+/// wrong q, and `within` that is not from 0 to 1.
 [[nodiscard]] std::vector<TaskSingularity> singularities(TaskSpace& space, std::span<const double> q,
                                                          double within = 1e-3);
 

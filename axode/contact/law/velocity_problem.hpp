@@ -78,7 +78,8 @@ class VelocityProblem {
 /// How far λ (in scaled rows) is from the laws, as a part of the motion; both are measured by the masses
 /// (D11.7). 1e-12 is rounding. NaN if a number is not finite. `scratch` has 2 rows() + nv() numbers.
 double certificate(const VelocityProblem& problem, const double* lambda, double* scratch) noexcept;
-/// Computes certificate() from the residual λ - resolve(λ - u/d²) (rows() numbers) and t = Y λ (nv() numbers).
+/// Computes certificate() from the residual λ - resolve(λ - u/d²) (rows() numbers) and t = Y λ (nv()
+/// numbers).
 double certificate_of(const VelocityProblem& problem, const double* residual, const double* t) noexcept;
 
 }  // namespace axode

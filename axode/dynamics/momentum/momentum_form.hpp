@@ -11,9 +11,9 @@ namespace axode {
 /// without accelerations and their bias terms; v and dp have nv entries. If the mass matrix is singular, the
 /// status names a body, and both results are NaN. See (D5.1) and (D5.9) of docs/derivations.
 ///
-/// These are forward dynamics in the state (q, p). The recursion runs in twists of Rep, on which the results do
-/// not depend. In spatial twists momenta of bodies add up without a transformation. Hybrid twists are those of
-/// Naudet et al., Multibody System Dynamics 10 (2003).
+/// These are forward dynamics in the state (q, p). The recursion runs in twists of Rep, on which the results
+/// do not depend. In spatial twists momenta of bodies add up without a transformation. Hybrid twists are
+/// those of Naudet et al., Multibody System Dynamics 10 (2003).
 template <RecursionRepresentation Rep = Spatial, class T>
 Solvability momentum_form(const Model& model, Workspace<T>& workspace, Numbers<T> q, Numbers<T> p,
                           Numbers<T> tau, std::type_identity_t<std::span<T>> v,

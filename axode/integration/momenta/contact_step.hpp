@@ -66,9 +66,9 @@ class ContactStep {
   double reach(double h, const Vector& v_0);
   /// Iterates for the impulses at the start and the free motion after them.
   Failure move(double t, double h, const Vector& q_0, const Vector& v_0, double margin);
-  /// The certificate of the multipliers of the last free motion in the law at its end, which is the problem with
-  /// the r that set_r_of_start() has found. It is small where rounding moves the multipliers, because friction
-  /// determines them badly.
+  /// The certificate of the multipliers of the last free motion in the law at its end, which is the problem
+  /// with the r that set_r_of_start() has found. It is small where rounding moves the multipliers, because
+  /// friction determines them badly.
   double law_error();
   /// Sets r of the problem at the start by the last free motion.
   void set_r_of_start(double h, bool choose);

@@ -25,9 +25,9 @@ Trajectory trajectory_from_samples(const Model& model, std::span<const double> t
                                    std::span<const double> v = {}, std::span<const double> a = {});
 
 /// The motion in which joints of one velocity follow functions of time: the motions of the model, and those
-/// in `motions`. All other joints rest at q, or at the initial state of the model if q is empty. The trajectory has
-/// states at the times t (s), two or more, and where a derivative of a function jumps; in between it is
-/// interpolated with an error of order h⁶ in q. Loops are not closed. O(K n).
+/// in `motions`. All other joints rest at q, or at the initial state of the model if q is empty. The
+/// trajectory has states at the times t (s), two or more, and where a derivative of a function jumps; in
+/// between it is interpolated with an error of order h⁶ in q. Loops are not closed. O(K n).
 ///
 /// Throws std::invalid_argument as trajectory_from_samples() does, for rods, coupled joints and joints of
 /// several velocities, for a second motion of a joint, and if a function is not known at all times.

@@ -85,7 +85,8 @@ SimulationRun::SimulationRun(const Model& model, Span q_0, Span v_0, double unti
   values_ = values_at(0, q_0, as_span(v));
 }
 
-/// Throws if a joint that follows a motion has dry friction or a gear with losses, which would have to hold it.
+/// Throws if a joint that follows a motion has dry friction or a gear with losses, which would have to hold
+/// it.
 void SimulationRun::check_friction_of_motions() const {
   if (!friction_.active()) return;
   for (const MotionRows::Row& row : loops_->motions().rows())
