@@ -125,7 +125,8 @@ def rollout(m: Model | Specialised, q: ArrayLike, v: ArrayLike,
     contact: whether shapes touch and hard stops stop, as in `simulate` with method="contact", which steps in double
     precision and takes no specialised model. If left out, they do if the drawing has `[contact]`. The result then has
     `certificates`, see `Rollout`. Every 64 steps, and after each step if tau is a function, the solver of contacts begins
-    anew, so that motions differ from those of `simulate` by its tolerance.
+    anew, so that motions differ from those of `simulate` by its tolerance, and by more where friction at several points
+    has more than one solution.
 
     ValueError for wrong shapes, numbers that are not finite, a drive of another mechanism, loops that are open at
     first and step <= 0. StatesError, with q, if a motion cannot continue: SingularError or NotFiniteError without contact.
