@@ -306,6 +306,34 @@ TEST(FmuDrives, CarryTheirStatesAndTakeStepsOfTheirInputs) {
   expect_exact_derivatives(instance, table, {0.3, 0.5, 2}, "motor");
 }
 
+/// A controller that saturates at first: the derivatives are those of its present status.
+TEST(FmuDrives, HaveTheDerivativesOfTheirStatusInCoSimulation) {
+  constexpr double kp = 1, kd = 0.5, filter_time = 0.01, inertia = 0.1;
+  const Model model =
+      ModelBuilder("wheel")
+          .add({.name = "wheel",
+                .joint = {.name = "axle", .kind = JointKind::revolute, .axis = {0, 0, 1}},
+                .inertia = MassProperties{.mass = 1, .Theta = {inertia, inertia, inertia, 0, 0, 0}}})
+          .add({.name = "controller",
+                .kind = DriveKind::pid,
+                .joints = {{"axle", 1.0}},
+                .parameters = {{"kp", kp}, {"kd", kd}, {"filter_time", filter_time}, {"limit", 0.3}},
+                .input = {.values = {1}}})
+          .build();
+  const fmi::VariableTable table = variables_of(model);
+  Instance instance = instance_of(model, Kind::co_simulation);
+  start(instance, table, {{0}}, {{0}}, 1e-9);
+  const auto by_q = [&] {
+    const std::vector<double> one{1};
+    std::vector<double> out(1);
+    instance.directional_derivative(reference(table, "der(v.axle)"), reference(table, "q.axle"), one, out);
+    return out[0];
+  };
+  EXPECT_EQ(by_q(), 0);
+  for (int k = 0; k < 200; ++k) instance.step(0.02 * k, 0.02);
+  EXPECT_NEAR(by_q(), -(kp + kd / filter_time) / inertia, 1e-9);
+}
+
 TEST(FmuFriction, SticksAndSlidesInCoSimulation) {
   const Model model = driven_pendulum();
   const fmi::Settings settings{.joint_losses = true};
