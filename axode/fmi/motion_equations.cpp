@@ -60,14 +60,20 @@ std::vector<double> MotionEquations::normalized(Span q) const {
   }
 }
 
+/// Throws NoRates for a time beyond the samples of a motion: a solver tries a shorter step then.
+void MotionEquations::set_time(double t) {
+  try {
+    loops_->motions().check_times(t, t);
+  } catch (const std::invalid_argument& error) {
+    throw NoRates(error.what());
+  }
+  loops_->set_time(t);
+}
+
 void MotionEquations::start(Point& at) {
   at.q = normalized(at.q);
   if (loops_) {
-    try {
-      loops_->motions().check_times(at.t, at.t);
-    } catch (const std::invalid_argument& error) {
-      throw NoRates(error.what());  // a solver tries a shorter step then
-    }
+    loops_->motions().check_times(at.t, at.t);
     loops_->set_time(at.t);
     if (!is_closed(at)) {
       AssemblyResult found = assemble(model_, at.q, at.v, {.time = at.t});
@@ -94,7 +100,7 @@ bool MotionEquations::is_closed(const Point& at) {
 bool MotionEquations::close(Point& at) {
   at.q = normalized(at.q);
   if (!loops_) return true;
-  loops_->set_time(at.t);
+  set_time(at.t);
   return loops_->close(at.q, at.v);
 }
 
@@ -118,8 +124,7 @@ Rates MotionEquations::rates(const Point& at) {
   const std::vector<double> tau = force_sum(at, q, &out.dx);
   Solvability found;
   if (loops_) {
-    loops_->motions().check_times(at.t, at.t);
-    loops_->set_time(at.t);
+    set_time(at.t);
     found = loops_->accelerate(q, at.v, tau, loads(at), out.a);
   } else {
     found = forward_dynamics(model_, workspace_, Span(q), Span(at.v), Span(tau), out.a, loads(at));
@@ -131,8 +136,8 @@ Rates MotionEquations::rates(const Point& at) {
   return out;
 }
 
-bool MotionEquations::switch_drives(Point& at) {
-  return !drives_.empty() && drives_.switch_at(at.t, normalized(at.q), at.v, at.x);
+void MotionEquations::switch_drives(Point& at) {
+  if (!drives_.empty()) static_cast<void>(drives_.switch_at(at.t, normalized(at.q), at.v, at.x));
 }
 
 double MotionEquations::next_jump(double t) const {
@@ -163,7 +168,7 @@ MotionEquations::Derivatives MotionEquations::derivatives(const Point& at, Span 
   const std::vector<double> tau = force_sum(at, q, nullptr);
   Derivatives d{RowMajor(nv, nv), RowMajor(nv, nv), RowMajor(nv, nv), {}, {}};
   if (loops_) {
-    loops_->set_time(at.t);
+    set_time(at.t);
     loops_->differentiate(q, v, tau, loads(at), {as_span(d.a_q), as_span(d.a_v), as_span(d.a_tau)});
   } else {
     static_cast<void>(forward_dynamics_derivatives(

@@ -44,7 +44,6 @@ class MotionEquations {
   /// `loads` are the frames on which the wrenches of a point act.
   MotionEquations(const Model& model, const Settings& settings, std::span<const int> loads);
 
-  const Model& model() const { return model_; }
   const DriveSystem& drives() const { return drives_; }
   /// Continues with the statuses and inputs of other drives of the same mechanism.
   void act_by(const DriveSystem& drives) { drives_ = drives; }
@@ -57,8 +56,8 @@ class MotionEquations {
   /// Projects q and v, with quaternions of unit norm. Returns whether the loops could be closed.
   [[nodiscard]] bool close(Point& at);
 
-  /// Continues with the statuses and inputs of the drives after a time. Returns whether x changed.
-  bool switch_drives(Point& at);
+  /// Continues with the statuses and inputs of the drives after a time, which may change x.
+  void switch_drives(Point& at);
   double next_jump(double t) const;
   /// The least margin of the drives, or 1 if they have no statuses.
   double least_margin(const Point& at);
@@ -80,6 +79,7 @@ class MotionEquations {
     DriveDerivatives drives;
   };
   std::vector<double> normalized(Span q) const;
+  void set_time(double t);
   bool is_closed(const Point& at);
   /// The loads at a point, valid until the next call.
   Loads<double> loads(const Point& at);

@@ -27,7 +27,7 @@ Model shipped(const std::string& file) { return load(AXODE_SOURCE_DIR "/examples
 
 Model random_model(std::uint64_t seed) {
   Random<double> random(seed);
-  return ModelBuilder(told(random_mechanism(random, {.most_bodies = 8, .always_mass = true}), random))
+  return ModelBuilder(described(random_mechanism(random, {.most_bodies = 8, .always_mass = true}), random))
       .build();
 }
 
@@ -470,6 +470,28 @@ TEST(FmuErrors, NameTheThing) {
                                                 one);
               }),
               HasSubstr("variable \"time\" is no known"));
+}
+
+/// A master that has taken a step too far tries a shorter one.
+TEST(FmuErrors, SayThatThereAreNoRatesBeyondTheSamplesOfAMotion) {
+  Description d = shipped("double_pendulum.toml").description();
+  d.motions = {{.of = "pin",
+                .kind = MotionDescription::Kind::samples,
+                .times = {0, 0.25, 0.5},
+                .values = {0, 0.1, 0}}};
+  const Model model = ModelBuilder(d).build();
+  Instance instance = instance_of(model, Kind::model_exchange);
+  instance.enter_initialization(0, {});
+  instance.exit_initialization();
+  std::vector<double> rates(instance.n_states());
+  instance.set_time(0.5);
+  EXPECT_NO_THROW(instance.get_rates(rates));
+  instance.set_time(0.6);
+  EXPECT_THROW(instance.get_rates(rates), fmi::NoRates);
+  EXPECT_THROW(static_cast<void>(instance.needs_event()), fmi::NoRates);
+  Instance late = instance_of(model, Kind::model_exchange);
+  late.enter_initialization(0.6, {});
+  EXPECT_THAT(refusal([&] { late.exit_initialization(); }), HasSubstr("known from 0 s to 0.5 s"));
 }
 
 TEST(FmuErrors, RefuseInOneSentenceWhatAKindDoesNotCount) {
