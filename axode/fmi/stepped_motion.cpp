@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <limits>
 #include <stdexcept>
 #include <utility>
 
@@ -34,6 +35,8 @@ SteppedMotion::SteppedMotion(const Model& model, const Settings& settings, doubl
   if (t != 0 && !(model.motions().empty() && model.drives().empty()))
     throw std::invalid_argument("co-simulation starts at t = " + std::to_string(t) +
                                 " s; a mechanism with prescribed motions or drives starts at 0 s");
+  // Forces begin at communication points, so that a mechanism at rest cannot miss one.
+  if (model.motions().empty()) tolerances_.largest_step = std::numeric_limits<double>::infinity();
   check();
 }
 

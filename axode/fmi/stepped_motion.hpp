@@ -38,7 +38,7 @@ class SteppedMotion {
   Span dx() { return {run_.drives().dx.data(), run_.drives().size()}; }
 
  private:
-  /// What the run refers to.
+  /// The model, the options and the forces, to which the run has references.
   struct Fixed {
     Model model;
     SimulationOptions options = {};
