@@ -42,8 +42,6 @@ constexpr catalog::Counts of_model_exchange{.loops = catalog::counted,
                                             .plays = catalog::refused("export it for co-simulation"),
                                             .contacts = catalog::of_the_tree()};
 
-std::string quoted(const std::string& name) { return '"' + name + '"'; }
-
 Model read(std::string_view drawing) {
   return ModelBuilder(read_drawing_text(drawing, "mechanism.toml")).build();
 }
@@ -61,24 +59,22 @@ void check_supported(const Model& model, const Settings& settings, Kind kind) {
   if (model.description().contact)
     throw std::invalid_argument(fmu + " does not count contact, and model \"" + model.name() +
                                 "\" has settings of contact; remove [contact], or simulate it with axode");
-  const auto loses = [&](const Dof& dof) {
-    return settings.joint_losses &&
-           (dof.friction != 0 || dof.gear_loss != 0 || dof.gear_loss_back.value_or(0) != 0);
-  };
   for (const Joint& joint : model.joints())
     for (const Dof& dof : joint.dof) {
       const std::string where = "joint \"" + joint.name + '"';
       if (dof.hard_stops)
         refuse("a hard stop", where, "give its stop a stiffness, or simulate it with axode");
-      if (exchange && settings.joint_losses && dof.friction != 0)
+      const bool rubs = settings.joint_losses && dof.friction != 0,
+                 gear_loses = settings.joint_losses && has_gear_losses(dof);
+      if (exchange && rubs)
         refuse("dry friction", where, "export it for co-simulation, or without joint losses");
-      if (exchange && settings.joint_losses && (dof.gear_loss != 0 || dof.gear_loss_back.value_or(0) != 0))
+      if (exchange && gear_loses)
         refuse("a loss of a gear", where, "export it for co-simulation, or without joint losses");
+      if (!rubs && !gear_loses) continue;
       const std::string losses = "dry friction or losses of gears ";
-      if (loses(dof) &&
-          std::ranges::find(model.motions(), joint.name, &MotionDescription::of) != model.motions().end())
+      if (std::ranges::find(model.motions(), joint.name, &MotionDescription::of) != model.motions().end())
         refuse(losses + "of a joint that follows a motion", where, "export it without joint losses");
-      if (loses(dof) && !model.loops().backlashes.empty())
+      if (!model.loops().backlashes.empty())
         refuse(losses + "together with play", where, "export it without joint losses");
     }
 }
@@ -93,24 +89,6 @@ Instance::Instance(Kind kind, std::string_view drawing, std::string_view setting
   for (const Variable& it : table_.of(Role::parameter)) parameters_.push_back(it.start);
   reset();
 }
-
-Instance::Instance(const Instance& other)
-    : kind_(other.kind_),
-      settings_(other.settings_),
-      model_(other.model_),
-      table_(other.table_),
-      parameters_(other.parameters_),
-      equations_(other.equations_),
-      motion_(other.motion_ ? std::make_unique<SteppedMotion>(*other.motion_) : nullptr),
-      at_(other.at_),
-      mode_(other.mode_),
-      model_is_old_(other.model_is_old_),
-      state_is_raw_(other.state_is_raw_),
-      margin_scale_(other.margin_scale_),
-      tolerance_(other.tolerance_),
-      rates_(other.rates_),
-      poses_(other.poses_),
-      jacobian_(other.jacobian_) {}
 
 void Instance::reset() {
   const auto starts = [&](Role role) {
@@ -180,7 +158,7 @@ void Instance::start_stepping() {
     tolerances.relative = *tolerance_;
     tolerances.absolute = 0.01 * *tolerance_;
   }
-  motion_ = std::make_unique<SteppedMotion>(model_, settings_, at_.t, at_.q, at_.v, tolerances);
+  motion_.emplace(model_, settings_, at_.t, at_.q, at_.v, tolerances);
   motion_->set_forces(at_.tau, applied(at_.wrenches, table_.loads()));
 }
 
@@ -212,7 +190,7 @@ const Variable& Instance::variable(unsigned reference) const {
 }
 
 void Instance::refuse(const Variable& variable, const char* why) const {
-  throw std::invalid_argument("variable " + quoted(variable.name) + " " + why);
+  throw std::invalid_argument("variable \"" + variable.name + "\" " + why);
 }
 
 void Instance::set(References references, Span values) {
@@ -366,7 +344,7 @@ Instance::Event Instance::update_discrete_states() {
   event.states_changed = closed.q != at_.q || closed.v != at_.v;
   at_ = std::move(closed);
   const std::vector<double> before = at_.x;
-  static_cast<void>(equations_.switch_drives(at_));
+  equations_.switch_drives(at_);
   observe_margin();
   event.states_changed = event.states_changed || at_.x != before;
   if (const double next = equations_.next_jump(at_.t); std::isfinite(next)) event.next = next;
@@ -386,8 +364,8 @@ bool Instance::has_jumps() const {
 }
 
 Eigen::RowVectorXd Instance::row(const Variable& it, const Eigen::MatrixXd& all) const {
-  const auto nq = static_cast<Eigen::Index>(at_.q.size()), nv = static_cast<Eigen::Index>(at_.v.size()),
-             nx = static_cast<Eigen::Index>(at_.x.size()), k = static_cast<Eigen::Index>(it.index);
+  const Eigen::Index nq = std::ssize(at_.q), nv = std::ssize(at_.v), nx = std::ssize(at_.x),
+                     k = static_cast<Eigen::Index>(it.index);
   Eigen::RowVectorXd unit = Eigen::RowVectorXd::Zero(all.cols());
   switch (it.role) {
     case Role::coordinate_rate: return all.row(k);

@@ -1,5 +1,4 @@
 #pragma once
-#include <memory>
 #include <optional>
 #include <span>
 #include <string_view>
@@ -30,7 +29,7 @@ class Instance {
 
   /// Reads the drawing of the mechanism and the settings.
   Instance(Kind kind, std::string_view drawing, std::string_view settings);
-  Instance(const Instance& other);
+  Instance(const Instance&) = default;
   Instance& operator=(const Instance&) = delete;
   ~Instance() = default;
 
@@ -43,7 +42,6 @@ class Instance {
   }
   void exit_initialization();
   void enter(Mode mode) { mode_ = mode; }
-  Mode mode() const { return mode_; }
 
   void get(References references, std::span<double> values);
   void set(References references, Span values);
@@ -109,7 +107,7 @@ class Instance {
   VariableTable table_;
   std::vector<double> parameters_;
   MotionEquations equations_;
-  std::unique_ptr<SteppedMotion> motion_;  ///< in co-simulation, once accelerations are wanted
+  std::optional<SteppedMotion> motion_;  ///< in co-simulation, once accelerations are wanted
   Point at_;
   Mode mode_ = Mode::instantiated;
   bool model_is_old_ = false, state_is_raw_ = true;

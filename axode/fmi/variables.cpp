@@ -200,9 +200,8 @@ void VariableTable::add_indicators(const Model& model) {
     for (const int side : {-1, 1}) {
       const double limit = side < 0 ? joint.dof[0].lower : joint.dof[0].upper;
       if (!std::isfinite(limit)) continue;
-      stops_.push_back({static_cast<std::size_t>(own.iq), static_cast<std::size_t>(own.iv),
-                        joint.leader ? joint.leader->ratio : 1, joint.leader ? joint.leader->offset : 0,
-                        limit, side});
+      stops_.push_back({static_cast<std::size_t>(own.iq), joint.leader ? joint.leader->ratio : 1,
+                        joint.leader ? joint.leader->offset : 0, limit, side});
       add(Role::indicator, {.name = "event." + joint.name + (side < 0 ? ".lower" : ".upper"),
                             .unit = joint.kind == Subgroup::prismatic ? "m" : "rad",
                             .description = "gap of the stop"});

@@ -61,7 +61,7 @@ struct Parameter {
 /// A stop whose gap is an event indicator: side × (limit - p) for the position p = ratio q + offset of a
 /// joint.
 struct Stop {
-  std::size_t coordinate = 0, velocity = 0;
+  std::size_t coordinate = 0;
   double ratio = 1, offset = 0, limit = 0;
   int side = 1;  ///< 1 for an upper limit, -1 for a lower one
 };
@@ -103,7 +103,8 @@ class VariableTable {
   void add_indicators(const Model& model);
 
   std::vector<Variable> all_;
-  std::size_t first_[n_roles] = {}, count_[n_roles] = {};
+  std::size_t first_[n_roles] = {};
+  std::size_t count_[n_roles] = {};
   std::vector<std::size_t> driven_;
   std::vector<int> frames_, loads_;
   std::vector<Stop> stops_;

@@ -63,10 +63,6 @@ inline std::string said_of(const SpringDescription& spring) {
   return {};
 }
 
-/// Whether the gear of a joint loses a part of the force that it transmits.
-inline bool has_gear_losses(const Dof& dof) {
-  return dof.gear_loss > 0 || dof.gear_loss_back.value_or(0) > 0;
-}
 /// Whether a shape has friction or restitution of its own.
 inline bool has_surface(const ShapeDescription& shape) {
   const ContactProperties& it = shape.contact;

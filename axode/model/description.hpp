@@ -54,10 +54,14 @@ struct Dof {
   /// drive drives, an efficiency of 1/(1 + gear_loss); a force law, see Loads::joint_losses. For joints of
   /// one velocity.
   double gear_loss = 0;
-  /// The same part while the joint drives the drive back, an efficiency of 1 - gear_loss_back; empty:
-  /// gear_loss. From 1 on the gear locks itself.
+  /// The same part while the joint drives the drive back. If empty, it is gear_loss. The efficiency is
+  /// 1 - gear_loss_back, and from 1 on the gear locks itself.
   std::optional<double> gear_loss_back = {};
 };
+/// Whether the gear of a joint loses a part of the force that it transmits.
+inline bool has_gear_losses(const Dof& dof) {
+  return dof.gear_loss > 0 || dof.gear_loss_back.value_or(0) > 0;
+}
 
 /// q = ratio q_leader + offset; a coupled joint has no coordinate of its own.
 struct Coupling {

@@ -21,7 +21,7 @@ namespace axode::fmi {
 /// The status that a function returns to the master, with the numbers of the standard.
 enum Status : int { ok, warning, discard, error, fatal };
 
-/// What a master gets as an instance.
+/// The pointer that a master receives as its instance points to a Component.
 struct Component {
   std::unique_ptr<Instance> instance;
   std::function<void(Status, const char*)> log;

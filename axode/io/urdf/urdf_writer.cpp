@@ -77,7 +77,7 @@ void find_unsaid(const Description& d, io::Unsaid& unsaid) {
     const auto armed = std::ranges::find_if(joint.dof, [](const Dof& dof) { return dof.armature != 0; });
     if (armed != joint.dof.end())
       unsaid.leave_out(element, "has an armature of " + text(armed->armature), source);
-    if (std::ranges::any_of(joint.dof, io::has_gear_losses))
+    if (std::ranges::any_of(joint.dof, has_gear_losses))
       unsaid.leave_out(element, "has a gear with losses", source);
     if (std::ranges::any_of(joint.dof, [](const Dof& dof) { return dof.stiffness != 0; }))
       unsaid.leave_out(element, "has a spring", source);

@@ -21,10 +21,9 @@ bool has_error(const std::vector<Fault>& faults) {
 std::vector<Gear> gears_of(const std::vector<Joint>& joints) {
   std::vector<Gear> gears;
   for (const Joint& joint : joints)
-    for (const Dof& dof : joint.dof) {
-      const double back = dof.gear_loss_back.value_or(dof.gear_loss);
-      if (dof.gear_loss > 0 || back > 0) gears.push_back({joint.iv, dof.armature, dof.gear_loss, back});
-    }
+    for (const Dof& dof : joint.dof)
+      if (has_gear_losses(dof))
+        gears.push_back({joint.iv, dof.armature, dof.gear_loss, dof.gear_loss_back.value_or(dof.gear_loss)});
   std::ranges::sort(gears, {}, &Gear::velocity);
   return gears;
 }
