@@ -159,9 +159,9 @@ function(axode_add_group library group)
 endfunction()
 
 # The first objects of the library and of each set.
-axode_add_objects(to_dynamics_double axode_often_included ${PROJECT_SOURCE_DIR}/axode/workspace.cpp)
+axode_add_objects(to_dynamics_double axode_often_included ${PROJECT_SOURCE_DIR}/axode/workspace/workspace.cpp)
 axode_precompile(axode_often_included axode_often_included)
-axode_instantiate_for_sets(to_dynamics_double axode_largest_footprint "" largest_footprint)
+axode_instantiate_for_sets(to_dynamics_double axode_largest_footprint "" workspace/largest_footprint)
 
 # This library is compiled in two parts, because the demo needs only the first one, in double.
 set(floors_to_dynamics lie scalar model table recursion fast kinematics dynamics)
@@ -217,6 +217,7 @@ axode_instantiate_for_sets(batch axode_batch_float AXODE_T=float batch/kernels)
 find_package(TBB REQUIRED)
 axode_add_library(axode_batch batch)
 target_sources(axode_batch PRIVATE ${PROJECT_SOURCE_DIR}/axode/batch/batch.cpp
+                                   ${PROJECT_SOURCE_DIR}/axode/batch/check_loops.cpp
                                    ${PROJECT_SOURCE_DIR}/axode/batch/contact_rollout.cpp
                                    ${PROJECT_SOURCE_DIR}/axode/batch/control_law_sampler.cpp
                                    ${PROJECT_SOURCE_DIR}/axode/batch/portions.cpp

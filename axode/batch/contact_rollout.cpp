@@ -9,9 +9,9 @@
 #include <thread>
 #include <vector>
 
+#include "axode/batch/check_loops.hpp"
 #include "axode/batch/check_states.hpp"
 #include "axode/batch/portions.hpp"
-#include "axode/integration/closed_motion.hpp"
 #include "axode/integration/momenta/contact_step.hpp"
 #include "axode/integration/momenta/simulate_contact.hpp"
 #include "axode/integration/simulation.hpp"
@@ -99,12 +99,9 @@ Outcome run_motions(const Model& model, const ContactShapes& shapes, Numbers q, 
     check_separate("certificates", certificates, name, given);
   }
   check_separate("q_out", q_out, "v_out", Numbers(v_out));
-  if (!model.loops().empty()) {
-    ClosedMotion loops(model);
-    for (std::size_t n = 0; n < N; ++n) loops.check(q.subspan(n * nq, nq), v.subspan(n * nv, nv));
-  }
   check_separate("certificates", certificates, "q_out", Numbers(q_out));
   check_separate("certificates", certificates, "v_out", Numbers(v_out));
+  if (!check_loops(model, q, v, threads, monitor)) return {};
 
   for (const std::span<double> out : {q_out, v_out, certificates})
     std::ranges::fill(out, std::numeric_limits<double>::quiet_NaN());

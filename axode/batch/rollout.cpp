@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "axode/batch.hpp"
+#include "axode/batch/check_loops.hpp"
 #include "axode/batch/check_states.hpp"
 #include "axode/batch/control_law_sampler.hpp"
 #include "axode/batch/kernels.hpp"
@@ -270,29 +271,11 @@ Outcome run_rollouts(const Model& model, const CompiledDynamics<S>& compiled, st
   return outcome;
 }
 
-/// Checks that loops are closed at every state. Throws std::invalid_argument if they are not. Returns false
-/// if the monitor, which is called with 0 finished states, has ended the check.
-template <class S>
-bool check_loops(const Model& model, std::span<const S> q, std::span<const S> v, int threads,
-                 const Monitor& monitor) {
+/// Loops are checked in double alone, see check_loops().
+bool check_loops(const Model& model, std::span<const float>, std::span<const float>, int, const Monitor&) {
   if (model.loops().empty()) return true;
-  if constexpr (std::same_as<S, double>) {
-    const std::size_t nq = model.nq(), nv = model.nv(), N = q.size() / nq;
-    check_size("v", v.size(), N * nv, "nv N");
-    const Monitor asked = [&](std::size_t, std::size_t of) { return !monitor || monitor(0, of); };
-    return N == in_portions(N, 1, threads, asked, [&]() -> Work {
-             return [&, loops = std::make_shared<ClosedMotion>(model)](std::size_t n, std::size_t) {
-               try {
-                 loops->check(q.subspan(n * nq, nq), v.subspan(n * nv, nv));
-               } catch (const std::invalid_argument& error) {
-                 throw std::invalid_argument("state " + std::to_string(n) + ": " + error.what());
-               }
-             };
-           });
-  } else {
-    throw std::invalid_argument("model \"" + model.name() +
-                                "\" has loops, which rollouts count in double precision alone");
-  }
+  throw std::invalid_argument("model \"" + model.name() +
+                              "\" has loops, which rollouts count in double precision alone");
 }
 
 /// The losses of a model. Throws if it has dry friction or gears with losses, and S is float.

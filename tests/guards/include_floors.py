@@ -8,9 +8,8 @@ from pathlib import Path
 
 FLOORS = ["lie", "scalar", "model", "table", "recursion", "fast", "kinematics", "dynamics", "derivatives", "constraints",
           "contact", "drives", "integration", "catalog", "io", "view", "fmi", "batch", "codegen"]
-# Files of axode/ itself that gather several floors.
-OWN_CEILING = {"axode.hpp": "batch", "dense.hpp": "dynamics", "eigen.hpp": "dynamics", "workspace.cpp": "integration",
-               "largest_footprint.hpp": "integration", "largest_footprint.cpp": "integration"}
+# Files and folders of axode/ that gather several floors.
+OWN_CEILING = {"axode.hpp": "batch", "dense.hpp": "dynamics", "eigen.hpp": "dynamics", "workspace": "derivatives"}
 INCLUDE = re.compile(r'^\s*#\s*include\s*["<](axode/[^">]+)[">]', re.MULTILINE)
 
 

@@ -1,6 +1,6 @@
 #include <algorithm>
 
-#include "axode/largest_footprint.hpp"
+#include "axode/workspace/largest_footprint.hpp"
 
 /// A workspace serves the kernels of the chosen instruction set and those that are compiled once.
 namespace axode {

@@ -1,4 +1,4 @@
-#include "axode/largest_footprint.hpp"
+#include "axode/workspace/largest_footprint.hpp"
 
 #include "axode/recursion/instantiate.hpp"
 
