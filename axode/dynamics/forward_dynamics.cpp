@@ -1,5 +1,6 @@
 #include "axode/dynamics/forward_dynamics.hpp"
 
+#include <algorithm>
 #include <vector>
 
 #include "axode/dynamics/gear_losses.hpp"
@@ -12,31 +13,23 @@
 namespace axode {
 namespace {
 
-/// The accelerations with losses of gears: those without them, and those under the forces of the gears. The
-/// results may share memory with the arguments.
 template <RecursionChoice Rep, class T>
-Solvability accelerate_with_gears(const Model& model, Workspace<T>& workspace, Numbers<T> q, Numbers<T> v,
-                                  Numbers<T> tau, std::span<T> a, const Loads<T>& loads) {
-  const std::vector<T> q_t(q.begin(), q.end()), v_t(v.begin(), v.end());
-  std::vector<T> forces(tau.begin(), tau.end());
-  const Tree<T>& tree = model.tree<T>();
-  const auto accelerate = [&] {
-    Arena arena = workspace.arena(model.topology());
-    return ForwardDynamicsRecursion<Rep, T>(arena).run(tree, q_t.data(), v_t.data(), forces.data(), loads,
-                                                       a.data());
-  };
-  MovingGears gears(model, v, tau);
-  const Solvability found = accelerate();
-  if (!found.ok() || gears.velocities().empty()) return found;
-  const std::size_t nv = a.size();
-  std::vector<T> M_inverse(nv * nv), responses;
-  static_cast<void>(inverse_mass_matrix<Rep>(model, workspace, q_t, std::span(M_inverse)));
-  for (const int c : gears.velocities())
-    responses.insert(responses.end(), M_inverse.begin() + c * static_cast<std::ptrdiff_t>(nv),
-                     M_inverse.begin() + (c + 1) * static_cast<std::ptrdiff_t>(nv));
-  const Solvability unique =
-      gears.add_forces(model, std::span<const T>(a), std::span<const T>(responses), std::span(forces));
-  return unique.ok() ? accelerate() : solved(unique, static_cast<std::ptrdiff_t>(nv), a.data());
+Solvability with_gears(const Model& model, Workspace<T>& workspace, Numbers<T> q, Numbers<T> v,
+                       Numbers<T> tau, std::span<T> a, const Loads<T>& loads) {
+  return accelerate_with_gears<T>(
+      model, q, v, tau, a,
+      [&](const T* q_t, const T* v_t, const T* forces) {
+        Arena arena = workspace.arena(model.topology());
+        return ForwardDynamicsRecursion<Rep, T>(arena).run(model.tree<T>(), q_t, v_t, forces, loads,
+                                                           a.data());
+      },
+      [&](const T* q_t, std::span<const int> velocities, T* responses) {
+        std::vector<T> M_inverse(a.size() * a.size());
+        static_cast<void>(
+            inverse_mass_matrix<Rep>(model, workspace, Numbers<T>(q_t, q.size()), std::span(M_inverse)));
+        for (const int c : velocities)
+          responses = std::copy_n(M_inverse.begin() + c * std::ssize(a), a.size(), responses);
+      });
 }
 
 }  // namespace
@@ -54,7 +47,7 @@ Solvability forward_dynamics(const Model& model, Workspace<T>& workspace, Number
     return forward_dynamics<Hybrid>(model, workspace, q, v, tau, a, loads);
   } else {
     if (loads.joint_losses && !model.gears().empty()) [[unlikely]]
-      return accelerate_with_gears<Rep>(model, workspace, q, v, tau, a, loads);
+      return with_gears<Rep>(model, workspace, q, v, tau, a, loads);
     return ForwardDynamicsRecursion<Rep, T>(arena).run(tree, q.data(), v.data(), tau.data(), loads, a.data());
   }
 }

@@ -97,7 +97,28 @@ class MovingGears {
   std::vector<ResistingJoint> joints_;
 };
 
-/// What the gears lose at a motion (v, a), in inverse dynamics. A joint at rest has no loss.
+/// Computes accelerations `a` with the losses of moving gears: those without these losses come first, then
+/// those under the forces of the gears (D9.10). q, v and tau may share memory with `a`. accelerate(q, v, tau)
+/// computes `a`, and respond(q, velocities, responses) writes the accelerations that a unit force on each of
+/// these velocities causes, one row after the other. Throws as MovingGears.
+template <class T, class Accelerate, class Respond>
+Solvability accelerate_with_gears(const Model& model, NumberSpan<T> q, NumberSpan<T> v, NumberSpan<T> tau,
+                                  std::span<T> a, const Accelerate& accelerate, const Respond& respond) {
+  const std::vector<T> q_t(q.begin(), q.end()), v_t(v.begin(), v.end());
+  std::vector<T> forces(tau.begin(), tau.end());
+  MovingGears gears(model, v, tau);
+  const Solvability found = accelerate(q_t.data(), v_t.data(), forces.data());
+  if (!found.ok() || gears.velocities().empty()) return found;
+  std::vector<T> responses(gears.velocities().size() * a.size());
+  respond(q_t.data(), gears.velocities(), responses.data());
+  const Solvability unique =
+      gears.add_forces(model, std::span<const T>(a), std::span<const T>(responses), std::span(forces));
+  if (!unique.ok()) return solved(unique, std::ssize(a), a.data());
+  return accelerate(q_t.data(), v_t.data(), forces.data());
+}
+
+/// The forces that the gears lose in inverse dynamics, where the motion (v, a) is given. A joint at rest has
+/// no loss.
 template <class T> class GearLosses {
  public:
   /// Reads v and a, so that they may share memory with the forces afterwards.
