@@ -130,9 +130,11 @@ print(np.allclose(s.inverse_dynamics(np.ones(7), np.ones(7), np.ones(7)),
 
 
 def start(flag):
-    child = subprocess.Popen([sys.executable, "-c", PROGRAM, flag], stdout=subprocess.PIPE, stderr=subprocess.PIPE,
-                             text=True, preexec_fn=lambda: signal.signal(signal.SIGINT, signal.default_int_handler))
-    assert child.stdout.readline() == "started\n"
+    """A process that has started. Its output is not buffered here: what readline() had read ahead, communicate() would
+    not return."""
+    child = subprocess.Popen([sys.executable, "-c", PROGRAM, flag], bufsize=0, stdout=subprocess.PIPE, stderr=subprocess.PIPE,
+                             preexec_fn=lambda: signal.signal(signal.SIGINT, signal.default_int_handler))
+    assert child.stdout.readline() == b"started\n"
     return child
 
 
@@ -148,7 +150,7 @@ def test_processes_that_specialise_at_once_compile_once_and_a_killed_one_does_no
     others = [start("-O0") for _ in range(3)]
     first.kill()
     first.wait()
-    assert [child.communicate(timeout=100)[0] for child in others] == ["True\n"] * 3
+    assert [child.communicate(timeout=100) for child in others] == [(b"True\n", b"")] * 3
     assert sorted(file.suffix for file in cache.iterdir()) == ["", ".so"]  # the lock, and one library
 
 
@@ -157,7 +159,7 @@ def test_ctrl_c_ends_the_compiler_and_leaves_nothing(cache):
     wait_for_the_compiler(cache)
     os.kill(child.pid, signal.SIGINT)
     error = child.communicate(timeout=20)[1]
-    assert error.rstrip().endswith("KeyboardInterrupt")
+    assert error.rstrip().endswith(b"KeyboardInterrupt")
     assert [file.name for file in cache.iterdir()] == ["lock"]
 
 

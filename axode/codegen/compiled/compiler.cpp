@@ -118,19 +118,20 @@ std::optional<Finished> run_program(const std::vector<std::string>& command,
   writer.close();
   std::string output;
   std::optional<int> code;
-  for (bool open = true; open && !code;) {
+  // A program may end while its children still hold the pipe open. What it wrote before its end is in the
+  // pipe then, and one more look at the pipe, without waiting, reads it.
+  for (bool open = true, ended = false; open && !ended;) {
+    ended = code.has_value();
     pollfd wait{reader.number(), POLLIN, 0};
-    const int ready = poll(&wait, 1, 20);
-    if (monitor && !monitor(0, 1)) {
+    const int ready = poll(&wait, 1, ended ? 0 : 20);
+    if (!ended && monitor && !monitor(0, 1)) {
       kill(-process, SIGKILL);
       exit_code(process, 0);
       return std::nullopt;
     }
-    if (ready == 0)
-      code = exit_code(process, WNOHANG);  // the program may have ended although its children
-                                           // still hold the pipe open
+    if (ready == 0 && !ended) code = exit_code(process, WNOHANG);
     if (ready <= 0) continue;
-    std::array<char, 1024> text;
+    std::array<char, longest_output> text;
     const ssize_t n = read(reader.number(), text.data(), text.size());
     open = n > 0 || (n < 0 && errno == EINTR);
     if (n > 0 && output.size() < longest_output) output.append(text.data(), static_cast<std::size_t>(n));
