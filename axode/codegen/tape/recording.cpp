@@ -24,24 +24,30 @@ using Numbers = Composition::Numbers;
 template <class Kernel> using OnTape = WithScratch<T, Kernel>;
 
 /// Determines whether the mass matrix may be singular: whether a pivot is small compared with the inertia
-/// scale of its velocity at q = 0.
+/// scale of its velocity at q = 0. In float many pivots of ordinary robots are (in a sixth of the states of an
+/// arm). Then each pivot is also compared with the rounding of the numbers from which it is computed, as the
+/// library does for such states.
 class SingularityTest {
  public:
-  SingularityTest(const Tree<double>& tree, double small) : inertia_scale_(tree->nv), small_(small) {
+  SingularityTest(const Tree<double>& tree, bool single_precision)
+      : inertia_scale(tree->nv), single_precision_(single_precision) {
     for (int i = 1; i <= tree->n; ++i)
       for (int s = tree->first_screw[i]; s < tree->first_screw[i + 1]; ++s)
-        inertia_scale_[static_cast<std::size_t>(tree->iv[i] + s - tree->first_screw[i])] +=
-            tree.inertia_scale[s];
+        inertia_scale[static_cast<std::size_t>(tree->iv[i] + s - tree->first_screw[i])] +=
+            T(tree.inertia_scale[s]);
   }
-  template <class Scale> void add(int c, const T& pivot, const Scale&) {
-    maybe_singular_ = maybe_singular_ || !(pivot > T(small_ * inertia_scale_[c]));
+  template <class Scale> void add(int c, const T& pivot, const Scale& scale) {
+    const double small = single_precision_ ? pivot_threshold<float> : pivot_threshold<double>;
+    has_small_ = has_small_ || !(pivot > T(small) * inertia_scale[c]);
+    if (single_precision_) has_rounding_ = has_rounding_ || !(pivot > T(16 * unit_roundoff<float>) * scale());
   }
-  const Trace::Condition& verdict() const { return maybe_singular_; }
+  Trace::Condition verdict() const { return single_precision_ ? has_small_ && has_rounding_ : has_small_; }
+
+  Numbers inertia_scale;  ///< of each velocity
 
  private:
-  std::vector<double> inertia_scale_;
-  double small_;
-  Trace::Condition maybe_singular_;
+  bool single_precision_;
+  Trace::Condition has_small_, has_rounding_;
 };
 
 /// A function of a tree while it is recorded.
@@ -73,7 +79,7 @@ template <bool factors> struct Solver {
   FastInverseDynamics<Plain<T>, T> bias;
   Bodies bodies;
   T *zero, *H;
-  double small = 0;  ///< relative pivot threshold
+  bool single_precision = false;
   std::optional<Tree<T>> constants;
   Trace::Condition maybe_singular;
 
@@ -85,12 +91,12 @@ template <bool factors> struct Solver {
 
   void prepare(const Tree<double>& tree, const T* q) {
     constants.emplace(cast<T>(tree));
-    SingularityTest check(tree, small);
+    SingularityTest check(tree, single_precision);
     std::fill_n(zero, tree->nv, T(0));
     if constexpr (factors) {
       std::fill_n(H, tree->nv * tree->nv, T(0));
       bodies.run(*constants, q, constants->armature.data(), H);
-      axode::factorize(*constants, zero, H, check);  // SingularityTest has inertia scales of its own
+      axode::factorize(*constants, check.inertia_scale.data(), H, check);
     } else {
       bodies.links.run(*constants, q);
       bodies.factorize(*constants, constants->armature.data(), check);
@@ -140,7 +146,7 @@ bool factors_are_exact(const Tree<double>& tree) {
 
 /// Records a row of the table that has a kernel, with one result for each velocity or for each pair of
 /// velocities.
-template <catalog::Id id, class By> Recording record_row(const Tree<double>& tree, double small) {
+template <catalog::Id id, class By> Recording record_row(const Tree<double>& tree, bool single_precision) {
   constexpr const catalog::Words& row = id.words();
   Traced traced(tree, row.together);
   catalog::Read<T> given;
@@ -152,7 +158,7 @@ template <catalog::Id id, class By> Recording record_row(const Tree<double>& tre
   Numbers out(row.symbols.size() * static_cast<std::size_t>(std::pow(tree->nv, row.shape.size())));
   OnTape<catalog::RowKernel<id, By>> kernel(*tree.topology());
   if constexpr (row.may_fail) {
-    kernel->by.small = small;
+    kernel->by.single_precision = single_precision;
     kernel->run(tree, given, out.data());
     return traced.with(std::move(out), kernel->by.maybe_singular);
   } else {
@@ -170,11 +176,11 @@ Recording mass_matrix(const Tree<double>& tree) {
   bodies->run(traced.constants, q.data(), traced.constants.armature.data(), M.data());
   return traced.with(std::move(M));
 }
-template <class By> Recording inverse_mass_matrix(const Tree<double>& tree, double small) {
+template <class By> Recording inverse_mass_matrix(const Tree<double>& tree, bool single_precision) {
   Traced traced(tree, "M_inverse");
   const Numbers q = traced.argument("q", tree->nq);
   OnTape<By> by(*tree.topology());
-  by->small = small;
+  by->single_precision = single_precision;
   by->prepare(tree, q.data());
   Numbers out(tree->nv * tree->nv);
   by->inverse(tree, out.data());
@@ -185,7 +191,6 @@ template <class By> Recording solution(const Tree<double>& tree) {
   const Numbers q = traced.argument("q", tree->nq);
   Numbers x = traced.argument("tau", tree->nv);
   OnTape<By> by(*tree.topology());
-  by->small = pivot_threshold<double>;
   by->prepare(tree, q.data());
   by->solve_one(tree, x.data());
   return traced.with(std::move(x), by->maybe_singular);
@@ -251,7 +256,7 @@ using Factorized = Solver<true>;
 /// The function that records a row of the table. A row that solves with M has one for each of the two
 /// solvers.
 struct Recorder {
-  using Of = Recording (*)(const Tree<double>&, double small);
+  using Of = Recording (*)(const Tree<double>&, bool single_precision);
   Of by_bodies = nullptr, by_factors = nullptr;
 };
 constexpr auto recorders = [] {
@@ -281,11 +286,10 @@ Recording record(const Model& model, const Function& function, bool single_preci
   if (function.is("poses")) return poses(tree, 0, tree->n_frames() - 1);
   if (function.is("pose")) return poses(tree, function.frame, function.frame);
   if (function.is("jacobian")) return jacobian(tree, function.frame, function.representation);
-  const double small = single_precision ? pivot_threshold<float> : pivot_threshold<double>;
   const Recorder& recorder = recorders[function.row.index];
-  Recording by_bodies = recorder.by_bodies(tree, small);
+  Recording by_bodies = recorder.by_bodies(tree, single_precision);
   if (recorder.by_factors == nullptr || !factors_are_exact(tree)) return by_bodies;
-  Recording by_factors = recorder.by_factors(tree, small);
+  Recording by_factors = recorder.by_factors(tree, single_precision);
   return operations(by_bodies).total() < operations(by_factors).total() ? by_bodies : by_factors;
 }
 

@@ -80,6 +80,14 @@ def test_float32_is_float(cuda, mechanism):
         assert_same(found, getattr(axode, function)(m, *given), 1e-5)
 
 
+@pytest.mark.parametrize("mechanism", ["arm", "humanoid"])
+def test_forward_dynamics_in_float32_has_a_result_in_every_state_of_a_robot(cuda, mechanism):
+    m = MECHANISMS[mechanism]
+    given = arguments(m, "forward_dynamics", 300, np.float32)
+    found = cuda.kernels(m, ["forward_dynamics"], "float32").forward_dynamics(*map(host_cupy.asarray, given))
+    assert_same(found, axode.forward_dynamics(m, *given), 1e-3)
+
+
 def test_angles_may_have_any_size(cuda):
     gpu = cuda.kernels(ARM, ["mass_matrix"])
     q = 1e7 * arguments(ARM, "mass_matrix", 4)[0]
