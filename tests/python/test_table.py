@@ -13,6 +13,7 @@ import pytest
 from axode.table import ROWS
 from calls import given_to, in_one, tool
 from mechanisms import MECHANISMS, REPRESENTATIONS, random_states
+from properties import TREE, WITH, numbers, state
 
 LOOPS = ["four_bar.toml", "slider_crank.toml", "bricard.toml", "gough.toml", "leg.toml", "governor.toml"]
 
@@ -26,48 +27,33 @@ def cut(m):
     return axode.Model.from_dict({key: value for key, value in m.to_dict().items() if key not in ("loop", "coupling")})
 
 
-def arguments(m, row, seed=1):
-    """The arguments for one state. Its loops are closed, and its velocities and accelerations keep them closed; the
-    forces are random."""
-    rng = np.random.default_rng(seed)
-    q, _ = axode.assemble(m, m.neutral())
-    A = axode.loop_jacobian(m, q)
-    v = rng.normal(size=m.nv)
-    v -= np.linalg.lstsq(A, A @ v, rcond=1e-9)[0]
-    tau = np.zeros(m.nv)
-    values = {"q": q, "v": v, "a": axode.forward_dynamics(m, q, v, tau), "tau": tau, "p": axode.momenta(m, q, v)}
-    values |= {name: rng.normal(size=m.nv) for name in ("dq", "dv", "da", "dtau", "w")}
-    given = {name: values[name] for name in row.arrays}
-    if "frame" in row.takes:
-        given["frame"] = m.n_frames - 1
-    return given | ({"base": 0} if "base" in row.takes else {})
+# The column of the table, a mechanism with that property, and the mechanism without it.
+CASES = {file: ("loops", mechanism(file), cut(mechanism(file))) for file in LOOPS}
+CASES |= {case: (column, m, TREE) for case, (column, m) in WITH.items()}
 
 
 def call(m, row, given):
     return getattr(axode, row.name)(m, **given)
 
 
-def numbers(result):
-    return [np.asarray(x) for x in result] if isinstance(result, tuple) else [np.asarray(result)]
-
-
 def test_every_row_is_a_function():
     assert [name for name in ROWS if not callable(getattr(axode, name, None))] == []
 
 
-@pytest.mark.parametrize("file", LOOPS)
+@pytest.mark.parametrize("case", CASES)
 @pytest.mark.parametrize("name", [name for name in ROWS if "loads" not in ROWS[name].symbols and name != "load_powers"])
-def test_loops_are_counted_or_refused_as_the_row_says(file, name):
-    m, row = mechanism(file), ROWS[name]
-    word, sentence = row.counts["loops"]
-    given = arguments(m, row)
+def test_each_property_is_counted_refused_or_left_out_as_the_row_says(case, name):
+    row = ROWS[name]
+    column, m, without = CASES[case]
+    word, sentence = row.counts[column]
+    given = state(m, row)
     if word == "refused":
-        with pytest.raises(ValueError, match=re.escape(sentence)):
+        with pytest.raises(ValueError, match=f"{name} does not count.*{re.escape(sentence)}"):
             call(m, row, given)
         return
     found = numbers(call(m, row, given))
-    if word == "of_the_tree":
-        expected = numbers(call(cut(m), row, given))
+    if word in ("of_the_tree", "optional", "partly"):  # joint losses and passive joints count if that is asked for
+        expected = numbers(call(without, row, given))
         assert all(np.array_equal(x, y, equal_nan=True) for x, y in zip(found, expected, strict=True))
     else:
         assert word == "counted"
@@ -75,14 +61,17 @@ def test_loops_are_counted_or_refused_as_the_row_says(file, name):
         assert all(np.array_equal(x, y[1], equal_nan=True) for x, y in zip(found, many, strict=True))
 
 
+@pytest.mark.parametrize("case", CASES)
 @pytest.mark.parametrize("name", [name for name in ROWS if ROWS[name].recorded and "frame" not in ROWS[name].takes])
-def test_generated_and_specialised_code_refuse_what_depends_on_loops(name):
-    m, row = mechanism("four_bar.toml"), ROWS[name]
-    if row.counts["loops"][0] == "of_the_tree":
-        axode.codegen.c_source(m, [name])
+def test_generated_and_specialised_code_is_that_of_the_tree_or_refused(case, name):
+    row = ROWS[name]
+    column, m, tree = CASES[case]
+    if row.counts[column][0] in ("of_the_tree", "optional", "partly"):
+        for abi in ("plain", "cuda"):
+            assert axode.codegen.c_source(m, [name], abi=abi).text == axode.codegen.c_source(tree, [name], abi=abi).text
         return
     for make in (axode.codegen.c_source, type(m).specialise):
-        with pytest.raises(ValueError, match=f'{name} does not count loops, and model "four-bar" has 1; '):
+        with pytest.raises(ValueError, match=f'{name} does not count {column}, and model "{m.name}" has \\d+; '):
             make(m, [name])
 
 

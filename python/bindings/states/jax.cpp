@@ -9,6 +9,7 @@
 
 #include "axode/batch/portions.hpp"
 #include "axode/integration/sensitivities.hpp"
+#include "axode/model/building/builder.hpp"
 #include "axode/model/building/edited.hpp"
 #include "python/bindings/states/state_function.hpp"
 #include "python/bindings/support/bindings.hpp"
@@ -25,12 +26,24 @@ namespace {
 
 constexpr double nan = std::numeric_limits<double>::quiet_NaN();
 
-/// The models to which compiled programs refer, by a key that is made of the contents of the model.
+/// The mechanism without loops, couplings and motions.
+Model tree_of(const Model& model) {
+  if (model.loops().empty() && model.motions().empty()) return model;
+  Description tree = model.description();
+  tree.loops.clear();
+  tree.couplings.clear();
+  tree.motions.clear();
+  return ModelBuilder(std::move(tree)).build();
+}
+
+/// The models to which compiled programs refer, by a key that is made of the contents of the model. They are
+/// trees: axode.jax refuses a function that depends on more before it makes a program.
 class Mechanisms {
  public:
   void add(const std::string& key, const Model& model) {
+    Entry tree{tree_of(model), 0};
     const std::unique_lock lock(mutex_);
-    ++all_.try_emplace(key, Entry{model, 0}).first->second.users;
+    ++all_.try_emplace(key, std::move(tree)).first->second.users;
   }
   void remove(const std::string& key) {
     const std::unique_lock lock(mutex_);

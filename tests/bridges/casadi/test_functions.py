@@ -11,7 +11,9 @@ import axode.casadi
 import casadi as ca
 import numpy as np
 import pytest
+from axode.table import ROWS
 from mechanisms import MECHANISMS
+from properties import WITH, assert_same_or_refused, state
 
 QUICK = ["-O0"]
 MODELS = {
@@ -340,7 +342,7 @@ def test_evaluation_fails_where_the_mass_matrix_is_singular():
         arm(np.full(7, np.nan), np.zeros(7), np.zeros(7))
 
 
-ARM, LOOP = MODELS["arm"], axode.load(axode.robots / "four_bar.toml")
+ARM = MODELS["arm"]
 WRONG = {
     "a function of another library": (ARM, "crba", ValueError, "quantity is 'crba'; .*it is called 'mass_matrix' here"),
     "a derivative": (ARM, "forward_dynamics_hessian", ValueError,
@@ -350,9 +352,20 @@ WRONG = {
     "an unknown frame": (ARM, ("pose", "flang"), KeyError, 'has no frame "flang"; did you mean "flange"'),
     "an unknown representation": (ARM, ("jacobian", "flange", "world"), ValueError, "representation is 'world'; expected one of"),
     "a list": (ARM, ["mass_matrix"], ValueError, r"quantity is \['mass_matrix'\]; expected"),
-    "forward dynamics with loops": (LOOP, "forward_dynamics", ValueError, 'does not count loops, and model "four-bar" has 1'),
-    "inverse dynamics with loops": (LOOP, "inverse_dynamics", ValueError, 'does not count loops, and model "four-bar" has 1'),
 }
+
+
+@pytest.mark.parametrize("case", WITH)
+@pytest.mark.parametrize("quantity", ["forward_dynamics", "inverse_dynamics", "mass_matrix"])
+def test_no_function_answers_for_another_mechanism(case, quantity):
+    _, m = WITH[case]
+    given = state(m, ROWS[quantity])
+
+    def found():
+        value = np.array(axode.casadi.function(m, quantity, flags=QUICK)(*given.values()))
+        return value.reshape(ROWS[quantity].item(m))
+
+    assert_same_or_refused(quantity, found, lambda: getattr(axode, quantity)(m, **given))
 
 
 @pytest.mark.parametrize("kind", WRONG)

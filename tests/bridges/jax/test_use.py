@@ -14,7 +14,9 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 import pytest
+from axode.table import ROWS
 from mechanisms import MECHANISMS, close, random_states
+from properties import WITH, assert_same_or_refused, state
 
 SOURCE = Path(__file__).resolve().parents[3]
 ARM = MECHANISMS["arm"]
@@ -46,11 +48,24 @@ def test_bad_arguments_are_named(call, error, sentence):
         call()
 
 
-def test_models_with_loops_are_refused():
-    m = axode.load(axode.robots / "four_bar.toml")
-    with pytest.raises(ValueError, match="forward_dynamics does not count loops, and model .* has 1"):
-        axode.jax.forward_dynamics(m, m.neutral(), np.zeros(m.nv), np.zeros(m.nv))
-    assert close(np.asarray(axode.jax.mass_matrix(m, m.neutral())), axode.mass_matrix(m, m.neutral()))
+@pytest.mark.parametrize("case", WITH)
+def test_no_function_answers_for_another_mechanism(case):
+    _, m = WITH[case]
+    for name in {*axode.jax.__all__} & {*ROWS}:
+        given = state(m, ROWS[name])
+        assert_same_or_refused(name, lambda: getattr(axode.jax, name)(m, **given), lambda: getattr(axode, name)(m, **given))
+    q, v, tau = (state(m, ROWS["forward_dynamics"])[key] for key in ("q", "v", "tau"))
+    assert_same_or_refused("rollout", lambda: axode.jax.rollout(m, q, v, np.stack([tau, -tau]), 1e-3),
+                           lambda: axode.rollout(m, q, v, np.stack([tau, -tau]), 1e-3, contact=False))
+
+
+def test_gradients_of_what_is_of_the_tree_are_those_of_differences():
+    _, m = WITH["rod"]
+    given = state(m, ROWS["kinetic_energy"])
+    by_q, by_v = jax.grad(axode.jax.kinetic_energy, (1, 2))(m, given["q"], given["v"])
+    assert close(np.asarray(by_v), axode.momenta(m, **given))
+    energies = axode.kinetic_energy(m, given["q"] + 1e-6 * np.vstack([np.eye(3), -np.eye(3)]), np.tile(given["v"], (6, 1)))
+    assert close(np.asarray(by_q), (energies[:3] - energies[3:]) / 2e-6, 1e-8)
 
 
 def test_a_quaternion_off_1_is_an_error_of_the_program():

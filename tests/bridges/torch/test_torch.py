@@ -20,8 +20,10 @@ import axode
 import numpy as np
 import pytest
 import torch
+from axode.table import ROWS
 from mechanisms import MECHANISMS, random_states
 from pages import SOURCE, run_page
+from properties import WITH, assert_same_or_refused, state
 from torch.autograd import gradcheck, gradgradcheck
 from torch.func import grad, hessian, jacfwd, jacrev, vmap
 from torch.library import opcheck
@@ -495,6 +497,18 @@ def test_loops_are_counted_or_refused():
     for name in ("mass_matrix", "kinetic_energy", "potential_energy", "center_of_mass", "poses"):
         x = leaves(arguments_of(name, m))
         assert gradcheck(function(name, m), x, eps=1e-7, atol=1e-4, fast_mode=True), name
+
+
+@pytest.mark.parametrize("case", WITH)
+def test_no_function_answers_for_another_mechanism(case):
+    _, m = WITH[case]
+    for name in {*FUNCTIONS} & {*ROWS} - {"jacobian"}:
+        given = state(m, ROWS[name])
+        assert_same_or_refused(name, lambda: getattr(axode.torch, name)(m, *map(torch.tensor, given.values())),
+                               lambda: getattr(axode, name)(m, **given))
+    q, v, tau = (state(m, ROWS["forward_dynamics"])[key] for key in ("q", "v", "tau"))
+    assert_same_or_refused("rollout", lambda: axode.torch.rollout(m, *map(torch.tensor, (q, v, np.stack([tau, -tau]))), 1e-3),
+                           lambda: axode.rollout(m, q, v, np.stack([tau, -tau]), 1e-3, contact=False))
 
 
 @pytest.mark.parametrize("joint", [{"kind": "planar", "axis": "z", "point": [0, 0, 0]},
