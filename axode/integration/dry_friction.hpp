@@ -89,7 +89,8 @@ class DryFriction {
   static std::size_t at(Eigen::Index c) { return static_cast<std::size_t>(c); }
   Joint& sticking_joint(Eigen::Index i) { return joints_[sticking_joints_[at(i)]]; }
   void list_sticking();
-  /// What passes through the gear of a joint at rest, or moves it: the drive force less damping and friction.
+  /// The drive force less damping and friction. This force accelerates the rotor, passes through the gear and
+  /// overcomes its loss.
   double through_gear(const Joint& joint, Span v, Span drive) const {
     const std::size_t c = at(joint.velocity);
     return drive[c] - tree_->damping[c] * v[c] - joint.direction * joint.friction;

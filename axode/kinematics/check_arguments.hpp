@@ -59,8 +59,7 @@ inline void refuse_gears(const Model& model) {
       "the gear of joint \"" + velocity_names(model)[static_cast<std::size_t>(model.gears()[0].velocity)] +
       "\" loses a part of the force that it transmits; of the functions with joint_losses, inverse_dynamics, "
       "forward_dynamics, rollout and, in relative coordinates and without contact, simulate count such "
-      "losses: "
-      "set joint_losses to false, or gear_loss to 0");
+      "losses: set joint_losses to false, or gear_loss to 0");
 }
 /// Checks loads on a model. Unless the caller counts losses of gears, these are refused if joint losses act.
 template <class T> void check_loads(const Model& model, const Loads<T>& loads, bool counts_gears = false) {

@@ -27,7 +27,7 @@ inline constexpr Count without_contacts =
 /// the force that a gear transmits.
 inline constexpr Count without_gears{
     Word::partly, "losses of gears are refused; inverse_dynamics, forward_dynamics and simulate count them"};
-/// The same treatment of all properties but joint losses.
+/// The treatment `counts` of all properties but joint losses, which have a treatment of their own.
 consteval Counts with_losses(Counts counts, Count joint_losses) {
   counts.joint_losses = joint_losses;
   return counts;
@@ -138,8 +138,7 @@ inline constexpr Counts of_derivatives_of_forces{
     .plays = free_plays,
     .contacts = of_the_tree()};
 inline constexpr Counts of_derivatives_of_accelerations{
-    .loops =
-        refused("forward_dynamics_derivatives, forward_dynamics_jvp and forward_dynamics_vjp count them"),
+    .loops = refused("forward_dynamics_derivatives and its products with vectors count them"),
     .passive_joints = of_the_tree(),
     .springs = of_the_tree(add_springs),
     .joint_losses = without_gears,

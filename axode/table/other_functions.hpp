@@ -10,6 +10,7 @@ struct Other {
   Counts counts;
 };
 namespace table {
+/// Sentences of several rows about motions, drives, plays and contacts.
 inline constexpr Count locked = refused("reduced locks the joints that they move"),
                        by_simulate = refused("simulate counts them"),
                        without_contact = refused("simulate without contact counts them"),

@@ -223,8 +223,8 @@ class PlayEvent(NamedTuple):
 class SpringCoordinate(NamedTuple):
     """The `coordinate` of a spring, m or rad, (N,) for N states, and its `gradient` (nv,) or (N, nv), see `spring_coordinate`."""
 
-    coordinate: NDArray[np.float64]
-    gradient: NDArray[np.float64]
+    coordinate: Array
+    gradient: Array
 
 
 class DriveLinearization(NamedTuple):
@@ -234,8 +234,8 @@ class DriveLinearization(NamedTuple):
     whose input is a function of time, which du changes: B has the shape (2 nv + nx, number of inputs).
     """
 
-    A: NDArray[np.float64]
-    B: NDArray[np.float64]
+    A: Array
+    B: Array
     states: list[str]
     inputs: list[str]
 
@@ -248,8 +248,8 @@ class DriveEquilibrium(NamedTuple):
     """
 
     found: bool
-    q: NDArray[np.float64]
-    x: NDArray[np.float64]
+    q: Array
+    x: Array
     states: list[str]
     residual: float
 
@@ -306,12 +306,12 @@ class TaskEquations(NamedTuple):
     M has the shape (f, f), J (d, f) and F (nv, f). h (f,) has Coriolis, centrifugal and gravity forces, less those of loads.
     """
 
-    M: NDArray[np.float64]
-    h: NDArray[np.float64]
-    J: NDArray[np.float64]
+    M: Array
+    h: Array
+    J: Array
     drives: list[int]
-    F: NDArray[np.float64]
-    c: NDArray[np.float64]
+    F: Array
+    c: Array
 
 
 class TaskSingularity(NamedTuple):
@@ -326,7 +326,7 @@ class TaskSingularity(NamedTuple):
     type: Literal["limb", "drives", "constraint"]
     limb: int | None
     distance: float
-    twist: NDArray[np.float64]
+    twist: Array
     joints: list[str]
     sentence: str
 
@@ -417,7 +417,7 @@ class Linearization(NamedTuple):
     B: Array
 
 
-class Rollout(tuple[NDArray[np.float64], NDArray[np.float64]]):
+class Rollout(tuple[Array, Array]):
     """The pair (q, v) of the states of N motions, and the `certificates` (N, K) of their steps with contact.
 
     A certificate says how exactly the laws of contact hold in a step, 1e-12 being rounding. Without contact there are none,
@@ -428,24 +428,24 @@ class Rollout(tuple[NDArray[np.float64], NDArray[np.float64]]):
     (True, 0)
     """
 
-    certificates: NDArray[np.float64]
+    certificates: Array
 
-    def __new__(cls, q: NDArray[np.float64], v: NDArray[np.float64],
-                certificates: NDArray[np.float64] | None = None) -> Rollout:
+    def __new__(cls, q: Array, v: Array,
+                certificates: Array | None = None) -> Rollout:
         made = super().__new__(cls, (q, v))
         made.certificates = np.empty(0) if certificates is None else certificates
         return made
 
-    def __getnewargs__(self) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    def __getnewargs__(self) -> tuple[Array, Array]:
         return self[0], self[1]
 
     @property
-    def q(self) -> NDArray[np.float64]:
+    def q(self) -> Array:
         """(K + 1, nq) or (N, K + 1, nq)."""
         return self[0]
 
     @property
-    def v(self) -> NDArray[np.float64]:
+    def v(self) -> Array:
         """(K + 1, nv) or (N, K + 1, nv)."""
         return self[1]
 

@@ -20,7 +20,7 @@ TYPED_TEST_SUITE(ManyStates, Scalars);
 
 Model tree(Random<double>& random) {
   for (;;) {
-    Model model = ModelBuilder(told(random_mechanism(random, {}), random)).build();
+    Model model = ModelBuilder(described(random_mechanism(random, {}), random)).build();
     if (model.nq() > 0) return model;
   }
 }

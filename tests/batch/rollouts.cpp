@@ -24,7 +24,7 @@ struct Driven {
       : model([&] {
           Random<double> random(seed);
           const TreeRecipe recipe{.most_bodies = 7, .couplings = seed % 4 == 0, .always_mass = true};
-          Description tree = told(random_mechanism(random, recipe), random);
+          Description tree = described(random_mechanism(random, recipe), random);
           if (seed % 5 == 0)
             tree.springs = {{.between = {"ground", tree.bodies[0].name}, .stiffness = 5, .rest = 0.3}};
           return ModelBuilder(tree).build();

@@ -118,7 +118,7 @@ TEST_F(SpecialisedBatches, GiveWhatTheLibrarysGive) {
     Random<double> random(seed);
     const Model model =
         seed == 1 ? every_joint()
-                  : ModelBuilder(told(random_mechanism(random, {.most_bodies = 7}), random)).build();
+                  : ModelBuilder(described(random_mechanism(random, {.most_bodies = 7}), random)).build();
     const Specialised<> specialised(model, batches, {.flags = quickly});
     for (const std::size_t N : {0, 1, 2, 3, 7, 8, 9, 17, 67})
       for (const int threads : {1, 4}) expect_the_librarys(model, specialised, N, threads, 1e-12);

@@ -121,7 +121,7 @@ TEST_F(SpecialisedRollouts, GiveWhatTheLibrarysGive) {
     Model model = every_joint();  // one is coupled
     if (seed > 1) {
       const TreeRecipe recipe{.most_bodies = 7, .always_mass = true};
-      Description tree = told(random_mechanism(random, recipe), random);
+      Description tree = described(random_mechanism(random, recipe), random);
       if (seed % 3 == 0)
         tree.springs = {{.between = {"ground", tree.bodies[0].name}, .stiffness = 5, .rest = 0.3}};
       model = ModelBuilder(tree).build();

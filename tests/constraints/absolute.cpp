@@ -47,7 +47,8 @@ template <class F> void for_free_bodies(int seeds, const F& f) {
   for (const BodyGroup kind : {BodyGroup::SE3, BodyGroup::SO3xR3}) {
     for_seeds(seeds, [&](std::uint64_t seed) {
       Random<double> random(seed);
-      const Model model = ModelBuilder(told(random_mechanism(random, {.most_bodies = 12}), random)).build();
+      const Model model =
+          ModelBuilder(described(random_mechanism(random, {.most_bodies = 12}), random)).build();
       const State<double> state = random_state(model, random);
       FreeBodies free(model, state.q, state.v, kind);
       f(free, random);
@@ -189,7 +190,8 @@ TEST(AbsoluteSystem, AcceleratesAsTheTreeDoes) {
 TEST(JointState, IsTheWayBackFromPosesAndTwists) {
   for_seeds(60, [](std::uint64_t seed) {
     Random<double> random(seed);
-    const Model model = ModelBuilder(told(random_mechanism(random, {.most_bodies = 12}), random)).build();
+    const Model model =
+        ModelBuilder(described(random_mechanism(random, {.most_bodies = 12}), random)).build();
     const State<double> state = random_state(model, random);
     Workspace<> workspace(model);
     std::vector<SE3<>> C(static_cast<std::size_t>(model.n_frames()));

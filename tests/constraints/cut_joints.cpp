@@ -36,7 +36,7 @@ class CutTree {
     if (kind == JointKind::universal) body.second_axis = body.J.R * Vec3<>{1, 0.3, -0.4};
     joint = body.joint;
     Random<double> telling(seed + 1), telling_again(seed + 1);
-    whole = ModelBuilder(told(drawn, telling)).build();
+    whole = ModelBuilder(described(drawn, telling)).build();
     LoopDescription loop{.name = "cut",
                          .between = {drawn.name(body.predecessor), body.name},
                          .kind = as_loop(kind),
@@ -46,7 +46,7 @@ class CutTree {
                          .pitch = body.pitch};
     body.predecessor = -1, body.kind = JointKind::free, body.J = body.A, body.joint = "free of cut";
     body.pitch = 0;
-    Description description = told(drawn, telling_again);
+    Description description = described(drawn, telling_again);
     description.loops.push_back(loop);
     cut = ModelBuilder(description).build();
 

@@ -15,7 +15,7 @@ using Numbers = std::vector<double>;
 /// A random tree with a loop of every kind, a coupling and passive joints; the loops are closed in the drawn
 /// configuration.
 Description closed_as_drawn(Random<double>& random) {
-  Description d = with_loops(told(random_mechanism(random, {.most_bodies = 8}), random), random);
+  Description d = with_loops(described(random_mechanism(random, {.most_bodies = 8}), random), random);
   for (BodyDescription& body : d.bodies)
     if (body.joint.coupling) body.joint.coupling->offset = 0;
   for (LoopDescription& loop : d.loops)

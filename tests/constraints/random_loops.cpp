@@ -20,7 +20,7 @@ struct LoopedTree {
   explicit LoopedTree(std::uint64_t seed, bool few = false)
       : random(seed),
         model([&] {
-          Description d = with_loops(told(random_mechanism(random, {.most_bodies = 8}), random), random);
+          Description d = with_loops(described(random_mechanism(random, {.most_bodies = 8}), random), random);
           if (few && !d.loops.empty()) {
             d.loops = {d.loops[seed / 2 % d.loops.size()]};
             d.couplings.clear();

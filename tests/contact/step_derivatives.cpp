@@ -7,6 +7,7 @@
 #include "axode/model/configuration.hpp"
 #include "tests/contact/reference_contacts.hpp"
 #include "tests/support/random_loops.hpp"
+#include "tests/support/refused_arguments.hpp"
 
 /// Derivatives of steps with contact against differences of fourth order, on every branch of the laws.
 namespace axode::test {
@@ -354,13 +355,10 @@ TEST(StepDerivatives, RefuseDrivesWithStates) {
   const Model model = bodies.build();
   std::vector<double> q = posed({}, {0, 0, 0.1});
   q.push_back(0);
-  try {
-    static_cast<void>(
-        step_of(model, ContactShapes(model), {q, std::vector<double>(7), std::vector<double>(7)}));
-    FAIL() << "the drive was ignored";
-  } catch (const std::invalid_argument& error) {
-    EXPECT_EQ(std::string(error.what()).find("contact does not count drives with states, and model"), 0U);
-  }
+  EXPECT_THAT(message_of([&] {
+                step_of(model, ContactShapes(model), {q, std::vector<double>(7), std::vector<double>(7)});
+              }),
+              testing::StartsWith("contact does not count drives with states, and model"));
 }
 
 TEST(StepDerivatives, RefuseContactPointsWithoutAClosedForm) {

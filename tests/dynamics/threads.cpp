@@ -30,7 +30,7 @@ Fingerprints results(const Case& c, const Model& model, const std::vector<Argume
 }
 
 Model any_tree(Random<double>& random) {
-  return ModelBuilder(with_springs(told(random_mechanism(random), random), random)).build();
+  return ModelBuilder(with_springs(described(random_mechanism(random), random), random)).build();
 }
 
 TEST_P(Threads, AgreeToTheLastBit) {

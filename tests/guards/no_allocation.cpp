@@ -106,7 +106,8 @@ TEST_P(NoAllocation, InEveryFunction) {
     using T = decltype(scalar);
     for_seeds(100, [&](std::uint64_t seed) {
       Random<double> random(seed);
-      const Model model = ModelBuilder(with_springs(told(random_mechanism(random), random), random)).build();
+      const Model model =
+          ModelBuilder(with_springs(described(random_mechanism(random), random), random)).build();
       const Arguments<T> arguments(model, random);
       const catalog::Arguments<T> given = arguments.given();
       Workspace<T> workspace(model);
@@ -141,7 +142,7 @@ TEST_P(NoAllocationBeside, InColumnsAndMotionOfHigherOrder) {
     using T = decltype(scalar);
     for_seeds(100, [&](std::uint64_t seed) {
       Random<double> random(seed);
-      const Model model = ModelBuilder(told(random_mechanism(random), random)).build();
+      const Model model = ModelBuilder(described(random_mechanism(random), random)).build();
       const Arguments<T> at(model, random);
       Workspace<T> workspace(model);
       const int tip = model.n_frames() - 1, order = 4;
@@ -169,7 +170,8 @@ TEST_P(NoAllocationBeside, InFactorsFormsInTwistsAndSpatialMomentaAndLinearSyste
     using T = decltype(scalar);
     for_seeds(100, [&](std::uint64_t seed) {
       Random<double> random(seed);
-      const Model model = ModelBuilder(told(random_mechanism(random, {.most_bodies = 20}), random)).build();
+      const Model model =
+          ModelBuilder(described(random_mechanism(random, {.most_bodies = 20}), random)).build();
       const Arguments<T> at(model, random);
       const Loads<T> loads = at.given().loads;
       Workspace<T> workspace(model);

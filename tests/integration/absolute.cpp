@@ -30,7 +30,7 @@ TEST(AbsoluteCoordinates, MoveRandomTreesAsTheirJointsDo) {
       ++tried;
       Random<double> random(seed);
       const Model model =
-          ModelBuilder(told(random_mechanism(random, {.most_bodies = 6, .always_mass = true}), random))
+          ModelBuilder(described(random_mechanism(random, {.most_bodies = 6, .always_mass = true}), random))
               .build();
       const State<double> state = random_state(model, random);
       SimulationOptions options = driven_and_damped();

@@ -25,7 +25,7 @@ struct Driven {
   explicit Driven(std::uint64_t seed, bool springs = false)
       : model([&] {
           Random<double> random(seed);
-          Description tree = told(
+          Description tree = described(
               random_mechanism(random, {.most_bodies = 6, .couplings = false, .always_mass = true}), random);
           if (springs)
             tree.springs = {{.between = {"ground", tree.bodies[0].name},

@@ -95,7 +95,8 @@ struct Driven {
   explicit Driven(std::uint64_t seed)
       : model([&] {
           Random<double> random(seed);
-          Description d = told(random_mechanism(random, {.most_bodies = 5, .always_mass = true}), random);
+          Description d =
+              described(random_mechanism(random, {.most_bodies = 5, .always_mass = true}), random);
           const Description expanded = expand(d);
           std::vector<std::string> joints;
           for (const BodyDescription& body : expanded.bodies)

@@ -137,7 +137,7 @@ struct Rubbing {
   Rubbing(std::uint64_t seed, const TreeRecipe& recipe)
       : model([&] {
           Random<double> random(seed);
-          const Description tree = told(random_mechanism(random, recipe), random);
+          const Description tree = described(random_mechanism(random, recipe), random);
           return ModelBuilder(with_friction(with_springs(tree, random), random)).build();
         }()) {
     Random<double> random(seed + 1);

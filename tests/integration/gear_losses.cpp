@@ -5,6 +5,7 @@
 #include "axode/io.hpp"
 #include "tests/constraints/mechanisms.hpp"
 #include "tests/integration/motions.hpp"
+#include "tests/support/refused_arguments.hpp"
 
 /// Gears that lose a part of the force that they transmit: the law of their losses on random trees, balance of
 /// power, hoists in closed form, loops, and what is refused.
@@ -43,7 +44,7 @@ struct Geared {
   static Description drawn(std::uint64_t seed, double largest_back) {
     Random<double> random(seed);
     const TreeRecipe recipe{.most_bodies = 6, .always_mass = true, .springs = 0};
-    Description tree = told(random_mechanism(random, recipe), random);
+    Description tree = described(random_mechanism(random, recipe), random);
     for (BodyDescription& body : tree.bodies) {
       if (!has_one_velocity(body.joint.kind) || body.joint.coupling) continue;
       body.joint.dof = {{.damping = random.number(0, 0.2),
@@ -434,15 +435,6 @@ TEST(GearLosses, StandInDrawings) {
     }));
 }
 
-template <class Call> std::string refusal(const Call& call) {
-  try {
-    call();
-  } catch (const std::invalid_argument& error) {
-    return error.what();
-  }
-  return "";
-}
-
 TEST(GearLosses, AreRefusedWhereTheyAreNotCounted) {
   const Model model = hoist(0.5);
   const Numbers q{0}, v{1};
@@ -451,16 +443,16 @@ TEST(GearLosses, AreRefusedWhereTheyAreNotCounted) {
   };
   SimulationOptions absolute = with_losses;
   absolute.coordinates = Coordinates::absolute;
-  expect(refusal([&] { simulate(model, q, v, 1, {}, absolute); }));
-  expect(refusal([&] { simulate_symplectic(model, q, v, 1, 0.1, 2, with_losses); }));
-  expect(refusal([&] { simulate_momenta(model, q, v, 1, 0.1, runge_kutta(4), with_losses); }));
-  expect(refusal([&] { simulate_contact(model, q, v, 1, 0.1, with_losses); }));
+  expect(message_of([&] { simulate(model, q, v, 1, {}, absolute); }));
+  expect(message_of([&] { simulate_symplectic(model, q, v, 1, 0.1, 2, with_losses); }));
+  expect(message_of([&] { simulate_momenta(model, q, v, 1, 0.1, runge_kutta(4), with_losses); }));
+  expect(message_of([&] { simulate_contact(model, q, v, 1, 0.1, with_losses); }));
   Description sprung = model.description();
   sprung.bodies[0].joint.dof[0].stiffness = 1;
   const Model with_spring = ModelBuilder(sprung).build();
   Workspace<> workspace(with_spring);
   Numbers out(1);
-  const std::string springs = refusal([&] {
+  const std::string springs = message_of([&] {
     inverse_dynamics(with_spring, workspace, q, v, Numbers{0}, std::span(out), {.joint_losses = true});
   });
   EXPECT_NE(springs.find("has springs, whose forces in tau would not pass through the gears"),

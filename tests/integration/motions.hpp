@@ -23,7 +23,8 @@ struct Mover {
   explicit Mover(std::uint64_t seed)
       : model([&] {
           Random<double> random(seed);
-          return ModelBuilder(told(random_mechanism(random, {.most_bodies = 6, .always_mass = true}), random))
+          return ModelBuilder(
+                     described(random_mechanism(random, {.most_bodies = 6, .always_mass = true}), random))
               .build();
         }()) {
     Random<double> random(seed + 1);

@@ -30,7 +30,7 @@ TEST(PassiveJoints, OfTreesGetNoForceAndDrivesMoveAsWanted) {
   int passive = 0;
   for_seeds(40, [&](std::uint64_t seed) {
     Random<double> random(seed);
-    Description tree = told(random_mechanism(random, {.most_bodies = 6, .always_mass = true}), random);
+    Description tree = described(random_mechanism(random, {.most_bodies = 6, .always_mass = true}), random);
     for (BodyDescription& body : tree.bodies)
       if (body.joint.kind != JointKind::fixed) body.joint.passive = random.number(0, 1) < 0.4;
     const Model model = ModelBuilder(with_springs(tree, random)).build();

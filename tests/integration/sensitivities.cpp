@@ -54,7 +54,7 @@ struct SensitiveMotion {
   }
   static Model built(const Mechanism& mechanism, std::uint64_t springs = 0) {
     Random<double> random(1), of_springs(springs);
-    const Description tree = told(mechanism, random);
+    const Description tree = described(mechanism, random);
     return ModelBuilder(springs > 0 ? with_springs(tree, of_springs) : tree).build();
   }
   std::size_t nv() const { return start.v.size(); }

@@ -86,7 +86,7 @@ TEST(Simulation, IsTheSameWhereverTheSceneStands) {
     const SE3<> D{random.rotation(), random.vector(3)};
     const auto built = [&](const Mechanism& scene) {
       Random<double> of_telling(seed);
-      return ModelBuilder(told(scene, of_telling)).build();
+      return ModelBuilder(described(scene, of_telling)).build();
     };
     const Model here = built(drawn), there = built(displaced(D, drawn));
     State<double> at = random_state(here, random);

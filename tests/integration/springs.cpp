@@ -24,7 +24,7 @@ struct Sprung {
   Sprung(std::uint64_t seed, Loss loss, const TreeRecipe& recipe = {.most_bodies = 8, .always_mass = true})
       : model([&] {
           Random<double> random(seed);
-          const Description tree = told(random_mechanism(random, recipe), random);
+          const Description tree = described(random_mechanism(random, recipe), random);
           return ModelBuilder(with_springs(tree, random, loss == Loss::some)).build();
         }()),
         workspace(model) {

@@ -63,7 +63,7 @@ TEST(UnitsOfMotions, OfTreesMultiplyEveryStep) {
     for_seeds(15, [&](std::uint64_t seed) {
       Random<double> random(seed);
       const Description drawn =
-          told(random_mechanism(random, {.most_bodies = 5, .always_mass = true}), random);
+          described(random_mechanism(random, {.most_bodies = 5, .always_mass = true}), random);
       const Model model = ModelBuilder(drawn).build();
       State<double> at = random_state(model, random);
       const Numbers tau = random_numbers(random, model.nv());

@@ -102,7 +102,8 @@ Description random_description(std::uint64_t seed) {
   test::Random<double> random(seed);
   const int n = static_cast<int>(random.number(1, 25));
   Description tree = test::random_tree(random, n, test::all_kinds);
-  tree = test::told(tree, random, [&](std::size_t) { return static_cast<test::Way>(random.number(0, 3)); });
+  tree =
+      test::described(tree, random, [&](std::size_t) { return static_cast<test::Way>(random.number(0, 3)); });
   std::string leader;
   for (BodyDescription& body : tree.bodies) {
     const JointKind kind = body.joint.kind;

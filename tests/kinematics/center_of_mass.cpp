@@ -58,7 +58,7 @@ TEST_P(CenterOfMass, IsTheMeanOfTheMatterWeightedByMass) {
   for_seeds(500, [&](std::uint64_t seed) {
     Random<double> random(seed);
     const Mechanism drawn = random_mechanism(random, {.couplings = false});
-    Trial trial(GetParam(), ModelBuilder(told(drawn, random)).build(), random);
+    Trial trial(GetParam(), ModelBuilder(described(drawn, random)).build(), random);
     const std::vector<SE3<>> C = trial.poses();
     double mass = 0, reach = 0;
     Vec3<> h;

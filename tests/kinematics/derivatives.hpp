@@ -18,7 +18,7 @@ inline auto representations_in_double() { return testing::ValuesIn(cases().begin
 
 /// A random tree, and further random quantities from the same source.
 inline Model random_model(Random<double>& random, const TreeRecipe& recipe) {
-  return ModelBuilder(told(random_mechanism(random, recipe), random)).build();
+  return ModelBuilder(described(random_mechanism(random, recipe), random)).build();
 }
 
 /// The same tree or state in another scalar type.

@@ -122,7 +122,7 @@ TEST_P(Jacobian, OfAPoseInAFrameIsThatOfAFrameThere) {
   Comparison pose("pose", GetParam().agreement()), point("point", GetParam().agreement());
   for_seeds(100, [&](std::uint64_t seed) {
     Random<double> random(seed);
-    Description description = told(random_mechanism(random, large_trees), random);
+    Description description = described(random_mechanism(random, large_trees), random);
     const std::string body = description.bodies.back().name;
     const SE3<> offset{random.rotation(), random.vector()};
     description.frames.push_back({.name = "place", .body = body, .pose = offset});

@@ -14,7 +14,7 @@ TEST_P(EditedModels, CoupledJointsArePartsOfTheirLeaders) {
   Comparison torque("torque", GetParam().agreement());
   for_seeds(250, [&](std::uint64_t seed) {
     Random<double> random(seed);
-    Description description = told(random_mechanism(random), random);
+    Description description = described(random_mechanism(random), random);
     const Model model = ModelBuilder(description).build();
     for (BodyDescription& body : description.bodies) body.joint.coupling.reset();
     const Model uncoupled = ModelBuilder(description).build();
@@ -70,7 +70,7 @@ TEST_P(EditedModels, LockedJointsRest) {
       pose("pose", GetParam().agreement());
   for_seeds(250, [&](std::uint64_t seed) {
     Random<double> random(seed);
-    const Model model = ModelBuilder(told(random_mechanism(random), random)).build();
+    const Model model = ModelBuilder(described(random_mechanism(random), random)).build();
     State<double> state = random_state(model, random);
     std::vector<std::string_view> locked;
     const double part = random.number(0, 1);
@@ -152,8 +152,8 @@ TEST_P(EditedModels, CylindricalAndUniversalJointsAreChains) {
   for_seeds(250, [&](std::uint64_t seed) {
     Random<double> random(seed);
     const Mechanism drawn = random_mechanism(random);
-    const Model model = ModelBuilder(told(drawn, random)).build();
-    const Model by_hand = ModelBuilder(told(taken_apart(drawn), random)).build();
+    const Model model = ModelBuilder(described(drawn, random)).build();
+    const Model by_hand = ModelBuilder(described(taken_apart(drawn), random)).build();
     for (const DrawnBody& body : drawn.bodies)
       composite += body.kind == JointKind::cylindrical || body.kind == JointKind::universal;
     ASSERT_EQ(by_hand.n_bodies(), model.n_bodies());

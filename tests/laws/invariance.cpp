@@ -36,7 +36,7 @@ TEST_P(Invariance, BodyFramesMayLieAnywhere) {
     Random<double> random(seed);
     Mechanism drawn = random_mechanism(random);
     remove_drives(drawn, [](JointKind kind) { return kind == JointKind::free; });
-    const Model model = ModelBuilder(told(drawn, random)).build();
+    const Model model = ModelBuilder(described(drawn, random)).build();
     std::unordered_map<std::string, SE3<>> moved;  // D of each body: its new frame in its old frame
     for (DrawnBody& body : drawn.bodies) {
       const SE3<> D{random.rotation(), random.vector(0.3)};
@@ -44,7 +44,7 @@ TEST_P(Invariance, BodyFramesMayLieAnywhere) {
       body.A = body.A * D;
       if (body.kind == JointKind::free) body.J = body.A;
     }
-    const Model other = ModelBuilder(told(drawn, random)).build();
+    const Model other = ModelBuilder(described(drawn, random)).build();
 
     State<double> state = random_state(model, random);
     make_loads_spatial(model, state);
@@ -81,7 +81,7 @@ TEST_P(Invariance, NamesAndOrderOfDeclarationDoNotMatter) {
   for_seeds(250, [&](std::uint64_t seed) {
     Random<double> random(seed);
     const Mechanism drawn = random_mechanism(random);
-    Description description = told(drawn, random);
+    Description description = described(drawn, random);
     const Model model = ModelBuilder(description).build();
 
     const auto renamed = [](const std::string& name) { return name == "ground" ? name : "my " + name; };
@@ -133,9 +133,9 @@ TEST_P(Invariance, TheSceneMayStandAnywhere) {
   for_seeds(250, [&](std::uint64_t seed) {
     Random<double> random(seed);
     const Mechanism drawn = random_mechanism(random);
-    Trial trial(GetParam(), ModelBuilder(told(drawn, random)).build(), random);
+    Trial trial(GetParam(), ModelBuilder(described(drawn, random)).build(), random);
     const SE3<> D{random.rotation(), random.vector()};
-    const Model other = ModelBuilder(told(displaced(D, drawn), random)).build();
+    const Model other = ModelBuilder(described(displaced(D, drawn), random)).build();
     // Frames on the ground move with the scene, but the ground's own frame does not, so that loads on it are
     // left out.
     State<double> state = trial.state;
@@ -196,8 +196,8 @@ TEST_P(Invariance, AnyBodyOfAFloatingMechanismMayBeItsBase) {
     if (base == 0) return;
     std::vector<int> path;
     const Mechanism other_way = rerooted(drawn, base, path);
-    const Model model = ModelBuilder(told(drawn, random)).build();
-    const Model other = ModelBuilder(told(other_way, random)).build();
+    const Model model = ModelBuilder(described(drawn, random)).build();
+    const Model other = ModelBuilder(described(other_way, random)).build();
 
     const Case body_double = in(Representation::body, in_double(GetParam()));
     // The forces of the base's joint become a load on the same body, so that the mechanism floats without

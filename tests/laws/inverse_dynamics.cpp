@@ -70,7 +70,7 @@ TEST_P(InverseDynamics, LoadsActThroughTheTransposedJacobian) {
   Comparison torque("torque", GetParam().agreement());
   for_seeds(100, [&](std::uint64_t seed) {
     Random<double> random(seed);
-    const Model model = ModelBuilder(told(random_mechanism(random), random)).gravity({}).build();
+    const Model model = ModelBuilder(described(random_mechanism(random), random)).gravity({}).build();
     Trial trial(GetParam(), model, random);
     if (trial.state.wrenches.empty()) return;
     const std::vector<double> drives =
@@ -122,7 +122,7 @@ TEST_P(FloatInverseDynamics, AgreesWithDouble) {
   Comparison torque("torque", GetParam().agreement());
   for_seeds(2000, [&](std::uint64_t seed) {
     Random<double> random(seed);
-    const Model model = ModelBuilder(told(random_mechanism(random), random)).build();
+    const Model model = ModelBuilder(described(random_mechanism(random), random)).build();
     const State<double> state = random_state(model, random);
     Case exact = GetParam();
     exact.single = false;

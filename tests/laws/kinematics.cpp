@@ -89,7 +89,7 @@ TEST_P(Poses, OfEveryJointAtZeroAreThoseDrawn) {
   for_seeds(500, [&](std::uint64_t seed) {
     Random<double> random(seed);
     const Mechanism drawn = random_mechanism(random, {.couplings = false});
-    const Model model = ModelBuilder(told(drawn, random)).build();
+    const Model model = ModelBuilder(described(drawn, random)).build();
     Trial trial(GetParam(), model, State<double>{neutral(model), {}, {}});
     const std::vector<SE3<>> C = trial.poses();
     const auto compare = [&](const std::string& name, const SE3<>& A) {

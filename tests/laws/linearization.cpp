@@ -194,7 +194,7 @@ TEST_P(Linearized, InTheMemoryOfQOrTauIsRight) {
     for_seeds(50, [&](std::uint64_t seed) {
       Random<double> random(seed);
       const Model model =
-          ModelBuilder(told(random_mechanism(random, {.most_bodies = 8, .always_mass = true}), random))
+          ModelBuilder(described(random_mechanism(random, {.most_bodies = 8, .always_mass = true}), random))
               .build();
       const Arguments<T> at(model, random);
       Workspace<T> workspace(model);

@@ -289,7 +289,7 @@ TEST_P(MomentumForm, RegressorsAreLinearInTheInertialParameters) {
   Comparison torque("Y π", agreement), kinetic("T", agreement), potential("U", agreement);
   for_seeds(2000, [&](std::uint64_t seed) {
     Random<double> random(seed);
-    Description description = told(random_mechanism(random), random);
+    Description description = described(random_mechanism(random), random);
     for (BodyDescription& body : description.bodies)
       for (Dof& dof : body.joint.dof) dof.armature = 0;
     Trial trial(how, ModelBuilder(std::move(description)).build(), random);

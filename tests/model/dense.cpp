@@ -16,7 +16,7 @@ namespace {
 class Dense : public testing::Test {
  protected:
   Random<double> random{11};
-  Model model = ModelBuilder(told(random_mechanism(random, {.most_bodies = 15}), random)).build();
+  Model model = ModelBuilder(described(random_mechanism(random, {.most_bodies = 15}), random)).build();
   State<double> state = random_state(model, random);
   Workspace<double> workspace{model};
   Eigen::VectorXd q = as_eigen(std::span<const double>(state.q)),

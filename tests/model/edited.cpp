@@ -27,7 +27,7 @@ auto refuses(const std::string& part) { return ThrowsMessage<std::invalid_argume
 auto finds(const std::string& part) { return ThrowsMessage<ModelError>(HasSubstr(part)); }
 
 Model any_model(Random<double>& random, int most_bodies = 20) {
-  return ModelBuilder(told(random_mechanism(random, {.most_bodies = most_bodies}), random)).build();
+  return ModelBuilder(described(random_mechanism(random, {.most_bodies = most_bodies}), random)).build();
 }
 std::vector<double> torques(const Model& model, const State<double>& at) {
   Workspace<double> workspace(model);
@@ -55,7 +55,7 @@ TEST(WithParameters, DriveForcesAreTheRegressorTimesTheParameters) {
   for (std::uint64_t seed = 1; seed <= 60; ++seed) {
     SCOPED_TRACE(seed);
     Random<double> random(seed);
-    Description description = told(random_mechanism(random, {.most_bodies = 20}), random);
+    Description description = described(random_mechanism(random, {.most_bodies = 20}), random);
     for (BodyDescription& body : description.bodies)  // the regressor does not count these
       for (Dof& dof : body.joint.dof) dof.armature = 0;
     const Model model = ModelBuilder(description).build();
@@ -196,7 +196,7 @@ TEST(Append, PutsTheOtherMechanismWhereTheFrameIs) {
 }
 
 Model any_model_with_loops(Random<double>& random) {
-  const Description tree = told(random_mechanism(random, {.most_bodies = 10}), random);
+  const Description tree = described(random_mechanism(random, {.most_bodies = 10}), random);
   return ModelBuilder(with_loops(tree, random)).build();
 }
 
@@ -247,8 +247,8 @@ JointState in_coordinates_of(const Model& to, const Model& from, const std::vect
 /// A random tree with one root, which is free or fixed. Joints with several velocities have no limits,
 /// springs or losses along single axes, because these axes would depend on the direction of the joint.
 Model tree_to_reroot(Random<double>& random, bool free) {
-  Description tree =
-      told(random_mechanism(random, {.most_bodies = 12, .always_mass = true, .one_free_root = true}), random);
+  Description tree = described(
+      random_mechanism(random, {.most_bodies = 12, .always_mass = true, .one_free_root = true}), random);
   for (BodyDescription& body : tree.bodies)
     if (traits(body.joint.kind).dof > 1) body.joint.dof.clear();
   return ModelBuilder(free ? tree : with_fixed_base(tree)).build();

@@ -67,8 +67,9 @@ TEST(Geometry, TheThreeWaysGiveOneMechanism) {
     const Description drawn = random_tree(random, 8, kinds_with_one_screw);
     const Model reference = ModelBuilder(drawn).build();
     for (const Way way : ways)
-      expect_equal_bodies(ModelBuilder(told(drawn, random, [&](auto) { return way; })).build(), reference);
-    expect_equal_bodies(ModelBuilder(told(drawn, random, [&](auto) { return any_way(random); })).build(),
+      expect_equal_bodies(ModelBuilder(described(drawn, random, [&](auto) { return way; })).build(),
+                          reference);
+    expect_equal_bodies(ModelBuilder(described(drawn, random, [&](auto) { return any_way(random); })).build(),
                         reference);
   }
 }
@@ -78,7 +79,7 @@ TEST(Geometry, TheThreeWaysMoveAlikeAndNeedTheSameForces) {
   for (int trial = 0; trial < 50; ++trial) {
     const Description drawn = random_tree(random, 8, kinds_with_one_screw);
     const Model a = ModelBuilder(drawn).build();
-    const Model b = ModelBuilder(told(drawn, random, [&](auto) { return any_way(random); })).build();
+    const Model b = ModelBuilder(described(drawn, random, [&](auto) { return any_way(random); })).build();
     Workspace<double> workspace(a);
     const std::vector<double> q = random_numbers(random, a.nq(), 3), v = random_numbers(random, a.nv()),
                               dv = random_numbers(random, a.nv());
@@ -103,7 +104,7 @@ TEST(Geometry, TheJointFramesOfAModelGiveItAgain) {
       if (body.joint.kind == JointKind::fixed) continue;
       const Body& built = reference.body(reference.body_index(body.name));
       const SE3<> J = built.A * built.S_self;
-      body = told(body, Way::joint_frames, reference_pose(drawn, body.predecessor), J);
+      body = described(body, Way::joint_frames, reference_pose(drawn, body.predecessor), J);
       body.joint.axis = {0, 0, 2};
       body.joint.point = {};
     }
@@ -122,8 +123,8 @@ TEST(Geometry, WhereNoBodyFrameIsTurnedTheThreeWaysGiveOneTree) {
     const Model reference = ModelBuilder(drawn).build();
     Description mixed = drawn;
     for (std::size_t i = 0; i < mixed.bodies.size(); ++i)
-      mixed.bodies[i] = told(drawn.bodies[i], any_way(random),
-                             reference_pose(drawn, drawn.bodies[i].predecessor), {{}, random.vector()});
+      mixed.bodies[i] = described(drawn.bodies[i], any_way(random),
+                                  reference_pose(drawn, drawn.bodies[i].predecessor), {{}, random.vector()});
     const Model model = ModelBuilder(mixed).build();
     expect_equal_bodies(model, reference);
     expect_equal_joint_frames(model, reference);
@@ -134,7 +135,7 @@ TEST(Geometry, WhereNoBodyFrameIsTurnedTheThreeWaysGiveOneTree) {
 TEST(Geometry, ScrewsAreThoseOfTheDrawnAxes) {
   Random<double> random(15);
   const Description drawn = random_tree(random, 400, one_dof_kinds);
-  const Model model = ModelBuilder(told(drawn, random, [&](auto) { return any_way(random); })).build();
+  const Model model = ModelBuilder(described(drawn, random, [&](auto) { return any_way(random); })).build();
   ASSERT_EQ(model.n_bodies(), 400);
   for (const BodyDescription& from : drawn.bodies) {
     const Body& body = model.body(model.body_index(from.name));
@@ -171,7 +172,7 @@ TEST(Geometry, AxesMayHaveAnyLength) {
 TEST(Geometry, ReferencePosesAreOneWithTheJointFrames) {
   Random<double> random(17);
   const Description drawn = random_tree(random, 300, kinds_that_stay_whole);
-  const Model model = ModelBuilder(told(drawn, random, [&](auto) { return any_way(random); })).build();
+  const Model model = ModelBuilder(described(drawn, random, [&](auto) { return any_way(random); })).build();
   for (int i = 1; i <= model.n_bodies(); ++i) {
     const Body& body = model.body(i);
     const SE3<> A_predecessor = model.body(body.predecessor).A;
@@ -183,7 +184,7 @@ TEST(Geometry, ReferencePosesAreOneWithTheJointFrames) {
 
 TEST(Geometry, InternalFramesLieOnTheAxes) {
   Random<double> random(18);
-  const Model model = ModelBuilder(told(random_tree(random, 300, all_kinds), random, [&](auto) {
+  const Model model = ModelBuilder(described(random_tree(random, 300, all_kinds), random, [&](auto) {
                         return any_way(random);
                       })).build();
   for (int i = 1; i <= model.n_bodies(); ++i) {
@@ -210,7 +211,7 @@ TEST(Geometry, InternalFramesLieOnTheAxes) {
 TEST(Geometry, PosesFollowTheProductOfExponentials) {
   Random<double> random(19);
   for (int trial = 0; trial < 50; ++trial) {
-    const Model model = ModelBuilder(told(random_tree(random, 12, all_kinds), random, [&](auto) {
+    const Model model = ModelBuilder(described(random_tree(random, 12, all_kinds), random, [&](auto) {
                           return any_way(random);
                         })).build();
     Workspace<double> workspace(model);

@@ -58,7 +58,7 @@ template <class Kinds> Description random_tree(Random<double>& random, int n, co
 
 /// Changes a body that is drawn in the construction frame into another way to give its geometry. The third
 /// way uses the joint frame J.
-inline BodyDescription told(BodyDescription body, Way way, const SE3<>& A_predecessor, const SE3<>& J) {
+inline BodyDescription described(BodyDescription body, Way way, const SE3<>& A_predecessor, const SE3<>& J) {
   const SE3<> A = std::get<InConstructionFrame>(body.geometry).A;
   SE3<> frame;  // the frame in which axis and point are given
   if (way == Way::body_frame) {
@@ -81,11 +81,11 @@ inline SE3<> reference_pose(const Description& drawn, const std::string& name) {
 }
 
 /// A drawn tree in which the geometry of body i is given in the way way_of(i), with random joint frames.
-template <class WayOf> Description told(const Description& drawn, Random<double>& random, WayOf way_of) {
+template <class WayOf> Description described(const Description& drawn, Random<double>& random, WayOf way_of) {
   Description tree = drawn;
   for (std::size_t i = 0; i < tree.bodies.size(); ++i)
-    tree.bodies[i] =
-        told(drawn.bodies[i], way_of(i), reference_pose(drawn, drawn.bodies[i].predecessor), random.pose());
+    tree.bodies[i] = described(drawn.bodies[i], way_of(i), reference_pose(drawn, drawn.bodies[i].predecessor),
+                               random.pose());
   return tree;
 }
 

@@ -75,11 +75,11 @@ Description tree_with_everything(Random<double>& random) {
   tree.bodies.push_back(random_body(random, 10, "b3", JointKind::helical));
   tree.bodies.push_back(random_body(random, 11, "b10", JointKind::revolute));
   tree.bodies[11].joint.coupling = Coupling{"j10", -1.5, 0.2};
-  Description told_in_mixed_ways = told(tree, random, [&](auto) {
+  Description described_in_mixed_ways = described(tree, random, [&](auto) {
     return std::array{Way::construction_frame, Way::body_frame,
                       Way::joint_frames}[static_cast<std::size_t>(random.number(0, 3))];
   });
-  for (BodyDescription& body : told_in_mixed_ways.bodies) {
+  for (BodyDescription& body : described_in_mixed_ways.bodies) {
     if (random.number(0, 1) < 0.3) {
       body.inertia->in = GivenIn::construction_frame;
       body.inertia->com = random.vector();
@@ -88,11 +88,12 @@ Description tree_with_everything(Random<double>& random) {
       body.joint.dof = {{.lower = -2, .upper = 3, .damping = 0.1, .friction = 0.2, .armature = 0.3}};
   }
   for (int k = 0; k < 4; ++k)
-    told_in_mixed_ways.frames.push_back({.name = numbered('f', k),
-                                         .body = k == 0 ? "ground" : numbered('b', 3 * k),
-                                         .pose = random.pose(),
-                                         .in = k % 2 ? GivenIn::body_frame : GivenIn::construction_frame});
-  return told_in_mixed_ways;
+    described_in_mixed_ways.frames.push_back(
+        {.name = numbered('f', k),
+         .body = k == 0 ? "ground" : numbered('b', 3 * k),
+         .pose = random.pose(),
+         .in = k % 2 ? GivenIn::body_frame : GivenIn::construction_frame});
+  return described_in_mixed_ways;
 }
 
 TEST(Reduced, TheRestMovesAndLoadsAsBefore) {

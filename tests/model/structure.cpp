@@ -294,7 +294,7 @@ TEST(Structure, SplitJointsMoveAsTheirTwoScrews) {
     const Screw<> Y2 = kind == JointKind::cylindrical ? Screw<>{{}, first} : screw(second, joint.point);
     const SE3<> A = reference_pose(drawn, "b1");
     for (const Way way : ways) {
-      const Model model = ModelBuilder(told(drawn, random, [&](auto) { return way; })).build();
+      const Model model = ModelBuilder(described(drawn, random, [&](auto) { return way; })).build();
       EXPECT_LE(distance(pose_of(model, q, "b1"), exp(q[0] * Y1) * exp(q[1] * Y2) * A), 100 * rounding);
       EXPECT_LE(distance(model.body(1).A, A), 10 * rounding) << "the body in between starts on the body";
     }
@@ -446,7 +446,7 @@ TEST(Structure, AFreeBaseIsSetFreeWhereItWasFixed) {
   robot.bodies = {random_body(random, 0, "ground", JointKind::fixed),
                   random_body(random, 1, "b0", JointKind::revolute)};
   for (const Way way : ways) {
-    const Description fixed = told(robot, random, [&](auto) { return way; });
+    const Description fixed = described(robot, random, [&](auto) { return way; });
     const Model held = ModelBuilder(fixed).build(), loose = ModelBuilder(with_free_base(fixed)).build();
     EXPECT_THAT(joint_names(loose), ElementsAre("free_base", "j1"));
     EXPECT_EQ(loose.joint(1).kind, Subgroup::free);

@@ -66,7 +66,7 @@ MassProperties sum(const std::vector<PointMass>& points, const SE3<>& F, GivenIn
 
 /// The description of the body for the library, with geometry and inertia in one of the possible ways.
 BodyDescription tell(const Mechanism& mechanism, const Draft& draft, Way way, Random<double>& random) {
-  BodyDescription description = told(mechanism, draft.body, way, random);
+  BodyDescription description = described(mechanism, draft.body, way, random);
   const bool in_body = way != Way::body_frame, about_com = way != Way::joint_frames;
   description.inertia =
       sum(draft.points, in_body ? draft.body.A : SE3<>{},

@@ -107,7 +107,8 @@ bool can_tell(const DrawnBody& body, Way way) {
 
 }  // namespace
 
-BodyDescription told(const Mechanism& mechanism, const DrawnBody& body, Way way, Random<double>& random) {
+BodyDescription described(const Mechanism& mechanism, const DrawnBody& body, Way way,
+                          Random<double>& random) {
   const SE3<> A_p = mechanism.A(body.predecessor), B = inverse(A_p) * body.A;
   const bool turned = body.kind == JointKind::spherical || body.kind == JointKind::planar;
   const SE3<> S_self = turned ? inverse(body.A) * body.J : SE3<>{random.rotation(), random.vector(0.3)};
@@ -138,7 +139,7 @@ namespace {
 
 /// The mass properties in a random one of the forms that the library accepts: in the body frame or in the
 /// construction frame, about the centre of mass or the origin, along axes of the frame or turned ones.
-MassProperties told(const DrawnBody::Matter& matter, const SE3<>& A, Random<double>& random) {
+MassProperties described(const DrawnBody::Matter& matter, const SE3<>& A, Random<double>& random) {
   MassProperties told{.mass = matter.mass};
   told.in = random.number(0, 1) < 0.5 ? GivenIn::construction_frame : GivenIn::body_frame;
   told.about = random.number(0, 1) < 0.5 ? InertiaAbout::center_of_mass : InertiaAbout::frame_origin;
@@ -166,13 +167,13 @@ Mechanism displaced(const SE3<>& D, Mechanism mechanism) {
   return mechanism;
 }
 
-Description told(const Mechanism& mechanism, Random<double>& random) {
+Description described(const Mechanism& mechanism, Random<double>& random) {
   Description description{.name = "random tree", .gravity = mechanism.gravity, .bodies = {}, .frames = {}};
   for (const DrawnBody& body : mechanism.bodies) {
     const Way way = static_cast<Way>(std::min(2, static_cast<int>(random.number(0, 3))));
     description.bodies.push_back(
-        told(mechanism, body, can_tell(body, way) ? way : Way::joint_frames, random));
-    if (body.matter) description.bodies.back().inertia = told(*body.matter, body.A, random);
+        described(mechanism, body, can_tell(body, way) ? way : Way::joint_frames, random));
+    if (body.matter) description.bodies.back().inertia = described(*body.matter, body.A, random);
   }
   for (const DrawnFrame& frame : mechanism.frames) {
     const bool in_body = random.number(0, 1) < 0.5;
@@ -276,7 +277,7 @@ Description with_springs(Description tree, Random<double>& random, bool losses) 
 }
 
 Description random_description(Random<double>& random, const TreeRecipe& recipe) {
-  Description tree = told(random_mechanism(random, recipe), random);
+  Description tree = described(random_mechanism(random, recipe), random);
   const bool springs = recipe.springs > 0 && random.number(0, 1) < recipe.springs;
   return springs ? with_springs(std::move(tree), random) : tree;
 }

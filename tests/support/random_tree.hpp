@@ -58,7 +58,7 @@ struct TreeRecipe {
   bool always_mass = false;  ///< every body has a mass
   bool one_free_root = false;
   double springs =
-      0.5;  ///< the part of told mechanisms with springs and stops on joints and springs between frames
+      0.5;  ///< the part of described mechanisms with springs and stops on joints and springs between frames
   bool friction = false;  ///< damping and Coulomb friction on every joint, and not only on some
   double far = 0;         ///< how far the mechanism is from the origin, m
 };
@@ -76,9 +76,9 @@ enum class Way { construction_frame, body_frame, joint_frames };
 
 /// The description of a body with its geometry given in one way. Its axis has a random length, and its point
 /// is any point of the axis.
-BodyDescription told(const Mechanism& mechanism, const DrawnBody& body, Way way, Random<double>& random);
+BodyDescription described(const Mechanism& mechanism, const DrawnBody& body, Way way, Random<double>& random);
 /// The description of a mechanism, with the geometry of every body given in a random way.
-Description told(const Mechanism& mechanism, Random<double>& random);
+Description described(const Mechanism& mechanism, Random<double>& random);
 
 /// The tree with springs and stops of every kind on its joints, and springs between its bodies and frames.
 /// Without losses these springs and stops conserve energy.

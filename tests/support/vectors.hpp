@@ -67,7 +67,7 @@ struct ReferenceSystem {
     for (const Json& body : model.at("bodies")) {
       const int index = body.at("index");
       const Telling way = telling == Telling::mixed ? tellings[index % 3] : telling;
-      description.bodies.push_back(told(body, index, way));
+      description.bodies.push_back(described(body, index, way));
     }
     return ModelBuilder(std::move(description)).build();
   }
@@ -116,7 +116,7 @@ struct ReferenceSystem {
   }
 
  private:
-  static BodyDescription told(const Json& body, int index, Telling way) {
+  static BodyDescription described(const Json& body, int index, Telling way) {
     BodyDescription out{.name = body_name(index), .predecessor = body_name(body.at("parent"))};
     const std::string type = body.at("joint_type");
     out.joint = {.name = joint_name(index),

@@ -26,7 +26,7 @@ SE3<> pose_of(const Json& x) { return from_eigen<SE3<>>(pose_from(x).matrix()); 
 
 Model random_model(std::uint64_t seed) {
   Random<double> random(seed);
-  Description tree = told(random_mechanism(random, {.most_bodies = 20}), random);
+  Description tree = described(random_mechanism(random, {.most_bodies = 20}), random);
   for (BodyDescription& body : tree.bodies)
     body.shapes.push_back({.kind = ShapeKind::box, .pose = random.pose(), .size = {1, 2, 3}});
   return ModelBuilder(with_loops(std::move(tree), random)).build();

@@ -10,8 +10,8 @@ namespace axode {
 /// decisions. They determine its derivative.
 struct ContactPart {
   using Vector = Eigen::VectorXd;
-  static constexpr double near_stop =
-      1e-9;  ///< room up to which a stop counts as closed at the end, rad or m
+  /// The room up to which a stop counts as closed at the end, rad or m.
+  static constexpr double near_stop = 1e-9;
   /// A floating base, and whether its centre of mass rests in its moving frame, see FloatingBases.
   struct Base {
     int body;

@@ -25,8 +25,6 @@ class StraightPath {
   StraightPath(const Model& model, std::span<const double> start, std::span<const double> goal);
 
   const Model& model() const { return model_; }
-  const std::vector<double>& start() const { return start_; }
-  const std::vector<double>& X() const { return X_; }
   /// The joints whose start and goal differ.
   std::span<const Joint> joints() const { return joints_; }
 

@@ -89,15 +89,16 @@ SimulationRun::SimulationRun(const Model& model, Span q_0, Span v_0, double unti
 /// it.
 void SimulationRun::check_friction_of_motions() const {
   if (!friction_.active()) return;
-  for (const MotionRows::Row& row : loops_->motions().rows())
-    for (const Joint& joint : model_.joints())
-      if (const bool gear =
-              std::ranges::find(model_.gears(), joint.iv, &Gear::velocity) != model_.gears().end();
-          joint.name == row.of && (gear || tree().friction[static_cast<std::size_t>(joint.iv)] > 0))
-        throw std::invalid_argument("joint \"" + row.of + "\" follows a motion and has " +
-                                    (gear ? "a gear with losses" : "dry friction") +
-                                    ", which joint_losses would count; "
-                                    "its friction changes the force of the motion alone: set it to 0");
+  for (const MotionRows::Row& row : loops_->motions().rows()) {
+    const auto joint = std::ranges::find(model_.joints(), row.of, &Joint::name);
+    if (joint == model_.joints().end()) continue;  // a rod
+    const bool gear = std::ranges::find(model_.gears(), joint->iv, &Gear::velocity) != model_.gears().end();
+    if (!gear && !(tree().friction[static_cast<std::size_t>(joint->iv)] > 0)) continue;
+    throw std::invalid_argument("joint \"" + row.of + "\" follows a motion and has " +
+                                (gear ? "a gear with losses" : "dry friction") +
+                                ", which joint_losses would count; "
+                                "its friction changes the force of the motion alone: set it to 0");
+  }
 }
 
 void SimulationRun::stop(const Failure& failure) {
@@ -457,7 +458,7 @@ Failure SimulationRun::switch_drives() {
 Failure SimulationRun::continue_until(double until) {
   if (loops_) loops_->motions().check_times(now(), until);
   until_ = until;
-  // What follows every step but the last one.
+  // These changes follow every step except the last one of a call.
   if (friction_.active()) stop_sliding(0);
   if (Failure failure = switch_drives()) return failure;
   return friction_.active() ? forces_changed() : Failure{};

@@ -28,10 +28,10 @@ def export(m: Model, file: str | os.PathLike[str], *, version: Literal["3.0", "2
            frames: Sequence[str] = (), loads: Sequence[str] = ()) -> None:
     """Writes a mechanism as an FMU for a version of FMI, for model exchange, co-simulation or both.
 
-    Loops stay closed, and springs, prescribed motions and drives act as in `simulate`, damping, friction and
-    losses of gears of joints with `joint_losses`. Poses of the frames in `frames` are outputs, and wrenches on those in `loads` are
-    inputs. Contact, hard stops and, in model exchange, dry friction, losses of gears and
-    play raise ValueError.
+    Loops stay closed. Springs, prescribed motions and drives act as in `simulate`, and with `joint_losses` so do damping,
+    friction and losses of gears of the joints. Poses of the frames in `frames` are outputs, and wrenches on those in
+    `loads` are inputs. Contact and hard stops raise ValueError, and in model exchange dry friction, losses of gears and
+    play do so too.
 
     >>> import tempfile
     >>> with tempfile.TemporaryDirectory() as folder:
@@ -41,7 +41,8 @@ def export(m: Model, file: str | os.PathLike[str], *, version: Literal["3.0", "2
         raise RuntimeError(f"this build of axode has no binary for FMUs: there is no {BINARY}")
     contents = _axode.fmu_files(m, version, list(kinds), bool(joint_losses), list(frames), list(loads),
                                 BINARY.read_bytes())
-    with written_files.replacing(Path(os.fspath(file))) as unfinished, zipfile.ZipFile(unfinished, "w", zipfile.ZIP_DEFLATED) as archive:
+    with (written_files.replacing(Path(os.fspath(file))) as unfinished,
+          zipfile.ZipFile(unfinished, "w", zipfile.ZIP_DEFLATED) as archive):
         for name, data in contents:
             archive.writestr(zipfile.ZipInfo(name), data, zipfile.ZIP_DEFLATED)
 
