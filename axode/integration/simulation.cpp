@@ -33,9 +33,9 @@ void check_no_motions_or_plays(const Model& model, const SimulationOptions& opti
                                 "relative coordinates");
 }
 
-/// Throws if there are drives with states, which a scheme does not follow.
+/// Throws if there are drives with states, or states of drives, which a scheme does not follow.
 void check_no_drives(const Model& model, const SimulationOptions& options, const char* scheme) {
-  if (!model.drives().empty() || !options.drives.empty())
+  if (!model.drives().empty() || !options.drives.empty() || !options.x.empty())
     throw std::invalid_argument(
         std::string(scheme) +
         " do not count drives with states; use dopri5, rk4, euler or generalized_alpha in "

@@ -52,6 +52,9 @@ struct SimulationOptions {
   /// simulate_stiff() count them, and other methods throw std::invalid_argument. Steps end where a status of
   /// a drive changes and where an input jumps.
   std::vector<AddedDrive> drives = {};
+  /// The states of all drives at the start, in the order of Trajectory::drive_states(). If it is empty, they
+  /// are those with which the drives start by themselves.
+  std::vector<double> x = {};
   /// Damping and dry friction of the joints, and losses of their gears. In relative coordinates a joint at
   /// rest sticks while its friction can hold it: a step ends when a joint comes to rest or begins to slide.
   /// In absolute coordinates friction is -f sign(v), and losses of gears are refused, as in conserving

@@ -33,7 +33,7 @@ def simulate(m: Model, q: ArrayLike, v: ArrayLike, until: float, *,
              loads: Sequence[Load] | Callable[[float, Array, Array], Sequence[Load]] | None = None,
              joint_losses: bool = False, times: ArrayLike | None = None,
              events: Sequence[Callable[[float, Array, Array], float]] | None = None,
-             motions: Mapping[str, Callable[[float], ArrayLike]] | None = None,
+             motions: Mapping[str, Callable[[float], ArrayLike]] | None = None, x: ArrayLike | None = None,
              contact: bool | None = None, progress: bool = False) -> Trajectory:
     """Simulates a mechanism from (q, v) at t = 0 until a time (s), on the Lie group of its configurations.
 
@@ -69,6 +69,8 @@ def simulate(m: Model, q: ArrayLike, v: ArrayLike, until: float, *,
     motions: functions t -> (s, ds, dds) that joints of one velocity or lengths of rods follow, by the names of these,
         besides those of the drawing; the derivatives must be exact. They are counted in relative coordinates by "dopri5",
         "rk4", "euler" and "generalized_alpha". One that cannot be followed ends the motion.
+    x: the states of the drives at t = 0, in the order of `drive_states` of the motion; if left out, those with which the
+        drives start by themselves.
     contact: whether shapes touch, by the method "contact"; if left out, they do if the drawing has `[contact]` and no other
         method is named. Steps are 1 ms if `step` is left out. `certificates` of the motion say for each step how exactly
         the laws of contact hold, 1e-12 being rounding; `contacts` and `contact_forces` have the forces.
@@ -97,7 +99,7 @@ def simulate(m: Model, q: ArrayLike, v: ArrayLike, until: float, *,
     try:
         motion = _axode.simulate_motion(m, q, v, float(until), method, coordinates, local_coordinates, step, rtol, atol,
                                         spectral_radius, tau, loads, joint_losses, times, list(events or []), motions,
-                                        report)
+                                        x, report)
     finally:
         if bar is not None:
             bar.close()

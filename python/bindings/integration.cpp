@@ -180,13 +180,18 @@ BoundTrajectory simulate_of(const BoundModel& m, ArrayLike q, ArrayLike v, doubl
                             nb::handle coordinates, nb::handle local_coordinates, nb::handle step,
                             double rtol, double atol, double spectral_radius, nb::handle tau,
                             nb::handle loads, bool joint_losses, nb::handle times, nb::handle given_events,
-                            nb::handle motions, nb::handle progress) {
+                            nb::handle motions, nb::handle x, nb::handle progress) {
   const States states = one_state(m, q);
   const Items velocities = states.velocities("v", v);
   const nb::list events = nb::borrow<nb::list>(given_events);
   SimulationOptions options;
   options.joint_losses = joint_losses;
   options.motions = motions_from(motions);
+  if (!x.is_none()) {
+    const Numbers given("x", {x.ptr()});
+    if (given.axes() != 1) given.wrong_shape("(nx,), the states of the drives");
+    options.x.assign(given.data(), given.data() + given.size());
+  }
   const auto add_loads = [&states](LoadList given, std::vector<AppliedWrench<>>& all) {
     AppliedLoads(states, given, false).with(0, [&](const Loads<double>& now) {
       all.insert(all.end(), now.wrenches.begin(), now.wrenches.end());
@@ -471,7 +476,7 @@ Its methods to_parquet (with pyarrow) and to_csv write files. ModuleNotFoundErro
   module.def("simulate_motion", &simulate_of, "m"_a, "q"_a, "v"_a, "until"_a, "method"_a.none(),
              "coordinates"_a, "local_coordinates"_a, "step"_a.none(), "rtol"_a, "atol"_a, "spectral_radius"_a,
              "tau"_a.none(), "loads"_a.none(), "joint_losses"_a, "times"_a.none(), "events"_a,
-             "motions"_a.none(), "progress"_a.none(), "See axode.simulate.");
+             "motions"_a.none(), "x"_a.none(), "progress"_a.none(), "See axode.simulate.");
 }
 
 }  // namespace axode::python

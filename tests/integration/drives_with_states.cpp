@@ -451,6 +451,28 @@ TEST(DrivesWithStates, ChambersWithoutVolumeEndTheMotion) {
                   "\" is not finite");
 }
 
+TEST(DrivesWithStates, ContinueAMotionFromTheirStates) {
+  for_seeds(10, [](std::uint64_t seed) {
+    const Driven at(seed);
+    Description constant = at.model.description();
+    for (DriveDescription& drive : constant.drives)
+      if (drive.input.function) drive.input = {.values = {drive.input.function->amplitude}};
+    const Model model = ModelBuilder(constant).build();
+    const Trajectory whole = simulate_fixed(model, at.q, at.v, 0.2, 0.005);
+    ASSERT_TRUE(whole.complete) << whole.stop_reason;
+    const std::size_t k = whole.size() / 2, last = whole.size() - 1;
+    SimulationOptions options;
+    options.x.assign(whole.x(k).begin(), whole.x(k).end());
+    const Trajectory rest =
+        simulate_fixed(model, whole.q(k), whole.v(k), 0.2 - whole.t()[k], 0.005, runge_kutta(4), options);
+    ASSERT_TRUE(rest.complete) << rest.stop_reason;
+    Comparison x("x", 1e-9), q("q", 1e-9);
+    const auto numbers = [](Span all) { return Numbers(all.begin(), all.end()); };
+    x.expect_equal(numbers(rest.x(rest.size() - 1)), numbers(whole.x(last)));
+    q.expect_equal(numbers(rest.q(rest.size() - 1)), numbers(whole.q(last)));
+  });
+}
+
 TEST(DrivesWithStates, AreRefusedWhereTheyAreNotFollowed) {
   const Model model = ModelBuilder(controlled_pendulum()).build();
   const Numbers q{0}, v{0};
@@ -467,6 +489,13 @@ TEST(DrivesWithStates, AreRefusedWhereTheyAreNotFollowed) {
   EXPECT_THAT([&] { simulate_rattle(model, q, v, 1, 0.1, 2, absolute); }, refuses(why));
   EXPECT_THAT([&] { simulate_contact(model, q, v, 1, 0.1); },
               refuses("contact does not count drives with states"));
+  SimulationOptions given;
+  given.x = {0.1};
+  EXPECT_THAT([&] { simulate_fixed(model, q, v, 1, 0.1, runge_kutta(4), given); },
+              refuses("x has 1 entries; expected nx = 3"));
+  given.x = {0.1, std::nan(""), 0};
+  EXPECT_THAT([&] { simulate_fixed(model, q, v, 1, 0.1, runge_kutta(4), given); },
+              refuses("x[1], the state \"controller.filter\", is not finite"));
   Numbers tau(1), out(2);
   EXPECT_THAT([&] { static_cast<void>(batch::rollout<double>(model, q, v, tau, 0.1, out, out)); },
               refuses("rollout does not count drives with states"));

@@ -30,6 +30,18 @@ def test_a_motor_runs_up_as_its_closed_form():
     assert np.allclose(motion.tau[:, 0], 0.1 * exact[:, 0], rtol=0, atol=1e-8)
 
 
+def test_a_motion_continues_from_the_states_of_its_drives():
+    m = wheel().drive("dc_motor", "axle", name="motor", **MOTOR, input=12).build()
+    whole = axode.simulate(m, [0], [0], 2, method="rk4", step=0.01)
+    rest = axode.simulate(m, whole.q[100], whole.v[100], 1, method="rk4", step=0.01, x=whole.x[100])
+    assert np.allclose(rest.x[-1], whole.x[-1], rtol=1e-10) and np.allclose(rest.v[-1], whole.v[-1], rtol=1e-10)
+    for x, sentence in (([1, 2], r"x has 2 entries; expected nx = 1"), ([np.nan], r"x"), ([[1]], r"x: expected shape \(nx,\)")):
+        with pytest.raises(ValueError, match=sentence):
+            axode.simulate(m, [0], [0], 1, x=x)
+    with pytest.raises(ValueError, match="do not count drives with states"):
+        axode.simulate(axode.load(axode.robots / "arm7.toml"), np.zeros(7), np.zeros(7), 1, method="midpoint", step=0.1, x=[1])
+
+
 def test_every_copy_has_the_drives():
     builder = wheel().drive("pid", "axle", name="controller", kp=2, limit=5, input={"kind": "ramp", "to": 1, "end": 1})
     m = builder.drive("dc_motor", "axle", **MOTOR, input="controller", initial={"current": 0.5}).build()

@@ -28,6 +28,8 @@ Trajectory simulate_contact(const Model& model, const ContactShapes& shapes, std
   if (!options.motions.empty())
     throw std::invalid_argument("contact does not count the prescribed motion of \"" +
                                 options.motions.front().of + "\"; " + instead);
+  if (!options.x.empty())
+    throw std::invalid_argument("x is given, and contact does not count drives with states");
   if (!options.drives.empty())
     throw std::invalid_argument("contact does not count drive \"" + options.drives.front().name + "\"; " +
                                 instead);

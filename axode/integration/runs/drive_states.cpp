@@ -2,8 +2,12 @@
 
 #include <Eigen/LU>
 #include <cmath>
+#include <stdexcept>
+#include <string>
 
 #include "axode/eigen.hpp"
+#include "axode/model/configuration.hpp"
+#include "axode/model/finite.hpp"
 
 namespace axode {
 
@@ -25,8 +29,18 @@ std::string DriveStates::first_not_finite() const {
   return {};
 }
 
-void DriveStates::start(Span q, Span v) {
-  system_.start(0, q, v, as_span(x));
+void DriveStates::start(Span q, Span v, Span given) {
+  if (given.empty()) {
+    system_.start(0, q, v, as_span(x));
+  } else {
+    check_size("x", given.size(), size(), "nx");
+    for (std::size_t k = 0; k < size(); ++k)
+      if (!finite(given[k]))
+        throw std::invalid_argument("x[" + std::to_string(k) + "], the state \"" + system_.states()[k].name +
+                                    "\", is not finite");
+    x = as_eigen(given);
+    system_.set_state(0, q, v, given);
+  }
   x_t_ = x;
 }
 

@@ -26,8 +26,9 @@ class DriveStates {
   const Vector& nominal() const { return nominal_; }
   std::vector<std::string> names() const;
 
-  /// Chooses x and the statuses at the start of a motion at time 0.
-  void start(Span q, Span v);
+  /// Chooses x, unless it is given, and the statuses at the start of a motion at time 0. Throws
+  /// std::invalid_argument for a given x of a wrong size or with a number that is not finite.
+  void start(Span q, Span v, Span given);
   /// Sets the states at which the drives act from now on.
   void act_at(Span x_t);
   /// Begins a step of generalised-α over h (D17.6). Until act_at(), the states of every evaluation are those

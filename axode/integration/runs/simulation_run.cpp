@@ -72,7 +72,7 @@ SimulationRun::SimulationRun(const Model& model, Span q_0, Span v_0, double unti
   }
   places_ = norm_.of_places(tree(), q);
   friction_.start(v_0);
-  drives_.start(q_0, v_0);
+  drives_.start(q_0, v_0, options.x);
   trajectory.set_drive_states(drives_.names());
   if (Failure failure = accelerate(0, q_0, v_0, as_span(a))) {
     stop(failure);
