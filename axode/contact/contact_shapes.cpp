@@ -164,8 +164,9 @@ void check_shapes(const Model& model, const ContactShapes& shapes) {
 
 SurfacePair ContactShapes::surface(int i, int j) const {
   const ContactProperties &a = (*this)[i].surface, &b = (*this)[j].surface;
-  return {std::sqrt(*a.friction * *b.friction), std::sqrt(a.spin_friction * b.spin_friction),
-          std::sqrt(a.rolling_friction * b.rolling_friction), std::max(a.restitution, b.restitution)};
+  const auto mean = [](double x, double y) { return std::min(std::sqrt(x * y), most_friction); };
+  return {mean(*a.friction, *b.friction), mean(a.spin_friction, b.spin_friction),
+          mean(a.rolling_friction, b.rolling_friction), std::max(a.restitution, b.restitution)};
 }
 
 int ContactShapes::contact_rows() const {

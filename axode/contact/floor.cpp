@@ -1,5 +1,6 @@
 #include "axode/contact/floor.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <stdexcept>
 #include <string>
@@ -13,9 +14,20 @@ Model with_floor(const Model& model, double height) {
   if (!std::isfinite(height))
     throw std::invalid_argument("with_floor: the height is " + std::to_string(height) +
                                 " m; it must be finite");
+  const auto may_touch = [](const BodyDescription& body) {
+    return std::ranges::find(body.shapes, ShapeDescription::Role::collision, &ShapeDescription::role) !=
+           body.shapes.end();
+  };
+  const std::vector<BodyDescription>& bodies = model.description().bodies;
+  if (!bodies.empty() && std::ranges::none_of(bodies, may_touch))
+    throw std::invalid_argument(
+        "with_floor: no body of model \"" + model.name() +
+        "\" has a collision shape, so that nothing could touch the floor; give a body "
+        "a shape with role = \"collision\"");
   const double g = norm(model.gravity());
   const Vec3<> up = g > 0 ? (-1 / g) * model.gravity() : Vec3<>{0, 0, 1};
   Description description = model.description();
+  if (!description.contact) description.contact.emplace();
   description.shapes.push_back({.role = ShapeDescription::Role::collision,
                                 .name = "floor",
                                 .kind = ShapeKind::plane,

@@ -127,6 +127,11 @@ enum class ShapeKind {
   plane,  ///< the half-space z < 0, whose outward normal is z
 };
 
+/// The largest coefficient of friction of two shapes, as a number or in m; larger ones act like this one. A
+/// surface must be steeper than 89.9 degrees for a shape to slide with it, and the numbers of a step with
+/// contact still have digits for its laws.
+inline constexpr double most_friction = 1000;
+
 /// How the surface of a shape behaves in contact. Two shapes in contact have the geometric mean of their
 /// coefficients of each kind of friction, and the larger of their restitutions.
 struct ContactProperties {

@@ -158,10 +158,11 @@ cannot touch, prescribed motions, drives with states, couplings with play and a 
       R"(
 The mechanism on a floor: with a plane across gravity (z if there is none) as one more collision shape of the ground, `floor`.
 
-`height` (m) is that of the plane above the inertial origin. ValueError if it is not finite. ModelError if the mechanism cannot
-be built with a floor.
+`height` (m) is that of the plane above the inertial origin. The mechanism has `[contact]` from now on, so that `simulate` and
+`rollout` count contact. ValueError if the height is not finite or no body has a collision shape. ModelError if the mechanism
+cannot be built with a floor.
 
->>> axode.with_floor(arm, -0.5).nv == arm.nv
+>>> axode.with_floor(ball, -0.1).nv == ball.nv
 True
 )");
 }

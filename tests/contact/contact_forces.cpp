@@ -1,4 +1,4 @@
-#include <gtest/gtest.h>
+#include <gmock/gmock.h>
 
 #include <algorithm>
 #include <cmath>
@@ -245,6 +245,9 @@ TEST(ContactsAtRest, RefuseWhatTheyDoNotCount) {
   EXPECT_THROW((void)contacts_at_rest(model, shapes, at({0, 0, 1}), {}, {.touching = -1}),
                std::invalid_argument);
   EXPECT_THROW((void)with_floor(model, std::nan("")), std::invalid_argument);
+  EXPECT_THAT([] { (void)with_floor(free_bodies({{.role = ShapeDescription::Role::visual}})); },
+              testing::ThrowsMessage<std::invalid_argument>(
+                  testing::HasSubstr("has a collision shape, so that nothing could touch the floor")));
 }
 
 }  // namespace

@@ -1,6 +1,7 @@
 """Points of contact and their forces, in motions and at rest, and the page of contact with the command that writes it."""
 
 import json
+import warnings
 from pathlib import Path
 
 import axode
@@ -48,6 +49,34 @@ def test_samples_have_the_contacts_of_their_steps():
             assert np.array_equal(found.force, expected.force) and np.array_equal(found.point, expected.point)
     free = axode.simulate(m, at(0.1), np.zeros(6), 0.05, contact=False)
     assert free.contacts == [[] for _ in free.t] and not free.contact_forces("cube 0").any()
+
+
+def test_a_mechanism_on_a_floor_touches_it_unless_contact_is_off():
+    box = {"kind": "box", "role": "collision", "size": [0.2, 0.2, 0.2]}
+    robot = {"format": "axode drawing 1", "body": [{"name": "cube", "joint": "free", "mass": 1, "com": [0, 0, 0],
+                                                    "inertia": [0.007] * 3, "shape": [box]}]}
+    m = axode.with_floor(axode.Model.from_dict(robot))
+    assert axode.simulate(m, at(0.2), np.zeros(6), 0.5).q[-1, 6] == pytest.approx(0.1, abs=1e-4)
+    assert axode.simulate(m, at(0.2), np.zeros(6), 0.5, contact=False).q[-1, 6] < -0.9
+    robot["body"][0].pop("shape")
+    with pytest.raises(ValueError, match="no body of model \"mechanism\" has a collision shape, so that nothing could touch"):
+        axode.with_floor(axode.Model.from_dict(robot))
+
+
+@pytest.mark.parametrize("friction", [1e3, 1e6, 1e12, 1e300])
+def test_friction_with_which_nothing_slides_is_certified(friction):
+    ball = {"name": "ball", "joint": "free", "mass": 1, "com": [0, 0, 0], "inertia": [0.004] * 3,
+            "shape": [{"kind": "sphere", "role": "collision", "radius": 0.1}]}
+    drawing = {"format": "axode drawing 1", "contact": {"friction": friction}, "body": [ball]}
+    with warnings.catch_warnings(record=True) as said:
+        warnings.simplefilter("always")
+        m = axode.with_floor(axode.Model.from_dict(drawing))
+    assert (len(said) > 0) == (friction > 1e3)
+    assert not said or "contact counts more than 1000 as 1000" in str(said[0].message)
+    motion = axode.simulate(m, at(0.2), np.array([0, 0, 0, 1.0, 0, 0]), 0.5)
+    assert motion.q[-1, 6] == pytest.approx(0.1, abs=1e-4) and motion.certificates.max() < 1e-9
+    omega, v = motion.v[-1, :3], motion.v[-1, 3:]
+    assert v[0] != 0 and np.linalg.norm(v) == pytest.approx(0.1 * np.linalg.norm(omega), rel=1e-6)  # it rolls
 
 
 def test_forces_at_rest_are_those_of_a_first_step():

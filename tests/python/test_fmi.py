@@ -1,6 +1,7 @@
 """FMUs, run by fmpy: a simulator that knows nothing of axode."""
 
 import ctypes
+import re
 import subprocess
 import sysconfig
 import zipfile
@@ -283,6 +284,13 @@ def test_what_an_fmu_does_not_count_is_refused(tmp_path):
     with pytest.raises(ValueError, match="kinds is 'both'; expected one of"):
         axode.fmi.export(arm, tmp_path / "a.fmu", kinds=["both"])
     assert list(tmp_path.iterdir()) == []
+
+
+def test_a_folder_that_does_not_exist_is_named(tmp_path):
+    m = axode.load(axode.robots / "double_pendulum.toml")
+    file = tmp_path / "no" / "pendulum.fmu"
+    with pytest.raises(FileNotFoundError, match=re.escape(f"{file} cannot be written: there is no folder {file.parent}")):
+        axode.fmi.export(m, file)
 
 
 def test_the_command_writes_the_same_files(tmp_path, exported):

@@ -49,6 +49,8 @@ def replacing(path: Path, folder: Path | None = None) -> Iterator[Path]:
         return
     if target.exists() and not os.access(target, os.W_OK):
         raise PermissionError(f"{path} cannot be written: it is read-only")
+    if not (folder or target.parent).is_dir():
+        raise FileNotFoundError(f"{path} cannot be written: there is no folder {folder or target.parent}")
     temporary = (folder or target.parent) / f".{target.name}.{uuid.uuid4().hex}"
     try:
         yield temporary

@@ -45,6 +45,11 @@ void check_parameter(const FaultySubject& at, const DriveParameter& parameter, d
   if (parameter.bound == Bound::not_zero && x == 0) at.error(Rule::wrong_value, says + "; it must not be 0");
 }
 
+bool has_heat_capacity(const DriveDescription& drive) {
+  const double* C = given(drive, "heat_capacity");
+  return C != nullptr && !std::isinf(*C);
+}
+
 void check_parameters(const FaultySubject& at, const DriveDescription& drive) {
   const DriveTraits& kind = traits(drive.kind);
   for (const DriveParameter& parameter : kind.parameters) {
@@ -64,14 +69,12 @@ void check_parameters(const FaultySubject& at, const DriveDescription& drive) {
   if (drive.kind == DriveKind::lugre && F_c && F_s && *F_s < *F_c)
     at.error(Rule::wrong_value, "stiction is " + to_text(*F_s) + " and coulomb " + to_text(*F_c) +
                                     "; stiction must not be less than coulomb");
+  if (given(drive, "thermal_resistance") && !has_heat_capacity(drive))
+    at.error(Rule::missing_element,
+             "has a thermal_resistance and no heat_capacity, without which a motor has no temperature");
   if (drive.conditional && drive.kind != DriveKind::pid)
     at.error(Rule::wrong_value,
              "is a " + std::string(kind.name) + "; only a pid has conditional anti-windup");
-}
-
-bool has_heat_capacity(const DriveDescription& drive) {
-  const double* C = given(drive, "heat_capacity");
-  return C != nullptr && !std::isinf(*C);
 }
 
 void check_initial(const FaultySubject& at, const DriveDescription& drive) {

@@ -56,6 +56,11 @@ void angle_limits(const FaultySubject& at, const Dof& dof) {
                                            in_radians(dof.lower) + " and " + in_radians(dof.upper) + " rad");
 }
 
+void warn_of_friction(const FaultySubject& at, const std::string& what, double mu) {
+  if (mu > most_friction)
+    at.warning(Rule::wrong_value, what + " is " + to_text(mu) + "; contact counts more than " +
+                                      to_text(most_friction) + " as " + to_text(most_friction));
+}
 void is_restitution(const FaultySubject& at, const std::string& what, double value) {
   if (value < 0 || value > 1)
     at.error(Rule::wrong_value, what + " is " + to_text(value) + "; it must be between 0 and 1");
@@ -192,6 +197,8 @@ bool check_shape(const FaultySubject& at, const ShapeDescription& it) {
   not_negative(at, {{"the friction" + of_it, contact.friction.value_or(0)},
                     {"the friction against spinning" + of_it, contact.spin_friction},
                     {"the friction against rolling" + of_it, contact.rolling_friction}});
+  for (const double mu : {contact.friction.value_or(0), contact.spin_friction, contact.rolling_friction})
+    warn_of_friction(at, "a friction" + of_it, mu);
   is_restitution(at, "the restitution" + of_it, contact.restitution);
   const auto positive = [&](std::string_view what, double x, bool may_be_zero = false) {
     if (x < 0 || (x == 0 && !may_be_zero))
@@ -401,6 +408,7 @@ void check_contact(const FaultySubject& at, const ContactDescription& contact) {
     return at.error(Rule::non_finite_number, "friction, margin or threshold is not finite");
   not_negative(
       at, {{"friction", contact.friction}, {"margin", contact.margin}, {"threshold", contact.threshold}});
+  warn_of_friction(at, "friction", contact.friction);
 }
 
 }  // namespace axode
