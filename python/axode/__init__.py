@@ -125,6 +125,7 @@ from ._axode import (
     motion_jvp,
     motion_vjp,
     operational_space_inertia,
+    pair_distances,
     pose,
     poses,
     potential_energy,
@@ -138,6 +139,7 @@ from ._axode import (
     rollout_jvp,
     rollout_vjp,
     second_order_inverse_dynamics,
+    shape_pairs,
     spatial_momentum,
     spatial_momentum_form,
     spring_coordinate,
@@ -178,6 +180,7 @@ from .records import (
     MotionBranch,
     MotionChange,
     MotionDerivatives,
+    PairDistances,
     PlayEvent,
     RedundantRow,
     Rollout,
@@ -239,7 +242,7 @@ __all__ = [
     # prescribed motions
     "forward_dynamics_at", "kinematic_motion",
     # collision shapes
-    "contacts", "distances", "with_floor",
+    "contacts", "distances", "pair_distances", "shape_pairs", "with_floor",
     # motion in time
     "simulate", "rollout", "rollout_derivatives", "rollout_jvp", "rollout_vjp",
     "contact_rollout_derivatives", "reconstruct", "Trajectory",
@@ -251,7 +254,7 @@ __all__ = [
     "MotionChange", "MomentumFormDerivatives", "Linearization", "Equilibrium", "DriveLinearization", "DriveEquilibrium",
     "DynamicsAtTime", "KinematicMotion", "Rollout", "RolloutDerivatives", "RolloutGradient", "TaskEquations",
     "TaskSingularity", "JointState", "LoopMobility", "RedundantRow", "LocalMobility", "MotionBranch", "BranchPoint",
-    "ContactRolloutDerivatives", "ShapeDistance", "ContactForce", "PlayEvent", "AssemblyError", "Fault", "ModelError",
+    "ContactRolloutDerivatives", "ShapeDistance", "PairDistances", "ContactForce", "PlayEvent", "AssemblyError", "Fault", "ModelError",
     "NotFiniteError", "SimulationError", "SingularError", "StatesError",
     # modules
     "lie", "closed_form", "codegen", "convert", "drives", "fmi", "identification", "calibration", "table",

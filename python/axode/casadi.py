@@ -25,7 +25,7 @@ except ImportError as error:
     raise ImportError('axode.casadi needs CasADi: pip install casadi') from error
 
 from .support import coordinates, signatures
-from ._axode import Model
+from ._axode import Model, pair_distances, shape_pairs
 from ._axode.codegen import CasadiLibrary, casadi_library
 from .support.coordinates import TURNING, product, turned, turned_in_plane
 from .records import Representation
@@ -38,6 +38,7 @@ Function: TypeAlias = (
     | tuple[Literal["pose"], str | int]
     | tuple[Literal["jacobian"], str | int]
     | tuple[Literal["jacobian"], str | int, Representation]
+    | Literal["pair_distances"] | tuple[Literal["pair_distances"], Sequence[tuple[str, str]]]
 )
 
 # Libraries that CasADi may have loaded. They are kept, because without a cache their files would be removed with
@@ -53,7 +54,9 @@ def function(m: Model, quantity: Function, states: int = 1, *, flags: Sequence[s
     ("jacobian", frame) or ("jacobian", frame, representation) (q -> J, (6, nv)), "coordinate_rates" (q, v -> q'),
     "integrate" (q, dv -> q (+) dv) or "difference" (q0, q1 -> dv with q0 (+) dv = q1, the shorter way round). The
     last three are made of SX and need no compiler. Units and frames are those of the functions of the same names; the
-    last three are methods of the model.
+    last three are methods of the model. "pair_distances" or ("pair_distances", pairs) (q -> distances, (P,)) calls
+    `axode.pair_distances` in Python; it needs no compiler, has a Jacobian but no Hessian (for IPOPT set
+    hessian_approximation to "limited-memory"), and cannot be pickled.
 
     states is the number of states that one call takes; they are the columns of the arguments: q is (nq, states), and
     matrices are side by side. For CasADi, N states are then one operation, with derivatives that are blocks on a
@@ -86,11 +89,81 @@ def function(m: Model, quantity: Function, states: int = 1, *, flags: Sequence[s
     if isinstance(quantity, str) and quantity in _OF_CONFIGURATIONS:
         one = _of_configurations(m, quantity)
         return one if states == 1 else one.map(int(states))
+    if quantity == "pair_distances" or (isinstance(quantity, tuple) and quantity[:1] == ("pair_distances",)):
+        return _pair_distances_of(m, quantity, int(states))
     library = casadi_library(m, quantity, int(states), flags=flags)
     _loaded[library.file] = library
     # For several directions, and always for several states, CasADi uses the Jacobian, which costs as much as three to
     # six directions. It never uses the Jacobian for gradients, because only the adjoints have second derivatives.
     return casadi.external(library.name, library.file, {"ad_weight": 0.75 if states == 1 else 1})
+
+
+# ------------------------------------------------------------------------------------- distances of collision shapes
+
+# CasADi calls these objects without owning them, so that they stay until the end of the process.
+_called_back: dict[tuple[Any, ...], Any] = {}
+
+
+class _CalledBack(casadi.Callback):  # type: ignore[misc]
+    """A function of CasADi with dense arguments and one dense result, that calls a function of arrays."""
+
+    def __init__(self, name: str, names: tuple[list[str], str], shapes: list[tuple[int, int]], call: Callable[..., Any],
+                 jacobian: Callable[..., Any] | None = None) -> None:
+        casadi.Callback.__init__(self)
+        self._names, self._shapes, self._call, self._jacobian = names, shapes, call, jacobian
+        self.construct(name, {})
+
+    def get_n_in(self) -> int:
+        return len(self._names[0])
+
+    def get_n_out(self) -> int:
+        return 1
+
+    def get_name_in(self, k: int) -> str:
+        return self._names[0][k]
+
+    def get_name_out(self, k: int) -> str:
+        return self._names[1]
+
+    def get_sparsity_in(self, k: int) -> Any:
+        return casadi.Sparsity.dense(*self._shapes[k])
+
+    def get_sparsity_out(self, k: int) -> Any:
+        return casadi.Sparsity.dense(*self._shapes[-1])
+
+    def eval(self, arguments: Any) -> list[Any]:
+        return [casadi.densify(casadi.DM(self._call(arguments[0].full())))]
+
+    def has_jacobian(self) -> bool:
+        return self._jacobian is not None
+
+    def get_jacobian(self, name: str, names: Any, result: Any, options: Any) -> Any:
+        q, distances = self._shapes
+        self._of_jacobian = _CalledBack(name, ([names[0], names[1]], result[0]),
+                                        [q, distances, (math.prod(distances), math.prod(q))], self._jacobian)  # type: ignore[arg-type]
+        return self._of_jacobian
+
+
+def _pair_distances_of(m: Model, quantity: Any, states: int) -> Any:
+    """The distances of pairs of shapes, with a column for each state."""
+    pairs = shape_pairs(m) if isinstance(quantity, str) else [*quantity[1]]
+    key = (m, tuple(map(tuple, pairs)), states)
+    if key in _called_back:
+        return _called_back[key]
+    P = len(pair_distances(m, m.neutral(), pairs).distances)
+    q, dq = casadi.SX.sym("q", m.nq), casadi.SX.sym("dq", m.nq)
+    v = [coordinates.velocities(_ARRAYS, joint.kind, q[joint.q], dq[joint.q]) for joint in m.joints if joint.nv]
+    velocities = casadi.Function("velocities", [q], [casadi.jacobian(casadi.vertcat(*v), dq)])
+
+    def distances(q: Any) -> Any:
+        return pair_distances(m, m.normalize(q.T), pairs).distances.T
+
+    def jacobian(q: Any) -> Any:
+        J = pair_distances(m, m.normalize(q.T), pairs).jacobians
+        return casadi.diagcat(*(J[k] @ velocities(q[:, k]).full() for k in range(states)))
+
+    made = _CalledBack("pair_distances", (["q"], "distances"), [(m.nq, states), (P, states)], distances, jacobian)
+    return _called_back.setdefault(key, made)
 
 
 # ------------------------------------------------------------------------------------- the group of configurations, of SX

@@ -15,7 +15,7 @@ __all__ = ["BranchPoint", "ContactForce", "ContactRolloutDerivatives", "DriveEqu
            "IndependentEquations", "IndependentLinearization", "InverseDynamicsDerivatives", "InverseDynamicsHessian",
            "InverseKinematics", "JointState", "KinematicMotion", "Linearization", "Load", "LocalMobility",
            "LoopMobility", "MomentumFormDerivatives", "MotionBranch", "MotionChange", "MotionDerivatives",
-           "PlayEvent", "RedundantRow", "Rollout", "RolloutDerivatives", "RolloutGradient", "ShapeDistance",
+           "PairDistances", "PlayEvent", "RedundantRow", "Rollout", "RolloutDerivatives", "RolloutGradient", "ShapeDistance",
            "SpringCoordinate", "StateDerivatives", "Target", "TaskEquations", "TaskSingularity"]
 
 Array = NDArray[np.float64]
@@ -271,6 +271,13 @@ class ShapeDistance(NamedTuple):
     residual: float
     proved: bool
     jacobian: Array
+
+
+class PairDistances(NamedTuple):
+    """Signed distances of pairs of collision shapes (..., P), m, and their rates for a unit of each velocity (..., P, nv)."""
+
+    distances: Array
+    jacobians: Array
 
 
 class IndependentEquations(NamedTuple):

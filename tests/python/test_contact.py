@@ -63,6 +63,29 @@ def test_a_mechanism_on_a_floor_touches_it_unless_contact_is_off():
         axode.with_floor(axode.Model.from_dict(robot))
 
 
+def test_distances_of_pairs_are_those_of_the_list():
+    m = axode.load(axode.robots / "quadruped.toml")
+    q = m.random(seed=1, n=20)
+    pairs = axode.shape_pairs(m)
+    for chosen, threads in ((None, 1), (pairs[3:1:-1], 3)):
+        distances, jacobians = axode.pair_distances(m, q, chosen, threads=threads)
+        for k in range(20):
+            expected = {(x.a, x.b): x for x in axode.distances(m, q[k])}
+            for p, pair in enumerate(chosen or pairs):
+                assert distances[k, p] == expected[pair].distance
+                assert np.array_equal(jacobians[k, p], expected[pair].jacobian)
+        one = axode.pair_distances(m, q[0], chosen)
+        assert np.array_equal(one.distances, distances[0]) and np.array_equal(one.jacobians, jacobians[0])
+    assert axode.pair_distances(m, q, []).jacobians.shape == (20, 0, m.nv)
+    with pytest.raises(KeyError, match='there is no collision shape "FL fot"; did you mean "FL foot"'):
+        axode.pair_distances(m, q, [("floor", "FL fot")])
+    for wrong in ("floor", [("floor",)], [1, 2], [("floor", "belly", "FL foot")]):
+        with pytest.raises(TypeError, match="pairs: expected pairs of names of collision shapes"):
+            axode.pair_distances(m, q, wrong)
+    with pytest.raises(ValueError, match='floor'):
+        axode.pair_distances(m, q, [("floor", "floor")])
+
+
 @pytest.mark.parametrize("friction", [1e3, 1e6, 1e12, 1e300])
 def test_friction_with_which_nothing_slides_is_certified(friction):
     ball = {"name": "ball", "joint": "free", "mass": 1, "com": [0, 0, 0], "inertia": [0.004] * 3,

@@ -12,6 +12,7 @@ The functions compute on the CPU. This needs JAX (pip install jax).
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Literal
 
 import numpy as np
@@ -23,14 +24,14 @@ except ImportError as error:
     raise ImportError('axode.jax needs JAX: pip install jax') from error
 
 from ..support import signatures
-from .._axode import Model, check_counts
-from .calls import motion, state_function, twists_by
+from .._axode import Model, check_counts, shape_pairs
+from .calls import distances_of, motion, state_function, twists_by
 from .mechanism import Array, Mechanism, cross, integrated, mechanism_of, rates_of, velocities_of
 
 __all__ = [
     "accelerations", "center_of_mass", "coordinate_rates", "coriolis_vector", "forward_dynamics", "gravity_torques",
-    "integrate", "inverse_dynamics", "inverse_mass_matrix", "jacobian", "kinetic_energy", "mass_matrix", "momenta", "poses",
-    "potential_energy", "rollout", "twists", "velocities_from_rates",
+    "integrate", "inverse_dynamics", "inverse_mass_matrix", "jacobian", "kinetic_energy", "mass_matrix", "momenta",
+    "pair_distances", "poses", "potential_energy", "rollout", "twists", "velocities_from_rates",
 ]
 
 Representation = Literal["body", "spatial", "hybrid", "mixed"]
@@ -231,6 +232,23 @@ def jacobian(m: Model, q: Array, frame: str | int, representation: Representatio
     rates = (of.moves_frame[f][:, None] * of.screw_rates).astype(q.dtype)
     J = jnp.einsum("kv,...kc->...vc", rates, screws)
     return jnp.swapaxes(_from_spatial(J, columns[..., None, :, :], representation), -1, -2)
+
+
+def pair_distances(m: Model, q: Array, pairs: Sequence[tuple[str, str]] | None = None, *, threads: int = 1) -> Array:
+    """The signed distances (..., P) of P pairs of collision shapes, m, see `axode.pair_distances`. First derivatives.
+
+    `pairs` are names of shapes; None: all pairs that may touch, as `axode.shape_pairs` lists them.
+
+    >>> robot = axode.load(axode.robots / "quadruped.toml")
+    >>> feet = [pair for pair in axode.shape_pairs(robot) if pair[0] == "floor"]
+    >>> q = jnp.array(robot.neutral())
+    >>> jax.jacobian(axode.jax.pair_distances, 1)(robot, q, feet).shape == (len(feet), robot.nq)
+    True
+    """
+    of = mechanism_of(m)
+    (q,) = _arrays(of, q=q)
+    chosen = tuple((a, b) for a, b in (shape_pairs(m) if pairs is None else pairs))
+    return distances_of(m, of, chosen, _positive(threads), q)
 
 
 def rollout(m: Model, q: Array, v: Array, tau: Array, step: float, *, threads: int = 1) -> tuple[Array, Array]:

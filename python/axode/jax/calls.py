@@ -18,11 +18,12 @@ import numpy as np
 from jax.extend.core import Primitive  # type: ignore[import-not-found, unused-ignore]
 from jax.interpreters import ad, batching, mlir  # type: ignore[import-not-found, unused-ignore]
 
+from .._axode import Model, pair_distances
 from .._axode import jax as _jax
 from ..table import ROWS
 from .mechanism import Array, Mechanism, cross, rates_of, velocities_of
 
-__all__ = ["motion", "state_function"]
+__all__ = ["distances_of", "motion", "state_function"]
 
 for _name, _handler in _jax.handlers().items():
     jax.ffi.register_ffi_target(_name, _handler, platform="cpu")
@@ -292,3 +293,39 @@ def _transposed_derivative(function: str, m: Mechanism, state: Sequence[Array], 
 
 
 ad.primitive_transposes[primitive] = _transpose
+
+
+# Distances of collision shapes, which XLA asks Python for
+
+@functools.partial(jax.custom_jvp, nondiff_argnums=(0, 1, 2, 3))
+def distances_of(m: Model, of: Mechanism, pairs: tuple[tuple[str, str], ...], threads: int, q: Array) -> Array:
+    """The signed distances (..., P) of pairs of collision shapes."""
+    return _with_jacobians(m, of, pairs, threads, q)[0]
+
+
+@distances_of.defjvp
+def _change_of_distances(m: Model, of: Mechanism, pairs: Any, threads: int, primals: Any, tangents: Any) -> tuple[Array, Array]:
+    (q,), (dq,) = primals, tangents
+    distances, J = _with_jacobians(m, of, pairs, threads, q)
+    return distances, jnp.einsum("...pv,...v->...p", J, velocities_of(of, q, dq))
+
+
+@functools.partial(jax.custom_jvp, nondiff_argnums=(0, 1, 2, 3))
+def _with_jacobians(m: Model, of: Mechanism, pairs: Any, threads: int, q: Array) -> list[Array]:
+    def compute(q: Any) -> Any:
+        states = np.asarray(q, np.float64).reshape(-1, of.nq)
+        finite = np.isfinite(states).all(axis=-1)
+        found = pair_distances(m, states[finite], pairs, threads=threads)
+        for x, like in zip(found, shapes):
+            result = np.full((len(states), *x.shape[1:]), np.nan, like.dtype)
+            result[finite] = x
+            yield result.reshape(like.shape)
+
+    lead, P = q.shape[:-1], len(pairs)
+    shapes = [jax.ShapeDtypeStruct((*lead, P), q.dtype), jax.ShapeDtypeStruct((*lead, P, of.nv), q.dtype)]
+    return jax.pure_callback(lambda q: list(compute(q)), shapes, q, vmap_method="broadcast_all")
+
+
+@_with_jacobians.defjvp
+def _refuse_second_derivatives(m: Model, of: Mechanism, pairs: Any, threads: int, primals: Any, tangents: Any) -> Any:
+    raise NotImplementedError("axode.jax.pair_distances has first derivatives; a second one was asked for")

@@ -11,6 +11,9 @@ This needs PyTorch (pip install torch).
 
 from __future__ import annotations
 
+import json
+from collections.abc import Sequence
+
 from ..support import signatures
 from .._axode import Model
 from ..codegen import Specialised
@@ -23,10 +26,10 @@ except ImportError as error:
     raise ImportError('axode.torch needs PyTorch: pip install torch') from error
 
 from . import dynamics, operations
-from .mechanism import frame_index, heights, key_of, refuse_loops, sizes, still, total_mass
+from .mechanism import frame_index, heights, key_of, pairs_of, refuse_loops, sizes, still, total_mass
 
 __all__ = ["center_of_mass", "forward_dynamics", "handle", "inertial_parameters", "inverse_dynamics",
-           "inverse_mass_matrix", "jacobian", "kinetic_energy", "mass_matrix", "poses", "potential_energy", "rollout"]
+           "inverse_mass_matrix", "jacobian", "kinetic_energy", "mass_matrix", "pair_distances", "poses", "potential_energy", "rollout"]
 
 
 def _checked(m: Model | Specialised, parameters: Tensor | None,
@@ -209,6 +212,22 @@ def jacobian(m: Model | Specialised, q: Tensor, frame: str | int, representation
     """
     key, states, _ = _checked(m, None, q=q)
     return operations.jacobian_partials(key, frame_index(key, frame), representation, 0, *states)
+
+
+def pair_distances(m: Model | Specialised, q: Tensor, pairs: Sequence[tuple[str, str]] | None = None) -> Tensor:
+    """The signed distances (..., P) of P pairs of collision shapes, m, see `axode.pair_distances`. First derivatives.
+
+    `pairs` are names of shapes; None: all pairs that may touch, as `axode.shape_pairs` lists them.
+
+    >>> robot = axode.load(axode.robots / "quadruped.toml")
+    >>> feet = [pair for pair in axode.shape_pairs(robot) if pair[0] == "floor"]
+    >>> q = torch.tensor(robot.neutral(), requires_grad=True)
+    >>> axode.torch.pair_distances(robot, q, feet).sum().backward()
+    >>> q.grad.shape == q.shape
+    True
+    """
+    key, (q,), _ = _checked(m, None, q=q)
+    return operations.pair_distances(key, pairs_of(key) if pairs is None else json.dumps([*map(list, pairs)]), q)
 
 
 def rollout(m: Model, q: Tensor, v: Tensor, tau: Tensor, step: float) -> tuple[Tensor, Tensor]:

@@ -7,6 +7,7 @@ import contextlib
 import functools
 import hashlib
 import itertools
+import json
 import math
 import pickle
 import weakref
@@ -194,4 +195,5 @@ total_mass = _of_model(lambda of: of.model.total_mass)
 still = _of_model(lambda of: of.still.key)
 heights = _of_model(lambda of: tuple(each.key for each in of.heights))
 refuse_loops = _of_model(lambda of, name: check_counts(of.model, name))
+pairs_of = _of_model(lambda of: json.dumps(_axode.shape_pairs(of.model)))
 frame_index = _of_model(lambda of, frame: of.model.frame_index(frame))

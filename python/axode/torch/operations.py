@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import functools
 import inspect
+import json
 from collections.abc import Callable, Iterator
 from typing import Any
 
@@ -278,3 +280,21 @@ jacobian_partials = operation(
     "jacobian_partials(str model, int frame, str representation, int order, Tensor q) -> Tensor", _jacobian_of,
     lambda key, frame, representation, order, q: empty(q, *order * (sizes(key)[1],), 6, sizes(key)[1]),
     _jacobian_backward, _jacobian_forward)
+
+
+# Distances of collision shapes; the names of their pairs are a text of JSON
+
+def _pair_distances(result: int, key: str, pairs: str, q: Tensor) -> Tensor:
+    of = mechanism(key)
+    return tensor(of("pair_distances", of.configurations(q), json.loads(pairs))[result], q)
+
+
+_pair_jacobians = operation(
+    "pair_jacobians(str model, str pairs, Tensor q) -> Tensor", functools.partial(_pair_distances, 1),
+    lambda key, pairs, q: empty(q, len(json.loads(pairs)), sizes(key)[1]))
+pair_distances = operation(
+    "pair_distances(str model, str pairs, Tensor q) -> Tensor", functools.partial(_pair_distances, 0),
+    lambda key, pairs, q: empty(q, len(json.loads(pairs))),
+    lambda ctx, constants, x, d, w: (
+        by_coordinates(constants[0], x[0], (w[..., None, :] @ _pair_jacobians(*constants, x[0]))[..., 0, :]),),
+    lambda constants, x, d, dq: times(_pair_jacobians(*constants, x[0]), displacement(constants[0], x[0], dq)))

@@ -355,6 +355,24 @@ WRONG = {
 }
 
 
+@pytest.mark.parametrize("states", [1, 3])
+def test_distances_of_shapes_have_a_jacobian(states):
+    m = axode.load(axode.robots / "quadruped.toml")
+    pairs = axode.shape_pairs(m)[:5]
+    F = axode.casadi.function(m, ("pair_distances", pairs), states)
+    q = 1.1 * m.random(seed=3, n=states).T
+    assert F.name_in(0) == "q" and F.size_in(0) == (m.nq, states) and F.size_out(0) == (5, states)
+    at = m.normalize(q.T)
+    assert_near(F(q).full(), axode.pair_distances(m, at, pairs).distances.T, 1e-12)
+    assert_near(jacobian(F, [ca.DM(q)]), by_differences(lambda x: numbers(F.call(x)), [ca.DM(q)]), 1e-7)
+    x = ca.MX.sym("q", m.nq, states)
+    gradient = ca.Function("gradient", [x], [ca.gradient(ca.sum1(ca.vec(axode.casadi.function(m, ("pair_distances", pairs), states)(x))), x)])
+    assert_near(gradient(q).full().ravel(order="F"), jacobian(F, [ca.DM(q)]).sum(axis=0), 1e-12)
+    assert axode.casadi.function(m, "pair_distances").size_out(0) == (len(axode.shape_pairs(m)), 1)
+    with pytest.raises(KeyError, match='no collision shape "paw"'):
+        axode.casadi.function(m, ("pair_distances", [("floor", "paw")]))
+
+
 @pytest.mark.parametrize("case", WITH)
 @pytest.mark.parametrize("quantity", ["forward_dynamics", "inverse_dynamics", "mass_matrix"])
 def test_no_function_answers_for_another_mechanism(case, quantity):

@@ -187,3 +187,20 @@ def test_inertial_parameters_have_first_derivatives():
     assert close(np.asarray(H), np.asarray(jax.jit(jax.hessian(lambda q: axode.jax.forward_dynamics(m, q, v, x)[1]))(q)))
     with pytest.raises(ValueError, match=r"parameters: expected shape \(..., 70\) with ten for each body, got \(7,\)"):
         axode.jax.forward_dynamics(m, q, v, x, parameters=q)
+
+
+def test_distances_of_shapes_have_first_derivatives():
+    m = axode.load(axode.robots / "quadruped.toml")
+    pairs = axode.shape_pairs(m)[:5]
+    q = m.random(seed=3, n=4)
+    f = jax.jit(lambda q: axode.jax.pair_distances(m, q, pairs))
+    assert np.array_equal(f(q), axode.pair_distances(m, q, pairs).distances)
+    assert np.array_equal(jax.vmap(f)(q[:, None])[:, 0], f(q)) and f(q[0]).shape == (5,)
+    assert axode.jax.pair_distances(m, q).shape == (4, len(axode.shape_pairs(m)))
+    for D in (jax.jacfwd, jax.jacrev):
+        assert close(np.asarray(D(f)(q[0])), differences(f, q[0]), 1e-7)
+    assert f(q.astype(np.float32)).dtype == np.float32
+    holed = f(np.where(np.arange(4)[:, None] == 2, np.nan, q))
+    assert np.isnan(holed).all(axis=1).tolist() == [False, False, True, False]
+    with pytest.raises(NotImplementedError, match="pair_distances has first derivatives; a second one was asked for"):
+        jax.hessian(lambda q: f(q).sum())(q[0])

@@ -5,6 +5,7 @@ import copy
 import doctest
 import gc
 import io
+import json
 import os
 import pickle
 import re
@@ -144,6 +145,19 @@ def test_gradients_are_those_of_differences_and_so_are_second_ones(mechanism, na
     slowly = mechanism == "machine" and name in ("forward_dynamics", "inverse_dynamics", "center_of_mass")
     assert gradcheck(function(name, m), arguments, eps=1e-7, atol=1e-4, rtol=1e-5, fast_mode=not slowly)
     assert gradgradcheck(function(name, m), arguments, eps=1e-7, atol=1e-4, rtol=1e-5, fast_mode=True)
+
+
+def test_distances_of_shapes_have_first_derivatives():
+    m = axode.load(axode.robots / "quadruped.toml")
+    pairs = axode.shape_pairs(m)[:5]
+    q = torch.tensor(m.random(seed=3, n=4)).reshape(2, 2, m.nq).requires_grad_()
+    f = lambda q: axode.torch.pair_distances(m, q, pairs)  # noqa: E731
+    assert np.array_equal(f(q).detach().reshape(4, 5), axode.pair_distances(m, q.detach().reshape(4, m.nq), pairs).distances)
+    assert axode.torch.pair_distances(m, q).shape == (2, 2, len(axode.shape_pairs(m)))
+    assert gradcheck(f, (q,), eps=1e-7, atol=1e-5)
+    assert close(jacfwd(f)(q[0, 0]), jacrev(f)(q[0, 0])) and close(vmap(f)(q), f(q))
+    with pytest.raises(NotImplementedError, match="axode.torch has no derivatives of pair jacobians"):
+        torch.autograd.grad(torch.autograd.grad(f(q).sum(), q, create_graph=True)[0].sum(), q)
 
 
 @every_mechanism
@@ -286,6 +300,10 @@ def operations():
     yield o.inverse_mass_matrix, (key, q, None)
     yield o.potential_energy, (key, q, pi)
     yield o.poses, (key, q)
+    robot = axode.load(axode.robots / "quadruped.toml")
+    of_robot = (axode.torch.handle(robot), json.dumps(axode.shape_pairs(robot)[:2]), torch.tensor(robot.random(seed=1, n=2)))
+    yield o.pair_jacobians, of_robot
+    yield o.pair_distances, (*of_robot[:2], of_robot[2].clone().requires_grad_())
     yield o.twists, (key, q, v)
     yield o.generalized_loads, (key, q, W)
     yield o.load_product, (key, True, q.detach(), W.detach(), v.detach())
