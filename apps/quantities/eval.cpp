@@ -84,6 +84,7 @@ constexpr std::pair<std::string_view, std::string_view> elsewhere[]{
     {"loop_hessian_product",
      "a state has no multipliers to take it with; it is a function of the library alone"},
     {"motion_vjp", "ask for \"motion_derivatives\", the matrices whose product with weights it is"},
+    {"pair_distances", "ask for \"distances\", which has those of all pairs"},
     {"rollout", "use axode simulate"},
     {"rollout_derivatives", "a state has no forces of several steps; it is a function of the library alone"},
     {"rollout_jvp", "a state has no forces of several steps; it is a function of the library alone"},

@@ -51,7 +51,17 @@ def wired(m):
     return axode.Model.from_dict(drawing | {"spring": [*drawing.get("spring", []), wire]})
 
 
-def coordinate_and_gradient(x, gradient):
+@functools.cache
+def with_balls(m):
+    """The mechanism with balls at the ground and at its farthest frame; m itself if it is none."""
+    if not isinstance(m, axode.Model):
+        return m
+    drawing, ball = m.to_dict(), {"kind": "sphere", "role": "collision", "radius": 0.1}
+    drawing["body"][-1].setdefault("shape", []).append(ball | {"position": [0.1, 0.2, 0.3]})
+    return axode.Model.from_dict(drawing | {"shape": [*drawing.get("shape", []), ball]})
+
+
+def value_and_gradient(x, gradient):
     return np.concatenate([np.expand_dims(x, -1), gradient], axis=-1)
 
 
@@ -99,7 +109,8 @@ CALLS |= {
     "forward_dynamics_rates": lambda m, q, v, a: axode.forward_dynamics_rates(m, q, v, np.stack([a, v], axis=-2), load_on(m, q)),
     "inverse_kinematics_rates": lambda m, q, v, a: axode.inverse_kinematics_rates(
         m, q, axode.twist_derivatives(m, q, rates(v, a), tool(m)), tool(m)),
-    "spring_coordinate": lambda m, q, v, a: coordinate_and_gradient(*axode.spring_coordinate(wired(m), q, "wire")),
+    "spring_coordinate": lambda m, q, v, a: value_and_gradient(*axode.spring_coordinate(wired(m), q, "wire")),
+    "pair_distances": lambda m, q, v, a: value_and_gradient(*axode.pair_distances(with_balls(m), q)),
     "rollout": lambda m, q, v, a: axode.rollout(m, q, v, steps(a), 1e-4)[1],
     "rollout_derivatives": lambda m, q, v, a: np.concatenate(axode.rollout_derivatives(m, q, v, steps(a), 1e-4), axis=-1),
     "rollout_jvp": lambda m, q, v, a: in_one(axode.rollout_jvp(m, q, v, steps(a), 1e-4, v, a, np.stack([v, a], axis=-2)), q),

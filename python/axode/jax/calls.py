@@ -303,7 +303,7 @@ def distances_of(m: Model, of: Mechanism, pairs: tuple[tuple[str, str], ...], th
     return _with_jacobians(m, of, pairs, threads, q)[0]
 
 
-@distances_of.defjvp
+@distances_of.defjvp  # type: ignore[untyped-decorator, unused-ignore]
 def _change_of_distances(m: Model, of: Mechanism, pairs: Any, threads: int, primals: Any, tangents: Any) -> tuple[Array, Array]:
     (q,), (dq,) = primals, tangents
     distances, J = _with_jacobians(m, of, pairs, threads, q)
@@ -312,20 +312,21 @@ def _change_of_distances(m: Model, of: Mechanism, pairs: Any, threads: int, prim
 
 @functools.partial(jax.custom_jvp, nondiff_argnums=(0, 1, 2, 3))
 def _with_jacobians(m: Model, of: Mechanism, pairs: Any, threads: int, q: Array) -> list[Array]:
-    def compute(q: Any) -> Any:
+    def compute(q: Any) -> list[Any]:
         states = np.asarray(q, np.float64).reshape(-1, of.nq)
         finite = np.isfinite(states).all(axis=-1)
-        found = pair_distances(m, states[finite], pairs, threads=threads)
-        for x, like in zip(found, shapes):
-            result = np.full((len(states), *x.shape[1:]), np.nan, like.dtype)
+        results = []
+        for x in pair_distances(m, states[finite], pairs, threads=threads):
+            result = np.full((len(states), *x.shape[1:]), np.nan, q.dtype)
             result[finite] = x
-            yield result.reshape(like.shape)
+            results.append(result.reshape(*q.shape[:-1], *x.shape[1:]))
+        return results
 
     lead, P = q.shape[:-1], len(pairs)
     shapes = [jax.ShapeDtypeStruct((*lead, P), q.dtype), jax.ShapeDtypeStruct((*lead, P, of.nv), q.dtype)]
-    return jax.pure_callback(lambda q: list(compute(q)), shapes, q, vmap_method="broadcast_all")
+    return list(jax.pure_callback(compute, shapes, q, vmap_method="broadcast_all"))
 
 
-@_with_jacobians.defjvp
+@_with_jacobians.defjvp  # type: ignore[untyped-decorator, unused-ignore]
 def _refuse_second_derivatives(m: Model, of: Mechanism, pairs: Any, threads: int, primals: Any, tangents: Any) -> Any:
     raise NotImplementedError("axode.jax.pair_distances has first derivatives; a second one was asked for")
