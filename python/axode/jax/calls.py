@@ -297,6 +297,10 @@ ad.primitive_transposes[primitive] = _transpose
 
 # Distances of collision shapes, which XLA asks Python for
 
+#: How far the norm of a quaternion may be from 1, by the type of the numbers.
+OFF_LENGTH = {"float64": 1e-6, "float32": 1e-4}
+
+
 @functools.partial(jax.custom_jvp, nondiff_argnums=(0, 1, 2, 3))
 def distances_of(m: Model, of: Mechanism, pairs: tuple[tuple[str, str], ...], threads: int, q: Array) -> Array:
     """The signed distances (..., P) of pairs of collision shapes."""
@@ -315,8 +319,10 @@ def _with_jacobians(m: Model, of: Mechanism, pairs: Any, threads: int, q: Array)
     def compute(q: Any) -> list[Any]:
         states = np.asarray(q, np.float64).reshape(-1, of.nq)
         finite = np.isfinite(states).all(axis=-1)
+        unit = m.normalize(states[finite])
+        near = np.abs(states[finite] - unit).max(axis=-1, initial=0) <= OFF_LENGTH[q.dtype.name]
         results = []
-        for x in pair_distances(m, states[finite], pairs, threads=threads):
+        for x in pair_distances(m, np.where(near[:, None], unit, states[finite]), pairs, threads=threads):
             result = np.full((len(states), *x.shape[1:]), np.nan, q.dtype)
             result[finite] = x
             results.append(result.reshape(*q.shape[:-1], *x.shape[1:]))
