@@ -16,6 +16,8 @@ import sys
 from collections.abc import Sequence
 from typing import Any, Literal, NamedTuple
 
+import numpy as np
+
 try:
     import cupy  # type: ignore[import-not-found, import-untyped, unused-ignore]
 except ImportError as error:
@@ -48,7 +50,10 @@ _BLOCKS: dict[tuple[str, int], Any] = {
 class _Kernel(NamedTuple):
     launch: Any
     name: str
+    arrays: tuple[str, ...]  # names of the arguments
     shape: tuple[int, ...]  # of the result of one state, as it is generated
+    size: int  # number of its numbers
+    blocks: Any  # the named tuple of its results, if they are blocks
 
 
 class Kernels:
@@ -69,9 +74,9 @@ class Kernels:
     def __init__(self, m: Model, functions: Sequence[Function], scalar: Literal["float64", "float32"]) -> None:
         source = c_source(m, functions, "axode", scalar == "float32", "cuda")
         module = cupy.RawModule(code=source.text)
-        self.model, self.scalar = m, scalar
+        self.model, self.scalar, self._type = m, scalar, np.dtype(scalar)
         self._kernels = {
-            _key(m, function): _Kernel(module.get_function(f"{cost.name}_states"), _word(function), _shape(m, function))
+            _key(m, function): _kernel(m, function, module.get_function(f"{cost.name}_states"))
             for function, cost in zip(functions, source.functions, strict=True)}
 
     def __getattr__(self, name: str) -> Any:
@@ -87,7 +92,7 @@ class Kernels:
         kernel = self._kernels.get(key)
         if kernel is None:
             raise ValueError(f"these kernels were made without {' '.join(map(str, key))}; name it in axode.cuda.kernels")
-        names = ROWS[kernel.name].arrays
+        names = kernel.arrays
         if len(arrays) != len(names):
             raise TypeError(f"{kernel.name} takes {', '.join(names)}; {len(arrays)} arguments were given")
         states = [self._states(name, x) for name, x in zip(names, arrays, strict=True)]
@@ -100,23 +105,24 @@ class Kernels:
         if N >= 2**31:
             raise ValueError(f"{N} states are too many for one call; at most 2147483647 are possible")
         with device:
-            out = cupy.empty((math.prod(kernel.shape), N), self.scalar)
+            out = cupy.empty((kernel.size, N), self._type)
             if out.size > 0:
-                kernel.launch(((N + BLOCK - 1) // BLOCK,), (BLOCK,),
-                              (*(cupy.ascontiguousarray(x) for x in states), out, cupy.int32(N)))
-            parts = [cupy.moveaxis(x, -1, 0) for x in _formed(kernel.name, out.reshape(*kernel.shape, N))]
+                kernel.launch(((N + BLOCK - 1) // BLOCK,), (BLOCK,), (*map(cupy.ascontiguousarray, states), out, cupy.int32(N)))
+            parts = [cupy.moveaxis(x, -1, 0) for x in _formed(kernel, out.reshape(*kernel.shape, N))]
         parts = [_returned(arrays[0], x[0] if one else x) for x in parts]
-        blocks = _blocks(kernel.name)
-        return blocks(*parts) if blocks else parts[0]
+        return kernel.blocks(*parts) if kernel.blocks else parts[0]
 
     def _states(self, name: str, x: Any) -> Any:
         """The array with the entries of a state first."""
-        if not hasattr(x, "__dlpack_device__") or x.__dlpack_device__()[0] not in (2, 13):  # CUDA, CUDA managed
+        if isinstance(x, cupy.ndarray):
+            array = x
+        elif hasattr(x, "__dlpack_device__") and x.__dlpack_device__()[0] in (2, 13):  # CUDA, CUDA managed
+            array = cupy.from_dlpack(x)
+        else:
             kind = f"{type(x).__module__}.{type(x).__name__}"
             raise TypeError(f"{name} is a {kind} and not on a GPU; move it there (cupy.asarray, tensor.cuda()), or call the "
                             "function of this name in axode")
-        array = x if isinstance(x, cupy.ndarray) else cupy.from_dlpack(x)
-        if array.dtype != self.scalar:
+        if array.dtype != self._type:
             raise TypeError(f"{name} is of {array.dtype}; these kernels are of {self.scalar}")
         length = self.model.nq if name == "q" else self.model.nv
         if array.ndim not in (1, 2) or array.shape[-1] != length:
@@ -154,23 +160,18 @@ def _key(m: Model, function: Function) -> tuple[Any, ...]:
     return ("jacobian", m.frame_names[frame], function[2] if len(function) == 3 else "body")
 
 
-def _shape(m: Model, function: Function) -> tuple[int, ...]:
+def _kernel(m: Model, function: Function, launch: Any) -> _Kernel:
     row = ROWS[_word(function)]
-    if row.name == "poses":
-        return (m.n_frames, 4, 3)
-    return tuple(reversed(row.item(m))) if row.name == "jacobian" else row.item(m)
+    shape = (m.n_frames, 4, 3) if row.name == "poses" else row.item(m)
+    shape = shape[::-1] if row.name == "jacobian" else shape
+    return _Kernel(launch, row.name, row.arrays, shape, math.prod(shape), _BLOCKS.get((row.derivative_of, len(row.symbols))))
 
 
-def _blocks(name: str) -> Any:
-    row = ROWS[name]
-    return _BLOCKS.get((row.derivative_of, len(row.symbols)))
-
-
-def _formed(name: str, out: Any) -> Any:
+def _formed(kernel: _Kernel, out: Any) -> Any:
     """The parts of a result."""
-    if _blocks(name):
+    if kernel.blocks:
         return list(out)
-    if name != "poses":
+    if kernel.name != "poses":
         return [out]
     C = cupy.zeros((out.shape[0], 4, 4, out.shape[-1]), out.dtype)
     C[:, :3] = out.swapaxes(1, 2)  # columns of R, r
