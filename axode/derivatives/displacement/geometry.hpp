@@ -77,14 +77,14 @@ template <class T> struct ForwardGeometryDerivatives {
                   T* out) noexcept {
     const std::ptrdiff_t columns = static_cast<std::ptrdiff_t>(tree->n) * 6;
     const Solvability verdict = forward.run(tree, q, v, tau, loads);
-    if (!verdict.ok()) return solved(verdict, tree->nv * columns, out);
+    if (!verdict.ok()) return verdict;
     inverse.run(tree, q, v, forward.a, loads, out);
     for (std::ptrdiff_t k = 0; k < columns; ++k) {
       for (std::ptrdiff_t c = 0; c < tree->nv; ++c) x[c] = -out[c * columns + k];
       forward.solve_one(tree, x);
       for (std::ptrdiff_t c = 0; c < tree->nv; ++c) out[c * columns + k] = x[c];
     }
-    return solved(verdict, tree->nv * columns, out);
+    return verdict;
   }
 };
 
