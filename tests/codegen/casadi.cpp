@@ -5,6 +5,8 @@
 #include "axode/codegen.hpp"
 #include "axode/io.hpp"
 #include "tests/codegen/compiled.hpp"
+#include "tests/support/comparison.hpp"
+#include "tests/support/random_tree.hpp"
 #include "tests/support/refused_arguments.hpp"
 #include "tests/support/run_program.hpp"
 
@@ -87,6 +89,37 @@ TEST(FunctionsForCasadi, TakeNothingForZeroAndTellWhatIsSingular) {
     EXPECT_EQ(A.status(), 0);
     A({Numbers(q.size(), std::nan(""))});
     EXPECT_EQ(A.status(), 1) << derivative;
+  }
+}
+
+/// The derivatives in more detail, and those of second order, are compared in tests/bridges/casadi.
+TEST(FunctionsForCasadi, HaveTheFirstDerivativesOfDifferences) {
+  const Model model = load(robot("arm7.toml"), Base::as_described);
+  const Compiled library(
+      source_for_casadi(model, {{Id("inverse_dynamics")}, {Id("inverse_mass_matrix")}}).text);
+  Random<double> random(1);
+  for (const std::string name : {"inverse_dynamics", "inverse_mass_matrix"}) {
+    const External f(library, "m_" + name), derivative(library, "fwd1_m_" + name);
+    std::vector<Numbers> x, direction;
+    for (long long k = 0; k < f.n_in(); ++k) {
+      x.push_back(random_numbers(random, model.nv()));
+      direction.push_back(random_numbers(random, model.nv()));
+    }
+    const auto at = [&](double h) {
+      std::vector<Numbers> there = x;
+      for (std::size_t k = 0; k < x.size(); ++k)
+        for (std::size_t c = 0; c < x[k].size(); ++c) there[k][c] += h * direction[k][c];
+      return f(there)[0];
+    };
+    std::vector<Numbers> given = x;
+    given.push_back(at(0));
+    given.insert(given.end(), direction.begin(), direction.end());
+    constexpr double h = 1e-5;
+    Numbers difference = at(h);
+    const Numbers before = at(-h);
+    for (std::size_t k = 0; k < before.size(); ++k) difference[k] = (difference[k] - before[k]) / (2 * h);
+    Comparison change(name.c_str(), 1e-7);
+    change.expect_equal(derivative(given)[0], difference);
   }
 }
 

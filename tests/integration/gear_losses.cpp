@@ -234,14 +234,16 @@ TEST(GearLosses, LeaveDryFrictionAsItIs) {
 // ---------------------------------------------------------------------------------------------- hoists
 
 /// A load of 2 kg on a vertical slide with a gear, whose rotor has an inertia of 0.5 kg.
-Model hoist(double loss, double friction = 0) {
+Model hoist(double loss, double friction = 0, std::optional<double> loss_back = {}) {
   Description d{.name = "hoist", .gravity = {0, 0, -10}};
-  d.bodies.push_back({.name = "load",
-                      .joint = {.name = "slide",
-                                .kind = JointKind::prismatic,
-                                .axis = {0, 0, 1},
-                                .dof = {{.friction = friction, .armature = 0.5, .gear_loss = loss}}},
-                      .inertia = MassProperties{.mass = 2, .Theta = {1, 1, 1}}});
+  d.bodies.push_back(
+      {.name = "load",
+       .joint =
+           {.name = "slide",
+            .kind = JointKind::prismatic,
+            .axis = {0, 0, 1},
+            .dof = {{.friction = friction, .armature = 0.5, .gear_loss = loss, .gear_loss_back = loss_back}}},
+       .inertia = MassProperties{.mass = 2, .Theta = {1, 1, 1}}});
   return ModelBuilder(d).build();
 }
 SimulationOptions driven(double force) {
@@ -301,6 +303,14 @@ TEST(GearLosses, RefuseStatesWithoutOneAnswer) {
   EXPECT_TRUE(forward_dynamics(hoist(1.24), *std::make_unique<Workspace<>>(hoist(1.24), cut_tree), Numbers{0},
                                Numbers{1}, Numbers{0}, a, {.joint_losses = true})
                   .ok());
+  // The loss while the drive drives does not count.
+  for (const auto& [loss, loss_back, has_one_answer] : {std::tuple(10.0, 1.24, true), {0.1, 1.26, false}}) {
+    const Model other = hoist(loss, 0, loss_back);
+    Workspace<> scratch(other);
+    EXPECT_EQ(
+        forward_dynamics(other, scratch, Numbers{0}, Numbers{1}, Numbers{0}, a, {.joint_losses = true}).ok(),
+        has_one_answer);
+  }
   const Trajectory motion = simulate(model, Numbers{0}, Numbers{1}, 1, {}, with_losses);
   EXPECT_FALSE(motion.complete);
   EXPECT_NE(motion.stop_reason.find("locks itself so strongly"), std::string::npos);

@@ -7,6 +7,7 @@
 
 #include "axode/dynamics.hpp"
 #include "axode/io.hpp"
+#include "axode/io/pose.hpp"
 #include "axode/model/building/builder.hpp"
 #include "axode/model/configuration.hpp"
 #include "axode/model/kinds/shape_kinds.hpp"
@@ -202,6 +203,19 @@ TEST(RoundTrip, AUrdfOfARandomTreeIsTheSameMechanism) {
     tree.frames.push_back({.name = "tool", .body = tree.bodies.back().name, .pose = random.pose()});
     expect_urdf_round_trip(ModelBuilder(tree).build());
   });
+}
+
+/// Where the pitch is a quarter turn, roll and yaw turn about one line, and their sines and cosines are lost in
+/// the third column.
+TEST(RoundTrip, RotationsByAQuarterTurnOfPitchKeepTheirAngles) {
+  for (const double side : {-1.0, 1.0})
+    for (const double angle : {-2.5, -0.4, 0.0, 1.0, 3.0}) {
+      const double s = std::sin(angle), c = std::cos(angle);
+      const SO3<> R{{0, 0, -side}, {s, c, 0}, {side * c, -side * s, 0}};
+      const SO3<> again = io::from_roll_pitch_yaw(io::to_roll_pitch_yaw(R));
+      for (const Vec3<>& difference : {R.x - again.x, R.y - again.y, R.z - again.z})
+        EXPECT_LT(norm(difference), 1e-15) << angle;
+    }
 }
 
 TEST(RoundTrip, AUrdfOfRandomLoopsIsTheSameMechanism) {

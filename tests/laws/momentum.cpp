@@ -22,13 +22,20 @@ Numbers minus(Numbers x, const Numbers& y) {
   return x;
 }
 
-TEST_P(MomentumForm, MomentaAreMTimesV) {
-  Comparison momentum("p", agreement);
+TEST_P(MomentumForm, MomentaAreMTimesVAndEnergiesHalfOfThemTimesV) {
+  Comparison momentum("p", agreement), energy("T", agreement);
   for_seeds(2000, [&](std::uint64_t seed) {
     Trial trial(how, Random<double>(seed));
     const Numbers with = trial.inverse_dynamics(trial.zero(), trial.state.v, {}),
                   without = trial.inverse_dynamics(trial.zero(), trial.zero(), {});
-    momentum.expect_equal(momenta(trial, trial.state.v), minus(with, without), largest(with));
+    const Numbers p = momenta(trial, trial.state.v);
+    momentum.expect_equal(p, minus(with, without), largest(with));
+    double twice = 0, size = 0;
+    for (std::size_t c = 0; c < p.size(); ++c) {
+      twice += p[c] * trial.state.v[c];
+      size += std::abs(p[c] * trial.state.v[c]);
+    }
+    energy.expect_equal(trial.call("kinetic_energy")[0], twice / 2, size);
   });
 }
 
