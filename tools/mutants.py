@@ -68,7 +68,7 @@ def commands():
 
 
 def compile_changed(words, overlay, target):
-    """Compiles without the precompiled header, which holds the files as they are."""
+    """Compiles without the precompiled header, which holds the files as they are. Returns the files that were read, as text."""
     words, kept = iter(words), []
     for word in words:
         if word == "-Xclang":
@@ -81,8 +81,9 @@ def compile_changed(words, overlay, target):
             next(words)
         elif word not in ("-MD", "-Werror"):
             kept.append(word)
-    command = [*kept, "-w", "-ivfsoverlay", str(overlay), "-o", target]
+    command = [*kept, "-w", "-ivfsoverlay", str(overlay), "-MD", "-MF", target + ".d", "-o", target]
     subprocess.run(command, cwd=BUILD, check=True)
+    return Path(target + ".d").read_text()
 
 
 def build_program(mutant, changed, folder, program):
@@ -96,17 +97,19 @@ def build_program(mutant, changed, folder, program):
         is_wanted = any(source in sources and (not only or f"_{only}_" in target) for source, only in wanted)
         if is_wanted and (not target.startswith("tests/") or f"/{program}.dir/" in target):
             objects[target] = str(folder / f"{len(objects)}.o")
-            compile_changed(words, overlay, objects[target])
+            files = compile_changed(words, overlay, objects[target])
+            if str(changed) not in files and mutant.file not in files:
+                raise ValueError(f"{', '.join(sorted(sources))} does not read it")
             left -= sources
     if left:
         raise ValueError(f"nothing is compiled of {', '.join(sorted(left))}")
     link = subprocess.run(["ninja", "-C", str(BUILD), "-t", "commands", "-s", f"tests/{program}"], check=True,
                           text=True, stdout=subprocess.PIPE).stdout.strip().splitlines()[-1]
     words = shlex.split(link.removeprefix(": && ").removesuffix(" && :"))
-    words = [objects.pop(word, word) for word in words]
     words[words.index("-o") + 1] = str(folder / program)
     first = next(i for i, word in enumerate(words) if word.endswith(".o"))
-    words[first:first] = objects.values()
+    # The changed objects come first: a linker takes an inline function from the first object that has it.
+    words[first:] = [*objects.values(), *(word for word in words[first:] if word not in objects)]
     subprocess.run(words, cwd=BUILD, check=True)
     return folder / program
 
