@@ -18,8 +18,7 @@ Model with_floor(const Model& model, double height) {
     return std::ranges::find(body.shapes, ShapeDescription::Role::collision, &ShapeDescription::role) !=
            body.shapes.end();
   };
-  const std::vector<BodyDescription>& bodies = model.description().bodies;
-  if (!bodies.empty() && std::ranges::none_of(bodies, may_touch))
+  if (model.nv() > 0 && std::ranges::none_of(model.description().bodies, may_touch))
     throw std::invalid_argument(
         "with_floor: no body of model \"" + model.name() +
         "\" has a collision shape, so that nothing could touch the floor; give a body "

@@ -244,8 +244,8 @@ cannot touch, prescribed motions, drives with states, couplings with play and a 
 The mechanism on a floor: with a plane across gravity (z if there is none) as one more collision shape of the ground, `floor`.
 
 `height` (m) is that of the plane above the inertial origin. The mechanism has `[contact]` from now on, so that `simulate` and
-`rollout` count contact. ValueError if the height is not finite or no body has a collision shape. ModelError if the mechanism
-cannot be built with a floor.
+`rollout` count contact. ValueError if the height is not finite, or if something moves and no body has a collision shape.
+ModelError if the mechanism cannot be built with a floor.
 
 >>> robot = axode.load(axode.robots / "quadruped.toml")
 >>> axode.with_floor(robot, -0.5).nv == robot.nv
