@@ -427,7 +427,7 @@ array([0.  , 0.  , 9.81])
           "Events that occurred, as pairs of the index in the list `events` and the time.")
       .def_prop_ro(
           "play_events", &play_events_of, nb::sig("def play_events(self) -> list[axode.records.PlayEvent]"),
-          "The plays of couplings that met one of their ends or left it, as `PlayEvent`s in the order "
+          "The plays of couplings that met one of their ends or left it: a list of `PlayEvent` in the order "
           "of time.")
       .def(
           "at",
