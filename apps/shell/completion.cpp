@@ -74,8 +74,7 @@ struct Offer {
   std::vector<std::pair<std::string, std::string>> words = {};
 };
 
-/// Adds what an option takes: a `FILE`, one of some words, as in `table|json`, or a name that stands for
-/// many.
+/// Adds what an option takes: a `FILE`, one of some words (`table|json`), or a name that stands for many.
 void add_values(Offer& offer, const CLI::Option& option) {
   const std::string type = option.get_type_name();
   const auto add = [&](const auto& all, const auto& name_of) {
@@ -89,8 +88,7 @@ void add_values(Offer& offer, const CLI::Option& option) {
   if (type.find('|') != std::string::npos) add(CLI::detail::split(type, '|'), std::identity());
 }
 
-/// Adds commands and the values of positional arguments, or options if there are none or the word is an
-/// option.
+/// Adds commands and values of positional arguments, or options if there are none or the word is one.
 void add_words(Offer& offer, const CLI::App& command, bool is_option, bool with_equals) {
   if (!is_option) {
     for (const CLI::App* sub : commands(command))

@@ -71,8 +71,8 @@ TEST(ContactForces, OfASlidingBoxAreOnCoulombsConeAgainstItsMotion) {
   }
 }
 
-/// The impulses on each body of a random pile are the change of its momentum, with impacts and tumbling. No shapes
-/// overlap at the start: the motion that parts overlaps turns a body with its momentum.
+/// The impulses on each body of a random pile are the change of its momentum, with impacts and tumbling. No
+/// shapes overlap at the start: the motion that parts overlaps turns a body with its momentum.
 TEST(ContactForces, AreTheChangeOfMomentumOfEachBody) {
   Random<double> random(7);
   std::vector<ShapeDescription> shapes;
