@@ -111,6 +111,7 @@ class _CalledBack(casadi.Callback):  # type: ignore[misc]
                  jacobian: Callable[..., Any] | None = None) -> None:
         casadi.Callback.__init__(self)
         self._names, self._shapes, self._call, self._jacobian = names, shapes, call, jacobian
+        self._of_jacobian: Any = None
         self.construct(name, {})
 
     def get_n_in(self) -> int:
@@ -138,9 +139,10 @@ class _CalledBack(casadi.Callback):  # type: ignore[misc]
         return self._jacobian is not None
 
     def get_jacobian(self, name: str, names: Any, result: Any, options: Any) -> Any:
-        q, distances = self._shapes
-        self._of_jacobian = _CalledBack(name, ([names[0], names[1]], result[0]),
-                                        [q, distances, (math.prod(distances), math.prod(q))], self._jacobian)  # type: ignore[arg-type]
+        if self._of_jacobian is None:  # it is made once, because expressions may still call the first one
+            q, distances = self._shapes
+            shapes = [q, distances, (math.prod(distances), math.prod(q))]
+            self._of_jacobian = _CalledBack(name, ([names[0], names[1]], result[0]), shapes, self._jacobian)  # type: ignore[arg-type]
         return self._of_jacobian
 
 

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <array>
 #include <limits>
+#include <map>
 #include <memory>
 #include <optional>
 #include <string>
@@ -62,14 +63,12 @@ nb::list shape_pairs_of(const BoundModel& m) {
 /// The numbers of the shapes of the named pairs, or of all pairs that may touch.
 std::vector<std::array<int, 2>> pairs_from(const ContactShapes& shapes, nb::handle given) {
   if (given.is_none()) return {shapes.pairs().begin(), shapes.pairs().end()};
+  std::map<std::string, int> numbers;
+  for (int i = 0; i < shapes.size(); ++i) numbers.try_emplace(shapes[i].name, i);
   const auto number = [&](const std::string& name) {
-    std::vector<std::string> names;
-    for (int i = 0; i < shapes.size(); ++i) names.push_back(shapes[i].name);
-    const auto found = std::ranges::find(names, name);
-    if (found == names.end())
-      throw UnknownName("pairs: there is no collision shape \"" + name + '"' +
-                        did_you_mean(name, names, [](const std::string& known) { return known; }));
-    return static_cast<int>(found - names.begin());
+    if (const auto found = numbers.find(name); found != numbers.end()) return found->second;
+    throw UnknownName("pairs: there is no collision shape \"" + name + '"' +
+                      did_you_mean(name, numbers, [](const auto& known) { return known.first; }));
   };
   std::vector<std::array<int, 2>> pairs;
   std::vector<std::array<std::string, 2>> named;

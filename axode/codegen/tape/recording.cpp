@@ -24,9 +24,9 @@ using Numbers = Composition::Numbers;
 template <class Kernel> using OnTape = WithScratch<T, Kernel>;
 
 /// Determines whether the mass matrix may be singular: whether a pivot is small compared with the inertia
-/// scale of its velocity at q = 0. In float many pivots of ordinary robots are (in a sixth of the states of an
-/// arm). Then each pivot is also compared with the rounding of the numbers from which it is computed, as the
-/// library does for such states.
+/// scale of its velocity at q = 0. In float, an arm has such a pivot in a sixth of its states. Therefore each
+/// pivot in float is also compared with the rounding of the numbers from which it is computed, as the library
+/// does for such states.
 class SingularityTest {
  public:
   SingularityTest(const Tree<double>& tree, bool single_precision)
