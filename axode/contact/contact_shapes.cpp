@@ -149,6 +149,10 @@ ContactShapes::ContactShapes(const Model& model, const MeshHulls& hulls) {
         refuse(a.name, "and shape \"" + b.name +
                            "\" are planes that move against each other, and two half-spaces cannot be kept "
                            "apart; name their bodies in `ignored`");
+      if (a.surface.stiffness && b.surface.stiffness && a.surface.exponent != b.surface.exponent)
+        refuse(a.name, "has the exponent " + to_text(a.surface.exponent) + " of its stiffness, and shape \"" +
+                           b.name + "\", which it may touch, " + to_text(b.surface.exponent) +
+                           "; compliant shapes that touch need the same exponent");
       data.pairs.push_back({static_cast<int>(i), static_cast<int>(j)});
       data.may_touch[i * n + j] = data.may_touch[j * n + i] = 1;
     }
@@ -164,9 +168,20 @@ void check_shapes(const Model& model, const ContactShapes& shapes) {
 
 SurfacePair ContactShapes::surface(int i, int j) const {
   const ContactProperties &a = (*this)[i].surface, &b = (*this)[j].surface;
+  const auto compliance_of = [](const ContactProperties& it) {
+    return Compliance{it.stiffness.value_or(0), it.exponent, it.damping};
+  };
+  const Compliance compliance = in_series(compliance_of(a), compliance_of(b));
   const auto mean = [](double x, double y) { return std::min(std::sqrt(x * y), most_friction); };
   return {mean(*a.friction, *b.friction), mean(a.spin_friction, b.spin_friction),
-          mean(a.rolling_friction, b.rolling_friction), std::max(a.restitution, b.restitution)};
+          mean(a.rolling_friction, b.rolling_friction),
+          compliance ? 0 : std::max(a.restitution, b.restitution), compliance};
+}
+
+int ContactShapes::compliant_shape() const {
+  const auto found = std::ranges::find_if(
+      data_->shapes, [](const ContactShape& shape) { return shape.surface.stiffness.has_value(); });
+  return found == data_->shapes.end() ? -1 : static_cast<int>(found - data_->shapes.begin());
 }
 
 int ContactShapes::contact_rows() const {

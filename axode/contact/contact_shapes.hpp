@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "axode/contact/compliance.hpp"
 #include "axode/contact/convex/convex_shape.hpp"
 #include "axode/model/model.hpp"
 
@@ -30,7 +31,8 @@ struct SurfacePair {
   double friction = 0;          ///< coefficient of sliding friction
   double spin_friction = 0;     ///< moment of drilling friction divided by the normal force, m
   double rolling_friction = 0;  ///< moment of rolling friction divided by the normal force, m
-  double restitution = 0;       ///< 0 to 1
+  double restitution = 0;       ///< 0 to 1; 0 if the contact is compliant
+  Compliance compliance;        ///< of both surfaces together
 };
 
 /// The convex hull of a mesh. Its vertices are about `origin`, a point inside, in the frame of the shape, m.
@@ -47,8 +49,8 @@ using MeshHulls = std::function<MeshHull(const ShapeDescription&, const Source&)
 class ContactShapes {
  public:
   /// Meshes touch with their convex hulls, and are refused if `hulls` is empty. Throws std::invalid_argument
-  /// with a sentence for a mesh without a hull, for a shape without a size, and for two planes that move
-  /// against each other. Allocates.
+  /// with a sentence for a mesh without a hull, for a shape without a size, for two planes that move against
+  /// each other, and for compliant shapes with different exponents that may touch. Allocates.
   explicit ContactShapes(const Model& model, const MeshHulls& hulls = {});
 
   /// The number of moving bodies of the model. Shapes serve only models with as many.
@@ -62,8 +64,12 @@ class ContactShapes {
   std::span<const std::array<int, 2>> pairs() const { return data_->pairs; }
   bool may_touch(int i, int j) const { return data_->may_touch[i * data_->shapes.size() + j] != 0; }
 
-  /// The geometric mean of the frictions of two shapes and the larger restitution.
+  /// The geometric mean of the frictions of two shapes, the larger restitution, and their compliances in
+  /// series.
   SurfacePair surface(int i, int j) const;
+
+  /// The index of a shape with a stiffness, or -1 if all are rigid.
+  int compliant_shape() const;
 
   /// The number of rows of each contact: 3, 4 if a shape has drilling friction, 6 if one has rolling
   /// friction.

@@ -77,7 +77,10 @@ ContactsAtRest contacts_at_rest(const Model& model, const ContactShapes& shapes,
                               .friction = surface.friction,
                               .key = point.key});
     if (point.gap <= options.touching)
-      touching.push_back({a.body, b.body, point.point, point.normal, 0, surface, point.key});
+      touching.push_back({a.body, b.body, point.point, point.normal, 0, surface, point.key,
+                          surface.compliance
+                              ? std::optional(second * surface.compliance.force_at_rest(point.gap))
+                              : std::nullopt});
   }
 
   const Solvability verdict = system.set(q.data(), touching, second, options.touching);
@@ -98,6 +101,7 @@ ContactsAtRest contacts_at_rest(const Model& model, const ContactShapes& shapes,
   found.a.resize(nv);
   system.push(x.data(), found.a.data());
   system.times(found.a.data(), u.data());
+  problem.complete(lambda.data());
 
   const double at_rest_below = 1e-9 * std::max(1e-3, x.norm());
   std::size_t k = 0;

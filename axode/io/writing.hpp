@@ -63,10 +63,11 @@ inline std::string said_of(const SpringDescription& spring) {
   return {};
 }
 
-/// Whether a shape has friction or restitution of its own.
+/// Whether a shape has friction, restitution or stiffness of its own.
 inline bool has_surface(const ShapeDescription& shape) {
   const ContactProperties& it = shape.contact;
-  return it.friction || it.spin_friction != 0 || it.rolling_friction != 0 || it.restitution != 0;
+  return it.friction || it.spin_friction != 0 || it.rolling_friction != 0 || it.restitution != 0 ||
+         it.stiffness;
 }
 
 }  // namespace axode::io

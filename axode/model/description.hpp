@@ -133,12 +133,17 @@ enum class ShapeKind {
 inline constexpr double most_friction = 1000;
 
 /// How the surface of a shape behaves in contact. Two shapes in contact have the geometric mean of their
-/// coefficients of each kind of friction, and the larger of their restitutions.
+/// coefficients of each kind of friction, and the larger of their restitutions. Surfaces with a stiffness are
+/// compliant and act like springs in series; they do not bounce by a restitution.
 struct ContactProperties {
   std::optional<double> friction = {};  ///< coefficient of sliding friction; empty: that of the mechanism
   double spin_friction = 0;             ///< moment of drilling friction divided by the normal force, m
   double rolling_friction = 0;          ///< moment of rolling friction divided by the normal force, m
   double restitution = 0;               ///< 0 to 1
+  /// Stiffness k of the normal force k dⁿ (1 + c d') at a depth d of overlap, N/mⁿ; empty: a rigid surface
+  std::optional<double> stiffness = {};
+  double exponent = 1.5;  ///< n, 1 to 10
+  double damping = 0;     ///< c, s/m
 };
 
 /// A visual shape of a body, or one for contacts. Shapes are kept, written and drawn; only simulations with

@@ -32,7 +32,8 @@ auto fields(Like<InBodyFrame> auto& g) { return std::tie(g.B); }
 auto fields(Like<InJointFrames> auto& g) { return std::tie(g.S_prev, g.S_self); }
 auto fields(Like<MassProperties> auto& m) { return std::tie(m.mass, m.com, m.Theta, m.in, m.about, m.axes); }
 auto fields(Like<ContactProperties> auto& c) {
-  return std::tie(c.friction, c.spin_friction, c.rolling_friction, c.restitution);
+  return std::tie(c.friction, c.spin_friction, c.rolling_friction, c.restitution, c.stiffness, c.exponent,
+                  c.damping);
 }
 auto fields(Like<ShapeDescription> auto& s) {
   return std::tie(s.role, s.name, s.kind, s.pose, s.size, s.radius, s.length, s.file, s.scale, s.color,

@@ -48,6 +48,9 @@ void expect_same_shapes(const std::vector<ShapeDescription>& one,
     EXPECT_EQ(one[k].contact.spin_friction, other[k].contact.spin_friction);
     EXPECT_EQ(one[k].contact.rolling_friction, other[k].contact.rolling_friction);
     EXPECT_EQ(one[k].contact.restitution, other[k].contact.restitution);
+    EXPECT_EQ(one[k].contact.stiffness, other[k].contact.stiffness);
+    EXPECT_EQ(one[k].contact.exponent, other[k].contact.exponent);
+    EXPECT_EQ(one[k].contact.damping, other[k].contact.damping);
     EXPECT_EQ(one[k].radius, other[k].radius);
     EXPECT_EQ(one[k].length, other[k].length);
     EXPECT_EQ(norm(one[k].size - other[k].size), 0);
@@ -341,7 +344,7 @@ TEST(Writers, ContactThatAFormatCannotSayIsLeftOutByName) {
   std::ostringstream urdf, mjcf;
   const std::string by_urdf = left_out(write_urdf(model, urdf)), by_mjcf = left_out(write_mjcf(model, mjcf));
   for (const char* part : {"the ground: has a shape that is a plane",
-                           "body \"finger\": has a shape with friction or restitution",
+                           "body \"finger\": has a shape with friction, restitution or stiffness",
                            "joint \"finger_joint\": has hard stops", "contact: has friction"})
     EXPECT_THAT(by_urdf, HasSubstr(part));
   for (const char* part :

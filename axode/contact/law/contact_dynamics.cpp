@@ -70,6 +70,8 @@ void ContactDynamics::check(std::span<const double> q, std::span<const double> v
     for (const double mu : {s.friction, s.spin_friction, s.rolling_friction})
       if (!(mu >= 0 && std::isfinite(mu)))
         refuse(" has a friction of " + std::to_string(mu) + "; it must be finite and not negative");
+    if (s.compliance)
+      refuse(" has a stiffness; ContactDynamics knows rigid contacts, and simulations compliant ones");
     if (!(s.restitution >= 0 && s.restitution <= 1))
       refuse(" has a restitution of " + std::to_string(s.restitution) + "; it must be between 0 and 1");
     if (!(std::abs(norm(c.normal) - 1) < 1e-9))

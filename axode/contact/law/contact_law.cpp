@@ -30,6 +30,12 @@ void resolve(const LawBlock& block, const double* z, double* lambda) noexcept {
     case ContactLaw::stop: lambda[0] = z[0] < 0 ? 0 : z[0]; return;
     case ContactLaw::dry_friction: lambda[0] = std::clamp(z[0], -block.bound, block.bound); return;
     case ContactLaw::loop: lambda[0] = z[0]; return;
+    case ContactLaw::pressed: {
+      const double t = tangential(block, z);
+      scale_tangential(block, z, t > block.bound ? block.bound / t : 1, lambda);
+      lambda[0] = 0;
+      return;
+    }
   }
 }
 
@@ -41,6 +47,9 @@ LawBranch branch_of(const LawBlock& block, const double* z) noexcept {
     case ContactLaw::stop: return z[0] > 0 ? LawBranch::stick : LawBranch::open;
     case ContactLaw::dry_friction: return std::abs(z[0]) < block.bound ? LawBranch::stick : LawBranch::slide;
     case ContactLaw::loop: break;
+    case ContactLaw::pressed:
+      if (!(block.bound > 0)) return LawBranch::open;
+      return tangential(block, z) <= block.bound ? LawBranch::stick : LawBranch::slide;
   }
   return LawBranch::stick;
 }
@@ -48,17 +57,21 @@ LawBranch branch_of(const LawBlock& block, const double* z) noexcept {
 template <int rows>
 LawBranch differentiate(const LawBlock& block, const double* z, LawMatrix<rows>& Z) noexcept {
   const LawBranch branch = branch_of(block, z);
+  const bool pressed = block.law == ContactLaw::pressed;
   if (branch == LawBranch::stick) {
     Z.setIdentity();
+    if (pressed) Z(0, 0) = 0;
   } else {
     Z.setZero();
     if constexpr (rows > 1) {
       if (branch == LawBranch::slide) {
-        const double t = tangential(block, z), s = z[0] / t;
+        const double t = tangential(block, z), s = (pressed ? block.bound : z[0]) / t;
         const Eigen::Matrix<double, rows - 1, 1> T =
             Eigen::Map<const Eigen::Matrix<double, rows - 1, 1>>(z + 1) / t;
-        Z(0, 0) = 1;
-        Z.template bottomLeftCorner<rows - 1, 1>() = T;
+        if (!pressed) {
+          Z(0, 0) = 1;
+          Z.template bottomLeftCorner<rows - 1, 1>() = T;
+        }
         Z.template bottomRightCorner<rows - 1, rows - 1>().noalias() = -s * T * T.transpose();
         Z.template bottomRightCorner<rows - 1, rows - 1>().diagonal().array() += s;
       }

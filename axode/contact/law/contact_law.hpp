@@ -11,6 +11,7 @@ enum class ContactLaw {
   stop,          ///< 0 ≤ λ ⊥ u ≥ 0
   dry_friction,  ///< |λ| ≤ bound, and u = -s λ on the bound, s ≥ 0
   loop,          ///< u = 0
+  pressed,  ///< a contact whose normal impulse is given: |λ_T| ≤ bound, u_T = -s λ_T, s ≥ 0, and λ_N = 0
 };
 
 /// Rows that share one law. A contact has its normal row first and then two rows of sliding friction, one of
@@ -22,7 +23,7 @@ struct LawBlock {
   ContactLaw law = ContactLaw::contact;
   int first = 0;     ///< the first row
   int rows = 0;      ///< 1, 3, 4 or 6
-  double bound = 0;  ///< the largest impulse of dry friction
+  double bound = 0;  ///< largest impulse of dry friction, or the given normal impulse of a pressed contact
 };
 
 /// The branch of a law that holds at a point z.
@@ -46,7 +47,7 @@ LawBranch differentiate(const LawBlock& block, const double* z, LawMatrix<rows>&
 /// The branch of the law at z.
 LawBranch branch_of(const LawBlock& block, const double* z) noexcept;
 
-/// Projects z on the cone of a contact, and otherwise computes resolve(z). It is the resolvent of a convex
+/// Projects z on the cone of a contact with the law `contact`, and otherwise computes resolve(z). It is the resolvent of a convex
 /// neighbour of the law, in which sliding contacts part.
 void project(const LawBlock& block, const double* z, double* lambda) noexcept;
 

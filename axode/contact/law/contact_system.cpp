@@ -59,7 +59,7 @@ ContactSystem::ContactSystem(const Model& model, int contact_rows, std::size_t c
   V_.resize(bodies);
   Pi_.resize(bodies);
   path_.reserve(bodies);
-  support_.reserve(nv);
+  support_.reserve(nv + 1);
   place_.resize(nv);
 }
 
@@ -74,7 +74,10 @@ void ContactSystem::poses(const double* q, SE3<>* C) noexcept {
 
 Solvability ContactSystem::set(const double* q, std::span<const Contact> contacts, double h,
                                double stop_margin) {
-  problem_.clear();
+  const auto follows = [](const Contact& contact) {
+    return contact.surface.compliance && !contact.normal_impulse;
+  };
+  problem_.clear(static_cast<int>(std::ranges::count_if(contacts, follows)));
   J_.clear();
   room_.clear();
   active_.clear();
@@ -85,8 +88,9 @@ Solvability ContactSystem::set(const double* q, std::span<const Contact> contact
   for (int i = 0; i <= model_.n_bodies(); ++i)
     loops_.bodies().each_pivot(
         tree(), i, [&](int c, const double&, const double& D) { root_[index(c)] = 1 / std::sqrt(D); });
+  int compliance = model_.nv();
   for (const Contact& contact : contacts) {
-    add_contact(contact);
+    add_contact(contact, compliance);
     room_.push_back(contact.gap);
   }
   for (std::size_t k = 0; k < stops_.size(); ++k) {
@@ -141,10 +145,10 @@ void ContactSystem::pull_row(int a, int b, const Wrench<Spatial>& on_a, const Wr
   bodies.each_pivot(tree(), 0, put);
 }
 
-double* ContactSystem::add_block(ContactLaw law, int rows, double bound, double*& Y) {
+double* ContactSystem::add_block(ContactLaw law, int rows, double bound, double*& Y, bool compliant) {
   const std::size_t size = support_.size() * index(rows), first = J_.size();
   J_.resize(first + size, 0.0);
-  Y = problem_.add(law, rows, support_, bound);
+  Y = problem_.add(law, rows, support_, bound, compliant);
   return J_.data() + first;
 }
 
@@ -154,11 +158,15 @@ Wrench<Spatial> ContactSystem::at_root(int body, const Vec3<>& point,
   return {W.m + cross(point - O, W.f), W.f};
 }
 
-void ContactSystem::add_contact(const Contact& contact) {
+void ContactSystem::add_contact(const Contact& contact, int& compliance) {
   const Topology& topology = *tree().operator->();
   find_path(contact.a, contact.b);
   double* Y = nullptr;
-  double* J = add_block(ContactLaw::contact, contact_rows_, 0, Y);
+  const bool pressed = contact.normal_impulse.has_value();
+  const bool compliant = contact.surface.compliance && !pressed;
+  if (compliant) support_.push_back(compliance++);
+  double* J = add_block(pressed ? ContactLaw::pressed : ContactLaw::contact, contact_rows_,
+                        contact.normal_impulse.value_or(0), Y, compliant);
   const auto& [n, t1, t2] = contact_frame(contact.normal);
   const Vec3<> o;
   const std::array<Wrench<Spatial>, LawBlock::most_rows> rows{
@@ -184,6 +192,7 @@ void ContactSystem::add_contact(const Contact& contact) {
     }
     pull_row(contact.a, contact.b, on_a, on_b, unit_.data(), Y);
   }
+  if (compliant) support_.pop_back();
 }
 
 void ContactSystem::add_unit_row(ContactLaw law, int velocity, double side, double bound) {
@@ -233,8 +242,8 @@ void ContactSystem::push(const double* x, double* v) noexcept {
 void ContactSystem::times(const double* v, double* u) const noexcept {
   for (const VelocityProblem::Block& b : problem_.blocks()) {
     const double* J = J_.data() + b.columns;
-    const std::span<const int> at = problem_.support(b);
-    for (int k = 0; k < b.rows; ++k) {
+    const std::span<const int> at = problem_.joint_support(b);
+    for (int k = 0; k < b.rows; ++k, J += b.compliances) {
       double sum = 0;
       for (const int c : at) sum += *J++ * v[c];
       u[b.first + k] = sum;
@@ -245,8 +254,8 @@ void ContactSystem::times(const double* v, double* u) const noexcept {
 void ContactSystem::add_transposed_times(const double* lambda, double* p) const noexcept {
   for (const VelocityProblem::Block& b : problem_.blocks()) {
     const double* J = J_.data() + b.columns;
-    const std::span<const int> at = problem_.support(b);
-    for (int k = 0; k < b.rows; ++k)
+    const std::span<const int> at = problem_.joint_support(b);
+    for (int k = 0; k < b.rows; ++k, J += b.compliances)
       for (const int c : at) p[c] += *J++ * lambda[b.first + k];
   }
 }
@@ -256,8 +265,8 @@ void ContactSystem::write(double* J) const noexcept {
   std::fill_n(J, index(problem_.rows()) * nv, 0.0);
   for (const VelocityProblem::Block& b : problem_.blocks()) {
     const double* entry = J_.data() + b.columns;
-    for (int k = 0; k < b.rows; ++k)
-      for (const int c : problem_.support(b)) J[index(b.first + k) * nv + index(c)] = *entry++;
+    for (int k = 0; k < b.rows; ++k, entry += b.compliances)
+      for (const int c : problem_.joint_support(b)) J[index(b.first + k) * nv + index(c)] = *entry++;
   }
 }
 

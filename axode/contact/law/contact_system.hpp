@@ -2,6 +2,7 @@
 #include <array>
 #include <cstdint>
 #include <limits>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -20,6 +21,8 @@ struct Contact {
   double gap = 0;         ///< m, negative in overlap
   SurfacePair surface;    ///< friction and restitution
   std::uint64_t key = 0;  ///< the same from step to step, see ContactPoint
+  /// Normal impulse of a compliant contact, N s, if it is known
+  std::optional<double> normal_impulse = {};
 };
 
 /// The axes of the rows of a contact: the normal and two tangents, which are continuous functions of the
@@ -126,8 +129,10 @@ class ContactSystem {
   void pull_row(int a, int b, const Wrench<Spatial>& on_a, const Wrench<Spatial>& on_b, const double* x,
                 double* Y) noexcept;
   /// Appends a block with the present path. Returns its part of J, which is laid out as that of Y.
-  double* add_block(ContactLaw law, int rows, double bound, double*& Y);
-  void add_contact(const Contact& contact);
+  double* add_block(ContactLaw law, int rows, double bound, double*& Y, bool compliant = false);
+  /// Adds a contact, whose compliance has the index `compliance` if it is compliant and its normal impulse is
+  /// not known.
+  void add_contact(const Contact& contact, int& compliance);
   void add_unit_row(ContactLaw law, int velocity, double side, double bound);
   void add_loops(const double* q);
   /// The wrench of a force and a moment at a point about the origin of the root of a body.

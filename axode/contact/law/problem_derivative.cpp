@@ -17,11 +17,12 @@ bool near_kink(const LawBlock& b, const double* z, double size) {
   const double tiny = kink_part * size;
   if (b.law == ContactLaw::loop) return false;
   if (b.law == ContactLaw::dry_friction) return std::abs(std::abs(z[0]) - b.bound) < tiny;
-  if (std::abs(z[0]) < tiny) return true;
-  if (b.law == ContactLaw::stop || z[0] < 0) return false;
+  const double normal = b.law == ContactLaw::pressed ? b.bound : z[0];
+  if (std::abs(normal) < tiny) return true;
+  if (b.law == ContactLaw::stop || normal < 0) return false;
   double sum = 0;
   for (int k = 1; k < b.rows; ++k) sum += z[k] * z[k];
-  return sum > 0 && std::abs(std::sqrt(sum) - z[0]) < tiny;
+  return sum > 0 && std::abs(std::sqrt(sum) - normal) < tiny;
 }
 
 /// Y as a dense matrix, nv × rows.

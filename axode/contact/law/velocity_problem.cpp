@@ -31,7 +31,9 @@ void VelocityProblem::reserve(std::size_t blocks) {
   moves_.reserve(rows);
 }
 
-void VelocityProblem::clear() noexcept {
+void VelocityProblem::clear(int compliances) {
+  w.conservativeResize(joint_velocities_ + compliances);
+  w.tail(compliances).setZero();
   blocks_.clear();
   supports_.clear();
   Y_.clear();
@@ -39,7 +41,8 @@ void VelocityProblem::clear() noexcept {
   moves_.clear();
 }
 
-double* VelocityProblem::add(ContactLaw law, int rows, std::span<const int> support, double bound) {
+double* VelocityProblem::add(ContactLaw law, int rows, std::span<const int> support, double bound,
+                             bool compliant) {
   Block b;
   b.law = law;
   b.first = this->rows();
@@ -49,6 +52,7 @@ double* VelocityProblem::add(ContactLaw law, int rows, std::span<const int> supp
   b.support = repeated ? blocks_.back().support : supports_.size();
   b.width = static_cast<int>(support.size());
   b.columns = Y_.size();
+  b.compliances = compliant ? 1 : 0;
   if (!repeated) supports_.insert(supports_.end(), support.begin(), support.end());
   const std::size_t m = r.size() + static_cast<std::size_t>(rows);
   Y_.resize(Y_.size() + support.size() * static_cast<std::size_t>(rows));
@@ -65,16 +69,12 @@ void VelocityProblem::finish() noexcept {
   std::ranges::fill(moves_, 1);
   for (const Block& b : blocks_) {
     Eigen::Map<Eigen::MatrixXd> Y(Y_.data() + b.columns, b.width, b.rows);
-    double normal = 0, largest = 0;
     for (int k = 0; k < b.rows; ++k) {
       const std::size_t row = static_cast<std::size_t>(b.first + k);
       Y.col(k) *= c[row];
       r[row] *= c[row];
-      const double G = Y.col(k).squaredNorm();
-      if (k == 0) normal = G;
-      largest = std::max(largest, G);
     }
-    const double d2 = std::max(normal, largest / 2);
+    const double d2 = scale(b);
     std::fill_n(d2_.begin() + b.first, b.rows, d2);
     greatest = std::max(greatest, d2);
   }
@@ -88,6 +88,31 @@ void VelocityProblem::finish() noexcept {
     moves_[row] = 0;
   }
   for (double& x : d2_) x = std::max(x, least * greatest);
+  for (const Block& b : blocks_)
+    if (b.law == ContactLaw::pressed)
+      for (std::size_t k = 0; k < support(b).size(); ++k) w[support(b)[k]] += b.bound * Y_[b.columns + k];
+}
+
+/// d² of a block (D11.6).
+double VelocityProblem::scale(const Block& b) const noexcept {
+  const auto Y = columns(b);
+  double largest = 0;
+  for (int k = 0; k < b.rows; ++k) largest = std::max(largest, Y.col(k).squaredNorm());
+  return std::max(Y.col(0).squaredNorm(), largest / 2);
+}
+
+void VelocityProblem::set_compliance(const Block& b, double C) noexcept {
+  Y_[b.columns + static_cast<std::size_t>(b.width) - 1] = std::sqrt(C);
+  std::fill_n(d2_.begin() + b.first, b.rows, scale(b));
+}
+
+double VelocityProblem::compliance(const Block& b) const noexcept {
+  return std::pow(Y_[b.columns + static_cast<std::size_t>(b.width) - 1], 2);
+}
+
+void VelocityProblem::complete(double* lambda) const noexcept {
+  for (const Block& b : blocks_)
+    if (b.law == ContactLaw::pressed) lambda[b.first] = b.bound;
 }
 
 void VelocityProblem::add_product(double factor, const double* lambda, double* x) const noexcept {

@@ -23,28 +23,42 @@ class VelocityProblem {
     std::size_t support = 0;  ///< its first entry in supports_
     int width = 0;            ///< number of velocities that it moves
     std::size_t columns = 0;  ///< the first entry of its part of Y, width × rows, column by column
+    int compliances = 0;      ///< 1 if the last of these velocities is that of its compliance, otherwise 0
   };
 
   /// A problem without blocks for a mechanism with nv velocities.
-  explicit VelocityProblem(int nv) : w(Vector::Zero(nv)) {}
+  explicit VelocityProblem(int nv) : w(Vector::Zero(nv)), joint_velocities_(nv) {}
 
   /// Allocates for a number of blocks of 6 rows each of which moves all velocities.
   void reserve(std::size_t blocks);
-  /// Removes all blocks. The memory stays.
-  void clear() noexcept;
+  /// Removes all blocks, and chooses the number of compliances: each adds a velocity after those of the
+  /// mechanism (D11.26). The memory stays.
+  void clear(int compliances = 0);
   /// Appends a block and returns its part of Y, support.size() × rows, column by column. The part, and the
   /// entries of r and c, are the caller's to fill before the next call. Allocates where more is needed than
-  /// was reserved. `support` has ascending velocities.
-  double* add(ContactLaw law, int rows, std::span<const int> support, double bound = 0);
+  /// was reserved. `support` has ascending velocities; with `compliant` the last one is that of a compliance.
+  double* add(ContactLaw law, int rows, std::span<const int> support, double bound = 0,
+              bool compliant = false);
+  /// Lets the normal row of a block have the velocity u + C λ, where the block has a compliance, after finish().
+  void set_compliance(const Block& block, double C) noexcept;
+  double compliance(const Block& block) const noexcept;
   /// Multiplies rows by c, and computes the scales d² of the rows: G_NN or half of the largest diagonal of
-  /// the Delassus operator in a contact, whichever is larger, and the diagonal elsewhere (D11.6).
+  /// the Delassus operator in a contact, whichever is larger, and the diagonal elsewhere (D11.6). Adds the
+  /// motion by the given normal impulses of pressed contacts to w.
   void finish() noexcept;
+  /// Writes the given normal impulses of pressed contacts, which the law leaves out, into a solution.
+  void complete(double* lambda) const noexcept;
 
+  /// The number of velocities, those of compliances included.
   int nv() const { return static_cast<int>(w.size()); }
   int rows() const { return static_cast<int>(r.size()); }
   std::span<const Block> blocks() const { return blocks_; }
   std::span<const int> support(const Block& b) const {
     return std::span(supports_).subspan(b.support, static_cast<std::size_t>(b.width));
+  }
+  /// The velocities of the mechanism that a block moves.
+  std::span<const int> joint_support(const Block& b) const {
+    return support(b).first(static_cast<std::size_t>(b.width - b.compliances));
   }
   /// The part of Y of a block, width × rows.
   template <int rows = Eigen::Dynamic> auto columns(const Block& b) const {
@@ -62,13 +76,15 @@ class VelocityProblem {
   /// The Delassus operator Yᵀ Y (rows × rows), in the scaled rows.
   void delassus(Eigen::Ref<Eigen::MatrixXd> G) const noexcept;
 
-  Vector w;               ///< nv
+  Vector w;               ///< nv(); 0 for compliances
   std::vector<double> r;  ///< an entry for each row
   std::vector<double> c;  ///< an entry for each row
 
  private:
   template <class F> void each_group(const F& f) const noexcept;
+  double scale(const Block& b) const noexcept;
 
+  Eigen::Index joint_velocities_;
   std::vector<Block> blocks_;
   std::vector<int> supports_;
   std::vector<double> Y_, d2_;

@@ -332,7 +332,7 @@ void VelocitySolver::factorize_with(bool symmetric) noexcept {
       for (; k < blocks.size() && blocks[k].support == support && columns < most_columns; ++k)
         with_rows(blocks[k], [&](auto n) {
           const Eigen::Map<const LawMatrix<n()>> B(matrices_.data() + k * matrix_size);
-          if (B(0, 0) == 0) return;
+          if (B.isZero(0)) return;
           const auto Y = p.columns<n()>(blocks[k]);
           using Columns = Eigen::Matrix<double, Eigen::Dynamic, n()>;
           using Part = Eigen::Map<Columns, 0, Eigen::OuterStride<>>;

@@ -63,7 +63,7 @@ double ContactStep::closed(const Contact& contact) const {
 
 bool ContactStep::overlaps(const Contact& contact) const {
   constexpr double parted = 100;
-  return contact.gap < -parted * closed(contact);
+  return !contact.surface.compliance && contact.gap < -parted * closed(contact);
 }
 
 Failure ContactStep::run(double t, double h, const Vector& q_0, const Vector& v_0) {
@@ -170,6 +170,8 @@ void ContactStep::recall(End& end, std::size_t which) {
       if (known.key == end.contacts[k].key)
         std::copy_n(known.lambda[which].begin(), width,
                     lambda.begin() + static_cast<std::ptrdiff_t>(k * width));
+  for (const VelocityProblem::Block& b : end.system.problem().blocks())
+    if (b.law == ContactLaw::pressed) lambda[index(b.first)] = 0;
   end.lambda = lambda;
 }
 
@@ -208,7 +210,7 @@ Failure ContactStep::solve(double t, const VelocityProblem& problem, std::vector
 
 /// v_after = v + M⁻¹ Jᵀ λ, and the velocities of the rows after it.
 void ContactStep::apply(End& end, const Vector& v_before, Vector& v_after) {
-  end.x.setZero();
+  end.x.setZero(end.system.problem().nv());
   end.system.problem().add_product(1, end.lambda.data(), end.x.data());
   end.system.push(end.x.data(), v_after.data());
   v_after += v_before;
@@ -216,7 +218,7 @@ void ContactStep::apply(End& end, const Vector& v_before, Vector& v_after) {
 }
 
 Failure ContactStep::move(double t, double h, const Vector& q_0, const Vector& v_0, double margin) {
-  constexpr int most = 25, first_fixed = 2, settled = 8, most_failed = 2;
+  constexpr int most = 25, first_fixed = 2, settled = 8, most_failed = 2, most_tangents = 6;
   constexpr double rounding = 1e-13;
   VelocityProblem& problem = start_.system.problem();
   ContactSystem& system = start_.system;
@@ -235,15 +237,13 @@ Failure ContactStep::move(double t, double h, const Vector& q_0, const Vector& v
     bounces_.push_back(e > 0 && u < -threshold);  // if it is closed at the end of the step
   }
   // The free velocities of the middle, about: the size of the problem, and the point of its linearisation.
+  start_.x.setZero(problem.nv());
   system.momenta(v_0.data(), start_.x.data());
   system.bias_forces(q_0.data(), nothing_.data(), {}, start_.v.data());
-  start_.x -= h / 2 * start_.v;
+  start_.x.head(start_.v.size()) -= h / 2 * start_.v;
   system.pull(start_.x.data(), problem.w.data());
   problem.finish();
   recall(start_, 0);
-  weights_.clear();
-  for (const double d2 : problem.squared_scales()) weights_.push_back(1 / std::sqrt(d2));
-  secants_.restart();
   int failed = 0;
   double part = 0, least = std::numeric_limits<double>::infinity(), least_error = least;
   for (int k = 0; k < most; ++k) {
@@ -261,6 +261,13 @@ Failure ContactStep::move(double t, double h, const Vector& q_0, const Vector& v
       end_.system.contact_velocity(contact, axes, &slip_[row]);
     }
     if (Failure failure = find(run_->q_end, margin, found_, t + h)) return failure;
+    const bool tangents = k == 0 || (problem.nv() > model_.nv() && k < most_tangents);
+    if (tangents) {
+      set_compliances(h);
+      weights_.clear();
+      for (const double d2 : problem.squared_scales()) weights_.push_back(1 / std::sqrt(d2));
+      secants_.restart();
+    }
     set_r_of_start(h, k < first_fixed);
     if (k > settled) {
       const double e = law_error();
@@ -270,13 +277,13 @@ Failure ContactStep::move(double t, double h, const Vector& q_0, const Vector& v
       }
       least_error = std::min(least_error, e);
     }
-    if (k > 0) secants_.update(r_, weights_, problem.r);
+    if (!tangents) secants_.update(r_, weights_, problem.r);
     r_ = problem.r;
     before_ = start_.lambda;
     if (Failure failure = solve(t, problem, start_.lambda, precise, certificate)) return failure;
     failed = certificate <= accepted ? 0 : failed + 1;
     if (failed == most_failed) break;
-    change_.setZero();
+    change_.setZero(problem.nv());
     problem.add_product(1, start_.lambda.data(), change_.data());
     const double size = problem.w.norm() + change_.norm();
     problem.add_product(-1, before_.data(), change_.data());
@@ -300,56 +307,19 @@ double ContactStep::law_error() {
   return axode::certificate(problem, start_.lambda.data(), scratch_.data());
 }
 
-void ContactStep::set_r_of_start(double h, bool choose) {
-  ContactSystem& system = start_.system;
-  VelocityProblem& problem = system.problem();
-  // Velocities of the rows as the linear problem has them.
-  start_.x = problem.w;
-  problem.add_product(1, start_.lambda.data(), start_.x.data());
-  system.push(start_.x.data(), start_.v.data());
-  std::vector<double>& u = start_.u_after;
-  system.times(start_.v.data(), u.data());
-  const auto set = [&](std::size_t row, double r) { problem.r[row] = problem.c[row] * r; };
-  const std::size_t n = start_.contacts.size();
-  for (std::size_t k = 0; k < n; ++k) {
-    const Contact& contact = start_.contacts[k];
-    const LawBlock& b = problem.blocks()[k];
-    const std::size_t row = index(b.first);
-    const Contact* same = with_key(found_, contact.key, k);
-    const double gap = same ? same->gap : contact.gap + h * slip_[row];
-    set(row, (gap - std::min(contact.gap, 0.0)) / h - u[row]);
-    double before = 0, change = 0;
-    for (std::size_t i = row + 1; i < row + index(b.rows); ++i) {
-      before += std::pow(problem.c[i] * start_.u[i], 2);
-      change += std::pow(problem.c[i] * (slip_[i] - start_.u[i]), 2);
-    }
-    if (choose) slides_[k] = start_.lambda[row] > 0 && change < before / 4;
-    for (std::size_t i = row + 1; i < row + index(b.rows); ++i)
-      set(i, slip_[i] - u[i] + (slides_[k] ? start_.u[i] : 0));
-  }
-  const auto blocks = problem.blocks();
-  for (std::size_t k = 0; k < system.active_stops().size(); ++k) {
-    const JointStop& stop = system.stops()[index(system.active_stops()[k])];
-    const std::size_t row = index(blocks[n + k].first);
-    const double room = stop.side * (run_->q_end[stop.coordinate] - stop.limit);
-    set(row, (room - std::min(system.room()[n + k], 0.0)) / h - u[row]);
-  }
-  const std::size_t first = index(system.first_loop_row());
-  for (std::size_t k = first - system.dry_joints().size(); k < first; ++k)
-    set(k, run_->v_middle[system.dry_joints()[k + system.dry_joints().size() - first].velocity] - u[k]);
-  end_.system.loop_openings(run_->q_end.data(), openings_.data());
-  for (std::size_t k = first; k < problem.r.size(); ++k)
-    if (problem.moves(k)) set(k, openings_[k - first] / h - (system.has_residual(k) ? u[k] : 0));
-}
-
 /// Leaves in end_.contacts those contacts that are closed, or that an impulse has just closed.
 void ContactStep::select_active() {
   end_.contacts.clear();
   for (std::size_t k = 0; k < found_.size(); ++k) {
     const Contact* same = with_key(start_.contacts, found_[k].key, k);
-    const bool pressed = same && start_.lambda[index(start_.system.contact_rows()) *
-                                               static_cast<std::size_t>(same - start_.contacts.data())] > 0;
-    if (pressed || found_[k].gap <= closed(found_[k])) end_.contacts.push_back(found_[k]);
+    const double normal_impulse = same
+                                      ? start_.lambda[index(start_.system.contact_rows()) *
+                                                      static_cast<std::size_t>(same - start_.contacts.data())]
+                                      : 0;
+    const bool compliant(found_[k].surface.compliance);
+    if (!(normal_impulse > 0 || (!compliant && found_[k].gap <= closed(found_[k])))) continue;
+    end_.contacts.push_back(found_[k]);
+    if (compliant) end_.contacts.back().normal_impulse = normal_impulse;
   }
 }
 
@@ -375,6 +345,7 @@ Failure ContactStep::land(double t, double h) {
     set_r_of_end(bounciness);
     if (Failure failure = solve(t, problem, end_.lambda, precise, certificate)) return failure;
     certificate = std::max(certificate, before);
+    problem.complete(end_.lambda.data());
     apply(end_, run_->v_end, v);
     constexpr double rounding = 1e-12;
     keep_end(bounciness);
@@ -384,57 +355,27 @@ Failure ContactStep::land(double t, double h) {
   return {};
 }
 
-void ContactStep::set_r_of_end(double bounciness) {
-  VelocityProblem& problem = end_.system.problem();
-  std::ranges::fill(problem.r, 0.0);
-  const auto set = [&](std::size_t row, double r) { problem.r[row] = problem.c[row] * r; };
-  for (std::size_t k = 0; k < end_.contacts.size(); ++k) {
-    const Contact& contact = end_.contacts[k];
-    const LawBlock& b = problem.blocks()[k];
-    const std::size_t row = index(b.first);
-    const Contact* same = with_key(start_.contacts, contact.key, k);
-    if (!same) continue;
-    const std::size_t at = static_cast<std::size_t>(same - start_.contacts.data());
-    const std::size_t row_0 = at * index(b.rows);
-    if (bounces_[at]) set(row, bounciness * contact.surface.restitution * start_.u[row_0]);
-    if (!slides_[at]) continue;
-    const Contact* in_middle = with_key(middle_, contact.key, k);
-    const ContactFrame from =
-        turned(contact_frame(same->normal), in_middle ? in_middle->normal : same->normal);
-    const ContactFrame to = contact_frame(contact.normal);
-    const auto turn = [&](std::size_t first) {
-      const Vec3<> slip = slip_[row_0 + first] * from.t1 + slip_[row_0 + first + 1] * from.t2;
-      set(row + first, dot(slip, to.t1));
-      set(row + first + 1, dot(slip, to.t2));
-    };
-    turn(1);
-    if (b.rows > 3) set(row + 3, slip_[row_0 + 3]);
-    if (b.rows > 4) turn(4);
-  }
-  const std::size_t n = end_.contacts.size(), n_0 = start_.contacts.size();
-  for (std::size_t k = 0; k < end_.system.active_stops().size(); ++k) {
-    const std::size_t stop = index(end_.system.active_stops()[k]);
-    const double e = end_.system.stops()[stop].restitution;
-    if (bounces_[n_0 + stop])
-      set(index(problem.blocks()[n + k].first),
-          bounciness * e * start_.u[index(start_.system.problem().blocks()[n_0 + stop].first)]);
-  }
-}
-
 /// The work of all impulses of the step, each by the mean of the velocities before and after it.
 double ContactStep::work() {
   double sum = 0;
   between_.resize(start_.rows());
   start_.system.times(v_after_.data(), between_.data());
-  for (std::size_t k = 0; k < start_.rows(); ++k)
-    sum += start_.system.problem().c[k] * start_.lambda[k] * (start_.u[k] + between_[k]) / 2;
-  for (std::size_t k = 0; k < end_.rows(); ++k)
-    sum += end_.system.problem().c[k] * end_.lambda[k] * (end_.u[k] + end_.u_after[k]) / 2;
+  const auto add = [&](const End& end, const std::vector<double>& after) {
+    for (const VelocityProblem::Block& b : end.system.problem().blocks()) {
+      // A compliance gives back what it has taken, so that its normal impulse is left out.
+      const bool compliant = b.law == ContactLaw::pressed || b.compliances > 0;
+      for (std::size_t k = index(b.first) + (compliant ? 1 : 0); k < index(b.first + b.rows); ++k)
+        sum += end.system.problem().c[k] * end.lambda[k] * (end.u[k] + after[k]) / 2;
+    }
+  };
+  add(start_, between_);
+  add(end_, end_.u_after);
   return sum;
 }
 
 Failure ContactStep::separate(double t, double h) {
   if (std::ranges::none_of(found_, [&](const Contact& contact) { return overlaps(contact); })) return {};
+  std::erase_if(found_, [](const Contact& contact) { return bool(contact.surface.compliance); });
   for (Contact& contact : found_) contact.surface = {};
   // Dry friction holds velocities, and no displacements: its bound is 0.
   if (Failure failure = run_->checked(t + h, end_.system.set(q.data(), found_, 0))) return failure;
@@ -453,7 +394,7 @@ Failure ContactStep::separate(double t, double h) {
   double e = 0;
   if (Failure failure = solve(t, problem, between_, 1e-12, e)) return failure;
   if (!(e <= accepted)) return {};
-  end_.x.setZero();
+  end_.x.setZero(problem.nv());
   problem.add_product(1, between_.data(), end_.x.data());
   end_.system.push(end_.x.data(), end_.v.data());
   if (keep_parts) {

@@ -70,6 +70,7 @@ class ContactStep {
   /// with the r that set_r_of_start() has found. It is small where rounding moves the multipliers, because
   /// friction determines them badly.
   double law_error();
+  void set_compliances(double h);
   /// Sets r of the problem at the start by the last free motion.
   void set_r_of_start(double h, bool choose);
   /// Solves the problem at the end of the free motion.

@@ -3,8 +3,8 @@
 namespace axode::io {
 
 void read_surface(Table& table, ShapeDescription& shape) {
-  constexpr std::array<std::string_view, 4> keys{"friction", "spin_friction", "rolling_friction",
-                                                 "restitution"};
+  constexpr std::array<std::string_view, 7> keys{
+      "friction", "spin_friction", "rolling_friction", "restitution", "stiffness", "exponent", "damping"};
   if (shape.role == ShapeDescription::Role::visual) {
     for (const std::string_view key : keys)
       table.refuse(key, "a visual shape touches nothing; give it role = \"collision\"");
@@ -15,6 +15,9 @@ void read_surface(Table& table, ShapeDescription& shape) {
   contact.spin_friction = table.number("spin_friction").value_or(0);
   contact.rolling_friction = table.number("rolling_friction").value_or(0);
   contact.restitution = table.number("restitution").value_or(0);
+  contact.stiffness = table.number("stiffness");
+  contact.exponent = table.number("exponent").value_or(contact.exponent);
+  contact.damping = table.number("damping").value_or(0);
 }
 
 void read_contact(Table& top, Description& description) {

@@ -136,6 +136,10 @@ class DrawingWriter {
     if (contact.spin_friction != 0) line("spin_friction", text(contact.spin_friction));
     if (contact.rolling_friction != 0) line("rolling_friction", text(contact.rolling_friction));
     if (contact.restitution != 0) line("restitution", text(contact.restitution));
+    if (!contact.stiffness) return;
+    line("stiffness", text(*contact.stiffness));
+    line("exponent", text(contact.exponent));
+    if (contact.damping != 0) line("damping", text(contact.damping));
   }
   void write(const ContactDescription& contact) {
     out_ << "\n[contact]\n";

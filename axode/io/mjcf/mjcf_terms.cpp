@@ -91,6 +91,8 @@ void shapes_unsaid(const std::vector<ShapeDescription>& shapes, const std::strin
     if (shape.contact.restitution != 0)
       unsaid.leave_out(owner, "has a shape with the restitution " + to_text(shape.contact.restitution),
                        source);
+    if (shape.contact.stiffness)
+      unsaid.leave_out(owner, "has a shape with the stiffness " + to_text(*shape.contact.stiffness), source);
     if (has_words_for(shape, on_ground)) continue;
     if (shape.kind == ShapeKind::plane)
       unsaid.leave_out(owner, "has a plane, which MuJoCo knows on the world alone", source);

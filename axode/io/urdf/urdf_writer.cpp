@@ -63,7 +63,7 @@ void find_unsaid(const Description& d, io::Unsaid& unsaid) {
         unsaid.leave_out(owner, "has a shape that is " + article + std::string(to_string(shape.kind)),
                          source);
       else if (io::has_surface(shape))
-        unsaid.leave_out(owner, "has a shape with friction or restitution", source);
+        unsaid.leave_out(owner, "has a shape with friction, restitution or stiffness", source);
     }
   };
   shapes(d.shapes, "the ground", d.source);

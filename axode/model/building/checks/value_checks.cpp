@@ -66,6 +66,26 @@ void is_restitution(const FaultySubject& at, const std::string& what, double val
     at.error(Rule::wrong_value, what + " is " + to_text(value) + "; it must be between 0 and 1");
 }
 
+/// Checks the stiffness of a surface.
+void compliance(const FaultySubject& at, const std::string& of_it, const ContactProperties& contact) {
+  if (!contact.stiffness) {
+    if (contact.damping != 0)
+      at.error(Rule::wrong_value, "the damping" + of_it + " is " + to_text(contact.damping) +
+                                      " s/m, and it has no stiffness; only a compliant surface has damping");
+    return;
+  }
+  if (!(*contact.stiffness > 0))
+    at.error(Rule::wrong_value, "the stiffness" + of_it + " is " + to_text(*contact.stiffness) +
+                                    "; it must be positive, and is left out for a rigid surface");
+  if (!(contact.exponent >= 1 && contact.exponent <= 10))
+    at.error(Rule::wrong_value, "the exponent" + of_it + " is " + to_text(contact.exponent) +
+                                    "; that of the force k d^n must be between 1 and 10");
+  not_negative(at, {{"the damping" + of_it, contact.damping}});
+  if (contact.restitution != 0)
+    at.error(Rule::wrong_value, "the restitution" + of_it + " is " + to_text(contact.restitution) +
+                                    ", and it has a stiffness; a compliant surface bounces by its damping");
+}
+
 /// Checks that a joint can have its spring and stops.
 void springs(const FaultySubject& at, const JointDescription& joint, const Dof& dof) {
   const bool elastic = dof.stop_stiffness != 0 || dof.stop_damping != 0;
@@ -134,8 +154,8 @@ bool check_numbers(const BodyDescription& body, FaultCollector& faults) {
   const FaultySubject in_body{faults, "body " + quoted(body.name), body.source};
   const FaultySubject in_joint{faults, "joint " + quoted(joint_name(body)), joint_source(body)};
   bool good = true;
-  const auto need = [&](bool is_finite, const FaultySubject& at, const char* what) {
-    if (!is_finite) at.error(Rule::non_finite_number, std::string(what) + " is not finite");
+  const auto need = [&](bool is_finite, const FaultySubject& at, const std::string& what) {
+    if (!is_finite) at.error(Rule::non_finite_number, what + " is not finite");
     good &= is_finite;
   };
   const JointDescription& joint = body.joint;
@@ -193,6 +213,8 @@ bool check_shape(const FaultySubject& at, const ShapeDescription& it) {
            finite(contact.rolling_friction),
        "friction");
   need(finite(contact.restitution), "restitution");
+  need(finite(contact.stiffness.value_or(1)) && finite(contact.exponent) && finite(contact.damping),
+       "stiffness, its exponent or damping");
   if (!good) return false;
   not_negative(at, {{"the friction" + of_it, contact.friction.value_or(0)},
                     {"the friction against spinning" + of_it, contact.spin_friction},
@@ -200,6 +222,7 @@ bool check_shape(const FaultySubject& at, const ShapeDescription& it) {
   for (const double mu : {contact.friction.value_or(0), contact.spin_friction, contact.rolling_friction})
     warn_of_friction(at, "a friction" + of_it, mu);
   is_restitution(at, "the restitution" + of_it, contact.restitution);
+  compliance(at, of_it, contact);
   const auto positive = [&](std::string_view what, double x, bool may_be_zero = false) {
     if (x < 0 || (x == 0 && !may_be_zero))
       at.report_lenient(Rule::wrong_value,

@@ -1,0 +1,116 @@
+#include "axode/integration/momenta/contact_step.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace axode {
+namespace {
+
+std::size_t index(Eigen::Index k) { return static_cast<std::size_t>(k); }
+
+}  // namespace
+
+/// Gives each compliant contact at the start the compliance of a tangent to its mean force, as a function of
+/// the gap at the end of the last free motion (D11.26).
+void ContactStep::set_compliances(double h) {
+  // A softer contact converges as quickly with a compliance of this many times that of the masses.
+  constexpr double softest = 1e3;
+  VelocityProblem& problem = start_.system.problem();
+  for (std::size_t k = 0; k < start_.contacts.size(); ++k) {
+    const Contact& contact = start_.contacts[k];
+    if (!contact.surface.compliance) continue;
+    const VelocityProblem::Block& b = problem.blocks()[k];
+    const Contact* same = with_key(found_, contact.key, k);
+    const double gap = same ? same->gap : contact.gap + h * slip_[index(b.first)];
+    const double slope = h * h / 2 * mean_force(contact.surface.compliance, contact.gap, gap, h).slope;
+    const double of_masses = problem.columns(b).col(0).head(b.width - 1).squaredNorm();
+    const double most = softest * of_masses;
+    problem.set_compliance(b, slope * most > 1 ? 1 / slope : most);
+  }
+}
+
+void ContactStep::set_r_of_start(double h, bool choose) {
+  ContactSystem& system = start_.system;
+  VelocityProblem& problem = system.problem();
+  // Velocities of the rows as the linear problem has them.
+  start_.x = problem.w;
+  problem.add_product(1, start_.lambda.data(), start_.x.data());
+  system.push(start_.x.data(), start_.v.data());
+  std::vector<double>& u = start_.u_after;
+  system.times(start_.v.data(), u.data());
+  const auto set = [&](std::size_t row, double r) { problem.r[row] = problem.c[row] * r; };
+  const std::size_t n = start_.contacts.size();
+  for (std::size_t k = 0; k < n; ++k) {
+    const Contact& contact = start_.contacts[k];
+    const VelocityProblem::Block& b = problem.blocks()[k];
+    const std::size_t row = index(b.first);
+    const Contact* same = with_key(found_, contact.key, k);
+    const double gap = same ? same->gap : contact.gap + h * slip_[row];
+    if (contact.surface.compliance) {
+      const MeanForce mean = mean_force(contact.surface.compliance, contact.gap, gap, h);
+      set(row, std::max(gap, 0.0) / h - problem.compliance(b) * (h / 2) * mean.force - u[row]);
+    } else {
+      set(row, (gap - std::min(contact.gap, 0.0)) / h - u[row]);
+    }
+    double before = 0, change = 0;
+    for (std::size_t i = row + 1; i < row + index(b.rows); ++i) {
+      before += std::pow(problem.c[i] * start_.u[i], 2);
+      change += std::pow(problem.c[i] * (slip_[i] - start_.u[i]), 2);
+    }
+    if (choose) slides_[k] = start_.lambda[row] > 0 && change < before / 4;
+    for (std::size_t i = row + 1; i < row + index(b.rows); ++i)
+      set(i, slip_[i] - u[i] + (slides_[k] ? start_.u[i] : 0));
+  }
+  const auto blocks = problem.blocks();
+  for (std::size_t k = 0; k < system.active_stops().size(); ++k) {
+    const JointStop& stop = system.stops()[index(system.active_stops()[k])];
+    const std::size_t row = index(blocks[n + k].first);
+    const double room = stop.side * (run_->q_end[stop.coordinate] - stop.limit);
+    set(row, (room - std::min(system.room()[n + k], 0.0)) / h - u[row]);
+  }
+  const std::size_t first = index(system.first_loop_row());
+  for (std::size_t k = first - system.dry_joints().size(); k < first; ++k)
+    set(k, run_->v_middle[system.dry_joints()[k + system.dry_joints().size() - first].velocity] - u[k]);
+  end_.system.loop_openings(run_->q_end.data(), openings_.data());
+  for (std::size_t k = first; k < problem.r.size(); ++k)
+    if (problem.moves(k)) set(k, openings_[k - first] / h - (system.has_residual(k) ? u[k] : 0));
+}
+
+void ContactStep::set_r_of_end(double bounciness) {
+  VelocityProblem& problem = end_.system.problem();
+  std::ranges::fill(problem.r, 0.0);
+  const auto set = [&](std::size_t row, double r) { problem.r[row] = problem.c[row] * r; };
+  for (std::size_t k = 0; k < end_.contacts.size(); ++k) {
+    const Contact& contact = end_.contacts[k];
+    const LawBlock& b = problem.blocks()[k];
+    const std::size_t row = index(b.first);
+    const Contact* same = with_key(start_.contacts, contact.key, k);
+    if (!same) continue;
+    const std::size_t at = static_cast<std::size_t>(same - start_.contacts.data());
+    const std::size_t row_0 = at * index(b.rows);
+    if (bounces_[at]) set(row, bounciness * contact.surface.restitution * start_.u[row_0]);
+    if (!slides_[at]) continue;
+    const Contact* in_middle = with_key(middle_, contact.key, k);
+    const ContactFrame from =
+        turned(contact_frame(same->normal), in_middle ? in_middle->normal : same->normal);
+    const ContactFrame to = contact_frame(contact.normal);
+    const auto turn = [&](std::size_t first) {
+      const Vec3<> slip = slip_[row_0 + first] * from.t1 + slip_[row_0 + first + 1] * from.t2;
+      set(row + first, dot(slip, to.t1));
+      set(row + first + 1, dot(slip, to.t2));
+    };
+    turn(1);
+    if (b.rows > 3) set(row + 3, slip_[row_0 + 3]);
+    if (b.rows > 4) turn(4);
+  }
+  const std::size_t n = end_.contacts.size(), n_0 = start_.contacts.size();
+  for (std::size_t k = 0; k < end_.system.active_stops().size(); ++k) {
+    const std::size_t stop = index(end_.system.active_stops()[k]);
+    const double e = end_.system.stops()[stop].restitution;
+    if (bounces_[n_0 + stop])
+      set(index(problem.blocks()[n + k].first),
+          bounciness * e * start_.u[index(start_.system.problem().blocks()[n_0 + stop].first)]);
+  }
+}
+
+}  // namespace axode

@@ -1,0 +1,59 @@
+#pragma once
+#include <cmath>
+#include <string>
+#include <vector>
+
+#include "axode/dynamics/momentum/energy.hpp"
+#include "axode/integration/simulation.hpp"
+#include "axode/model/model.hpp"
+#include "tests/contact/reference_contacts.hpp"
+
+/// Free bodies on a floor.
+namespace axode::test {
+
+inline constexpr double g = 9.81;
+
+inline ShapeDescription touching(ShapeKind kind, const ContactProperties& surface, double size = 0) {
+  ShapeDescription shape{.role = ShapeDescription::Role::collision, .kind = kind};
+  shape.radius = size;
+  shape.size = {2 * size, 2 * size, 2 * size};
+  shape.contact = surface;
+  return shape;
+}
+
+/// A floor that may lean about y, and free bodies on it.
+struct Scene {
+  Description description;
+
+  explicit Scene(const ContactProperties& floor, double angle = 0) {
+    ShapeDescription plane = touching(ShapeKind::plane, floor);
+    plane.name = "floor";
+    plane.pose.R = {{std::cos(angle), 0, -std::sin(angle)}, {0, 1, 0}, {std::sin(angle), 0, std::cos(angle)}};
+    description.shapes.push_back(plane);
+    description.contact = ContactDescription{.threshold = 0.01};
+  }
+  Scene& add(const std::string& name, ShapeKind kind, double size, const ContactProperties& surface) {
+    BodyDescription body{.name = name};
+    body.joint = {.kind = JointKind::free};
+    const double I = (kind == ShapeKind::sphere ? 0.4 : 2.0 / 3) * size * size;
+    body.inertia = MassProperties{.mass = 1, .Theta = {I, I, I, 0, 0, 0}};
+    body.shapes.push_back(touching(kind, surface, size));
+    description.bodies.push_back(body);
+    return *this;
+  }
+  Model build() const { return ModelBuilder(description).build(); }
+};
+inline std::vector<double> at(const Vec3<>& r, double angle = 0) {
+  return {0, std::sin(angle / 2), 0, std::cos(angle / 2), r.x, r.y, r.z};
+}
+inline std::vector<double> last(const Trajectory& motion, bool velocity) {
+  const std::size_t k = motion.size() - 1;
+  return to_vector(velocity ? motion.v(k) : motion.q(k));
+}
+inline double energy_at(const Model& model, const Trajectory& motion, std::size_t k) {
+  Workspace<> workspace(model, cut_tree);
+  return kinetic_energy<double>(model, workspace, motion.q(k), motion.v(k)) +
+         potential_energy<double>(model, workspace, motion.q(k));
+}
+
+}  // namespace axode::test
