@@ -426,6 +426,26 @@ def test_drives_come_back(name):
     assert close(convert.to_mujoco(back, there, axode.inverse_dynamics(back, there, rest_there, rest_there))[1], forces)
 
 
+def cart_and_pole(cart_is_passive: bool) -> axode.Model:
+    matter = {"mass": 1, "com": [0, 0, 0.2], "inertia": [0.1, 0.1, 0.1]}
+    return axode.Model.from_bodies([
+        {"name": "cart", "joint": {"kind": "prismatic", "axis": "x", "name": "slide", "passive": cart_is_passive},
+         **matter},
+        {"name": "pole", "on": "cart", "joint": {"kind": "revolute", "axis": "y", "name": "pin", "passive": True}, **matter}])
+
+
+def test_passive_joints_of_trees_come_back_or_are_said():
+    m = cart_and_pole(cart_is_passive=False)
+    back = convert.model_from_mujoco(compiled(axode.mjcf(m)))
+    assert {joint.name: joint.passive for joint in back.joints} == {"slide": False, "pin": True}
+    with pytest.warns(UserWarning, match='joint "pin": is passive; URDF has no word for it'):
+        axode.urdf(m)
+    with pytest.raises(axode.ModelError, match='joint "pin": is passive'):
+        axode.urdf(m, strict=True)
+    with pytest.warns(UserWarning, match='joint "slide": is passive, as all joints are; MJCF has no word for it'):
+        axode.mjcf(cart_and_pole(cart_is_passive=True))
+
+
 def test_loops_are_written_as_points_that_meet():
     m = axode.load(axode.robots / "four_bar.toml")
     there = compiled(axode.mjcf(m))
@@ -463,7 +483,7 @@ def tetrahedron(file):
 
 
 def with_shapes(shapes):
-    return axode.Model.from_dict({
+    return axode.load({
         "format": "axode drawing 1", "shape": shapes,
         "body": [{"name": "b", "joint": {"kind": "revolute", "axis": "z", "point": [0, 0, 0]}, "mass": 1,
                   "com": [0, 0, 0], "inertia": [1, 1, 1], "shape": shapes}]})

@@ -438,14 +438,10 @@ class MjcfWriter {
   bool has_none(const JointDescription& joint) const {
     return moves_on_its_own(joint) && is_passive(joint, d_);
   }
-  /// Whether some joints are passive, in a mechanism with loops or couplings. Without these it makes no
-  /// difference. MJCF says by its actuators which joints have drives.
+  /// Whether some joints are passive. MJCF says by its actuators which joints have drives; if it has no
+  /// actuators, all joints have drives.
   bool has_passive_joints() const {
-    const bool closed =
-        !d_.couplings.empty() ||
-        std::ranges::any_of(d_.loops, [](const LoopDescription& loop) { return in_mjcf(loop.kind); });
-    return closed &&
-           std::ranges::any_of(d_.bodies, [&](const BodyDescription& body) { return has_none(body.joint); });
+    return std::ranges::any_of(d_.bodies, [&](const BodyDescription& body) { return has_none(body.joint); });
   }
   /// Writes a motor for each velocity of the joints that have drives.
   void write_motors() {

@@ -85,8 +85,7 @@ void find_unsaid(const Description& d, io::Unsaid& unsaid) {
       unsaid.leave_out(element, "has elastic stops", source);
     if (std::ranges::any_of(joint.dof, [](const Dof& dof) { return dof.hard_stops; }))
       unsaid.leave_out(element, "has hard stops", source);
-    const bool closed = !(d.loops.empty() && d.couplings.empty());
-    if (closed && joint.kind != JointKind::free && is_passive(joint, d))
+    if (joint.kind != JointKind::free && is_passive(joint, d))
       unsaid.leave_out(element, "is passive", source);
     if (!shared_dof(joint))
       unsaid.leave_out(element, "has several degrees of freedom with limits or losses of their own", source);

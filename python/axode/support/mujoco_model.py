@@ -121,8 +121,7 @@ class _Reader:
         out: dict[str, Any] = {"format": "axode drawing 1", "name": m.names.split(b"\0")[0].decode() or "mechanism",
                                "gravity": [0.0, 0.0, 0.0] if weightless else _position(m.opt.gravity)}
         effort, driven = self._drives()
-        closed = bool(self.loops or self.couplings)
-        bodies = [part for i in range(1, m.nbody) for part in self._body(i, effort, driven if closed else None)]
+        bodies = [part for i in range(1, m.nbody) for part in self._body(i, effort, driven)]
         frames = [{"name": self.sites[s], "on": self.bodies[m.site_bodyid[s]], "in": "body",
                    **_pose(m.site_pos[s], m.site_quat[s])} for s in range(m.nsite)]
         shapes = self._shapes(0)
@@ -136,7 +135,7 @@ class _Reader:
 
     # ---------------------------------------------------------------- bodies and joints
 
-    def _body(self, i: int, effort: dict[int, float], driven: set[int] | None) -> Iterable[dict[str, Any]]:
+    def _body(self, i: int, effort: dict[int, float], driven: set[int]) -> Iterable[dict[str, Any]]:
         """The body, after a massless body for each of its joints but the last."""
         m, on = self.m, self.bodies[self.m.body_parentid[i]]
         first, count = int(m.body_jntadr[i]), int(m.body_jntnum[i])
@@ -179,7 +178,7 @@ class _Reader:
             self.lose("mocap bodies, which are fixed in axode", self.bodies[i])
         return out
 
-    def _joint(self, j: int, effort: dict[int, float], driven: set[int] | None) -> dict[str, Any]:
+    def _joint(self, j: int, effort: dict[int, float], driven: set[int]) -> dict[str, Any]:
         m, kind, name = self.m, self._kind(j), self.joints[j]
         at, v = int(m.jnt_qposadr[j]), int(m.jnt_dofadr[j])
         dof: dict[str, Any] = {"damping": float(m.dof_damping[v]), "friction": float(m.dof_frictionloss[v]),
@@ -208,7 +207,7 @@ class _Reader:
                 self.lose("springs of ball joints at rest elsewhere, and of free joints", name)
             if kind == "free" and dof["armature"]:
                 self.lose("the axes in which the armature of a free joint acts, which do not turn there", name)
-        if driven is not None and j not in driven and j not in self.follows:
+        if j not in driven and j not in self.follows:
             joint["passive"] = True
         if kind in ("revolute", "spherical"):
             joint["point"] = _position(m.jnt_pos[j])
