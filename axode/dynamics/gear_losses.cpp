@@ -213,9 +213,9 @@ int ResistingForces::find(const Matrix& Phi, const Vector& a_0, std::span<const 
     return finish(x.allFinite() && inside(x, a_0 + Phi * x) ? x : x_);
   }
   pieces_.clear();
-  return static_cast<int>(
-      std::ranges::find_if(joints, [](const ResistingJoint& j) { return j.loss + j.loss_back > 0; }) -
-      joints.begin());
+  const auto geared =
+      std::ranges::find_if(joints, [](const ResistingJoint& j) { return j.loss + j.loss_back > 0; });
+  return geared == joints.end() ? 0 : static_cast<int>(geared - joints.begin());
 }
 
 template <class T> MovingGears::MovingGears(const Model& model, NumberSpan<T> v, NumberSpan<T> tau) {

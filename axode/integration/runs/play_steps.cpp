@@ -66,6 +66,7 @@ Failure SimulationRun::reserves(double t, const StepEnd& end, std::vector<double
   out.resize(plays_.size());
   if (plays_.any_at_an_end()) {
     Vector a_end(end.v.size());
+    if (end.x.size() > 0) drives_.act_at(as_span(end.x));
     if (Failure failure = accelerate(t, as_span(end.q), as_span(end.v), as_span(a_end))) return failure;
   }
   for (std::size_t k = 0; k < plays_.size(); ++k)
@@ -100,7 +101,7 @@ Failure SimulationRun::find_change(double& t_1, StepEnd& end, const Attempt& att
                                    std::vector<double>& reserve) {
   const double t_0 = now(), resolution = std::max(1e-13 * (t_1 - t_0), 1e-15 * t_1);
   std::vector<double> at_low, found;
-  StepEnd here{q, v, a}, after = end;
+  StepEnd here{q, v, a, drives_.x, drives_.dx}, after = end;
   if (Failure failure = reserves(t_0, here, at_low)) return failure;
   double low = t_0, high = t_1, weight_low = 1, weight_high = 1;
   for (int tries = 0; high - low > resolution; ++tries) {
