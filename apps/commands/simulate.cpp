@@ -67,7 +67,8 @@ Results are always joint coordinates.
 those of second order err more where a body turns fast.
 
 --contact, or METHOD contact, takes fixed steps in which collision shapes touch with Coulomb's friction, and
-hard stops stop, of 1 ms if --step is left out. The largest certificate of a step says how exactly the laws
+hard stops stop, of 1 ms if --step is left out; METHOD contact_adaptive takes steps as long as --rtol and
+--atol allow. The largest certificate of a step says how exactly the laws
 of contact hold: 1e-12 is rounding. A drawing with [contact] is simulated so unless another METHOD is named.
 --floor 0 puts a robot whose file has no ground on a floor; --base free lets its base move.
 
@@ -142,13 +143,13 @@ Trajectory motion_of(const Model& model, const State& state, const Drive& drive,
   if (options.step) check_step(*options.step);
   const double step = options.step.value_or(method.usual_step);
   if (!method.adapts && step == 0) throw UsageError("--step is missing; " + named + " takes fixed steps");
-  if (named == "contact") {
-    const ContactShapes shapes(model, hull_of_mesh);
-    if (shapes.pairs().empty() && !has_hard_stops(model))
+  std::optional<ContactShapes> shapes;
+  if (method.touches) {
+    shapes.emplace(model, hull_of_mesh);
+    if (shapes->pairs().empty() && !has_hard_stops(model))
       fmt::print(
           stderr, "{}\n",
           in(Ink::warning, "no collision shapes can touch; --floor puts the mechanism on a floor", stderr));
-    return simulate_contact(model, shapes, state.q, state.v, options.until, step, acting);
   }
   return method.simulate({model,
                           state.q,
@@ -157,7 +158,8 @@ Trajectory motion_of(const Model& model, const State& state, const Drive& drive,
                           step,
                           {.relative = options.relative, .absolute = options.absolute},
                           options.spectral_radius,
-                          acting});
+                          acting,
+                          shapes ? &*shapes : nullptr});
 }
 
 /// Refuses words of --columns that name no curve of any motion of the mechanism, before a motion is computed.
@@ -167,7 +169,7 @@ void check_columns(const Model& model, const Options& options) {
   const auto zeros = [](int n) { return std::vector<double>(static_cast<std::size_t>(n)); };
   Trajectory motion(model);
   motion.append(0, zeros(model.nq()), zeros(model.nv()), zeros(model.nv()), zeros(model.nv()));
-  if (method_of(options, model) == "contact") {
+  if (choose("--method", method_of(options, model), methods).touches) {
     const ContactShapes shapes(model, hull_of_mesh);
     std::vector<ContactForce> contacts;
     for (int k = 0; k < shapes.size(); ++k) motion.contact_shapes.push_back(shapes[k].name);

@@ -4,6 +4,7 @@
 #include <string_view>
 #include <utility>
 
+#include "axode/integration/momenta/simulate_contact.hpp"
 #include "axode/integration/simulation.hpp"
 
 /// All methods of integration by the names that the command and the Python package use.
@@ -19,12 +20,15 @@ struct MotionRequest {
   Tolerances tolerances;   ///< tolerances of an adaptive method
   double spectral_radius;  ///< spectral radius of generalised-α
   const SimulationOptions& options;
+  /// The collision shapes, for methods with contact; null: those of the model, without meshes.
+  const ContactShapes* shapes = nullptr;
 };
 
 struct Method {
   bool adapts;  ///< whether steps are adapted to tolerances; other methods need a step length
   Trajectory (*simulate)(const MotionRequest& x);
   double usual_step = 0;  ///< length of a step where none is given, s; 0 if it must be given
+  bool touches = false;   ///< whether collision shapes touch
 };
 
 namespace detail {
@@ -50,8 +54,16 @@ template <bool stabilized> Trajectory simulate_stiff(const MotionRequest& x) {
 inline Trajectory simulate_momenta(const MotionRequest& x) {
   return axode::simulate_momenta(x.model, x.q, x.v, x.until, x.step, runge_kutta(4), x.options);
 }
+inline ContactShapes shapes_of(const MotionRequest& x) {
+  return x.shapes ? *x.shapes : ContactShapes(x.model);
+}
 inline Trajectory simulate_contact(const MotionRequest& x) {
-  return axode::simulate_contact(x.model, x.q, x.v, x.until, x.step, x.options);
+  return axode::simulate_contact(x.model, shapes_of(x), x.q, x.v, x.until, x.step, x.options);
+}
+inline Trajectory simulate_contact_adapting(const MotionRequest& x) {
+  Tolerances tolerances = x.tolerances;
+  tolerances.first_step = x.step;
+  return axode::simulate_contact(x.model, shapes_of(x), x.q, x.v, x.until, tolerances, x.options);
 }
 inline Trajectory simulate_half_explicit(const MotionRequest& x) {
   return axode::simulate_half_explicit(x.model, x.q, x.v, x.until, x.step, x.options);
@@ -59,7 +71,7 @@ inline Trajectory simulate_half_explicit(const MotionRequest& x) {
 
 }  // namespace detail
 
-inline constexpr std::array<std::pair<std::string_view, Method>, 14> methods{
+inline constexpr std::array<std::pair<std::string_view, Method>, 15> methods{
     {{"dopri5", {true, detail::simulate_adapting}},
      {"rk4", {false, detail::simulate_explicit<4>}},
      {"euler", {false, detail::simulate_explicit<1>}},
@@ -71,7 +83,8 @@ inline constexpr std::array<std::pair<std::string_view, Method>, 14> methods{
      {"rattle", {false, detail::simulate_rattle<2>}},
      {"rattle_suzuki4", {false, detail::simulate_rattle<4>}},
      {"rattle_kahan_li6", {false, detail::simulate_rattle<6>}},
-     {"contact", {false, detail::simulate_contact, 1e-3}},
+     {"contact", {false, detail::simulate_contact, 1e-3, true}},
+     {"contact_adaptive", {true, detail::simulate_contact_adapting, 0, true}},
      {"half_explicit", {false, detail::simulate_half_explicit}},
      {"generalized_alpha_index3", {false, detail::simulate_stiff<false>}}}};
 

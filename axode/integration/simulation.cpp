@@ -274,8 +274,7 @@ Trajectory simulate_momenta(const Model& model, Span q, Span v, double until, do
   return std::move(run.trajectory);
 }
 
-Trajectory simulate(const Model& model, Span q, Span v, double until, const Tolerances& tolerances,
-                    const SimulationOptions& options) {
+void check_tolerances(const Tolerances& tolerances) {
   for (const auto& [name, x] : {std::pair{"relative tolerance", tolerances.relative},
                                 {"absolute tolerance", tolerances.absolute},
                                 {"first step", tolerances.first_step},
@@ -284,6 +283,11 @@ Trajectory simulate(const Model& model, Span q, Span v, double until, const Tole
       throw std::invalid_argument(std::string(name) + " is " + std::to_string(x) + "; expected 0 or more");
   if (tolerances.relative == 0 && tolerances.absolute == 0)
     throw std::invalid_argument("relative and absolute tolerance are 0; at least one must be positive");
+}
+
+Trajectory simulate(const Model& model, Span q, Span v, double until, const Tolerances& tolerances,
+                    const SimulationOptions& options) {
+  check_tolerances(tolerances);
   return in_coordinates(model, q, v, until, options,
                         [&](auto& run) { take_adapted_steps(run, until, tolerances); });
 }

@@ -148,10 +148,21 @@ struct Tolerances {
   /// over; otherwise steps are not limited.
   double largest_step = 0;
 };
+/// Throws std::invalid_argument if a number is negative or not finite, or if both tolerances are 0.
+void check_tolerances(const Tolerances& tolerances);
+
 /// Integrates with Dormand's and Prince's method in adaptive steps. The error estimates of θ, the step of q
 /// in the algebra, and of v must be at most absolute + relative max(1, |θ|) in rad and m, and absolute +
 /// relative |v|, as root mean square; those of states of drives, absolute × nominal + relative |x|.
 Trajectory simulate(const Model& model, std::span<const double> q, std::span<const double> v, double until,
                     const Tolerances& tolerances = {}, const SimulationOptions& options = {});
+
+/// Integrates with contact as the function of the same name does, in steps that are adapted to tolerances: the
+/// two halves of each step must agree with the whole step as simulate() measures errors, and are taken. A
+/// step through an impact, or in which something begins to stick or to slide, is as short as this needs, but
+/// at least 1e-9 of the motion.
+Trajectory simulate_contact(const Model& model, std::span<const double> q, std::span<const double> v,
+                            double until, const Tolerances& tolerances,
+                            const SimulationOptions& options = {});
 
 }  // namespace axode

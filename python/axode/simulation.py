@@ -25,7 +25,7 @@ Array = NDArray[np.float64]
 def simulate(m: Model, q: ArrayLike, v: ArrayLike, until: float, *,
              method: Literal["dopri5", "rk4", "euler", "generalized_alpha", "generalized_alpha_index3", "midpoint",
                              "suzuki4", "kahan_li6", "rk4_momenta", "rattle", "rattle_suzuki4", "rattle_kahan_li6",
-                             "half_explicit", "contact"] | None = None,
+                             "half_explicit", "contact", "contact_adaptive"] | None = None,
              coordinates: Literal["relative", "absolute", "absolute_SO3xR3"] = "relative",
              local_coordinates: Literal["exponential", "cayley"] = "exponential",
              step: float | None = None, rtol: float = 1e-8, atol: float = 1e-10, spectral_radius: float = 0.8,
@@ -45,8 +45,9 @@ def simulate(m: Model, q: ArrayLike, v: ArrayLike, until: float, *,
         implicit), "suzuki4" and "kahan_li6" (fourth and sixth, made of it) are symplectic: errors of the energy stay
         bounded; "rk4_momenta" is explicit. All four keep the momentum of what floats to rounding. They take no events,
         stops and dry friction. Every method keeps loops closed; those on (q, p) that are symplectic take nothing that rolls.
-        "contact" takes steps in which collision shapes touch with Coulomb's friction and hard stops stop. If left out, it
-        is "dopri5", or "contact" if the drawing has `[contact]`.
+        "contact" takes steps in which collision shapes touch with Coulomb's friction and hard stops stop, and
+        "contact_adaptive" takes them as long as rtol and atol allow. If left out, it is "dopri5", or "contact" if the
+        drawing has `[contact]`.
     coordinates: what the motion is computed in; it is told in coordinates of the joints in any case. "relative": these;
         "absolute": bodies are points of SE(3), and every joint is a constraint; "absolute_SO3xR3": of SO(3) x R^3. In
         absolute ones "dopri5", "rk4" and "euler" bring joints and loops back after each step, and others hold them:
@@ -87,7 +88,7 @@ def simulate(m: Model, q: ArrayLike, v: ArrayLike, until: float, *,
         tau = tau.on(m)
     _check_contact(contact)
     if contact is not None:
-        if method is not None and (method == "contact") != contact:
+        if method is not None and method.startswith("contact") != contact:
             raise ValueError(f"contact is {contact} and method is {method!r}; leave one of them out")
         method = method or ("contact" if contact else "dopri5")
     bar, report = None, None

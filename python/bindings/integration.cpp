@@ -291,18 +291,18 @@ BoundTrajectory simulate_of(const BoundModel& m, ArrayLike q, ArrayLike v, doubl
     return throttle.should_continue(0);
   };
   const std::span<const double> q_0 = states.q(0), v_0 = velocities[0];
-  const bool contact = text_of(method) == "contact";
-  BoundTrajectory found{
-      contact ? simulate_contact(*m, ContactShapes(*m, hull_of_mesh), q_0, v_0, until, length, options)
-              : way.simulate({*m,
-                              q_0,
-                              v_0,
-                              until,
-                              length,
-                              {.relative = rtol, .absolute = atol},
-                              spectral_radius,
-                              options}),
-      {}};
+  std::optional<ContactShapes> shapes;
+  if (way.touches) shapes.emplace(*m, hull_of_mesh);
+  BoundTrajectory found{way.simulate({*m,
+                                      q_0,
+                                      v_0,
+                                      until,
+                                      length,
+                                      {.relative = rtol, .absolute = atol},
+                                      spectral_radius,
+                                      options,
+                                      shapes ? &*shapes : nullptr}),
+                        {}};
   call.end();
   if (sample_times)
     found.sample({sample_times->data(), static_cast<std::size_t>(sample_times->size())}, options.drive,

@@ -51,6 +51,44 @@ TEST(ContactSimulation, ABallBouncesToTheHeightsOfItsRestitution) {
   EXPECT_LE(made, 1e-12) << "an impact makes no energy";
 }
 
+/// The height of a ball that falls from a height and bounces, at a time.
+double height_of_bouncing_ball(double height, double e, double t) {
+  double speed = std::sqrt(2 * g * height), t_0 = speed / g;
+  if (t < t_0) return height - g * t * t / 2;
+  for (;;) {
+    speed *= e;
+    if (const double flight = 2 * speed / g; t < t_0 + flight)
+      return speed * (t - t_0) - g * (t - t_0) * (t - t_0) / 2;
+    else
+      t_0 += flight;
+  }
+}
+
+TEST(ContactSimulation, AdaptedStepsFollowImpactsWithinTheirTolerance) {
+  const double e = 0.8, height = 0.5, until = 1.2;
+  const Model model = Scene({.restitution = e}).add("ball", ShapeKind::sphere, 0.1, {.friction = 0}).build();
+  for (const double tolerance : {1e-4, 1e-6, 1e-8}) {
+    const Trajectory motion = simulate_contact(model, at({0, 0, 0.1 + height}), std::vector<double>(6), until,
+                                               Tolerances{.relative = 0, .absolute = tolerance});
+    ASSERT_TRUE(motion.complete) << motion.stop_reason;
+    EXPECT_EQ(motion.t().back(), until);
+    EXPECT_NEAR(last(motion, false)[6] - 0.1, height_of_bouncing_ball(height, e, until), 30 * tolerance);
+    EXPECT_LE(std::ranges::max(motion.certificates), 1e-9);
+    EXPECT_LT(motion.steps, 1000);
+    EXPECT_EQ(motion.certificates.size(), motion.size() - 1);
+  }
+}
+
+TEST(ContactSimulation, AdaptedStepsFollowTheBeginningOfSticking) {
+  const double mu = 0.3, v_0 = 1;
+  const Model model = Scene({.friction = mu}).add("box", ShapeKind::box, 0.1, {.friction = mu}).build();
+  const Trajectory motion = simulate_contact(model, at({0, 0, 0.1}), std::vector<double>{0, 0, 0, v_0, 0, 0},
+                                             1, Tolerances{.relative = 1e-9, .absolute = 1e-9});
+  ASSERT_TRUE(motion.complete) << motion.stop_reason;
+  EXPECT_NEAR(last(motion, false)[4], v_0 * v_0 / (2 * mu * g), 1e-7);
+  EXPECT_LE(largest(last(motion, true)), 1e-12);
+}
+
 /// Gravity alone may close a gap that the velocity at the start of the step would leave open.
 TEST(ContactSimulation, ABallBouncesWhereverInAStepItMeetsTheFloor) {
   const double e = 0.8, step = 1e-2;

@@ -9,6 +9,9 @@ namespace axode {
 Trajectory simulate_contact(const Model& model, const ContactShapes& shapes, std::span<const double> q,
                             std::span<const double> v, double until, double step,
                             const SimulationOptions& options = {});
+Trajectory simulate_contact(const Model& model, const ContactShapes& shapes, std::span<const double> q,
+                            std::span<const double> v, double until, const Tolerances& tolerances,
+                            const SimulationOptions& options = {});
 
 /// Checks that steps with contact count everything that a mechanism has, and that the shapes are those of the
 /// model. Throws std::invalid_argument if not.
