@@ -41,8 +41,9 @@ TEST(Compliance, TheMeanForceDoesTheWorkOfTheEnergy) {
     const double difference =
         (mean_force(it, before, after - d, 1e-3).force - mean_force(it, before, after + d, 1e-3).force) /
         (2 * d);
-    if (std::abs(after) > 1e-5 && std::abs(before - after) > 1e-3 * std::abs(after))
+    if (std::abs(after) > 1e-5 && std::abs(before - after) > 1e-3 * std::abs(after)) {
       EXPECT_NEAR(mean.slope, difference, 1e-4 * std::abs(difference) + 1e-3);
+    }
   }
 }
 
@@ -182,12 +183,13 @@ TEST(CompliantContact, HasCoulombsConeWithoutCreep) {
     EXPECT_LE(std::ranges::max(motion.certificates), 1e-9);
     const std::vector<double> q = last(motion, false), q_middle = to_vector(motion.q(motion.size() / 2));
     const double moved = dot(down, Vec3<>{q[4] - q_middle[4], q[5] - q_middle[5], q[6] - q_middle[6]});
-    if (mu == 0.5)
+    if (mu == 0.5) {
       EXPECT_NEAR(moved, 0, 1e-12) << "it sticks";
-    else
+    } else {
       EXPECT_NEAR(dot(down, Vec3<>{q[4], q[5], q[6]}) - dot(down, (half - depth) * n),
                   g * (std::sin(angle) - mu * std::cos(angle)) / 2, 2e-3)
           << "it slides";
+    }
   }
 }
 
