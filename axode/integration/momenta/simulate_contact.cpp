@@ -44,7 +44,8 @@ class ContactMotion {
   ContactMotion(const Model& model, const ContactShapes& shapes, std::span<const double> q,
                 std::span<const double> v, double until, const SimulationOptions& options)
       : model_(model),
-        run_(model, q, v, until, without_losses(options), options.joint_losses),
+        free_options_(without_losses(options)),
+        run_(model, q, v, until, free_options_, options.joint_losses),
         scheme_(run_, model, shapes, options.joint_losses),
         until_(until) {
     for (int i = 0; i < shapes.size(); ++i) run_.trajectory.contact_shapes.push_back(shapes[i].name);
@@ -146,6 +147,7 @@ class ContactMotion {
   }
 
   Model model_;
+  SimulationOptions free_options_;
   ContactSimulationRun run_;
   ContactStep scheme_;
   double until_;
