@@ -47,8 +47,9 @@ void ContactStep::set_r_of_start(double h, bool choose) {
     const Contact* same = with_key(found_, contact.key, k);
     const double gap = same ? same->gap : contact.gap + h * slip_[row];
     if (contact.surface.compliance) {
-      const MeanForce mean = mean_force(contact.surface.compliance, contact.gap, gap, h);
-      set(row, std::max(gap, 0.0) / h - problem.compliance(b) * (h / 2) * mean.force - u[row]);
+      const double force = mean_force(contact.surface.compliance, contact.gap, gap, h).force;
+      const double open = force > 0 ? 0 : std::max(gap, 0.0);
+      set(row, open / h - problem.compliance(b) * (h / 2) * force - u[row]);
     } else {
       set(row, (gap - std::min(contact.gap, 0.0)) / h - u[row]);
     }
