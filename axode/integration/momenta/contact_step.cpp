@@ -71,18 +71,20 @@ Failure ContactStep::run(double t, double h, const Vector& q_0, const Vector& v_
   for (int parts = 1; parts <= most_parts; parts *= 4) {
     q_part_ = q_0;
     v_part_ = v_0;
-    double worst = 0;
+    double worst = 0, slip = 0;
     kept.clear();
     bool any = false;
     record_.clear();
     for (int k = 0; k < parts; ++k) {
       if (Failure failure = attempt(t + k * h / parts, h / parts, q_part_, v_part_)) return failure;
       worst = std::max(certificate, worst);
+      slip = std::max(unresolved, slip);
       any = any || touched;
       q_part_ = q;
       v_part_ = v;
     }
     certificate = worst;
+    unresolved = slip;
     touched = any;
     record_.finish(h);
     if (worst <= accepted) break;
@@ -131,7 +133,7 @@ const Contact* ContactStep::with_key(const std::vector<Contact>& contacts, std::
 }
 
 Failure ContactStep::attempt(double t, double h, const Vector& q_0, const Vector& v_0) {
-  certificate = 0;
+  certificate = unresolved = 0;
   touched = false;
   if (Failure failure = run_->check_finite(t, q_0, v_0)) return failure;
   start_.system.poses(q_0.data(), C_.data());
@@ -149,6 +151,7 @@ Failure ContactStep::attempt(double t, double h, const Vector& q_0, const Vector
   }
   if (Failure failure = move(t, h, q_0, v_0, margin)) return failure;
   keep_start(h, q_0, v_0, margin);
+  unresolved = unresolved_slip(h);
   if (Failure failure = land(t, h)) return failure;
   remember();
   record();

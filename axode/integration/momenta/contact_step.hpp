@@ -35,6 +35,8 @@ class ContactStep {
   /// motion.
   double certificate = 0;
   bool touched = false;  ///< whether an impulse acted
+  /// A displacement (m) by which the end of the step may be wrong, because a contact began to stick within it.
+  double unresolved = 0;
   /// Whether run() leaves in `kept` what its parts have decided.
   bool keep_parts = false;
   std::vector<ContactPart> kept;
@@ -71,6 +73,7 @@ class ContactStep {
   /// friction determines them badly.
   double law_error();
   void set_compliances(double h);
+  double unresolved_slip(double h) const;
   /// Sets r of the problem at the start by the last free motion.
   void set_r_of_start(double h, bool choose);
   /// Solves the problem at the end of the free motion.

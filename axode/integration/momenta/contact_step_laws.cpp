@@ -77,6 +77,23 @@ void ContactStep::set_r_of_start(double h, bool choose) {
     if (problem.moves(k)) set(k, openings_[k - first] / h - (system.has_residual(k) ? u[k] : 0));
 }
 
+/// The largest displacement by which a contact that changes its sliding by half or more may be off its law: it
+/// begins to stick at an unknown time within the step.
+double ContactStep::unresolved_slip(double h) const {
+  double most = 0;
+  const VelocityProblem& problem = start_.system.problem();
+  for (std::size_t k = 0; k < start_.contacts.size(); ++k) {
+    const LawBlock& b = problem.blocks()[k];
+    const std::size_t row = index(b.first);
+    if (slides_[k] || !(start_.lambda[row] > 0)) continue;
+    double squares = 0;
+    for (std::size_t i = row + 1; i < row + std::min<std::size_t>(index(b.rows), 3); ++i)
+      squares += std::pow(slip_[i] - start_.u[i], 2);
+    most = std::max(most, h / 4 * std::sqrt(squares));
+  }
+  return most;
+}
+
 void ContactStep::set_r_of_end(double bounciness) {
   VelocityProblem& problem = end_.system.problem();
   std::ranges::fill(problem.r, 0.0);
