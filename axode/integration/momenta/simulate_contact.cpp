@@ -81,8 +81,9 @@ class ContactMotion {
         run_.stop(failure);
         break;
       }
-      const double error =
-          failure ? std::numeric_limits<double>::infinity() : difference(whole, two, tolerances);
+      const double error = failure
+                               ? std::numeric_limits<double>::infinity()
+                               : difference(whole, two, std::max(one.unresolved, two.unresolved), tolerances);
       if (!(error <= 1) && !shortest) {
         ++run_.trajectory.rejected;
         h *= std::isfinite(error) ? std::max(0.2, 0.9 * std::pow(error, -1 / order)) : 0.1;
@@ -102,17 +103,14 @@ class ContactMotion {
   /// A step that the scheme has computed.
   struct Computed {
     Vector q, v;
-    double certificate = 0;
+    double certificate = 0, unresolved = 0;
     bool touched = false;
     std::vector<ContactForce> forces = {};
   };
 
   Computed computed() const {
-    return {scheme_.q,
-            scheme_.v,
-            scheme_.certificate,
-            scheme_.touched,
-            {scheme_.forces().begin(), scheme_.forces().end()}};
+    return {scheme_.q,          scheme_.v,       scheme_.certificate,
+            scheme_.unresolved, scheme_.touched, {scheme_.forces().begin(), scheme_.forces().end()}};
   }
   Failure compute(double t, double t_1, const Vector& q, const Vector& v, Computed& out) {
     if (Failure failure = scheme_.run(t, t_1 - t, q, v)) return failure;
@@ -128,8 +126,9 @@ class ContactMotion {
     return {};
   }
   /// The root mean square of the differences between a whole step and its halves, as multiples of the
-  /// tolerances.
-  double difference(const Computed& whole, const Computed& halves, const Tolerances& tolerances) {
+  /// tolerances, or a slip that the halves do not resolve if it is larger: both may agree on it.
+  double difference(const Computed& whole, const Computed& halves, double unresolved,
+                    const Tolerances& tolerances) {
     const auto nv = static_cast<std::size_t>(whole.v.size());
     if (nv == 0) return 0;
     const std::vector<double> d = axode::difference(model_, as_span(whole.q), as_span(halves.q)),
@@ -143,7 +142,7 @@ class ContactMotion {
       const double by_v = (whole.v[k] - halves.v[k]) / (absolute + relative * v);
       squares += by_q * by_q + by_v * by_v;
     }
-    return std::sqrt(squares / static_cast<double>(2 * nv));
+    return std::max(std::sqrt(squares / static_cast<double>(2 * nv)), unresolved / (absolute + relative));
   }
 
   Model model_;
