@@ -63,7 +63,7 @@ set(AXODE_PER_REPRESENTATION
     dynamics/joint_wrenches
     dynamics/operational_space
     dynamics/closed_form/twist_form)
-set(AXODE_QUICK_PER_REPRESENTATION
+set(AXODE_FAST_PER_REPRESENTATION
     kinematics/jacobian
     kinematics/twists)
 set(AXODE_PER_REPRESENTATION_AND_FAST
@@ -74,7 +74,7 @@ set(AXODE_PER_REPRESENTATION_AND_FAST
 set(AXODE_ROWS
     catalog/functions)
 
-set(AXODE_QUICK_PER_SCALAR
+set(AXODE_FAST_PER_SCALAR
     constraints/loop_system/loop_derivatives
     derivatives/forward_dynamics_derivatives
     derivatives/second_order/hessian
@@ -166,10 +166,10 @@ axode_instantiate_for_sets(to_dynamics_double axode_largest_footprint "" workspa
 # This library is compiled in two parts, because the demo needs only the first one, in double.
 set(floors_to_dynamics lie scalar model table recursion fast kinematics dynamics)
 set(floors_beyond_dynamics derivatives constraints contact drives integration catalog)
-set(instantiated AXODE_PER_SCALAR AXODE_QUICK_PER_SCALAR AXODE_PER_REPRESENTATION AXODE_QUICK_PER_REPRESENTATION
+set(instantiated AXODE_PER_SCALAR AXODE_FAST_PER_SCALAR AXODE_PER_REPRESENTATION AXODE_FAST_PER_REPRESENTATION
                  AXODE_PER_REPRESENTATION_AND_FAST AXODE_ROWS)
-foreach(quick IN LISTS AXODE_QUICK_PER_REPRESENTATION AXODE_PER_REPRESENTATION_AND_FAST AXODE_QUICK_PER_SCALAR)
-  set_source_files_properties(${PROJECT_SOURCE_DIR}/axode/${quick}.cpp PROPERTIES SKIP_UNITY_BUILD_INCLUSION ON)
+foreach(fast IN LISTS AXODE_FAST_PER_REPRESENTATION AXODE_PER_REPRESENTATION_AND_FAST AXODE_FAST_PER_SCALAR)
+  set_source_files_properties(${PROJECT_SOURCE_DIR}/axode/${fast}.cpp PROPERTIES SKIP_UNITY_BUILD_INCLUSION ON)
 endforeach()
 
 # axode_add_part(<part>): adds the groups <part>_double and <part>_float, with the objects of these floors. In double, the
@@ -195,14 +195,15 @@ function(axode_add_part part)
   foreach(T double float)
     set(group ${part}_${T})
     set(name axode_${part})
-    cmake_language(CALL ${instantiate_${T}} ${group} ${name}_${T} AXODE_T=${T} ${AXODE_PER_SCALAR} ${AXODE_QUICK_PER_SCALAR})
+    cmake_language(CALL ${instantiate_${T}} ${group} ${name}_${T} AXODE_T=${T} ${AXODE_PER_SCALAR}
+                   ${AXODE_FAST_PER_SCALAR})
     cmake_language(CALL ${instantiate_${T}} ${group} ${name}_Fast_${T} "AXODE_REP=Fast;AXODE_T=${T}"
                    ${AXODE_PER_REPRESENTATION_AND_FAST})
     axode_instantiate(${group} ${name}_rows_Fast_${T} "AXODE_REP=Fast;AXODE_T=${T}" ${AXODE_ROWS})
     foreach(REP BodyFixed Spatial Hybrid Mixed)
       set(definitions "AXODE_REP=${REP};AXODE_T=${T}")
       cmake_language(CALL ${instantiate_${T}} ${group} ${name}_motion_${REP}_${T} "${definitions}"
-                     ${AXODE_QUICK_PER_REPRESENTATION})
+                     ${AXODE_FAST_PER_REPRESENTATION})
       axode_instantiate(${group} ${name}_${REP}_${T} "${definitions}" ${AXODE_PER_REPRESENTATION}
                         ${AXODE_PER_REPRESENTATION_AND_FAST} ${AXODE_ROWS})
     endforeach()

@@ -133,7 +133,7 @@ Trajectory motion_of(const Model& model, const State& state, const Drive& drive,
   const Interruptible interruptible;
   Progress progress(options.until);
   acting.monitor = [&](double t) {
-    progress.tell(t);
+    progress.show(t);
     return !interruptible.interrupted();
   };
   const std::string named = method_of(options, model);

@@ -152,7 +152,7 @@ Tables read_json(const std::string& file, ShownMotion& motion) {
 // ------------------------------------------------------------------------------------------------------ .npz
 
 /// The value of a key in the header of an .npy file.
-std::string_view told(std::string_view header, std::string_view key) {
+std::string_view header_value(std::string_view header, std::string_view key) {
   const std::size_t at = header.find(key);
   return at == std::string_view::npos ? "" : header.substr(at + key.size());
 }
@@ -169,11 +169,11 @@ Rows read_npy(const std::string& bytes, const std::string& name) {
   if (length > bytes.size() - begin) wrong("it is cut short");
   const std::string_view header(&bytes[begin], length),
       data(&bytes[begin + length], bytes.size() - begin - length);
-  if (!told(header, "'descr': ").starts_with("'<f8'") ||
-      !told(header, "'fortran_order': ").starts_with("False"))
+  if (!header_value(header, "'descr': ").starts_with("'<f8'") ||
+      !header_value(header, "'fortran_order': ").starts_with("False"))
     wrong("it is not an array of float64 in C order");
   std::vector<std::size_t> shape;
-  std::string_view list = told(header, "'shape': (");
+  std::string_view list = header_value(header, "'shape': (");
   list = list.substr(0, list.find(')'));
   while (!list.empty()) {
     std::size_t entry = 0;
@@ -205,11 +205,11 @@ Tables read_npz(const std::string& file) {
   Tables tables;
   for (const char* name : {"t", "q", "v", "a", "tau"}) {
     const std::string entry = fmt::format("{}.npy", name), where = fmt::format("{}: {}", file, entry);
-    zip_stat_t told;
-    zip_stat_init(&told);
-    if (zip_stat(archive.get(), entry.c_str(), 0, &told) != 0) continue;
-    if (told.size > most) refuse(where + ": it has more than 256 MiB");
-    std::string bytes(told.size, '\0');
+    zip_stat_t properties;
+    zip_stat_init(&properties);
+    if (zip_stat(archive.get(), entry.c_str(), 0, &properties) != 0) continue;
+    if (properties.size > most) refuse(where + ": it has more than 256 MiB");
+    std::string bytes(properties.size, '\0');
     const std::unique_ptr<zip_file_t, int (*)(zip_file_t*)> stream(zip_fopen(archive.get(), entry.c_str(), 0),
                                                                    zip_fclose);
     if (stream == nullptr ||

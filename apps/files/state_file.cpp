@@ -120,10 +120,10 @@ class StateReader {
     fault(where + "the key " + none_of(key, known, [](std::string_view name) { return name; }));
   }
 
-  /// Reads q, v or a: all numbers in the model's order, or some of them by joint. `place` returns the indices
-  /// of a joint's numbers.
-  template <class Place>
-  void numbers(const std::string& key, const Json& value, Place place, const char* size,
+  /// Reads q, v or a: all numbers in the model's order, or some of them by joint. `indices` returns those of
+  /// a joint's numbers.
+  template <class Indices>
+  void numbers(const std::string& key, const Json& value, Indices indices, const char* size,
                std::vector<double>& out) {
     if (value.is_array()) {
       if (value.size() == out.size()) {
@@ -135,7 +135,7 @@ class StateReader {
     } else if (value.is_object()) {
       for (const auto& [name, x] : value.items()) {
         if (const Joint* joint = joint_of(key, name)) {
-          const auto [first, count] = place(*joint);
+          const auto [first, count] = indices(*joint);
           joint_numbers(fmt::format("{}: joint \"{}\"", key, name), x, std::span(out).subspan(first, count));
         }
       }

@@ -287,7 +287,7 @@ const Row& row_of(std::string_view name, Representation representation) {
 Answer answer(const Question& ask, std::string_view name) {
   const Row& row = row_of(name, ask.representation);
   const Model& model = ask.model;
-  catalog::check_counts(row, model, catalog::Way::whole);
+  catalog::check_counts(row, model, catalog::Caller::whole);
   Workspace<> workspace(model);
   std::optional<LoopWorkspace<>> loops;
   if (!model.loops().empty() && row.call_with_loops != nullptr) loops.emplace(model);

@@ -24,10 +24,10 @@ Progress::~Progress() {
   if (shown_) fmt::print(stderr, "\r{:60}\r", "");
 }
 
-void Progress::tell(double t) {
+void Progress::show(double t) {
   const auto now = Clock::now();
-  if (!is_terminal(stderr) || now - told_ < std::chrono::milliseconds(100)) return;
-  told_ = now;
+  if (!is_terminal(stderr) || now - last_shown_ < std::chrono::milliseconds(100)) return;
+  last_shown_ = now;
   const double gone = std::chrono::duration<double>(now - start_).count();
   if (gone < 1 || t <= 0) return;
   shown_ = true;

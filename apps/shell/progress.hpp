@@ -27,12 +27,12 @@ class Progress {
   Progress& operator=(const Progress&) = delete;
 
   /// Shows how far the simulated time is, s.
-  void tell(double t);
+  void show(double t);
 
  private:
   using Clock = std::chrono::steady_clock;
   double until_;
-  Clock::time_point start_ = Clock::now(), told_ = start_;
+  Clock::time_point start_ = Clock::now(), last_shown_ = start_;
   bool shown_ = false;
 };
 

@@ -73,7 +73,7 @@ Outcome run(const Model& model, catalog::Id function,
   if (!words.lanes)
     throw std::invalid_argument(std::string(words.name) +
                                 " has no kernel for states in lanes; call it state by state");
-  catalog::check_counts(words, model, catalog::Way::workspace);
+  catalog::check_counts(words, model, catalog::Caller::workspace);
   if (!given.loads.wrenches.empty() || given.loads.joint_losses)
     throw std::invalid_argument("loads: functions of states in lanes take no loads and no joint losses");
   StatesOfRow<S> states(model, *catalog::find<Fast, S>(words.name), given, out, threads);

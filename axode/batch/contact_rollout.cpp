@@ -19,7 +19,7 @@
 namespace axode::batch {
 namespace {
 
-using Numbers = std::span<const double>;
+using Span = std::span<const double>;
 
 /// Integrates one motion after the other in the same memory.
 class ContactMotion {
@@ -38,14 +38,14 @@ class ContactMotion {
   ContactMotion(const ContactMotion&) = delete;
   ContactMotion& operator=(const ContactMotion&) = delete;
 
-  void begin(Numbers q, Numbers v) {
+  void begin(Span q, Span v) {
     q_ = as_eigen(q);
     v_ = as_eigen(v);
     run_.restart(q_);
     step_.restart();
   }
   /// Computes step k of length h. The forces tau act if there is no drive. Returns false if it fails.
-  bool run(std::size_t k, double h, Numbers tau, std::span<double> q_1, std::span<double> v_1) {
+  bool run(std::size_t k, double h, Span tau, std::span<double> q_1, std::span<double> v_1) {
     tau_ = tau;
     if (step_.run(static_cast<double>(k) * h, h, q_, v_)) return false;
     q_ = step_.q;
@@ -60,7 +60,7 @@ class ContactMotion {
   SimulationOptions options_with(const std::function<bool()>& goes_on) {
     SimulationOptions options;
     options.monitor = [goes_on](double) { return goes_on(); };
-    options.drive = [this](double t, Numbers q, Numbers v, std::span<double> out) {
+    options.drive = [this](double t, Span q, Span v, std::span<double> out) {
       if (drive_)
         drive_(t, q, v, out);
       else if (!tau_.empty())
@@ -72,7 +72,7 @@ class ContactMotion {
   }
 
   Drive drive_;
-  Numbers tau_;
+  Span tau_;
   SimulationOptions options_;
   std::vector<double> rest_;
   ContactSimulationRun run_;
@@ -80,10 +80,9 @@ class ContactMotion {
   Eigen::VectorXd q_, v_;
 };
 
-Outcome run_motions(const Model& model, const ContactShapes& shapes, Numbers q, Numbers v, std::size_t K,
-                    Numbers tau, const Drive& drive, double step, std::span<double> q_out,
-                    std::span<double> v_out, std::span<double> certificates, int threads,
-                    const Monitor& monitor, bool joint_losses) {
+Outcome run_motions(const Model& model, const ContactShapes& shapes, Span q, Span v, std::size_t K, Span tau,
+                    const Drive& drive, double step, std::span<double> q_out, std::span<double> v_out,
+                    std::span<double> certificates, int threads, const Monitor& monitor, bool joint_losses) {
   if (joint_losses) refuse_gears(model);
   // Steps of a motion before its thread takes another motion.
   constexpr std::size_t steps_at_once = 64;
@@ -93,14 +92,14 @@ Outcome run_motions(const Model& model, const ContactShapes& shapes, Numbers q, 
   check_size("q_out", q_out.size(), (K + 1) * nq * N, "(K + 1) nq N");
   check_size("v_out", v_out.size(), (K + 1) * nv * N, "(K + 1) nv N");
   if (!certificates.empty()) check_size("certificates", certificates.size(), K * N, "K N");
-  for (const auto& [name, given] : {std::pair<const char*, Numbers>{"q", q}, {"v", v}, {"tau", tau}}) {
+  for (const auto& [name, given] : {std::pair<const char*, Span>{"q", q}, {"v", v}, {"tau", tau}}) {
     check_separate("q_out", q_out, name, given);
     check_separate("v_out", v_out, name, given);
     check_separate("certificates", certificates, name, given);
   }
-  check_separate("q_out", q_out, "v_out", Numbers(v_out));
-  check_separate("certificates", certificates, "q_out", Numbers(q_out));
-  check_separate("certificates", certificates, "v_out", Numbers(v_out));
+  check_separate("q_out", q_out, "v_out", Span(v_out));
+  check_separate("certificates", certificates, "q_out", Span(q_out));
+  check_separate("certificates", certificates, "v_out", Span(v_out));
   if (!check_loops(model, q, v, threads, monitor)) return {};
 
   for (const std::span<double> out : {q_out, v_out, certificates})
@@ -128,7 +127,7 @@ Outcome run_motions(const Model& model, const ContactShapes& shapes, Numbers q, 
         if (failed[n] != 0) return;
         motion->begin(q_at(n, begin), v_at(n, begin));
         for (std::size_t k = begin; k < end && failed[n] == 0 && goes_on(); ++k) {
-          const Numbers tau_k = drive ? Numbers{} : tau.subspan((n * K + k) * nv, nv);
+          const Span tau_k = drive ? Span{} : tau.subspan((n * K + k) * nv, nv);
           failed[n] = motion->run(k, step, tau_k, q_at(n, k + 1), v_at(n, k + 1)) ? 0 : 1;
           if (failed[n] == 0 && !certificates.empty()) certificates[n * K + k] = motion->certificate();
         }
@@ -146,8 +145,8 @@ Outcome run_motions(const Model& model, const ContactShapes& shapes, Numbers q, 
 
 }  // namespace
 
-Outcome rollout_with_contact(const Model& model, const ContactShapes& shapes, Numbers q, Numbers v,
-                             Numbers tau, double step, std::span<double> q_out, std::span<double> v_out,
+Outcome rollout_with_contact(const Model& model, const ContactShapes& shapes, Span q, Span v, Span tau,
+                             double step, std::span<double> q_out, std::span<double> v_out,
                              std::span<double> certificates, int threads, const Monitor& monitor,
                              bool joint_losses) {
   check_step(step);
@@ -159,7 +158,7 @@ Outcome rollout_with_contact(const Model& model, const ContactShapes& shapes, Nu
                      joint_losses);
 }
 
-Outcome rollout_with_contact(const Model& model, const ContactShapes& shapes, Numbers q, Numbers v,
+Outcome rollout_with_contact(const Model& model, const ContactShapes& shapes, Span q, Span v,
                              const Drive& drive, std::size_t K, double step, std::span<double> q_out,
                              std::span<double> v_out, std::span<double> certificates, int threads,
                              const Monitor& monitor, bool joint_losses) {

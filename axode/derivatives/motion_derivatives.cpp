@@ -63,8 +63,8 @@ template <class T> struct MotionTo {
     motion.run(tree, q, v, a);
     at.C = in_body();
     const int body = tree->frame_body[place.frame];
-    at.V = seen(at.C, motion.bodies.V[body]);
-    at.dV = seen(at.C, motion.bodies.dV[body]);
+    at.V = expressed_in(at.C, motion.bodies.V[body]);
+    at.dV = expressed_in(at.C, motion.bodies.dV[body]);
     for (int i = body; i > 0; i = tree->parent[i]) at.C = motion.bodies.link[i].C_pi * at.C;
   }
 
@@ -74,11 +74,11 @@ template <class T> struct MotionTo {
     const auto& [link, V, dV] = motion.bodies;
     SE3<T> E = in_body();  // the place in the internal frame of body i
     for (int i = tree->frame_body[place.frame]; i > 0; i = tree->parent[i]) {
-      const V6<T> V_i = seen(E, V[i]);
+      const V6<T> V_i = expressed_in(E, V[i]);
       const SE3<T> from_place = inverse(E);
       E = link[i].C_pi * E;
       // The base of the joint gains the velocity ψ = [V_p, J] and its rate.
-      const V6<T> V_p = seen(E, V[tree->parent[i]]), dV_p = seen(E, dV[tree->parent[i]]);
+      const V6<T> V_p = expressed_in(E, V[tree->parent[i]]), dV_p = expressed_in(E, dV[tree->parent[i]]);
       each_screw(tree, i, from_place, [&](int c, const Screw<T>& screw) {
         const V6<T> J{screw.w, screw.v}, psi = ad(V_p, J);
         f(c, J, psi, ad(dV_p, J) + ad(V_p, psi) + ad(psi, at.V), psi + ad(J, at.V - V_i));
@@ -88,7 +88,7 @@ template <class T> struct MotionTo {
 
  private:
   SE3<T> in_body() const { return tree.frame_offset[place.frame] * place.offset; }
-  template <class X> static V6<T> seen(const SE3<T>& E, const X& of_body) {
+  template <class X> static V6<T> expressed_in(const SE3<T>& E, const X& of_body) {
     const Screw<T> Y = Ad_inv(E, Screw<T>{of_body.w, of_body.v});
     return {Y.w, Y.v};
   }

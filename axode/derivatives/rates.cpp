@@ -11,7 +11,7 @@ namespace axode {
 
 template <class T>
 InverseDynamicsRates<T>::InverseDynamicsRates(const Model& model, int order) : model_(model) {
-  catalog::check_counts<"inverse_dynamics_rates">(model, catalog::Way::workspace);
+  catalog::check_counts<"inverse_dynamics_rates">(model, catalog::Caller::workspace);
   if (order < 0)
     throw std::invalid_argument("order is " + std::to_string(order) +
                                 "; it must not be negative (0 is the force)");
@@ -73,7 +73,7 @@ template <class Rep, class T>
 void second_order_inverse_dynamics(const Model& model, Workspace<T>& workspace, Numbers<T> q,
                                    Numbers<T> rates, std::type_identity_t<std::span<T>> tau,
                                    const std::type_identity_t<Loads<T>>& loads) {
-  catalog::check_counts<"inverse_dynamics_rates">(model, catalog::Way::workspace);
+  catalog::check_counts<"inverse_dynamics_rates">(model, catalog::Caller::workspace);
   check_state(model, workspace, q);
   check_loads(model, loads);
   const std::size_t nv = static_cast<std::size_t>(model.nv());

@@ -79,7 +79,7 @@ template <class T, RecursionRepresentation Rep = Hybrid> class GenericDynamics {
 
  private:
   void check_counts(catalog::Id row) const {
-    catalog::check_counts(row.words(), model_, catalog::Way::workspace);
+    catalog::check_counts(row.words(), model_, catalog::Caller::workspace);
   }
   template <class Numbers>
   static void check(const char* argument, const Numbers& x, int expected, const char* meaning) {

@@ -51,7 +51,7 @@ Model read(std::string_view drawing) {
 void check_supported(const Model& model, const Settings& settings, Kind kind) {
   const bool exchange = kind == Kind::model_exchange;
   const std::string fmu = exchange ? "an FMU for model exchange" : "an FMU for co-simulation";
-  catalog::check_counts(fmu, exchange ? of_model_exchange : of_co_simulation, model, catalog::Way::whole);
+  catalog::check_counts(fmu, exchange ? of_model_exchange : of_co_simulation, model, catalog::Caller::whole);
   const auto refuse = [&](const std::string& property, const std::string& where, const char* instead) {
     throw std::invalid_argument(fmu + " does not count " + property + ", and " + where + " of model \"" +
                                 model.name() + "\" has it; " + instead);

@@ -250,7 +250,7 @@ class AdjointStep {
   /// Computes the weights w_eta and w_V of the state of a stage from the weights w_L of its acceleration.
   void multiply(Stage& stage, double* by_tau, double* by_geometry) {
     ForwardVjp<double>& dynamics = *stage.dynamics;
-    dynamics.weigh(tree_, stage.q.data(), stage.v.data(), stage.w_L.data(), loads_);
+    dynamics.compute_gradient(tree_, stage.q.data(), stage.v.data(), stage.w_L.data(), loads_);
     for (std::size_t c = 0; c < v.size(); ++c) {
       const Eigen::Index row = static_cast<Eigen::Index>(c);
       by_tau[c] += dynamics.mu[c];

@@ -82,7 +82,7 @@ template <class Rep, class T> struct ArticulatedBodies {
   /// Factorises M of which `links`, S and `M_body` are given. Rounding errors of pivots are estimated only
   /// where a pivot is small, or where velocities are shared.
   template <TreeOf<T> AnyTree> Solvability eliminate_joints(const AnyTree& tree, const T* armature) noexcept {
-    if (tree->coupled_bodies.empty() && eliminate_quickly(tree, armature)) return {};
+    if (tree->coupled_bodies.empty() && eliminate_fast(tree, armature)) return {};
     PivotCheck<T> check;
     eliminate_joints(tree, armature, check);
     return check.verdict(*tree.operator->());
@@ -232,7 +232,7 @@ template <class Rep, class T> struct ArticulatedBodies {
  private:
   /// Factorises M for trees without ties, without the magnitudes F by which rounding errors of pivots are
   /// judged. Returns false if a pivot is so small that M may be singular; the factors are then incomplete.
-  template <TreeOf<T> AnyTree> bool eliminate_quickly(const AnyTree& tree, const T* armature) noexcept {
+  template <TreeOf<T> AnyTree> bool eliminate_fast(const AnyTree& tree, const T* armature) noexcept {
     M[0] = {};
     for (int i = 1; i <= tree->n; ++i) M[i] = articulated(links.link[i], M_body[i]);
     for (int i = tree->n; i > 0; --i) {

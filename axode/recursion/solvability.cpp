@@ -5,11 +5,11 @@ namespace {
 
 /// Names the other joints that move no mass in any configuration, as in `; joint "b" moves none either`. The
 /// result is empty if there are none.
-std::string others_without_mass(const Model& model, const std::string& told) {
+std::string others_without_mass(const Model& model, const std::string& named) {
   std::string names;
   int n = 0;
   for (const Fault& fault : model.warnings())
-    if (fault.rule == Rule::moves_no_mass && fault.element != told)
+    if (fault.rule == Rule::moves_no_mass && fault.element != named)
       names += (n++ == 0 ? "; " : ", ") + fault.element;
   return names + (n == 0 ? "" : n == 1 ? " moves none either" : " move none either");
 }

@@ -10,7 +10,7 @@ namespace axode::catalog {
 std::string to_string(const Counts& counts);
 
 /// The kind of caller of a function. It decides what the message of a refusal recommends.
-enum class Way {
+enum class Caller {
   workspace,  ///< C++ with a Workspace, which knows the tree alone
   /// A caller that counts all properties that the row counts: C++ with a LoopWorkspace, Python, the command.
   whole,
@@ -19,13 +19,13 @@ enum class Way {
 
 /// Throws std::invalid_argument if the function, called in this way, would give the answer of another
 /// mechanism than the model. The message says what to call instead.
-void check_counts(std::string_view function, const Counts& counts, const Model& model, Way way);
-inline void check_counts(const Words& row, const Model& model, Way way) {
-  check_counts(row.name, row.counts, model, way);
+void check_counts(std::string_view function, const Counts& counts, const Model& model, Caller caller);
+inline void check_counts(const Words& row, const Model& model, Caller caller) {
+  check_counts(row.name, row.counts, model, caller);
 }
-template <OtherId id> void check_counts(const Model& model, Way way = Way::whole) {
+template <OtherId id> void check_counts(const Model& model, Caller caller = Caller::whole) {
   constexpr const Other& other = other_functions[id.index];
-  check_counts(other.name, other.counts, model, way);
+  check_counts(other.name, other.counts, model, caller);
 }
 
 /// check_counts() for a call with a workspace, which costs two comparisons. A workspace for the cut tree is
@@ -38,13 +38,13 @@ template <Id row, class T> void check_counts(const Model& model, const Workspace
   if constexpr (motions || counts.loops.word != Word::of_the_tree)
     if ((!model.loops().empty() || (motions && !model.motions().empty())) && !workspace.is_for_cut_tree())
         [[unlikely]]
-      check_counts(row.words(), model, Way::workspace);
+      check_counts(row.words(), model, Caller::workspace);
 }
 /// The check of a row that counts loops, for a call with a LoopWorkspace.
 template <Id row> void check_motions(const Model& model) {
   if constexpr (row.words().counts.motions.word == Word::refused)
     if (!model.motions().empty()) [[unlikely]]
-      check_counts(row.words(), model, Way::whole);
+      check_counts(row.words(), model, Caller::whole);
 }
 
 inline std::size_t value_of(Extent extent, const Model& model, std::size_t n_loads) {

@@ -85,16 +85,16 @@ std::size_t number_of(Count Counts::*property, const Model& model) {
 
 }  // namespace
 
-void check_counts(std::string_view function, const Counts& counts, const Model& model, Way way) {
+void check_counts(std::string_view function, const Counts& counts, const Model& model, Caller caller) {
   const std::string name(function);
   for (const auto& [property, member] : properties) {
     const auto& [word, sentence] = counts.*member;
-    const bool by_others = word == Word::counted && way != Way::whole;
+    const bool by_others = word == Word::counted && caller != Caller::whole;
     if (word != Word::refused && !by_others) continue;
     const std::size_t number = number_of(member, model);
     if (number == 0) continue;
     const std::string instead = word == Word::refused ? std::string(sentence)
-                                : way == Way::workspace
+                                : caller == Caller::workspace
                                     ? name + " with a LoopWorkspace counts them"
                                     : "axode's own " + name + ", not recorded or traced, counts them";
     throw std::invalid_argument(name + " does not count " + std::string(property) + ", and model \"" +

@@ -59,8 +59,9 @@ bool is_package(const fs::path& folder, const std::string& name, const Library& 
   const fs::path file = folder / library.manifest;
   if (!is_file(file) || manifest.LoadFile(file.c_str()) != tinyxml2::XML_SUCCESS) return false;
   const tinyxml2::XMLElement* package = manifest.FirstChildElement(std::string(library.element).c_str());
-  const tinyxml2::XMLElement* told = package == nullptr ? nullptr : package->FirstChildElement("name");
-  return told != nullptr && told->GetText() != nullptr && told->GetText() == name;
+  const tinyxml2::XMLElement* name_element =
+      package == nullptr ? nullptr : package->FirstChildElement("name");
+  return name_element != nullptr && name_element->GetText() != nullptr && name_element->GetText() == name;
 }
 
 /// All existing folders that may be the package of that name, the likeliest first.

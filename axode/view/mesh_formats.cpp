@@ -186,11 +186,11 @@ std::string fault_of_numbers(const tinyxml2::XMLElement& array) {
   std::uint64_t count = 0;
   for (std::string_view word = next_word(text); !word.empty(); word = next_word(text), ++count)
     if (std::string fault = fault_of_coordinate(word); !fault.empty()) return fault;
-  std::uint64_t told = count;
-  array.QueryUnsigned64Attribute("count", &told);
-  return told == count ? ""
-                       : "one of its arrays says that it has " + std::to_string(told) + " numbers, and has " +
-                             std::to_string(count);
+  std::uint64_t declared = count;
+  array.QueryUnsigned64Attribute("count", &declared);
+  return declared == count ? ""
+                           : "one of its arrays says that it has " + std::to_string(declared) +
+                                 " numbers, and has " + std::to_string(count);
 }
 
 }  // namespace
@@ -292,11 +292,13 @@ std::string fault_of_gltf(std::string_view bytes) { return fault_of_json(bytes, 
 std::string fault_of_glb(std::string_view bytes) {
   constexpr std::size_t head = 12, chunk_head = 8;
   if (bytes.size() < head + chunk_head || !bytes.starts_with("glTF")) return "it is no binary glTF";
-  const std::uint64_t version = number_at<std::uint32_t>(bytes, 4), told = number_at<std::uint32_t>(bytes, 8),
+  const std::uint64_t version = number_at<std::uint32_t>(bytes, 4),
+                      declared = number_at<std::uint32_t>(bytes, 8),
                       text = number_at<std::uint32_t>(bytes, head);
   if (version != 2) return "it is glTF of version " + std::to_string(version) + "; 2 can be read";
-  if (told != bytes.size())
-    return "it says that it has " + std::to_string(told) + " bytes, and has " + std::to_string(bytes.size());
+  if (declared != bytes.size())
+    return "it says that it has " + std::to_string(declared) + " bytes, and has " +
+           std::to_string(bytes.size());
   const std::uint64_t after = head + chunk_head + text;
   if (after > bytes.size()) return "its JSON is cut short";
   std::string_view buffer;

@@ -149,11 +149,13 @@ class Shapes {
   explicit Shapes(const Model& model) : seen_(static_cast<std::size_t>(model.n_bodies()) + 1) {
     std::unordered_map<std::string_view, int> frame;
     for (int f = 0; f < model.n_frames(); ++f) frame.emplace(model.frame(f).name, f);
-    const Description& told = model.description();
-    for (const ShapeDescription& shape : told.shapes) add(shape, Frame{"ground", 0, {}}, told.source);
-    for (const BodyDescription& body : told.bodies)
+    const Description& description = model.description();
+    for (const ShapeDescription& shape : description.shapes)
+      add(shape, Frame{"ground", 0, {}}, description.source);
+    for (const BodyDescription& body : description.bodies)
       for (const ShapeDescription& shape : body.shapes)
-        add(shape, model.frame(frame.at(body.name)), body.source.file.empty() ? told.source : body.source);
+        add(shape, model.frame(frame.at(body.name)),
+            body.source.file.empty() ? description.source : body.source);
     for (const view::StandIn& other : view::stand_ins(model, seen_)) {
       Json json = json_of(other.shape, other.body, other.shape.pose, /*stand_in=*/true);
       if (!other.hull.empty()) {

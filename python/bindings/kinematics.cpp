@@ -81,10 +81,10 @@ Array jacobian_partials_of(const BoundModel& m, ArrayLike q, FrameName frame, Re
   const States states(m, q, threads);
   NewArray J = states.result(shape);
   with_representation(representation, [&]<class Rep>(Rep) {
-    states.each_long(cost, [&](std::size_t k, const auto& go_on) {
+    states.each_long(cost, [&](std::size_t k, const auto& should_continue) {
       Workspace<> workspace(*m);
       jacobian_partials<Rep>(m, workspace, states.q(k), at, order, screws<Twist<Rep>>(item(J, k, shape)),
-                             go_on);
+                             should_continue);
     });
   });
   return J.transposed();

@@ -43,7 +43,7 @@ std::string transposition(int n) {
 }
 /// C code that transposes blocks of as many numbers as there are lanes; number k of state l is memory[l * n +
 /// k]. The last block overlaps the one before if the numbers do not fill it.
-std::string turned(int n, const char* load, const char* store, const char* one_by_one) {
+std::string transposed(int n, const char* load, const char* store, const char* one_by_one) {
   const auto each = [&](const char* statement) {
     return repeated(n, [&](int l) {
       return "    " + filled(statement, {{"R", row(l)}, {"L", std::to_string(l)}});
@@ -57,12 +57,12 @@ std::string turned(int n, const char* load, const char* store, const char* one_b
       {{"W", std::to_string(n)}, {"ROWS", listed(n, row)}});
 }
 std::string gathering(int n) {
-  return turned(n, "__builtin_memcpy(&@R@, in + @L@ * n + k, sizeof @R@);\n", "out[k + @L@] = @R@;\n",
-                "out[k][l] = in[l * n + k];\n");
+  return transposed(n, "__builtin_memcpy(&@R@, in + @L@ * n + k, sizeof @R@);\n", "out[k + @L@] = @R@;\n",
+                    "out[k][l] = in[l * n + k];\n");
 }
 std::string scattering(int n) {
-  return turned(n, "@R@ = in[k + @L@];\n", "__builtin_memcpy(out + @L@ * n + k, &@R@, sizeof @R@);\n",
-                "out[l * n + k] = in[k][l];\n");
+  return transposed(n, "@R@ = in[k + @L@];\n", "__builtin_memcpy(out + @L@ * n + k, &@R@, sizeof @R@);\n",
+                    "out[l * n + k] = in[k][l];\n");
 }
 
 constexpr const char* types = R"(

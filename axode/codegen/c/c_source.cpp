@@ -79,7 +79,7 @@ void check(const Model& model, std::span<const Function> functions, const std::s
       throw std::invalid_argument(std::string(row.name) +
                                   " cannot be recorded, so no code can be generated for it");
     if (function.is_of_a_frame()) check_place(model, function.frame);
-    catalog::check_counts(row, model, catalog::Way::tape);
+    catalog::check_counts(row, model, catalog::Caller::tape);
   }
   if (!is_identifier(prefix))
     throw std::invalid_argument("the prefix \"" + prefix +

@@ -63,8 +63,8 @@ class CudaEmitter final : public Emitter {
       each_use(steps_[s], [&, &from = operands[s]](std::size_t k) {
         if (maker[k] >= 0 && std::ranges::find(from, maker[k]) == from.end()) from.push_back(maker[k]);
       });
-    const int doubt = recording_.maybe_singular.node();
-    if (!recording_.maybe_singular.is_constant() && maker[doubt] >= 0) lasting.push_back(maker[doubt]);
+    const int singular = recording_.maybe_singular.node();
+    if (!recording_.maybe_singular.is_constant() && maker[singular] >= 0) lasting.push_back(maker[singular]);
     std::vector<Step> ordered;
     for (const int s : order_for_few_registers(operands, lasting)) ordered.push_back(steps_[s]);
     steps_ = ordered;

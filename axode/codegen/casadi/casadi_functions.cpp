@@ -9,15 +9,15 @@
 namespace axode::codegen {
 namespace {
 
-using Numbers = Composition::Numbers;
+using Traces = Composition::Traces;
 
 /// The function f with quaternions divided by their norm.
 Recording normalised(const Model& model, const Recording& f) {
   const Topology& topology = *model.tree<double>().topology();
   if (topology.quaternion_bodies.empty()) return f;
   Composition on;
-  std::vector<Numbers> x = on.arguments_of(f);
-  const Numbers q = x[0];
+  std::vector<Traces> x = on.arguments_of(f);
+  const Traces q = x[0];
   for (const int body : topology.quaternion_bodies) {
     const std::size_t first = topology.iq[body];
     Trace square;
@@ -56,17 +56,17 @@ class Accelerations {
   Recording tangent() const {
     const Recording forces_tangent = tangent_of(forces_);
     return shortest([&](Composition& on, const State& at, const Recording& solution) {
-      const Numbers dq = on.argument("fwd_q", model_.nq()), dv = on.argument("fwd_v", model_.nv());
-      Numbers rest = on.argument("fwd_tau", model_.nv());
-      subtract(rest, on(forces_tangent, {at.q, at.v, at.a, dq, dv, Numbers(rest.size())}));
+      const Traces dq = on.argument("fwd_q", model_.nq()), dv = on.argument("fwd_v", model_.nv());
+      Traces rest = on.argument("fwd_tau", model_.nv());
+      subtract(rest, on(forces_tangent, {at.q, at.v, at.a, dq, dv, Traces(rest.size())}));
       return on.with("fwd", on(solution, {at.q, rest}));
     });
   }
   Recording adjoint(const Weights& weights) const {
     const Recording forces_adjoint = adjoint_of(forces_, {{"w"}, {model_.nv()}});
     return shortest([&](Composition& on, const State& at, const Recording& solution) {
-      const Numbers mu = on(solution, {at.q, weights.on(on)});
-      Numbers out = on(forces_adjoint, {at.q, at.v, at.a, mu});
+      const Traces mu = on(solution, {at.q, weights.on(on)});
+      Traces out = on(forces_adjoint, {at.q, at.v, at.a, mu});
       const std::size_t moving = out.size() - mu.size();
       for (std::size_t k = 0; k < moving; ++k) out[k] = -out[k];
       std::ranges::copy(mu, out.begin() + static_cast<std::ptrdiff_t>(moving));
@@ -76,13 +76,13 @@ class Accelerations {
   Recording hessian(const Weights& weights) const {
     const Recording forces_hessian = hessian_of(forces_, {{"w"}, {model_.nv()}});
     return shortest([&](Composition& on, const State& at, const Recording& solution) {
-      const Numbers mu = on(solution, {at.q, weights.on(on)});
-      const Numbers L = on(forces_hessian, {at.q, at.v, at.a, mu});
+      const Traces mu = on(solution, {at.q, weights.on(on)});
+      const Traces L = on(forces_hessian, {at.q, at.v, at.a, mu});
       const std::size_t nq = at.q.size(), nv = at.v.size(), n = nq + 2 * nv, moving = nq + nv;
-      std::vector<Numbers> K;
+      std::vector<Traces> K;
       for (std::size_t i = 0; i < nq; ++i) {
         const auto by_a = L.begin() + static_cast<std::ptrdiff_t>(i * n + moving);
-        K.push_back(on(solution, {at.q, Numbers(by_a, by_a + static_cast<std::ptrdiff_t>(nv))}));
+        K.push_back(on(solution, {at.q, Traces(by_a, by_a + static_cast<std::ptrdiff_t>(nv))}));
       }
       return on.with("hess", curvature(L, on(forces_jacobian_, {at.q, at.v, at.a}), K));
     });
@@ -90,16 +90,16 @@ class Accelerations {
 
  private:
   struct State {
-    Numbers q, v, a;
+    Traces q, v, a;
   };
   State state(Composition& on, const Recording& solution) const {
     State at{on.argument("q", model_.nq()), on.argument("v", model_.nv()), {}};
-    Numbers rest = on.argument("tau", model_.nv());
-    subtract(rest, on(forces_, {at.q, at.v, Numbers(rest.size())}));
+    Traces rest = on.argument("tau", model_.nv());
+    subtract(rest, on(forces_, {at.q, at.v, Traces(rest.size())}));
     at.a = on(solution, {at.q, rest});
     return at;
   }
-  static void subtract(Numbers& x, const Numbers& y) {
+  static void subtract(Traces& x, const Traces& y) {
     for (std::size_t k = 0; k < x.size(); ++k) x[k] -= y[k];
   }
   /// Returns the recording with the fewest operations among those that make(composition, state, solution)
@@ -114,11 +114,11 @@ class Accelerations {
     return best;
   }
   /// The derivatives of the accelerations a by q, v and tau, as contiguous columns.
-  Numbers by_state(Composition& on, const State& at, const Recording& solution) const {
-    Numbers columns = on(forces_jacobian_, {at.q, at.v, at.a});
+  Traces by_state(Composition& on, const State& at, const Recording& solution) const {
+    Traces columns = on(forces_jacobian_, {at.q, at.v, at.a});
     const std::size_t nv = at.v.size(), moving = at.q.size() + nv;
     for (std::size_t c = 0; c < moving + nv; ++c) {
-      Numbers rest(nv);
+      Traces rest(nv);
       for (std::size_t r = 0; r < nv; ++r) rest[r] = c < moving ? -columns[c * nv + r] : T(c - moving == r);
       std::ranges::copy(on(solution, {at.q, rest}), columns.begin() + static_cast<std::ptrdiff_t>(c * nv));
     }
@@ -129,7 +129,7 @@ class Accelerations {
     return columns;
   }
   /// The upper triangle of d²(w a), from L = mu T_xx, the columns of T_x and K = M⁻¹ (mu T_aq).
-  Numbers curvature(const Numbers& L, const Numbers& T_x, const std::vector<Numbers>& K) const {
+  Traces curvature(const Traces& L, const Traces& T_x, const std::vector<Traces>& K) const {
     const std::size_t nq = K.size(), nv = static_cast<std::size_t>(model_.nv()), n = nq + 2 * nv,
                       moving = nq + nv;
     const auto through_a = [&](std::size_t i, std::size_t j) {
@@ -137,7 +137,7 @@ class Accelerations {
       for (std::size_t k = 0; k < nv; ++k) sum += K[i][k] * T_x[j * nv + k];
       return sum;
     };
-    Numbers H(n * n);
+    Traces H(n * n);
     for (std::size_t i = 0; i < moving; ++i)
       for (std::size_t j = i; j < moving; ++j) {
         H[i * n + j] = -L[i * n + j];
@@ -158,7 +158,7 @@ class Accelerations {
 /// Removes the results that are always 0. Returns the new index of each result, or -1 for a removed one.
 std::vector<int> keep_nonzeros(Recording& recording) {
   std::vector<int> places;
-  Numbers kept;
+  Traces kept;
   for (const Trace& x : recording.results) {
     const bool is_zero = x.is_constant() && x.factor() == 0;
     places.push_back(is_zero ? -1 : static_cast<int>(kept.size()));
@@ -213,7 +213,7 @@ std::vector<CasadiOutput> matrices(const Model& model, const Function& function,
 
 /// Brings results into the order of the entries of the matrices.
 void put_in_order(std::vector<CasadiOutput>& outputs, Recording& value) {
-  Numbers ordered;
+  Traces ordered;
   for (CasadiOutput& out : outputs)
     for (int& result : out.results) {
       ordered.push_back(value.results[result]);

@@ -247,7 +247,7 @@ class File {
       const std::string result = "res[" + std::to_string(o) + ']', n = std::to_string(out.results.size());
       wanted += (wanted.empty() ? "" : " || ") + result;
       copies += "      if (" + result + ")\n        for (k = 0; k < " + n + "; ++k) " + result + "[s * " + n +
-                " + k] = w[" + place(out.results) + "];\n";
+                " + k] = w[" + position_of(out.results) + "];\n";
     }
     for (const std::string& argument : recording.arguments) {
       const auto at = std::ranges::find(function.inputs, argument, &CasadiInput::name);
@@ -259,7 +259,7 @@ class File {
     return "    if (" + wanted + ") {\n      " + (recording.returns_singularity ? "failed |= " : "") + name +
            '(' + arguments + "w);\n" + copies + "    }\n";
   }
-  std::string place(const std::vector<int>& results) {
+  std::string position_of(const std::vector<int>& results) {
     for (std::size_t k = 0; k < results.size(); ++k)
       if (results[k] != results[0] + static_cast<int>(k)) return places_(results) + "[k]";
     return std::to_string(results[0]) + " + k";

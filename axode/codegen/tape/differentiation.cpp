@@ -4,7 +4,7 @@ namespace axode::codegen {
 namespace {
 
 using enum Tape::Operation;
-using Numbers = Composition::Numbers;
+using Traces = Composition::Traces;
 
 bool is_zero(const Trace& x) { return x.is_constant() && x.factor() == 0; }
 
@@ -33,7 +33,7 @@ std::array<Trace, 2> partials(const Tape::Node& node, const Trace& y) {
 
 }  // namespace
 
-Numbers Composition::argument(const std::string& name, int n) {
+Traces Composition::argument(const std::string& name, int n) {
   inputs_.emplace_back();
   for (int k = 0; k < n; ++k)
     inputs_.back().push_back(tape_.input(static_cast<int>(recording_.arguments.size()), k));
@@ -42,15 +42,15 @@ Numbers Composition::argument(const std::string& name, int n) {
   return inputs_.back();
 }
 
-std::vector<Numbers> Composition::arguments_of(const Recording& f) {
-  std::vector<Numbers> all;
+std::vector<Traces> Composition::arguments_of(const Recording& f) {
+  std::vector<Traces> all;
   for (std::size_t k = 0; k < f.arguments.size(); ++k) all.push_back(argument(f.arguments[k], f.lengths[k]));
   return all;
 }
 
-Numbers Composition::operator()(const Recording& f, std::span<const Numbers> arguments) {
+Traces Composition::operator()(const Recording& f, std::span<const Traces> arguments) {
   const std::vector<char> need = needed(f);
-  Numbers x(need.size());
+  Traces x(need.size());
   std::vector<Trace::Condition> truth(need.size());
   for (std::size_t k = 0; k < need.size(); ++k) {
     if (!need[k]) continue;
@@ -78,7 +78,7 @@ Numbers Composition::operator()(const Recording& f, std::span<const Numbers> arg
   const auto now = [&](const Trace& result) {
     return result.factor() * (result.is_constant() ? Trace(1) : x[result.node()]);
   };
-  Numbers results;
+  Traces results;
   for (const Trace& result : f.results) results.push_back(now(result));
   recording_.returns_singularity = recording_.returns_singularity || f.returns_singularity;
   recording_.maybe_singular =
@@ -91,14 +91,14 @@ std::size_t Composition::node(std::size_t argument, std::size_t entry) const {
   return inputs_[argument][entry].node();
 }
 
-Numbers Composition::along(const Numbers& x, std::span<const Numbers> direction) const {
+Traces Composition::along(const Traces& x, std::span<const Traces> direction) const {
   const Recording made{.nodes = tape_.nodes(), .results = x};
   return along(made, needed(made), direction);
 }
 
-Numbers Composition::along(const Recording& made, const std::vector<char>& need,
-                           std::span<const Numbers> direction) const {
-  Numbers d(need.size());
+Traces Composition::along(const Recording& made, const std::vector<char>& need,
+                          std::span<const Traces> direction) const {
+  Traces d(need.size());
   for (std::size_t i = 0; i < direction.size(); ++i)
     for (std::size_t k = 0; k < direction[i].size(); ++k) d[node(i, k)] = direction[i][k];
   for (std::size_t k = 1; k < need.size(); ++k) {
@@ -109,14 +109,14 @@ Numbers Composition::along(const Recording& made, const std::vector<char>& need,
     const auto [by_a, by_b] = partials(node, Tape::number(static_cast<int>(k)));
     d[k] = by_a * da + by_b * db;
   }
-  Numbers change;
+  Traces change;
   for (const Trace& result : made.results) change.push_back(result.factor() * d[result.node()]);
   return change;
 }
 
-Numbers Composition::gradient(const Numbers& x, const Numbers& w, std::size_t arguments) const {
+Traces Composition::gradient(const Traces& x, const Traces& w, std::size_t arguments) const {
   const std::vector<Tape::Node> nodes = tape_.nodes();
-  Numbers by(nodes.size());
+  Traces by(nodes.size());
   for (std::size_t k = 0; k < x.size(); ++k) by[x[k].node()] += x[k].factor() * w[k];
   for (std::size_t k = by.size(); k-- > 1;) {
     if (is_zero(by[k]) || nodes[k].operation == input) continue;
@@ -124,30 +124,30 @@ Numbers Composition::gradient(const Numbers& x, const Numbers& w, std::size_t ar
     by[nodes[k].a] += by[k] * by_a;
     by[nodes[k].b] += by[k] * by_b;
   }
-  Numbers out;
+  Traces out;
   for (std::size_t i = 0; i < arguments; ++i)
     for (std::size_t k = 0; k < inputs_[i].size(); ++k) out.push_back(by[node(i, k)]);
   return out;
 }
 
-Numbers Composition::jacobian(const Numbers& x, std::size_t arguments) const {
+Traces Composition::jacobian(const Traces& x, std::size_t arguments) const {
   const Recording made{.nodes = tape_.nodes(), .results = x};  // a copy of the tape, because each column adds
                                                                // nodes to it
   const std::vector<char> need = needed(made);
-  std::vector<Numbers> direction;
+  std::vector<Traces> direction;
   for (std::size_t i = 0; i < arguments; ++i) direction.emplace_back(inputs_[i].size());
-  Numbers columns;
-  for (Numbers& part : direction)
+  Traces columns;
+  for (Traces& part : direction)
     for (Trace& entry : part) {
       entry = 1;
-      const Numbers column = along(made, need, direction);
+      const Traces column = along(made, need, direction);
       columns.insert(columns.end(), column.begin(), column.end());
       entry = 0;
     }
   return columns;
 }
 
-Recording Composition::with(const std::string& result, Numbers results) {
+Recording Composition::with(const std::string& result, Traces results) {
   recording_.result = result;
   recording_.results = std::move(results);
   recording_.nodes = tape_.nodes();
@@ -156,21 +156,21 @@ Recording Composition::with(const std::string& result, Numbers results) {
 
 Recording jacobian_of(const Recording& f) {
   Composition on;
-  const std::vector<Numbers> x = on.arguments_of(f);
+  const std::vector<Traces> x = on.arguments_of(f);
   return on.with("jac", on.jacobian(on(f, x), x.size()));
 }
 
 Recording tangent_of(const Recording& f) {
   Composition on;
-  const std::vector<Numbers> x = on.arguments_of(f);
-  std::vector<Numbers> direction;
+  const std::vector<Traces> x = on.arguments_of(f);
+  std::vector<Traces> direction;
   for (std::size_t k = 0; k < x.size(); ++k)
     direction.push_back(on.argument("fwd_" + f.arguments[k], f.lengths[k]));
   return on.with("fwd", on.along(on(f, x), direction));
 }
 
-Numbers Weights::on(Composition& composition) const {
-  Numbers w;
+Traces Weights::on(Composition& composition) const {
+  Traces w;
   for (std::size_t k = 0; k < names.size(); ++k)
     for (const Trace& x : composition.argument(names[k], lengths[k])) w.push_back(x);
   return w;
@@ -178,15 +178,15 @@ Numbers Weights::on(Composition& composition) const {
 
 Recording adjoint_of(const Recording& f, const Weights& weights) {
   Composition on;
-  const std::vector<Numbers> x = on.arguments_of(f);
-  const Numbers w = weights.on(on);
+  const std::vector<Traces> x = on.arguments_of(f);
+  const Traces w = weights.on(on);
   return on.with("adj", on.gradient(on(f, x), w, x.size()));
 }
 
 Recording hessian_of(const Recording& f, const Weights& weights) {
   Composition on;
-  const std::vector<Numbers> x = on.arguments_of(f);
-  const Numbers w = weights.on(on);
+  const std::vector<Traces> x = on.arguments_of(f);
+  const Traces w = weights.on(on);
   return on.with("hess", on.jacobian(on.gradient(on(f, x), w, x.size()), x.size()));
 }
 

@@ -19,7 +19,7 @@ namespace axode::codegen {
 namespace {
 
 using T = Trace;
-using Numbers = Composition::Numbers;
+using Traces = Composition::Traces;
 
 template <class Kernel> using OnTape = WithScratch<T, Kernel>;
 
@@ -43,7 +43,7 @@ class SingularityTest {
   }
   Trace::Condition verdict() const { return single_precision_ ? has_small_ && has_rounding_ : has_small_; }
 
-  Numbers inertia_scale;  ///< of each velocity
+  Traces inertia_scale;  ///< of each velocity
 
  private:
   bool single_precision_;
@@ -57,10 +57,10 @@ struct Traced {
   std::string result;
 
   Traced(const Tree<double>& tree, std::string_view name) : constants(cast<T>(tree)), result(name) {}
-  Numbers argument(std::string_view name, int n) { return on.argument(std::string(name), n); }
-  Recording with(Numbers results) { return on.with(result, std::move(results)); }
+  Traces argument(std::string_view name, int n) { return on.argument(std::string(name), n); }
+  Recording with(Traces results) { return on.with(result, std::move(results)); }
   /// The recording of results that are wrong if `maybe_singular` is true.
-  Recording with(Numbers results, const Trace::Condition& maybe_singular) {
+  Recording with(Traces results, const Trace::Condition& maybe_singular) {
     if (maybe_singular.is_constant() && maybe_singular.constant())  // a joint moves no mass in any
                                                                     // configuration
       std::ranges::fill(results, T(std::numeric_limits<double>::quiet_NaN()));
@@ -120,7 +120,7 @@ template <bool factors> struct Solver {
   }
   void solve(const Tree<double>& tree, T* matrix) {
     const std::size_t nv = tree->nv;
-    Numbers x(nv);
+    Traces x(nv);
     for (std::size_t c = 0; c < nv; ++c) {
       for (std::size_t r = 0; r < nv; ++r) x[r] = matrix[r * nv + c];
       solve_one(tree, x.data());
@@ -150,12 +150,12 @@ template <catalog::Id id, class By> Recording record_row(const Tree<double>& tre
   constexpr const catalog::Words& row = id.words();
   Traced traced(tree, row.together);
   catalog::Read<T> given;
-  std::vector<Numbers> arguments;
+  std::vector<Traces> arguments;
   for (const catalog::Input input : row.numbers()) {
     arguments.push_back(traced.argument(to_string(input), input == catalog::Input::q ? tree->nq : tree->nv));
     given[input] = arguments.back().data();
   }
-  Numbers out(row.symbols.size() * static_cast<std::size_t>(std::pow(tree->nv, row.shape.size())));
+  Traces out(row.symbols.size() * static_cast<std::size_t>(std::pow(tree->nv, row.shape.size())));
   OnTape<catalog::RowKernel<id, By>> kernel(*tree.topology());
   if constexpr (row.may_fail) {
     kernel->by.single_precision = single_precision;
@@ -170,26 +170,26 @@ template <catalog::Id id, class By> Recording record_row(const Tree<double>& tre
 /// Records the mass matrix, body-fixed, because joint screws are then constant and sparse.
 Recording mass_matrix(const Tree<double>& tree) {
   Traced traced(tree, "M");
-  const Numbers q = traced.argument("q", tree->nq);
+  const Traces q = traced.argument("q", tree->nq);
   OnTape<CompositeBodies<BodyFixed, T>> bodies(*tree.topology());
-  Numbers M(tree->nv * tree->nv);
+  Traces M(tree->nv * tree->nv);
   bodies->run(traced.constants, q.data(), traced.constants.armature.data(), M.data());
   return traced.with(std::move(M));
 }
 template <class By> Recording inverse_mass_matrix(const Tree<double>& tree, bool single_precision) {
   Traced traced(tree, "M_inverse");
-  const Numbers q = traced.argument("q", tree->nq);
+  const Traces q = traced.argument("q", tree->nq);
   OnTape<By> by(*tree.topology());
   by->single_precision = single_precision;
   by->prepare(tree, q.data());
-  Numbers out(tree->nv * tree->nv);
+  Traces out(tree->nv * tree->nv);
   by->inverse(tree, out.data());
   return traced.with(std::move(out), by->maybe_singular);
 }
 template <class By> Recording solution(const Tree<double>& tree) {
   Traced traced(tree, "x");
-  const Numbers q = traced.argument("q", tree->nq);
-  Numbers x = traced.argument("tau", tree->nv);
+  const Traces q = traced.argument("q", tree->nq);
+  Traces x = traced.argument("tau", tree->nv);
   OnTape<By> by(*tree.topology());
   by->prepare(tree, q.data());
   by->solve_one(tree, x.data());
@@ -199,7 +199,7 @@ template <class By> Recording solution(const Tree<double>& tree) {
 /// The Jacobian of a frame: one column for each velocity. Joint screws are computed on the path from the
 /// frame to the ground if Rep has the axes of the frame, and from the poses of the bodies if Rep has inertial
 /// axes.
-template <class Rep> std::vector<Twist<Rep, T>> columns(Traced& traced, const Numbers& q, int frame) {
+template <class Rep> std::vector<Twist<Rep, T>> columns(Traced& traced, const Traces& q, int frame) {
   const Tree<T>& tree = traced.constants;
   std::vector<Twist<Rep, T>> J(tree->nv);
   const auto add = [&](int c, const Screw<T>& X) { J[c] += Twist<Rep, T>{X.w, X.v}; };
@@ -222,9 +222,9 @@ template <class Rep> std::vector<Twist<Rep, T>> columns(Traced& traced, const Nu
 
 Recording jacobian(const Tree<double>& tree, int frame, Representation representation) {
   Traced traced(tree, "J");
-  const Numbers q = traced.argument("q", tree->nq);
+  const Traces q = traced.argument("q", tree->nq);
   const std::size_t nv = tree->nv;
-  Numbers rows(6 * nv);
+  Traces rows(6 * nv);
   with_representation(representation, [&](auto rep) {
     const auto J = columns<decltype(rep)>(traced, q, frame);
     for (std::size_t c = 0; c < nv; ++c) {
@@ -239,10 +239,10 @@ Recording jacobian(const Tree<double>& tree, int frame, Representation represent
 /// Records the poses of frames `first` to `last`, each as the columns of R, then r.
 Recording poses(const Tree<double>& tree, int first, int last) {
   Traced traced(tree, "C");
-  const Numbers q = traced.argument("q", tree->nq);
+  const Traces q = traced.argument("q", tree->nq);
   OnTape<BodyPoses<T>> bodies(*tree.topology());
   bodies->run(traced.constants, q.data());
-  Numbers out;
+  Traces out;
   for (int f = first; f <= last; ++f) {
     const SE3<T> C = bodies->C[tree->frame_body[f]] * traced.constants.frame_offset[f];
     for (const Vec3<T>& x : {C.R.x, C.R.y, C.R.z, C.r}) out.insert(out.end(), {x.x, x.y, x.z});

@@ -9,8 +9,8 @@ namespace axode {
 /// The change L(X) W of a load W on a body that is displaced along X, if W is constant in a representation;
 /// both are resolved in the loaded frame. See (D1.14) of docs/derivations.
 template <class T>
-constexpr Wrench<BodyFixed, T> turned(Representation representation, const Wrench<BodyFixed, T>& W,
-                                      const Twist<BodyFixed, T>& X) {
+constexpr Wrench<BodyFixed, T> load_change(Representation representation, const Wrench<BodyFixed, T>& W,
+                                           const Twist<BodyFixed, T>& X) {
   switch (representation) {
     case Representation::body: break;
     case Representation::spatial: return T(-1) * coad(X, W);
@@ -21,8 +21,9 @@ constexpr Wrench<BodyFixed, T> turned(Representation representation, const Wrenc
 }
 /// The gradient of L(X) W | Y with respect to X.
 template <class T>
-constexpr Wrench<BodyFixed, T> turned_transposed(Representation representation, const Wrench<BodyFixed, T>& W,
-                                                 const Twist<BodyFixed, T>& Y) {
+constexpr Wrench<BodyFixed, T> load_change_transposed(Representation representation,
+                                                      const Wrench<BodyFixed, T>& W,
+                                                      const Twist<BodyFixed, T>& Y) {
   switch (representation) {
     case Representation::body: break;
     case Representation::spatial: return coad(Y, W);

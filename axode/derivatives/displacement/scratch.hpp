@@ -44,12 +44,13 @@ template <class T> struct ForwardVjp {
   Solvability run(const Tree<T>& tree, const T* q, const T* v, const T* tau, const T* w,
                   const Loads<T>& loads) noexcept {
     const Solvability verdict = forward.run(tree, q, v, tau, loads);
-    if (verdict.ok()) weigh(tree, q, v, w, loads);
+    if (verdict.ok()) compute_gradient(tree, q, v, w, loads);
     return verdict;
   }
   /// Computes, after forward.run(), the gradient of -μ·τ of inverse dynamics at the accelerations, with μ =
   /// M⁻¹ w.
-  void weigh(const Tree<T>& tree, const T* q, const T* v, const T* w, const Loads<T>& loads) noexcept {
+  void compute_gradient(const Tree<T>& tree, const T* q, const T* v, const T* w,
+                        const Loads<T>& loads) noexcept {
     std::copy_n(w, tree->nv, mu);
     forward.solve_one(tree, mu);
     vjp.run(tree, q, v, forward.a, mu, loads);

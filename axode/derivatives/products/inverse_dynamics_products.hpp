@@ -43,7 +43,8 @@ template <class T> struct InverseDynamicsJvp {
     }
     for (const AppliedWrench<T>& wrench : wrenches) {
       const ResolvedLoad<T> on(tree, wrench, C.C);
-      tangent.load(on.body, on.back(on.W), on.back(turned(on.representation, on.W, on.there(eta[on.body]))));
+      tangent.load(on.body, on.back(on.W),
+                   on.back(load_change(on.representation, on.W, on.there(eta[on.body]))));
     }
   }
 };
@@ -103,7 +104,7 @@ template <class T> struct InverseDynamicsVjp {
       const ResolvedLoad<T> on(tree, wrench, C.C);
       const auto& x = gradient.motion[on.body];
       gradient.load(on.body, on.back(on.W),
-                    on.back(turned_transposed(on.representation, on.W, on.there({x.Lw, x.Lv}))));
+                    on.back(load_change_transposed(on.representation, on.W, on.there({x.Lw, x.Lv}))));
     }
   }
 };

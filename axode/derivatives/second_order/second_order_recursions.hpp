@@ -17,7 +17,7 @@ template <class T> struct LoadRates {
   LoadRates(const ResolvedLoad<T>& on, const Twist<BodyFixed, T>& V, const Twist<BodyFixed, T>& dV) {
     const Twist<BodyFixed, T> V_f = on.there(V), dV_f = on.there(dV);
     const auto L = [&](const Twist<BodyFixed, T>& X, const Wrench<BodyFixed, T>& F) {
-      return turned(on.representation, F, X);
+      return load_change(on.representation, F, X);
     };
     const Wrench<BodyFixed, T> first = L(V_f, on.W), second = L(dV_f, on.W) + L(V_f, first);
     W[0] = on.back(on.W);

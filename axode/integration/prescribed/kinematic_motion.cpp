@@ -176,11 +176,11 @@ KinematicMotion kinematic_motion(const Model& model, std::span<const double> q, 
   append(at, motion);
   for (const double t : times.subspan(1)) {
     bool interrupted = false;
-    const std::function<bool()> go_on = [&] {
+    const std::function<bool()> should_continue = [&] {
       interrupted = monitor && !monitor();
       return !interrupted;
     };
-    if (!solver.go(t, times.back() - times.front(), go_on, at)) {
+    if (!solver.go(t, times.back() - times.front(), should_continue, at)) {
       motion.complete = false;
       if (interrupted) {
         motion.stop_reason = "it was interrupted";

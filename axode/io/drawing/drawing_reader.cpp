@@ -20,11 +20,11 @@ namespace {
 constexpr auto kind_names = names_of(joint_kinds);
 constexpr auto shape_names = names_of(shape_kinds);
 
-/// The way in which the geometry of a body is given: by A, by B, or by S_prev and S_self.
-enum class Way { construction, body, joint };
+/// The form in which the geometry of a body is given: A, B, or S_prev and S_self.
+enum class GeometryForm { construction, body, joint };
 
 /// Reads the geometry of a body: A, or B, or S_prev and S_self.
-Way read_geometry(Table& table, BodyDescription& body) {
+GeometryForm read_geometry(Table& table, BodyDescription& body) {
   const bool has_A = table.has("A"), has_B = table.has("B"),
              has_S = table.has("S_prev") || table.has("S_self"), has_frame = table.has("frame");
   if (has_A + has_B + has_S + has_frame > 1)
@@ -35,14 +35,14 @@ Way read_geometry(Table& table, BodyDescription& body) {
               S_self = table.pose("S_self").value_or(SE3<>{});
   if (has_S) {
     body.geometry = InJointFrames{S_prev, S_self};
-    return Way::joint;
+    return GeometryForm::joint;
   }
   if (has_B) {
     body.geometry = InBodyFrame{B};
-    return Way::body;
+    return GeometryForm::body;
   }
   body.geometry = InConstructionFrame{A};
-  return Way::construction;
+  return GeometryForm::construction;
 }
 
 constexpr std::array<std::string_view, 11> dof_keys{"limits",   "velocity", "effort",     "damping",
@@ -113,11 +113,11 @@ void read_dofs(Table& table, JointDescription& joint) {
 }
 
 /// Reads axis, point and pitch of a joint, and reports those that its kind needs or must not have.
-void read_screw(Table& table, Way way, JointDescription& joint) {
+void read_screw(Table& table, GeometryForm form, JointDescription& joint) {
   const JointKind kind = joint.kind;
   const std::string a_kind = "a " + std::string(to_string(kind)) + " joint";
   const auto axis = [&](std::string_view key, bool needed, Vec3<>& into) {
-    if (needed && !table.has(key) && way != Way::joint)
+    if (needed && !table.has(key) && form != GeometryForm::joint)
       table.missing(key, a_kind + " needs one, such as [0, 0, 1] or \"z\"");
     into = table.direction(key).value_or(into);
   };
@@ -135,7 +135,7 @@ void read_screw(Table& table, Way way, JointDescription& joint) {
   if (!has_axis && !has_point) {
     table.refuse("point", a_kind + " has no point");
   } else {
-    if (has_point && way == Way::construction && !table.has("point"))
+    if (has_point && form == GeometryForm::construction && !table.has("point"))
       table.missing("point", a_kind + " needs one: [x, y, z] of a point on its axis, or of its centre");
     joint.point = table.vector("point").value_or(Vec3<>{});
   }
@@ -159,7 +159,7 @@ void read_of_unknown_kind(Table& table) {
   for (const char* const key : {"dof", "follows"}) table.take(key);
 }
 
-void read_joint(Table& body_table, Way way, BodyDescription& body) {
+void read_joint(Table& body_table, GeometryForm form, BodyDescription& body) {
   const toml::Value* node = body_table.take("joint");
   if (node == nullptr) {
     body_table.missing("joint",
@@ -186,7 +186,7 @@ void read_joint(Table& body_table, Way way, BodyDescription& body) {
     return;
   }
   body.joint.kind = joint_kinds[*kind].kind;
-  read_screw(*table, way, body.joint);
+  read_screw(*table, form, body.joint);
   read_dofs(*table, body.joint);
   if (body.joint.kind == JointKind::fixed) {
     table->refuse("passive", "a fixed joint does not move");
@@ -206,10 +206,10 @@ void read_joint(Table& body_table, Way way, BodyDescription& body) {
 
 constexpr std::array<std::string_view, 2> frame_names{"construction", "body"};
 
-std::optional<MassProperties> read_inertia(Table& table, Way way) {
+std::optional<MassProperties> read_inertia(Table& table, GeometryForm form) {
   MassProperties given;
   const bool has_mass = table.has("mass");
-  given.in = way == Way::construction ? GivenIn::construction_frame : GivenIn::body_frame;
+  given.in = form == GeometryForm::construction ? GivenIn::construction_frame : GivenIn::body_frame;
   if (const auto in = table.choice("inertia_in", frame_names))
     given.in = *in == 0 ? GivenIn::construction_frame : GivenIn::body_frame;
   constexpr std::array<std::string_view, 2> points{"com", "origin"};
@@ -331,9 +331,9 @@ std::string read_name(Table& table, const std::string& kind, std::size_t number)
 bool read_body(Table& table, std::size_t number, BodyDescription& body) {
   body.name = read_name(table, "body", number);
   body.predecessor = table.text("on").value_or("ground");
-  const Way way = read_geometry(table, body);
-  read_joint(table, way, body);
-  body.inertia = read_inertia(table, way);
+  const GeometryForm form = read_geometry(table, body);
+  read_joint(table, form, body);
+  body.inertia = read_inertia(table, form);
   move_frame(table, body);
   read_shapes(table, table.element(), "body.shape", body.shapes);
   for (Table& mesh : table.tables("mesh", "write [[body.mesh]] before its keys"))

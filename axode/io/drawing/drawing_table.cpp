@@ -141,11 +141,11 @@ std::vector<std::pair<std::string, double>> Table::named_numbers(std::string_vie
 }
 
 std::vector<std::pair<std::string, std::vector<double>>> Table::named_lists(std::string_view key) {
-  using Numbers = std::vector<double>;
-  return named<Numbers>(key, [](Table& inner, const std::string& name, const toml::Value& entry) {
+  using Vector = std::vector<double>;
+  return named<Vector>(key, [](Table& inner, const std::string& name, const toml::Value& entry) {
     if (entry.number() == nullptr) return inner.list(name, "it needs a number, or numbers in brackets");
     const std::optional<double> x = inner.number(name);
-    return x ? std::optional(Numbers{*x}) : std::nullopt;
+    return x ? std::optional(Vector{*x}) : std::nullopt;
   });
 }
 

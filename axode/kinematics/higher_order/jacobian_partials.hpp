@@ -20,13 +20,13 @@ inline constexpr int largest_partial_order = largest_directional_order;
 /// docs/derivations, which for the first order is eq. Jhder with its cases k < j (errata 6 to 12). Any order
 /// >= 0 is allowed. A column of the result takes at most ν brackets or 2 ν cross products, O(ν m^(ν + 1)) in
 /// all for m joint screws on the path. The number of allocations does not depend on the order. During long
-/// calls, go_on() is called from time to time; if it returns false, the call ends early and the tensor is not
-/// complete.
+/// calls, should_continue() is called from time to time; if it returns false, the call ends early and the
+/// tensor is not complete.
 template <RecursionRepresentation Rep = BodyFixed, class T>
 void jacobian_partials(const Model& model, Workspace<T>& workspace, Numbers<T> q,
                        const std::type_identity_t<Place<T>>& place, int order,
                        std::type_identity_t<std::span<Twist<Rep, T>>> J,
-                       const std::function<bool()>& go_on = {});
+                       const std::function<bool()>& should_continue = {});
 
 /// The tensor of jacobian_partials() contracted with one direction for each derivative, D_uν ... D_u1 J:
 /// `directions` has `order` rows of nv numbers, u1 first. The tensor is never built: O(m 3^order) screw

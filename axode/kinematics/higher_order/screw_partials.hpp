@@ -55,11 +55,12 @@ template <class Rep, class T> class ScrewPartials {
         tails_(static_cast<std::size_t>(order)) {}
 
   /// Calls f(alpha, a, X) with the derivative X of every screw a along every multi-index, alpha[0] changing
-  /// first, while go_on() returns true.
-  template <class F> void each(const std::function<bool()>& go_on, const F& f) {
+  /// first, while should_continue() returns true.
+  template <class F> void each(const std::function<bool()>& should_continue, const F& f) {
     std::fill(alpha_.begin(), alpha_.end(), 0);
     for (bool more = true; more;) {
-      if (alpha_.size() > 2 && alpha_[0] == 0 && alpha_[1] == 0 && go_on && !go_on()) return;
+      if (alpha_.size() > 2 && alpha_[0] == 0 && alpha_[1] == 0 && should_continue && !should_continue())
+        return;
       along([&](int a, const Screw<T>& X) { f(alpha_, a, X); });
       more = false;
       for (std::size_t k = 0; k < alpha_.size() && !more; ++k) {

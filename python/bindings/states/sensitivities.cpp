@@ -39,12 +39,13 @@ struct Motions {
     return states.items(name, given, {count, nv()}, "nv numbers in each row");
   }
 
-  /// Calls f(n, go_on) for every motion n. As a motion may take long, Ctrl-C is also noticed whenever f calls
-  /// go_on(). Motions that cannot continue cause an error that contains the result.
+  /// Calls f(n, should_continue) for every motion n. As a motion may take long, Ctrl-C is also noticed
+  /// whenever f calls should_continue(). Motions that cannot continue cause an error that contains the result.
   template <class F> void each(double microseconds, NewArray& result, const F& f) const {
     std::vector<Solvability> found(states.count());
-    states.each_long(microseconds * static_cast<double>(K()),
-                     [&](std::size_t n, const Monitor& go_on) { found[n] = f(n, go_on); });
+    states.each_long(
+        microseconds * static_cast<double>(K()),
+        [&](std::size_t n, const Monitor& should_continue) { found[n] = f(n, should_continue); });
     states.refuse(found, result);
   }
 };
@@ -55,7 +56,7 @@ nb::object rollout_derivatives_of(const BoundModel& m, ArrayLike q, ArrayLike v,
   const nb::ssize_t K = motions.K(), nv = m->nv();
   const Shape shape_A{K, 2 * nv, 2 * nv}, shape_B{K, 2 * nv, nv};
   NewArray A = motions.states.result(shape_A), B = motions.states.result(shape_B);
-  motions.each(12 * quadratic_cost(*m), A, [&](std::size_t n, const Monitor& go_on) {
+  motions.each(12 * quadratic_cost(*m), A, [&](std::size_t n, const Monitor& should_continue) {
     Workspace<> workspace(*m);
     const std::span<const double> from = motions.states.q(n);
     std::vector<double> q_k(from.begin(), from.end()), v_k(motions.v[n].begin(), motions.v[n].end()),
@@ -65,7 +66,7 @@ nb::object rollout_derivatives_of(const BoundModel& m, ArrayLike q, ArrayLike v,
     std::ranges::fill(B_n, std::numeric_limits<double>::quiet_NaN());
     const std::size_t width = v_k.size();
     Solvability found;
-    for (std::size_t k = 0; k < static_cast<std::size_t>(K) && found.ok() && go_on(); ++k) {
+    for (std::size_t k = 0; k < static_cast<std::size_t>(K) && found.ok() && should_continue(); ++k) {
       found = step_derivatives(*m, workspace, q_k, v_k, motions.tau[n].subspan(k * width, width), step,
                                {q_1, v_1, A_n.subspan(k * 4 * width * width, 4 * width * width),
                                 B_n.subspan(k * 2 * width * width, 2 * width * width)});
@@ -85,9 +86,10 @@ std::tuple<Array, Array> rollout_jvp_of(const BoundModel& m, ArrayLike q, ArrayL
               of_tau = motions.rows("dtau", dtau, motions.K());
   const Shape shape{motions.K() + 1, m->nv()};
   NewArray q_out = motions.states.result(shape), v_out = motions.states.result(shape);
-  motions.each(15 * linear_cost(*m), v_out, [&](std::size_t n, const Monitor& go_on) {
+  motions.each(15 * linear_cost(*m), v_out, [&](std::size_t n, const Monitor& should_continue) {
     return rollout_jvp(*m, motions.states.q(n), motions.v[n], motions.tau[n], step, of_q[n], of_v[n],
-                       of_tau[n], item(q_out, n, shape), item(v_out, n, shape), {}, runge_kutta(4), go_on);
+                       of_tau[n], item(q_out, n, shape), item(v_out, n, shape), {}, runge_kutta(4),
+                       should_continue);
   });
   return {q_out.array(), v_out.array()};
 }
@@ -100,11 +102,11 @@ nb::object rollout_vjp_of(const BoundModel& m, ArrayLike q, ArrayLike v, ArrayLi
   const Shape one{m->nv()}, steps{motions.K(), m->nv()}, bodies{m->n_bodies(), 6};
   NewArray by_q = motions.states.result(one), by_v = motions.states.result(one),
            by_tau = motions.states.result(steps), geometry = motions.states.result(bodies);
-  motions.each(20 * linear_cost(*m), by_q, [&](std::size_t n, const Monitor& go_on) {
+  motions.each(20 * linear_cost(*m), by_q, [&](std::size_t n, const Monitor& should_continue) {
     return rollout_vjp(
         *m, motions.states.q(n), motions.v[n], motions.tau[n], step, of_q[n], of_v[n],
         {item(by_q, n, one), item(by_v, n, one), item(by_tau, n, steps), item(geometry, n, bodies)}, {},
-        runge_kutta(4), go_on);
+        runge_kutta(4), should_continue);
   });
   return named_tuple("axode.records", "RolloutGradient", by_q.array(), by_v.array(), by_tau.array(),
                      geometry.array());

@@ -73,7 +73,7 @@ const catalog::Function<double>& StateFunction::row(const Algorithm& algorithm) 
 }
 
 NewArray StateFunction::run(const BoundModel& m, const Arguments& given, const Row& row) const {
-  catalog::check_counts(row, *m, catalog::Way::whole);
+  catalog::check_counts(row, *m, catalog::Caller::whole);
   const bool counts_loops = !m->loops().empty() && row.call_with_loops != nullptr;
   const States states(m, given.q, given.threads);
   std::vector<Items> taken;

@@ -96,20 +96,22 @@ class States {
     return outcome;
   }
 
-  /// Calls f(k, go_on) for every state k. As a state may take long, Ctrl-C is also noticed whenever f calls
-  /// go_on().
+  /// Calls f(k, should_continue) for every state k. As a state may take long, Ctrl-C is also noticed
+  /// whenever f calls should_continue().
   template <class F> void each_long(double microseconds, const F& f) const {
     unlocked(microseconds, [&](const batch::Monitor& monitor) {
       const std::thread::id caller = std::this_thread::get_id();
       batch::MonitorThrottle throttle(monitor, count_);
       std::atomic<bool> stopped = false;
-      const std::function<bool()> go_on = [&] {
+      const std::function<bool()> should_continue = [&] {
         if (std::this_thread::get_id() == caller && !stopped && !throttle.should_continue(0)) stopped = true;
         return !stopped;
       };
       return batch::in_portions(
-          count_, 1, threads_, [&](std::size_t, std::size_t) { return go_on(); },
-          [&]() -> batch::Work { return [&](std::size_t k, std::size_t) { run(k, [&] { f(k, go_on); }); }; });
+          count_, 1, threads_, [&](std::size_t, std::size_t) { return should_continue(); },
+          [&]() -> batch::Work {
+            return [&](std::size_t k, std::size_t) { run(k, [&] { f(k, should_continue); }); };
+          });
     });
   }
 

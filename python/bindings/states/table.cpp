@@ -50,7 +50,7 @@ void add_table(nb::module_& module) {
       [](const BoundModel& m, const std::string& function) {
         const auto check = [&](const auto& rows) {
           for (const auto& row : rows)
-            if (row.name == function) catalog::check_counts(row.name, row.counts, *m, catalog::Way::tape);
+            if (row.name == function) catalog::check_counts(row.name, row.counts, *m, catalog::Caller::tape);
         };
         check(catalog::functions_of_state), check(catalog::other_functions);
       },
