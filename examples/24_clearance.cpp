@@ -66,7 +66,8 @@ int main() {
     const auto found = distances.evaluate(q, near);
     J_d.resize(found.size() * nv);
     distances.jacobian(J_d);
-    for (int sweep = 0; started && sweep < 50; ++sweep)
+    const int sweeps = started ? 50 : 0;
+    for (int sweep = 0; sweep < sweeps; ++sweep)
       for (std::size_t k = 0; k < found.size(); ++k) {
         const Eigen::Map<const Eigen::VectorXd> row(J_d.data() + k * nv, nv);
         const double missing = clearance - found[k].distance - row.dot(dq);

@@ -122,7 +122,8 @@ template <class S> class ScalarRollout {
   Solvability solve(std::span<const S> q, std::span<const S> v, std::span<S> a) {
     if (compiled_.call) {
       const std::span damping(model_->tree<S>().damping);
-      for (std::size_t c = 0; losses_.damping && c < v.size(); ++c) total_[c] -= S(damping[c]) * v[c];
+      if (losses_.damping)
+        for (std::size_t c = 0; c < v.size(); ++c) total_[c] -= S(damping[c]) * v[c];
       const S* const arguments[]{q.data(), v.data(), total_.data()};
       unsigned char maybe_singular = 0;
       compiled_.call(1, arguments, a.data(), nullptr, &maybe_singular);

@@ -61,7 +61,8 @@ template <class S> class StatesOfRow {
   /// Computes the states that may be singular with the library's function for one state, and checks that the
   /// results of the other states are finite.
   void settle(std::optional<Workspace<S>>& workspace, std::size_t first, std::size_t states) {
-    for (std::size_t k = first; row_.may_fail && k < first + states; ++k) {
+    if (!row_.may_fail) return;
+    for (std::size_t k = first; k < first + states; ++k) {
       unsigned char& verdict = *verdicts(k);
       if (verdict == solved) {
         if (!finite(result(k, 1))) verdict = not_finite;
@@ -81,7 +82,8 @@ template <class S> class StatesOfRow {
 
   Outcome outcome(std::size_t done) {
     Outcome outcome{.done = done};
-    for (std::size_t k = 0; row_.may_fail && k < done; ++k)
+    if (!row_.may_fail) return outcome;
+    for (std::size_t k = 0; k < done; ++k)
       if (*verdicts(k) != solved && outcome.singular_states++ == 0) outcome.first = k;
     if (outcome.ok()) return outcome;
     outcome.solvability.not_finite = true;

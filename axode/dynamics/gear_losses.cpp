@@ -117,7 +117,8 @@ ResistingForces::Vector ResistingForces::solve(const Matrix& Phi, const Vector& 
   regularised.diagonal() += regular;
   const Eigen::PartialPivLU<Matrix> factors(regularised);
   Vector x = factors.solve(rhs);
-  for (int pass = 0; little == 0 && pass < 2; ++pass) x += factors.solve(rhs - A * x);
+  if (little == 0)
+    for (int pass = 0; pass < 2; ++pass) x += factors.solve(rhs - A * x);
   return x;
 }
 

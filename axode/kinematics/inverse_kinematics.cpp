@@ -70,7 +70,7 @@ class Solver {
       ++iterations;
       linearise();
       g_.noalias() = J_.transpose() * at_.e;
-      hold(g_, g_);
+      stop_at_limits(g_, g_);
       H_.noalias() = J_.transpose() * J_;
       const double before = at_.residual;
       for (int attempt = 0; attempt < 10 && !(at_.residual < before); ++attempt) {
@@ -108,7 +108,7 @@ class Solver {
           Eigen::NumTraits<double>::epsilon() * static_cast<double>(std::min(J_.rows(), J_.cols()));
       Vector way = gain * way_to_posture(q);
       do step_ = way - least_squares(J_, J_ * way, rounding);
-      while (hold(step_, way));
+      while (stop_at_limits(step_, way));
       move(q, step_, q_try);
       const bool solved = run(q_try, iterations) == InverseKinematicsStatus::solved;
       const double distance_try = solved ? way_to_posture(at_.q).norm() : distance;
@@ -152,17 +152,18 @@ class Solver {
       }
     }
   }
-  /// Holds the joints that are at a limit and that `push` would move beyond it: their entries in J, `push`
-  /// and `way` are set to 0. Returns whether there was such a joint.
-  bool hold(Vector& push, Vector& way) {
+  /// Stops the joints that are at a limit and that `gradient` would move beyond it: their entries in J,
+  /// `gradient` and `direction` are set to 0. Returns whether there was such a joint.
+  bool stop_at_limits(Vector& gradient, Vector& direction) {
+    if (!options_.limits) return false;
     bool held = false;
-    for (int i = 1; options_.limits && i <= tree_->n; ++i) {
+    for (int i = 1; i <= tree_->n; ++i) {
       const Joint& joint = model_.joint(i);
       if (joint.nq != 1) continue;
-      const double x = at_.q[joint.iq], speed = push[joint.iv];
+      const double x = at_.q[joint.iq], speed = gradient[joint.iv];
       if ((x >= limit_.upper[joint.iq] && speed > 0) || (x <= limit_.lower[joint.iq] && speed < 0)) {
         J_.col(joint.iv).setZero();
-        push[joint.iv] = way[joint.iv] = 0;
+        gradient[joint.iv] = direction[joint.iv] = 0;
         held = true;
       }
     }
@@ -175,7 +176,8 @@ class Solver {
         with_joint(tree_, i, [&](const auto& joint) {
           joint.integrate(&q[tree_->iq[i]], &dv[tree_->iv[i]], &out[tree_->iq[i]]);
         });
-    for (std::size_t k = 0; options_.limits && k < out.size(); ++k)
+    if (!options_.limits) return;
+    for (std::size_t k = 0; k < out.size(); ++k)
       out[k] = std::clamp(out[k], limit_.lower[k], limit_.upper[k]);
   }
   Vector way_to_posture(const std::vector<double>& q) const {

@@ -30,7 +30,7 @@ class Emitter {
     write_statements();
     Definition definition{.scratch = slots_};
     std::string calls;
-    for (std::size_t k = 0; is_cut() && k + 1 < parts_.size(); ++k) {
+    for (std::size_t k = 0; k + 1 < parts_.size(); ++k) {
       const std::string part = name + "_part_" + std::to_string(k + 1);
       definition.text +=
           c_declaration(recording_, "static AXODE_PART void " + part, type(), tail() + scratch()) + " {\n" +
@@ -284,10 +284,11 @@ class Emitter {
       }
     }
     enter(n_parts());
-    const Trace::Condition& doubt = recording_.maybe_singular;
+    const Trace::Condition& singular = recording_.maybe_singular;
     if (recording_.returns_singularity)
       body() += "  return " +
-                (doubt.is_constant() ? constant_condition(doubt.constant()) : text(doubt.node())) + ";\n";
+                (singular.is_constant() ? constant_condition(singular.constant()) : text(singular.node())) +
+                ";\n";
   }
   void enter(int part) {
     if (is_cut()) now_ = part;

@@ -346,7 +346,8 @@ void TaskKernel::make_M(std::span<const double> q) noexcept {
       for (int r = 0; r < f; ++r) {
         double* const out = M_.row(r).data();
         for (int t = 0; t < f; ++t) out[t] += left[r] * product[t];
-        for (int t = 0; both && t < f; ++t) M_(t, r) += left[r] * product[t];
+        if (both)
+          for (int t = 0; t < f; ++t) M_(t, r) += left[r] * product[t];
       }
     }
   };

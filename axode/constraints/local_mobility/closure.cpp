@@ -112,10 +112,11 @@ void Closure::evaluate(const Eigen::Ref<const Eigen::VectorXd>& x, Eigen::Vector
     for (const PassedJoint& joint : loops_[l]) {
       Screw<> X{};
       for (std::size_t k = 0; k < joint.S.size(); ++k) X = X + x[joint.coordinates[k]] * joint.S[k];
-      for (std::size_t k = 0; J && k < joint.S.size(); ++k) {
-        const Screw<> S = joint.S.size() > 1 ? dexp(X, joint.S[k]) : joint.S[k];
-        J->block<6, 1>(row, joint.coordinates[k]) += column(Ad(C, S));
-      }
+      if (J)
+        for (std::size_t k = 0; k < joint.S.size(); ++k) {
+          const Screw<> S = joint.S.size() > 1 ? dexp(X, joint.S[k]) : joint.S[k];
+          J->block<6, 1>(row, joint.coordinates[k]) += column(Ad(C, S));
+        }
       C = C * exp(X);
     }
     r.segment<6>(row) = column(log(C));

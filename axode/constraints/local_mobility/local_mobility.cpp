@@ -109,7 +109,7 @@ MobilityProbe probe(const PolynomialRings& rings, const Closure& closure, const 
 /// settled and settled_at_order, rigid_at_order, and decided_by_rank. They follow from the rank, from
 /// mobility_by_order, from the branches whose points close the loops, and from the closed points that lie on
 /// no branch; all these must be known.
-void judge(LocalMobility& found) {
+void draw_conclusions(LocalMobility& found) {
   std::set<int> dimensions;
   bool all_close = true, all_settled = true, singular = true;
   for (const MotionBranch& branch : found.branches) {
@@ -153,7 +153,8 @@ void in_units(MotionBranch& branch, const Eigen::VectorXd& unit) {
 }
 
 /// Follows the elimination of the closure, if anything is free, into orders and branches.
-void follow(PolynomialRings& rings, const Closure& closure, const Elimination& left, LocalMobility& found) {
+void find_branches(PolynomialRings& rings, const Closure& closure, const Elimination& left,
+                   LocalMobility& found) {
   const int orders = found.differential_mobility <= 2 ? found.order : std::min(found.order, 6);
   const PolynomialRing& ring = *left.ring;
   const std::vector<Form> rows = independent_forms(ring, left.g, left.scale);
@@ -193,8 +194,8 @@ class Analysis {
     if (left.rank > 0) found.smallest_kept = left.singular_values[left.rank - 1];
     if (left.rank < left.singular_values.size()) found.largest_dropped = left.singular_values[left.rank];
     found.mobility_by_order.assign(1, 0);
-    if (left.ring) follow(rings, closure_, left, found);
-    judge(found);
+    if (left.ring) find_branches(rings, closure_, left, found);
+    draw_conclusions(found);
     return found;
   }
 
@@ -231,8 +232,9 @@ LocalMobility local_mobility(const Model& model, std::span<const double> q,
   LocalMobility found;
   try {
     found = analysis.run(order, options.monitor);
-    constexpr int raises = 2, step = 2;
-    for (int k = 0; k < raises && options.order == 0 && !found.settled; ++k) {
+    constexpr int step = 2;
+    const int raises = options.order == 0 ? 2 : 0;
+    for (int k = 0; k < raises && !found.settled; ++k) {
       order += step;
       if (too_large(order, affordable)) break;
       found = analysis.run(order, options.monitor);

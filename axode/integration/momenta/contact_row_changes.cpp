@@ -43,7 +43,8 @@ bool ContactStepDerivative::find(const std::vector<Contact>& contacts, double ma
 Matrix ContactStepDerivative::coefficient_changes(const std::vector<Contact>& contacts, Eigen::Index rows,
                                                   const Matrix& friction) const {
   Matrix out = Matrix::Zero(rows, friction.cols());
-  for (std::size_t k = 0; k < contacts.size() && friction.size() > 0; ++k) {
+  if (friction.size() == 0) return out;
+  for (std::size_t k = 0; k < contacts.size(); ++k) {
     const auto [a, b] = ContactJets::shapes_of(contacts[k].key);
     const double mu_a = shapes_[a].surface.friction.value_or(0),
                  mu_b = shapes_[b].surface.friction.value_or(0);

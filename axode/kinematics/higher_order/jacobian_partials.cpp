@@ -12,8 +12,9 @@ namespace {
 /// nv^(order + 1), or the largest number if it overflows.
 std::size_t tensor_size(std::size_t nv, int order) {
   constexpr std::size_t largest = std::numeric_limits<std::size_t>::max();
+  if (nv == 0) return 0;
   std::size_t size = nv;
-  for (int k = 0; k < order && nv > 0; ++k) size = size > largest / nv ? largest : size * nv;
+  for (int k = 0; k < order; ++k) size = size > largest / nv ? largest : size * nv;
   return size;
 }
 
@@ -22,7 +23,8 @@ std::size_t tensor_size(std::size_t nv, int order) {
 template <RecursionRepresentation Rep, class T>
 void jacobian_partials(const Model& model, Workspace<T>& workspace, Numbers<T> q,
                        const std::type_identity_t<Place<T>>& given, int order,
-                       std::type_identity_t<std::span<Twist<Rep, T>>> J, const std::function<bool()>& go_on) {
+                       std::type_identity_t<std::span<Twist<Rep, T>>> J,
+                       const std::function<bool()>& should_continue) {
   check_state(model, workspace, q);
   const Place<T> place = found(model, given);
   if (order < 0) throw std::invalid_argument("order is " + std::to_string(order) + "; expected 0 or more");
@@ -34,7 +36,7 @@ void jacobian_partials(const Model& model, Workspace<T>& workspace, Numbers<T> q
   if (path.screws.empty()) return;
   const auto nv = static_cast<std::size_t>(model.nv());
   ScrewPartials<Rep, T>(path, order)
-      .each(go_on, [&](const std::vector<int>& alpha, int a, const Screw<T>& X) {
+      .each(should_continue, [&](const std::vector<int>& alpha, int a, const Screw<T>& X) {
         std::size_t at = 0;
         for (std::size_t k = alpha.size(); k-- > 0;)
           at = at * nv + static_cast<std::size_t>(path.screws[static_cast<std::size_t>(alpha[k])].c);

@@ -203,7 +203,8 @@ class Compiler {
       path.points.push_back({f, in_frame(f, from.in, {{}, point}).r});
     };
     for (const SpringDescription::Point& it : from.path) add(it.on, it.point);
-    for (std::size_t e = 0; e < 2 && from.kind == SpringKind::line; ++e) add(from.between[e], from.points[e]);
+    if (from.kind == SpringKind::line)
+      for (std::size_t e = 0; e < 2; ++e) add(from.between[e], from.points[e]);
     return path;
   }
   Spring::JointSum sum_of(const SpringDescription& from, const Topology& topology) const {

@@ -57,7 +57,7 @@ struct Mount {
   std::string prefix;
 
   std::string renamed(const std::string& name) const { return prefix + name; }
-  std::string place(const std::string& name) const { return name == "ground" ? carrier : renamed(name); }
+  std::string new_name(const std::string& name) const { return name == "ground" ? carrier : renamed(name); }
   /// The pose of a frame of the other mechanism relative to the frame of the first one that now carries it.
   SE3<> from(const std::string& name) const { return name == "ground" ? pose : SE3<>{}; }
 };
@@ -69,36 +69,37 @@ void mount(BodyDescription& body, const Mount& at) {
   if (body.joint.coupling) body.joint.coupling->leader = at.renamed(body.joint.coupling->leader);
   SE3<>& S_prev = std::get<InJointFrames>(body.geometry).S_prev;
   S_prev = at.from(body.predecessor) * S_prev;
-  body.predecessor = at.place(body.predecessor);
+  body.predecessor = at.new_name(body.predecessor);
 }
 void mount(FrameDescription& frame, const Mount& at) {
   frame.name = at.renamed(frame.name);
   frame.pose = at.from(frame.body) * frame.pose;
-  frame.body = at.place(frame.body);
+  frame.body = at.new_name(frame.body);
 }
 void mount(SpringDescription& spring, const Mount& at) {
   if (!spring.name.empty()) spring.name = at.renamed(spring.name);
-  for (std::size_t k = 0; k < 2 && traits(spring.kind).has("between"); ++k) {
-    const SE3<> from = at.from(spring.between[k]);
-    spring.points[k] = from * spring.points[k];
-    spring.frames[k] = from * spring.frames[k];
-    spring.between[k] = at.place(spring.between[k]);
-  }
+  if (traits(spring.kind).has("between"))
+    for (std::size_t k = 0; k < 2; ++k) {
+      const SE3<> from = at.from(spring.between[k]);
+      spring.points[k] = from * spring.points[k];
+      spring.frames[k] = from * spring.frames[k];
+      spring.between[k] = at.new_name(spring.between[k]);
+    }
   for (SpringDescription::Point& it : spring.path) {
     it.point = at.from(it.on) * it.point;
-    it.on = at.place(it.on);
+    it.on = at.new_name(it.on);
   }
   for (auto& [joint, factor] : spring.terms) joint = at.renamed(joint);
 }
 void mount(LoopDescription& loop, const Mount& at) {
   for (std::size_t k = 0; k < 2; ++k) {
     (*loop.frames)[k] = at.from(loop.between[k]) * (*loop.frames)[k];
-    loop.between[k] = at.place(loop.between[k]);
+    loop.between[k] = at.new_name(loop.between[k]);
   }
 }
 void mount(ContactDescription& contact, const Mount& at) {
   for (auto& pair : contact.ignored)
-    for (std::string& body : pair) body = at.place(body);
+    for (std::string& body : pair) body = at.new_name(body);
 }
 void mount(CouplingDescription& coupling, const Mount& at) {
   for (auto& [joint, factor] : coupling.terms) joint = at.renamed(joint);
@@ -110,10 +111,11 @@ void mount(MotionDescription& motion, const Mount& at) {
 void mount(DriveDescription& drive, const Mount& at) {
   drive.name = at.renamed(drive.name);
   for (auto& [joint, factor] : drive.joints) joint = at.renamed(joint);
-  for (std::size_t k = 0; drive.line && k < 2; ++k) {
-    drive.line->points[k] = at.from(drive.line->between[k]) * drive.line->points[k];
-    drive.line->between[k] = at.place(drive.line->between[k]);
-  }
+  if (drive.line)
+    for (std::size_t k = 0; k < 2; ++k) {
+      drive.line->points[k] = at.from(drive.line->between[k]) * drive.line->points[k];
+      drive.line->between[k] = at.new_name(drive.line->between[k]);
+    }
   if (!drive.input.from.empty()) drive.input.from = at.renamed(drive.input.from);
 }
 /// The initial state of both mechanisms; that of the mounted one is added to `into`.

@@ -302,11 +302,12 @@ Description in_joint_frames(const Description& given) {
   for (SpringDescription& spring : description.springs) {
     if (spring.in == GivenIn::construction_frame) {
       for (SpringDescription::Point& it : spring.path) it.point = relative(A.at(it.on), {{}, it.point}).r;
-      for (std::size_t k = 0; k < 2 && traits(spring.kind).has("between"); ++k) {
-        const SE3<>& on = A.at(spring.between[k]);
-        spring.points[k] = relative(on, {{}, spring.points[k]}).r;
-        spring.frames[k] = relative(on, orthonormal(spring.frames[k]));
-      }
+      if (traits(spring.kind).has("between"))
+        for (std::size_t k = 0; k < 2; ++k) {
+          const SE3<>& on = A.at(spring.between[k]);
+          spring.points[k] = relative(on, {{}, spring.points[k]}).r;
+          spring.frames[k] = relative(on, orthonormal(spring.frames[k]));
+        }
     }
     spring.in = GivenIn::body_frame;
   }

@@ -36,7 +36,7 @@ Array exchange_halves_of(ArrayLike x, int axis) {
   nb::ssize_t half = 3;  // number of numbers in each half
   for (int behind = at + 1; behind < numbers.axes(); ++behind) half *= numbers.length(behind);
   const double* from = numbers.data();
-  for (nb::ssize_t k = 0; half > 0 && k < numbers.size(); k += 2 * half) {
+  for (nb::ssize_t k = 0; k < numbers.size(); k += 2 * half) {
     std::copy_n(from + k, half, out.data() + k + half);
     std::copy_n(from + k + half, half, out.data() + k);
   }
