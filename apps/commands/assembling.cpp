@@ -20,8 +20,9 @@ std::vector<int> velocities_of(const Model& model, const std::vector<std::string
   for (const std::string& name : joints) {
     const Joint& joint = model.joint(model.joint_index(name));
     if (joint.leader)
-      throw UsageError("--hold: joint \"" + name + "\" follows joint \"" +
-                       model.joint(joint.leader->joint).name + "\"; hold that one");
+      throw UsageError(fmt::format("--hold {}: joint \"{}\" follows joint \"{}\"; give --hold {}", name, name,
+                                   model.joint(joint.leader->joint).name,
+                                   model.joint(joint.leader->joint).name));
     for (int k = 0; k < joint.nv; ++k) found.push_back(joint.iv + k);
   }
   return found;
@@ -33,9 +34,11 @@ void check_start(const std::vector<std::pair<std::string, std::vector<double>>>&
   constexpr double tolerance = 1e-6;
   for (const auto& [name, numbers] : given)
     if (name == joint && !(std::abs(numbers[0] - start) <= tolerance * (1 + std::abs(start))))
-      throw InputError(fmt::format(
-          "state: {} of joint \"{}\" is {}, and its motion begins with {}; leave it out, or begin by --state",
-          what, joint, numbers[0], start));
+      throw InputError(
+          fmt::format("[state]: {} of joint \"{}\" is {}, but its [[motion]] starts with {} = {}; remove "
+                      "\"{}\" from {} in "
+                      "[state], or give a state by --state",
+                      what, joint, numbers[0], what, start, joint, what));
 }
 
 }  // namespace

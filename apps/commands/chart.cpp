@@ -375,7 +375,7 @@ ChartFile::ChartFile(std::string option, std::string file)
                    endings);
   if (!gnuplot(""))
     throw InputError(option_ +
-                     ": gnuplot draws it, and is not installed (on Debian: apt install gnuplot-nox)");
+                     ": charts need gnuplot, which is not installed (on Debian: apt install gnuplot-nox)");
 }
 
 void ChartFile::draw(const Chart& chart) const {

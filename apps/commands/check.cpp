@@ -68,8 +68,7 @@ void add_check(CLI::App& app, int& exit_code) {
   const auto options = std::make_shared<Options>();
   CLI::App* check = app.add_subcommand("check", "List every fault of drawings, URDFs and SDF files");
   add_model_options(*check, options->mechanisms, Files::several);
-  check->add_option("--format", options->format, "How to print; table if left out")
-      ->type_name(words(formats));
+  check->add_option("--format", options->format, "Output format; default: table")->type_name(words(formats));
   check->footer(footer);
   check->callback([options, &exit_code] { exit_code = run(*options); });
 }

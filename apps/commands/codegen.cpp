@@ -125,20 +125,22 @@ void add_codegen(CLI::App& app, int& exit_code) {
   CLI::App* codegen =
       app.add_subcommand("codegen", "Write the dynamics of a mechanism as C without loops and branches");
   add_model_options(*codegen, options->mechanism);
-  codegen->add_option("--functions", options->functions, "What to write; inverse_dynamics if left out")
+  codegen
+      ->add_option("--functions", options->functions,
+                   "Functions to write, from the list below; default: inverse_dynamics")
       ->type_name("FUNCTIONS");
-  codegen->add_flag("--float", options->single_precision, "float instead of double");
+  codegen->add_flag("--float", options->single_precision, "Write float instead of double");
   codegen
       ->add_option("--abi", options->abi,
-                   "Who calls the functions: C, CasADi, or threads of a GPU; plain if left out")
+                   "Calling convention: of C, of CasADi, or for threads of a GPU; default: plain")
       ->type_name(words(abis));
   codegen
       ->add_option("--states", options->states,
-                   "With --abi casadi: how many states a function is of; 1 if left out")
+                   "With --abi casadi: how many states a function is of; default: 1")
       ->type_name("N");
-  codegen->add_option("--name", options->name, "Prefix of all names; the model's name if left out")
+  codegen->add_option("--name", options->name, "Prefix of all names; default: the model's name")
       ->type_name("PREFIX");
-  codegen->add_option("--output", options->out, "The file to write; standard output if left out")
+  codegen->add_option("--output", options->out, "The file to write; default: standard output")
       ->type_name("FILE");
   codegen->footer(footer);
   codegen->callback([options, &exit_code] {

@@ -89,19 +89,20 @@ void add_contacts(CLI::App& app, int& exit_code) {
   CLI::App* contacts = app.add_subcommand("contacts", "Find points of contact, and their forces at rest");
   add_model_options(*contacts, options->mechanism);
   add_floor_option(*contacts, options->mechanism);
-  contacts->add_option("--state", options->state, "JSON, - for standard input; the initial state if left out")
+  contacts->add_option("--state", options->state, "JSON, - for standard input; default: the initial state")
       ->type_name("FILE");
   add_assembly_options(*contacts, options->assembling);
   contacts
       ->add_option("--margin", options->contacts.margin,
-                   "Show points with a gap below this, m; that of the drawing if left out")
+                   "Show points with a gap below this, m; default: that of the drawing")
       ->type_name("NUMBER");
   contacts
       ->add_option("--touching", options->contacts.touching,
-                   "Gap up to which shapes press on each other, m; 1e-6 if left out")
+                   "Gap up to which shapes press on each other, m; default: 1e-6")
       ->type_name("NUMBER");
-  contacts->add_flag("--joint-losses", options->contacts.joint_losses, "Let dry friction of the joints hold");
-  contacts->add_option("--format", options->format, "How to print; table if left out")
+  contacts->add_flag("--joint-losses", options->contacts.joint_losses,
+                     "Count dry friction of the joints at rest");
+  contacts->add_option("--format", options->format, "Output format; default: table")
       ->type_name(words(formats));
   contacts->footer(footer);
   contacts->callback([options, &exit_code] {

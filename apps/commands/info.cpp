@@ -381,7 +381,7 @@ void add_info(CLI::App& app, int& exit_code) {
   CLI::App* info = app.add_subcommand(
       "info", "Show the tree, joints, springs, loops, masses, frames and warnings of a mechanism");
   add_model_options(*info, options->mechanism);
-  info->add_option("--format", options->format, "How to print; table if left out")->type_name(words(formats));
+  info->add_option("--format", options->format, "Output format; default: table")->type_name(words(formats));
   info->footer(footer);
   info->callback([options, &exit_code] {
     run(*options);

@@ -87,10 +87,11 @@ State found_state(const Model& model, const Options& options) {
   State state = options.state.empty() ? neutral_state(model) : read_state(model, options.state);
   if (options.equilibrium || options.hold) {
     const char* const option = options.hold ? "--hold" : "--equilibrium";
-    if (!is_zero(state.v)) throw InputError(fmt::format("v is not 0; {} is about a state at rest", option));
+    if (!is_zero(state.v))
+      throw InputError(fmt::format("v is not 0, but {} needs a state at rest: leave v out of STATE", option));
   }
   if (options.hold) {
-    if (!is_zero(state.tau)) throw InputError("tau is not 0; --hold finds it");
+    if (!is_zero(state.tau)) throw InputError("tau is not 0, but --hold computes it: leave tau out of STATE");
     Workspace<> workspace(model);
     Eigen::VectorXd springs(model.nv());
     spring_forces(model, workspace, state.q, state.v, as_span(springs));
@@ -107,11 +108,11 @@ State found_state(const Model& model, const Options& options) {
   if (options.equilibrium) {
     EquilibriumResult found = equilibrium(model, state.q, state.tau, {state.loads});
     if (found.status != EquilibriumStatus::solved)
-      throw InputError(
-          fmt::format("no equilibrium was found from q: {} after {} step{}, where forces of {} N m or N are "
-                      "missing",
-                      to_string(found.status), found.iterations, found.iterations == 1 ? "" : "s",
-                      significant(found.residual, 3)));
+      throw InputError(fmt::format(
+          "no equilibrium was found from q: {} after {} step{}, with unbalanced forces of {} N m and N "
+          "(norm); start from another q",
+          to_string(found.status), found.iterations, found.iterations == 1 ? "" : "s",
+          significant(found.residual, 3)));
     state.q = std::move(found.q);
   }
   return state;
@@ -384,19 +385,18 @@ void add_linearize(CLI::App& app, int& exit_code) {
   CLI::App* linearize =
       app.add_subcommand("linearize", "Find the linear system about a state, its frequencies and modes");
   add_model_options(*linearize, options->mechanism);
-  linearize
-      ->add_option("--state", options->state, "JSON, - for standard input; neutral and at rest if left out")
+  linearize->add_option("--state", options->state, "JSON, - for standard input; default: neutral and at rest")
       ->type_name("FILE");
-  CLI::Option* equilibrium = linearize->add_flag("--equilibrium", options->equilibrium,
-                                                 "At a configuration near q that rests under tau");
-  linearize->add_flag("--hold", options->hold, "Under the drive forces that hold q at rest")
+  CLI::Option* equilibrium = linearize->add_flag(
+      "--equilibrium", options->equilibrium, "Linearise at the equilibrium under tau that is found from q");
+  linearize->add_flag("--hold", options->hold, "Use the drive forces that hold q at rest instead of tau")
       ->excludes(equilibrium);
   linearize->add_flag("--joint-losses", options->joint_losses, "Count damping of the joints");
   linearize->add_option("--output", options->outputs, "Write a .json, .csv or .npz; may be given again")
       ->type_name("FILE")
       ->allow_extra_args(false);
   add_plot_option(*linearize, options->plot);
-  linearize->add_option("--format", options->format, "How to print; table if left out")
+  linearize->add_option("--format", options->format, "Output format; default: table")
       ->type_name(words(formats));
   linearize->footer(footer);
   linearize->callback([options, &exit_code] {

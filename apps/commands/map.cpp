@@ -85,19 +85,19 @@ void add_map(CLI::App& app) {
   add("MODEL", "A drawing (.toml), a URDF, SDFormat, MJCF or xacro", "FILE")->required();
   add("STATES", "A Parquet file, or a folder of Parquet files", "FILE")->required();
   add("OUTPUT", "A file if the name ends in .parquet, otherwise a folder", "FILE")->required();
-  add("--base", "How the base is held; as the file says if left out", "fixed|free");
+  add("--base", "Joint of the base: fixed, or free; default: that of the file", "fixed|free");
   add_flag("--strict", "Treat warnings as errors");
   add("--set", "An argument of the function; may be given again", "NAME=VALUE")
       ->expected(1, CLI::detail::expected_max_vector_size)
       ->allow_extra_args(false);
   add("--keep",
-      "Columns to copy, separated by commas, or all, or none; all that are not part of a state if left out",
+      "Columns to copy, separated by commas, or all, or none; default: all that are not part of a state",
       "NAMES");
   add_flag("--float", "Write float instead of double");
-  add("--faulty", "What to do if a state has no result; refuse if left out", "refuse|nan");
+  add("--faulty", "What to do if a state has no result; default: refuse", "refuse|nan");
   add_flag("--overwrite", "Replace existing results");
-  add("--cluster", "Address of a Ray cluster, or local; $RAY_ADDRESS or this process if left out", "ADDRESS");
-  add("--threads", "Threads of this process; one for each core if left out", "N");
+  add("--cluster", "Address of a Ray cluster, or local; default: $RAY_ADDRESS or this process", "ADDRESS");
+  add("--threads", "Threads of this process; default: one for each core", "N");
   map->footer(footer);
   map->callback([map] { hand_over(words_given(*map)); });
 }

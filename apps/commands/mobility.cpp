@@ -28,11 +28,11 @@ struct Options {
 };
 
 constexpr const char* footer =
-    R"(A mechanism with loops may be able to do less than its velocities promise, or different things. The command
-prints how many velocities satisfy the closure of the loops up to order 1, 2, ..., the motions that begin at
-the configuration, with tangent and curvature, and words for it: regular, branch point, kinematotropic,
-cusp, shaky, rigid at order m, kinematic singularity, dead points and idle drives. Ranks are decided
-numerically; points that were closed near the configuration are evidence, and the last lines say so.
+    R"(A mechanism with loops may have fewer or other motions than its differential mobility suggests. The
+command prints how many velocities satisfy the closure of the loops up to order 1, 2, ..., the motions that
+begin at the configuration, with tangent and curvature, and words for it: regular, branch point,
+kinematotropic, cusp, shaky, rigid at order m, kinematic singularity, dead points and idle drives. Ranks are
+decided numerically; points that were closed near the configuration are evidence, and the last lines say so.
 
 STATE is the JSON object of `axode eval` with the key q. Loops have to be closed at q; --assemble closes them.
 Lengths are divided by the length of --length before they are compared with angles, by default the mean
@@ -189,13 +189,13 @@ std::string heading(const LocalMobility& found, std::size_t k) {
   const MotionBranch& branch = found.branches[k];
   std::string text = fmt::format("dimension {}", branch.dimension);
   if (branch.cusp()) text += ", a cusp: the mechanism moves in the direction of the tangent only";
-  if (branch.multiple) text += ", on which the equations hold doubly";
+  if (branch.multiple) text += ", a multiple solution of the closure equations";
   text += fmt::format("; moves {}", fmt::join(names_of(found.loops, branch.loops), ", "));
   if (branch.dimension > 1)
     text += fmt::format("; largest entry of the second form {}",
                         significant(branch.II.size() > 0 ? branch.II.cwiseAbs().maxCoeff() : 0, 3));
   if (branch.differential_mobility_beside > branch.dimension)
-    text += fmt::format("; shaky, differential mobility {} beside", branch.differential_mobility_beside);
+    text += fmt::format("; shaky: the differential mobility is {}", branch.differential_mobility_beside);
   return fmt::format("\n{}: {}\n", in(Ink::heading, fmt::format("branch {}", k + 1)), text);
 }
 
@@ -244,17 +244,16 @@ void add_mobility(CLI::App& app, int& exit_code) {
   const auto options = std::make_shared<Options>();
   CLI::App* mobility = app.add_subcommand("mobility", "Find what the loops let a mechanism do, to any order");
   add_model_options(*mobility, options->mechanism);
-  mobility->add_option("--state", options->state, "JSON, - for standard input; neutral if left out")
+  mobility->add_option("--state", options->state, "JSON, - for standard input; default: neutral")
       ->type_name("FILE");
   add_assembly_options(*mobility, options->assembling);
-  mobility
-      ->add_option("--order", options->mobility.order, "Highest order; chosen by the mechanism if left out")
+  mobility->add_option("--order", options->mobility.order, "Highest order; default: chosen by the mechanism")
       ->check(CLI::Range(2, 20));
   mobility
       ->add_option("--length", options->mobility.length,
-                   "Length to which lengths relate, m; the mean distance between two joints if left out")
+                   "Length by which lengths are divided, m; default: the mean distance between two joints")
       ->check(CLI::PositiveNumber);
-  mobility->add_option("--format", options->format, "How to print; table if left out")
+  mobility->add_option("--format", options->format, "Output format; default: table")
       ->type_name(words(formats));
   mobility->footer(footer);
   mobility->callback([options, &exit_code] {

@@ -25,7 +25,7 @@ struct Options {
 };
 
 constexpr const char* footer =
-    R"(A TABLE is a CSV file with the names of its columns in the first line, as `axode simulate --output
+    R"(TABLE is a CSV file with the names of its columns in the first line, as `axode simulate --output
 run.csv` writes it. The first column is the horizontal axis, and each other column is a curve. Columns
 with the same first word, or the same words before a colon, share a panel of that name: "q pin" and "q
 elbow" are the curves pin and elbow of the panel q. Cells that are empty or not finite are left out, and
@@ -184,11 +184,11 @@ void run(const Options& options, int& exit_code) {
 void add_plot(CLI::App& app, int& exit_code) {
   const auto options = std::make_shared<Options>();
   CLI::App* plot = app.add_subcommand("plot", "Draw a chart of columns of numbers");
-  plot->add_option("table", options->tables, "CSV files, or - for standard input")
+  plot->add_option("TABLE", options->tables, "CSV files, or - for standard input")
       ->required()
       ->type_name("FILE");
   plot->add_option("--output", options->picture, "The .svg or .png to draw")->required()->type_name("FILE");
-  plot->add_option("--log", options->logarithmic, "Logarithmic axes; none if left out")
+  plot->add_option("--log", options->logarithmic, "Logarithmic axes; default: none")
       ->type_name(words(logarithmic_axes));
   add_columns_option(*plot, options->columns);
   plot->add_flag("--bars", options->bars, "Bars instead of curves");

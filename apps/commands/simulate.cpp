@@ -92,7 +92,7 @@ Example:
 The ending of FILE says what is written by --output: .json all that is known; .csv a row for each time
 with t, q, v, a, tau and the energy, under names; .npz these as arrays: q = numpy.load("run.npz")["q"].
 --plot draws q, v, tau, the forces of contacts and the energies over time, and of these what --columns
-names. Ctrl-C ends the motion; what there is by then is written.)";
+names. Ctrl-C ends the motion; the part computed so far is written.)";
 
 /// The constant drive forces of the state, and the controller of the options.
 Drive drive_of(const Model& model, const State& state, const Options& options) {
@@ -320,43 +320,44 @@ void add_simulate(CLI::App& app, int& exit_code) {
   CLI::App* simulate = app.add_subcommand("simulate", "Compute the motion from a state");
   add_model_options(*simulate, options->mechanism);
   add_floor_option(*simulate, options->mechanism);
-  simulate->add_option("--state", options->state, "JSON, - for standard input; the initial state if left out")
+  simulate->add_option("--state", options->state, "JSON, - for standard input; default: the initial state")
       ->type_name("FILE");
-  simulate->add_option("--until", options->until, "The end, s; 1 if left out")->type_name("NUMBER");
+  simulate->add_option("--until", options->until, "End time, s; default: 1")->type_name("NUMBER");
   simulate
       ->add_option("--method", options->method,
-                   "How to integrate; if left out, dopri5, or contact if the drawing has [contact]")
+                   "Integration method; default: dopri5, or contact if the drawing has [contact]")
       ->type_name("METHOD");
-  simulate->add_option("--coordinates", options->coordinates, "In which coordinates; relative if left out")
+  simulate
+      ->add_option("--coordinates", options->coordinates, "Coordinates of the integration; default: relative")
       ->type_name(words(coordinate_kinds));
   simulate
       ->add_option("--local-coordinates", options->local_coordinates,
-                   "Coordinates of a step on the group; exponential if left out")
+                   "Coordinates of a step on the group; default: exponential")
       ->type_name(words(local_coordinate_kinds));
   simulate->add_option("--step", options->step, "Length of a step, s; of the first one with dopri5")
       ->type_name("NUMBER");
-  simulate->add_option("--rtol", options->relative, "Relative tolerance; 1e-8 if left out")
-      ->type_name("NUMBER");
-  simulate->add_option("--atol", options->absolute, "Absolute tolerance, rad, m; 1e-10 if left out")
+  simulate->add_option("--rtol", options->relative, "Relative tolerance; default: 1e-8")->type_name("NUMBER");
+  simulate->add_option("--atol", options->absolute, "Absolute tolerance, rad, m; default: 1e-10")
       ->type_name("NUMBER");
   simulate
       ->add_option(
           "--spectral-radius", options->spectral_radius,
-          "Part of fast oscillations that generalized_alpha leaves after a step, 0 to 1; 0.8 if left out")
+          "Part of fast oscillations that generalized_alpha leaves after a step, 0 to 1; default: 0.8")
       ->type_name("NUMBER");
   simulate
       ->add_option("--pd", options->gains, "Gains of a controller, N m/rad and N m s/rad, or N/m and N s/m")
       ->type_name("KP,KD")
       ->delimiter(',')
       ->expected(2);
-  simulate
-      ->add_option("--target", options->target, "JSON, the target of --pd; neutral and at rest if left out")
+  simulate->add_option("--target", options->target, "JSON, the target of --pd; default: neutral and at rest")
       ->type_name("FILE");
-  simulate->add_option("--samples", options->samples, "Write so many equal intervals instead of the steps")
+  simulate
+      ->add_option("--samples", options->samples,
+                   "Number of equal time intervals to write instead of the steps")
       ->type_name("NUMBER");
   add_assembly_options(*simulate, options->assembling);
   simulate->add_flag("--kinematic", options->kinematic,
-                     "Without dynamics, if motions of the drawing use up the mobility");
+                     "Compute the motion without dynamics; needs motions that use up the mobility");
   simulate->add_flag("--joint-losses", options->joint_losses,
                      "Count damping, friction and losses of gears of the joints");
   simulate
@@ -368,7 +369,7 @@ void add_simulate(CLI::App& app, int& exit_code) {
       ->allow_extra_args(false);
   add_plot_option(*simulate, options->plot);
   add_columns_option(*simulate, options->columns);
-  simulate->add_option("--format", options->format, "How to print; table if left out")
+  simulate->add_option("--format", options->format, "Output format; default: table")
       ->type_name(words(formats));
   simulate->footer(footer);
   simulate->callback([options, &exit_code] { run(*options, exit_code); });

@@ -26,7 +26,7 @@ void add_model_options(CLI::App& command, ModelOptions& options, Files files, co
         ->required()
         ->type_name("FILE ...");
   }
-  command.add_option("--base", options.base, "How the base is held; as the file says if left out")
+  command.add_option("--base", options.base, "Joint of the base: fixed, or free; default: that of the file")
       ->type_name(words(bases));
   command.add_flag("--strict", options.strict, "Treat warnings as errors");
 }

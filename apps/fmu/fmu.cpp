@@ -94,8 +94,9 @@ void add_fmu(CLI::App& app, int& exit_code) {
   CLI::App* fmu = app.add_subcommand("fmu", "Write a mechanism as an FMU, which other simulators run");
   add_model_options(*fmu, options->mechanism);
   fmu->add_option("--output", options->out, "The file to write, .fmu")->required()->type_name("FILE");
-  fmu->add_option("--fmi", options->version, "Version of FMI; 3.0 if left out")->type_name(words(versions));
-  fmu->add_option("--kind", options->kind, "Who integrates; both kinds if left out")->type_name(words(kinds));
+  fmu->add_option("--fmi", options->version, "Version of FMI; default: 3.0")->type_name(words(versions));
+  fmu->add_option("--kind", options->kind, "Kinds of FMU; in co-simulation axode integrates; default: both")
+      ->type_name(words(kinds));
   fmu->add_option("--frame", options->frames, "A frame whose pose is an output; may be given again")
       ->type_name("FRAME")
       ->allow_extra_args(false);

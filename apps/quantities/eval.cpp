@@ -36,8 +36,7 @@ constexpr const char* footer = R"(Quantities for --want (several are separated b
 {quantities}
 
 A state is a JSON object with the keys q, v, a, jerk, snap, tau, p, dq, dv, da, dtau, w, loads and
-targets, all of
-which may be left out:
+targets; each key may be left out:
   q, v, a, jerk, snap, tau, p; a direction dq, dv, da, dtau; weights w, 1 if absent:
             arrays in the model's order (`axode info MODEL` shows it), or objects keyed by joint
             name; a joint that is not named is neutral or at rest
@@ -65,33 +64,39 @@ keyed by frame: six rows of nv entries; their partial derivatives are lists of t
 constexpr std::pair<std::string_view, std::string_view> elsewhere[]{
     {"assemble", "ask for \"assembly\", or close the loops of the state by --assemble"},
     {"closure_derivatives",
-     "a state has no derivatives of loop joints to take it along; it is a function of the library alone"},
+     "it needs motions of the joints of the loops, which --state cannot give; call it in Python or C++"},
     {"contacts", "use axode contacts"},
     {"contact_rollout_derivatives",
-     "a state has no forces of several steps; it is a function of the library alone"},
-    {"equilibrium_with_drives", "a state has no states of drives; it is a function of the library alone"},
+     "it needs drive forces of several steps, which --state cannot give; call it in Python or C++"},
+    {"equilibrium_with_drives",
+     "it needs states of drives, which --state cannot give; call it in Python or C++"},
     {"forward_dynamics_rates",
-     "a state has no time derivatives of drive forces; it is a function of the library alone"},
+     "it needs time derivatives of drive forces, which --state cannot give; call it in Python or C++"},
     {"independent_linearization", "use axode linearize"},
     {"inverse_kinematics_rates",
-     "a state has no twists of a place to follow; it is a function of the library alone"},
+     "it needs the twists and poses of a place, which --state cannot give; call it in Python or C++"},
     {"jacobian_columns", "ask for \"jacobian\", whose columns off the path of the frame are 0"},
     {"jacobian_derivative_along", "ask for \"jacobian_partials\", its derivatives along all directions"},
     {"jacobian_derivatives", "ask for \"jacobian_derivative\" with --order"},
     {"linearize", "use axode linearize"},
-    {"linearize_with_drives", "a state has no states of drives; it is a function of the library alone"},
+    {"linearize_with_drives",
+     "it needs states of drives, which --state cannot give; call it in Python or C++"},
     {"local_mobility", "use axode mobility"},
     {"loop_hessian_product",
-     "a state has no multipliers to take it with; it is a function of the library alone"},
+     "it needs multipliers of the loops, which --state cannot give; call it in Python or C++"},
     {"motion_vjp", "ask for \"motion_derivatives\", the matrices whose product with weights it is"},
     {"pair_distances", "ask for \"distances\", which has those of all pairs"},
     {"rollout", "use axode simulate"},
-    {"rollout_derivatives", "a state has no forces of several steps; it is a function of the library alone"},
-    {"rollout_jvp", "a state has no forces of several steps; it is a function of the library alone"},
-    {"rollout_vjp", "a state has no forces of several steps; it is a function of the library alone"},
+    {"rollout_derivatives",
+     "it needs drive forces of several steps, which --state cannot give; call it in Python or C++"},
+    {"rollout_jvp",
+     "it needs drive forces of several steps, which --state cannot give; call it in Python or C++"},
+    {"rollout_vjp",
+     "it needs drive forces of several steps, which --state cannot give; call it in Python or C++"},
     {"second_order_inverse_dynamics", "ask for \"inverse_dynamics_rates\", the same numbers"},
     {"simulate", "use axode simulate"},
-    {"spring_coordinate", "a state has no name of a spring; it is a function of the library alone"},
+    {"spring_coordinate",
+     "it needs the name of a spring, which --state cannot give; call it in Python or C++"},
     {"twist_derivatives", "ask for \"twist_derivative\" with --order"},
     {"view", "use axode view"}};
 
@@ -295,16 +300,18 @@ void add_eval(CLI::App& app, int& exit_code) {
   CLI::App* eval = app.add_subcommand("eval", "Compute quantities at a state");
   add_model_options(*eval, options->mechanism);
   eval->add_option("--state", options->state,
-                   "JSON, - for standard input, or a .csv of several; neutral and at rest if left out")
+                   "JSON, - for standard input, or a .csv of several; default: neutral and at rest")
       ->type_name("FILE");
   add_assembly_options(*eval, options->assembling);
-  eval->add_option("--want", options->want, "What to compute, see below; inverse_dynamics if left out")
+  eval->add_option("--want", options->want,
+                   "Quantities to compute, from the list below; default: inverse_dynamics")
       ->type_name("QUANTITIES");
-  eval->add_option("--representation", options->representation, "In which axes; body if left out")
+  eval->add_option("--representation", options->representation,
+                   "Representation of twists and wrenches; default: body")
       ->type_name(words(representations));
   eval->add_option("--gravity", options->gravity, "x,y,z in m/s^2 instead of what the file says")
       ->type_name("NUMBERS");
-  eval->add_option("--frame", options->frames, "Only this frame; may be given again");
+  eval->add_option("--frame", options->frames, "Compute for this frame only; may be given again");
   eval->add_option("--relative-to", options->relative_to, "The observer's frame of relative_jacobian")
       ->capture_default_str();
   eval->add_option("--order", options->order, "The order of derivatives, from 0")
@@ -322,7 +329,7 @@ void add_eval(CLI::App& app, int& exit_code) {
                  "Count damping, friction and losses of gears of the joints as forces");
   add_plot_option(*eval, options->plot);
   add_columns_option(*eval, options->columns);
-  eval->add_option("--format", options->format, "How to print; table if left out")->type_name(words(formats));
+  eval->add_option("--format", options->format, "Output format; default: table")->type_name(words(formats));
   std::string list;
   for (const Quantity& quantity : quantities())
     list += fmt::format("  {:<39}{}\n", quantity.name, quantity.purpose);

@@ -282,7 +282,7 @@ std::vector<Quantity> other_quantities() {
       {"spatial_momentum_form", "rates of (q, Pi) under the drive forces tau", spatial_momentum_form_answer},
       {"inverse_dynamics_rates", "drive forces and their time derivatives, from a, jerk and snap",
        inverse_dynamics_rates_answer},
-      {"inertial_parameters", "ten for every body", inertial_parameters_answer},
+      {"inertial_parameters", "ten inertial parameters of each body", inertial_parameters_answer},
   };
 }
 

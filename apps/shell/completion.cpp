@@ -138,7 +138,7 @@ void add_completion(CLI::App& app, int& exit_code) {
   const auto shell = std::make_shared<std::string>();
   const auto line = std::make_shared<std::vector<std::string>>();
   CLI::App* completion =
-      app.add_subcommand("completion", "Print what makes a shell complete commands and options");
+      app.add_subcommand("completion", "Print the script by which a shell completes commands and options");
   completion->add_option("SHELL", *shell, "The shell")->required()->type_name(words(shells));
   completion->add_option("WORDS", *line, "Words after axode; the last one is completed");
   completion->footer(footer);

@@ -290,8 +290,7 @@ void add_study(CLI::App& app, int& exit_code) {
   add_model_options(*study, options->mechanisms, Files::several);
   study->add_option("--csv", options->csv, "Write the numbers to this file")->type_name("FILE");
   add_plot_option(*study, options->plot);
-  study->add_option("--format", options->format, "How to print; table if left out")
-      ->type_name(words(formats));
+  study->add_option("--format", options->format, "Output format; default: table")->type_name(words(formats));
   study->footer(footer);
   study->callback([options, &exit_code] {
     run(*options);

@@ -184,8 +184,8 @@ inline constexpr auto functions_of_state = [] {
        .shape = {six}, .columns = true, .symbols = {"J M^-1 J^T"}, .cost = linear, .allocates = false,
        .memory = may_share, .may_fail = true, .lanes = false, .tape = false, .counts = of_impulses},
       {.name = "operational_space_inertia",
-       .purpose = "(J M^-1 J^T)^-1: the inertia that a frame shows to a wrench; there is none where the "
-                  "frame cannot move in all directions",
+       .purpose = "(J M^-1 J^T)^-1: the inertia that a frame shows to a wrench; undefined if the frame "
+                  "cannot move in all six directions",
        .units = inertias, .takes = {q, place}, .choice = representation, .entry = momentum, .shape = {six},
        .columns = true, .symbols = {"Lambda"}, .cost = linear, .allocates = false, .memory = may_share,
        .may_fail = true, .lanes = false, .tape = false, .counts = of_impulses},

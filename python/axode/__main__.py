@@ -40,19 +40,22 @@ def parser() -> argparse.ArgumentParser:
     command.add_argument("states", metavar="STATES", help="a Parquet file, or a folder of Parquet files; columns q, v, a, tau with lists, "
                          'or "q A1", "q A2", ... as in run.csv')
     command.add_argument("output", metavar="OUTPUT", help="a file if the name ends in .parquet, otherwise a folder")
-    command.add_argument("--base", choices=["fixed", "free"], help="how the base is held; as the file says if left out")
+    command.add_argument("--base", choices=["fixed", "free"],
+                         help="joint of the base: fixed, or free; default: that of the file")
     command.add_argument("--strict", action="store_true", help="treat warnings as errors")
     command.add_argument("--set", metavar="NAME=VALUE", type=argument, action="append", default=[],
                          help="an argument of the function; may be given again")
-    command.add_argument("--keep", metavar="NAMES", help="columns to copy, separated by commas, or all, or none; all that are "
-                         "not part of a state if left out")
+    command.add_argument("--keep", metavar="NAMES",
+                         help="columns to copy, separated by commas, or all, or none; "
+                         "default: all that are not part of a state")
     command.add_argument("--float", action="store_true", help="write float instead of double")
     command.add_argument("--faulty", choices=["refuse", "nan"], default="refuse",
-                         help="what to do if a state has no result; refuse if left out")
+                         help="what to do if a state has no result; default: refuse")
     command.add_argument("--overwrite", action="store_true", help="replace existing results")
     command.add_argument("--cluster", metavar="ADDRESS",
-                         help="address of a Ray cluster, or local; $RAY_ADDRESS or this process if left out")
-    command.add_argument("--threads", metavar="N", type=int, help="threads of this process; one for each core if left out")
+                         help="address of a Ray cluster, or local; default: $RAY_ADDRESS or this process")
+    command.add_argument("--threads", metavar="N", type=int,
+                         help="threads of this process; default: one for each core")
     return command
 
 

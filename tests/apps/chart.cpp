@@ -205,9 +205,10 @@ TEST(Plot, NeedsGnuplotBeforeAnythingIsComputed) {
     words.insert(words.end(), {"--plot", "run.svg"});
     const Outcome without = run(words);
     EXPECT_EQ(without.code, 1);
-    EXPECT_EQ(without.err,
-              "axode " + words[3] +
-                  ": --plot: gnuplot draws it, and is not installed (on Debian: apt install gnuplot-nox)\n");
+    EXPECT_EQ(
+        without.err,
+        "axode " + words[3] +
+            ": --plot: charts need gnuplot, which is not installed (on Debian: apt install gnuplot-nox)\n");
   }
 }
 

@@ -244,8 +244,10 @@ TEST(SimulateCommand, FollowsMotionsAndGivesTheirForces) {
                 1e-9);
   EXPECT_EQ(motion.at("motions"), std::vector<std::string>{"motion of shake"});
   EXPECT_EQ(motion.at("v")[0][1], 0);  // the pendulum does not feel that the motion begins
-  EXPECT_THAT(simulated(folder, moved + "[state]\nq = { shake = 0.2 }\n", {}).err,
-              testing::HasSubstr("q of joint \"shake\" is 0.2, and its motion begins with 0.3"));
+  EXPECT_THAT(
+      simulated(folder, moved + "[state]\nq = { shake = 0.2 }\n", {}).err,
+      testing::HasSubstr("[state]: q of joint \"shake\" is 0.2, but its [[motion]] starts with q = 0.3; "
+                         "remove \"shake\" from q in [state]"));
   EXPECT_GT(std::abs(motion.at("motion_forces")[1][0].get<double>()), 0.1);
 }
 
