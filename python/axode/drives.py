@@ -38,7 +38,7 @@ class Sampled:
         self.hold = hold
 
     def on(self, m: Model) -> _axode.Drive:
-        """The function (t, q, v) -> tau, (nv,)."""
+        """Returns the drive as a function (t, q, v) -> tau (nv,) for model m."""
         return _axode.sampled_drive(m, self.t, self.tau, self.hold)
 
 

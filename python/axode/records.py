@@ -339,9 +339,9 @@ class TaskSingularity(NamedTuple):
 
 
 class JointState(NamedTuple):
-    """Coordinates and velocities of the joints, and what of the bodies' motion they cannot say.
+    """Coordinates and velocities of the joints, and the residuals of the bodies' motion.
 
-    `position_residual` is by how much joints and loops are open, the largest number of any (rad, m), `velocity_residual` that of their velocities.
+    `position_residual` is the largest residual of a joint or loop (rad, m), `velocity_residual` that of its rate.
     """
 
     q: Array
@@ -478,7 +478,7 @@ class ContactRolloutDerivatives(NamedTuple):
 
 
 class RolloutGradient(NamedTuple):
-    """The gradient of a number that a motion makes, by its first q and v, its drive forces and geometric parameters."""
+    """Gradient of a scalar function of a motion by the initial q and v, the drive forces and the geometric parameters."""
 
     q: Array
     v: Array

@@ -41,14 +41,14 @@ def simulate(m: Model, q: ArrayLike, v: ArrayLike, until: float, *,
         m/s), `step` being the first; "rk4" (fourth order) and "euler" (first order, semi-implicit) take steps of
         `step` s; so does "generalized_alpha", an implicit method of second order for stiff systems, which damps what
         oscillates quickly (in a step to `spectral_radius` of it). Every explicit method is Munthe-Kaas': no
-        coordinates are singular, and quaternions stay on the sphere. On (q, p), conserving: "midpoint" (second order,
-        implicit), "suzuki4" and "kahan_li6" (fourth and sixth, made of it) are symplectic: errors of the energy stay
-        bounded; "rk4_momenta" is explicit. All four keep the momentum of what floats to rounding. They take no events,
-        stops and dry friction. Every method keeps loops closed; those on (q, p) that are symplectic take nothing that rolls.
-        "contact" takes steps in which collision shapes touch with Coulomb's friction and hard stops stop, and
-        "contact_adaptive" takes them as long as rtol and atol allow. If left out, it is "dopri5", or "contact" if the
-        drawing has `[contact]`.
-    coordinates: what the motion is computed in; it is told in coordinates of the joints in any case. "relative": these;
+        coordinates are singular, and quaternions stay on the sphere. Symplectic methods on (q, p), for which errors of
+        the energy stay bounded, are "midpoint" (second order, implicit), and "suzuki4" and "kahan_li6" (fourth and sixth
+        order), which are composed of midpoint steps; "rk4_momenta" is an explicit method on (q, p). All four keep the
+        momentum of floating bases to rounding, and do not support events, stops and dry friction. Every method keeps
+        loops closed; the symplectic methods on (q, p) do not support rolling contacts. "contact" takes steps in which
+        collision shapes touch with Coulomb's friction, and joints stop at hard stops; "contact_adaptive" takes such steps
+        as long as rtol and atol allow. The default is "dopri5", or "contact" if the drawing has `[contact]`.
+    coordinates: coordinates of the integration; results are always joint coordinates. "relative": those of the joints;
         "absolute": bodies are points of SE(3), and every joint is a constraint; "absolute_SO3xR3": of SO(3) x R^3. In
         absolute ones "dopri5", "rk4" and "euler" bring joints and loops back after each step, and others hold them:
         "rattle", "rattle_suzuki4" and "rattle_kahan_li6" (of second, fourth and sixth order, no events; symplectic, or with
@@ -57,19 +57,19 @@ def simulate(m: Model, q: ArrayLike, v: ArrayLike, until: float, *,
     local_coordinates: those of a step on the group. With "cayley" every method keeps its order; those of second order err
         more where a body turns fast (docs/integration.md). In absolute coordinates only explicit methods take it.
     tau: drive forces, (nv,) for constant ones; one of `axode.drives`; or a function (t, q, v) -> (nv,), called for each
-        evaluation. Springs, dampers and stops of the mechanism act besides, see `spring_forces`.
+        evaluation. Springs, dampers and stops of the mechanism act in addition, see `spring_forces`.
     loads: wrenches on frames, constant in their representations, or a function (t, q, v) -> such wrenches, called for each
         evaluation.
-    joint_losses: whether damping, dry friction and losses of gears act. What rests sticks as long as its friction can hold it; steps end
-        where a joint comes to rest or begins to slide, so that one of given length becomes two. In absolute coordinates
-        it creeps instead, the slower the shorter steps are.
+    joint_losses: whether damping, dry friction and losses of gears act. A joint at rest sticks as long as its friction can
+        hold it; steps end where a joint comes to rest or begins to slide, so that one of given length becomes two. In
+        absolute coordinates such a joint creeps instead, the slower the shorter steps are.
     times: when states are wanted, increasing from 0 to until; without it, at the ends of the steps.
     events: functions (t, q, v) -> number whose zeros are met; `f.terminal = True` ends the motion there,
         `f.direction = 1` or -1 counts rising or falling ones alone. One that is met twice within a step is found where it
         goes towards zero at the beginning of the step and away from it at the end.
     motions: functions t -> (s, ds, dds) that joints of one velocity or lengths of rods follow, by the names of these,
-        besides those of the drawing; the derivatives must be exact. They are counted in relative coordinates by "dopri5",
-        "rk4", "euler" and "generalized_alpha". One that cannot be followed ends the motion.
+        in addition to those of the drawing; the derivatives must be exact. They are supported in relative coordinates by
+        "dopri5", "rk4", "euler" and "generalized_alpha". One that cannot be followed ends the motion.
     x: the states of the drives at t = 0, in the order of `drive_states` of the motion; if left out, those with which the
         drives start by themselves.
     contact: whether shapes touch, by the method "contact"; if left out, they do if the drawing has `[contact]` and no other

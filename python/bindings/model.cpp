@@ -417,9 +417,9 @@ void add_construction(nb::class_<BoundModel>& model) {
           R"(
 Builds a mechanism from axes, points, masses and inertias, all in one frame with every joint at zero.
 
-Each body, frame, spring, loop, coupling, motion and drive, and the state, is a dict with the keys of the drawing format (docs/drawing-format.md): name, on, joint, mass, com,
-inertia, ... SI units. The frame of a body is the construction frame unless its dict says another, such as
-"frame": "joint" or "frame": "com". ModelError lists every fault; base and strict are those of `load`.
+Each body, frame, spring, loop, coupling, motion and drive, and the state, is a dict with the keys of the drawing format
+(docs/drawing-format.md): name, on, joint, mass, com, inertia, ... SI units. The frame of a body is the construction
+frame unless its dict names another, such as "frame": "joint" or "frame": "com". ModelError lists every fault; base and strict are those of `load`.
 
 >>> pendulum = axode.Model.from_bodies([
 ...     {"name": "rod", "joint": {"kind": "revolute", "axis": "y", "point": [0, 0, 0]},

@@ -157,8 +157,8 @@ def _cluster_named(cluster: str | None, stack: contextlib.ExitStack) -> Any:
 
 def run(task: Any, parts: Sequence[Any], paths: Sequence[Path | None], *, cluster: str | None, threads: int,
         retries: int, progress: Progress) -> Generator[Report, None, None]:
-    """Reports of all parts, in the order in which they end. The first error ends the work, and so does Ctrl-C; the
-    files that exist by then stay.
+    """Runs all parts and yields their reports in the order in which they end. The first error ends the work, and so does
+    Ctrl-C; the files that exist by then stay.
 
     Every worker receives the task once. A part has a number of `rows`. `task.said(part)` is its name, `task.load(part)`
     its input, which is loaded in the order of the parts, and `task.tables(part, loaded)` yields its results in pieces,

@@ -328,7 +328,7 @@ def _unreadable_is_named(file: str) -> Iterator[None]:
 
 
 def slices(file: str, rows_per_part: int) -> tuple[Any, list[Slice]]:
-    """The schema of a file, and its parts."""
+    """Returns the schema of a file and the row ranges of its parts."""
     with _unreadable_is_named(file):
         opened = pq.ParquetFile(file)
     parts, first = [], 0

@@ -18,8 +18,8 @@ from .. import _axode
 
 
 def parameters(text: str, defaults: tuple[Any, ...]) -> Iterator[inspect.Parameter]:
-    """The parameters of `def f(...) -> ...`, in which a backslash and a number stand for one of the defaults. What a
-    property reads with has no name."""
+    """The parameters of `def f(...) -> ...`, in which a backslash and a number mean one of the defaults. The
+    parameter of a property getter has no name."""
     named = text.replace("def (", "def getter(", 1)
     function = ast.parse(re.sub(r"\\(\d+)", r"default_\1", named) + ": ...").body[0]
     assert isinstance(function, ast.FunctionDef)

@@ -121,8 +121,8 @@ motions, see assemble. Springs are ignored.
 Positions, velocities, accelerations and jerks of a mechanism whose motions use up its mobility, without dynamics.
 
 times (N,) increase; q (nq,) is near the configuration at the first of them, and the initial state if it is left out.
-`motions` are functions t -> (s, ds, dds, ddds) by joint or rod, besides those of the drawing. A motion that cannot be
-followed further ends early: `complete` is False, and `stop_reason` names the singularity.
+`motions` are functions t -> (s, ds, dds, ddds) by joint or rod, in addition to those of the drawing. A motion that
+cannot be followed further ends early: `complete` is False, and `stop_reason` names the singularity.
 
 >>> turn = {"crank_joint": lambda t: (0.1 * t, 0.1, 0, 0)}
 >>> axode.kinematic_motion(fourbar, [0, 1, 2], motions=turn).q.shape

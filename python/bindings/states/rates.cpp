@@ -195,7 +195,7 @@ True
       R"(
 The accelerations and their time derivatives a, a', ... that drive forces tau, tau', ... make: (K, nv) to (K, nv).
 
-The way back of `inverse_dynamics_rates`. `forces` may be (N, K, nv), for N states. O(n K^3). Loops are refused.
+The inverse of `inverse_dynamics_rates`. `forces` may be (N, K, nv), for N states. O(n K^3). Loops are refused.
 
 >>> q, v, a, jerk = np.full(7, 0.3), np.ones(7), np.zeros(7), np.ones(7)
 >>> forces = axode.inverse_dynamics_rates(arm, q, v, a, jerk)
@@ -205,11 +205,11 @@ True
   module.def("inverse_kinematics_rates", &inverse_kinematics_rates_of, "m"_a, "q"_a, "V"_a, "frame"_a,
              "representation"_a = "body", nb::kw_only(), "offset"_a = nb::none(), "angular"_a = true,
              "linear"_a = true, "threads"_a = 1, R"(
-The velocities and their time derivatives v, v', v'', ... with which a frame moves as V, V', V'', ... say.
+The velocities and their time derivatives v, v', v'', ... for which a frame has the twist V and its derivatives V', V'', ....
 
 V is (K, 6) or (N, K, 6), the twist in a representation and the derivatives of its components, as `twist_derivatives`
-gives them; the result is (K, nv) or (N, K, nv). `angular` or `linear` is False where a part of V does not matter. Of
-several solutions each row is the least one. Loops are counted. ValueError where the joints cannot make this motion.
+gives them; the result is (K, nv) or (N, K, nv). `angular` or `linear` is False if that part of V does not matter. Of
+several solutions each row is the one of least norm. Loops are counted. ValueError if the joints cannot make this motion.
 
 >>> rates = np.random.default_rng(0).normal(size=(5, 7))
 >>> V = axode.twist_derivatives(arm, np.full(7, 0.3), rates, "flange")
