@@ -2,7 +2,7 @@
 #include "axode/model/configuration.hpp"
 #include "tests/contact/reference_contacts.hpp"
 
-/// The motions of every file of contacts, in the limit of short steps.
+/// Tests that simulations approach the motions of the reference files as steps become shorter.
 namespace axode::test {
 namespace {
 

@@ -98,7 +98,8 @@ TEST(VelocitySolver, ReachesTheLawOnAWallOfAHundredBricks) {
   EXPECT_LE(solved.solution.factorizations, 50);
 }
 
-/// From a solution to the next one, the branches are known.
+/// Starting from the solution of a nearby problem, the solver knows the branches and needs few
+/// factorisations.
 TEST(VelocitySolver, TakesFewFactorsFromANearSolution) {
   for (const RigidProblem& rigid : {stack(std::vector<double>(10, 1.0)), box_on_plane(2, {}, {1, 0.3, 0})}) {
     Solved solved = solve(rigid);

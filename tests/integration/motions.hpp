@@ -66,7 +66,7 @@ void expect_way_back(const Model& model, const Numbers& q, const Numbers& v, dou
 
 inline constexpr LocalCoordinates both_local_coordinates[]{LocalCoordinates::exponential,
                                                            LocalCoordinates::cayley};
-/// The options with other coordinates of steps.
+/// Options with these local coordinates of steps.
 inline SimulationOptions with(LocalCoordinates coordinates, SimulationOptions options = {}) {
   options.local_coordinates = coordinates;
   return options;

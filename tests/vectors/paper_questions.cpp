@@ -166,7 +166,7 @@ struct Platform {
     }
     return all;
   }
-  /// The entries of the drives.
+  /// The entries of x that belong to velocities with drives.
   std::vector<double> of_drives(std::span<const double> x) const {
     std::vector<double> out;
     for (const int c : drives) out.push_back(x[static_cast<std::size_t>(c)]);

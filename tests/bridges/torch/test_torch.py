@@ -457,7 +457,7 @@ def test_threads_may_share_a_model():
 
 
 class Torques(torch.utils.data.Dataset):
-    """Made in a worker."""
+    """A dataset of torques whose items a worker process computes."""
 
     def __init__(self, m):
         self.m = m
