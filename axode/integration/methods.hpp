@@ -99,4 +99,11 @@ inline constexpr std::array<std::pair<std::string_view, Coordinates>, 3> coordin
      {"absolute", Coordinates::absolute},
      {"absolute_SO3xR3", Coordinates::absolute_SO3xR3}}};
 
+/// The name of a kind of coordinates.
+constexpr std::string_view to_string(Coordinates coordinates) {
+  for (const auto& [name, kind] : coordinate_kinds)
+    if (kind == coordinates) return name;
+  return {};
+}
+
 }  // namespace axode

@@ -5,6 +5,7 @@
 #include <stdexcept>
 #include <string>
 
+#include "axode/integration/methods.hpp"
 #include "axode/integration/runs/absolute_simulation_run.hpp"
 #include "axode/integration/runs/momentum_simulation_run.hpp"
 #include "axode/integration/schemes/closed_midpoint.hpp"
@@ -58,29 +59,38 @@ Trajectory in_coordinates(const Model& model, Span q, Span v, double until, cons
   return std::move(run.trajectory);
 }
 
+/// The names of symplectic methods by their order, as in `methods`.
+std::string symplectic_method(int order) {
+  return order == 6 ? "kahan_li6" : order == 4 ? "suzuki4" : "midpoint";
+}
+std::string rattle_method(int order) {
+  return order == 4 || order == 6 ? "rattle_" + symplectic_method(order) : "rattle";
+}
+
 /// Throws if a loop has rows without a residual.
-void check_holonomic(const Model& model) {
+void check_holonomic(const Model& model, const std::string& method) {
   for (const Loop& loop : model.loops().joints)
     if (loop.rows != loop.residuals)
-      throw std::invalid_argument("loop \"" + loop.name + "\" is a " +
-                                  (traits(loop.kind).has("radii") ? "belt" : "rolling contact") +
-                                  ", which conserving schemes do not support; use rattle in absolute "
-                                  "coordinates or an explicit method");
+      throw std::invalid_argument(
+          "loop \"" + loop.name + "\" is a " + (traits(loop.kind).has("radii") ? "belt" : "rolling contact") +
+          ", which method \"" + method +
+          "\" does not support; use rattle in absolute coordinates or an explicit method");
 }
 void check_absolute(const SimulationOptions& options, const char* scheme) {
   if (options.coordinates == Coordinates::relative)
-    throw std::invalid_argument(std::string(scheme) + " needs absolute coordinates, and these are relative");
+    throw std::invalid_argument(std::string(scheme) + " needs coordinates = \"absolute\"; got \"relative\"");
 }
 void check_exponential(const SimulationOptions& options, const char* scheme) {
   if (options.local_coordinates != LocalCoordinates::exponential)
     throw std::invalid_argument(std::string(scheme) +
-                                " in absolute coordinates steps in exponential local coordinates, and these "
-                                "are Cayley's; use an explicit method or relative coordinates");
+                                " in absolute coordinates needs local_coordinates = \"exponential\"; got "
+                                "\"cayley\"");
 }
-void check_relative(const SimulationOptions& options, const char* scheme) {
+void check_relative(const SimulationOptions& options, const std::string& method) {
   if (options.coordinates != Coordinates::relative)
-    throw std::invalid_argument(std::string(scheme) +
-                                " needs relative coordinates; in absolute coordinates use rattle");
+    throw std::invalid_argument("method \"" + method + "\" needs coordinates = \"relative\"; got \"" +
+                                std::string(to_string(options.coordinates)) +
+                                "\"; in absolute coordinates use rattle");
 }
 /// Takes the steps of a scheme that keeps joints and loops closed itself.
 template <class Scheme>
@@ -92,29 +102,28 @@ void take_closed_steps(AbsoluteSimulationRun& run, Scheme& scheme, double until,
 }
 
 /// Throws if forces may have jumps (dry friction, stops), or if there are events, which would cut a step.
-void check_smooth(const Model& model, const SimulationOptions& options) {
+void check_smooth(const Model& model, const SimulationOptions& options, const std::string& method) {
   if (!options.events.empty())
-    throw std::invalid_argument(
-        "events: conserving schemes do not support them, because their steps must not be cut; use dopri5 or "
-        "rk4");
+    throw std::invalid_argument("events: method \"" + method +
+                                "\" does not support them, because its steps must not be cut; use dopri5 or "
+                                "rk4");
   for (const int i : model.springs().joints)
     for (const Dof& dof : model.joint(i).dof)
       if (dof.stop_stiffness > 0)
-        throw std::invalid_argument(
-            "joint \"" + model.joint(i).name +
-            "\" has stops, which conserving schemes do not support; use dopri5 or rk4");
+        throw std::invalid_argument("joint \"" + model.joint(i).name + "\" has stops, which method \"" +
+                                    method + "\" does not support; use dopri5 or rk4");
   if (!options.joint_losses) return;
   if (!model.gears().empty())
     throw std::invalid_argument(
         "the gear of joint \"" + velocity_names(model)[static_cast<std::size_t>(model.gears()[0].velocity)] +
-        "\" loses a part of its force, which conserving schemes do not support; use dopri5 or rk4");
+        "\" loses a part of its force, which method \"" + method + "\" does not support; use dopri5 or rk4");
   const Tree<double>& tree = model.tree<double>();
   for (std::size_t c = 0; c < tree.friction.size(); ++c)
     if (tree.friction[c] != 0)
-      throw std::invalid_argument(
-          "joint \"" + velocity_names(model)[c] + "\" has dry friction of " +
-          std::to_string(tree.friction[c]) +
-          ", a discontinuous force, which conserving schemes do not support; use rk4 or euler");
+      throw std::invalid_argument("joint \"" + velocity_names(model)[c] + "\" has dry friction of " +
+                                  std::to_string(tree.friction[c]) +
+                                  ", a discontinuous force, which method \"" + method +
+                                  "\" does not support; use rk4 or euler");
 }
 
 }  // namespace
@@ -175,7 +184,7 @@ Trajectory simulate_rattle(const Model& model, Span q, Span v, double until, dou
   check_no_motions_or_plays(model, options, "absolute coordinates");
   check_no_drives(model, options, "absolute coordinates");
   check_exponential(options, "RATTLE");
-  check_smooth(model, options);
+  check_smooth(model, options, rattle_method(order));
   AbsoluteSimulationRun run(model, q, v, until, options);
   if (run.done()) return std::move(run.trajectory);
   Rattle scheme(run, order, run.q, run.v);
@@ -200,9 +209,10 @@ Trajectory simulate_half_explicit(const Model& model, Span q, Span v, double unt
 Trajectory simulate_symplectic(const Model& model, Span q, Span v, double until, double step, int order,
                                const SimulationOptions& options) {
   check_step(step);
-  check_smooth(model, options);
-  check_holonomic(model);
-  check_relative(options, "a conserving scheme");
+  const std::string method = symplectic_method(order);
+  check_smooth(model, options, method);
+  check_holonomic(model, method);
+  check_relative(options, method);
   check_no_motions_or_plays(model, options, "schemes on momenta");
   check_no_drives(model, options, "schemes on momenta");
   MomentumSimulationRun run(model, q, v, until, options);
@@ -227,8 +237,8 @@ Trajectory simulate_momenta(const Model& model, Span q, Span v, double until, do
                             const Tableau& method, const SimulationOptions& options) {
   check(method);
   check_step(step);
-  check_smooth(model, options);
-  check_relative(options, "a scheme on momenta");
+  check_smooth(model, options, "rk4_momenta");
+  check_relative(options, "rk4_momenta");
   check_no_motions_or_plays(model, options, "schemes on momenta");
   check_no_drives(model, options, "schemes on momenta");
   MomentumSimulationRun run(model, q, v, until, options);

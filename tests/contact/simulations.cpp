@@ -293,10 +293,10 @@ TEST(ContactSimulation, RefusesWhatItDoesNotCount) {
             "drive the joints by tau");
   options = {.local_coordinates = LocalCoordinates::cayley};
   EXPECT_EQ(refusal(block_with_stop(), options),
-            "contact steps in exponential local coordinates, and these are Cayley's");
+            "contact needs local_coordinates = \"exponential\"; got \"cayley\"");
   options = {.coordinates = Coordinates::absolute};
   EXPECT_EQ(refusal(block_with_stop(), options),
-            "contact needs relative coordinates, and these are absolute");
+            "contact needs coordinates = \"relative\"; got \"absolute\"");
 }
 
 }  // namespace

@@ -513,21 +513,23 @@ TEST(AbsoluteCoordinates, SchemesSayWhatTheyDoNotTake) {
   const auto run = [&](SimulationOptions options) {
     return [&, options] { return simulate_rattle(model, at.q, at.v, 1, 0.1, 2, options); };
   };
-  expect_refused(run({}), "RATTLE needs absolute coordinates, and these are relative");
+  expect_refused(run({}), "RATTLE needs coordinates = \"absolute\"; got \"relative\"");
   SimulationOptions with_event = in(Coordinates::absolute);
   with_event.events = {{.value = [](double, Span, Span) { return 1.0; }}};
-  expect_refused(run(with_event), "events: conserving schemes do not support them");
+  expect_refused(run(with_event), "events: method \"rattle\" does not support them");
   expect_refused([&] { return simulate_half_explicit(model, at.q, at.v, 1, 0.1); },
-                 "the half-explicit method needs absolute coordinates");
+                 "the half-explicit method needs coordinates = \"absolute\"");
   const Model tree = test_tree();
   const State<double> state = test_state(tree);
   expect_refused(
       [&] { return simulate_symplectic(tree, state.q, state.v, 1, 0.1, 2, in(Coordinates::absolute)); },
-      "a conserving scheme needs relative coordinates; in absolute coordinates use rattle");
+      "method \"midpoint\" needs coordinates = \"relative\"; got \"absolute\"; in absolute coordinates use "
+      "rattle");
   expect_refused([&] { return simulate_rattle(model, at.q, at.v, 1, 0.1, 3, in(Coordinates::absolute)); },
                  "order");
   const auto by_cayley = with(LocalCoordinates::cayley, in(Coordinates::absolute));
-  expect_refused(run(by_cayley), "RATTLE in absolute coordinates steps in exponential local coordinates");
+  expect_refused(run(by_cayley),
+                 "RATTLE in absolute coordinates needs local_coordinates = \"exponential\"; got \"cayley\"");
   expect_refused([&] { return simulate_stiff(model, at.q, at.v, 1, 0.1, 0.8, by_cayley); },
                  "generalised-alpha in absolute coordinates");
   expect_refused([&] { return simulate_half_explicit(model, at.q, at.v, 1, 0.1, by_cayley); },

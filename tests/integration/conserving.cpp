@@ -370,12 +370,12 @@ TEST(ConservingSchemes, RefuseForcesThatJump) {
   const Numbers q{0}, v{1};
   SimulationOptions options{.joint_losses = true};
   EXPECT_EQ(message_of([&] { (void)simulate_symplectic(model, q, v, 1, 0.1, 2, options); }),
-            "joint \"rail\" has dry friction of 0.500000, a discontinuous force, which conserving schemes do "
-            "not support; use rk4 or euler");
+            "joint \"rail\" has dry friction of 0.500000, a discontinuous force, which method "
+            "\"midpoint\" does not support; use rk4 or euler");
   SimulationOptions events;
   events.events.push_back({.value = [](double, Span x, Span) { return x[0] - 0.5; }});
   EXPECT_THAT(message_of([&] { (void)simulate_momenta(model, q, v, 1, 0.1, runge_kutta(4), events); }),
-              testing::StartsWith("events: conserving schemes do not support them"));
+              testing::StartsWith("events: method \"rk4_momenta\" does not support them"));
   EXPECT_EQ(message_of([&] { (void)simulate_symplectic(model, q, v, 1, 0.1, 3); }),
             "order is 3; expected 2, 4 or 6");
   EXPECT_NE(message_of([&] { (void)simulate_symplectic(model, q, v, 1, 0); }), "");

@@ -48,11 +48,12 @@ def test_drives_losses_loads_events_and_times(coordinates):
 
 @pytest.mark.parametrize("arguments, words", [
     (dict(coordinates="cartesian"), "coordinates is 'cartesian'; expected one of 'relative', 'absolute', 'absolute_SO3xR3'"),
-    (dict(method="rattle", step=1e-3), "RATTLE needs absolute coordinates, and these are relative"),
-    (dict(method="half_explicit", step=1e-3), "the half-explicit method needs absolute coordinates"),
+    (dict(method="rattle", step=1e-3), 'RATTLE needs coordinates = "absolute"; got "relative"'),
+    (dict(method="half_explicit", step=1e-3), 'the half-explicit method needs coordinates = "absolute"; got "relative"'),
     (dict(method="rattle", coordinates="absolute"), "takes fixed steps"),
-    (dict(method="midpoint", step=1e-3, coordinates="absolute"), "needs relative coordinates; in absolute coordinates use rattle"),
-    (dict(method="generalized_alpha_index3", step=1e-3), "generalised-alpha of index 3 needs absolute coordinates")])
+    (dict(method="midpoint", step=1e-3, coordinates="absolute"),
+     'method "midpoint" needs coordinates = "relative"; got "absolute"; in absolute coordinates use rattle'),
+    (dict(method="generalized_alpha_index3", step=1e-3), 'generalised-alpha of index 3 needs coordinates = "absolute"; got "relative"')])
 def test_what_does_not_go_together(arguments, words):
     with pytest.raises(ValueError, match=words):
         axode.simulate(ARM, np.full(7, 0.3), np.zeros(7), 0.1, **arguments)
@@ -60,5 +61,6 @@ def test_what_does_not_go_together(arguments, words):
 
 def test_what_rolls_has_nothing_symplectic():
     m = axode.load(axode.robots / "cart.toml")
-    with pytest.raises(ValueError, match='loop "left contact" is a rolling contact, which conserving schemes do not support; use rattle in'):
+    with pytest.raises(ValueError, match='loop "left contact" is a rolling contact, '
+                       'which method "midpoint" does not support; use rattle in'):
         axode.simulate(m, m.neutral(), np.zeros(m.nv), 0.1, method="midpoint", step=1e-3)

@@ -132,7 +132,7 @@ def test_threads_give_the_same_and_a_free_body_keeps_its_momentum():
 
 def test_conserving_methods_refuse_forces_that_jump():
     arguments = dict(until=0.1, method="midpoint", step=1e-3)
-    with pytest.raises(ValueError, match="events: conserving schemes do not support them"):
+    with pytest.raises(ValueError, match='events: method "midpoint" does not support them'):
         axode.simulate(ARM, *REST, **arguments, events=[lambda t, q, v: q[0]])
     m = axode.Model.from_bodies([{"name": "block", "mass": 1.0, "com": [0, 0, 0], "inertia": [1, 1, 1], "joint":
                                   {"name": "rail", "kind": "prismatic", "axis": "x", "friction": 0.5}}])
@@ -335,7 +335,7 @@ def test_steps_by_cayley_s_map_lead_to_the_same_motion(method):
 def test_local_coordinates_are_named_and_have_their_limits():
     with pytest.raises(ValueError, match="local_coordinates is 'polar'; expected one of 'exponential', 'cayley'"):
         axode.simulate(ARM, *REST, 0.1, local_coordinates="polar")
-    with pytest.raises(ValueError, match="RATTLE in absolute coordinates steps in exponential local coordinates"):
+    with pytest.raises(ValueError, match='RATTLE in absolute coordinates needs local_coordinates = "exponential"; got "cayley"'):
         axode.simulate(ARM, *REST, 0.1, method="rattle", step=1e-3, coordinates="absolute",
                        local_coordinates="cayley")
 

@@ -4,9 +4,11 @@
 #include <cmath>
 #include <limits>
 #include <stdexcept>
+#include <string>
 #include <utility>
 #include <vector>
 
+#include "axode/integration/methods.hpp"
 #include "axode/integration/momenta/contact_step.hpp"
 #include "axode/integration/schemes/explicit_steps.hpp"
 #include "axode/table/check_counts.hpp"
@@ -19,7 +21,8 @@ constexpr const char* instead = "simulate without contact, or drive the joints b
 void check_all(const Model& model, const ContactShapes& shapes, const SimulationOptions& options) {
   check_contact(model, shapes);
   if (options.coordinates != Coordinates::relative)
-    throw std::invalid_argument("contact needs relative coordinates, and these are absolute");
+    throw std::invalid_argument("contact needs coordinates = \"relative\"; got \"" +
+                                std::string(to_string(options.coordinates)) + '"');
   if (!options.motions.empty())
     throw std::invalid_argument("contact does not count the prescribed motion of \"" +
                                 options.motions.front().of + "\"; " + instead);
@@ -29,7 +32,7 @@ void check_all(const Model& model, const ContactShapes& shapes, const Simulation
     throw std::invalid_argument("contact does not count drive \"" + options.drives.front().name + "\"; " +
                                 instead);
   if (options.local_coordinates != LocalCoordinates::exponential)
-    throw std::invalid_argument("contact steps in exponential local coordinates, and these are Cayley's");
+    throw std::invalid_argument("contact needs local_coordinates = \"exponential\"; got \"cayley\"");
 }
 
 /// The options of the free motion: losses of joints belong to the step with contact.

@@ -19,7 +19,8 @@ inline Eigen::Map<const Eigen::VectorXd> as_eigen(const std::vector<double>& x) 
 }
 
 /// The reason for a step that did not converge.
-inline constexpr const char* no_convergence = "the step did not converge; a shorter one may";
+inline constexpr const char* no_convergence =
+    "the iteration of the step did not converge; try a shorter step";
 
 /// Anderson acceleration of a fixed-point iteration x += dx(x), such as Newton's method with an approximate
 /// matrix. The next x is the combination of the last steps for which the predicted dx is least. The iteration
