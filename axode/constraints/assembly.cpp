@@ -268,11 +268,12 @@ AssemblyResult assemble(const Model& model, std::span<const double> q, std::span
                         const AssemblyOptions& options) {
   check_configuration(model, q);
   if (!v.empty()) check_size("v", v.size(), static_cast<std::size_t>(model.nv()), "nv");
-  if (!finite(q) || !finite(v)) throw std::invalid_argument("assemble: q or v is not finite");
+  if (const std::string bad = first_not_finite(model, q, v); !bad.empty())
+    throw std::invalid_argument("assemble: " + bad + "; it must be finite");
   for (const int c : options.held)
     if (c < 0 || c >= model.nv())
-      throw std::invalid_argument("held has the velocity " + std::to_string(c) + "; there are 0 to " +
-                                  std::to_string(model.nv() - 1));
+      throw std::invalid_argument("held: there is no velocity " + std::to_string(c) + "; model \"" +
+                                  model.name() + "\" has velocities 0 to " + std::to_string(model.nv() - 1));
   MotionRows motions(model);
   return Assembly(motions, options).run(q, v);
 }

@@ -24,8 +24,12 @@ void check(const Model& model, const DriveSystem& drives, Span q, Span v, Span x
   check_configuration(model, q);
   check_size("v", v.size(), static_cast<std::size_t>(model.nv()), "nv");
   check_size("x", x.size(), drives.nx(), "the number of states of the drives");
-  if (!finite(q) || !finite(v) || !finite(x))
-    throw std::invalid_argument("linearize_with_drives: q, v or x is not finite");
+  if (const std::string bad = first_not_finite(model, q, v); !bad.empty())
+    throw std::invalid_argument("linearize_with_drives: " + bad + "; it must be finite");
+  for (std::size_t k = 0; k < x.size(); ++k)
+    if (!finite(x[k]))
+      throw std::invalid_argument("linearize_with_drives: x of \"" + drives.states()[k].name + "\" is " +
+                                  to_text(x[k]) + "; it must be finite");
 }
 
 /// A state (q, v = 0, x) with its accelerations and rates.

@@ -46,6 +46,10 @@ Model read(std::string_view drawing) {
   return ModelBuilder(read_drawing_text(drawing, "mechanism.toml")).build();
 }
 
+std::string open_at(double t) {
+  return "the loops do not stay closed at t = " + std::to_string(t) + " s; use a shorter step";
+}
+
 }  // namespace
 
 void check_supported(const Model& model, const Settings& settings, Kind kind) {
@@ -163,7 +167,8 @@ void Instance::start_stepping() {
 }
 
 void Instance::step(double t, double h) {
-  if (mode_ != Mode::step) throw std::runtime_error("a step is taken after the initialization");
+  if (mode_ != Mode::step)
+    throw std::runtime_error("a communication step was requested before the initialization had ended");
   if (!(h > 0))
     throw std::runtime_error("the length of a communication step is " + std::to_string(h) +
                              " s; it must be positive");
@@ -270,8 +275,12 @@ const std::vector<double>& Instance::poses() {
 // Model exchange.
 
 void Instance::set_states(Span states) {
-  for (const double x : states)
-    if (!std::isfinite(x)) throw NoRates("the state is not finite");
+  std::size_t k = 0;
+  for (const Role role : {Role::coordinate, Role::velocity, Role::drive_state})
+    for (const Variable& it : table_.of(role))
+      if (const double x = states[k++]; !std::isfinite(x))
+        throw NoRates("the state \"" + it.name + "\" is " + std::to_string(x) +
+                      " at t = " + std::to_string(at_.t) + " s; it must be finite");
   for (std::vector<double>* part : {&at_.q, &at_.v, &at_.x}) {
     std::ranges::copy(states.first(part->size()), part->begin());
     states = states.subspan(part->size());
@@ -332,7 +341,7 @@ bool Instance::needs_event() {
   if (observe_margin() < 0) return true;
   const bool closes = !model_.loops().empty() || !model_.motions().empty();
   Point closed = at_;
-  if (!equations_.close(closed)) throw std::runtime_error("the loops cannot be kept closed");
+  if (!equations_.close(closed)) throw std::runtime_error(open_at(at_.t));
   if (!closes) return drift(closed) > usual_norm_error;
   return drift(closed) > (tolerance_ ? std::max(*tolerance_, least_drift) : usual_drift);
 }
@@ -340,7 +349,7 @@ bool Instance::needs_event() {
 Instance::Event Instance::update_discrete_states() {
   Event event;
   Point closed = at_;
-  if (!equations_.close(closed)) throw std::runtime_error("the loops cannot be kept closed");
+  if (!equations_.close(closed)) throw std::runtime_error(open_at(at_.t));
   event.states_changed = closed.q != at_.q || closed.v != at_.v;
   at_ = std::move(closed);
   const std::vector<double> before = at_.x;

@@ -52,7 +52,8 @@ MotionEquations::MotionEquations(const Model& model, const Settings& settings, s
 }
 
 std::vector<double> MotionEquations::normalized(Span q) const {
-  if (!finite(q)) throw NoRates("the state is not finite");
+  if (const std::string bad = first_not_finite(model_, q, {}); !bad.empty())
+    throw NoRates(bad + "; it must be finite");
   try {
     return normalize(model_, q);
   } catch (const std::invalid_argument& error) {
@@ -82,7 +83,9 @@ void MotionEquations::start(Point& at) {
       at.v = std::move(found.v);
     }
     loops_->check(at.q, at.v);
-    if (!close(at)) throw std::runtime_error("the loops cannot be closed");
+    if (!close(at))
+      throw std::runtime_error("the loops cannot be closed at t = " + axode::to_text(at.t) +
+                               " s; start from another q");
   }
   drives_.set_state(at.t, at.q, at.v, at.x);
 }
@@ -119,7 +122,12 @@ std::vector<double> MotionEquations::force_sum(const Point& at, Span q, std::vec
 
 Rates MotionEquations::rates(const Point& at) {
   const std::vector<double> q = normalized(at.q);
-  if (!finite(at.v) || !finite(at.x)) throw NoRates("the state is not finite");
+  if (const std::string bad = first_not_finite(model_, q, at.v); !bad.empty())
+    throw NoRates(bad + " at t = " + axode::to_text(at.t) + " s; it must be finite");
+  for (std::size_t k = 0; k < at.x.size(); ++k)
+    if (!finite(at.x[k]))
+      throw NoRates("the state \"" + drives_.states()[k].name + "\" is " + axode::to_text(at.x[k]) +
+                    " at t = " + axode::to_text(at.t) + " s; it must be finite");
   Rates out{coordinate_rates(model_, q, at.v), std::vector<double>(at.v.size()), {}};
   const std::vector<double> tau = force_sum(at, q, &out.dx);
   Solvability found;

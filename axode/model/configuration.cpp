@@ -64,6 +64,17 @@ std::vector<double> of_each_velocity(const Model& model, double Dof::*number) {
 
 }  // namespace
 
+std::string first_not_finite(const Model& model, std::span<const double> q, std::span<const double> v) {
+  const auto fault = [&](const char* what, std::span<const double> x, const auto& names) -> std::string {
+    const auto bad = std::ranges::find_if_not(x, [](double x_k) { return std::isfinite(x_k); });
+    if (bad == x.end()) return {};
+    return std::string(what) + " of joint \"" + names(model)[static_cast<std::size_t>(bad - x.begin())] +
+           "\" is " + to_text(*bad);
+  };
+  std::string of_q = fault("q", q, coordinate_names);
+  return of_q.empty() ? fault("v", v, velocity_names) : of_q;
+}
+
 void check_size(const char* argument, std::size_t actual, std::size_t expected, const char* meaning) {
   if (actual != expected)
     throw std::invalid_argument(std::string(argument) + " has " + std::to_string(actual) +

@@ -78,6 +78,10 @@ std::vector<double> clamp(const Model& model, std::span<const double> q);
 void check_configuration(const Model& model, std::span<const double> q, const char* argument = "q");
 void check_configuration(const Model& model, std::span<const float> q, const char* argument = "q");
 
+/// A sentence about the first number of q (nq) and v (nv, or empty) that is not finite, as in `q of joint "a"
+/// is nan`. Empty if all are finite.
+std::string first_not_finite(const Model& model, std::span<const double> q, std::span<const double> v);
+
 /// Throws std::invalid_argument with the name of the argument, the actual and the expected size, if these
 /// differ.
 void check_size(const char* argument, std::size_t actual, std::size_t expected, const char* meaning);

@@ -108,10 +108,10 @@ TEST(InitialState, HasItsFaultsInCodeToo) {
   d.state->q.push_back({"slider", {0.1}});
   EXPECT_THAT(fault(d), HasSubstr("q names joint \"slider\" twice"));
   d.state = InitialStateDescription{.v = {{"hinge", {std::numeric_limits<double>::quiet_NaN()}}}};
-  EXPECT_THAT(fault(d), HasSubstr("v of joint \"hinge\" is not finite"));
+  EXPECT_THAT(fault(d), HasSubstr("v of joint \"hinge\" is nan; it must be finite"));
   d.state.reset();
   d.motions[0].coefficients = {std::numeric_limits<double>::infinity()};
-  EXPECT_THAT(fault(d), HasSubstr("\"motion of hinge\": a number is not finite"));
+  EXPECT_THAT(fault(d), HasSubstr("\"motion of hinge\": coefficients[0] is inf; it must be finite"));
 }
 
 }  // namespace

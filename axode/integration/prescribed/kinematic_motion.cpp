@@ -154,8 +154,9 @@ KinematicMotion kinematic_motion(const Model& model, std::span<const double> q, 
                                  std::span<const PrescribedMotion> motions,
                                  const std::function<bool()>& monitor) {
   check_configuration(model, q);
-  if (!finite(q) || !finite(times))
-    throw std::invalid_argument("kinematic motion: q or a time is not finite");
+  if (const std::string bad = first_not_finite(model, q, {}); !bad.empty())
+    throw std::invalid_argument("kinematic motion: " + bad + "; it must be finite");
+  if (!finite(times)) throw std::invalid_argument("kinematic motion: a time is not finite");
   if (times.empty() || std::ranges::adjacent_find(times, std::ranges::greater_equal()) != times.end())
     throw std::invalid_argument("kinematic motion: times are empty or do not increase");
   KinematicSolver solver(model, motions);

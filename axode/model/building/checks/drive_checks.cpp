@@ -139,8 +139,8 @@ void check_port(const FaultySubject& at, const DriveDescription& drive) {
     if (!finite(factor)) at.error(Rule::non_finite_number, says + ", which is not finite");
     if (factor == 0) at.error(Rule::wrong_value, says + "; leave the joint out, or give another factor");
   }
-  if (drive.line && !(finite(drive.line->points[0]) && finite(drive.line->points[1])))
-    at.error(Rule::non_finite_number, "a point is not finite");
+  if (drive.line)
+    are_finite(at, {{"points[0]", drive.line->points[0]}, {"points[1]", drive.line->points[1]}});
 }
 
 /// The index of the drive that feeds each one; their number if there is none.

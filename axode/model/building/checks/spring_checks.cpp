@@ -9,15 +9,44 @@
 namespace axode {
 namespace {
 
-bool all_finite(const std::vector<double>& all) {
-  return std::all_of(all.begin(), all.end(), [](double x) { return finite(x); });
+bool is_finite(const FaultySubject& at, const LinearCurve& curve) {
+  return are_finite(at, {{"stiffness", curve.stiffness}});
+}
+bool is_finite(const FaultySubject& at, const PolynomialCurve& curve) {
+  return are_finite(at, "coefficients", curve.coefficients);
+}
+bool is_finite(const FaultySubject& at, const TableCurve& curve) {
+  return are_finite(at, "deflections", curve.deflections) && are_finite(at, "forces", curve.forces);
+}
+bool is_finite(const FaultySubject& at, const GasCurve& gas) {
+  return are_finite(at, {{"area", gas.area},
+                         {"pressure", gas.pressure},
+                         {"volume", gas.volume},
+                         {"exponent", gas.exponent},
+                         {"ambient", gas.ambient}});
 }
 
-bool is_finite(const LinearCurve& curve) { return finite(curve.stiffness); }
-bool is_finite(const PolynomialCurve& curve) { return all_finite(curve.coefficients); }
-bool is_finite(const TableCurve& curve) { return all_finite(curve.deflections) && all_finite(curve.forces); }
-bool is_finite(const GasCurve& gas) {
-  return all_finite({gas.area, gas.pressure, gas.volume, gas.exponent, gas.ambient});
+/// Whether all numbers of a spring are finite. Reports the first one that is not.
+bool numbers_are_finite(const FaultySubject& at, const SpringDescription& spring) {
+  if (!are_finite(at, {{"points[0]", spring.points[0]}, {"points[1]", spring.points[1]}}) ||
+      !are_finite(at, {{"stiffness", spring.stiffness},
+                       {"rest", spring.rest},
+                       {"damping", spring.damping},
+                       {"preload", spring.preload.value_or(0)}}))
+    return false;
+  for (const SpringDescription::Point& it : spring.path)
+    if (!are_finite(at, {{"a point of its path", it.point}})) return false;
+  for (const auto& [joint, factor] : spring.terms)
+    if (!finite(factor)) {
+      at.error(Rule::non_finite_number,
+               "the factor of joint " + quoted(joint) + " is " + to_text(factor) + "; it must be finite");
+      return false;
+    }
+  for (std::size_t k = 0; k < 6; ++k)
+    if (const std::string row = '[' + std::to_string(k) + ']';
+        !are_finite(at, "stiffness" + row, spring.K[k]) || !are_finite(at, "damping" + row, spring.C[k]))
+      return false;
+  return !spring.curve || std::visit([&](const auto& curve) { return is_finite(at, curve); }, *spring.curve);
 }
 
 bool check_curve(const FaultySubject& at, const LinearCurve& curve) {
@@ -133,18 +162,7 @@ void check_matrix(const FaultySubject& at, const std::string& what, const SixByS
 }  // namespace
 
 void check_spring(const FaultySubject& at, const SpringDescription& spring) {
-  bool good = finite(spring.points[0]) && finite(spring.points[1]) && finite(spring.stiffness) &&
-              finite(spring.rest) && finite(spring.damping);
-  if (!good) return at.error(Rule::non_finite_number, "a point, stiffness, rest or damping is not finite");
-  good = finite(spring.preload.value_or(0));
-  for (const SpringDescription::Point& it : spring.path) good = good && finite(it.point);
-  for (const auto& [joint, factor] : spring.terms) good = good && finite(factor);
-  for (const SixBySix* A : {&spring.K, &spring.C})
-    for (const auto& row : *A)
-      for (const double x : row) good = good && finite(x);
-  if (spring.curve)
-    good = good && std::visit([](const auto& curve) { return is_finite(curve); }, *spring.curve);
-  if (!good) return at.error(Rule::non_finite_number, "a number is not finite");
+  if (!numbers_are_finite(at, spring)) return;
   const SpringTraits& kind = traits(spring.kind);
   if (kind.has("frames")) {
     check_pose(at, "the first frame", spring.frames[0]);

@@ -300,14 +300,46 @@ void check_inertia(const BodyDescription& body, FaultCollector& faults) {
   }
 }
 
+bool are_finite(const FaultySubject& at, std::initializer_list<std::pair<const char*, double>> values) {
+  const auto bad = std::ranges::find_if_not(values, [](const auto& value) { return finite(value.second); });
+  if (bad == values.end()) return true;
+  at.error(Rule::non_finite_number,
+           std::string(bad->first) + " is " + to_text(bad->second) + "; it must be finite");
+  return false;
+}
+bool are_finite(const FaultySubject& at, std::initializer_list<std::pair<const char*, Vec3<>>> values) {
+  const auto bad = std::ranges::find_if_not(values, [](const auto& value) { return finite(value.second); });
+  if (bad == values.end()) return true;
+  const auto& [key, x] = *bad;
+  at.error(Rule::non_finite_number, std::string(key) + " is (" + to_text(x.x) + ", " + to_text(x.y) + ", " +
+                                        to_text(x.z) + "); it must be finite");
+  return false;
+}
+bool are_finite(const FaultySubject& at, const std::string& key, std::span<const double> values) {
+  for (std::size_t k = 0; k < values.size(); ++k)
+    if (!finite(values[k])) {
+      at.error(Rule::non_finite_number,
+               key + "[" + std::to_string(k) + "] is " + to_text(values[k]) + "; it must be finite");
+      return false;
+    }
+  return true;
+}
+
 void check_loop(const FaultySubject& at, const LoopDescription& loop) {
-  bool good = finite(loop.axis) && finite(loop.second_axis) && finite(loop.point) && finite(loop.pitch) &&
-              finite(loop.points[0]) && finite(loop.points[1]) && finite(loop.center) &&
-              finite(loop.wheel_axis.value_or(Vec3<>{}));
-  for (const std::optional<double>& size : {loop.length, loop.radius, loop.angle})
-    good = good && finite(size.value_or(0));
-  good = good && finite(loop.radii[0]) && finite(loop.radii[1]);
-  if (!good) return at.error(Rule::non_finite_number, "a number is not finite");
+  if (!are_finite(at, {{"axis", loop.axis},
+                       {"second_axis", loop.second_axis},
+                       {"point", loop.point},
+                       {"points[0]", loop.points[0]},
+                       {"points[1]", loop.points[1]},
+                       {"center", loop.center},
+                       {"wheel_axis", loop.wheel_axis.value_or(Vec3<>{})}}) ||
+      !are_finite(at, {{"pitch", loop.pitch},
+                       {"length", loop.length.value_or(0)},
+                       {"radius", loop.radius.value_or(0)},
+                       {"angle", loop.angle.value_or(0)},
+                       {"radii[0]", loop.radii[0]},
+                       {"radii[1]", loop.radii[1]}}))
+    return;
   const LoopTraits& kind = traits(loop.kind);
   const bool helical = kind.has("pitch");
   if (!helical && loop.pitch != 0)
@@ -358,8 +390,7 @@ void check_loop(const FaultySubject& at, const LoopDescription& loop) {
 }
 
 void check_play(const FaultySubject& at, const CouplingDescription& coupling) {
-  if (!finite(coupling.play) || !finite(coupling.restitution))
-    return at.error(Rule::non_finite_number, "its play or restitution is not finite");
+  if (!are_finite(at, {{"play", coupling.play}, {"restitution", coupling.restitution}})) return;
   not_negative(at, {{"its play", coupling.play}});
   is_restitution(at, "its restitution", coupling.restitution);
   if (coupling.restitution != 0 && coupling.play == 0)
@@ -368,14 +399,17 @@ void check_play(const FaultySubject& at, const CouplingDescription& coupling) {
 }
 
 void check_motion(const FaultySubject& at, const MotionDescription& motion) {
-  const auto all_finite = [](const std::vector<double>& all) {
-    return std::all_of(all.begin(), all.end(), [](double x) { return finite(x); });
-  };
-  const std::vector<double> numbers{motion.offset, motion.amplitude, motion.frequency, motion.phase,
-                                    motion.from,   motion.to,        motion.start,     motion.end};
-  if (!all_finite(numbers) || !all_finite(motion.coefficients) || !all_finite(motion.times) ||
-      !all_finite(motion.values))
-    return at.error(Rule::non_finite_number, "a number is not finite");
+  if (!are_finite(at, {{"offset", motion.offset},
+                       {"amplitude", motion.amplitude},
+                       {"frequency", motion.frequency},
+                       {"phase", motion.phase},
+                       {"from", motion.from},
+                       {"to", motion.to},
+                       {"start", motion.start},
+                       {"end", motion.end}}) ||
+      !are_finite(at, "coefficients", motion.coefficients) || !are_finite(at, "times", motion.times) ||
+      !are_finite(at, "values", motion.values))
+    return;
   switch (motion.kind) {
     case MotionDescription::Kind::harmonic: return;
     case MotionDescription::Kind::ramp:
@@ -418,7 +452,8 @@ void check_joint_state(const FaultySubject& at, const char* what, const JointDes
                         std::string(to_string(joint.kind)) + " joint takes " + std::to_string(needed) +
                         (has_quaternion ? ", of which the first four are a quaternion x, y, z, w" : ""));
   for (const double x : numbers)
-    if (!finite(x)) return at.error(Rule::non_finite_number, says + " is not finite");
+    if (!finite(x))
+      return at.error(Rule::non_finite_number, says + " is " + to_text(x) + "; it must be finite");
   if (!has_quaternion) return;
   const double norm = std::hypot(std::hypot(numbers[0], numbers[1]), std::hypot(numbers[2], numbers[3]));
   if (!(std::abs(norm - 1) <= rotation_tolerance))
@@ -427,8 +462,9 @@ void check_joint_state(const FaultySubject& at, const char* what, const JointDes
 }
 
 void check_contact(const FaultySubject& at, const ContactDescription& contact) {
-  if (!finite(contact.friction) || !finite(contact.margin) || !finite(contact.threshold))
-    return at.error(Rule::non_finite_number, "friction, margin or threshold is not finite");
+  if (!are_finite(
+          at, {{"friction", contact.friction}, {"margin", contact.margin}, {"threshold", contact.threshold}}))
+    return;
   not_negative(
       at, {{"friction", contact.friction}, {"margin", contact.margin}, {"threshold", contact.threshold}});
   warn_of_friction(at, "friction", contact.friction);

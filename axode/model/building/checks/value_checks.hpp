@@ -51,6 +51,10 @@ struct FaultySubject {
 
 /// Reports the values that are negative, by what they are.
 void not_negative(const FaultySubject& at, std::initializer_list<std::pair<std::string, double>> values);
+/// Reports the first of the values that is not finite, by its key, and returns whether all are finite.
+bool are_finite(const FaultySubject& at, std::initializer_list<std::pair<const char*, double>> values);
+bool are_finite(const FaultySubject& at, std::initializer_list<std::pair<const char*, Vec3<>>> values);
+bool are_finite(const FaultySubject& at, const std::string& key, std::span<const double> values);
 
 /// Whether the numbers of an element are finite and its pose has a rotation.
 bool check_pose(const FaultySubject& at, const std::string& what, const SE3<>& C);
