@@ -9,8 +9,8 @@ namespace axode {
 void check_drives(const Model& model, std::span<const int> drives) {
   for (const int c : drives)
     if (c < 0 || c >= model.nv())
-      throw std::invalid_argument("drives holds " + std::to_string(c) + "; velocities are 0 to " +
-                                  std::to_string(model.nv() - 1));
+      throw std::invalid_argument("drives: there is no velocity " + std::to_string(c) + "; model \"" +
+                                  model.name() + "\" has velocities 0 to " + std::to_string(model.nv() - 1));
 }
 
 std::vector<int> driven(const Model& model, std::span<const int> drives) {

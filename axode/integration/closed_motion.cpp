@@ -47,7 +47,8 @@ std::string ClosedMotion::unfollowed(Span q, Span v, Span a) {
   constexpr double tolerance = 1e-6;
   const std::string name = motions_.worst(rates, tolerance * (1 + norm(a) + norm(v) * norm(v)));
   return name.empty() ? name
-                      : "the motion of \"" + name + "\" cannot be followed: the mechanism is in the way";
+                      : "the loops and the other motions do not allow the prescribed motion of \"" + name +
+                            "\" at this configuration";
 }
 
 void ClosedMotion::check(Span q, Span v) {

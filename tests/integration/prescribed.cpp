@@ -222,7 +222,8 @@ TEST(PrescribedMotions, ThatContradictEachOtherEndTheMotion) {
                {.of = "slide", .coefficients = {start.q[2]}}};
   const Trajectory motion = simulate(built(d), start.q, start.v, 1);
   EXPECT_FALSE(motion.complete);
-  EXPECT_THAT(motion.stop_reason, HasSubstr("cannot be followed"));
+  EXPECT_THAT(motion.stop_reason,
+              HasSubstr("the loops and the other motions do not allow the prescribed motion of \""));
   d.motions[0].coefficients = {start.q[0]};  // both rest
   const Trajectory rests = simulate(built(d), start.q, start.v, 0.1);
   EXPECT_TRUE(rests.complete) << rests.stop_reason;

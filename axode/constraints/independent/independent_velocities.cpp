@@ -36,8 +36,8 @@ std::vector<int> best_of(const Matrix& kernel) {
 void check(const Model& model, std::span<const int> velocities, Eigen::Index freedom) {
   for (const int c : velocities)
     if (c < 0 || c >= model.nv())
-      throw std::invalid_argument("velocities holds " + std::to_string(c) + "; expected numbers from 0 to " +
-                                  std::to_string(model.nv() - 1));
+      throw std::invalid_argument("velocities: there is no velocity " + std::to_string(c) + "; model \"" +
+                                  model.name() + "\" has velocities 0 to " + std::to_string(model.nv() - 1));
   if (static_cast<Eigen::Index>(velocities.size()) != freedom)
     throw std::invalid_argument("velocities holds " + std::to_string(velocities.size()) +
                                 "; the loops leave " + std::to_string(freedom) + " independent here");

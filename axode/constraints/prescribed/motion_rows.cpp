@@ -51,9 +51,10 @@ void check(const Model& model, std::span<const PrescribedMotion> motions) {
                                   quoted(of) +
                                   did_you_mean(of, joints, [](const Joint& j) { return j.name; }));
     if (joint->dof.size() != 1)
-      throw std::invalid_argument("motions: joint " + quoted(of) + " has " +
-                                  std::to_string(joint->dof.size()) +
-                                  " velocities; a motion prescribes a joint of one velocity, or a rod");
+      throw std::invalid_argument(
+          "motions: joint " + quoted(of) + " has " + std::to_string(joint->dof.size()) +
+          " velocities; a motion prescribes a joint of one velocity, or a rod: remove it "
+          "from the motions");
   }
 }
 

@@ -23,13 +23,15 @@ class HullBuilder {
   HullBuilder(std::vector<Vec3<>> vertices, std::span<const Triangle> triangles, double coplanar)
       : triangles_(triangles), coplanar_(coplanar) {
     hull_.vertices = std::move(vertices);
-    if (hull_.vertices.size() < 4) fail("has " + std::to_string(hull_.vertices.size()) + " vertices, not 4");
+    if (hull_.vertices.size() < 4)
+      fail("has " + std::to_string(hull_.vertices.size()) + " vertices, and it needs at least 4");
     if (!std::ranges::all_of(hull_.vertices, [](const Vec3<>& v) { return finite(v); }))
       fail("has a vertex that is not finite");
     for (const Triangle& t : triangles_)
       for (const int i : t)
         if (i < 0 || i >= std::ssize(hull_.vertices))
-          fail("has a triangle with vertex " + std::to_string(i) + ", which it does not have");
+          fail("has a triangle with vertex " + std::to_string(i) + ", but its vertices are 0 to " +
+               std::to_string(hull_.vertices.size() - 1));
   }
   Hull build() {
     normals_of_triangles();
@@ -66,7 +68,10 @@ class HullBuilder {
     for (int t = 0; t < std::ssize(triangles_); ++t)
       for (std::size_t k = 0; k < 3; ++k) {
         const Triangle& v = triangles_[t];
-        if (!left_.emplace(std::pair(v[k], v[(k + 1) % 3]), t).second) fail("has an edge twice");
+        const int a = v[k], b = v[(k + 1) % 3];
+        if (!left_.emplace(std::pair(a, b), t).second)
+          fail("has two triangles with the edge from vertex " + std::to_string(a) + " to " +
+               std::to_string(b) + " in this direction");
       }
     for (const auto& [edge, t] : left_)
       if (!left_.contains({edge.second, edge.first})) fail("is not closed");

@@ -143,7 +143,7 @@ const Joint& joint_of(const Model& model, const std::string& of) {
   if (joint->leader)
     throw std::invalid_argument("motions: joint " + quoted(of) + " is coupled to joint " +
                                 quoted(model.joint(joint->leader->joint).name) +
-                                "; give the motion of that joint");
+                                "; remove it from `motions`, and give the motion of that joint");
   return *joint;
 }
 

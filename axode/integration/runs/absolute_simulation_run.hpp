@@ -110,7 +110,7 @@ class AbsoluteSimulationRun {
       before = now;
       if (stalled) break;
     }
-    if (!(before <= tolerable)) return {t, "joints and loops cannot be kept closed; a shorter step may help"};
+    if (!(before <= tolerable)) return {t, "joints and loops do not stay closed; use a shorter step"};
     if (Failure failure = factorize_with_rank(t, q_1)) return failure;
     bodies_.velocity_residual(q_1, v_1, rows_);
     project();

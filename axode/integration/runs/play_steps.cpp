@@ -155,8 +155,7 @@ Failure SimulationRun::take_up_to_play(double t_1, StepEnd& end, const Attempt& 
   }
   if (Failure failure = find_change(t_1, end, attempt, reserve)) return failure;
   short_steps_ = t_1 - t_0 < short_part * length ? short_steps_ + 1 : 0;
-  if (short_steps_ > most_short_steps)
-    return {t_0, "the plays of couplings change faster than can be followed"};
+  if (short_steps_ > most_short_steps) return {t_0, too_many_changes("plays of couplings")};
   if (Failure failure = take(t_1, end)) return failure;
   if (done()) return {};
   accelerations_jumped_ = true;

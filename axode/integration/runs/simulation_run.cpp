@@ -115,6 +115,11 @@ Failure SimulationRun::not_finite(double t, const char* what, Span x) const {
   return {t, what + std::string(" not finite at ") + joint_of(x)};
 }
 
+std::string SimulationRun::too_many_changes(const char* what) {
+  return std::string(what) + " changed more than " + std::to_string(most_short_steps) +
+         " times in succession, each time within " + to_text(short_part) + " of a step; use a shorter step";
+}
+
 std::string SimulationRun::joint_of(Span x) const {
   for (std::size_t c = 0; c < x.size(); ++c)
     if (!std::isfinite(x[c])) return "joint \"" + velocity_names(model_)[c] + "\"";
@@ -389,7 +394,8 @@ Failure SimulationRun::take_under_friction(double t_1, StepEnd& end, const Attem
     }
   }
   short_steps_ = high - t_0 < short_part * (t_1 - t_0) ? short_steps_ + 1 : 0;
-  if (short_steps_ > most_short_steps) return {t_0, "dry friction changes faster than it can be followed"};
+  if (short_steps_ > most_short_steps)
+    return {t_0, too_many_changes("dry friction") + ", or joint_losses = false"};
   const bool at_once = high - t_0 <= resolution && stop_sliding(2 * resolution);
   if (!at_once) {
     if (Failure failure = take(high, after)) return failure;
@@ -436,7 +442,7 @@ Failure SimulationRun::end_at_switch(double& t_1, StepEnd& end, const Attempt& a
     }
   }
   short_steps_ = high - t_0 < short_part * h ? short_steps_ + 1 : 0;
-  if (short_steps_ > most_short_steps) return {t_0, "drives switch faster than they can be followed"};
+  if (short_steps_ > most_short_steps) return {t_0, too_many_changes("statuses of drives")};
   if (t != high && friction_.active())
     if (Failure failure = attempt(high, after)) return failure;
   t_1 = high;

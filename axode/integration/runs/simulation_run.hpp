@@ -121,7 +121,7 @@ class SimulationRun {
 
  protected:
   using SquareMatrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
-  static constexpr const char* open = "the loops cannot be kept closed; a shorter step may help";
+  static constexpr const char* open = "the loops do not stay closed; use a shorter step";
 
   /// Appends the end of a step to the trajectory without projection.
   Failure record(double t, StepEnd end);
@@ -129,6 +129,8 @@ class SimulationRun {
   Span joint_force_sum(Span q_t, Span v_t);
   /// Computes drive forces and loads at a state.
   Failure begin_evaluation(double t, Span q_t, Span v_t);
+  /// The reason for the end of a motion with more than `most_short_steps` changes in succession.
+  static std::string too_many_changes(const char* what);
   std::string joint_of(Span x) const;
   Failure not_finite(double t, const char* what, Span x) const;
 

@@ -140,7 +140,7 @@ template <class Run> void take_adapted_steps(Run& run, double until, const Toler
     const double length = h * std::pow(shortened, shorter);
     const bool last = length >= rest * (1 - 1e-12);
     if (!last && !(length > 1e-15 * until))
-      return run.stop({t, "the step became too short for the tolerances"});
+      return run.stop({t, "the step became too short for the tolerances; use larger tolerances, or rk4"});
     const double t_1 = last ? run.step_end(until) : t + length;
     if (Failure failure = attempt(t_1, end)) {  // the step may be too long
       if (h < 1e-9 * until) return run.stop(failure);

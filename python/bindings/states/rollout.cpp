@@ -78,7 +78,7 @@ std::tuple<Array, Array> motions_of(const States& states, const BoundSpecialised
         return roll(states, compiled, steps, q_out.all(), v_out.all(), monitor);
       });
   if (outcome.loops_open)
-    states.raise("SingularError", "the loops cannot be kept closed; a shorter step may help",
+    states.raise("SingularError", "the loops do not stay closed; use a shorter step",
                  ended(states, v_out, shape_v), q_out);
   if (!outcome.ok()) {
     std::vector<Solvability> found(states.count());
