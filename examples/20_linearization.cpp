@@ -36,7 +36,8 @@ int main() {
       }
   }
 
-  // About the upright position, x' = A x and the accelerations of forward dynamics agree to second order in x.
+  // About the upright position, x' = A x and the accelerations
+  // of forward dynamics agree to second order in x.
   std::printf("error of A x for a displacement of 0.1, 0.01, 0.001 rad:");
   const std::vector<double> upright{std::numbers::pi, 0};
   if (!linearize(model, workspace, upright, rest, rest, {as_span(A), as_span(B)}).ok()) return 1;

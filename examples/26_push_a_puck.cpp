@@ -1,7 +1,7 @@
-// A gradient through contact: a finger pushes a puck, which then slides on a floor until it rests. Which force
-// brings it to a target? The derivatives of every step, of sticking and sliding contacts too, give Newton's
-// method for the two components of the force. It ends within a millimetre: the motion as a function of the force
-// has small jumps, where a foot lands in another step.
+// A gradient through contact: a finger pushes a puck, which then slides on a floor until it rests. Which
+// force brings it to a target? The derivatives of every step, of sticking and sliding contacts too, give
+// Newton's method for the two components of the force. It ends within a millimetre: the motion as a function
+// of the force has small jumps, where a foot lands in another step.
 #include <Eigen/Dense>
 #include <algorithm>
 #include <cstdio>

@@ -1,5 +1,5 @@
-// Motions to follow: an arm goes from one configuration to another within limits of velocity and acceleration,
-// and then along a path that is known at a few times. A controller keeps it near these motions.
+// Motions to follow: an arm goes from one configuration to another within limits of velocity and
+// acceleration, and then along a path that is known at a few times. A controller keeps it near these motions.
 #include <algorithm>
 #include <cmath>
 #include <cstdio>

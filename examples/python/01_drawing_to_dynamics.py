@@ -1,9 +1,9 @@
 """From a drawing to inverse and forward dynamics: axes, points and masses in one frame, no joint frames."""
 
 # %% [markdown]
-# A slewing crane: a column that turns, a jib that luffs, a trolley that runs out along the jib. Every axis, point and
-# center of mass is read off one drawing with all joints at zero, in m and kg. The frame of the drawing is that of every
-# body as well; `frame="joint"` or `frame="com"` in a body would put its frame there.
+# A slewing crane: a column that turns, a jib that luffs, a trolley that runs out along the jib. Every axis,
+# point and center of mass is read off one drawing with all joints at zero, in m and kg. The frame of the
+# drawing is that of every body as well; `frame="joint"` or `frame="com"` in a body would put its frame there.
 
 # %%
 import axode
@@ -23,8 +23,8 @@ crane = (
 print(crane)
 
 # %% [markdown]
-# Which drive forces hold the crane at rest, with the jib level and the trolley 2 m out? The slewing drive needs none;
-# the luffing drive carries both weights, each with its lever.
+# Which drive forces hold the crane at rest, with the jib level and the trolley 2 m out? The slewing drive
+# needs none; the luffing drive carries both weights, each with its lever.
 
 # %%
 q, rest = np.array([0.0, 0.0, 2.0]), np.zeros(3)  # rad, rad, m
@@ -34,16 +34,16 @@ print(f"\nto hold it: slew {tau[0]:.1f} N m, luff {tau[1]:.1f} N m, travel {tau[
 print(f"luff by hand: {9.81 * levers:.1f} N m")
 
 # %% [markdown]
-# The same with 500 kg on the hook. A wrench is a moment and then a force; "hybrid" means that both are in inertial
-# axes and act at the frame.
+# The same with 500 kg on the hook. A wrench is a moment and then a force;
+# "hybrid" means that both are in inertial axes and act at the frame.
 
 # %%
 weight = axode.Load(frame="hook", representation="hybrid", wrench=[0, 0, 0, 0, 0, -500 * 9.81])
 print(f"with 500 kg on the hook: luff {axode.inverse_dynamics(crane, q, rest, rest, loads=[weight])[1]:.1f} N m")
 
 # %% [markdown]
-# Forward dynamics computes accelerations from forces. While the crane slews, let the brake of the trolley slip: the
-# trolley runs out.
+# Forward dynamics computes accelerations from forces. While the crane
+# slews, let the brake of the trolley slip: the trolley runs out.
 
 # %%
 v = np.array([0.3, 0.0, 0.0])  # rad/s, rad/s, m/s

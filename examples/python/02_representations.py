@@ -1,9 +1,10 @@
 """One motion in four representations, as a picture: `python 02_representations.py [figure.svg]`."""
 
 # %% [markdown]
-# An arm, 1 m long and 0.5 m above the ground, swings about a column at 1 rad/s. At its tip is a wheel whose axis is the
-# arm; it spins at 3 rad/s. How does the center of the wheel move? Both speeds are constant, and yet most numbers below
-# are not: they depend on the axes in which a twist is written, and on the point whose velocity it holds.
+# An arm, 1 m long and 0.5 m above the ground, swings about a column at 1 rad/s. At its
+# tip is a wheel whose axis is the arm; it spins at 3 rad/s. How does the center of the
+# wheel move? Both speeds are constant, and yet most numbers below are not: they depend
+# on the axes in which a twist is written, and on the point whose velocity it holds.
 
 # %%
 import sys
@@ -25,7 +26,8 @@ q = t[:, None] * v
 center = grinder.frame_index("center")
 
 # %% [markdown]
-# One call for each representation gives the twists of all frames at all times, (201, n_frames, 6), angular part first.
+# One call for each representation gives the twists of all
+# frames at all times, (201, n_frames, 6), angular part first.
 
 # %%
 twists = {
@@ -40,9 +42,10 @@ for name, V in twists.items():
     print(f"{name:7}" + "".join(f" {x:8.3f}" for x in V[len(t) // 8]))
 
 # %% [markdown]
-# Panels of one tint show the same numbers. The angular part knows only axes, the wheel's or inertial ones. The linear
-# part is the velocity of the center, in either; but in the spatial twist it is that of the point of the wheel, thought
-# to go on without end, that is at the inertial origin. It is 0.5 m off the wheel's axis: 3 rad/s * 0.5 m = 1.5 m/s.
+# Panels of one tint show the same numbers. The angular part knows only axes, the wheel's
+# or inertial ones. The linear part is the velocity of the center, in either; but in the
+# spatial twist it is that of the point of the wheel, thought to go on without end, that
+# is at the inertial origin. It is 0.5 m off the wheel's axis: 3 rad/s * 0.5 m = 1.5 m/s.
 
 # %%
 TURNING, INERTIAL, CENTER, OTHER = "#fff3df", "#e6f0fa", "#e8f4e8", "#ffffff"

@@ -1,9 +1,9 @@
 """Drive torques of a whole trajectory in one call, and whether the drives can deliver them."""
 
 # %% [markdown]
-# Functions take one state, q of shape (nq,), or N states, q of shape (N, nq), so that no loop in Python is needed.
-# Here an arm carries 8 kg at its flange, and its joints swing about a posture for four seconds, each at a rhythm of
-# its own.
+# Functions take one state, q of shape (nq,), or N states, q of shape (N, nq), so
+# that no loop in Python is needed. Here an arm carries 8 kg at its flange, and
+# its joints swing about a posture for four seconds, each at a rhythm of its own.
 
 # %%
 from timeit import repeat
@@ -37,9 +37,9 @@ for name, torque, effort in zip(arm.velocity_names, tau.T, arm.effort_limits):
 print("all torques within the limits:", bool((np.abs(tau) <= arm.effort_limits).all()))
 
 # %% [markdown]
-# The same computed by a loop over the states, and by the batch on two cores. A batch computes several states at once
-# with SIMD instructions, and lets other Python threads run meanwhile. The numbers agree to rounding; times are the
-# best of five.
+# The same computed by a loop over the states, and by the batch on two cores. A batch
+# computes several states at once with SIMD instructions, and lets other Python
+# threads run meanwhile. The numbers agree to rounding; times are the best of five.
 
 # %%
 def loop() -> list[NDArray[np.float64]]:

@@ -1,8 +1,8 @@
 """The parameters of an arm from motions and torques with noise, outliers, joint losses and a tool nobody has drawn."""
 
 # %% [markdown]
-# The measured arm is that of the drawing, but heavier, with friction in its joints and a tool at its flange. Torques
-# have noise of 0.5 % of the largest torques of the drives, and one of fifty is completely wrong.
+# The measured arm is that of the drawing, but heavier, with friction in its joints and a tool at its flange.
+# Torques have noise of 0.5 % of the largest torques of the drives, and one of fifty is completely wrong.
 
 # %%
 import axode
@@ -31,7 +31,8 @@ wrong = random.random(tau.shape) < 0.02
 tau[wrong] += 100 * noise[np.nonzero(wrong)[1]]
 
 # %% [markdown]
-# The motions depend only on the base parameters. The model that is found has these, and is physically consistent.
+# The motions depend only on the base parameters. The model
+# that is found has these, and is physically consistent.
 
 # %%
 found = axode.identification.identify(drawn, q, v, a, tau, joint_losses=True, robust=True)

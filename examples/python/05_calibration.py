@@ -2,8 +2,8 @@
 
 # %% [markdown]
 # The measured arm is the one that was built: every joint is off by half a degree and some millimetres, and a
-# reflector is at its flange. The tracker stands somewhere in the hall, its noise is 0.1 mm and 0.2 mrad, and one pose
-# of thirty is wrong.
+# reflector is at its flange. The tracker stands somewhere in the hall,
+# its noise is 0.1 mm and 0.2 mrad, and one pose of thirty is wrong.
 
 # %%
 import axode
@@ -43,8 +43,8 @@ for name in found.unidentifiable_names[:4]:
     print(f"  {name}")
 
 # %% [markdown]
-# The result is tested with other poses. For comparison, the poses of the drawing are computed with the best places of
-# the tracker and the reflector.
+# The result is tested with other poses. For comparison, the poses of the drawing are computed with the best
+# places of the tracker and the reflector.
 
 # %%
 q = drawn.random(seed=1, n=500)

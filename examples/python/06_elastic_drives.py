@@ -1,10 +1,10 @@
 """Feed-forward for an arm whose drives are elastic, from the time derivatives of its torques."""
 
 # %% [markdown]
-# Gears and torque sensors are springs between motors and links: M(q) a + C v + g = tau = K (theta - q) and J theta'' + tau
-# = tau_m. Such an arm is flat: a motion q(t) of the links determines all the rest. The springs must be wound up by tau, so
-# theta = q + tau / K, and the motors must turn with theta'' = a + tau'' / K. So tau'' is needed, with q up to its fourth
-# derivative.
+# Gears and torque sensors are springs between motors and links: M(q) a + C v + g = tau = K (theta - q) and J
+# theta'' + tau = tau_m. Such an arm is flat: a motion q(t) of the links determines all the rest. The springs
+# must be wound up by tau, so theta = q + tau / K, and the motors must turn with theta'' = a + tau'' / K. So
+# tau'' is needed, with q up to its fourth derivative.
 
 # %%
 import axode
@@ -28,8 +28,8 @@ tau, dtau, ddtau = axode.inverse_dynamics_rates(arm, *motion)
 q, v, a = motion[:3]
 
 # %% [markdown]
-# Two feed-forwards, each with the same feedback of the motors: one that knows of the springs, and one that does not. They
-# are run on the arm with its springs.
+# Two feed-forwards, each with the same feedback of the motors: one that knows of the springs, and one that
+# does not. They are run on the arm with its springs.
 
 # %%
 flat = (q + tau / K, v + dtau / K, J * (a + ddtau / K) + tau)
@@ -40,7 +40,8 @@ def largest_error(theta: Array, omega: Array, torque: Array) -> float:
     """The largest error of the links, in mrad. The motion begins without error and is computed by Runge-Kutta's
     method, with four calls for a step."""
     stiffness, damping = 2e3 * J, 80.0 * J
-    x = np.stack([q[0], v[0], q[0] + tau[0] / K, v[0] + dtau[0] / K])  # links, their rates, motors, their rates
+    # The state: links, their rates, motors, their rates.
+    x = np.stack([q[0], v[0], q[0] + tau[0] / K, v[0] + dtau[0] / K])
 
     def rate(x: Array, k: int) -> Array:
         spring = K * (x[2] - x[0])

@@ -23,8 +23,8 @@ for body in drawing["body"]:
 arm = axode.Model.from_dict({**drawing, "body": bodies})
 motors = np.array([name.startswith("motor") for name in arm.velocity_names])
 
-# The motors are controlled to the target as those of a rigid arm, with its weight compensated. The springs are not
-# taken into account.
+# The motors are controlled to the target as those of a rigid arm,
+# with its weight compensated. The springs are not taken into account.
 start, target = np.zeros(arm.nv), np.zeros(arm.nv)
 target[motors] = [0.4, 0.6, -0.3, -0.8, 0.2, 0.5, 0.1]
 weight = np.where(motors, axode.gravity_torques(arm, target), 0)

@@ -1,10 +1,10 @@
 """The least drive forces that swing a double pendulum up, from the exact derivatives of its motion."""
 
 # %% [markdown]
-# The pendulum hangs at rest, and is to stand at rest after a second. Of all drive forces u that take it there, we
-# look for those with the least sum of squares. A change du displaces the end by S du, and S follows from the matrices
-# A and B of the steps: a displacement from the previous steps is multiplied by A, and the forces of the step itself
-# add B.
+# The pendulum hangs at rest, and is to stand at rest after a second. Of all drive forces u
+# that take it there, we look for those with the least sum of squares. A change du displaces
+# the end by S du, and S follows from the matrices A and B of the steps: a displacement from
+# the previous steps is multiplied by A, and the forces of the step itself add B.
 
 # %%
 import axode
@@ -45,8 +45,8 @@ print(f"it stands after {steps * step:.0f} s to within {off:.0e}")
 print("largest drive torques in N m:", np.abs(u).max(axis=0).round(1))
 
 # %% [markdown]
-# The shortest u is a combination of the rows of S: the gradient of the end, weighted with some factors. This gradient
-# can also be computed without matrices.
+# The shortest u is a combination of the rows of S: the gradient of the end, weighted with some factors. This
+# gradient can also be computed without matrices.
 
 # %%
 factors = np.linalg.lstsq(end_by_forces(u).T, u.ravel(), rcond=None)[0]

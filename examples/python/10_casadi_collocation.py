@@ -2,8 +2,8 @@
 
 # %% [markdown]
 # The time is cut into intervals. On each of them the states are polynomials through its first point and three
-# points of Radau, where q' = v and v' = a(q, v, tau) hold; the forces are constant. All these states and forces
-# are the unknowns of one optimisation, and `axode.casadi.function` gives a with its exact derivatives.
+# points of Radau, where q' = v and v' = a(q, v, tau) hold; the forces are constant. All these states and
+# forces are the unknowns of one optimisation, and `axode.casadi.function` gives a with its exact derivatives.
 
 # %%
 from typing import Any, NamedTuple
@@ -93,8 +93,8 @@ print(f"acrobot: {swing.status} after {swing.iterations} iterations; the elbow n
 print(f"simulated it is off by {off_when_simulated(acrobot, swing):.0e}")
 
 # %% [markdown]
-# The arm's flange shall be at a point after a second, in whatever configuration that is cheapest. The pose of the
-# flange is a function with exact derivatives as well.
+# The arm's flange shall be at a point after a second, in whatever configuration that is cheapest. The pose of
+# the flange is a function with exact derivatives as well.
 
 # %%
 arm = axode.load(axode.robots / "arm7.toml")

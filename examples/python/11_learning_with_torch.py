@@ -1,8 +1,8 @@
 """A payload and the friction of the joints, learned together from measured torques, with PyTorch."""
 
 # %% [markdown]
-# The measured arm is that of the drawing with an unknown payload, and with friction in its joints for which the
-# library has no formula. Torques have noise of 0.1 N m.
+# The measured arm is that of the drawing with an unknown payload, and with friction in its joints for which
+# the library has no formula. Torques have noise of 0.1 N m.
 
 # %%
 import axode
@@ -28,11 +28,11 @@ def measured(n: int, seed: int) -> tuple[torch.Tensor, ...]:
 
 
 # %% [markdown]
-# A payload has ten parameters, which must make its pseudo-inertia P positive definite. P = L Lᵀ is positive definite
-# for any numbers in the lower triangle of L and for any logarithms of its diagonal, so that these are learned. Their
-# initial values are those of a ball of 0.2 kg at the flange. In the frame of the last link the same matter has the
-# pseudo-inertia C P Cᵀ, C being the pose of the flange, and what it adds to the parameters of that link is linear in
-# P.
+# A payload has ten parameters, which must make its pseudo-inertia P positive definite. P = L
+# Lᵀ is positive definite for any numbers in the lower triangle of L and for any logarithms of
+# its diagonal, so that these are learned. Their initial values are those of a ball of 0.2 kg
+# at the flange. In the frame of the last link the same matter has the pseudo-inertia C P Cᵀ, C
+# being the pose of the flange, and what it adds to the parameters of that link is linear in P.
 
 # %%
 class Payload(torch.nn.Module):  # type: ignore[misc, unused-ignore]
@@ -72,8 +72,8 @@ class Arm(torch.nn.Module):  # type: ignore[misc, unused-ignore]
 
 
 # %% [markdown]
-# There is one loss and one backward pass: its gradient goes through inverse dynamics to the payload, and directly to
-# the network.
+# There is one loss and one backward pass: its gradient goes through
+# inverse dynamics to the payload, and directly to the network.
 
 # %%
 def learned(with_residual: bool, *data: torch.Tensor) -> Arm:

@@ -1,8 +1,8 @@
 """The gait of a swimming snake: torques that take it furthest, by shooting through its motion with gradients from JAX."""
 
 # %% [markdown]
-# Six links move on a plane, in a viscous fluid whose resistance across a link is ten times as large as along it. Each
-# joint has a spring, like a flexible body, and a drive. All numbers are in m, kg and s.
+# Six links move on a plane, in a viscous fluid whose resistance across a link is ten times as large as along
+# it. Each joint has a spring, like a flexible body, and a drive. All numbers are in m, kg and s.
 
 # %%
 from typing import Any
@@ -27,8 +27,8 @@ for k in range(links):
 snake = builder.build().with_gravity([0, 0, 0])
 
 # %% [markdown]
-# The fluid's wrench on a link is linear in its twist. Its forces on the joints are computed without a Jacobian, by
-# the transpose of the map from v to all twists, which JAX gives by `vjp`.
+# The fluid's wrench on a link is linear in its twist. Its forces on the joints are computed without a
+# Jacobian, by the transpose of the map from v to all twists, which JAX gives by `vjp`.
 
 # %%
 resistance = np.zeros((snake.n_frames, 6))
@@ -41,8 +41,8 @@ def forces_of_the_fluid(q: jax.Array, v: jax.Array) -> jax.Array:
 
 
 # %% [markdown]
-# Every joint has a torque of its own amplitude and phase, with the same period. Each step of the motion is one of `rollout`,
-# with the fluid's forces at its beginning.
+# Every joint has a torque of its own amplitude and phase, with the same period. Each step of the motion is
+# one of `rollout`, with the fluid's forces at its beginning.
 
 # %%
 period, periods, step = 1.0, 3, 0.02
@@ -64,8 +64,8 @@ def motion(u: jax.Array) -> tuple[jax.Array, jax.Array]:
 
 
 # %% [markdown]
-# The snake is to swim far with little torque. At first all drives work in phase: a body that bends to and fro along
-# the same path does not move on. The gradient finds the phases.
+# The snake is to swim far with little torque. At first all drives work in phase: a body that bends to and fro
+# along the same path does not move on. The gradient finds the phases.
 
 # %%
 def cost(u: jax.Array) -> jax.Array:

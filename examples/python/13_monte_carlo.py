@@ -1,8 +1,9 @@
 """What an arm can hold when nobody knows its masses well: peak torques of 1,000 arms as they may be built."""
 
 # %% [markdown]
-# Castings are a few per cent heavier or lighter than their drawing, and what the gripper holds weighs what it weighs. Each variant is drawn
-# from its seed alone, so that it does not matter who computes it, in which order, and after how many interruptions.
+# Castings are a few per cent heavier or lighter than their drawing, and what the gripper holds weighs what it
+# weighs. Each variant is drawn from its seed alone, so that it does not matter who computes it, in which
+# order, and after how many interruptions.
 
 # %%
 import sys
@@ -35,8 +36,8 @@ def peaks(m: axode.Model, seed: int) -> dict[str, object]:
 
 
 # %% [markdown]
-# Without further arguments the study runs in this process. `local` starts Ray on the cores of this machine, and an
-# address is that of a cluster.
+# Without further arguments the study runs in this process. `local` starts
+# Ray on the cores of this machine, and an address is that of a cluster.
 
 # %%
 cluster = sys.argv[1] if len(sys.argv) > 1 else None

@@ -1,8 +1,9 @@
 """Feed-forward torques for many candidate motions at once, on a GPU if there is one."""
 
 # %% [markdown]
-# A planner with thousands of candidate motions needs the torques of all of them. The inverse dynamics of the arm are
-# written as CUDA code, in which each thread computes one state. The source needs no GPU; running it does.
+# A planner with thousands of candidate motions needs the torques of all of
+# them. The inverse dynamics of the arm are written as CUDA code, in which
+# each thread computes one state. The source needs no GPU; running it does.
 
 # %%
 import axode

@@ -1,9 +1,10 @@
 """Feed-forward for a Gough platform whose drives are elastic, from the time derivatives of its drive forces."""
 
 # %% [markdown]
-# A Gough platform is carried by six legs, each of which follows from the motion of the platform alone. `TaskSpace` computes
-# with the twist of the platform in place of the 24 velocities of the joints. If a spring is between each motor and its leg,
-# the platform is flat: its motion, up to the third derivative of its twist, determines the motors.
+# A Gough platform is carried by six legs, each of which follows from the motion of the
+# platform alone. `TaskSpace` computes with the twist of the platform in place of the 24
+# velocities of the joints. If a spring is between each motor and its leg, the platform
+# is flat: its motion, up to the third derivative of its twist, determines the motors.
 
 # %%
 import axode
@@ -37,7 +38,8 @@ def twist_and_rates(t: float) -> Array:
 
 
 # %% [markdown]
-# The springs are wound up by the drive forces u, so that the motors must be at x + u / K and accelerate with x'' + u'' / K.
+# The springs are wound up by the drive forces u, so that the
+# motors must be at x + u / K and accelerate with x'' + u'' / K.
 
 
 # %%
