@@ -7,8 +7,8 @@ if(PROJECT_IS_TOP_LEVEL)
   endif()
   find_program(AXODE_CCACHE ccache)
   if(AXODE_CCACHE AND NOT CMAKE_CXX_COMPILER_LAUNCHER)
-    # Paths count as relative, so that what one build folder has compiled serves the others; precompiled headers are cached as the
-    # manual of ccache asks.
+    # Paths count as relative, so that what one build folder has compiled serves the others; precompiled
+    # headers are cached as the manual of ccache asks.
     set(CMAKE_CXX_COMPILER_LAUNCHER ${CMAKE_COMMAND} -E env CCACHE_BASEDIR=${PROJECT_SOURCE_DIR} CCACHE_NOHASHDIR=1
                                     CCACHE_SLOPPINESS=pch_defines,time_macros ${AXODE_CCACHE})
     if(CMAKE_CXX_COMPILER_ID STREQUAL GNU)
@@ -27,7 +27,8 @@ function(axode_compile_options target)
   target_compile_options(${target} PRIVATE -Wall -Wextra -Wpedantic -Wshadow -Wconversion -Wno-sign-conversion
                                            -Wno-missing-field-initializers)
   if(CMAKE_CXX_COMPILER_ID STREQUAL GNU)
-    target_compile_options(${target} PRIVATE -Wno-restrict)  # GCC 12 sees overlaps in std::string (GCC bug 105329)
+    # GCC 12 sees overlaps in std::string (GCC bug 105329).
+    target_compile_options(${target} PRIVATE -Wno-restrict)
   endif()
   # IEEE arithmetic is kept (no -ffast-math): these two only say that nobody reads errno or traps after sqrt.
   target_compile_options(${target} PRIVATE -fno-math-errno -fno-trapping-math)
@@ -44,7 +45,8 @@ function(axode_compile_options target)
   if(AXODE_NATIVE)
     target_compile_options(${target} PRIVATE -march=native -mprefer-vector-width=512)
     if(CMAKE_CXX_COMPILER_ID STREQUAL GNU)
-      target_compile_options(${target} PRIVATE -Wno-maybe-uninitialized -Wno-uninitialized)  # in its own AVX-512 header (GCC bug 105593)
+      # GCC warns about its own AVX-512 header (GCC bug 105593).
+      target_compile_options(${target} PRIVATE -Wno-maybe-uninitialized -Wno-uninitialized)
     endif()
   endif()
   if(AXODE_SANITIZE)

@@ -1,8 +1,8 @@
-# Code for several instruction sets in one library. Sources of kernels are compiled for x86-64, x86-64-v3 and x86-64-v4, and
-# mark by AXODE_ENTRY the functions that other code calls (axode/scalar/instruction_set.hpp). choose_at_load.cmake joins the
-# objects of a group to one object, in which only these functions are visible: each is a jump to the code of the set that
-# was chosen when the library was loaded. All other functions of the sets are local, so that no linker can use a template
-# that was compiled for AVX-512 in other code.
+# Code for several instruction sets in one library. Sources of kernels are compiled for x86-64, x86-64-v3 and
+# x86-64-v4, and mark by AXODE_ENTRY the functions that other code calls (axode/scalar/instruction_set.hpp).
+# choose_at_load.cmake joins the objects of a group to one object, in which only these functions are visible:
+# each is a jump to the code of the set that was chosen when the library was loaded. All other functions of
+# the sets are local, so that no linker can use a template that was compiled for AVX-512 in other code.
 set(possible OFF)
 if(CMAKE_SYSTEM_PROCESSOR MATCHES "^(x86_64|amd64|AMD64)$" AND CMAKE_EXECUTABLE_FORMAT STREQUAL ELF AND CMAKE_SIZEOF_VOID_P EQUAL 8)
   find_program(AXODE_LD NAMES ld.bfd ld)
@@ -34,8 +34,8 @@ if(NOT AXODE_INSTRUCTION_SETS)
                               PROPERTIES COMPILE_DEFINITIONS "AXODE_ONLY_SET=\"${only_set}\"")
 endif()
 
-# The order of instructions suits the first processors with a set: with GCC's generic order, forward dynamics takes a fifth
-# longer on later processors, too.
+# The order of instructions suits the first processors with a set: with GCC's generic order, forward dynamics
+# takes a fifth longer on later processors, too.
 set(options_of_x86-64)
 set(options_of_x86-64-v3 -march=x86-64-v3 -mtune=haswell)
 set(options_of_x86-64-v4 -march=x86-64-v4 -mtune=skylake-avx512 -mprefer-vector-width=512)
@@ -43,8 +43,9 @@ if(CMAKE_CXX_COMPILER_ID STREQUAL GNU)  # in its own AVX-512 header (GCC bug 105
   list(APPEND options_of_x86-64-v4 -Wno-maybe-uninitialized -Wno-uninitialized)
 endif()
 
-# Eigen allocates and aligns arrays in all sets as for x86-64, because code of one set uses and frees arrays of another. It
-# leaves vectors to the compiler: with its own for AVX, the order of a sum depends on where such an array lies in memory.
+# Eigen allocates and aligns arrays in all sets as for x86-64, because code of one
+# set uses and frees arrays of another. It leaves vectors to the compiler: with its
+# own for AVX, the order of a sum depends on where such an array lies in memory.
 set(as_for_x86-64 -DEIGEN_DONT_VECTORIZE -DEIGEN_MAX_ALIGN_BYTES=16 -DEIGEN_MAX_STATIC_ALIGN_BYTES=16)
 list(APPEND options_of_x86-64-v3 ${as_for_x86-64})
 list(APPEND options_of_x86-64-v4 ${as_for_x86-64})
@@ -56,8 +57,8 @@ function(axode_mark_entries objects group set)
   set_property(GLOBAL APPEND PROPERTY axode_objects_of_${group}_for_${set} ${objects})
 endfunction()
 
-# axode_choose_at_load(<library> <group> <list>): adds the joined object of a group to a library, and removes the objects
-# that it contains from the named list of objects.
+# axode_choose_at_load(<library> <group> <list>): adds the joined object of a group to a library, and removes
+# the objects that it contains from the named list of objects.
 function(axode_choose_at_load library group list)
   get_property(in_sets GLOBAL PROPERTY axode_objects_of_${group}_for_x86-64)
   if(NOT in_sets)

@@ -1,7 +1,8 @@
-# The library: axode::axode (standard library and Eigen's headers only), axode::io (the readers and writers of files),
-# axode::batch (many states at once; oneTBB), axode::codegen (C source for one mechanism, and functions compiled from it),
-# axode::view (pages for a browser, and hulls of meshes) and axode::fmi (FMUs). Sources lie beside their
-# headers in axode/<floor>/. axode::axode is two archives: libaxode, which is enough for double, and libaxode_float.
+# The library: axode::axode (standard library and Eigen's headers only), axode::io (the readers
+# and writers of files), axode::batch (many states at once; oneTBB), axode::codegen (C source
+# for one mechanism, and functions compiled from it), axode::view (pages for a browser, and
+# hulls of meshes) and axode::fmi (FMUs). Sources lie beside their headers in axode/<floor>/.
+# axode::axode is two archives: libaxode, which is enough for double, and libaxode_float.
 
 find_package(tinyxml2 REQUIRED)
 
@@ -23,10 +24,10 @@ function(axode_add_library target name)
                LIBRARY_OUTPUT_DIRECTORY ${PROJECT_BINARY_DIR}/lib)
 endfunction()
 
-# Sources that are compiled once for each scalar, and once for each representation and scalar (AXODE_T, AXODE_REP, see
-# axode/recursion/instantiate.hpp). What has to be quick, and what takes Fast in the place of a representation, is named by
-# itself: each of these is a unit of its own. The others become one unit for each combination, which is
-# quicker to compile.
+# Sources that are compiled once for each scalar, and once for each representation and scalar (AXODE_T,
+# AXODE_REP, see axode/recursion/instantiate.hpp). Fast kernels, and sources that take Fast instead of a
+# representation, are listed separately: each of these is a unit of its own. The others become one unit for
+# each combination, which compiles faster.
 set(AXODE_PER_SCALAR
     kinematics/center_of_mass
     kinematics/higher_order/higher_order
@@ -92,7 +93,8 @@ add_library(axode::axode ALIAS axode_axode)
 set_target_properties(axode_axode PROPERTIES EXPORT_NAME axode)
 target_link_libraries(axode_axode INTERFACE axode_float axode_core)
 
-# axode_add_objects(<group> <name> <source>...): objects of a group, which axode_add_group() adds to a library.
+# axode_add_objects(<group> <name> <source>...): objects
+# of a group, which axode_add_group() adds to a library.
 function(axode_add_objects group name)
   add_library(${name} OBJECT ${ARGN})
   axode_compile_options(${name})
@@ -101,8 +103,8 @@ function(axode_add_objects group name)
   set_property(GLOBAL APPEND PROPERTY axode_objects_of_${group} ${name})
 endfunction()
 
-# axode_precompile(<name> <first>): a precompiled header, with the headers that nearly all sources include. It is that of the
-# objects <first>, which are compiled with the same options.
+# axode_precompile(<name> <first>): a precompiled header, with the headers that nearly all sources include. It
+# is that of the objects <first>, which are compiled with the same options.
 function(axode_precompile name first)
   if(NOT name STREQUAL first)
     target_precompile_headers(${name} REUSE_FROM ${first})
@@ -113,8 +115,8 @@ function(axode_precompile name first)
                             ${PROJECT_SOURCE_DIR}/axode/model/workspace.hpp)
 endfunction()
 
-# axode_add_instances(<group> <name> <first> <definitions> <source>...): objects of the sources with these definitions, and
-# with the precompiled header of <first>.
+# axode_add_instances(<group> <name> <first> <definitions> <source>...): objects of the sources with these
+# definitions, and with the precompiled header of <first>.
 function(axode_add_instances group name first definitions)
   if(NOT ARGN)
     return()
@@ -135,8 +137,8 @@ function(axode_instantiate group name definitions)
   axode_add_instances(${group} ${name} axode_often_included "${definitions}" ${ARGN})
 endfunction()
 
-# axode_instantiate_for_sets(<group> <name> <definitions> <source>...): the same, compiled for each instruction set. The
-# objects of the first set have the plain name.
+# axode_instantiate_for_sets(<group> <name> <definitions> <source>...): the same, compiled for each
+# instruction set. The objects of the first set have the plain name.
 function(axode_instantiate_for_sets group name definitions)
   axode_instantiate(${group} ${name} "${definitions}" ${ARGN})
   if(NOT ARGN OR NOT AXODE_INSTRUCTION_SETS)
@@ -172,8 +174,9 @@ foreach(fast IN LISTS AXODE_FAST_PER_REPRESENTATION AXODE_PER_REPRESENTATION_AND
   set_source_files_properties(${PROJECT_SOURCE_DIR}/axode/${fast}.cpp PROPERTIES SKIP_UNITY_BUILD_INCLUSION ON)
 endforeach()
 
-# axode_add_part(<part>): adds the groups <part>_double and <part>_float, with the objects of these floors. In double, the
-# default kernels and the functions that do not depend on a representation are compiled for each instruction set.
+# axode_add_part(<part>): adds the groups <part>_double and <part>_float, with
+# the objects of these floors. In double, the default kernels and the functions
+# that do not depend on a representation are compiled for each instruction set.
 function(axode_add_part part)
   set(sources)
   foreach(floor IN LISTS floors_${part})
@@ -255,8 +258,8 @@ target_link_libraries(
   axode_view PUBLIC $<BUILD_INTERFACE:axode_core> $<INSTALL_INTERFACE:axode::axode>
   PRIVATE tinyxml2::tinyxml2 Qhull::qhull_r $<BUILD_INTERFACE:nlohmann_json::nlohmann_json>)
 
-# Mechanisms as FMUs. axode_fmu.so is the binary of every FMU: it contains the parts of the library that it needs, and exports
-# the functions of FMI alone. With shared libraries it could not contain them.
+# Mechanisms as FMUs. axode_fmu.so is the binary of every FMU: it contains the parts of the library that it
+# needs, and exports the functions of FMI alone. With shared libraries it could not contain them.
 axode_add_library(axode_fmi fmi)
 file(GLOB sources CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/axode/fmi/*.cpp)
 set(binary ${PROJECT_SOURCE_DIR}/axode/fmi/binary)

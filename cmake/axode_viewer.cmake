@@ -1,5 +1,6 @@
-# The page of the viewer, AXODE_PAGE, without a scene in it. npm builds it in a folder of the build tree, so that nothing is
-# written beside the sources. The target axode_viewer is there in any case, the page where AXODE_VIEWER is ON.
+# The page of the viewer, AXODE_PAGE, without a scene in it. npm builds it in a
+# folder of the build tree, so that nothing is written beside the sources. The
+# target axode_viewer is there in any case, the page where AXODE_VIEWER is ON.
 set(AXODE_PAGE "")
 if(AXODE_LIBRARIES)  # what that build has made
   set(AXODE_PAGE ${AXODE_LIBRARIES}/viewer/dist/page.html)

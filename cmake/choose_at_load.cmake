@@ -1,4 +1,5 @@
-# Joins the objects of a group that are compiled for several instruction sets, see axode_instruction_sets.cmake:
+# Joins the objects of a group that are compiled for several
+# instruction sets, see axode_instruction_sets.cmake:
 #   cmake -Dgroup=... -Dfolder=... -Dcompiler=... -Dld=... -Dobjcopy=... -Dreadelf=... -P choose_at_load.cmake
 # reads the names of the objects for each set from <folder>/<group>_<set>.txt and writes <folder>/<group>.o.
 cmake_minimum_required(VERSION 3.25)
@@ -13,10 +14,10 @@ function(assemble name source)
   run(${compiler} -c ${name}.s -o ${name}.o)
 endfunction()
 
-# All objects of a set become one, without groups of sections that a linker would compare with those of other objects.
-# Entries are the functions with protected visibility, without lambdas in them and templates of these lambdas, which inherit
-# the visibility. Members that are templates of their own may be inlined in one set and not in another: what all sets have
-# is an entry.
+# All objects of a set become one, without groups of sections that a linker would compare with those of other
+# objects. Entries are the functions with protected visibility, without lambdas in them and templates of these
+# lambdas, which inherit the visibility. Members that are templates of their own may be inlined in one set and
+# not in another: what all sets have is an entry.
 foreach(set IN LISTS sets)
   set(name ${folder}/${group}_${set})
   file(READ ${name}.txt objects)
@@ -25,7 +26,8 @@ foreach(set IN LISTS sets)
   run(${readelf} --syms --wide ${name}_linked.o)
   string(REGEX MATCHALL "FUNC +(GLOBAL|WEAK) +PROTECTED +[0-9]+ [^ \n]+" functions "${output}")
   list(TRANSFORM functions REPLACE ".* " "")
-  # Variables in templates become weak, because objcopy makes no symbols local that GCC declares unique in a process.
+  # Variables in templates become weak, because objcopy makes
+  # no symbols local that GCC declares unique in a process.
   string(REGEX MATCHALL "OBJECT +UNIQUE +[A-Z]+ +[0-9]+ [^ \n]+" variables "${output}")
   list(TRANSFORM variables REPLACE ".* " "")
   list(JOIN variables "\n" variables)
@@ -46,8 +48,8 @@ if(NOT entries)
   message(FATAL_ERROR "the objects of ${group} have no entries; is AXODE_ENTRY missing?")
 endif()
 
-# The addresses of the entries. In the object of a set, only this array is visible; the first set also has the array of the
-# chosen addresses, which are its own until the library is loaded.
+# The addresses of the entries. In the object of a set, only this array is visible; the first set also has the
+# array of the chosen addresses, which are its own until the library is loaded.
 list(JOIN entries "\n\t.quad " addresses)
 set(tables)
 foreach(set IN LISTS sets)
@@ -66,8 +68,8 @@ foreach(set IN LISTS sets)
   list(APPEND tables ${table})
 endforeach()
 
-# Each entry is a jump to its chosen address. Loading calls axode_choose_entries() of instruction_set.cpp before other
-# initialisations.
+# Each entry is a jump to its chosen address. Loading calls
+# axode_choose_entries() of instruction_set.cpp before other initialisations.
 set(source "\t.text\n")
 set(offset 0)
 foreach(entry IN LISTS entries)
