@@ -269,7 +269,8 @@ if not TYPE_CHECKING:  # to a type checker every name would be known
         if name in BRIDGES:
             try:
                 return importlib.import_module(f"{__name__}.{name}")
-            except ImportError as error:  # hasattr hears of AttributeError alone; `import axode.jax` raises this one
+            # hasattr catches AttributeError only; `import axode.jax` raises ImportError.
+            except ImportError as error:
                 raise AttributeError(str(error)) from error
         if now := _former_names.functions.get(name):
             warnings.warn(f"axode.{name} is now {now}", DeprecationWarning, stacklevel=2)

@@ -41,8 +41,8 @@ Function: TypeAlias = (
     | Literal["pair_distances"] | tuple[Literal["pair_distances"], Sequence[tuple[str, str]]]
 )
 
-# Libraries that CasADi may have loaded. They are kept, because without a cache their files would be removed with
-# them.
+# Libraries that CasADi may have loaded. They are kept, because
+# without a cache their files would be removed with them.
 _loaded: dict[str, CasadiLibrary] = {}
 
 
@@ -93,12 +93,13 @@ def function(m: Model, quantity: Function, states: int = 1, *, flags: Sequence[s
         return _pair_distances_of(m, quantity, int(states))
     library = casadi_library(m, quantity, int(states), flags=flags)
     _loaded[library.file] = library
-    # For several directions, and always for several states, CasADi uses the Jacobian, which costs as much as three to
-    # six directions. It never uses the Jacobian for gradients, because only the adjoints have second derivatives.
+    # For several directions, and always for several states, CasADi uses the
+    # Jacobian, which costs as much as three to six directions. It never uses the
+    # Jacobian for gradients, because only the adjoints have second derivatives.
     return casadi.external(library.name, library.file, {"ad_weight": 0.75 if states == 1 else 1})
 
 
-# ------------------------------------------------------------------------------------- distances of collision shapes
+# ------------------------------------------------------------------------------ distances of collision shapes
 
 # CasADi calls these objects without owning them, so that they stay until the end of the process.
 _called_back: dict[tuple[Any, ...], Any] = {}
@@ -168,7 +169,7 @@ def _pair_distances_of(m: Model, quantity: Any, states: int) -> Any:
     return _called_back.setdefault(key, made)
 
 
-# ------------------------------------------------------------------------------------- the group of configurations, of SX
+# ------------------------------------------------------------------------- the group of configurations, of SX
 
 _ARRAYS = coordinates.Arrays(part=lambda x, first, end: x[first:end], join=lambda parts: casadi.vertcat(*parts),
                              cross=casadi.cross, dot=casadi.dot, cos=casadi.cos, sin=casadi.sin)
@@ -225,8 +226,8 @@ def _of_square(s: Any, series: Sequence[float], f: Callable[[Any], Any]) -> Any:
     return casadi.if_else(near, power, f(casadi.sqrt(casadi.if_else(near, 1, s))))
 
 
-# Power series in s = x^2 of cos x, sin x / x, (1 - cos x) / x^2, (x - sin x) / x^3 and (1 - (x / 2) cot(x / 2)) /
-# x^2. The coefficients of the last one are |B_2k| / (2k)! with the numbers of Bernoulli.
+# Power series in s = x^2 of cos x, sin x / x, (1 - cos x) / x^2, (x - sin x) / x^3 and (1 - (x / 2)
+# cot(x / 2)) / x^2. The coefficients of the last one are |B_2k| / (2k)! with the numbers of Bernoulli.
 _COS, _SINC, _A, _B = ([(-1.0) ** k / math.factorial(2 * k + n) for k in range(11)] for n in range(4))
 _BERNOULLI = (1 / 6, 1 / 30, 1 / 42, 1 / 30, 5 / 66, 691 / 2730, 7 / 6, 3617 / 510, 43867 / 798, 174611 / 330, 854513 / 138)
 _KAPPA = [b / math.factorial(2 * k) for k, b in enumerate(_BERNOULLI, 1)]

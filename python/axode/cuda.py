@@ -39,8 +39,8 @@ __all__ = ["Kernels", "kernels"]
 
 BLOCK = 128  # threads: the launch bound of the generated kernels
 
-# The named tuples for the consecutive blocks of a result, by the function that it differentiates and the number of
-# blocks.
+# The named tuples for the consecutive blocks of a result, by
+# the function that it differentiates and the number of blocks.
 _BLOCKS: dict[tuple[str, int], Any] = {
     ("inverse_dynamics", 3): InverseDynamicsDerivatives, ("inverse_dynamics", 4): InverseDynamicsHessian,
     ("forward_dynamics", 3): ForwardDynamicsDerivatives, ("forward_dynamics", 4): ForwardDynamicsHessian,

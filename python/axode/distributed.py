@@ -44,7 +44,7 @@ class Written(NamedTuple):
     faulty: int
 
 
-# ------------------------------------------------------------------------------------------------------- states
+# ----------------------------------------------------------------------------------------------------- states
 
 
 def map_states(m: Model, function: str | Callable[..., Any],
@@ -148,7 +148,7 @@ class _StatesTask:
             raise RuntimeError(f"{self.function.name} of {self.said(part)}: {type(error).__name__}: {error}") from error
 
 
-# ------------------------------------------------------------------------------------------------------- sweeps
+# ----------------------------------------------------------------------------------------------------- sweeps
 
 
 def grid(**axes: Iterable[Any]) -> dict[str, list[Any]]:

@@ -161,8 +161,9 @@ def jerk_limited_profile(m: Model, start: ArrayLike, goal: ArrayLike, *, acceler
     v, a, j = (np.array(of_joints) / lengths for of_joints in limits)
     if not path.lengths:
         return path.follow([], 0.0, lambda t: ([], [], []))
-    # Tolerances of Ruckig are absolute, so that distances are in units of the lengths, and times in units of the longest
-    # time that a limit demands. A joint that needs less than a tenth of it waits for others within these limits as well.
+    # Tolerances of Ruckig are absolute, so that distances are in units of the
+    # lengths, and times in units of the longest time that a limit demands. A joint
+    # that needs less than a tenth of it waits for others within these limits as well.
     least = np.max([1 / v, a**-0.5, np.cbrt(1 / j)], axis=0)
     unit = np.max(least)
     waits = least < unit / 10

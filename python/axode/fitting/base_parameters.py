@@ -187,7 +187,8 @@ def grouping(unknowns: Unknowns, base: BaseParameters, linalg: Any) -> tuple[Arr
     `first` are the parameters whose columns are the most independent.
     """
     N = base.V.T @ unknowns.inverse
-    unit = np.linalg.norm(unknowns.matrix, axis=1)  # of each parameter, so that all torques of a body have one size
+    # The size of each parameter, so that all torques of a body have one size.
+    unit = np.linalg.norm(unknowns.matrix, axis=1)
     torque, n = np.linalg.norm(N, axis=0) * unit, len(unit) - len(unknowns.joints)
     of_body = np.append(np.repeat(torque[:n].reshape(-1, 10).max(axis=1), 10), torque[n:])
     unit /= np.maximum(of_body, 1e-4 * torque.max())

@@ -364,7 +364,8 @@ def _columns(m: Mechanism, q: Array, threads: int) -> Array:
 def _first_moment(m: Mechanism, q: Array, threads: int) -> Array:
     """The sum of m r over all moving bodies, (..., 3), kg m."""
     bodies = _columns(m, q, threads)[..., 1:m.n_bodies + 1, :, :]
-    moments = m.parameters[:, [1, 2, 3, 0]].astype(q.dtype)  # m c in the axes of the body, and m at its origin
+    # m c in the axes of the body, and m at its origin.
+    moments = m.parameters[:, [1, 2, 3, 0]].astype(q.dtype)
     return jnp.einsum("bk,...bkc->...c", moments, bodies)
 
 

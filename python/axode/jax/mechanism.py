@@ -62,8 +62,8 @@ class Mechanism:
     def __repr__(self) -> str:
         return f'"{self.name}"'
 
-    # The joint screws that move each frame, and the body of each screw: a row of 0 and 1 over the joint screws. Only
-    # kinematics need them.
+    # The joint screws that move each frame, and the body of each screw:
+    # a row of 0 and 1 over the joint screws. Only kinematics need them.
 
     @functools.cached_property
     def _moves_body(self) -> NDArray[np.float64]:

@@ -82,7 +82,7 @@ def compute(task: Any, number: int, part: Any, path: Path | None, loaded: Any = 
         return Report(number, None, error=error)
 
 
-# ------------------------------------------------------------------------------------------------------- all parts
+# -------------------------------------------------------------------------------------------------- all parts
 
 
 def _in_process(task: Any, parts: deque[Part], threads: int) -> Generator[Report, None, None]:
@@ -189,7 +189,7 @@ def run(task: Any, parts: Sequence[Any], paths: Sequence[Path | None], *, cluste
             yield report
 
 
-# ------------------------------------------------------------------------------------------------------- files
+# ------------------------------------------------------------------------------------------------------ files
 
 
 class Output:

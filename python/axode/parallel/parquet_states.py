@@ -53,7 +53,7 @@ class RowError(Exception):
         return type(cause[0])(text, [first + row], cause[0].result) if cause else ValueError(text)
 
 
-# ------------------------------------------------------------------------------------------------- columns and arrays
+# ----------------------------------------------------------------------------------------- columns and arrays
 
 
 def numbers(column: Any, name: str, expected: int | None = None, taker: str = "") -> Any:
@@ -127,7 +127,7 @@ def named_results(result: Any, name: str) -> dict[str, Any]:
     return {name: result}
 
 
-# ------------------------------------------------------------------------------------------------- functions of states
+# ---------------------------------------------------------------------------------------- functions of states
 
 
 def functions() -> list[str]:
@@ -180,7 +180,8 @@ class TableFunction:
         self.takes = self._parameters()
         self.keep = keep if keep is None or keep == "all" else list(keep)
         if self.known and set(self.takes) <= OF_VELOCITIES | {"q"} and not self.known.startswith("rollout"):
-            self._call({what: np.empty((0, len(headings(m, what)))) for what in self.takes})  # refuses wrong arguments
+            # Refuses wrong arguments.
+            self._call({what: np.empty((0, len(headings(m, what)))) for what in self.takes})
 
     @property
     def _callee(self) -> Any:
@@ -285,7 +286,7 @@ class TableFunction:
         return results, without
 
 
-# ------------------------------------------------------------------------------------------------- files by parts
+# --------------------------------------------------------------------------------------------- files by parts
 
 
 class Slice(NamedTuple):

@@ -301,7 +301,8 @@ class _Reader:
                 return None
             shape["file"] = m.paths[m.mesh_pathadr[mesh]:].split(b"\0")[0].decode()
             shape["scale"] = _position(m.mesh_scale[mesh])
-            C = C @ lie.inverse(_matrix(m.mesh_pos[mesh], m.mesh_quat[mesh]))  # which MuJoCo moved to its centre
+            # MuJoCo moved the mesh to its centre.
+            C = C @ lie.inverse(_matrix(m.mesh_pos[mesh], m.mesh_quat[mesh]))
         elif kind != "plane":
             shape["radius"] = float(size[0])
             if kind != "sphere":

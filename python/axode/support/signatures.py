@@ -88,7 +88,8 @@ def wrong_names(callee: str, takes: list[inspect.Parameter], given: list[Any], b
 def explanation(function: Any, given: list[Any], by_name: dict[str, Any]) -> str | None:
     """Explanation of a wrong call of a function of nanobind; None if the reason is not clear."""
     takes = list(signature(function).parameters.values())
-    callee = function.__qualname__.removesuffix(".__init__")  # a constructor is called by the name of its class
+    # A constructor is called by the name of its class.
+    callee = function.__qualname__.removesuffix(".__init__")
     if takes and takes[0].name == "self":
         if not given:
             return None
@@ -123,13 +124,15 @@ def explained(function: Callable[..., Any], is_method: bool) -> Callable[..., An
         try:
             return function(*given, **by_name)
         except TypeError as error:
-            if error.__traceback__ is None or error.__traceback__.tb_next is not None:  # the function itself has raised it
+            # The function itself has raised the error.
+            if error.__traceback__ is None or error.__traceback__.tb_next is not None:
                 raise
             takes = list(inspect.signature(function).parameters.values())[is_method:]
             if any(x.kind in (x.VAR_POSITIONAL, x.VAR_KEYWORD) for x in takes):
                 raise
             callee = function.__qualname__
-            if function.__name__ in ("__init__", "__new__"):  # of the class itself, or of one that it is derived from
+            # The constructor of the class, or of a base class.
+            if function.__name__ in ("__init__", "__new__"):
                 callee = (given[0] if function.__name__ == "__new__" else type(given[0])).__qualname__
             wrong = wrong_names(callee, takes, list(given)[is_method:], by_name)
             if wrong is None:

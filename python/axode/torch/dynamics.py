@@ -29,7 +29,8 @@ from .operations import (
 __all__: list[str] = []
 
 
-# Inertial parameters, in which inverse dynamics is linear: tau = Y(q, v, a) pi + (terms that do not depend on pi)
+# Inertial parameters, in which inverse dynamics is linear:
+# tau = Y(q, v, a) pi + (terms that do not depend on pi)
 
 def _components(x: Tensor) -> list[Tensor]:
     """The components along the last axis, each in contiguous memory."""
@@ -170,7 +171,8 @@ class _Dynamics:
         if any(ctx.needed[:3]) or self.name == "forward_dynamics":
             of_state = self.vjp(key, *x, w)
         by_q, by_v, by_x = of_state
-        if self.name == "forward_dynamics":  # required forces that are larger by Y dpi change a as drive forces that are smaller by Y dpi
+        # Required forces that are larger by Y dpi change a as drive forces that are smaller by Y dpi do.
+        if self.name == "forward_dynamics":
             a, w = result[0], -by_x
         return (by_coordinates(key, q, by_q) if ctx.needed[0] else None, by_v, by_x,
                 _parameters_vjp(key, q, v, a, w) if ctx.needed[3] else None)

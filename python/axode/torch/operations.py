@@ -163,7 +163,8 @@ def operation(schema: str, compute: Callable[..., Any], like: Callable[..., Any]
     def value(*arguments: Any) -> Any:
         return op(*arguments)
 
-    value.__signature__ = inspect.signature(value)  # type: ignore[attr-defined]  # which is asked for in every call
+    # The signature is asked for in every call.
+    value.__signature__ = inspect.signature(value)  # type: ignore[attr-defined]
     statics = {"forward": value, "setup_context": setup_context, "backward": differentiate, "vmap": batched,
                "jvp": push}
     function: Any = type(name, (torch.autograd.Function,), {key: staticmethod(value) for key, value in statics.items()})

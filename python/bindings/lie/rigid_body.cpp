@@ -49,7 +49,7 @@ namespace {
 
 using namespace nb::literals;
 
-// ------------------------------------------------------------------------------------------------------ inertia
+// --------------------------------------------------------------------------------------------------- inertia
 
 void check_mass(const Inertia<>& M) {
   if (!(M.m > 0))
@@ -126,7 +126,7 @@ The result is the smallest second moment of mass about the center of mass, divid
 )");
 }
 
-// ------------------------------------------------------------------------------------------------------- solids
+// ---------------------------------------------------------------------------------------------------- solids
 
 std::vector<Vec3<>> vertices_from(ArrayLike given) {
   const Numbers numbers("vertices", given);
@@ -213,7 +213,7 @@ array([0.25, 0.25, 0.25])
 )");
 }
 
-// -------------------------------------------------------------------------------------------------- Newton-Euler
+// ---------------------------------------------------------------------------------------------- Newton-Euler
 
 template <class Rep> Twist<Rep> as_twist(const Screw<>& X) { return {X.w, X.v}; }
 template <class Rep> TwistRate<Rep> as_rate(const Screw<>& X) { return {X.w, X.v}; }
@@ -264,7 +264,7 @@ Array acceleration_of(ArrayLike C, ArrayLike M, ArrayLike V, ArrayLike W, Repres
   });
 }
 
-// ---------------------------------------------------------------------------------- measured at F_j, resolved in F_k
+// -------------------------------------------------------------------------- measured at F_j, resolved in F_k
 
 /// Calls f(jk, x, ...) for every item. A pair of frames is given as (r_j, dr_j, R_k, w_k), and each of these
 /// arrays may have further axes in front.
@@ -373,7 +373,7 @@ array([ 0.,  0.,  1.,  0., 10.,  0.])
 )");
 }
 
-// ---------------------------------------------------------------------------------------- changes of representation
+// --------------------------------------------------------------------------------- changes of representation
 
 /// Calls f(From{}, To{}) with the types of the two representations.
 template <class F> Screw<> with_both(const Source& source, const Target& target, const F& f) {

@@ -40,7 +40,8 @@ struct Motions {
   }
 
   /// Calls f(n, should_continue) for every motion n. As a motion may take long, Ctrl-C is also noticed
-  /// whenever f calls should_continue(). Motions that cannot continue cause an error that contains the result.
+  /// whenever f calls should_continue(). Motions that cannot
+  /// continue cause an error that contains the result.
   template <class F> void each(double microseconds, NewArray& result, const F& f) const {
     std::vector<Solvability> found(states.count());
     states.each_long(
