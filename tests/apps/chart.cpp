@@ -212,7 +212,7 @@ TEST(Plot, NeedsGnuplotBeforeAnythingIsComputed) {
   }
 }
 
-// --------------------------------------------------------------------------------------------------- axode plot
+// ------------------------------------------------------------------------------------------------ axode plot
 
 TEST(PlotOfATable, HasAPanelForEachFirstWordAndTablesSideBySide) {
   const TemporaryFolder folder;
@@ -334,7 +334,7 @@ TEST(PlotOfATable, NamesWhatIsWrong) {
   EXPECT_EQ(error("t,\"q\nq\"\nx,2\n"), ":3: \"x\" is not a number\n");
 }
 
-// ------------------------------------------------------------------------------------------------------- sweeps
+// ---------------------------------------------------------------------------------------------------- sweeps
 
 TEST(Sweep, IsWhatEachOfItsStatesGivesAlone) {
   const TemporaryFolder folder;

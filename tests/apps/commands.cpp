@@ -20,7 +20,7 @@ using Json = nlohmann::ordered_json;
 using testing::HasSubstr;
 using testing::Not;
 
-// ------------------------------------------------------------------------------------------------- the program
+// ----------------------------------------------------------------------------------------------- the program
 
 TEST(Program, HelpListsTheCommandsAndTheExitCodes) {
   const Outcome outcome = axode({"--help"});

@@ -83,10 +83,10 @@ void expect_screws(Algorithm algorithm, Representation in, int n, const Screws& 
     EXPECT_EQ(operations_of(algorithm, in, frames, model).screws, expected) << name(in);
 }
 
-/// Sections 4.1 to 4.3 of the paper count 3 (n - 1) frame transformations and 2 n - 1 brackets for body-fixed twists; n,
-/// n of inertias and 2 n - 1 for spatial; 3 n - 3 translations, n rotations, n of inertias and 3 n - 1 for hybrid ones.
-/// The kernels treat the ground as a body, which gravity accelerates: n instead of n - 1. And they transform S v, S a and
-/// W of every joint instead of its screw: 3 n instead of n.
+/// Sections 4.1 to 4.3 of the paper count 3 (n - 1) frame transformations and 2 n - 1 brackets for body-fixed
+/// twists; n, n of inertias and 2 n - 1 for spatial; 3 n - 3 translations, n rotations, n of inertias and
+/// 3 n - 1 for hybrid ones. The kernels treat the ground as a body, which gravity accelerates: n instead of
+/// n - 1. And they transform S v, S a and W of every joint instead of its screw: 3 n instead of n.
 TEST(OperationCounts, OfInverseDynamicsAreThePapersWithTheGroundAsABody) {
   for (const int n : {1, 7, 36}) {
     expect_screws(Algorithm::inverse_dynamics, body, n, {3 * n, 0, 0, 0, 0, 0, 2 * n});
@@ -115,8 +115,8 @@ TEST(OperationCounts, OfTheMassMatrixCarryEveryImpulseToTheRootUnlessTheyAreSpat
   }
 }
 
-/// Body-fixed and mixed recursions transform the articulated inertia, the spatial one that of the body, and the
-/// hybrid one rotates that of the body and shifts the articulated one. Every screw is transformed once.
+/// Body-fixed and mixed recursions transform the articulated inertia, the spatial one that of the body, and
+/// the hybrid one rotates that of the body and shifts the articulated one. Every screw is transformed once.
 TEST(OperationCounts, OfForwardDynamicsTransformOneInertiaPerBody) {
   for (const int n : {1, 7, 36}) {
     expect_screws(Algorithm::forward_dynamics, body, n, {3 * n, 0, 0, n, 0, 0, 2 * n});

@@ -160,7 +160,7 @@ TEST_F(Completion, InZshHasTheSame) {
                   "axode completion zsh ", "axode info arm.toml "));
 }
 
-// ----------------------------------------------------------------------------------------------- the manual page
+// ------------------------------------------------------------------------------------------- the manual page
 
 TEST(Manual, HasEveryCommandAndOption) {
   const std::string page = axode({"manual"}).out;

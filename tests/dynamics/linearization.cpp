@@ -95,7 +95,7 @@ TEST(Linearization, OfABodyThatSpinsHasTheBracketsOfItsTwist) {  // Euler's equa
   EXPECT_TRUE(linear.A.bottomLeftCorner(6, 6).isZero(0));
 }
 
-// ---------------------------------------------------------------------------------------------------- equilibrium
+// ----------------------------------------------------------------------------------------------- equilibrium
 
 using enum EquilibriumStatus;
 

@@ -1,7 +1,8 @@
 # Laws about the source tree itself, and about the installed package.
 set(guards ${CMAKE_CURRENT_LIST_DIR})
 
-# Includes follow the floors; every kind is in its table; no machine's paths, no catch-all names; one version; clear messages.
+# Includes follow the floors; every kind is in its table; no
+# machine's paths, no catch-all names; one version; clear messages.
 add_test(NAME Guards.IncludeFloors COMMAND ${AXODE_PYTHON} ${guards}/include_floors.py ${PROJECT_SOURCE_DIR})
 add_test(NAME Guards.CleanTree COMMAND ${AXODE_PYTHON} ${guards}/clean_tree.py ${PROJECT_SOURCE_DIR})
 add_test(NAME Guards.Kinds COMMAND ${AXODE_PYTHON} ${guards}/kinds.py ${PROJECT_SOURCE_DIR})

@@ -4,7 +4,8 @@ import re
 import sys
 from pathlib import Path
 
-# The file of each enumeration, and the other files that must name its enumerators, with the text around the name.
+# The file of each enumeration, and the other files that
+# must name its enumerators, with the text around the name.
 DRAWING = ("docs/drawing-format.md", "`{}`")
 ENUMERATIONS = {
     "JointKind": (

@@ -17,7 +17,8 @@ ELLIPTIC = re.compile(
     r"those of what|nobody|leaves? no place|the same is|goes on from there|begins anew|at hand)\b",
     re.IGNORECASE,
 )
-STAND_IN = re.compile(r"(?:What|Of|Those|Which|So|Told|Its|Likewise|The same|That|As) ")  # a sentence of its own begins with it
+# The beginning of a sentence of its own.
+STAND_IN = re.compile(r"(?:What|Of|Those|Which|So|Told|Its|Likewise|The same|That|As) ")
 REFUSALS = {"invalid_argument", "value_error", "type_error", "InputError", "UsageError", "ValueError", "TypeError", "_refused"}
 # A value, a quoted word, an option, an argument before a colon or a verb, or a name of the package.
 NAMED = re.compile(r"""\{\}|["'`]|--\w|^[\w, ]+: |^(?:the )?\w+ (?:is|has|must|needs|requires)\b|^\w+ and \w+ \w+ (?:is|are)\b|\w[._]\w|^[A-Z]{3,} """)

@@ -124,7 +124,7 @@ TEST_P(NoAllocation, InEveryFunction) {
   EXPECT_GT(functions, 1000);
 }
 
-// ------------------------------------------------------------------------------- what is not in the catalogue
+// ------------------------------------------------------------------------------ what is not in the catalogue
 
 class NoAllocationBeside : public Law {};
 INSTANTIATE_TEST_SUITE_P(Guards, NoAllocationBeside, testing::ValuesIn(cases()), name_of);

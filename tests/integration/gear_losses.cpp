@@ -7,8 +7,8 @@
 #include "tests/integration/motions.hpp"
 #include "tests/support/refused_arguments.hpp"
 
-/// Gears that lose a part of the force that they transmit: the law of their losses on random trees, balance of
-/// power, hoists in closed form, loops, and what is refused.
+/// Gears that lose a part of the force that they transmit: the law of their losses on random trees, balance
+/// of power, hoists in closed form, loops, and what is refused.
 namespace axode::test {
 namespace gear_losses {
 namespace {
@@ -262,7 +262,8 @@ TEST(GearLosses, HoldALoadIfTheyLockThemselves) {
   // Below, the load drives the rotor back: (2 + 0.5/(1 - κ)) a = -20.
   const Trajectory falls = simulate(hoist(0.5), Numbers{0.7}, Numbers{0}, 1, tight, with_losses);
   EXPECT_NEAR(last_q(falls)[0], 0.7 - 0.5 * 20 / 3, 1e-10);
-  // The drive has to push the load of a gear that locks itself down: F = (τ + 0.5 a)/(1 - κ) holds 2 (10 + a).
+  // The drive has to push the load of a gear that locks
+  // itself down: F = (τ + 0.5 a)/(1 - κ) holds 2 (10 + a).
   const Trajectory lowered = simulate(hoist(1.1), Numbers{0.7}, Numbers{0}, 1, tight, driven(-3));
   const double a = -(3 - 2 * 10 * 0.1) / (0.5 - 2 * 0.1);
   EXPECT_NEAR(last_q(lowered)[0], 0.7 + a / 2, 1e-10);

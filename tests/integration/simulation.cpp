@@ -56,8 +56,9 @@ TEST(Simulation, OfStiffSystemsIsOfSecondOrderOnTheGroup) {
     }
 }
 
-/// A body that turns about a fixed axis turns exactly with exp. A step by cay of an explicit method turns it by
-/// 2 atan(h ω/2). The midpoint rule (D14.9) reads v (1 + (h v/4)²) = ω there, and turns it by 4 atan(h v/4).
+/// A body that turns about a fixed axis turns exactly with exp. A step by
+/// cay of an explicit method turns it by 2 atan(h ω/2). The midpoint rule
+/// (D14.9) reads v (1 + (h v/4)²) = ω there, and turns it by 4 atan(h v/4).
 TEST(Simulation, WithCayleysMapErrsInATurnAboutAFixedAxis) {
   Description description{.name = "rotor", .gravity = {}, .bodies = {}, .frames = {}};
   description.bodies.push_back({.name = "rotor",

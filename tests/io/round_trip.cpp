@@ -208,8 +208,8 @@ TEST(RoundTrip, AUrdfOfARandomTreeIsTheSameMechanism) {
   });
 }
 
-/// Where the pitch is a quarter turn, roll and yaw turn about one line, and their sines and cosines are lost in
-/// the third column.
+/// Where the pitch is a quarter turn, roll and yaw turn about one
+/// line, and their sines and cosines are lost in the third column.
 TEST(RoundTrip, RotationsByAQuarterTurnOfPitchKeepTheirAngles) {
   for (const double side : {-1.0, 1.0})
     for (const double angle : {-2.5, -0.4, 0.0, 1.0, 3.0}) {

@@ -85,8 +85,8 @@ inline double disparity(const Loops& one, const Loops& other, const Model& a, co
   return largest;
 }
 
-/// The difference of two springs: of their points, poses and rests, which may come from a preload, and infinite
-/// if anything else differs.
+/// The difference of two springs: of their points, poses and rests,
+/// which may come from a preload, and infinite if anything else differs.
 inline double disparity(const Spring& one, const Spring& other, const Model& a, const Model& b) {
   const double infinity = std::numeric_limits<double>::infinity();
   const ForceLaw &law = one.law, &its_law = other.law;

@@ -220,7 +220,7 @@ TEST_P(HigherOrder, InSinglePrecisionAgreesToItsDigits) {
   });
 }
 
-// ------------------------------------------------------------------------------------- explicit formulas of the jerk
+// ----------------------------------------------------------------------------- explicit formulas of the jerk
 
 /// A joint screw on the path to a body. The path goes from the root outwards.
 struct Column {

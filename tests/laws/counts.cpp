@@ -238,7 +238,8 @@ TEST(WhatFunctionsCount, LossesOfGearsAreCountedOrRefused) {
   EXPECT_GT(seen[Word::partly], 0);
 }
 
-/// A function refuses a mechanism with prescribed motions in the words of its row, or is of the mechanism without them.
+/// A function refuses a mechanism with prescribed motions in
+/// the words of its row, or is of the mechanism without them.
 TEST(WhatFunctionsCount, PrescribedMotionsAreRefusedOrIgnored) {
   std::map<Word, int> seen;
   for_rows(5, [&](const Whole& whole, const Row& row, const Case&) {

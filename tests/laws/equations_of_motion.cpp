@@ -121,7 +121,7 @@ TEST_P(EquationsOfMotion, GravityIsTheGradientOfThePotentialEnergy) {
   });
 }
 
-// --------------------------------------------------------------------------------------------------- double only
+// ----------------------------------------------------------------------------------------------- double only
 
 class ClosedForms : public testing::Test {
  protected:

@@ -33,7 +33,7 @@ template <class Rep> Matrix jacobian_rate(const Motion& m, int i);
 template <class Rep> Vec6 library_dJ(const Motion& m, int i, int j);
 inline int velocity(const Motion& m, int j) { return m.model().joint(j).iv; }
 
-// ------------------------------------------------------------------------ along a motion, of joints with one screw
+// ------------------------------------------------------------------ along a motion, of joints with one screw
 
 /// The third derivative of the coordinate of joint j; a Motion has none.
 inline double qddd(int j) { return (j % 2 == 0 ? 1 : -1) * (0.6 + 0.15 * j); }
@@ -48,7 +48,7 @@ template <class Rep> TwistRate<Rep> jerk(const Motion& m, int i);
 /// ∂(C_f⁻¹ C_g) / ∂q_k from the library's products of exponentials.
 Mat4 relative_pose_partial(const Motion& m, int f, int g, int k);
 
-// ----------------------------------------------------------------------------------------- all bodies, one on another
+// -------------------------------------------------------------------------------- all bodies, one on another
 
 /// The matrices f(i) of all bodies, one below the other; each has six rows.
 Matrix stacked(const Motion& m, const std::function<Matrix(int i)>& f);

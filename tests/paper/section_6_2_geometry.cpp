@@ -16,8 +16,8 @@ PoseOfT exp_of_t(const Screw<>& U, double x, double dx) {
   return exp(Screw<Series>{times_pi(U.w), times_pi(U.v)});
 }
 
-// B_i(π) = B_i0 exp(U_1 π_1) exp(U_2 π_2): C⁻¹ ∂C/∂π_l is U_l, transformed by all that stands to its right in C = C_{i-1}
-// B_i(π) exp(X_i q_i), as for a joint's screw
+// B_i(π) = B_i0 exp(U_1 π_1) exp(U_2 π_2): C⁻¹ ∂C/∂π_l is U_l, transformed by all that stands to its right in
+// C = C_{i-1} B_i(π) exp(X_i q_i), as for a joint's screw
 TEST(Paper, GeometricParameters) {
   each_body([](Equation& eq, const Motion& m, int i) {
     Random<double> random(static_cast<std::uint64_t>(i));

@@ -13,8 +13,8 @@ SE3<> pose_before(const Motion& m, int i) {
 }
 PoseOfT constant(const SE3<>& C) { return cast<Series>(C); }
 
-/// The pose at s = 1 that the library reconstructs from the twists of the motion C(0) exp X(s), or exp(X(s)) C(0), from
-/// s = 0.99 on, with X(1) = X and X'(1) = dX.
+/// The pose at s = 1 that the library reconstructs from the twists of the motion C(0) exp X(s), or exp(X(s))
+/// C(0), from s = 0.99 on, with X(1) = X and X'(1) = dX.
 template <class Rep> SE3<> reconstructed(const SE3<>& C_0, const Screw<>& X, const Screw<>& dX) {
   const Screw<> change = dX + (-X);
   const auto X_at = [&](double s) { return s * X + (s * s - s) * change; };

@@ -8,7 +8,7 @@ namespace axode::test::paper {
 
 using PoseOfT = SE3<Series>;
 
-// ------------------------------------------------------------------------------- series, their values, their rates
+// ------------------------------------------------------------------------- series, their values, their rates
 
 inline Series derivative(const Series& x) {
   Series d;
@@ -35,7 +35,7 @@ Matrix rate(const MatrixOfT& x);
 /// x''(0).
 inline Vec3<> second_rate(const Vec3<Series>& x) { return rate(derivative(x)); }
 
-// --------------------------------------------------------------------- the paper's notation for vectors and matrices
+// ------------------------------------------------------------- the paper's notation for vectors and matrices
 
 /// Ad_C, Ad_R and Ad_r (eqs. Ad, AdRr).
 Mat6 Ad(const SE3<>& C);
@@ -63,7 +63,7 @@ Vec3d linear(const Vec6& X);
 /// (ω; 0) (eq. Vw).
 Vec6 angular_screw(const Vec6& X);
 
-// ----------------------------------------------------------------------------------------- twists by their definition
+// -------------------------------------------------------------------------------- twists by their definition
 
 /// The twist of a frame with pose C(t), from the definitions of appendix A.
 Vec6OfT twist_of(const PoseOfT& C, Representation representation);

@@ -7,7 +7,8 @@ from pathlib import Path
 
 import pytest
 
-# Threads of BLAS wait for each other in a loop: with other work on the cores the small matrices here take 15 times as long.
+# Threads of BLAS wait for each other in a loop: with other work
+# on the cores the small matrices here take 15 times as long.
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 
 # Libraries that these tests compile do not go into the cache of the user.

@@ -1,6 +1,7 @@
 /**
- * Opens pages in a real browser and tells where the bodies on them stand: node page_poses.mjs NODE_MODULES CHROMIUM.
- * A line in is an address to open, or nothing, to look again; a line out has the poses as JSON. A page may be in a frame.
+ * Opens pages in a real browser and tells where the bodies on them stand: node
+ * page_poses.mjs NODE_MODULES CHROMIUM. A line in is an address to open, or nothing,
+ * to look again; a line out has the poses as JSON. A page may be in a frame.
  */
 import { createRequire } from "node:module";
 import { createInterface } from "node:readline";

@@ -1,7 +1,8 @@
 /**
- * Opens pages in a real browser and moves every slider on them: node page_walk.mjs NODE_MODULES CHROMIUM. A line in is an
- * address; a line out has, as JSON, the largest gap of the loops while sliders moved, the notes that the page wrote, how
- * many positions were reached, how many pixels of the picture differ from its corners, and what the console said.
+ * Opens pages in a real browser and moves every slider on them: node page_walk.mjs
+ * NODE_MODULES CHROMIUM. A line in is an address; a line out has, as JSON, the largest gap of
+ * the loops while sliders moved, the notes that the page wrote, how many positions were
+ * reached, how many pixels of the picture differ from its corners, and what the console said.
  */
 import { createRequire } from "node:module";
 import { createInterface } from "node:readline";

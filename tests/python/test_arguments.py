@@ -208,7 +208,8 @@ def public_callables():
     modules = [axode, axode.lie, axode.closed_form, axode.codegen, axode.convert, axode.drives, axode.identification,
                axode.calibration]
     for value in {id(x): x for module in modules for x in map(module.__dict__.get, module.__all__)}.values():
-        if not callable(value) or typing.is_typeddict(value):  # a dict, whose keys are checked where it is used
+        # A dict, whose keys are checked where it is used.
+        if not callable(value) or typing.is_typeddict(value):
             continue
         if value not in WITHOUT_CONSTRUCTOR:
             yield value.__qualname__, value

@@ -140,7 +140,7 @@ def test_far_from_the_origin_and_in_other_body_frames_the_poses_found_are_the_sa
     assert close(at["joint"], at["construction"], 1e-6) and close(at["com"], at["construction"], 1e-6)
 
 
-# ------------------------------------------------------------------------------------------ what can be identified
+# ------------------------------------------------------------------------------------- what can be identified
 
 
 @pytest.mark.parametrize("kinds", ["r", "rr", "rrr", "rpr", "ppp", "rhp", "rrrrrr", "pprrr"])
@@ -279,7 +279,8 @@ def test_deviations_of_the_smallest_correction_are_honest():
         found = calibrate(ARM, poses)
         e = axode.lie.log(axode.lie.inverse(axode.lie.exp(exact.parameters)) @ axode.lie.exp(found.parameters)).ravel()
         chi.append((e / found.deviations[:42])[6:] ** 2)
-        assert max(np.abs(e[:6]).max(), found.deviations[:6].max()) < 1e-12  # what it shares with the device is not its
+        # The first six parameters are shared with the pose of the device and have no deviation of their own.
+        assert max(np.abs(e[:6]).max(), found.deviations[:6].max()) < 1e-12
     assert np.mean(chi) == pytest.approx(1, abs=0.3)
 
 

@@ -8,7 +8,8 @@ import numpy as np
 import pytest
 
 SOURCE = Path(__file__).resolve().parents[2]
-SLOW = {"tippe top", "quadruped", "sled", "bouncing ball"}  # a second or more each; `make nightly` computes them
+# They take a second or more each; `make nightly` computes them.
+SLOW = {"tippe top", "quadruped", "sled", "bouncing ball"}
 
 
 def cubes(count=1):

@@ -11,7 +11,8 @@ from mechanisms import MECHANISMS, close
 HUMANOID = MECHANISMS["humanoid"]
 Q = np.array([HUMANOID.random(seed=k) for k in range(5)])
 M = axode.mass_matrix(HUMANOID, Q[0])
-APART = tuple(int(k) for k in np.argwhere((axode.mass_matrix(HUMANOID, Q) == 0).all(axis=0))[-1])  # of two limbs
+# Two velocities of different limbs.
+APART = tuple(int(k) for k in np.argwhere((axode.mass_matrix(HUMANOID, Q) == 0).all(axis=0))[-1])
 
 
 def changed(r, c, x):

@@ -7,7 +7,8 @@ import pytest
 from mechanisms import REPRESENTATIONS, random_states
 
 ORIGINS = [0, 1, 100, 10_000]
-WAYS = ["fast", *(way for way in REPRESENTATIONS if way != "spatial")]  # those whose quantities are not about the origin
+# Representations whose quantities are not about the origin.
+WAYS = ["fast", *(way for way in REPRESENTATIONS if way != "spatial")]
 
 
 def bodies(o):
@@ -72,4 +73,5 @@ def test_dynamics_are_those_at_the_origin(make, o, tmp_path):
     for locked in (["palm joint"], ["link joint"], ["tip joint"], ["link joint", "tip joint"], ["ball joint"]):
         less_far, less_near = far.reduced(locked, q), near.reduced(locked, q)
         assert agree(less_far, less_near) < 1e-13
-        assert agree(less_far.__class__.from_dict(less_far.to_dict()), less_near) < 1e-9  # to the poses of a drawing
+        # They agree to the rounding of the poses of a drawing.
+        assert agree(less_far.__class__.from_dict(less_far.to_dict()), less_near) < 1e-9

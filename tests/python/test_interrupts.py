@@ -125,8 +125,8 @@ def part_until_interrupted(make, f):
 @pytest.mark.parametrize("call", LONG)
 def test_ctrl_c_is_answered_long_before_the_call_would_have_ended(call):
     make, f = LONG[call]
-    # The kernel's share differs between two runs where memory is slow to come. A call that is not interrupted in its
-    # midst takes all of its time in every attempt.
+    # The kernel's share differs between two runs where memory is slow to come. A call that is not interrupted
+    # in its midst takes all of its time in every attempt.
     assert any(part_until_interrupted(make, f) < 1 / 2 for _ in range(3))
     few = make(10)
     assert np.shape(f(*few))[0] == 10  # and the next call is as if nothing had been

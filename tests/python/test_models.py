@@ -314,7 +314,7 @@ def test_gravity_is_that_of_the_file_or_the_one_given():
             wrong()
 
 
-# ---------------------------------------------------------------- configurations and edits, whose laws are C++ tests
+# --------------------------------------------------------- configurations and edits, whose laws are C++ tests
 
 
 @EVERYWHERE

@@ -201,8 +201,8 @@ def test_center_of_mass_and_momentum_about_it(case):
         A_at = [np.roll(pin.computeCentroidalMap(model, data, pin.integrate(model, q, s * v)), 3, axis=0) @ P
                 for s in (1e-6, -1e-6)]
         assert_close(dA[k], (A_at[0] - A_at[1]) / 2e-6, bound=1e-7)
-        # Pinocchio's rate is not the derivative of its own matrix, though its product with v is that of the momentum;
-        # and not even that on data in which computeCentroidalMomentum left another state.
+        # Pinocchio's rate is not the derivative of its own matrix, though its product with v is that of the
+        # momentum; and not even that on data in which computeCentroidalMomentum left another state.
         rate = np.roll(pin.computeCentroidalMapTimeVariation(model, model.createData(), q, v), 3, axis=0)
         assert_close(dA[k] @ case.v[k], rate @ v)
         assert_close(h[k], np.roll(pin.computeCentroidalMomentum(model, data, q, v).vector, 3))
@@ -249,7 +249,8 @@ def test_derivatives_of_forward_dynamics(case):
     for k, (q, v, _) in enumerate(case.theirs):
         pin.computeABADerivatives(model, data, q, v, back.T @ case.tau[k])
         for x, y in ((ours.q[k], data.ddq_dq), (ours.v[k], data.ddq_dv)):
-            # The residual of M da = -dtau is compared in the units of forces, because M may be ill-conditioned.
+            # The residual of M da = -dtau is compared in the
+            # units of forces, because M may be ill-conditioned.
             assert_close(M[k] @ x, M[k] @ back @ y @ P, of=np.abs(M[k]).max() * np.abs(x).max())
         assert_close(ours.tau[k], back @ symmetric(np.array(data.Minv)) @ back.T, bound=1e-9)
 
@@ -326,7 +327,8 @@ class MuJoCoCase:
             self.robot.set(values)
             P = self.robot.velocity_map(self.case.independent)
             dP_v = np.zeros(self.robot.model.nv)
-            if FREE_BASE in self.robot.joints:  # linear velocities are along inertial axes there, body axes here
+            # Linear velocities are along inertial axes there and along body axes here.
+            if FREE_BASE in self.robot.joints:
                 w, v = np.split(np.array(values["v"][FREE_BASE]), 2)
                 at = self.robot.joints[FREE_BASE].dofadr[0]
                 dP_v[at:at + 3] = self.robot.R @ np.cross(w, v)

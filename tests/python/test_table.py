@@ -52,7 +52,8 @@ def test_each_property_is_counted_refused_or_left_out_as_the_row_says(case, name
             call(m, row, given)
         return
     found = numbers(call(m, row, given))
-    if word in ("of_the_tree", "optional", "partly"):  # joint losses and passive joints count if that is asked for
+    # Joint losses and passive joints count if that is asked for.
+    if word in ("of_the_tree", "optional", "partly"):
         expected = numbers(call(without, row, given))
         assert all(np.array_equal(x, y, equal_nan=True) for x, y in zip(found, expected, strict=True))
     else:
@@ -80,7 +81,8 @@ def test_docstrings_say_what_is_counted():
         doc = getattr(axode, name).__doc__
         for word, phrase in (("counted", "ounts "), ("refused", "efuses ")):
             counted = [column for column in row.counts if row.counts[column][0] == word]
-            within = r"(?:[^;()]|\((?:[^()]|\([^()]*\))*\))*"  # of a part of the line, with sentences in brackets
+            # A part of the line, with sentences in brackets.
+            within = r"(?:[^;()]|\((?:[^()]|\([^()]*\))*\))*"
             assert all(re.search(f"{phrase}{within}{column}", doc) for column in counted), name
 
 
@@ -123,7 +125,8 @@ def test_arrays_are_the_numbers_that_the_command_prints_to_the_last_bit(file, re
     q, v, a, _ = (x[0] for x in random_states(m, 1, seed=2))
     loads = [axode.Load(frame=tool(m), representation="hybrid", wrench=[1, 2, 3, 4, 5, 6])]
     state = {"loads": [dict(loads[0])]}
-    left_out = ["operational_space_inertia"] if file == "machine.toml" else []  # no frame moves in every direction
+    # No frame of the machine moves in every direction.
+    left_out = ["operational_space_inertia"] if file == "machine.toml" else []
     compared = 0
     for with_frame in (False, True):
         rows = [row for name, row in ROWS.items() if ("frame" in row.takes) == with_frame and name not in left_out]

@@ -16,8 +16,8 @@ inline Outcome run_under(const std::string& set, const std::string& tests) {
               "--gtest_filter=" + tests});
 }
 
-/// Expects that tests pass under a set, or skips them if this processor or this library does not have it. This
-/// program itself runs them under the set that it has.
+/// Expects that tests pass under a set, or skips them if this processor or this library does not have it.
+/// This program itself runs them under the set that it has.
 inline void expect_pass_under(const std::string& set, const std::string& tests) {
   if (set == instruction_set()) GTEST_SKIP() << set << " is the set of this program";
   const Outcome refused = run_under(set, "InstructionSet.IsTheOneAskedFor");

@@ -7,8 +7,8 @@
 /// Reference values are JSON arrays (of arrays) of decimal strings, with more digits than a double holds.
 namespace axode::test {
 
-/// A value of a JSON file; the parser is compiled once. Members and entries that do not exist, and values of another
-/// kind, throw std::runtime_error.
+/// A value of a JSON file; the parser is compiled once. Members and entries
+/// that do not exist, and values of another kind, throw std::runtime_error.
 class Json {
  public:
   const Json& at(const std::string& key) const;

@@ -44,7 +44,7 @@ def creep(x):
     return float(np.abs(x[-1] - x[len(x) // 2]).max())
 
 
-# MuJoCo ---------------------------------------------------------------------------------------------------------
+# MuJoCo -----------------------------------------------------------------------------------------------------
 
 
 def xml_scene(*bodies, friction=0.0, spin=0.0, condim=3, gravity=(0, 0, -G), geom="", floor=True):
@@ -92,7 +92,7 @@ def in_mujoco(xml, until, setting, each, step=2e-3, **start):
     return np.array(seen)
 
 
-# One body -------------------------------------------------------------------------------------------------------
+# One body ---------------------------------------------------------------------------------------------------
 
 INCLINE = (G * np.sin(np.radians(20)), 0, -G * np.cos(np.radians(20)))
 
@@ -152,7 +152,7 @@ def bouncing_ball_there(setting):
     return tops(in_mujoco(xml, 3.0, "", lambda d: d.qpos[2] - 0.1, 1e-3))
 
 
-# A tippe top, and a sled ----------------------------------------------------------------------------------------
+# A tippe top, and a sled ------------------------------------------------------------------------------------
 
 
 def event_of(rates, y, until, event):
@@ -234,7 +234,7 @@ def sled_there(setting):
                 - rest_of_sled())
 
 
-# Several bodies -------------------------------------------------------------------------------------------------
+# Several bodies ---------------------------------------------------------------------------------------------
 
 LEAST = G / 20  # coefficient of friction by which two fingers with 10 N each just hold 1 kg
 

@@ -114,7 +114,8 @@ def test_a_launch_has_a_thread_for_each_state_and_copies_only_what_lies_otherwis
     gpu = cuda.kernels(ARM, ["inverse_dynamics"])
     for N in (0, 1, 128, 129, 1000):
         host_cupy.RawModule.launches.clear()
-        q, v, a = (host_cupy.asarray(np.ascontiguousarray(x.T)).T for x in arguments(ARM, "inverse_dynamics", N))  # as kernels want them
+        # Arrays as the kernels want them.
+        q, v, a = (host_cupy.asarray(np.ascontiguousarray(x.T)).T for x in arguments(ARM, "inverse_dynamics", N))
         tau = gpu.inverse_dynamics(q, v, a)
         assert tau.shape == (N, 7) and tau.T.flags.c_contiguous
         assert len(host_cupy.RawModule.launches) == (N > 0)
@@ -207,7 +208,8 @@ def test_sources_compile_for_every_architecture(architecture):
 def test_sources_of_all_mechanisms_compile_and_read_each_argument_where_it_is(mechanism):
     m = MECHANISMS[mechanism]
     for single in (False, True):
-        source = axode.codegen.c_source(m, ["inverse_dynamics", "mass_matrix"], "p", single, "cuda")  # the humanoid's in parts
+        # The functions of the humanoid are written in parts.
+        source = axode.codegen.c_source(m, ["inverse_dynamics", "mass_matrix"], "p", single, "cuda")
         ptx, said = nvrtc.compiled(source.text, "compute_80")
         assert ptx is not None and said == "", said
         assert "ld.global" in ptx and not re.search(r"\b(ld|st)\.f(32|64)", ptx), "addresses are known to be global or local"

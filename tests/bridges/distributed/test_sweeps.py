@@ -38,7 +38,8 @@ def test_rows_are_those_of_a_loop(threads, points_per_part):
 
 @pytest.mark.parametrize("output", ["rows.parquet", "rows"])
 def test_rows_go_to_files_and_what_is_there_is_not_computed_again(output, tmp_path):
-    log, ready = tmp_path / "log", tmp_path / "ready"  # files: a list would be a value of the function, and changes
+    # Files, because a list would be a value of the function, and changes.
+    log, ready = tmp_path / "log", tmp_path / "ready"
 
     def counted(m, x, axis):
         with log.open("a") as stream:

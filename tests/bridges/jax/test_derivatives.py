@@ -26,7 +26,8 @@ def scalars(m):
     q, v, x, _ = random_states(m, 1)
     _, v, x = q[0], v[0], x[0]
 
-    size = np.diagonal(axode.inverse_mass_matrix(m, q[0])) ** -0.5  # entries of very different sizes make large ones
+    # Entries of very different sizes make large ones.
+    size = np.diagonal(axode.inverse_mass_matrix(m, q[0])) ** -0.5
 
     def weigh(f):
         shape = jax.eval_shape(f, q[0]).shape
@@ -152,7 +153,8 @@ def test_kinematics_have_derivatives_of_any_order():
     m = axode.load(axode.robots / "double_pendulum.toml")
     f = lambda x: axode.jax.potential_energy(m, jnp.array([0.3, 0.0]) + x * jnp.array([0.0, 1.0]))  # noqa: E731
     first = jax.grad(f)
-    assert close(np.asarray(jax.jit(jax.grad(jax.grad(first)))(0.5)), -np.asarray(jax.jit(first)(0.5)))  # of a cosine
+    # The second derivative of a cosine.
+    assert close(np.asarray(jax.jit(jax.grad(jax.grad(first)))(0.5)), -np.asarray(jax.jit(first)(0.5)))
 
 
 @pytest.mark.parametrize("name", ["machine", "arm"])

@@ -1,5 +1,5 @@
-// A function of each library, by all public headers: a linkage falls and is shown, a pendulum is held in two states at once and
-// written as C.
+// A function of each library, by all public headers: a linkage falls and
+// is shown, a pendulum is held in two states at once and written as C.
 #include <cmath>
 #include <cstdio>
 #include <sstream>
