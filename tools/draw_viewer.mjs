@@ -1,6 +1,7 @@
 /**
- * Draws the pictures of docs/ that show the viewer, in a headless Chromium: docs/viewer.png, docs/bricard.png, which moves,
- * and one picture of each mechanism that comes with axode in docs/gallery. After `make build`: node tools/draw_viewer.mjs [NAME ...]
+ * Draws the pictures of docs/ that show the viewer, in a headless Chromium: docs/viewer.png,
+ * docs/bricard.png, which moves, and one picture of each mechanism that comes with axode in docs/gallery.
+ * After `make build`: node tools/draw_viewer.mjs [NAME ...]
  */
 import { execFileSync } from "node:child_process";
 import { mkdirSync, mkdtempSync, rmSync, writeFileSync } from "node:fs";
@@ -15,9 +16,10 @@ const build = join(source, "build/release");
 const { chromium } = createRequire(join(build, "viewer/package.json"))("playwright-core");
 
 /**
- * A picture: the file of a mechanism, the state and options with which it is simulated (none for a mechanism at rest), and
- * what is shown: layers, the chosen body, the time, and what the page has besides the view. `orbit` turns and lifts the
- * camera, in rad, and zooms. A picture with `frames` moves through the times from 0 to `until`.
+ * A picture: the file of a mechanism, the state and options with which it is simulated
+ * (none for a mechanism at rest), and what is shown: layers, the chosen body, the
+ * time, and what the page has besides the view. `orbit` turns and lifts the camera, in
+ * rad, and zooms. A picture with `frames` moves through the times from 0 to `until`.
  */
 const SMALL = { width: 460, height: 320 };
 const TRACED = ["traces"];
@@ -71,7 +73,10 @@ function pageOf({ robot, state, target, simulate }) {
   return page;
 }
 
-/** Shows the plots of q and of the energy, and leaves of the page the view, or the view with plots beside it. Runs in the page. */
+/**
+ * Shows the plots of q and of the energy, and leaves of the page
+ * the view, or the view with plots beside it. Runs in the page.
+ */
 function arrange(show) {
   for (const button of document.querySelectorAll(".choices button")) {
     const wanted = ["q", "energy"].includes(button.textContent);

@@ -19,7 +19,10 @@ function histogram(frames) {
   return [...cells].map(([key, [count, ...sums]]) => ({ key, weight: Math.sqrt(count), color: sums.map((sum) => sum / count) }));
 }
 
-/** Colours by median cut, in which rare colours count more than their pixels, and the index of the colour of each cell. */
+/**
+ * Colours by median cut, in which rare colours count more than
+ * their pixels, and the index of the colour of each cell.
+ */
 function palette(frames, most) {
   const boxes = [histogram(frames)];
   const spread = (box) => [0, 1, 2].map((c) => Math.max(...box.map((x) => x.color[c])) - Math.min(...box.map((x) => x.color[c])));
@@ -84,7 +87,10 @@ function changed(indices, before, width, height) {
   return right < 0 ? { left: 0, top: 0, right: 0, bottom: 0 } : { left, top, right, bottom };
 }
 
-/** A PNG of one frame, or an APNG of several that repeats without end and shows each frame for `delay` milliseconds. */
+/**
+ * A PNG of one frame, or an APNG of several that repeats
+ * without end and shows each frame for `delay` milliseconds.
+ */
 export function indexedPng(frames, width, height, delay = 0) {
   const sample = frames.filter((_, k) => k % Math.ceil(frames.length / 8) === 0);
   const { colors, indices } = palette(sample, 255);

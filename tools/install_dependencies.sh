@@ -16,8 +16,8 @@ if ! command -v dpkg-query >/dev/null; then
   exit 0
 fi
 
-# The viewer and its tests need these programs. If they come from another source, Debian's packages are not installed,
-# because they may be in conflict with those.
+# The viewer and its tests need these programs. If they come from another source, Debian's packages are not
+# installed, because they may be in conflict with those.
 command -v npm >/dev/null || packages="$packages nodejs npm"
 command -v "${CHROMIUM:-chromium}" >/dev/null || packages="$packages chromium"
 

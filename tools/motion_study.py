@@ -45,7 +45,7 @@ def slope(steps, errors):
     return np.log(errors[0] / errors[-1]) / np.log(steps[-1] / steps[0])
 
 
-# ---- heavy top -------------------------------------------------------------------------------------------------------
+# ---- heavy top ---------------------------------------------------------------------------------------------
 # Powers of two of the steps per second that are run, and those between which the order shows.
 HEAVY_TOP = {"euler": ((9, 18), (16, 18)), "generalized_alpha": ((9, 18), (11, 18)), "midpoint": ((9, 18), (10, 18)),
              "rk4": ((9, 18), (11, 16)), "rk4_momenta": ((9, 18), (11, 16)), "suzuki4": ((9, 15), (9, 12)),
@@ -95,7 +95,7 @@ def heavy_top(page):
                               "by evaluations": chart.curves("evaluations", "error of R at 1 s, rad", by_evaluations)})
 
 
-# ---- free top --------------------------------------------------------------------------------------------------------
+# ---- free top ----------------------------------------------------------------------------------------------
 def top(gravity=(0, 0, -9.81), inertia=(1, 2, 3)):
     b = axode.Builder("top", gravity)
     b.body("top", joint="free", mass=1, com=[0, 0, 0], inertia=list(inertia))
@@ -121,7 +121,7 @@ def free_top(page):
     page.table("free top", ["method", "step", "steps", "evaluations", "attitude, rad", "energy", "angular momentum"], rows)
 
 
-# ---- Cayley's map ----------------------------------------------------------------------------------------------------
+# ---- Cayley's map ------------------------------------------------------------------------------------------
 def satellite():
     b = axode.Builder("satellite", gravity=(0, 0, 0))
     b.body("hub", joint="free", mass=5, com=[0.1, 0, 0], inertia=[1, 2, 2.5])
@@ -164,7 +164,7 @@ def cayley(page):
                           "evaluations with exp", "with cay"], rows)
 
 
-# ---- chain -----------------------------------------------------------------------------------------------------------
+# ---- chain -------------------------------------------------------------------------------------------------
 STARTS, SHORT, LONG = 20, 20, 100
 CHAIN = {"dopri5": LONG, "rk4": LONG, "rk4_momenta": LONG, "midpoint": LONG, "generalized_alpha": LONG, "suzuki4": SHORT,
          "kahan_li6": SHORT}  # until when, s
@@ -211,7 +211,7 @@ def chain(page):
     page.figure("chain", {"medians of 20 starts": chart.curves("t, s", "energy error / height", medians_of)})
 
 
-# ---- humanoid --------------------------------------------------------------------------------------------------------
+# ---- humanoid ----------------------------------------------------------------------------------------------
 HUMANOID = ["rk4", "dopri5", "midpoint", "rk4_momenta"]
 
 
@@ -268,11 +268,11 @@ def humanoid(page):
     page.figure("humanoid", tables)
 
 
-# ---- loops -----------------------------------------------------------------------------------------------------------
+# ---- loops -------------------------------------------------------------------------------------------------
 # Velocities at the start, and steps, s.
 LOOPS = {"n_four_bar": ([-1, 1, 0, -1, -1], (0.02, 0.01, 0.005)), "bricard": ([0] * 5, (0.02, 0.01, 0.005))}
-# Published coordinates of Andrews' squeezer at the start and after 0.03 s: Hairer and Wanner; Test Set for IVP
-# Solvers.
+# Published coordinates of Andrews' squeezer at the start and
+# after 0.03 s: Hairer and Wanner; Test Set for IVP Solvers.
 ANDREWS = {"beta": (-0.0617138900142764496, 15.81077119629904), "Theta": (0, -15.75637105984298),
            "gamma": (0.455279819163070380, 0.04082224013073101), "Phi": (0.222668390165885885, -0.5347301163226948),
            "delta": (0.487364979543842550, 0.5244099658805304), "Omega": (-0.222668390165885885, 0.5347301163226948),
@@ -323,7 +323,7 @@ def andrews(page):
                            "energy less work, J"], rows)
 
 
-# ---- absolute coordinates --------------------------------------------------------------------------------------------
+# ---- absolute coordinates ----------------------------------------------------------------------------------
 GROUPS = {"absolute": "SE(3)", "absolute_SO3xR3": "SO(3) × R³"}
 HELD = {"generalized_alpha_index3": {"spectral_radius": 0.9}, "generalized_alpha": {"spectral_radius": 0.9},
         "rattle": {}, "rattle_suzuki4": {}, "half_explicit": {}, "rk4": {}}
@@ -398,7 +398,7 @@ def mechanisms_of_bodies(page):
                                         "open by, rad or m"], rows)
 
 
-# ---- what rolls ------------------------------------------------------------------------------------------------------
+# ---- what rolls --------------------------------------------------------------------------------------------
 def coin():
     b = axode.Builder("coin")
     b.body("coin", joint="free", mass=2, com=[0, 0, 0.3], inertia=[0.045, 0.09, 0.045])
@@ -426,7 +426,7 @@ def rolling(page):
                            "open by, rad or m", "B v, rad/s or m/s"], rows)
 
 
-# ---- cost ------------------------------------------------------------------------------------------------------------
+# ---- cost --------------------------------------------------------------------------------------------------
 COST = ["rk4", "rk4_momenta", "generalized_alpha", "midpoint", "suzuki4", "kahan_li6"]
 STEPS = 300
 

@@ -48,7 +48,8 @@ NIGHTLY = {
                    environment={"AXODE_RANDOM_TREES": "100000"}),
 }
 FUZZ_SECONDS = 600
-LEAST_PASSED, MOST_SKIPPED = 7000, 200  # of a complete run: far from these numbers a part of the tests is missing
+# Numbers of a complete run; far from these a part of the tests is missing.
+LEAST_PASSED, MOST_SKIPPED = 7000, 200
 SLOWEST = 30
 NIGHTLY_BRIDGES = {"distributed",  # which starts clusters and kills their workers
                    "robots", "torch"}  # which install 1 GB, and several

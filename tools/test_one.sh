@@ -1,5 +1,6 @@
 #!/bin/sh
-# Builds the program that contains a test with the preset dev, and runs all tests whose names begin with a text, e.g.
+# Builds the program that contains a test with the preset
+# dev, and runs all tests whose names begin with a text, e.g.
 #   tools/test_one.sh Paper.Der1
 #   tools/test_one.sh Laws/InverseOfInverseDynamics
 set -e

@@ -3,7 +3,10 @@ import { defineConfig } from "vite";
 
 const hash = (text) => `'sha256-${createHash("sha256").update(text).digest("base64")}'`;
 
-/** Puts script and style into the page, and a policy by which it runs nothing else and reaches no other machine. */
+/**
+ * Puts script and style into the page, and a policy by
+ * which it runs nothing else and reaches no other machine.
+ */
 const onePage = {
   name: "one-page",
   enforce: "post",

@@ -6,8 +6,8 @@ import type { State } from "./state";
 declare global {
   interface Window {
     /**
-     * Functions for programs around the page, and for tests. Poses are 4 × 4 matrices, column by column; the gap is the
-     * largest residual of the loops, with lengths in units of the size of the mechanism.
+     * Functions for programs around the page, and for tests. Poses are 4 × 4 matrices, column by column; the
+     * gap is the largest residual of the loops, with lengths in units of the size of the mechanism.
      */
     axode: {
       setState: (q: number[]) => void;

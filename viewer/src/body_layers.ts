@@ -87,8 +87,8 @@ function ground({ stage }: View): Layer {
 }
 
 /**
- * Where the axes of a body are drawn: at its origin if that is on the body, and else at its joint. The origin of a
- * body that is drawn in the construction frame may be metres away from it.
+ * Where the axes of a body are drawn: at its origin if that is on the body, and else at its joint. The origin
+ * of a body that is drawn in the construction frame may be metres away from it.
  */
 function placeOfFrame(scene: Scene, i: number): Vector3 {
   if (i === 0) return new Vector3();

@@ -5,7 +5,10 @@ import { degrees, type Loop, type Scene } from "./scene";
 
 /** Residuals up to this count as closed. Lengths are in units of the size of the mechanism. */
 const CLOSED = 1e-11;
-/** Loops with larger residuals are not closed before a joint moves: they were opened on purpose, or cannot be closed. */
+/**
+ * Loops with larger residuals are not closed before a joint
+ * moves: they were opened on purpose, or cannot be closed.
+ */
 export const TORN = 1e-3;
 /** Newton's method ends at residuals that only rounding leaves. */
 const ROUNDING = 1e-14;
@@ -19,9 +22,14 @@ const STEP = 0.1;
 const CORRECTION = 0.5;
 /** A joint that cannot move on by this part of its way has reached its end, unless it is at a dead point. */
 const LEAST_PART = 1e-6;
-/** A joint moves on at most this often: where the loops stay singular, steps stay so short that a page would stand still. */
+/**
+ * A joint moves on at most this often: where the loops stay
+ * singular, steps stay so short that a page would stand still.
+ */
 const MOST_STEPS = 400;
-/** At a dead point other joints are moved aside by these steps, and the joint moves on by the step after them. */
+/**
+ * At a dead point other joints are moved aside by these steps, and the joint moves on by the step after them.
+ */
 const ASIDE = [0.05, -0.05, 0.2, -0.2];
 const FROM_DEAD_POINT = 1e-3;
 
@@ -74,7 +82,10 @@ export class Closure {
     return Math.max(0, ...this.residuals(q).map(Math.abs));
   }
 
-  /** Closes the loops by Newton's method, with the least motion of the velocities that are not held; null if that fails. */
+  /**
+   * Closes the loops by Newton's method, with the least motion
+   * of the velocities that are not held; null if that fails.
+   */
   close(q: readonly number[], held: readonly boolean[]): number[] | null {
     const free = held.flatMap((isHeld, k) => (isHeld ? [] : [k]));
     let now = q.slice();
@@ -94,9 +105,9 @@ export class Closure {
   }
 
   /**
-   * Moves the joint of a body along path(s), s from 0 to 1, and closes the loops on the way. The drives and the joints
-   * that were chosen keep their coordinates if the loops allow it. If the loops end the way, the last configuration
-   * that closes them is returned.
+   * Moves the joint of a body along path(s), s from 0 to 1, and closes the loops on the way. The drives and
+   * the joints that were chosen keep their coordinates if the loops allow it. If the loops end the way, the
+   * last configuration that closes them is returned.
    */
   lead(from: readonly number[], body: number, path: (s: number) => number[], length: number, chosen: readonly number[]): Arrival {
     const { iq } = this.scene.bodies[body].joint;

@@ -80,7 +80,8 @@ function forces({ state, stage }: View, samples: Contact[][], most: number, now:
   const arrows = STATUS.map((status) => new Arrows(most, colors.contacts[status].color, false));
   root.add(...arrows);
   const sizes = samples.flatMap((list) => list.map(({ force }) => force.length())).filter((size) => size > 0).sort((a, b) => a - b);
-  // An impact is a force of one step that would make all others invisible, so the scale is that of most forces.
+  // An impact is a force of one step that would make all
+  // others invisible, so the scale is that of most forces.
   const usual = sizes.length > 0 ? sizes[Math.floor(0.95 * (sizes.length - 1))] : 0;
   let hint = "";
   const update = () => {

@@ -1,6 +1,8 @@
 type Properties = Record<string, string | number | boolean | ((event: Event) => void)>;
 
-/** An element with attributes, listeners (functions) and children; text is put in as text, never as markup. */
+/**
+ * An element with attributes, listeners (functions) and children; text is put in as text, never as markup.
+ */
 export function element<K extends keyof HTMLElementTagNameMap>(
   tag: K,
   properties: Properties = {},

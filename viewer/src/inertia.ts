@@ -1,6 +1,9 @@
 import { Matrix4, Vector3 } from "three";
 
-/** Eigenvalues of a symmetric 3 × 3 matrix and, as columns, a right-handed frame of eigenvectors; by Jacobi rotations. */
+/**
+ * Eigenvalues of a symmetric 3 × 3 matrix and, as columns, a
+ * right-handed frame of eigenvectors; by Jacobi rotations.
+ */
 export function principalAxes([xx, yy, zz, xy, xz, yz]: readonly number[]): { moments: Vector3; axes: Matrix4 } {
   const a = [xx, xy, xz, xy, yy, yz, xz, yz, zz];
   const u = [1, 0, 0, 0, 1, 0, 0, 0, 1];

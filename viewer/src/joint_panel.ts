@@ -67,7 +67,8 @@ function jointRow(state: State, body: number, joint: Joint, length: number, chos
   root.addEventListener("focusin", () => state.selected !== body && state.select(body));
 
   const units = degrees(joint.kind);
-  // What the user holds keeps its own numbers: a rotation vector beyond half a turn is another one by its pose.
+  // What the user holds keeps its own numbers: a rotation
+  // vector beyond half a turn is another one by its pose.
   let held: number[] | null = null;
   let editing = false;
   const numbers = () => held ?? handlesFrom(joint, state.tree.coordinates(body, state.q));
@@ -141,8 +142,8 @@ function jointRow(state: State, body: number, joint: Joint, length: number, chos
 }
 
 /**
- * The configuration in which the joint of a body has gone along path(s), as far as the loops let it. If the loops are
- * open, the joint moves alone.
+ * The configuration in which the joint of a body has gone along path(s), as
+ * far as the loops let it. If the loops are open, the joint moves alone.
  */
 function led({ closure, scene, q }: State, body: number, path: (s: number) => number[], way: number, others: readonly number[]): Arrival {
   const closed = closure.none || closure.gap(q) > TORN ? null : closure.close(q, Array<boolean>(scene.nv).fill(false));

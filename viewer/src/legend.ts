@@ -12,8 +12,8 @@ export function round125(x: number): number {
 }
 
 /**
- * Fills the legend of the arrows that are drawn: for each colour a bar as long as an arrow of a round number at the point
- * at which the camera looks. Returns the function that updates it.
+ * Fills the legend of the arrows that are drawn: for each colour a bar as long as an arrow of a round number
+ * at the point at which the camera looks. Returns the function that updates it.
  */
 export function fillLegend(place: HTMLElement, layers: readonly Layer[], stage: Stage): () => void {
   let written = "";

@@ -29,9 +29,10 @@ export function interpolate(samples: readonly number[][], { index, fraction }: M
 }
 
 /**
- * q between two samples, from q and v of both, on the group. For joints of several velocities it is (q_k ⊕ (t - t_k) z) ⊕ x(t)
- * with the mean velocity z and a cubic x, so that a body may turn by any angle from one sample to the next; for the other joints
- * it is a cubic. `axode::Trajectory` has the same rule, with accelerations and quintics.
+ * q between two samples, from q and v of both, on the group. For joints of several
+ * velocities it is (q_k ⊕ (t - t_k) z) ⊕ x(t) with the mean velocity z and a cubic x, so
+ * that a body may turn by any angle from one sample to the next; for the other joints it
+ * is a cubic. `axode::Trajectory` has the same rule, with accelerations and quintics.
  */
 export function coordinatesAt(scene: Scene, motion: Motion, { index, fraction }: Moment): number[] {
   const samples = [index, Math.min(index + 1, motion.t.length - 1)];

@@ -34,7 +34,10 @@ type Kind = keyof (typeof UNITS)["q"];
 const TURNS = ["wx", "wy", "wz"];
 const QUATERNION = ["qx", "qy", "qz", "qw"];
 
-/** The directions of the numbers of a joint, each with what it measures. A joint of one number has no direction. */
+/**
+ * The directions of the numbers of a joint, each with what
+ * it measures. A joint of one number has no direction.
+ */
 function directions(kind: JointKind, which: "q" | "v"): [string, Kind][] {
   const as = (names: string[], what: Kind) => names.map((name): [string, Kind] => [name, what]);
   const coordinates = which === "q";

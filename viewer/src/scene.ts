@@ -65,7 +65,10 @@ export interface Loop {
   ends: [{ body: number; pose: Pose }, { body: number; pose: Pose }];
   /** Of a helical joint, m/rad. */
   pitch?: number;
-  /** Length of a rod or radius of what rolls, m; of a universal joint the cosine of the angle between its axes. */
+  /**
+   * Length of a rod or radius of what rolls, m; of a
+   * universal joint the cosine of the angle between its axes.
+   */
   size?: number;
   /** Whether a wheel rolls and not a sphere. */
   wheel?: boolean;
@@ -107,7 +110,9 @@ export interface Motion {
   contact_shapes: string[];
   /** For each sample a list of points of contact, each of them 17 numbers, see contact_layers.ts. */
   contacts: number[][][] | null;
-  /** Spatial wrenches of the loop joints on their second bodies: for each sample and then for each loop joint. */
+  /**
+   * Spatial wrenches of the loop joints on their second bodies: for each sample and then for each loop joint.
+   */
   loop_wrenches?: number[][][] | null;
   /** Tensions of the lines, N: for each sample and then for each line. */
   tensions?: number[][] | null;

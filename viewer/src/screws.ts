@@ -36,9 +36,10 @@ export function nearest({ p, e }: ScrewAxis, x: Vector3): Vector3 {
 }
 
 /**
- * In which axes a screw of a body is written and about which point: the four representations of axode. In `body` both
- * parts are in body axes, in `hybrid` both in inertial axes, in `mixed` the first part (of a twist the angular one, of a
- * wrench the moment) is in body axes and the second in inertial ones; all three about the origin of the body's frame.
+ * In which axes a screw of a body is written and about which point: the four representations
+ * of axode. In `body` both parts are in body axes, in `hybrid` both in inertial axes, in
+ * `mixed` the first part (of a twist the angular one, of a wrench the moment) is in body
+ * axes and the second in inertial ones; all three about the origin of the body's frame.
  */
 export type Representation = "body" | "spatial" | "hybrid" | "mixed";
 

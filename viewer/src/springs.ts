@@ -8,8 +8,8 @@ import { colors } from "./palette";
 import type { Line } from "./scene";
 
 /**
- * A coil from z = 0 to z = 1 whose radius is one. Its wire is round if the coil is drawn `slender` times as long as its
- * radius.
+ * A coil from z = 0 to z = 1 whose radius is one. Its wire is round
+ * if the coil is drawn `slender` times as long as its radius.
  */
 function coil(slender: number): BufferGeometry {
   const turns = Math.round(Math.min(24, Math.max(5, slender / 1.6)));
@@ -39,7 +39,10 @@ function bare(geometry: BufferGeometry): BufferGeometry {
 /** Radius of a coil, in units of symbols. */
 const RADIUS = 0.4;
 
-/** What acts between two points: springs are coils, dampers are pistons (in a coil, if both), and drives are cylinders. */
+/**
+ * What acts between two points: springs are coils, dampers
+ * are pistons (in a coil, if both), and drives are cylinders.
+ */
 export function springs({ scene, state, stage }: View): Layer | null {
   const lines = scene.lines ?? [];
   if (lines.length === 0) return null;

@@ -73,7 +73,8 @@ export class Stage {
     readonly canvas: HTMLCanvasElement,
     gravity: readonly number[],
   ) {
-    // What is behind an opaque canvas need not be drawn by the browser; three.js itself asks for none that is opaque.
+    // What is behind an opaque canvas need not be drawn by the
+    // browser; three.js itself asks for none that is opaque.
     const context = canvas.getContext("webgl2", { alpha: false, antialias: !drawsOnProcessor() }) ?? undefined;
     try {
       this.renderer = new WebGLRenderer({ canvas, context });

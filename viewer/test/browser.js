@@ -37,7 +37,10 @@ export async function openBrowser() {
   return {
     context,
     folder,
-    /** Opens a scene from a file. `heard` collects what the console says, and `asked` what was asked of a network. */
+    /**
+     * Opens a scene from a file. `heard` collects what the
+     * console says, and `asked` what was asked of a network.
+     */
     async open(scene, options = {}) {
       const file = join(folder, `${++pages}.html`);
       writeFileSync(file, pageOf(scene));

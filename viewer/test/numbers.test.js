@@ -316,7 +316,10 @@ test("the resolution does not flicker, whatever frames take", () => {
 /** Entries of a pose that are all 0 if and only if it turns nothing. */
 const turned = (D) => [D[0][1], D[0][2], D[1][2], D[0][0] - 1, D[1][1] - 1, D[2][2] - 1];
 
-/** What each kind of loop joint leaves of the pose D of its second end in its first one: numbers that are 0 where it is closed. */
+/**
+ * What each kind of loop joint leaves of the pose D of its second
+ * end in its first one: numbers that are 0 where it is closed.
+ */
 const FORBIDDEN = {
   fixed: (D) => [...D.slice(0, 3).flat()].map((x, k) => x - [1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0][k]),
   revolute: (D) => [D[0][3], D[1][3], D[2][3], D[0][2], D[1][2], D[2][2] - 1],
@@ -331,7 +334,9 @@ const FORBIDDEN = {
   rolling: (D, { size, wheel }) => [D[2][3] - size * (wheel ? Math.sqrt(1 - D[2][2] ** 2) : 1)],
 };
 
-/** A body that a loop joint holds beside its own joint, which is free, and what each of its coordinates does. */
+/**
+ * A body that a loop joint holds beside its own joint, which is free, and what each of its coordinates does.
+ */
 function heldBody(kind, next) {
   const builder = new SceneBuilder(kind);
   const body = builder.body("body", 0, "free", frameAt([0.1, 0.2, 0.3], [1, 2, 3]), { A: frameAt([0.3, -0.2, 0.1], [0, 1, 1]) });
@@ -384,7 +389,8 @@ test("a crank goes round with its loop closed, and a rocker stops where the loop
   const from = q[2];
   const { q: to, part } = loops.lead(q, 3, (s) => [from + 3 * s], 3, []);
   assert.ok(part > 0 && part < 1 && loops.gap(to) < 1e-11);
-  // The rocker ends where crank and coupler are in one line: their lengths add up to the distance from its pin.
+  // The rocker ends where crank and coupler are in one line:
+  // their lengths add up to the distance from its pin.
   const reach = Math.hypot(0.8 + 0.6 * Math.cos(to[2]), 0.6 * Math.sin(to[2]));
   assert.ok(Math.min(Math.abs(reach - 1.0), Math.abs(reach - 0.4)) < 1e-4, `${reach}`);
 });

@@ -1,6 +1,7 @@
 /**
  * Kinematics computed apart from the page, with 4 × 4 matrices and their exponential alone:
- * C_i = C_p A_p⁻¹ A_i exp(X̂ q) for a joint screw X in the frame of the body, and twists from differences of poses.
+ * C_i = C_p A_p⁻¹ A_i exp(X̂ q) for a joint screw X in the
+ * frame of the body, and twists from differences of poses.
  */
 
 export const identity = () => [[1, 0, 0, 0], [0, 1, 0, 0], [0, 0, 1, 0], [0, 0, 0, 1]];
@@ -75,7 +76,10 @@ function displacement({ kind, pitch }, x) {
 
 const known = new WeakMap();
 
-/** What of a joint does not depend on q: from the predecessor at the reference poses to the joint, and from it to the body. */
+/**
+ * What of a joint does not depend on q: from the predecessor at
+ * the reference poses to the joint, and from it to the body.
+ */
 function constants(scene, body) {
   if (!known.has(body)) {
     const S = matrixOf(body.S_self);
@@ -85,7 +89,9 @@ function constants(scene, body) {
   return known.get(body);
 }
 
-/** Poses of all bodies of a scene, by product of exponentials about the joint screws at the reference poses A. */
+/**
+ * Poses of all bodies of a scene, by product of exponentials about the joint screws at the reference poses A.
+ */
 export function poses(scene, q) {
   const all = [identity()];
   scene.bodies.slice(1).forEach((body, k) => {
@@ -99,7 +105,10 @@ export function poses(scene, q) {
   return all;
 }
 
-/** Spatial twists of bodies from poses a moment before and after: the antisymmetric part of C' C⁻¹ and its last column. */
+/**
+ * Spatial twists of bodies from poses a moment before and
+ * after: the antisymmetric part of C' C⁻¹ and its last column.
+ */
 export function twists(before, after, dt) {
   return before.slice(1).map((C0, k) => {
     const C1 = after[k + 1];

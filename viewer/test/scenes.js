@@ -1,6 +1,9 @@
 import { apply, cross, dot, exp, identity, inverse, matrixOf, poseOf, poses, times, turn, twists } from "./reference.js";
 
-/** Scenes for the tests. Everything is drawn at zero in the inertial frame, from which poses and joint frames follow. */
+/**
+ * Scenes for the tests. Everything is drawn at zero in the
+ * inertial frame, from which poses and joint frames follow.
+ */
 
 const SIZES = { revolute: [1, 1], prismatic: [1, 1], helical: [1, 1], planar: [3, 3], spherical: [4, 3], free: [7, 6] };
 const NEUTRAL = { spherical: [0, 0, 0, 1], free: [0, 0, 0, 1, 0, 0, 0] };
@@ -51,7 +54,10 @@ export class SceneBuilder {
     });
   }
 
-  /** Fills in the motion q(t), which the scene's joints have to be able to follow: those with one coordinate, or free. */
+  /**
+   * Fills in the motion q(t), which the scene's joints have
+   * to be able to follow: those with one coordinate, or free.
+   */
   move(q, until, count, mass = false) {
     const { scene } = this;
     const t = Array.from({ length: count }, (_, k) => (until * k) / (count - 1));
