@@ -202,8 +202,8 @@ _former_names.install()
 #: The folder of the mechanisms that come with the package: arm7.toml, double_pendulum.toml, humanoid.urdf,
 #: machine.toml.
 robots: Path = Path(__file__).parent / "share/axode/robots"
-#: The instruction set whose code is used, such as "x86-64-v3": the best one of this processor, or the one that the
-#: environment variable AXODE_INSTRUCTION_SET named when axode was imported.
+#: The instruction set whose code is used, such as "x86-64-v3": the best one of this processor, or the one
+#: that the environment variable AXODE_INSTRUCTION_SET named when axode was imported.
 instruction_set: str = _instruction_set
 
 __all__ = [

@@ -17,8 +17,8 @@ from .records import Representation
 
 __all__ = ["Cache", "Cost", "Source", "Specialised", "c_source", "cache", "clear_cache"]
 
-#: A function to generate: the name of one of axode.table.ROWS that can be recorded (`tape`), or a tuple with a frame
-#: if the function is about one frame.
+#: A function to generate: the name of one of axode.table.ROWS that can be recorded (`tape`), or a tuple with
+#: a frame if the function is about one frame.
 Function: TypeAlias = (
     str
     | tuple[Literal["pose"], str | int]

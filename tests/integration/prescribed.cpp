@@ -9,7 +9,8 @@
 #include "axode/io.hpp"
 #include "tests/integration/motions.hpp"
 
-/// Joints and rods that follow functions of time: their forces, their power, and where they cannot be followed.
+/// Joints and rods that follow functions of time: their forces, their power, and where they cannot be
+/// followed.
 namespace axode::test {
 namespace {
 

@@ -159,7 +159,8 @@ while True:
     axode.inverse_mass_matrix_partials(m, q)
 """
     child = subprocess.Popen([sys.executable, "-c", program], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True,
-                             preexec_fn=lambda: signal.signal(signal.SIGINT, signal.SIG_DFL))  # a shell may ignore it
+                             # A shell may ignore SIGINT.
+                             preexec_fn=lambda: signal.signal(signal.SIGINT, signal.SIG_DFL))
     assert child.stdout.readline() == "started\n"
     time.sleep(0.3)
     os.kill(child.pid, signal.SIGINT)

@@ -103,7 +103,8 @@ def cayley(A):
 
 AWAY = np.linalg.norm(XI, axis=1) < np.pi - 1e-9  # at pi either direction is right
 UNIT = np.broadcast_to(np.eye(6), (N, 6, 6))
-#: (the result of a function, the expected result, the tolerance), one of each. The laws themselves are tested in C++.
+#: (the result of a function, the expected result, the tolerance),
+#: one of each. The laws themselves are tested in C++.
 IS = {
     "exp": lambda: (lie.exp(X), of_each(expm, lie.hat(X)), 1e-14), "exp_SO3": lambda: (lie.exp_SO3(XI), R, 1e-14),
     "log": lambda: (lie.log(C)[AWAY], X[AWAY], 1e-12), "log_SO3": lambda: (lie.log_SO3(R)[AWAY], XI[AWAY], 1e-12),

@@ -16,8 +16,8 @@ from numpy.linalg import norm
 from scipy.integrate import solve_ivp
 from scipy.spatial.transform import Rotation
 
-#: Settings of MuJoCo: its options as they are; elliptic cones with impratio 100 and a tolerance of 1e-12; these with
-#: iterations that prevent slip; these with contacts as stiff as the step allows; and with both.
+#: Settings of MuJoCo: its options as they are; elliptic cones with impratio 100 and a tolerance of 1e-12;
+#: these with iterations that prevent slip; these with contacts as stiff as the step allows; and with both.
 SETTINGS = ["default", "elliptic", "elliptic, noslip", "elliptic, stiff", "elliptic, noslip, stiff"]
 
 

@@ -20,7 +20,8 @@ Array = NDArray[np.float64]
 
 #: Singular values of the balanced regressor below this part of the largest one count as rounding errors.
 RANK_TOLERANCE = 1e-11
-#: The least noise of a torque, relative to its size; it is also at least a thousandth of this for the largest torque.
+#: The least noise of a torque, relative to its size; it is
+#: also at least a thousandth of this for the largest torque.
 NOISE_FLOOR = 1e-6
 #: Huber's threshold in standard deviations: 95 % efficient if there are no outliers.
 HUBER = 1.345
@@ -47,7 +48,8 @@ class Torques:
         self.columns = [np.flatnonzero(of_k) for of_k in active]
         self._squares = np.zeros((m.nv, len(unknowns.names)))
         self.R, _ = self.factors(np.zeros(unknowns.n), np.full(m.nv, np.inf))
-        #: (nv, n) roots of the sums of squares of X, no less than those of the terms that its entries are sums of.
+        #: (nv, n) roots of the sums of squares of X, no less
+        #: than those of the terms that its entries are sums of.
         self.sizes = np.sqrt(self._squares) @ np.abs(unknowns.matrix)
 
     def _regressor(self) -> Iterator[tuple[slice, Array]]:

@@ -16,7 +16,8 @@ Array = NDArray[np.float64]
 
 #: Singular values below this part of the largest one count as rounding errors.
 RANK_TOLERANCE = 1e-10
-#: The largest ratio between the noise of angles and that of lengths, relative to the size of the measured points.
+#: The largest ratio between the noise of angles and that
+#: of lengths, relative to the size of the measured points.
 NOISE_RATIO = 1e-4
 #: Huber's threshold for the norm of three components in standard deviations: 95 % efficient without outliers.
 HUBER = 1.7

@@ -14,8 +14,8 @@ __all__: list[str] = []
 
 Array = NDArray[np.float64]
 
-#: A body lighter than this part of the whole mechanism counts as known: URDF files have such bodies between two
-#: joints.
+#: A body lighter than this part of the whole mechanism counts
+#: as known: URDF files have such bodies between two joints.
 DUMMY_MASS = 1e-6
 
 

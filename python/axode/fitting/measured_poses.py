@@ -21,7 +21,8 @@ __all__: list[str] = []
 
 Array = NDArray[np.float64]
 
-#: The least standard deviation that a measured pose may have, in rad and relative to the largest measured distance.
+#: The least standard deviation that a measured pose may have,
+#: in rad and relative to the largest measured distance.
 NOISE_FLOOR = 1e-11
 #: The largest deviation of a measured rotation from an orthonormal matrix.
 ROUNDED = 1e-3

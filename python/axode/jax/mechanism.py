@@ -21,8 +21,8 @@ __all__ = ["Mechanism", "cross", "integrated", "mechanism_of", "rates_of", "velo
 Array = Any  # of JAX, or a tracer
 
 
-#: The number of models that stay in memory after their release. A program may be dropped while it runs in another
-#: thread, and still needs its model then.
+#: The number of models that stay in memory after their release. A program may be dropped while it runs in
+#: another thread, and still needs its model then.
 KEPT = 256
 _let_go_last: collections.deque[str] = collections.deque()
 

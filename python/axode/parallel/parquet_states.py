@@ -341,7 +341,8 @@ def slices(file: str, rows_per_part: int) -> tuple[Any, list[Slice]]:
     return opened.schema_arrow, parts
 
 
-#: The row group that this thread reads: its key, the batches to come, and the number of the first row in them.
+#: The row group that this thread reads: its key, the
+#: batches to come, and the number of the first row in them.
 reading = threading.local()
 
 
