@@ -117,8 +117,9 @@ void print_reaction(const Model& model, const State& state) {
   Workspace<> workspace(model);
   std::vector<Wrench<BodyFixed>> W(model.n_bodies());
   joint_wrenches(model, workspace, state.q, state.v, state.a, W);
-  fmt::print("\nwhat joint \"{}\" transmits to \"{}\", drive and reaction, in the body's own axes; N m, N\n",
-             model.joint(1).name, model.body(1).name);
+  fmt::print(
+      "\nwrench that joint \"{}\" transmits to \"{}\", drive and reaction, in the body's own axes; N m, N\n",
+      model.joint(1).name, model.body(1).name);
   Table wrench({"m x", "m y", "m z", "f x", "f y", "f z"});
   wrench.row({W[0].m.x, W[0].m.y, W[0].m.z, W[0].f.x, W[0].f.y, W[0].f.z});
   fmt::print("{}", wrench.text());

@@ -75,6 +75,12 @@ Tables read_csv(const Model& model, const std::string& file) {
 // ------------------------------------------------------------------------------------------------------
 // .json
 
+/// The text of an error without its number, for example without "[json.exception.parse_error.101]".
+std::string reason_of(const Json::exception& error) {
+  const std::string what = error.what();
+  return what.substr(what.find("] ") + 2);
+}
+
 /// The points of contact in the JSON of `axode simulate`.
 void read_contacts(const Json& json, const std::string& file, ShownMotion& motion) {
   if (!json.contains("contacts")) return;
@@ -106,8 +112,9 @@ void read_contacts(const Json& json, const std::string& file, ShownMotion& motio
                         .branch = *branch});
       }
     }
-  } catch (const Json::exception&) {
-    refuse(file + ": contacts are not as `axode simulate` writes them");
+  } catch (const Json::exception& error) {
+    refuse(fmt::format("{}: `contacts`: {}; write the file with `axode simulate --output`", file,
+                       reason_of(error)));
   } catch (const std::invalid_argument& wrong) {
     refuse(file + ": " + wrong.what());
   }
@@ -122,9 +129,7 @@ Tables read_json(const std::string& file, ShownMotion& motion) {
   try {
     json = Json::parse(read_text(file), shallow);
   } catch (const Json::exception& error) {
-    const std::string what = error.what();  // for example "[json.exception.parse_error.101] parse error at
-                                            // line 1, ..."
-    refuse(file + ": this is not JSON: " + what.substr(what.find("] ") + 2));
+    refuse(file + ": this is not JSON: " + reason_of(error));
   }
   if (!json.is_object()) refuse(file + ": expected an object with t, q and v");
   Tables tables;
@@ -132,7 +137,7 @@ Tables read_json(const std::string& file, ShownMotion& motion) {
     if (!json.contains(name)) continue;
     Rows& rows = tables[name];
     const auto wrong = [&] {
-      refuse(fmt::format("{}: {} has no number for each time and column", file, name));
+      refuse(fmt::format("{}: {} must have a row for each time and a number in each column", file, name));
     };
     if (!json[name].is_array()) wrong();
     for (const Json& entry : json[name]) {

@@ -29,7 +29,7 @@ class Unsaid {
                 "is a " + std::string(to_string(d.drives[k].kind)), d.drives[k].source);
     for (const MotionDescription& motion : d.motions)
       leave_out("motion of \"" + motion.of + '"', "is prescribed", motion.source);
-    if (d.state) leave_out("state", "is where a motion starts", d.state->source);
+    if (d.state) leave_out("state", "is the initial state of motions", d.state->source);
   }
   /// Notes an error, also if the writer is lenient, because bodies and joints would move differently without
   /// the element.

@@ -426,7 +426,9 @@ SceneContents write_page(std::string_view empty_page, const Model& model, std::s
                              place = "null</script>";
   const std::size_t at = empty_page.find(before);
   if (at == std::string_view::npos || !empty_page.substr(at + before.size()).starts_with(place))
-    throw std::invalid_argument("empty_page is not the page of the viewer: it has no place for a scene");
+    throw std::invalid_argument(
+        "empty_page is not the page of the viewer: it lacks the marker that a scene replaces; rebuild "
+        "axode_viewer");
   out << empty_page.substr(0, at + before.size());
   SceneContents contents = write_scene(model, q, out, options);
   out << empty_page.substr(at + before.size() + place.find('<'));

@@ -401,8 +401,9 @@ class _Layout:
 def _check_follower(name: str, x: _Place, off: Array, tolerance: float) -> None:
     if not np.max(np.abs(off), initial=0) <= tolerance:
         k = int(np.argmax(np.abs(off)))
-        raise ValueError(f'{name}: joint "{x.joint}" follows joint "{x.leader}" and is off its place by '
-                         f"{abs(off[k, 0]):.3g} in state {k}; the tolerance is {tolerance:g}")
+        raise ValueError(f'{name}: joint "{x.joint}" follows joint "{x.leader}" and differs by '
+                         f"{abs(off[k, 0]):.3g} from its coupling in state {k}; "
+                         f"the tolerance is {tolerance:g}")
 
 
 #: The conversions that have been made, as long as their models exist.

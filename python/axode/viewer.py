@@ -47,7 +47,27 @@ def _contacts_in(found: dict[str, Any], file: Path) -> Contacts | None:
                   x["friction"], branches.index(x["status"])] for x in at_once] for at_once in found["contacts"]]
         return shapes, [np.array(at_once, dtype=np.float64).reshape(len(at_once), 17) for at_once in rows]
     except (KeyError, OverflowError, TypeError, ValueError) as error:
-        raise ValueError(f"motion: the contacts in {file} are not as `axode simulate` writes them") from error
+        raise ValueError(f"motion: the contacts in {file} lack a key or have a wrong value; "
+                         "write the file with `axode simulate --output`") from error
+
+
+def _table_in(file: Path) -> tuple[list[str], NDArray[np.float64]]:
+    """The headings and the numbers of a CSV file."""
+    with file.open(newline="", encoding="utf-8") as lines:
+        reader = csv.reader(lines)
+        (_, headings), *rows = [(reader.line_num, row) for row in reader if row] or [(1, [])]
+    numbers = np.empty((len(rows), len(headings)))
+    for k, (line, row) in enumerate(rows):
+        if len(row) != len(headings):
+            raise ValueError(f"motion: {file}: line {line} has {len(row)} columns; "
+                             f"the first line has {len(headings)}")
+        for c, (heading, cell) in enumerate(zip(headings, row)):
+            try:
+                numbers[k, c] = float(cell)
+            except ValueError as error:
+                raise ValueError(f'motion: {file}: line {line}: column "{heading}" has "{cell}", '
+                                 "which is not a number") from error
+    return headings, numbers
 
 
 def _motion_in(m: Model, file: Path) -> Motion:
@@ -62,15 +82,10 @@ def _motion_in(m: Model, file: Path) -> Motion:
     elif file.suffix == ".json":
         found = json.loads(file.read_text(encoding="utf-8"))
     elif file.suffix == ".csv":
-        with file.open(newline="", encoding="utf-8") as lines:
-            headings, *rows = [row for row in csv.reader(lines) if row] or [[]]
+        headings, numbers = _table_in(file)
         place = {heading: k for k, heading in enumerate(headings)}
         columns = {"t": ["t"], "q": [f"q {name}" for name in m.coordinate_names],
                    **{what: [f"{what} {name}" for name in m.velocity_names] for what in ("v", "a", "tau")}}
-        try:
-            numbers = np.array(rows, dtype=np.float64).reshape(len(rows), len(headings))
-        except ValueError as error:
-            raise ValueError(f"motion: {file} has no number in each column of each line") from error
         found = {what: numbers[:, [place[column] for column in wanted]]
                  for what, wanted in columns.items() if all(column in place for column in wanted)}
         if "t" in found:

@@ -133,8 +133,10 @@ TEST_F(View, RefusesMotionsThatDoNotFitInOneSentence) {
   EXPECT_THAT(json("{"), HasSubstr("this is not JSON"));
   EXPECT_THAT(json(std::string(100'000, '[')), HasSubstr("nested deeper"));
   EXPECT_THAT(json("[]"), HasSubstr("expected an object with t, q and v"));
-  EXPECT_THAT(json(R"({"t": [0], "q": [[1, "x"]], "v": [[1, 2]]})"), HasSubstr("q has no number for each"));
-  EXPECT_THAT(json(R"({"t": [0, 1], "q": [[1, 2], [3]], "v": []})"), HasSubstr("q has no number for each"));
+  EXPECT_THAT(json(R"({"t": [0], "q": [[1, "x"]], "v": [[1, 2]]})"),
+              HasSubstr("q must have a row for each time and a number in each column"));
+  EXPECT_THAT(json(R"({"t": [0, 1], "q": [[1, 2], [3]], "v": []})"),
+              HasSubstr("q must have a row for each time and a number in each column"));
   EXPECT_THAT(json(R"({"t": [0], "q": [[1, 2]]})"),
               HasSubstr("v is 0 x 0; model \"double pendulum\" takes 1 x 2"));
   const std::string whole = contents(simulated("npz"));

@@ -95,7 +95,7 @@ TEST(FormatsWithoutMotions, WarnByNameOrRefuseIfStrict) {
     std::string warnings;
     for (const Fault& fault : write(model, text, Strictness::lenient)) warnings += to_string(fault) + '\n';
     EXPECT_THAT(warnings, HasSubstr("motion of \"hinge\": is prescribed; "));
-    EXPECT_THAT(warnings, HasSubstr("state: is where a motion starts; "));
+    EXPECT_THAT(warnings, HasSubstr("state: is the initial state of motions; "));
     EXPECT_THROW(write(model, strict, Strictness::strict), ModelError);
     EXPECT_TRUE(strict.str().empty());
   }

@@ -338,7 +338,7 @@ TEST(Reduced, WhatCannotBeLockedIsNamed) {
     return [&model, &q, name] { (void)reduced(model, std::span(&name, 1), q); };
   };
   const auto throws = [](const char* message) { return ThrowsMessage<std::invalid_argument>(message); };
-  EXPECT_THAT(lock("j3"), throws("reduced: joint \"j3\" follows joint \"j1\"; lock that one"));
+  EXPECT_THAT(lock("j3"), throws("reduced: joint \"j3\" follows joint \"j1\"; lock \"j1\""));
   EXPECT_THAT(lock("k2"), throws("model \"random tree\" has no joint \"k2\"; did you mean \"j2\"?"));
   EXPECT_THAT([&] { (void)reduced(model, {}, std::vector<double>(5)); },
               throws("q has 5 entries; expected nq = 3"));

@@ -142,7 +142,7 @@ def test_a_file_of_a_motion_shows_the_contacts_of_the_motion(tmp_path):
     first = run["contacts"][1][0]
     for wrong in ({"a": "wall"}, {"status": "glue"}, {"gap": "1 m"}, {"force": [1, 2]}, {"gap": 10**400}):
         file.write_text(json.dumps({**run, "contacts": [[], [first | wrong], []]}))
-        with pytest.raises(ValueError, match="the contacts in .*run.json are not as `axode simulate` writes them"):
+        with pytest.raises(ValueError, match="the contacts in .*run.json lack a key or have a wrong value"):
             axode.view(m, motion=file, output=pages[1])
     for wrong in ({"contacts": [[]]}, {"contacts": [[], [first | {"gap": np.nan}], []]}):
         file.write_text(json.dumps({**run, **wrong}))

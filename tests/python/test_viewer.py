@@ -155,6 +155,7 @@ def test_states_and_motions_that_do_not_fit_are_refused(tmp_path, no_thread_is_l
     (tmp_path / "empty.csv").write_text("")
     (tmp_path / "none.csv").write_text("t,q pin,q elbow,v pin,v elbow\n")
     (tmp_path / "cut.csv").write_text("t,q pin,q elbow,v pin,v elbow\n0,1,1,1,1\n0,1\n")
+    (tmp_path / "word.csv").write_text("t,q pin,q elbow,v pin,v elbow\n0,1,x,1,1\n")
     np.savez(tmp_path / "whole.npz", t=motion.t, q=motion.q)
     np.save(tmp_path / "one.npy", motion.t)
     (tmp_path / "cut.npz").write_bytes((tmp_path / "whole.npz").read_bytes()[:-30])
@@ -165,7 +166,8 @@ def test_states_and_motions_that_do_not_fit_are_refused(tmp_path, no_thread_is_l
                              ((PENDULUM, None, tmp_path / "a.csv"), "has no q and no v of model"),
                              ((PENDULUM, None, tmp_path / "empty.csv"), "has no t"),
                              ((PENDULUM, None, tmp_path / "none.csv"), "has no states"),
-                             ((PENDULUM, None, tmp_path / "cut.csv"), "cut.csv"),
+                             ((PENDULUM, None, tmp_path / "cut.csv"), "cut.csv: line 3 has 2 columns; the first line has 5"),
+                             ((PENDULUM, None, tmp_path / "word.csv"), 'line 2: column "q elbow" has "x", which is not a number'),
                              ((PENDULUM, None, tmp_path / "whole.npz"), "has no v"),
                              ((PENDULUM, None, tmp_path / "cut.npz"), "is not an .npz"),
                              ((PENDULUM, None, tmp_path / "one.npz"), "is not an .npz")]:

@@ -255,7 +255,9 @@ MachineCode::MachineCode(const std::string& source, const std::vector<std::strin
 
 void* MachineCode::address(const std::string& name) const {
   void* found = dlsym(library_.get(), name.c_str());
-  if (found == nullptr) throw std::runtime_error("a specialised model has no " + name);
+  if (found == nullptr)
+    throw std::runtime_error("the compiled library " + file_.string() + " has no function " + name +
+                             "; remove its folder and specialise the model again");
   return found;
 }
 

@@ -152,7 +152,8 @@ void read_force(Table& table, SpringDescription& spring) {
     if (gas && !table.has("rest") && !spring.preload)
       table.missing("rest", "a gas needs it: the length or angle at which it has its pressure and volume");
   }
-  if (has_law) return table.refuse("stiffness", "the law says the force");
+  if (has_law)
+    return table.refuse("stiffness", "the spring has a law, which gives its force; remove stiffness or law");
   if (!table.has("stiffness") && !table.has("damping"))
     table.missing("stiffness", "a spring needs it, " + std::string(kind.stiffness) +
                                    ", and a damper needs damping, " + std::string(kind.damping));
@@ -185,12 +186,15 @@ bool read_spring(Table& table, std::size_t number, SpringDescription& spring) {
     return false;
   }
   if (kind) spring.kind = spring_kinds[*kind].kind;
-  const std::string a_kind = "a " + std::string(to_string(spring.kind)) + " has none";
+  const auto refuse = [&](std::string_view key) {
+    table.refuse(
+        key, "a spring of kind \"" + std::string(to_string(spring.kind)) + "\" has no " + std::string(key));
+  };
   for (const std::string_view key : place_keys)
-    if (!traits(spring.kind).has(key)) table.refuse(key, a_kind);
+    if (!traits(spring.kind).has(key)) refuse(key);
   read_place(table, spring);
   if (spring.kind == SpringKind::bushing) {
-    for (const std::string_view key : law_keys) table.refuse(key, a_kind);
+    for (const std::string_view key : law_keys) refuse(key);
     if (!table.has("stiffness") && !table.has("damping"))
       table.missing("stiffness", "give six numbers or six rows of six, N m/rad before N/m");
     spring.rest_pose = table.pose("rest_pose").value_or(SE3<>{});

@@ -256,7 +256,7 @@ void check_may_be_reversed(const JointDescription& joint, bool base) {
     throw std::invalid_argument(
         "rerooted: joint \"" + joint.name + "\" is " + std::string(to_string(joint.kind)) +
         " and has limits, losses, springs or armatures, which would be along the axes of another body; "
-        "take them away first");
+        "remove them first");
 }
 
 /// Leaves out the initial state of joints on the path from the new root to the old one that have several

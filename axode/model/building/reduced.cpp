@@ -111,9 +111,9 @@ void drop_still_motions(Description& description, const Model& model, const std:
   for (std::size_t k = 0; k < description.drives.size(); ++k)
     for (const auto& [joint, factor] : description.drives[k].joints)
       if (is_locked[model.joint_index(joint)])
-        throw std::invalid_argument("reduced: joint \"" + joint + "\" has the drive \"" +
+        throw std::invalid_argument("reduced: joint \"" + joint + "\" cannot be locked: the drive \"" +
                                     drive_name(description.drives[k], k) +
-                                    "\", whose states would lose it; remove the drive first");
+                                    "\" acts on it; remove the drive first");
   if (description.motions.empty()) return;
   std::unordered_set<std::string_view> moving;
   for (int i = 1; i <= model.n_bodies(); ++i)
@@ -130,9 +130,11 @@ Model reduced(const Model& model, std::span<const std::string_view> locked, std:
   std::vector<bool> is_locked(model.n_bodies() + 1);
   for (const std::string_view name : locked) {
     const int i = model.joint_index(name);
-    if (const auto& leader = model.joint(i).leader)
-      throw std::invalid_argument("reduced: joint \"" + std::string(name) + "\" follows joint \"" +
-                                  model.joint(leader->joint).name + "\"; lock that one");
+    if (const auto& leader = model.joint(i).leader) {
+      const std::string& of = model.joint(leader->joint).name;
+      throw std::invalid_argument("reduced: joint \"" + std::string(name) + "\" follows joint \"" + of +
+                                  "\"; lock \"" + of + '"');
+    }
     is_locked[i] = true;
   }
   for (int i = 1; i <= model.n_bodies(); ++i)

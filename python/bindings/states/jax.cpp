@@ -77,9 +77,6 @@ struct Operand {
   std::size_t states = 1, item = 1;
 
   Operand(const xla::Buffer& given, int item_axes) : buffer(given) {
-    if (given.rank < item_axes || (given.type != xla::Type::float64 && given.type != xla::Type::float32))
-      throw std::invalid_argument(
-          "arguments: expected arrays of float64 or float32 with an axis for the items");
     for (std::int64_t k = 0; k < given.rank; ++k)
       (k < given.rank - item_axes ? states : item) *= static_cast<std::size_t>(given.lengths[k]);
   }
@@ -140,34 +137,51 @@ class Call {
 
   std::string text(std::string_view name) const {
     const auto [kind, value] = attribute(name);
-    if (kind != xla::AttributeKind::text) refuse(name);
+    if (kind != xla::AttributeKind::text) refuse_attribute(name);
     return {static_cast<const xla::Text*>(value)->data, static_cast<const xla::Text*>(value)->size};
   }
   template <class T> T number(std::string_view name, xla::Type type) const {
     const auto [kind, value] = attribute(name);
     const xla::Scalar* const scalar = static_cast<const xla::Scalar*>(value);
-    if (kind != xla::AttributeKind::scalar || scalar->type != type) refuse(name);
+    if (kind != xla::AttributeKind::scalar || scalar->type != type) refuse_attribute(name);
     return *static_cast<const T*>(scalar->value);
   }
   Operand argument(std::size_t k, int item_axes) const { return of(frame_.arguments, k, item_axes); }
   Operand result(std::size_t k, int item_axes) const { return of(frame_.results, k, item_axes); }
   std::size_t results() const { return static_cast<std::size_t>(frame_.results.size); }
+  /// Throws std::invalid_argument with the name of the function that is called.
+  [[noreturn]] void refuse(const std::string& why) const {
+    const auto [kind, value] = found("function");
+    const auto* const name =
+        kind == xla::AttributeKind::text ? static_cast<const xla::Text*>(value) : nullptr;
+    throw std::invalid_argument((name ? std::string(name->data, name->size) : "an XLA call of axode") + ": " +
+                                why);
+  }
 
  private:
-  [[noreturn]] static void refuse(std::string_view name) {
-    throw std::invalid_argument("the attribute " + std::string(name) + " is missing or of another type");
+  [[noreturn]] void refuse_attribute(std::string_view name) const {
+    refuse("the attribute \"" + std::string(name) + "\" is missing or of another type");
   }
-  std::pair<xla::AttributeKind, void*> attribute(std::string_view name) const {
+  /// The attribute of a name; its value is null if there is none.
+  std::pair<xla::AttributeKind, void*> found(std::string_view name) const {
     const xla::Attributes& all = frame_.attributes;
     for (std::int64_t k = 0; k < all.size; ++k)
       if (std::string_view(all.names[k]->data, all.names[k]->size) == name)
         return {all.kinds[k], all.values[k]};
-    refuse(name);
+    return {};
   }
-  static Operand of(const xla::Buffers& buffers, std::size_t k, int item_axes) {
-    if (k >= static_cast<std::size_t>(buffers.size))
-      throw std::invalid_argument("arguments or results: too few were given");
-    return {*buffers.all[k], item_axes};
+  std::pair<xla::AttributeKind, void*> attribute(std::string_view name) const {
+    const auto attribute = found(name);
+    if (attribute.second == nullptr) refuse_attribute(name);
+    return attribute;
+  }
+  Operand of(const xla::Buffers& buffers, std::size_t k, int item_axes) const {
+    if (k >= static_cast<std::size_t>(buffers.size)) refuse("too few arguments or results were given");
+    const xla::Buffer& buffer = *buffers.all[k];
+    if (buffer.rank < item_axes || (buffer.type != xla::Type::float64 && buffer.type != xla::Type::float32))
+      refuse("argument or result " + std::to_string(k) +
+             " must be an array of float64 or float32 with an axis for the items");
+    return {buffer, item_axes};
   }
 
   const xla::CallFrame& frame_;
@@ -178,7 +192,7 @@ class Call {
 class StatesOf {
  public:
   StatesOf(const Call& call, const Operand& q)
-      : model_(mechanisms().at(call.text("model"))), count_(q.states) {
+      : call_(call), model_(mechanisms().at(call.text("model"))), count_(q.states) {
     threads_ = static_cast<int>(call.number<std::int64_t>("threads", xla::Type::int64));
     size_is(q, static_cast<std::size_t>(model_.nq()));
   }
@@ -188,9 +202,9 @@ class StatesOf {
 
   void size_is(const Operand& operand, std::size_t item) const {
     if (operand.states != count_ || operand.item != item)
-      throw std::invalid_argument("an array has " + std::to_string(operand.states) + " times " +
-                                  std::to_string(operand.item) + " numbers; expected " +
-                                  std::to_string(count_) + " times " + std::to_string(item));
+      call_.refuse("an array has " + std::to_string(operand.states) + " times " +
+                   std::to_string(operand.item) + " numbers; expected " + std::to_string(count_) + " times " +
+                   std::to_string(item));
   }
   /// Scales quaternions to norm 1. Throws std::invalid_argument if a norm differs from 1 by more than the
   /// tolerance. A state whose quaternion is NaN is computed with the identity instead, and deliver() sets its
@@ -225,6 +239,7 @@ class StatesOf {
   }
 
  private:
+  const Call& call_;
   Model model_;
   std::size_t count_;
   int threads_;
