@@ -134,6 +134,11 @@ Failure SimulationRun::find_change(double& t_1, StepEnd& end, const Attempt& att
   return {};
 }
 
+std::string SimulationRun::too_many_changes(const char* what) {
+  return std::string(what) + " changed more than " + std::to_string(most_short_steps) +
+         " times in succession, each time within " + to_text(short_part) + " of a step; use a shorter step";
+}
+
 Failure SimulationRun::take_up_to_play(double t_1, StepEnd& end, const Attempt& attempt) {
   std::vector<double> reserve;
   const auto changes = [&] { return std::ranges::any_of(reserve, [](double r) { return r < 0; }); };

@@ -115,11 +115,6 @@ Failure SimulationRun::not_finite(double t, const char* what, Span x) const {
   return {t, what + std::string(" not finite at ") + joint_of(x)};
 }
 
-std::string SimulationRun::too_many_changes(const char* what) {
-  return std::string(what) + " changed more than " + std::to_string(most_short_steps) +
-         " times in succession, each time within " + to_text(short_part) + " of a step; use a shorter step";
-}
-
 std::string SimulationRun::joint_of(Span x) const {
   for (std::size_t c = 0; c < x.size(); ++c)
     if (!std::isfinite(x[c])) return "joint \"" + velocity_names(model_)[c] + "\"";
