@@ -13,10 +13,10 @@
 
 namespace axode {
 
-/// The loops and prescribed motions of a mechanism in a simulation: accelerations that keep the loops closed
-/// and follow the motions, and projections at the end of a step, by the displacement and the impulses that
-/// move the masses least. Motions are loops here, which are open as far as they are not followed. See
-/// (D7.12), (D7.13) and (D12.1) of docs/derivations.
+/// The loops and prescribed motions of a mechanism in a simulation. It computes accelerations that keep the
+/// loops closed and follow the motions. At the end of a step it projects q by the displacement, and v by the
+/// impulses, that move the masses least. Prescribed motions are treated as loops, which are open by as much
+/// as the mechanism deviates from the motions. See (D7.12), (D7.13) and (D12.1) of docs/derivations.
 class ClosedMotion {
  public:
   using Span = std::span<const double>;
@@ -24,41 +24,49 @@ class ClosedMotion {
   explicit ClosedMotion(const Model& model, std::span<const PrescribedMotion> more = {});
 
   const MotionRows& motions() const { return motions_; }
-  /// Sets the time at which the motions are followed; it is 0 at first.
+  /// Sets the time (s) at which prescribed motions are followed; it is 0 at first.
   void set_time(double t);
-  /// Why the last accelerations at a motion (q, v, a) do not follow the motions; empty if they do.
+  /// The reason, as a sentence, why the accelerations a of the last accelerate() at (q, v) do not follow the
+  /// prescribed motions; empty if they do.
   std::string unfollowed(Span q, Span v, Span a);
-  /// nearby_singularity() at q.
+  /// The sentence of nearby_singularity() about a singularity of the loops and prescribed motions near q at
+  /// time t (s); empty if there is none.
   std::string singularity(Span q, double t);
-  /// Throws std::invalid_argument, with the loop and its residual, if a motion cannot start at (q, v).
+  /// Throws std::invalid_argument, with the loop and its residual, if loops are not closed or motions are not
+  /// followed at the state (q, v) at which a simulation starts. Determines the rank of the loop rows.
   void check(Span q, Span v);
   Solvability accelerate(Span q, Span v, Span tau, const Loads<double>& loads, std::span<double> a);
-  /// How far the rows were from redundant when accelerations were last computed, see
-  /// LoopSystem::weakest_row().
+  /// How far the rows of the loops were from redundant in the last accelerate(): 1 if far, near 0 if a row
+  /// was nearly redundant. See LoopSystem::weakest_row().
   double weakest_row();
-  /// Prepares unit_force_response() at a q with a regular mass matrix.
+  /// Factorises the system at a q with a regular mass matrix, for unit_force_response().
   void factorize(Span q);
-  /// Computes the accelerations (nv numbers) that a unit force on velocity c causes, a column of (D7.14).
-  /// Returns the acceleration of c that it would cause without loops.
+  /// Computes the accelerations a (nv numbers) that a unit force on velocity c causes, a column of (D7.14).
+  /// Returns the acceleration of c that this force would cause without loops.
   double unit_force_response(int c, std::span<double> a);
-  /// Computes the derivatives of the accelerations by q, v and tau, [component, direction].
+  /// Computes the derivatives of the accelerations by q, v and tau, nv × nv matrices [component, direction].
   void differentiate(Span q, Span v, Span tau, const Loads<double>& loads,
                      const ClosedDynamicsDerivatives<double>& d);
-  /// Adds the forces Aᵀ λ of the loops to the forces of the joints. λ are the multipliers for which the
-  /// accelerations keep the loops closed.
+  /// Adds the forces Aᵀ λ of the loops, with the rows A of the loops, to the joint forces f (nv numbers). λ
+  /// are the multipliers for which the accelerations keep the loops closed.
   Solvability add_constraint_forces(Span q, Span v, Span tau, const Loads<double>& loads,
                                     std::span<double> f);
-  /// Projects q and v so that the loops are closed, to a residual of 1e-13 rad and m. Returns whether they
-  /// could be closed.
+  /// Projects q onto closed loops by a few iterations, which end at a residual of 1e-13 (rad and m) or when
+  /// the residual no longer halves, and v onto velocities that keep the loops closed. Returns false if the
+  /// residual stays above 1e-6 or the mass matrix is singular.
   [[nodiscard]] bool close(std::span<double> q, std::span<double> v);
-  /// Projects q only, as close() does. The second function projects, at a closed q, the momenta p = M v.
+  /// close_places() projects q onto closed loops as close() does, and leaves velocities alone.
+  /// close_momenta() projects the momenta p = M v at a closed q so that the velocities keep the loops closed.
+  /// Both return false if this is not possible.
   [[nodiscard]] bool close_places(std::span<double> q);
   [[nodiscard]] bool close_momenta(Span q, std::span<double> p);
-  /// The multiplier of a coupling at the last accelerations, or its impulse after the last bounce().
+  /// The multiplier of the coupling with a name: its force in the last accelerate(), or its impulse in the
+  /// last bounce().
   double multiplier(std::string_view coupling) const;
-  /// Changes v by impulses to A v⁺ = -e A v at a closed q, or returns false if the mass matrix is singular.
+  /// Changes v by impulses to the v⁺ with A v⁺ = -e A v at a closed q, where A are the rows of the loops and
+  /// e is the restitution. Returns false if the mass matrix is singular.
   [[nodiscard]] bool bounce(Span q, double restitution, std::span<double> v);
-  /// Determines the rank of the rows at a closed q.
+  /// Determines which rows of the loops are redundant at a closed q. Later solutions use this result.
   void determine_rank(Span q);
 
  private:

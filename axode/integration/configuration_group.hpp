@@ -8,14 +8,14 @@
 
 namespace axode {
 
-/// The configurations of a tree as a Lie group, the product of the subgroups of the joints. Schemes know
-/// joints only by it. Elements x, y of the algebra have nv numbers T in the left-trivialised directions of
-/// the joints; S is the scalar of the tree. For joints of one velocity brackets vanish and ⊕ is +. Arguments
-/// are vectors of any kind, or pointers to their first numbers; results may share the memory of arguments.
-/// O(n).
+/// The configurations of a tree as a Lie group, the product of the subgroups of the joints. Integration
+/// schemes use joints only through this class. Elements x, y of the algebra have nv numbers T in the
+/// left-trivialised directions of the joints; S is the scalar of the tree. For joints of one velocity
+/// brackets vanish and ⊕ is +. Arguments are vectors of any kind, or pointers to their first numbers; results
+/// may share the memory of arguments. O(n).
 ///
-/// q ⊕ x is q exp x, or q cay x with LocalCoordinates::cayley; the maps of velocities, accelerations and
-/// momenta belong to it. They are written for exp below.
+/// q ⊕ x is q exp x, or q cay x with LocalCoordinates::cayley. The maps of velocities, accelerations and
+/// momenta are the derivatives of the chosen ⊕; the comments on the members write them for exp.
 template <class T, class S = T> class ConfigurationGroup {
  public:
   explicit ConfigurationGroup(const Tree<S>& tree,
@@ -24,10 +24,10 @@ template <class T, class S = T> class ConfigurationGroup {
     for (int i = 1; i <= tree->n; ++i)
       if (tree->first_screw[i + 1] - tree->first_screw[i] > 1) commutes_ = false;
   }
-  /// Whether all joints have one velocity.
+  /// Whether all joints have one velocity, so that the group is commutative.
   bool commutes() const { return commutes_; }
 
-  /// Computes q ⊕ x; the norm of quaternions is corrected to second order.
+  /// Computes q ⊕ x. The norm of its quaternions is corrected to second order.
   void move(const auto& q, const auto& x, auto&& out) const noexcept {
     each_own_joint([&]<class Joint>(const Joint& joint, int i) {
       T* const to = first(out) + tree()->iq[i];
@@ -51,7 +51,7 @@ template <class T, class S = T> class ConfigurationGroup {
       joint.difference(first(q0) + tree()->iq[i], first(q1) + tree()->iq[i], first(out) + tree()->iv[i]);
     });
   }
-  /// q ⊕ x ⊕ x, which is q ⊕ 2x in exponential coordinates. Overwrites x.
+  /// Computes out = q ⊕ x ⊕ x, which is q ⊕ 2x in exponential coordinates. The contents of x are lost.
   void move_twice(const auto& q, auto& x, auto& out) const noexcept {
     if (by_exp_) {
       for (int c = 0; c < tree()->nv; ++c) first(x)[c] *= T(2);
@@ -61,7 +61,7 @@ template <class T, class S = T> class ConfigurationGroup {
       move(out, x, out);
     }
   }
-  /// x, with zeros for joints of one velocity.
+  /// Computes x with its entries for joints of one velocity replaced by 0.
   void noncommuting(const auto& x, auto&& out) const noexcept {
     each_block(first(x), first(x), first(out), [](const Screw<T>& X, const Screw<T>&) { return X; });
   }
@@ -69,14 +69,14 @@ template <class T, class S = T> class ConfigurationGroup {
   void bracket(const auto& x, const auto& y, auto&& out) const noexcept {
     each_block(first(x), first(y), first(out), [](const Screw<T>& X, const Screw<T>& Y) { return ad(X, Y); });
   }
-  /// Computes dexp_{-x} y: the velocity of q ⊕ x if x' = y.
+  /// Computes dexp_{-x} y, which is the velocity of q ⊕ x if x' = y.
   void velocity(const auto& x, const auto& y, auto&& out) const noexcept {
     each_block(
         first(x), first(y), first(out),
         [this](const Screw<T>& X, const Screw<T>& Y) { return by_exp_ ? dexp(-X, Y) : dcay(-X, Y); },
         first(y));
   }
-  /// Computes dexp_{-x} z + (D_{-y} dexp)_{-x} y: the acceleration of q ⊕ x if x' = y and y' = z.
+  /// Computes dexp_{-x} z + (D_{-y} dexp)_{-x} y, which is the acceleration of q ⊕ x if x' = y and y' = z.
   void acceleration(const auto& x, const auto& y, const auto& z, auto&& out) const noexcept {
     each_own_joint([&]<class Joint>(const Joint& joint, int i) {
       const int c = tree()->iv[i];
@@ -89,7 +89,7 @@ template <class T, class S = T> class ConfigurationGroup {
       }
     });
   }
-  /// Computes dexp⁻¹_{-x} y: the rate x' for which q ⊕ x has the velocity y.
+  /// Computes dexp⁻¹_{-x} y, which is the rate x' for which q ⊕ x has the velocity y.
   void rate(const auto& x, const auto& y, auto&& out) const noexcept {
     each_block(
         first(x), first(y), first(out),
@@ -97,13 +97,13 @@ template <class T, class S = T> class ConfigurationGroup {
         first(y));
   }
 
-  // The next three maps are transposed: they act on momenta p.
+  // The maps ad_transpose(), Ad_transpose() and dexp_transpose() are transposed: they act on momenta p.
   /// Computes ad_xᵀ p.
   void ad_transpose(const auto& x, const auto& p, auto&& out) const noexcept {
     each_dual_block(first(x), first(p), first(out),
                     [](const Screw<T>& X, const Screw<T>& P) { return ad(-X, P); });
   }
-  /// Computes Ad_{exp x}ᵀ p: the momentum p at q, expressed at q ⊕ x.
+  /// Computes Ad_{exp x}ᵀ p, which is the momentum p at q, expressed at q ⊕ x.
   void Ad_transpose(const auto& x, const auto& p, auto&& out) const noexcept {
     each_dual_block(
         first(x), first(p), first(out),
@@ -145,7 +145,8 @@ template <class T, class S = T> class ConfigurationGroup {
           for (int k = group.begin; k < group.end; ++k) f(joint, tree()->by_kind[k]);
         });
   }
-  /// The screw S x of a joint. put() is the inverse: it writes the x that belongs to a screw.
+  /// Computes the screw S x of a joint with the screws S of its velocities. put() is the inverse: it writes
+  /// the x of a screw S x.
   template <class Joint> static Screw<T> screw(const Joint& joint, const T* x) noexcept {
     const Twist<BodyFixed, T> X = joint.twist(x);
     return {X.w, X.v};
@@ -154,8 +155,8 @@ template <class T, class S = T> class ConfigurationGroup {
     const auto x = joint.project(Wrench<BodyFixed, T>{X.w, X.v});
     for (int k = 0; k < joint.nv; ++k) out[k] = x[static_cast<std::size_t>(k)];
   }
-  /// Computes f(S x, S y) for every joint of several velocities. For joints of one velocity the result is
-  /// `plain`, or 0 if that is null.
+  /// Writes to out the entries of the screw f(S x, S y) for every joint of several velocities with the screws
+  /// S. For joints of one velocity the result is `plain`, or 0 if `plain` is null.
   template <class F>
   void each_block(const T* x, const T* y, T* out, const F& f, const T* plain = nullptr) const noexcept {
     each_own_joint([&]<class Joint>(const Joint& joint, int i) {
@@ -167,8 +168,10 @@ template <class T, class S = T> class ConfigurationGroup {
       }
     });
   }
-  /// Does what each_block() does for momenta: with f and m exchanged (Klein form) they transform like screws,
-  /// but with the inverse map.
+  /// Writes to out the momentum that f computes from S x and p for every joint of several velocities. A
+  /// momentum whose moment and force are exchanged (Klein form) transforms like a screw, but with the inverse
+  /// map; f receives and returns momenta in this form. For joints of one velocity the result is `plain`, or 0
+  /// if `plain` is null.
   template <class F>
   void each_dual_block(const T* x, const T* p, T* out, const F& f, const T* plain = nullptr) const noexcept {
     each_block(

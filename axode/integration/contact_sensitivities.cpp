@@ -32,7 +32,8 @@ void check_motion(const Model& model, const ContactShapes& shapes, double step,
     if (!finite(in.x)) throw std::invalid_argument(std::string(in.name) + " is not finite");
 }
 
-/// Steps with contact under constant forces, with their derivatives.
+/// Steps of a motion with contact under forces that are constant in each step,
+/// with the derivatives of the steps.
 class TangentContactSteps {
  public:
   TangentContactSteps(const Model& model, const ContactShapes& shapes, Span q_0, Span v_0, double step,
@@ -52,8 +53,9 @@ class TangentContactSteps {
   TangentContactSteps(const TangentContactSteps&) = delete;
   TangentContactSteps& operator=(const TangentContactSteps&) = delete;
 
-  /// Steps under tau, and replaces the changes dq, dv of the state by those at
-  /// the end of the step. Returns whether this was possible.
+  /// Takes a step under tau, and replaces the changes dq, dv of the state (nv ×
+  /// k for k directions) by those at the end of the step. Returns false if the
+  /// step or its derivative failed; then `result` has the reason.
   bool run(Span tau, Matrix& dq, Matrix& dv, const ContactDirections& directions) {
     const double t = step_ * static_cast<double>(count_++);
     result.failure = run_.interruption(t);
@@ -97,8 +99,9 @@ ContactSensitivity finished(const ContactSensitivity& result,
   return result;
 }
 
-/// Changes along all directions of the state and the forces, nv × 3nv each, and
-/// of the surfaces of shapes after them.
+/// Unit changes along all directions: those of q, v and τ (nv each), and after
+/// them those of the friction, the restitution and the thickness of all shapes.
+/// A matrix has a column for each direction.
 struct AllDirections {
   Matrix dq, dv;
   ContactDirections others;

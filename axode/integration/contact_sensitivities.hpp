@@ -13,24 +13,26 @@
 /// solution (D11.19 to D11.23): which contacts touch, stick, slide and bounce
 /// does not change along a displacement. Displacements and gradients of q are
 /// left-trivialised, along q ⊕ ε dq. Damping and dry friction of joints,
-/// springs, hard stops and closed loops count. A gap that is 0 counts as a gap,
-/// so that the derivative is that of displacements which open it.
+/// springs, hard stops and closed loops act. A gap of 0 is differentiated as an
+/// open gap, so that the derivative is that along displacements which open it.
 ///
 /// Throws std::invalid_argument for wrong sizes, a state that is not finite or
 /// quaternions that are not of unit norm, step <= 0, shapes of another model,
 /// prescribed motions, drives with states, couplings with play, and results
 /// that share memory with arguments. Contact points need closed forms: planes
-/// with anything, spheres, capsules, boxes on faces, and boxes with spheres.
-/// Other points, and steps that fail, are a failure; then all results are NaN.
+/// with anything, spheres, capsules, boxes on faces, and boxes with spheres. If
+/// a contact point has no closed form, or a step fails,
+/// ContactSensitivity::failure says so, and all results are NaN.
 namespace axode {
 
-/// The state of a computation of sensitivities.
+/// The status of a computation of sensitivities: whether it failed, and whether
+/// the derivatives exist.
 struct [[nodiscard]] ContactSensitivity {
   Failure failure = {};    ///< with the time and the reason
-  double certificate = 0;  ///< the largest of all steps, see certificate()
+  double certificate = 0;  ///< largest one of all steps, see certificate()
   /// Whether all derivatives exist. Contacts that share a load and slide in
-  /// different directions may not have one, because friction depends on their
-  /// share.
+  /// different directions may not have derivatives, because their friction
+  /// depends on how they share the load.
   bool unique = true;
   /// Whether a contact, stop or dry joint was within rounding of the boundary
   /// between two branches of its law. The derivative is then that of the branch
@@ -39,30 +41,33 @@ struct [[nodiscard]] ContactSensitivity {
   bool ok() const { return !failure; }
 };
 
-/// Receives the states of a motion of K steps, (K + 1) nq and (K + 1) nv
-/// numbers, and the derivatives of the end of each step by its start, A (2nv ×
-/// 2nv), and by τ, B (2nv × nv), row by row, displacements before velocities. C
-/// (2nv × 3 n for n shapes, or empty) has the derivatives by the surfaces of
-/// the shapes: first by the friction of each shape, then by the restitution of
-/// each, then by the thickness of a layer on it (m), which is the radius of a
-/// sphere or capsule and the height of a plane. If the friction of a pair is 0,
-/// its derivatives are given as 0: its square root has none. The spans must not
-/// overlap.
+/// Receives the states of a motion of K steps, K + 1 rows of nq and of nv
+/// numbers, and derivatives of the state at the end of each step, row by row: A
+/// (2nv × 2nv) by the state at its start and B (2nv × nv) by τ. The first nv
+/// rows, and columns of A, are those of q, and the last nv those of v. C (2nv ×
+/// 3 n for n shapes, or empty) has the derivatives by the surfaces of the
+/// shapes: n columns by the friction of each shape, n columns by the
+/// restitution of each, and n columns by the thickness of a layer on each (m),
+/// which is the radius of a sphere or capsule and the height of a plane. If the
+/// friction of a pair of shapes is 0, its derivatives are given as 0, because
+/// it is the square root of a product and has none. The spans must not overlap.
 struct ContactRolloutDerivatives {
   std::span<double> q, v, A, B, C = {};
 };
-/// Computes a motion of K steps from the state (q, v) under K nv drive forces,
-/// and its derivatives. Allocates; a step takes O(nv³ + rows³).
+/// Computes a motion of K steps of length `step` (s) from the state (q, v)
+/// under K rows of nv drive forces, and its derivatives. Allocates; a step
+/// takes O(nv³ + rows³) for the rows of contacts, stops, dry joints and loops.
 ContactSensitivity contact_rollout_derivatives(const Model& model, const ContactShapes& shapes,
                                                std::span<const double> q, std::span<const double> v,
                                                std::span<const double> tau, double step,
                                                const ContactRolloutDerivatives& out,
                                                const Monitor& monitor = {});
 
-/// Computes the displacements of the states of a motion of K steps, under K nv
-/// drive forces, if its start is displaced by dq, its initial velocity by dv
-/// and the forces by dtau (K nv). dq_out and dv_out receive (K + 1) nv numbers,
-/// beginning with dq and dv. Allocates.
+/// Computes the displacements of all states of a motion of K steps with
+/// contact, under K rows of nv drive forces, if its start q is displaced by dq,
+/// its initial velocity by dv and the forces by dtau (K nv numbers). dq_out and
+/// dv_out receive K + 1 rows of nv numbers; the first rows are dq and dv.
+/// Allocates.
 ContactSensitivity contact_rollout_jvp(const Model& model, const ContactShapes& shapes,
                                        std::span<const double> q, std::span<const double> v,
                                        std::span<const double> tau, double step, std::span<const double> dq,
@@ -70,10 +75,11 @@ ContactSensitivity contact_rollout_jvp(const Model& model, const ContactShapes& 
                                        std::span<double> dq_out, std::span<double> dv_out,
                                        const Monitor& monitor = {});
 
-/// Computes the gradients of the sum of w_q·δq + w_v·δv over all states of a
-/// motion of K steps, with respect to its initial state and drive forces;
-/// gradient.geometry must be empty. w_q and w_v have (K + 1) nv weights each.
-/// The matrices of all steps are stored, 6 K nv² numbers. Allocates.
+/// Computes the gradients of the sum of w_q·δq + w_v·δv over all K + 1 states
+/// of a motion of K steps with contact, with respect to its initial state and
+/// drive forces; gradient.geometry must be empty. w_q and w_v have K + 1 rows
+/// of nv weights. The derivatives of all steps are stored, 6 K nv² numbers.
+/// Allocates.
 ContactSensitivity contact_rollout_vjp(const Model& model, const ContactShapes& shapes,
                                        std::span<const double> q, std::span<const double> v,
                                        std::span<const double> tau, double step, std::span<const double> w_q,

@@ -23,7 +23,8 @@ using Vector = std::vector<double>;
 
 std::size_t nv_of(const Model& model) { return static_cast<std::size_t>(model.nv()); }
 
-/// The gains as one number for each velocity, whether one number or nv numbers were given.
+/// Returns gains as one number for each velocity, from one number or nv numbers. Throws std::invalid_argument
+/// for another size, and for a gain that is negative or not finite.
 Vector gains(const Model& model, const char* name, Span given) {
   Vector all = for_each_velocity(model, name, given);
   for (std::size_t k = 0; k < given.size(); ++k)
@@ -145,9 +146,10 @@ void ComputedTorque::operator()(double t, Span q, Span v, std::span<double> tau)
   for (std::size_t c = 0; c < tau.size(); ++c) tau[c] -= springs_[c];
 }
 
-/// The accelerations depend on the drive forces u by a = a₀ + R u. The accelerations of the drives shall be
-/// w: B a₀ + B R u = w, where B selects the drives. If there is no such u, the least-squares solution is
-/// independent of units and masses, because the symmetric matrix B R is scaled by its diagonal.
+/// The accelerations depend on the drive forces u by a = a₀ + R u, where column k of R is the response to a
+/// unit force of drive k. If B selects the driven velocities and w are the accelerations that they should
+/// have, u satisfies B a₀ + B R u = B w. If there is no such u, the least-squares solution is independent of
+/// units and masses, because the symmetric matrix B R is scaled by its diagonal.
 bool ComputedTorque::make_possible(Span q, Span v) {
   std::vector<int> drives;
   for (int c = 0; c < model_.nv(); ++c)

@@ -9,17 +9,17 @@
 #include "axode/integration/trajectory.hpp"
 #include "axode/model/workspace.hpp"
 
-/// Drives for SimulationOptions::drive and batch::rollout. A drive is called with (t, q, v) and writes the
-/// drive forces tau (nv).
+/// Drives without states, for SimulationOptions::drive and batch::rollout. A drive is called with a time t
+/// (s) and a state (q, v), and writes the drive forces tau (nv numbers; N m or N).
 namespace axode {
 
 using Drive = std::function<void(double t, std::span<const double> q, std::span<const double> v,
                                  std::span<double> tau)>;
 
-/// Forces that are given at times. In between they are interpolated linearly, or held until the next time;
-/// before the first and after the last time they are constant. tau has a row of nv numbers for each time.
-/// Throws std::invalid_argument if there is no time, times do not increase, a size is wrong or a number is
-/// not finite.
+/// A drive whose forces are given at times (s). Between two times the forces are interpolated linearly or, if
+/// `hold` is true, keep the values of the earlier time; before the first and after the last time they are
+/// constant. tau has a row of nv numbers for each time. Throws std::invalid_argument if there is no time,
+/// times do not increase, a size is wrong or a number is not finite.
 class SampledDrive {
  public:
   SampledDrive(const Model& model, std::span<const double> times, std::span<const double> tau,
@@ -32,18 +32,20 @@ class SampledDrive {
   bool hold_;
 };
 
-/// The reference q_d, v_d and a_d of a controller as a function of time.
+/// The reference of a controller as a function of time: the configuration q_d, the velocities v_d and the
+/// accelerations a_d that the mechanism should have.
 class Reference {
  public:
   /// A constant reference; v and a are 0 if they are empty. Throws std::invalid_argument for wrong sizes,
   /// quaternions that are not of unit norm and numbers that are not finite.
   Reference(const Model& model, std::span<const double> q, std::span<const double> v = {},
             std::span<const double> a = {});
-  /// A motion, at rest before its start and after its end. Throws std::invalid_argument if it has no state or
-  /// another number of coordinates than the model.
+  /// A reference that follows a motion, and rests at its first configuration before its start and at its last
+  /// one after its end. Throws std::invalid_argument if the motion has no state, or if its model has another
+  /// nq or nv than `model`.
   Reference(const Model& model, Trajectory motion);
 
-  /// Evaluates the reference at a time.
+  /// Evaluates the reference at a time t (s); q(), v() and a() have the results.
   void find(double t);
   const std::vector<double>& q() const { return q_; }
   const std::vector<double>& v() const { return v_; }
@@ -54,13 +56,14 @@ class Reference {
   std::vector<double> q_, v_, a_;
 };
 
-/// Gains for each velocity, or one number for all. With gains of 0 a joint or free base is not controlled;
-/// gains of passive joints are taken as 0.
+/// Gains kp for deviations of the configuration and kd for those of the velocities: nv numbers each, or one
+/// number for all velocities. A joint or free base whose gains are 0 is not controlled. Gains of passive
+/// joints are taken as 0.
 struct Gains {
   std::span<const double> kp, kd;
 };
 
-/// Common part of controllers: gains and the deviation from the reference.
+/// The common part of controllers: the gains, and the deviation of a configuration from the reference.
 class Tracking {
  public:
   const std::vector<double>& kp() const { return kp_; }
@@ -69,7 +72,8 @@ class Tracking {
 
  protected:
   Tracking(const Model& model, const Gains& gains, Reference reference);
-  /// Evaluates the reference at a time, and computes the deviation x with q ⊕ x = q_d.
+  /// Evaluates the reference at a time t (s), and computes in x_ the deviation x of q from the reference q_d,
+  /// which is defined by q ⊕ x = q_d.
   void find(double t, std::span<const double> q);
 
   Model model_;
@@ -80,10 +84,11 @@ class Tracking {
   ConfigurationGroup<double> group_;
 };
 
-/// A proportional-derivative controller: τ = kp x + kd (v_d - v) + feedforward, with the deviation x of q ⊕ x
-/// = q_d on the group of configurations, where rotations take the shorter way round. kp is in N m/rad or N/m,
-/// kd in N m s/rad or N s/m. `clip` limits τ to the effort limits of the joints. Throws std::invalid_argument
-/// if gains are negative or not finite, or if their number is not 1 or nv.
+/// A proportional-derivative controller: τ = kp x + kd (v_d - v) + feedforward. The deviation x from the
+/// reference q_d is defined by q ⊕ x = q_d on the group of configurations, where rotations take the shorter
+/// way round; v_d are the velocities of the reference, and `feedforward` is a drive, or empty. kp is in N
+/// m/rad or N/m, kd in N m s/rad or N s/m. `clip` limits τ to the effort limits of the joints. Throws
+/// std::invalid_argument if gains are negative or not finite, or if their number is not 1 or nv.
 class ProportionalDerivative : public Tracking {
  public:
   ProportionalDerivative(const Model& model, const Gains& gains, Reference reference, Drive feedforward = {},
@@ -99,14 +104,17 @@ class ProportionalDerivative : public Tracking {
 };
 
 /// A computed-torque controller: τ = ID(q, v, a_d + kd (v_d - v) + kp x) minus the spring forces of the
-/// model, where ID is inverse dynamics and q ⊕ x = q_d, so that x'' + kd x' + kp x = 0 for small x. kp is in
-/// 1/s², kd in 1/s. Loads and joint losses are not compensated. It throws as ProportionalDerivative does.
+/// model, where ID is inverse dynamics, q_d, v_d and a_d are the reference, and the deviation x is defined by
+/// q ⊕ x = q_d. Hence small deviations obey x'' + kd x' + kp x = 0. kp is in 1/s², kd in 1/s. Loads and joint
+/// losses are not compensated. Throws std::invalid_argument if gains are negative or not finite, or if their
+/// number is not 1 or nv.
 ///
-/// In a mechanism with loops or passive joints, passive joints get no force, and the control law defines
-/// wanted accelerations of the drives only. If the drives cannot produce them, the nearest accelerations that
-/// they can produce are used instead; the difference of each is measured by the acceleration that a unit
-/// force of its drive causes. τ is the inverse dynamics with loops at these accelerations, or NaN if the mass
-/// matrix is singular. For such a mechanism each call allocates and takes O(nv³ + nv d²) for d drives.
+/// In a mechanism with loops or passive joints, passive joints have no force, and the control law defines
+/// accelerations of the driven joints only. If the drives cannot produce these accelerations, the nearest
+/// ones that they can produce are used instead: the difference of each acceleration is measured by the
+/// acceleration that a unit force of its drive causes. τ is the inverse dynamics with loops at the
+/// accelerations that are used, or NaN if the mass matrix is singular. For such a mechanism each call
+/// allocates and takes O(nv³ + nv d²) for d drives.
 class ComputedTorque : public Tracking {
  public:
   ComputedTorque(const Model& model, const Gains& gains, Reference reference);
@@ -115,8 +123,8 @@ class ComputedTorque : public Tracking {
   bool drives_all() const { return !loops_; }
 
  private:
-  /// Replaces the wanted accelerations in x_ by those that the drives produce; returns false if there are
-  /// none.
+  /// Replaces the accelerations x_ that the control law defines by accelerations of all joints that the
+  /// drives can produce. Returns false if the mass matrix is singular or a result is not finite.
   bool make_possible(std::span<const double> q, std::span<const double> v);
 
   Workspace<> workspace_;

@@ -174,9 +174,9 @@ void DryFriction::constrain_derivatives(std::initializer_list<std::span<double>>
   }
 }
 
-/// Minimises by an active-set method. The forces inside their bounds move to the minimum with the other
-/// forces fixed, or to the first bound that they reach. At the minimum, a force whose bound is active in the
-/// wrong direction becomes free again.
+/// Minimises x·(Φ x/2 + a_0) under |x_c| ≤ f_c (D9.4) by an active-set method. The forces inside their bounds
+/// move to the minimum with the other forces fixed, or to the first bound that they reach. At the minimum, a
+/// force whose bound is active in the wrong direction becomes free again.
 void DryFriction::find_forces(double size) {
   const Eigen::Index k = A_.rows();
   const auto accelerations = [&] {

@@ -5,11 +5,11 @@
 
 namespace axode {
 
-/// The coordinates x of a step q ⊕ x on the group of configurations. Every scheme keeps its order with
-/// either; docs/integration.md compares them.
+/// The local coordinates x of a step from q to q ⊕ x on the group of configurations. Every scheme has the
+/// same order with exponential and with Cayley coordinates; docs/integration.md compares them.
 enum class LocalCoordinates {
   exponential,  ///< canonical coordinates: q exp x
-  cayley,       ///< q cay x (D14.3): rational, with half a turn at infinity
+  cayley,       ///< q cay x (D14.3): rational; half a turn has an infinite x
 };
 
 /// The names of local coordinates.

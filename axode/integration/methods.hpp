@@ -7,10 +7,10 @@
 #include "axode/integration/momenta/simulate_contact.hpp"
 #include "axode/integration/simulation.hpp"
 
-/// All methods of integration by the names that the command and the Python package use.
+/// All methods of integration by the names that the command-line tool and the Python package use.
 namespace axode {
 
-/// The arguments of a simulation.
+/// The arguments of a simulation by any method; each method reads those that it needs.
 struct MotionRequest {
   const Model& model;
   std::span<const double> q, v;
@@ -27,7 +27,7 @@ struct MotionRequest {
 struct Method {
   bool adapts;  ///< whether steps are adapted to tolerances; other methods need a step length
   Trajectory (*simulate)(const MotionRequest& x);
-  double usual_step = 0;  ///< length of a step where none is given, s; 0 if it must be given
+  double usual_step = 0;  ///< step length if none is given, s; 0 if there is no default
   bool touches = false;   ///< whether collision shapes touch
 };
 
@@ -88,12 +88,13 @@ inline constexpr std::array<std::pair<std::string_view, Method>, 15> methods{
      {"half_explicit", {false, detail::simulate_half_explicit}},
      {"generalized_alpha_index3", {false, detail::simulate_stiff<false>}}}};
 
-/// The method where none is named: with contact if the description of the mechanism says something of it.
+/// The method if none is named: `contact` if the description of the mechanism has settings of contact, and
+/// `dopri5` otherwise.
 inline std::string_view usual_method(const Model& model) {
   return model.description().contact ? "contact" : "dopri5";
 }
 
-/// The kinds of coordinates by name.
+/// The kinds of coordinates in which a motion is integrated, by name.
 inline constexpr std::array<std::pair<std::string_view, Coordinates>, 3> coordinate_kinds{
     {{"relative", Coordinates::relative},
      {"absolute", Coordinates::absolute},

@@ -13,9 +13,9 @@
 #include "axode/lie/twist.hpp"
 
 /// Kinematic reconstruction: the motion C(t) of a body from its twist, by C' = C V^b or C' = V^s C (eq. Vbs).
-/// `twist(t)` is a Twist<Rep>. The results are the poses at all times, the first of which is C0; a step lies
-/// between any two of them. Throws std::invalid_argument for times that do not increase or are not finite,
-/// and for a faulty tableau.
+/// `twist(t)` returns a Twist<Rep>. The results are the poses at all given times, the first of which is C0;
+/// there is one step from each time to the next. Throws std::invalid_argument for times that do not increase
+/// or are not finite, and for a faulty tableau.
 namespace axode {
 
 /// Twists that are the left or right logarithmic derivative of a pose.
@@ -24,7 +24,8 @@ concept PoseRate = std::same_as<Rep, BodyFixed> || std::same_as<Rep, Spatial>;
 
 namespace reconstruction {
 
-/// Applies step(C, t, h) from each time to the next.
+/// Computes the poses at all times by C_{k+1} = step(C_k, t_k, t_{k+1} - t_k), beginning with C0. Throws
+/// std::invalid_argument if times do not increase or are not finite.
 template <class Step>
 std::vector<SE3<>> in_steps(const SE3<>& C0, std::span<const double> times, const Step& step) {
   std::vector<SE3<>> C;
@@ -42,15 +43,17 @@ template <class X> X sum(const std::vector<double>& weights, double h, const std
   for (std::size_t j = 0; j < weights.size(); ++j) out = out + (h * weights[j]) * x[j];
   return out;
 }
-/// C displaced by D, body-fixed or spatial.
+/// The pose C displaced by D: C D if D is body-fixed, D C if it is spatial.
 template <PoseRate Rep> SE3<> moved(const SE3<>& C, const SE3<>& D) {
   return std::same_as<Rep, BodyFixed> ? C * D : D * C;
 }
 
 }  // namespace reconstruction
 
-/// Munthe-Kaas' method: a step is C exp(X), or exp(X) C, where X' = dexp_{-X}⁻¹ V^b, or dexp_X⁻¹ V^s (eq.
-/// Vdexp), is solved with the order of the tableau; or the same with Cayley's map.
+/// Computes the motion of a body from its twist by Munthe-Kaas' method: a step is C exp(X), or exp(X) C,
+/// where X' = dexp_{-X}⁻¹ V^b, or dexp_X⁻¹ V^s (eq. Vdexp), is solved with the order of the tableau. With
+/// LocalCoordinates::cayley, Cayley's map and its derivative replace exp and dexp. Returns the poses at all
+/// times.
 template <PoseRate Rep, std::invocable<double> F>
 std::vector<SE3<>> reconstruct(const SE3<>& C0, const F& twist, std::span<const double> times,
                                const Tableau& method = runge_kutta(4),
@@ -70,11 +73,13 @@ std::vector<SE3<>> reconstruct(const SE3<>& C0, const F& twist, std::span<const 
   });
 }
 
-/// The Gauss-Legendre points of a step, as parts of it.
+/// The two Gauss-Legendre points of a step, in units of the length of the step.
 inline constexpr std::array<double, 2> magnus_points{0.5 - 0.28867513459481287, 0.5 + 0.28867513459481287};
 
-/// Magnus' series to fourth order, from the twists at the two Gauss-Legendre points of each step: X = h (V_1
-/// + V_2) / 2 ± √3/12 h² [V_1, V_2], + for body-fixed twists.
+/// Computes the motion of a body from its twist by Magnus' series to fourth order. A step of length h is C
+/// exp(X), or exp(X) C, with X = h (V_1 + V_2) / 2 ± √3/12 h² [V_1, V_2] from the twists V_1 and V_2 at the
+/// two Gauss-Legendre points of the step, + for body-fixed twists and - for spatial ones. Returns the poses
+/// at all times.
 template <PoseRate Rep, std::invocable<double> F>
 std::vector<SE3<>> reconstruct_magnus(const SE3<>& C0, const F& twist, std::span<const double> times) {
   constexpr double root = magnus_points[1] - 0.5;  // √3/6
@@ -86,8 +91,9 @@ std::vector<SE3<>> reconstruct_magnus(const SE3<>& C0, const F& twist, std::span
   });
 }
 
-/// Integrates by Munthe-Kaas' method on SO(3) × R³, where rotation and position are separate. It serves for
-/// comparison.
+/// Computes the motion of a body from its twist by Munthe-Kaas' method on SO(3) × R³, where rotation and
+/// position are integrated separately. It serves for comparison with methods on SE(3). Returns the poses at
+/// all times.
 template <PoseRate Rep, std::invocable<double> F>
 std::vector<SE3<>> reconstruct_apart(const SE3<>& C0, const F& twist, std::span<const double> times,
                                      const Tableau& method = runge_kutta(4)) {

@@ -40,7 +40,8 @@ void check_motion(const Model& model, double step, const Loads<double>& loads, c
   check_configuration(model, arguments.begin()->x);
 }
 
-/// Sets all results to NaN if the motion failed or a result is not finite; returns the reason.
+/// Sets all results to NaN if the motion failed or a result is not finite. Returns the status with the
+/// reason.
 Solvability solved(Solvability verdict, std::initializer_list<std::span<double>> results) {
   for (const std::span<double> x : results) {
     const Solvability one = solved(verdict, static_cast<std::ptrdiff_t>(x.size()), x.data());
@@ -60,7 +61,7 @@ class SpringTerms {
     by_v = by_q;
   }
   bool any() const { return workspace_.has_value(); }
-  /// The sum of spring and drive forces.
+  /// Returns the sum of the spring forces at (q, v) and the drive forces tau (nv numbers).
   const double* forces(Span q, Span v, const double* tau) {
     if (!any()) return tau;
     std::ranges::copy_n(tau, model_.nv(), total_.begin());
@@ -87,8 +88,8 @@ void add_sum(const Vector& weights, double h, const std::vector<Matrix>& x, Matr
     if (const double w = h * weights[j]; w != 0) out += w * x[j];
 }
 
-/// Steps of MuntheKaas with their derivatives. These are displacements of the state, one column for each
-/// direction.
+/// Steps of MuntheKaas together with displacements of the state, which are propagated along several
+/// directions at once.
 class TangentSteps {
  public:
   TangentSteps(const Model& model, const Tableau& method, Span q_0, Span v_0, Eigen::Index directions)
@@ -110,8 +111,8 @@ class TangentSteps {
   Vector q, v;    ///< present state
   Matrix dq, dv;  ///< displacements of q and v, a column for each direction
 
-  /// Takes a step of length h. accelerate(q, v, dq, dv, a, da) must write a and da, and return whether it
-  /// succeeded.
+  /// Takes a step of length h. accelerate(q, v, dq, dv, a, da) must write the accelerations a and their
+  /// changes da along the displacements dq and dv, and return whether it succeeded.
   template <class Accelerate> bool run(double h, const Accelerate& accelerate) {
     const Tableau& m = method_;
     if (!accelerate(q.data(), v.data(), dq, dv, a_.data(), dL_[0])) return false;
@@ -139,7 +140,8 @@ class TangentSteps {
   }
 
  private:
-  /// Computes the displacement dtheta of theta, and the displacement eta of q ⊕ theta.
+  /// Computes the displacement dtheta of theta, the step of q, and the displacement eta of q ⊕ theta. V is
+  /// the velocity at q ⊕ theta.
   void displace(const Vector& weights, double h, const double* V) {
     dtheta_.setZero();
     add_sum(weights, h, dK_, dtheta_);
@@ -158,7 +160,8 @@ class TangentSteps {
   std::vector<Matrix> dK_, dL_;
 };
 
-/// A step that stores its stages with their factorised mass matrices, and its backward pass.
+/// A step of MuntheKaas that stores its stages with their factorised mass matrices, and the backward pass
+/// through it.
 class AdjointStep {
  public:
   AdjointStep(const Model& model, const Tableau& method, const Loads<double>& loads)
@@ -200,9 +203,9 @@ class AdjointStep {
     return verdict;
   }
 
-  /// Replaces the weights on the state at the end of the step by those on the state at its start. Adds the
-  /// gradients by the drive forces to by_tau and, unless by_geometry is null, those by the geometric
-  /// parameters to by_geometry.
+  /// Takes the backward pass: replaces the weights w_q and w_v on the state at the end of the step by those
+  /// on the state at its start. Adds the gradients by the drive forces to by_tau and, unless by_geometry is
+  /// null, those by the geometric parameters to by_geometry.
   void back(double h, Matrix& w_q, Matrix& w_v, double* by_tau, double* by_geometry) {
     const Tableau& m = method_;
     const bool euler = m.b.size() == 1;
@@ -247,7 +250,8 @@ class AdjointStep {
     stage.v.assign(v_i.begin(), v_i.end());
     return stage.dynamics->forward.run(tree_, q_i.data(), v_i.data(), springs_.forces(q_i, v_i, tau), loads_);
   }
-  /// Computes the weights w_eta and w_V of the state of a stage from the weights w_L of its acceleration.
+  /// Computes the weights w_eta_ and w_V_ on the configuration and velocity of a stage from the weights w_L
+  /// on its acceleration. Adds the gradients by drive forces and geometric parameters.
   void multiply(Stage& stage, double* by_tau, double* by_geometry) {
     ForwardVjp<double>& dynamics = *stage.dynamics;
     dynamics.compute_gradient(tree_, stage.q.data(), stage.v.data(), stage.w_L.data(), loads_);

@@ -13,18 +13,20 @@
 /// and gradients of q are left-trivialised, along q ⊕ ε dq. Loads and losses act as in
 /// forward_dynamics_derivatives(), springs, dampers and stops as in simulate_fixed(); with springs a stage
 /// costs O(n²). Throws std::invalid_argument for wrong sizes, quaternions that are not of unit norm, a load
-/// on a frame that does not exist, step <= 0, a faulty tableau and results that share memory with arguments.
-/// If the returned status is not ok(), because accelerations could not be computed or are not finite, all
-/// results are NaN.
+/// on a frame that does not exist, step <= 0, a faulty tableau, results that share memory with arguments, and
+/// mechanisms with loops, prescribed motions, drives with states or couplings with play. If the returned
+/// status is not ok(), because accelerations could not be computed or are not finite, all results are NaN.
 namespace axode {
 
-/// Receives the end (q, v) of a step, and its derivatives A by the state (2nv × 2nv) and B by τ (2nv × nv),
-/// row by row, displacements before velocities. The spans must not overlap.
+/// Receives the state (q, v) at the end of a step, and its derivatives A by the state at the start (2nv ×
+/// 2nv) and B by the drive forces τ (2nv × nv), row by row. The first nv rows, and columns of A, are those of
+/// q; the last nv are those of v. The spans must not overlap.
 struct StepDerivatives {
   std::span<double> q, v, A, B;
 };
-/// Computes one step from the state (q, v) under the drive forces tau, and its derivatives. Each stage takes
-/// O(n²) and products of nv × nv matrices with matrices of 3nv columns; allocates.
+/// Computes one step of length `step` (s) from the state (q, v) under the drive forces tau, and its
+/// derivatives. Each stage takes O(n²) and products of nv × nv matrices with matrices of 3nv columns;
+/// allocates.
 Solvability step_derivatives(const Model& model, Workspace<double>& workspace, std::span<const double> q,
                              std::span<const double> v, std::span<const double> tau, double step,
                              const StepDerivatives& end, const Loads<double>& loads = {},
@@ -35,9 +37,10 @@ Solvability step_derivatives(const Model& model, Workspace<double>& workspace, s
 using Monitor = std::function<bool()>;
 using GoOn [[deprecated("use Monitor")]] = Monitor;
 
-/// Computes the displacements of the states of a motion of K steps, under K nv drive forces, if its start is
-/// displaced by dq, its initial velocity by dv and the forces by dtau (K nv). dq_out and dv_out receive (K +
-/// 1) nv numbers, beginning with dq and dv. O(n) for each step, without matrices.
+/// Computes the displacements of all states of a motion of K steps, under K rows of nv drive forces, if its
+/// start q is displaced by dq, its initial velocity by dv and the forces by dtau (K nv numbers). dq_out and
+/// dv_out receive K + 1 rows of nv numbers; the first rows are dq and dv. O(n) for each step, without
+/// matrices.
 Solvability rollout_jvp(const Model& model, std::span<const double> q, std::span<const double> v,
                         std::span<const double> tau, double step, std::span<const double> dq,
                         std::span<const double> dv, std::span<const double> dtau, std::span<double> dq_out,
@@ -45,16 +48,16 @@ Solvability rollout_jvp(const Model& model, std::span<const double> q, std::span
                         const Tableau& method = runge_kutta(4), const Monitor& monitor = {});
 
 /// Receives the gradients by the initial state (nv numbers each for q and v), by the drive forces (K nv
-/// numbers) and by the geometric parameters (n_bodies × 6 numbers, see geometry_derivatives.hpp). The last
-/// one may be empty, and must be empty for models with springs between frames, otherwise
+/// numbers for K steps) and by the geometric parameters (n_bodies × 6 numbers, see geometry_derivatives.hpp).
+/// `geometry` may be empty, and must be empty for models with springs between frames, otherwise
 /// std::invalid_argument is thrown. The spans must not overlap.
 struct RolloutGradients {
   std::span<double> q, v, tau, geometry = {};
 };
-/// Computes the gradients of the sum of w_q·δq + w_v·δv over all states of a motion of K steps, with respect
-/// to its initial state, drive forces and geometric parameters. w_q and w_v have (K + 1) nv weights each.
-/// O(n) for each step, without matrices. The states are stored; the stages are computed again in the backward
-/// pass.
+/// Computes the gradients of the sum of w_q·δq + w_v·δv over all K + 1 states of a motion of K steps, with
+/// respect to its initial state, drive forces and geometric parameters. w_q and w_v have K + 1 rows of nv
+/// weights. O(n) for each step, without matrices. The states are stored; the stages are computed again in the
+/// backward pass.
 Solvability rollout_vjp(const Model& model, std::span<const double> q, std::span<const double> v,
                         std::span<const double> tau, double step, std::span<const double> w_q,
                         std::span<const double> w_v, const RolloutGradients& gradient,

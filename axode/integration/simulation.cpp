@@ -22,7 +22,8 @@ namespace {
 using Vector = Eigen::VectorXd;
 using Span = std::span<const double>;
 
-/// Throws if there are motions or couplings with play, which a scheme does not count.
+/// Throws std::invalid_argument if there are prescribed motions or couplings with play, which `scheme` does
+/// not support.
 void check_no_motions_or_plays(const Model& model, const SimulationOptions& options, const char* scheme) {
   if (!model.loops().backlashes.empty())
     throw std::invalid_argument(
@@ -34,7 +35,8 @@ void check_no_motions_or_plays(const Model& model, const SimulationOptions& opti
                                 "relative coordinates");
 }
 
-/// Throws if there are drives with states, or states of drives, which a scheme does not follow.
+/// Throws std::invalid_argument if there are drives with states, or initial states of drives, which `scheme`
+/// does not support.
 void check_no_drives(const Model& model, const SimulationOptions& options, const char* scheme) {
   if (!model.drives().empty() || !options.drives.empty() || !options.x.empty())
     throw std::invalid_argument(
@@ -43,7 +45,7 @@ void check_no_drives(const Model& model, const SimulationOptions& options, const
         "relative coordinates");
 }
 
-/// Runs f(run) in the coordinates of the options, and returns the motion.
+/// Calls f(run) with a simulation run in the coordinates of the options, and returns the resulting motion.
 template <class F>
 Trajectory in_coordinates(const Model& model, Span q, Span v, double until, const SimulationOptions& options,
                           const F& f) {
@@ -67,7 +69,7 @@ std::string rattle_method(int order) {
   return order == 4 || order == 6 ? "rattle_" + symplectic_method(order) : "rattle";
 }
 
-/// Throws if a loop has rows without a residual.
+/// Throws std::invalid_argument if a loop has rows without a residual, as rolling contacts and belts have.
 void check_holonomic(const Model& model, const std::string& method) {
   for (const Loop& loop : model.loops().joints)
     if (loop.rows != loop.residuals)
@@ -92,7 +94,7 @@ void check_relative(const SimulationOptions& options, const std::string& method)
                                 std::string(to_string(options.coordinates)) +
                                 "\"; in absolute coordinates use rattle");
 }
-/// Takes the steps of a scheme that keeps joints and loops closed itself.
+/// Takes the steps of a scheme in absolute coordinates that keeps joints and loops closed itself.
 template <class Scheme>
 void take_closed_steps(AbsoluteSimulationRun& run, Scheme& scheme, double until, double step) {
   each_step(run, until, step, [&](double t_1) {
@@ -101,7 +103,8 @@ void take_closed_steps(AbsoluteSimulationRun& run, Scheme& scheme, double until,
   });
 }
 
-/// Throws if forces may have jumps (dry friction, stops), or if there are events, which would cut a step.
+/// Throws std::invalid_argument if forces may have jumps (elastic stops, dry friction, gears with losses), or
+/// if there are events, which would cut a step.
 void check_smooth(const Model& model, const SimulationOptions& options, const std::string& method) {
   if (!options.events.empty())
     throw std::invalid_argument("events: method \"" + method +

@@ -20,57 +20,63 @@ struct Event {
   bool terminal = false;  ///< whether the motion ends at the event
 };
 
-/// The coordinates in which a motion is computed; results are in those of the joints in any case.
+/// The coordinates in which a motion is integrated. The resulting trajectory always has the coordinates of
+/// the joints.
 enum class Coordinates {
   relative,         ///< coordinates of the joints; loops are constraints
   absolute,         ///< poses of bodies in SE(3); joints and loops are constraints
   absolute_SO3xR3,  ///< poses of bodies in SO(3) × R³; joints and loops are constraints
 };
 
-/// Couplings with play are counted by explicit methods on (q, v) and by simulate_stiff(), in relative
-/// coordinates: a step ends where a play meets or leaves one of its ends, see Trajectory::play_events. They
-/// exclude dry friction by joint_losses. Other methods throw std::invalid_argument.
+/// Options of a simulation. Couplings with play act in simulate(), simulate_fixed() and simulate_stiff(), in
+/// relative coordinates: a step ends where a play reaches or leaves one of its ends, see
+/// Trajectory::play_events. They cannot be combined with joint_losses if joints have dry friction or gears
+/// with losses. For a mechanism with such couplings the other methods throw std::invalid_argument.
 struct SimulationOptions {
   Coordinates coordinates = Coordinates::relative;
-  /// The coordinates of a step. Cayley's are for explicit methods and, in relative coordinates, for all.
+  /// The local coordinates of a step. Cayley coordinates are allowed in relative coordinates for all methods
+  /// except simulate_contact(), and in absolute coordinates for simulate() and simulate_fixed().
   LocalCoordinates local_coordinates = LocalCoordinates::exponential;
-  /// Writes the drive forces tau (nv) at a time and state. Without it tau is 0. The springs of the model act
-  /// in addition.
+  /// A function that writes the drive forces tau (nv numbers) at a time t (s) and state (q, v). If it is
+  /// empty, tau is 0. The springs of the model act in addition.
   std::function<void(double t, std::span<const double> q, std::span<const double> v, std::span<double> tau)>
       drive = {};
   std::vector<AppliedWrench<>> loads = {};
-  /// A function that appends the loads at a time and state to `loads`, for example wind, thrust or a contact.
+  /// A function that appends the loads at a time t (s) and state (q, v) to `loads`, for example wind, thrust
+  /// or a contact.
   std::function<void(double t, std::span<const double> q, std::span<const double> v,
                      std::vector<AppliedWrench<>>& loads)>
       computed_loads = {};
-  /// Motions that joints and rods follow, besides those of the model. In relative coordinates explicit
-  /// methods on (q, v) and simulate_stiff() count motions, and other methods throw std::invalid_argument.
-  /// Steps end where a third derivative of a motion jumps. A motion that cannot be followed ends the
-  /// trajectory.
+  /// Motions that joints and rods follow, in addition to those of the model. Prescribed motions are allowed
+  /// in relative coordinates for simulate(), simulate_fixed() and simulate_stiff(); otherwise
+  /// std::invalid_argument is thrown. Steps end where the third, fourth or fifth derivative of a motion
+  /// jumps. A motion that cannot be followed ends the trajectory.
   std::vector<PrescribedMotion> motions = {};
-  /// Drives with states, besides those of the model. In relative coordinates explicit methods on (q, v) and
-  /// simulate_stiff() count them, and other methods throw std::invalid_argument. Steps end where a status of
-  /// a drive changes and where an input jumps.
+  /// Drives with states, in addition to those of the model. Such drives are allowed in relative coordinates
+  /// for simulate(), simulate_fixed() and simulate_stiff(); otherwise std::invalid_argument is thrown. Steps
+  /// end where a status of a drive changes and where an input jumps.
   std::vector<AddedDrive> drives = {};
-  /// The states of all drives at the start, in the order of Trajectory::drive_states(). If it is empty, they
-  /// are those with which the drives start by themselves.
+  /// The states of all drives at the start, in the order of Trajectory::drive_states(). If it is empty, the
+  /// drives choose their states at the start.
   std::vector<double> x = {};
-  /// Damping and dry friction of the joints, and losses of their gears. In relative coordinates a joint at
-  /// rest sticks while its friction can hold it: a step ends when a joint comes to rest or begins to slide.
-  /// In absolute coordinates friction is -f sign(v), and losses of gears are refused, as in conserving
-  /// schemes, with contact and with play.
+  /// Whether damping, dry friction and gear losses of the joints act. In relative coordinates a joint at rest
+  /// sticks while its friction can hold it: a step ends when a joint comes to rest or begins to slide. In
+  /// absolute coordinates the dry friction of a joint with the limit f is -f sign(v). Losses of gears throw
+  /// std::invalid_argument in absolute coordinates, in simulate_symplectic(), simulate_momenta() and
+  /// simulate_contact(), and together with couplings with play.
   bool joint_losses = false;
   std::vector<Event> events = {};
-  /// A function that is called with the time at the end of each step. A step with contact that takes many
-  /// iterations calls it during the step as well. If it returns false, the motion ends.
+  /// A function that is called with the time t (s) at the end of each step. A step with contact that takes
+  /// many iterations calls it during the step as well. If it returns false, the motion ends.
   std::function<bool(double t)> monitor = {};
 };
 
-/// Integrates the motion from (q, v) at time 0 until a time, in steps of one length (the last one may be
-/// shorter), with an explicit Runge-Kutta-Munthe-Kaas method on the group of configurations. The method of
-/// one stage, Euler's, is semi-implicit: q moves with the new v. If accelerations cannot be computed or are
-/// not finite, the trajectory ends early and contains the reason. Throws std::invalid_argument for wrong
-/// sizes, quaternions that are not of unit norm, numbers that are not finite, until < 0 and step <= 0.
+/// Integrates the motion from (q, v) at time 0 until the time `until` (s), in steps of one length (the last
+/// one may be shorter), with an explicit Runge-Kutta-Munthe-Kaas method on the group of configurations. The
+/// method of one stage, Euler's, is semi-implicit: q moves with the new v. If accelerations cannot be
+/// computed or are not finite, the trajectory ends early and contains the reason. Throws
+/// std::invalid_argument for a wrong size, a quaternion that is not of unit norm, a number that is not
+/// finite, until < 0 or step <= 0, and for a faulty tableau.
 Trajectory simulate_fixed(const Model& model, std::span<const double> q, std::span<const double> v,
                           double until, double step, const Tableau& method = runge_kutta(4),
                           const SimulationOptions& options = {});
@@ -79,12 +85,16 @@ Trajectory simulate_fixed(const Model& model, std::span<const double> q, std::sp
 /// damps fast oscillations numerically; its equations are solved by Newton's method with exact derivatives of
 /// the dynamics. The spectral radius at infinity is the part of a fast oscillation that remains after a step:
 /// 1 means all of it, 0 nothing. If Newton's method needs derivatives of a drive force, they are difference
-/// quotients. A step that does not converge ends the motion. Throws as simulate_fixed() does, and for a
-/// radius outside [0, 1].
+/// quotients. A step that does not converge ends the motion. Throws std::invalid_argument for a wrong size, a
+/// quaternion that is not of unit norm, a number that is not finite, until < 0 or step <= 0, and for a radius
+/// outside [0, 1].
 ///
-/// In absolute coordinates joints and loops are imposed on positions (index 3) or, if stabilized, on
-/// positions and velocities (index 2, after Gear, Gupta and Leimkuhler). Newton's matrix is then M, with
-/// which stiff springs need short steps. Rolling contacts are imposed on velocities in both forms.
+/// In relative coordinates `stabilized` must be true. In absolute coordinates joints and loops are imposed on
+/// positions (index 3) or, if `stabilized` is true, on positions and velocities (index 2, after Gear, Gupta
+/// and Leimkuhler); rolling contacts are imposed on velocities in both cases. Newton's matrix in absolute
+/// coordinates has M and, of the derivatives of springs, dampers and drives, only those of each joint force
+/// by the coordinate and velocity of the same joint; stiff springs that connect several joints may need short
+/// steps.
 Trajectory simulate_stiff(const Model& model, std::span<const double> q, std::span<const double> v,
                           double until, double step, double spectral_radius = 0.8,
                           const SimulationOptions& options = {}, bool stabilized = true);
@@ -93,15 +103,19 @@ Trajectory simulate_stiff(const Model& model, std::span<const double> q, std::sp
 /// compositions (4: Suzuki's, 6: Kahan's and Li's), see (D8.9) of docs/derivations. The method is symplectic
 /// if forces have a potential, so that energy errors stay bounded; joints and loops hold to rounding in
 /// positions and velocities. With damping, drives and rolling contacts it keeps its order, but is not
-/// symplectic. The method is implicit; a step that does not converge ends the motion. Throws as
-/// simulate_fixed() does, and for other orders, events, dry friction, stops and relative coordinates.
+/// symplectic. The method is implicit; a step that does not converge ends the motion. Throws
+/// std::invalid_argument for a wrong size, a quaternion that is not of unit norm, a number that is not
+/// finite, until < 0 or step <= 0, for other orders, and for events, dry friction, elastic stops and relative
+/// coordinates.
 Trajectory simulate_rattle(const Model& model, std::span<const double> q, std::span<const double> v,
                            double until, double step, int order = 2, const SimulationOptions& options = {});
 
-/// Integrates in absolute coordinates by the half-explicit method of third order (Brasey, Hairer) in the form
-/// of Munthe-Kaas. Joints and loops hold to rounding in velocities; in positions they hold on SE(3) for
-/// joints whose steps are motions that the joint allows, and are projected otherwise. Throws as
-/// simulate_fixed() does, and for relative coordinates.
+/// Integrates in absolute coordinates, which the options must ask for, by the half-explicit method of third
+/// order (Brasey, Hairer) in the form of Munthe-Kaas. Joints and loops hold to rounding in velocities. In
+/// positions they hold to rounding if the coordinates are SE(3) and each step of a joint is a motion that the
+/// joint allows; otherwise positions are projected. Throws std::invalid_argument for a wrong size, a
+/// quaternion that is not of unit norm, a number that is not finite, until < 0 or step <= 0, and for relative
+/// coordinates.
 Trajectory simulate_half_explicit(const Model& model, std::span<const double> q, std::span<const double> v,
                                   double until, double step, const SimulationOptions& options = {});
 
@@ -109,23 +123,26 @@ Trajectory simulate_half_explicit(const Model& model, std::span<const double> q,
 /// and Li's), see (D8.5) of docs/derivations. The method is symmetric, and symplectic if forces have a
 /// potential, so that energy errors stay bounded; damping and drives enter by d'Alembert's principle. A
 /// floating base moves relative to its centre of mass, whose motion is exact, and its momentum is a state.
-/// Hence Π^s, or under gravity the angular momentum L_c about the centre of mass and the linear momentum P,
-/// are exact to rounding. Loops are closed in positions and velocities by impulses at both ends of a step
-/// (D8.7). The method is implicit; a step that does not converge ends the motion. Throws as simulate_fixed()
-/// does, and for events, dry friction, rolling contacts and other orders. (Armatures of joints with several
-/// velocities have momenta that do not turn with the joint; here they are treated as forces. This preserves
-/// the order and the momenta, but then the method is not symplectic.)
+/// Hence the spatial momentum Π^s of a floating base with its subtree or, under gravity, the angular momentum
+/// L_c about its centre of mass and its linear momentum P, are exact to rounding. Loops are closed in
+/// positions and velocities by impulses at both ends of a step (D8.7). The method is implicit; a step that
+/// does not converge ends the motion. Throws std::invalid_argument for a wrong size, a quaternion that is not
+/// of unit norm, a number that is not finite, until < 0 or step <= 0, for other orders, and for events, dry
+/// friction, elastic stops, rolling contacts, belts and absolute coordinates. (Armatures of joints with
+/// several velocities have momenta that do not turn with the joint; here they are treated as forces. This
+/// preserves the order and the momenta, but then the method is not symplectic.)
 Trajectory simulate_symplectic(const Model& model, std::span<const double> q, std::span<const double> v,
                                double until, double step, int order = 2,
                                const SimulationOptions& options = {});
 
-/// Integrates with contact of the collision shapes of the model and of the ground, hard stops, and, with
-/// joint_losses, damping and dry friction of joints; loops are closed at the ends of steps. Contact obeys
-/// Signorini's condition and Coulomb's law exactly, see ContactLaw, and the trajectory has a certificate for
-/// each step. The step has impulses at both of its ends, with the midpoint rule for the free motion in
-/// between (D11.12). It is of second order while nothing begins to touch or to part, and of first order
-/// through impacts. Momenta of what floats freely are exact to rounding. Throws as simulate_fixed(), for
-/// absolute coordinates, and as ContactShapes.
+/// Integrates a motion with contact between the collision shapes of the model and of the ground, and with
+/// hard stops. If joint_losses is set, joints have damping and dry friction. Loops are closed at the ends of
+/// steps. Contact obeys Signorini's condition and Coulomb's law exactly, see ContactLaw, and the trajectory
+/// has a certificate for each step. The step has impulses at both of its ends, with the midpoint rule for the
+/// free motion in between (D11.12). It is of second order while no contact begins or ends, and of first order
+/// through impacts. Momenta of floating bases are exact to rounding. Throws std::invalid_argument for a wrong
+/// size, a quaternion that is not of unit norm, a number that is not finite, until < 0 or step <= 0, for
+/// absolute coordinates, and for shapes of which ContactShapes cannot be made, such as a mesh without a hull.
 Trajectory simulate_contact(const Model& model, std::span<const double> q, std::span<const double> v,
                             double until, double step, const SimulationOptions& options = {});
 
@@ -136,7 +153,9 @@ template <class... Arguments>
 
 /// Integrates (q, p) with an explicit Runge-Kutta-Munthe-Kaas method. As in simulate_symplectic(), the
 /// momenta of floating bases are exact to rounding, but the method is not symplectic. Loops are closed again
-/// after each step; rolling contacts are allowed.
+/// after each step; rolling contacts are allowed. Throws std::invalid_argument for a wrong size, a quaternion
+/// that is not of unit norm, a number that is not finite, until < 0 or step <= 0, and for events, dry
+/// friction, elastic stops and absolute coordinates.
 Trajectory simulate_momenta(const Model& model, std::span<const double> q, std::span<const double> v,
                             double until, double step, const Tableau& method = runge_kutta(4),
                             const SimulationOptions& options = {});
@@ -144,16 +163,20 @@ Trajectory simulate_momenta(const Model& model, std::span<const double> q, std::
 struct Tolerances {
   double relative = 1e-8, absolute = 1e-10;
   double first_step = 0;  ///< s; if 0, it is chosen automatically
-  /// s. If 0, a fiftieth of the motion where a drive or prescribed motions act, which a step must not jump
-  /// over; otherwise steps are not limited.
+  /// The longest step, s. If it is 0, the longest step is a fiftieth of the whole time if
+  /// SimulationOptions::drive or prescribed motions act, because a longer step could pass over a short action
+  /// of theirs unnoticed; otherwise the length of steps is not limited.
   double largest_step = 0;
 };
 /// Throws std::invalid_argument if a number is negative or not finite, or if both tolerances are 0.
 void check_tolerances(const Tolerances& tolerances);
 
-/// Integrates with Dormand's and Prince's method in adaptive steps. The error estimates of θ, the step of q
-/// in the algebra, and of v must be at most absolute + relative max(1, |θ|) in rad and m, and absolute +
-/// relative |v|, as root mean square; those of states of drives, absolute × nominal + relative |x|.
+/// Integrates with Dormand's and Prince's method in adaptive steps. The root mean square of all error
+/// estimates, each divided by its tolerance, is at most 1 in a step. The tolerances are absolute + relative
+/// max(1, |θ|) for the displacement θ of q in the step (rad, m), absolute + relative |v| for velocities, and
+/// absolute × nominal + relative |x| for states x of drives with their nominal values. Throws
+/// std::invalid_argument for a wrong size, a quaternion that is not of unit norm, a number that is not
+/// finite, until < 0, and tolerances that are negative or both 0.
 Trajectory simulate(const Model& model, std::span<const double> q, std::span<const double> v, double until,
                     const Tolerances& tolerances = {}, const SimulationOptions& options = {});
 

@@ -4,9 +4,9 @@
 
 namespace axode {
 
-/// The coefficients of an explicit Runge-Kutta method: stage i has the weights a[i] (i numbers) and the time
-/// c[i], and the whole step has the weights b. `error`, unless it is empty, is b minus the weights of an
-/// embedded method.
+/// The coefficients of an explicit Runge-Kutta method: stage i has the weights a[i] (i numbers) of the stages
+/// before it and the time c[i] in units of the step, and the whole step has the weights b. `error`, unless it
+/// is empty, is b minus the weights of an embedded method.
 struct Tableau {
   int order = 1;
   std::vector<std::vector<double>> a;
@@ -28,9 +28,9 @@ void check_step(double step);
 /// order is 1 to 5.
 const Tableau& runge_kutta(int order);
 
-/// The relative lengths, with the sum 1, of the steps of a symmetric method of second order whose composition
-/// has order 2 (one step), 4 (Suzuki's five steps) or 6 (Kahan's and Li's nine steps). Some lengths are
-/// negative (D8.11). Throws std::invalid_argument for another order.
+/// The lengths, in units of the whole step, of the steps of a symmetric method of second order whose
+/// composition has order 2 (one step), 4 (Suzuki's five steps) or 6 (Kahan's and Li's nine steps). Their sum
+/// is 1, and some are negative (D8.11). Throws std::invalid_argument for another order.
 std::span<const double> symmetric_composition(int order);
 
 }  // namespace axode

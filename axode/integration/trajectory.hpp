@@ -37,36 +37,41 @@ class Trajectory {
   std::span<const double> v(std::size_t k) const { return std::span(v_).subspan(k * nv(), nv()); }
   std::span<const double> a(std::size_t k) const { return std::span(a_).subspan(k * nv(), nv()); }
 
-  /// The states of the drives and their rates, size() × nx numbers, and the names of the states; empty
-  /// without drives that have states. Units are those of DriveState.
+  /// The states x of the drives and their rates x', rows of nx() numbers for each time, and the names of the
+  /// states. They are empty if no drive has states. Units are those of DriveState.
   std::span<const double> x() const { return x_; }
   std::span<const double> x(std::size_t k) const { return std::span(x_).subspan(k * nx(), nx()); }
   std::span<const double> dx(std::size_t k) const { return std::span(dx_).subspan(k * nx(), nx()); }
   std::span<const std::string> drive_states() const { return drive_states_; }
   std::size_t nx() const { return drive_states_.size(); }
-  /// Sets the names of the states of the drives, before the first append().
+  /// Sets the names of the states of the drives. It must be called before the first append().
   void set_drive_states(std::vector<std::string> names) { drive_states_ = std::move(names); }
-  /// Interpolates the states of the drives at a time, by the cubic with the states and rates at both ends of
-  /// the step; the error is of order h⁴. Throws std::invalid_argument for a time outside the trajectory.
+  /// Interpolates the states x of the drives (nx() numbers) at a time (s), by the cubic with the states and
+  /// rates at both ends of the step. The error is of order h⁴ in the length h of the step. Throws
+  /// std::invalid_argument for a time outside the trajectory and for a wrong size.
   void drive_states_at(double time, std::span<double> x) const;
 
-  /// Interpolates q, v and, unless it is empty, a at a time on the group: in the step from t_k, q = (q_k ⊕ (t
-  /// - t_k) z) ⊕ x(t). z is the mean velocity of the step for joints of several velocities, and 0 for the
-  /// others. x(t) is the quintic with the q, v and a of the step at both ends. A body may turn by any angle
-  /// in a step if z is right within half a turn. The errors are of order h⁶ in q, h⁵ in v and h⁴ in a. Throws
-  /// std::invalid_argument for a time outside the trajectory.
+  /// Interpolates q, v and, unless it is empty, a at a time t (s) on the group: in the step from t_k, q =
+  /// (q_k ⊕ (t - t_k) z) ⊕ x(t). z is the mean velocity of the step for joints of several velocities, and 0
+  /// for the others. x(t) is the quintic with the q, v and a of the step at both ends. A body may turn by any
+  /// angle in a step if z times the length h of the step is right within half a turn. The errors are of order
+  /// h⁶ in q, h⁵ in v and h⁴ in a. Throws std::invalid_argument for a time outside the trajectory and for a
+  /// wrong size.
   void at(double time, std::span<double> q, std::span<double> v, std::span<double> a = {}) const;
 
-  /// Appends the end of a step.
+  /// Appends the state at the end of a step: the time t (s), q, v, a and the drive forces tau, and the states
+  /// x of the drives with their rates dx.
   void append(double t, std::span<const double> q, std::span<const double> v, std::span<const double> a,
               std::span<const double> tau, std::span<const double> x = {}, std::span<const double> dx = {});
 
-  /// Replaces v, a, x and dx from the last end of a step on. v, a and dx may jump there, and x changes by
-  /// rounding. v(k), a(k) and dx(k) are the values after the jump.
+  /// Records a jump at the last end of a step: v, a, x and dx are the values just after it, which v(k), a(k),
+  /// x(k) and dx(k) return from now on. The step before the jump is interpolated with the former v, a and dx,
+  /// but with the new x, which may differ from the former x by rounding alone. An empty x or dx is left
+  /// unchanged.
   void jump(std::span<const double> v, std::span<const double> a, std::span<const double> x = {},
             std::span<const double> dx = {});
 
-  /// Removes the last end of a step.
+  /// Removes the state at the last end of a step.
   void pop_back();
   [[deprecated("use pop_back()")]] void take_back() { pop_back(); }
 
@@ -82,7 +87,7 @@ class Trajectory {
   using Met [[deprecated("use EventOccurrence")]] = EventOccurrence;
   std::vector<EventOccurrence> events;  ///< in the order of time
 
-  /// A play of a coupling that reaches one of its ends, or leaves it.
+  /// An event of a coupling with play: the play reaches one of its ends or leaves it.
   struct PlayEvent {
     std::string coupling;
     double t = 0;
@@ -94,46 +99,49 @@ class Trajectory {
   };
   std::vector<PlayEvent> play_events;  ///< in the order of time
 
-  /// In absolute coordinates, at each end of a step: the largest residual of a joint or loop (rad, m), and of
-  /// its velocity (rad/s, m/s). Coordinates of the joints do not contain these parts of the motion.
+  /// In absolute coordinates, a number for each end of a step: the largest residual of the constraints by
+  /// joints and loops in positions (rad, m), and that in velocities (rad/s, m/s). The coordinates and
+  /// velocities of the joints do not contain these deviations.
   std::vector<double> position_residuals, velocity_residuals;
-  /// In absolute coordinates, at each end of a step: kinetic and potential energy of gravity of the bodies,
-  /// J.
+  /// In absolute coordinates, a number for each end of a step: the kinetic energy of all bodies plus their
+  /// potential energy of gravity, J.
   std::vector<double> body_energies;
 
-  /// With contact, for each step: how exactly the laws of contact hold, see certificate(); rounding is 1e-12.
+  /// For each step of a motion with contact: the residual of the laws of contact as a part of the motion, see
+  /// certificate(). Rounding is about 1e-12.
   std::vector<double> certificates;
-  /// With contact: the names of the collision shapes, by the numbers that contacts have.
+  /// In a motion with contact: the names of the collision shapes. The shape numbers of contacts are indices
+  /// of this list.
   std::vector<std::string> contact_shapes;
 
-  /// With contact: the points with a gap below the margin of the shapes at t_k, and those that received an
-  /// impulse in the step that ends there. Forces are the means over this step, in which an impact is a force.
-  /// Empty at t_0, and without contact.
+  /// The contacts at the end t_k of a step of a motion with contact: the points with a gap below the margin
+  /// of the shapes at t_k, and those that received an impulse in the step. Forces are the means over the
+  /// step, so that an impact counts as a force. Empty for k = 0, and in a motion without contact.
   std::span<const ContactForce> contacts(std::size_t k) const;
-  /// The contacts of the step that a time (s) belongs to; a time at the end of a step belongs to that step.
+  /// The contacts of the step in which a time (s) lies; a time at the end of a step belongs to that step.
   std::span<const ContactForce> contacts_at(double time) const;
-  /// Sets the contacts at the last end of a step.
+  /// Sets the contacts at the last end of a step; see contacts().
   void set_contacts(std::span<const ContactForce> contacts);
 
  private:
   std::size_t nq() const { return static_cast<std::size_t>(model_.nq()); }
   std::size_t nv() const { return static_cast<std::size_t>(model_.nv()); }
 
-  /// Velocities, accelerations and rates of the drives at the end of step k, before a jump if there is one
-  /// there.
+  /// Velocities, accelerations and rates of the states of drives just before a jump at the end of a step.
   struct Rates {
     std::vector<double> v, a, dx;
   };
   std::span<const double> v_before(std::size_t k) const;
   std::span<const double> a_before(std::size_t k) const;
-  /// The step in which a time lies: the index of its start, or of the last state.
+  /// The step in which a time (s) lies: the index k of the state at its start, or of the last state. Throws
+  /// std::invalid_argument for a time outside the trajectory.
   std::size_t step_at(double time) const;
 
   Model model_;
   std::vector<double> t_, q_, v_, a_, tau_, x_, dx_;
   std::vector<std::string> drive_states_;
   std::vector<ContactForce> contacts_;
-  std::vector<std::size_t> contacts_end_;  ///< for each time from t_0 on, as far as contacts are set
+  std::vector<std::size_t> contacts_end_;  ///< end of the contacts of each state, as far as they are set
   std::map<std::size_t, Rates> before_jumps_;
 };
 

@@ -6,11 +6,12 @@
 
 namespace axode {
 
-/// A step of ContactStep, or a part of one that was repeated in parts: its states, its impulses and its
-/// decisions. They determine its derivative.
+/// A step of ContactStep, or a part of a step that was repeated in several parts: its states, its impulses
+/// and its decisions, from which ContactStepDerivative computes the derivative.
 struct ContactPart {
   using Vector = Eigen::VectorXd;
-  /// The room up to which a stop counts as closed at the end, rad or m.
+  /// The distance of a joint from a stop (rad or m) up to which the stop counts as closed at the end of a
+  /// step.
   static constexpr double near_stop = 1e-9;
   /// A floating base, and whether its centre of mass rests in its moving frame, see FloatingBases.
   struct Base {
@@ -18,19 +19,19 @@ struct ContactPart {
     bool constant;
   };
 
-  double h = 0;                                  ///< s
-  double margin = 0;                             ///< gap up to which contacts were found, m
-  Vector q_0, v_0;                               ///< at the start, before impulses
-  Vector q_middle, v_middle, q_1, v_before_end;  ///< of the free motion, see ContactSimulationRun::fly()
-  std::vector<Contact> start = {}, end = {};     ///< with rows in the two problems
+  double h = 0;                                            ///< length of the part, s
+  double margin = 0;                                       ///< gap up to which contacts were found, m
+  Vector q_0, v_0;                                         ///< state at the start, before impulses
+  Vector q_middle, v_middle, q_1, v_before_end;            ///< results of ContactSimulationRun::fly()
+  std::vector<Contact> start = {}, end = {};               ///< contacts in the problems at start and end
   std::vector<double> lambda_start = {}, lambda_end = {};  ///< multipliers in scaled rows
-  std::vector<char> slides = {};    ///< of each contact at the start: friction against the mean velocity
-  std::vector<char> bounces = {};   ///< of each contact and stop at the start
-  std::vector<char> overlaps = {};  ///< of each contact at the start: by more than rounding
-  double bounciness = 1;            ///< factor of restitutions
+  std::vector<char> slides = {};    ///< for each contact in `start`: its friction opposes the mean velocity
+  std::vector<char> bounces = {};   ///< for each contact in `start`, then each stop: it bounces
+  std::vector<char> overlaps = {};  ///< for each contact in `start`: its gap is negative beyond rounding
+  double bounciness = 1;            ///< factor by which restitutions are reduced
   std::vector<Contact> apart = {};  ///< contacts that were moved apart at the end (D11.15), or none
   std::vector<double> lambda_apart = {};
-  double most_apart = 0;  ///< the largest overlap that was parted, m
+  double most_apart = 0;  ///< largest overlap that is removed in one step, m
   std::vector<Base> bases = {};
 };
 

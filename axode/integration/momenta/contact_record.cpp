@@ -8,7 +8,8 @@ namespace axode {
 
 void ContactRecord::clear() noexcept { contacts_.clear(); }
 
-/// The entry of a contact, in the order of keys. A new one has the place of the contact.
+/// The entry of a contact in the list of points, which is in the order of keys. A new entry has the point,
+/// normal and gap of the contact.
 ContactForce& ContactRecord::at(const Contact& contact) {
   const auto place = std::ranges::lower_bound(contacts_, contact.key, {}, &ContactForce::key);
   if (place != contacts_.end() && place->key == contact.key) return *place;

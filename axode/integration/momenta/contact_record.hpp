@@ -8,8 +8,8 @@
 
 namespace axode {
 
-/// The points of contact of a step and the impulses that act there, at its start, at its end and in its
-/// parts.
+/// The points of contact of a step and the impulses that act there at its start and at its end, and in all of
+/// its parts if it was repeated in parts.
 class ContactRecord {
  public:
   /// `capacity` is the number of points for which memory is reserved.
@@ -18,19 +18,20 @@ class ContactRecord {
   }
 
   void clear() noexcept;
-  /// Sets the points at the end of the step, or of a part of it. A point that has received an impulse and is
-  /// not among them stays where it was.
+  /// Sets the points of contact at the end of the step, or of a part of it, to `found`. A point that has
+  /// received an impulse and is not in `found` stays where it was.
   void locate(std::span<const Contact> found);
-  /// Adds the impulses of contacts, which have the first blocks of a problem, see add_impulse(). The status
-  /// of a contact is that of the last impulses, by the velocities u of the rows beside the norm of all
+  /// Adds the impulses of contacts, whose rows are the first blocks of `problem` in the order of `contacts`;
+  /// `lambda` are the multipliers of all rows, see add_impulse(). The branch of a contact (stick or slide) is
+  /// that of its last impulse, which the velocities u of the rows decide, compared with the norm of all
   /// velocities.
   void add(const VelocityProblem& problem, std::span<const Contact> contacts, const double* lambda,
            const double* u, double velocity_norm);
-  /// Ends a step of length h: impulses become mean forces, and points without an impulse remain if their gap
-  /// is below the margin of the shapes.
+  /// Ends a step of length h (s): the sums of impulses become mean forces, and points without an impulse are
+  /// removed unless their gap is below the margin of the shapes.
   void finish(double h);
 
-  /// After finish(): the points, in ascending order of their keys.
+  /// The points of contact and their mean forces after finish(), in ascending order of their keys.
   std::span<const ContactForce> contacts() const { return contacts_; }
 
  private:

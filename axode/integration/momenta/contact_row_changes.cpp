@@ -1,6 +1,7 @@
 #include "axode/integration/momenta/contact_step_derivative.hpp"
 
-/// The rows of impulses and how they change.
+/// The functions of ContactStepDerivative for the rows of impulses of contacts and loops, and their changes
+/// along directions.
 namespace axode {
 namespace {
 
@@ -27,8 +28,8 @@ bool ContactStepDerivative::find(const std::vector<Contact>& contacts, double ma
     out.jets.push_back(jet ? *jet : ContactJet{});
     out.changes.push_back(jet ? motion_.contact(*jet) : ContactChanges{});
     if (!jet || thickness_.size() == 0) continue;
-    // A layer moves its side of the contact along the normal. The point is on b
-    // if a is a plane, and otherwise half-way.
+    // A layer on a shape moves the side of this shape at the contact along the normal. The contact point is
+    // on b if a is a plane, and otherwise half-way.
     const auto [a, b] = ContactJets::shapes_of(contact.key);
     const Eigen::Index k = motion_.directions();
     const Eigen::RowVectorXd on_a = thickness_.row(a).head(k), on_b = thickness_.row(b).head(k);

@@ -55,7 +55,7 @@ ContactStep::ContactStep(ContactSimulationRun& run, const Model& model, ContactS
     if (shapes[i].kind != ShapeKind::plane) size_ = std::max(size_, shapes[i].convex.extent);
 }
 
-/// The gap up to which a contact is closed, m: what rounding leaves of places as far out as the contact.
+/// The gap (m) up to which a contact is closed: the rounding error of points at its distance from the origin.
 double ContactStep::closed(const Contact& contact) const {
   constexpr double of_size = 1e-12, of_places = 32 * std::numeric_limits<double>::epsilon();
   return std::max(of_size * size_, of_places * (norm(contact.point) + size_));
@@ -99,7 +99,7 @@ void ContactStep::restart() noexcept {
   hard_ = false;
 }
 
-/// How far a point of a shape moves in the step, at most and about, m.
+/// An estimate of the largest distance (m) that a point of a shape moves in the step.
 double ContactStep::reach(double h, const Vector& v_0) {
   const ContactShapes& shapes = finder_.shapes();
   start_.system.move_bodies(v_0.data());
@@ -211,7 +211,7 @@ Failure ContactStep::solve(double t, const VelocityProblem& problem, std::vector
   return interruption_;
 }
 
-/// v_after = v + M⁻¹ Jᵀ λ, and the velocities of the rows after it.
+/// Computes v_after = v_before + M⁻¹ Jᵀ λ, and the velocities of the rows after it.
 void ContactStep::apply(End& end, const Vector& v_before, Vector& v_after) {
   end.x.setZero(end.system.problem().nv());
   end.system.problem().add_product(1, end.lambda.data(), end.x.data());
@@ -239,7 +239,7 @@ Failure ContactStep::move(double t, double h, const Vector& q_0, const Vector& v
     const double u = start_.u[index(problem.blocks()[k].first)];
     bounces_.push_back(e > 0 && u < -threshold);  // if it is closed at the end of the step
   }
-  // The free velocities of the middle, about: the size of the problem, and the point of its linearisation.
+  // Sets w to about the free velocities in the middle, which are the size of the problem.
   start_.x.setZero(problem.nv());
   system.momenta(v_0.data(), start_.x.data());
   system.bias_forces(q_0.data(), nothing_.data(), {}, start_.v.data());
@@ -310,7 +310,7 @@ double ContactStep::law_error() {
   return axode::certificate(problem, start_.lambda.data(), scratch_.data());
 }
 
-/// Leaves in end_.contacts those contacts that are closed, or that an impulse has just closed.
+/// Selects for end_.contacts those of found_ that are closed or had an impulse at the start.
 void ContactStep::select_active() {
   end_.contacts.clear();
   for (std::size_t k = 0; k < found_.size(); ++k) {
@@ -380,7 +380,7 @@ Failure ContactStep::separate(double t, double h) {
   if (std::ranges::none_of(found_, [&](const Contact& contact) { return overlaps(contact); })) return {};
   std::erase_if(found_, [](const Contact& contact) { return bool(contact.surface.compliance); });
   for (Contact& contact : found_) contact.surface = {};
-  // Dry friction holds velocities, and no displacements: its bound is 0.
+  // Dry friction does not resist the displacements that remove overlaps: its bound is 0.
   if (Failure failure = run_->checked(t + h, end_.system.set(q.data(), found_, 0))) return failure;
   VelocityProblem& problem = end_.system.problem();
   const double most = 5 * finder_.shapes().threshold() * h;

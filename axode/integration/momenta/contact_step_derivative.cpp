@@ -13,8 +13,8 @@ using RowMajor = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::Ro
 
 std::size_t index(Eigen::Index k) { return static_cast<std::size_t>(k); }
 
-/// Replaces changes along (directions, multipliers) by those along directions,
-/// if the multipliers change by `by` along them.
+/// Replaces changes x along directions and multipliers (columns in this order) by changes along the
+/// directions alone, where the multipliers change by `by` along the directions.
 template <class M> void follow(M& x, const Matrix& by) {
   x = (x.leftCols(by.cols()) + x.rightCols(by.rows()) * by).eval();
 }
@@ -55,7 +55,8 @@ ContactStepDerivative::ContactStepDerivative(const Model& model, const ContactSh
       }
 }
 
-/// The impulses at the start (D11.19). Columns after the first k are along their multipliers.
+/// Differentiates the impulses at the start of a part (D11.19). Columns of changes after the first k are
+/// along the multipliers of these impulses.
 bool ContactStepDerivative::begin(const ContactPart& part, const Matrix& dq, const Matrix& dv,
                                   const ContactDirections& directions, Start& out) {
   const Eigen::Index nv = dq.rows(), k = dq.cols();
@@ -95,8 +96,8 @@ bool ContactStepDerivative::begin(const ContactPart& part, const Matrix& dq, con
   Vector& v_a = out.v_a;
   v_a = part.v_0;
   if (m > 0) v_a += out.momenta.factor.solve(first.J.transpose() * first.physical());
-  // Momenta of a translation do not change the linear momenta with q, so that
-  // v_0 serves for these.
+  // The momenta of a translation of a base do not contribute to the derivatives of its linear momenta by q,
+  // so that the latter may be taken at v_0, with the velocity of the moving frame included.
   begin_bases(part, v_a, out.momenta.M, out.dq, dp + out.momenta.Mv_q * out.dq + out.momenta.M * out.dv);
   const Vector e_0 = frame_velocity(0);
   Matrix de_0 = Matrix::Zero(nv, k + m);
@@ -107,7 +108,8 @@ bool ContactStepDerivative::begin(const ContactPart& part, const Matrix& dq, con
   return true;
 }
 
-/// The rows in the middle, with the axes of the start turned to their normals.
+/// Computes the velocities of the contact rows in the middle of the free motion and their changes, along the
+/// axes of the start turned to the normals in the middle.
 bool ContactStepDerivative::take_slip(const ContactPart& part, const Start& start, const Flight& flight,
                                       Slip& out) {
   const int width = system_.contact_rows();
@@ -132,8 +134,8 @@ bool ContactStepDerivative::take_slip(const ContactPart& part, const Start& star
   return true;
 }
 
-/// The velocities of the rows at the start (D11.13), by which their law is obeyed, and their changes
-/// (D11.21).
+/// Computes the velocities u of the rows (D11.13) that obey the law together with the multipliers at the
+/// start, and their changes du (D11.21).
 bool ContactStepDerivative::take_start_velocities(const ContactPart& part, const Start& start,
                                                   const Flight& flight, const Slip& middle, Vector& u,
                                                   Matrix& du) {

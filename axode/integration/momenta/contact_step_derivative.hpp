@@ -15,49 +15,55 @@
 
 namespace axode {
 
-/// Changes of drive forces and of the surfaces of shapes along k directions.
-/// Matrices of surfaces may be empty, and have a row for each of the
-/// ContactShapes otherwise.
+/// Changes of drive forces and of the surfaces of shapes along k directions, a
+/// column for each direction. `tau` has nv rows. The other matrices have a row
+/// for each of the ContactShapes, or are empty if surfaces do not change.
 struct ContactDirections {
-  Eigen::MatrixXd tau;          ///< nv × k
+  Eigen::MatrixXd tau;          ///< drive forces, nv × k
   Eigen::MatrixXd friction;     ///< coefficient of sliding friction
-  Eigen::MatrixXd restitution;  ///< of a pair with two equal ones the first shape's counts
-  Eigen::MatrixXd thickness;    ///< of a layer on the surface, m: radius of a
+  Eigen::MatrixXd restitution;  ///< if a pair has two equal ones, the first one's change acts
+  Eigen::MatrixXd thickness;    ///< thickness of a layer, m: radius of a
                                 ///< sphere, height of a plane
 };
 
 /// The derivative of a step with contact by implicit differentiation of its
 /// equations at their solution (D11.19 to D11.23), along k directions that are
 /// propagated together. Which contacts touch, stick, slide or bounce does not
-/// change along the directions. It is the scratch memory of one thread.
+/// change along the directions. An object is the scratch memory of one thread.
 class ContactStepDerivative {
  public:
   using Vector = Eigen::VectorXd;
   using Matrix = Eigen::MatrixXd;
 
-  /// `dry_friction` must be that of the step. Allocates.
+  /// `dry_friction` and `damping` say whether the dry friction and the damping
+  /// of joints acted in the step. Allocates.
   ContactStepDerivative(const Model& model, const ContactShapes& shapes, bool dry_friction, bool damping);
 
   /// Replaces the changes dq, dv (nv × k) of the state at the start of a part
-  /// by those at its end, for changes of forces and surfaces. dq is
-  /// left-trivialised. Returns false if contact points are not differentiable;
-  /// then why() says which. Allocates. It takes O(n k + nv² k + rows³).
+  /// of a step by the changes at its end, along directions in which drive
+  /// forces and surfaces may also change. dq is left-trivialised. Returns false
+  /// if the points of a contact have no closed form; then why() says which.
+  /// Allocates. It takes O(n k + nv² k + rows³) for the rows of contacts,
+  /// stops, dry joints and loops.
   bool run(const ContactPart& part, Matrix& dq, Matrix& dv, const ContactDirections& directions);
 
   const std::string& why() const { return why_; }
-  /// Whether every derivative so far exists and whether one was at a kink, see
-  /// ProblemDerivative.
+  /// `unique` says whether every derivative so far exists, and `at_kink`
+  /// whether a contact, stop or dry joint was within rounding of the boundary
+  /// between two branches of its law, see ProblemDerivative.
   bool unique = true, at_kink = false;
 
  private:
-  /// M v and f = ∂L/∂q of the kinetic energy with their derivatives, at a state
-  /// (q, v).
+  /// The momenta M v and the forces ∂L/∂q of the kinetic energy L, at a state
+  /// (q, v): M, its factor, and the derivatives of M v by q and of ∂L/∂q by q
+  /// and v (nv × nv each).
   struct Momenta {
     Matrix M, Mv_q, F_q, F_v;
     Eigen::LLT<Matrix> factor;
   };
-  /// A floating base during a part: the velocity u of the centre of mass with
-  /// which its frame moves.
+  /// A floating base during a part of a step: the velocity u of its centre of
+  /// mass, with which its moving frame moves, and the changes du of u along the
+  /// directions.
   struct Base {
     int body;
     Eigen::Index first;
@@ -66,7 +72,9 @@ class ContactStepDerivative {
     Vec3<> u;
     Eigen::Matrix3Xd du;
   };
-  /// The rows of the contacts of one configuration and how they change.
+  /// The rows of the contacts in one configuration and how they change: for
+  /// each contact its ContactJet, whether it was found there, its changes, its
+  /// axes and the changes of its axes.
   struct Rows {
     std::vector<ContactJet> jets = {};
     std::vector<char> found = {};
@@ -74,69 +82,76 @@ class ContactStepDerivative {
     std::vector<ContactFrame> axes = {};
     std::vector<FrameChanges> daxes = {};
   };
-  /// The matrices J (rows × nv) and c J of the impulses at one end, and the
-  /// problem's rows.
+  /// The rows J (rows × nv) of the impulses at one end of a part, their factors
+  /// c and their multipliers. Impulses are Jᵀ physical().
   struct Impulses {
     Matrix J;
     Vector c, lambda;  ///< λ in scaled rows
     Vector physical() const { return c.cwiseProduct(lambda); }
   };
 
-  /// The start of a part. Changes have k columns along the directions, and then one for each multiplier.
+  /// The start of a part of a step. Changes have k columns along the
+  /// directions, and then one for each multiplier.
   struct Start {
     Eigen::Index k = 0;
     Matrix dq, dv, dtau, friction;
     Rows rows;
     Impulses first;
-    Momenta momenta;  ///< at the velocities before the impulses, in the moving frames
-    Vector v_a, p;    ///< after the impulses; p in the moving frames
+    Momenta momenta;  ///< at the velocities before impulses, in moving frames
+    Vector v_a, p;    ///< velocities and momenta after impulses; p in moving frames
     Matrix dp;
-    Vector u;  ///< of the rows before the impulses
+    Vector u;  ///< velocities of the rows before the impulses
     Matrix du, du_rolling;
   };
-  /// Changes of the middle and the end of the free motion.
+  /// Changes of q and v in the middle of the free motion, and of q and p at its
+  /// end.
   struct Flight {
     Matrix dq_m, dv_m, dq_1, dp_1;
   };
-  /// The velocities of the rows in the middle.
+  /// The velocities of the contact rows in the middle of the free motion.
   struct Slip {
     Rows rows;
     Vector u;
     Matrix du;
   };
 
-  /// The size of velocities, or of columns of velocities, in the metric of the masses.
+  /// The norm √(xᵀ M x) of velocities x; if x has several columns, the root of
+  /// the sum of their squared norms.
   static double mass_norm(const Matrix& M, const Matrix& x);
   void take_momenta(const Vector& q, const Vector& v, Momenta& out);
-  /// Finds the jets of contacts at the poses of the motion, and how they
-  /// change.
+  /// Finds the ContactJets of contacts at the poses of motion_, and how the
+  /// contacts change along its directions. `margin` is the gap up to which a
+  /// contact is found. Returns false if a contact has no closed form.
   bool find(const std::vector<Contact>& contacts, double margin, Rows& out);
-  /// Changes of the coefficients c of the rows of contacts (rows × k).
+  /// Changes of the factors c of the rows of contacts (rows × k), if the
+  /// coefficients of sliding friction of the shapes change by `friction`. c is
+  /// the coefficient of friction in friction rows.
   Matrix coefficient_changes(const std::vector<Contact>& contacts, Eigen::Index rows,
                              const Matrix& friction) const;
-  /// Changes of the restitution of a contact (1 × k).
+  /// Changes of the restitution of a contact (1 × k) by those of its shapes.
   Eigen::RowVectorXd restitution_changes(const Contact& contact) const;
   void set_axes(const std::vector<Contact>& contacts, Rows& out);
   Impulses set_rows(const Vector& q, const std::vector<Contact>& contacts, double h, double stop_margin,
                     const std::vector<double>& lambda);
-  /// Changes of Jᵀ λ (nv × k) for constant λ.
+  /// Changes of the impulses Jᵀ λ (nv × k) for constant λ, which `physical`
+  /// has.
   Matrix impulse_changes(const Vector& q, const Rows& rows, const Vector& physical, const Matrix& dq);
-  /// Changes of J x (rows × k) for constant x, and J x in `u`. The motion must
-  /// have run at (q, x).
+  /// Changes of the row velocities J x (rows × k) for constant velocities x,
+  /// and J x in `u`. motion_ must have run at (q, x).
   Matrix velocity_changes(const Vector& q, const Vector& x, const Rows& rows, const Matrix& dq, Vector& u);
   void begin_bases(const ContactPart& part, const Vector& v_a, const Matrix& M, const Matrix& dq,
                    const Matrix& dp);
-  /// Changes of the velocities of those loop rows that have no residual, of
-  /// rolling contacts, by which the impulses at the start are determined (rows
-  /// of loops × k).
+  /// Changes of the velocities of loop rows (loop rows × k) that the step
+  /// predicts in the linear problem at its start. They determine the impulses
+  /// of those rows that have no residual, as rolling contacts have.
   Matrix rolling_changes(const ContactPart& part, const Rows& start, const Impulses& first, const Matrix& dp,
                          const Matrix& dq, const Matrix& dv);
   Matrix Ad_transpose(const Vector& y, Matrix x) const;
   Matrix dexp_transpose(const Vector& y, Matrix x) const;
   /// The derivatives of Ad_{exp y}ᵀ p or of dexp_yᵀ p by y.
   Matrix turn_of(const Vector& y, const Vector& p, bool Ad) const;
-  /// Velocities of the bases against their frames after a time t, as velocities
-  /// of joints.
+  /// Velocities of the moving frames of floating bases at a time t after the
+  /// start of the part, as velocities of their joints (nv numbers).
   Vector frame_velocity(double t) const;
   void add_frame_changes(double time, double of_place, double of_velocity, const Matrix& dq_moving,
                          Matrix* dq, Matrix* dv) const;
@@ -170,9 +185,9 @@ class ContactStepDerivative {
   ContactJets jets_;
   DisplacedMotion motion_;
   std::vector<Base> bases_;
-  Matrix thickness_, restitution_;  ///< changes along the directions of the
-                                    ///< motion and of the part, or empty
-  std::vector<int> place_;          ///< of each velocity in its joint
+  Matrix thickness_, restitution_;  ///< changes along the directions of
+                                    ///< motion_ and of the part, or empty
+  std::vector<int> place_;          ///< index of each velocity in its joint
   std::string why_;
 };
 

@@ -3,7 +3,8 @@
 
 #include "axode/integration/momenta/contact_step_derivative.hpp"
 
-/// The impulses at the end of a step, and the motion that parts overlaps.
+/// The functions of ContactStepDerivative for the impulses at the end of a step, and for the displacement
+/// that removes overlaps.
 namespace axode {
 namespace {
 
@@ -14,7 +15,7 @@ using Joints = GroupDerivatives::Joints;
 
 std::size_t index(Eigen::Index k) { return static_cast<std::size_t>(k); }
 
-/// The place of a contact with a key, or -1.
+/// The index of the contact with a key in a list, or -1.
 int place_of(const std::vector<Contact>& contacts, std::uint64_t key) {
   const auto found = std::ranges::find(contacts, key, &Contact::key);
   return found == contacts.end() ? -1 : static_cast<int>(found - contacts.begin());
@@ -22,7 +23,8 @@ int place_of(const std::vector<Contact>& contacts, std::uint64_t key) {
 
 }  // namespace
 
-/// The impulses at the end (D11.22).
+/// Differentiates the impulses at the end of a part (D11.22): computes dv after them from the changes dq and
+/// dp before.
 bool ContactStepDerivative::impulses_at_end(const ContactPart& part, const Start& start, const Slip& middle,
                                             const Matrix& dp, const Matrix& friction, Matrix& dq,
                                             Matrix& dv) {
@@ -108,7 +110,7 @@ bool ContactStepDerivative::impulses_at_end(const ContactPart& part, const Start
   return true;
 }
 
-/// The motion that parts overlaps (D11.23).
+/// Differentiates the displacement that removes overlaps (D11.23): replaces dq before it by dq after it.
 bool ContactStepDerivative::move_apart(const ContactPart& part, Matrix& dq) {
   const Eigen::Index m = static_cast<Eigen::Index>(part.lambda_apart.size()), nv = dq.rows(), k = dq.cols();
   const int width = system_.contact_rows();

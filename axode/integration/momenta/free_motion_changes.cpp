@@ -2,7 +2,8 @@
 #include "axode/dynamics/mass_matrix/mass_matrix.hpp"
 #include "axode/integration/momenta/contact_step_derivative.hpp"
 
-/// The changes of momenta and of the free motion between the impulses of a step.
+/// The functions of ContactStepDerivative for the changes of momenta, and of the free motion between the
+/// impulses of a step.
 namespace axode {
 namespace {
 
@@ -63,8 +64,8 @@ Matrix ContactStepDerivative::turn_of(const Vector& y, const Vector& p, bool Ad)
   return by_y;
 }
 
-/// The linear momentum of a base gives the velocity u of its frame, and its
-/// change.
+/// Sets up the floating bases of a part: the linear momentum of a base gives the velocity u of its moving
+/// frame, and the change of the momentum that of u.
 void ContactStepDerivative::begin_bases(const ContactPart& part, const Vector& v_a, const Matrix& M,
                                         const Matrix& dq, const Matrix& dp) {
   bases_.clear();
@@ -82,8 +83,7 @@ void ContactStepDerivative::begin_bases(const ContactPart& part, const Vector& v
   }
 }
 
-/// Velocities of the frames of the bases at the poses of the motion, as
-/// velocities of their joints.
+/// Velocities of the moving frames of floating bases at the poses of motion_, as velocities of their joints.
 Vector ContactStepDerivative::frame_velocity(double t) const {
   Vector e = Vector::Zero(model_.nv());
   for (const Base& base : bases_) {
@@ -93,8 +93,8 @@ Vector ContactStepDerivative::frame_velocity(double t) const {
   return e;
 }
 
-/// Adds to dq the changes of the places of the frames after a time t, and to dv
-/// those of their velocities.
+/// Adds to dq the changes of the positions of the moving frames at `time` after the start, times of_place,
+/// and to dv those of their velocities, times of_velocity.
 void ContactStepDerivative::add_frame_changes(double time, double of_place, double of_velocity,
                                               const Matrix& dq_moving, Matrix* dq, Matrix* dv) const {
   const Vector e = frame_velocity(time);
@@ -127,8 +127,9 @@ Matrix ContactStepDerivative::rolling_changes(const ContactPart& part, const Row
   return du.bottomRows(model_.loops().rows);
 }
 
-/// The derivatives of the forces f = F - ad_vᵀ M v + ... in the middle by the place and velocity in the
-/// moving frames. Adds their changes with the frames to df.
+/// Computes the derivatives f_q and f_v of the forces f = F - ad_vᵀ M v + ... in the middle, with F = ∂L/∂q
+/// of the kinetic energy, by position and velocity in the moving frames. Adds to df their changes with the
+/// moving frames.
 void ContactStepDerivative::take_forces(const ContactPart& part, const Momenta& at_m, const Vector& v_m,
                                         Matrix& f_q, Matrix& f_v, Matrix& df) {
   const double h = part.h;
@@ -177,7 +178,7 @@ void ContactStepDerivative::take_forces(const ContactPart& part, const Momenta& 
   }
 }
 
-/// The free motion (D11.20).
+/// Differentiates the free motion (D11.20).
 ContactStepDerivative::Flight ContactStepDerivative::fly(const ContactPart& part, const Start& start) {
   const double h = part.h;
   const Eigen::Index nv = start.dq.rows(), k = start.k, m = start.dq.cols() - k;
@@ -220,8 +221,8 @@ ContactStepDerivative::Flight ContactStepDerivative::fly(const ContactPart& part
   for (const Base& base : bases_) {
     if (!base.constant) continue;
     const Eigen::Index linear = base.first + 3;
-    // The poses of the motion are those at the end. Forces on the base move the
-    // centre of mass.
+    // The poses of motion_ are those at the end here. If forces on the base change, they move the centre of
+    // mass.
     const Eigen::Matrix3d R_1 = to_eigen(motion_.poses()[index(base.body)].R);
     const SE3<> C_0 = subgroup::Free<double>::pose(
         tree_->B[index(base.body)], part.q_0.data() + tree_->operator->()->iq[index(base.body)]);
@@ -232,7 +233,7 @@ ContactStepDerivative::Flight ContactStepDerivative::fly(const ContactPart& part
       if (!start.dtau.col(c).segment<6>(base.first).isZero(0)) shift.col(c).setZero();
     dq_1.middleRows<3>(linear) += R_1.transpose() * shift;
   }
-  // From the moving frames to the inertial one: at the end, and in the middle.
+  // Converts changes in the moving frames to changes in the inertial frame, at the end and in the middle.
   const Matrix dq_moving_1 = dq_1;
   add_frame_changes(h, h, 0, dq_moving_1, &dq_1, nullptr);
   motion_.run(part.q_middle.data(), part.v_middle.data(), no_direction, no_direction);

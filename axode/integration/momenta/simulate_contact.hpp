@@ -4,8 +4,9 @@
 
 namespace axode {
 
-/// simulate_contact() with given collision shapes, for example with hulls of meshes:
-/// `ContactShapes(model, hull_of_mesh)`. They must be those of the model.
+/// Simulates a motion as simulate_contact() of simulation.hpp does, but with given collision shapes, for
+/// example with hulls of meshes: `ContactShapes(model, hull_of_mesh)`. The shapes must be those of the model,
+/// otherwise std::invalid_argument is thrown.
 Trajectory simulate_contact(const Model& model, const ContactShapes& shapes, std::span<const double> q,
                             std::span<const double> v, double until, double step,
                             const SimulationOptions& options = {});
@@ -13,8 +14,8 @@ Trajectory simulate_contact(const Model& model, const ContactShapes& shapes, std
                             std::span<const double> v, double until, const Tolerances& tolerances,
                             const SimulationOptions& options = {});
 
-/// Checks that steps with contact count everything that a mechanism has, and that the shapes are those of the
-/// model. Throws std::invalid_argument if not.
+/// Throws std::invalid_argument if the model has something that steps with contact do not support (prescribed
+/// motions, drives with states, couplings with play), and if the shapes are not those of the model.
 void check_contact(const Model& model, const ContactShapes& shapes);
 
 }  // namespace axode

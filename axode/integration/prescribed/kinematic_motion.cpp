@@ -23,12 +23,13 @@ constexpr double converged = 1e-13;
 constexpr int most_iterations = 12;
 /// The longest displacement of a joint in one step, rad or m.
 constexpr double longest = 0.5;
-/// The part of a predicted displacement that Newton's method may correct; more would be another branch.
+/// The ratio to a predicted displacement up to which Newton's method may correct it; a larger correction
+/// would lead to another branch of configurations.
 constexpr double most_corrected = 0.2;
-/// The shortest step, relative to the whole time.
+/// The shortest step in time, relative to the whole time.
 constexpr double shortest = 1e-11;
 
-/// The mechanism at one time.
+/// The state of the mechanism at one time, with accelerations and jerks.
 struct Instant {
   double t = 0;
   Vector q, v, a, jerk;
@@ -45,7 +46,8 @@ class KinematicSolver {
         rows_(model_.loops().rows),
         forces_(model_.nv()) {}
 
-  /// Moves q onto the motions at a time by at most `reach`; returns whether that is possible.
+  /// Moves q by Newton's method to a configuration that closes the loops and follows the motions at time t.
+  /// Returns false if this fails or if the displacements add up to more than `reach` (rad or m).
   bool close(double t, double reach, Vector& q) {
     motions_.impose(t, system_);
     const Vector before = q;
@@ -66,7 +68,8 @@ class KinematicSolver {
     return false;
   }
 
-  /// Computes velocities, accelerations and their derivatives at a closed q (D12.5).
+  /// Computes velocities, accelerations and jerks at a q that closes the loops and follows the motions
+  /// (D12.5).
   void differentiate(Instant& at) {
     const Eigen::Index nv = model_.nv();
     Vector s_1 = Vector::Zero(rows_.size()), s_3 = s_1;
@@ -95,11 +98,12 @@ class KinematicSolver {
     at.jerk = factor.solve(s_3 - by_q * at.v - by_v * at.a);
     freedom_ = nv - factor.rank();
   }
-  /// The number of velocities that the motions leave, at the last differentiate().
+  /// The number of velocities that loops and motions leave undetermined, at the last differentiate().
   Eigen::Index freedom() const { return freedom_; }
 
-  /// Goes from one instant to a later time, in as many steps as needed. Returns false at the last instant
-  /// that can be reached.
+  /// Moves `at` to a later time t, in as many steps as needed. `whole` is the duration of the whole motion.
+  /// Returns false if the monitor ends the motion or if t cannot be reached; `at` is then the last instant
+  /// that was reached.
   bool go(double t, double whole, const std::function<bool()>& monitor, Instant& at) {
     double h = t - at.t;
     while (at.t < t) {

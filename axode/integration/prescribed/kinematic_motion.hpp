@@ -8,7 +8,8 @@
 
 namespace axode {
 
-/// A motion without dynamics, at the times that were asked for up to the last one that can be reached.
+/// A motion that prescribed motions alone determine, without dynamics: its states at the requested times, up
+/// to the last state that can be reached.
 struct KinematicMotion {
   std::vector<double> t;
   std::vector<double> q, v, a, jerk;  ///< a row for each time: nq, nv, nv and nv numbers
@@ -17,14 +18,16 @@ struct KinematicMotion {
   std::string stop_reason;            ///< why the motion ended early, in a sentence; or empty
 };
 
-/// Computes the motion of a mechanism whose mobility is used up by prescribed motions: positions by Newton's
-/// method, and velocities, accelerations and their derivatives from one factorisation of the rows (D12.5).
-/// It begins near q at the first time and follows the branch on which it begins; the times increase. If a
-/// motion cannot be followed further, the result ends there and has the reason. Masses, springs and forces
-/// do not matter. Throws std::invalid_argument if q is not near a configuration that follows the motions,
-/// with the remedy, if motions leave the mechanism a velocity, and for times that do not increase. The
-/// monitor is called at every step; if it returns false, the result ends there. Allocates; O(m nv²) for each
-/// time.
+/// Computes the motion of a mechanism whose mobility is used up by prescribed motions: those of the model and
+/// those in `motions`. Positions are computed by Newton's method, and velocities, accelerations and jerks
+/// from one factorisation of the rows of loops and motions (D12.5). The motion begins near q at the first of
+/// the times (s), which increase, and remains on the branch of configurations on which it begins. If the
+/// motions cannot be followed to the last time, the result ends at the last state that was reached and
+/// contains the reason. Masses, springs and forces have no effect. Throws std::invalid_argument if q is not
+/// near a configuration that closes the loops and follows the motions, if the motions leave a velocity of the
+/// mechanism undetermined, for q or times that are not finite, and for times that do not increase. The
+/// monitor is called before every step; if it returns false, the result ends there. Allocates; O(m nv²) for
+/// each time with m rows.
 KinematicMotion kinematic_motion(const Model& model, std::span<const double> q, std::span<const double> times,
                                  std::span<const PrescribedMotion> motions = {},
                                  const std::function<bool()>& monitor = {});

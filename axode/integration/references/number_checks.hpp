@@ -8,13 +8,14 @@
 /// of the argument, the value and the rule.
 namespace axode {
 
-/// All numbers must be finite.
+/// Throws unless all numbers of x are finite.
 void check_finite(const char* name, std::span<const double> x);
 
-/// Times must be finite and increase.
+/// Throws unless the times t are finite and increase.
 void check_times(std::span<const double> t);
 
-/// One number for each velocity, from nv numbers or from one number for all.
+/// Returns one number for each velocity (nv), from nv numbers or from one number for all velocities. Throws
+/// for another size.
 std::vector<double> for_each_velocity(const Model& model, const char* name, std::span<const double> given);
 
 }  // namespace axode

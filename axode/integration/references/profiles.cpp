@@ -13,12 +13,14 @@ namespace {
 using Span = std::span<const double>;
 using Vector = std::vector<double>;
 
-/// The shortest part of the time in which a joint reaches its velocity, so that jumps remain apart.
+/// The least value of Trapezoid::ramp, so that the two jumps of the acceleration are not taken as one jump
+/// with the start or the end.
 constexpr double shortest_ramp = 10 * StraightPath::resolution;
 
-/// Constant acceleration until u = ramp, constant velocity, and constant deceleration from u = 1 - ramp on.
+/// A profile s from 0 to 1 in u = t / duration: constant acceleration until u = ramp, constant velocity, and
+/// constant deceleration from u = 1 - ramp on.
 struct Trapezoid {
-  double duration;    ///< the shortest time
+  double duration;    ///< the shortest time within the limits, s
   double ramp = 0.5;  ///< ratio of the time of acceleration to the whole time
 
   Trapezoid(double length, double velocity, double acceleration)
@@ -27,7 +29,8 @@ struct Trapezoid {
     ramp = std::max(velocity / acceleration / (length / velocity + velocity / acceleration), shortest_ramp);
     duration = length / velocity / (1 - ramp);
   }
-  /// s and its derivatives by u. `side` is -1 for the acceleration before a jump at u, and 1 after it.
+  /// Computes s and its derivatives by u. `side` is -1 for the acceleration before a jump at u, and 1 for the
+  /// acceleration after it.
   MotionValue at(double u, int side) const {
     const double most = 1 / (ramp * (1 - ramp)), from_end = 1 - u,
                  shifted = u + side * StraightPath::resolution;

@@ -31,7 +31,8 @@ void check_sample_times(Span t) {
   check_times(t);
 }
 
-/// Times and configurations of a motion, with the velocities and accelerations that are found from them.
+/// The times t and configurations q of a motion, with the velocities v and accelerations a that are computed
+/// from them or given.
 struct Samples {
   const Model& model;
   Span t;
@@ -66,7 +67,7 @@ QuinticSpline Samples::spline(const Vector& all, std::size_t width, int column) 
   return {t, values};
 }
 
-/// Computes v and a of the joints of one velocity.
+/// Computes v and a of the joints of one velocity, from splines through their coordinates.
 void Samples::differentiate_by_splines() {
   for (const Joint& joint : model.joints()) {
     if (joint.nv != 1) continue;
@@ -79,8 +80,9 @@ void Samples::differentiate_by_splines() {
   }
 }
 
-/// Computes v and a of the joints of several velocities. At sample k, with q = (q_k ⊕ (t - t_k) z) ⊕ x(t) and
-/// x(t_k) = 0, they are v = z + x' and a = x'' - [x', z].
+/// Computes v and a of the joints of several velocities from polynomials through neighbouring samples. With q
+/// = (q_k ⊕ (t - t_k) z) ⊕ x(t), x(t_k) = 0 and the mean velocity z of a step beside sample k, they are v = z
+/// + x' and a = x'' - [x', z] at sample k.
 void Samples::differentiate_on_group() {
   const ConfigurationGroup<double> group(model.tree<double>());
   if (group.commutes()) return;
@@ -134,7 +136,8 @@ Trajectory Samples::trajectory() const {
   return motion;
 }
 
-/// The joint of a motion, which must have a coordinate of its own.
+/// The joint with the name `of`, which a motion moves. Throws std::invalid_argument if the name is that of a
+/// rod or of a joint that is coupled to another one.
 const Joint& joint_of(const Model& model, const std::string& of) {
   const auto joint = std::ranges::find(model.joints(), of, &Joint::name);
   if (joint == model.joints().end())
@@ -147,7 +150,7 @@ const Joint& joint_of(const Model& model, const std::string& of) {
   return *joint;
 }
 
-/// The times of a trajectory, and those in between at which a derivative of a motion jumps.
+/// The times t of a trajectory, and the times between them at which a derivative of a motion jumps.
 Vector with_jumps(Span t, const MotionRows& motions) {
   const double rounding = 1e-9 * (t.back() - t.front());
   Vector times(t.begin(), t.end());

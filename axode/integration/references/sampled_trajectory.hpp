@@ -4,19 +4,20 @@
 #include "axode/constraints/prescribed/prescribed_motion.hpp"
 #include "axode/integration/trajectory.hpp"
 
-/// Motions that controllers follow and that no simulation computed. Their drive forces are 0.
+/// Trajectories from samples or from functions of time, without a simulation, for controllers to follow.
+/// Their drive forces are 0.
 namespace axode {
 
-/// The motion through samples at times t (s), two or more. q has a row of nq numbers for each time, v and a
-/// have a row of nv numbers for each time.
+/// Computes the motion through samples at K times t (s), two or more. q has a row of nq numbers for each
+/// time, v and a have a row of nv numbers for each time or are empty.
 ///
-/// Without v, a joint of one velocity follows the spline of degree 5 through its samples, as a motion of the
-/// kind `samples` does; its angle counts whole turns. At each sample of a spherical, planar or free joint, v
-/// and a are those of the polynomial of degree 5 through six neighbouring samples, in exponential coordinates
-/// relative to a motion with the mean velocity of one step; the joint turns by less than half a turn between
-/// two samples. With v alone, a is the derivative of the splines of degree 5 through v. Trajectory::at()
-/// interpolates, and its v and a are the derivatives of its q. The errors are of order h⁶ in q, h⁵ in v and
-/// h⁴ in a. O(K n).
+/// If v is empty, a joint of one velocity follows the spline of degree 5 through its samples, as a motion of
+/// the kind `samples` does; its angle counts whole turns. At each sample of a spherical, planar or free
+/// joint, v and a are those of the polynomial of degree 5 through six neighbouring samples, in exponential
+/// coordinates relative to a motion with the mean velocity of one step; the joint turns by less than half a
+/// turn between two samples. If only a is empty, a is the derivative of the splines of degree 5 through v.
+/// Trajectory::at() interpolates, and its v and a are the derivatives of its q. The errors are of order h⁶ in
+/// q, h⁵ in v and h⁴ in a for samples at distances h. O(K n).
 ///
 /// Quaternions are normalised. Throws std::invalid_argument for fewer than two times, times that do not
 /// increase, wrong sizes, a without v, numbers that are not finite, and quaternions that are not of unit
@@ -24,13 +25,16 @@ namespace axode {
 Trajectory trajectory_from_samples(const Model& model, std::span<const double> t, std::span<const double> q,
                                    std::span<const double> v = {}, std::span<const double> a = {});
 
-/// The motion in which joints of one velocity follow functions of time: the motions of the model, and those
-/// in `motions`. All other joints rest at q, or at the initial state of the model if q is empty. The
-/// trajectory has states at the times t (s), two or more, and where a derivative of a function jumps; in
-/// between it is interpolated with an error of order h⁶ in q. Loops are not closed. O(K n).
+/// Computes the motion in which joints of one velocity follow functions of time: the prescribed motions of
+/// the model, and those in `motions`. All other joints rest at q, or at the initial state of the model if q
+/// is empty. The trajectory has states at the K times t (s), two or more, and where a derivative of a
+/// function jumps; between the states it is interpolated with an error of order h⁶ in q for steps of length
+/// h. Loops are not closed. O(K n).
 ///
-/// Throws std::invalid_argument as trajectory_from_samples() does, for rods, coupled joints and joints of
-/// several velocities, for a second motion of a joint, and if a function is not known at all times.
+/// Throws std::invalid_argument for fewer than two times, times that do not increase, a wrong size of q,
+/// numbers that are not finite, and quaternions that are not of unit norm; also for a motion of a rod, a
+/// coupled joint or a joint of several velocities, for a second motion of one joint, and if a function is not
+/// known at all times.
 Trajectory trajectory_from_functions(const Model& model, std::span<const double> t,
                                      std::span<const PrescribedMotion> motions,
                                      std::span<const double> q = {});

@@ -34,7 +34,8 @@ void check_within_limits(const Model& model, Span goal) {
 /// The number of steps of a trajectory without jumps.
 constexpr double fewest_steps = 50;
 
-/// The times of the states of a trajectory: those of the jumps, with equal steps in between.
+/// The times of the states of a trajectory: the start, the jumps and the end, and equal steps between them,
+/// so that the whole duration has at least fewest_steps steps.
 Vector times_with(Vector jumps, double duration) {
   jumps.push_back(duration);
   std::ranges::sort(jumps);
@@ -49,7 +50,8 @@ Vector times_with(Vector jumps, double duration) {
   return times;
 }
 
-/// The limits of each velocity, which must be positive and at most `most`.
+/// Returns one limit for each velocity (nv), from nv limits or one for all. Throws std::invalid_argument with
+/// the `rule` unless all of them are positive and at most `most`.
 Vector positive(const Model& model, const char* name, Span given, double most, const char* rule) {
   for (std::size_t k = 0; k < given.size(); ++k)
     if (!(given[k] > 0) || !(given[k] <= most))

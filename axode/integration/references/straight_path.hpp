@@ -8,10 +8,10 @@
 
 namespace axode {
 
-/// The path from a configuration to another on which every joint moves along its geodesic on the group: q =
-/// start ⊕ s X, with X = goal ⊖ start and a function s of time for each joint, from 0 to 1. Then v = s' X and
-/// a = s'' X, because the velocity of exp(s X) is s' X. The distance that a joint has gone is s times its
-/// length.
+/// The path from a configuration `start` to a configuration `goal` on which every joint moves along its
+/// geodesic on the group: q = start ⊕ s X, with X = goal ⊖ start and a function s of time for each joint,
+/// from 0 to 1. Then v = s' X and a = s'' X, because the velocity of exp(s X) is s' X. The length of the path
+/// of a joint is its largest |X_c|, and the distance that the joint has gone is s times this length.
 class StraightPath {
  public:
   /// A joint that moves along the path.
@@ -20,31 +20,35 @@ class StraightPath {
     double length;  ///< the largest |X_c| of its velocities, rad or m
   };
 
-  /// Throws std::invalid_argument for wrong sizes, numbers that are not finite, quaternions that are not of
-  /// unit norm, and a goal outside the limits of the joints. The start may lie outside.
+  /// Computes the path. Throws std::invalid_argument for wrong sizes, numbers that are not finite,
+  /// quaternions that are not of unit norm, and a goal outside the limits of the joints. The start may lie
+  /// outside the limits.
   StraightPath(const Model& model, std::span<const double> start, std::span<const double> goal);
 
   const Model& model() const { return model_; }
   /// The joints whose start and goal differ.
   std::span<const Joint> joints() const { return joints_; }
 
-  /// The largest derivative of the distance of each of joints() that keeps the limits. `given` has one limit
-  /// for each velocity, or one for all: rad or m, per s, s² or s³. Throws std::invalid_argument unless they
-  /// are positive and finite.
+  /// For each of joints(), the largest value of a time derivative of its distance (the first, second or third
+  /// one) that keeps limits on the same derivative of the coordinates. `given` has one limit for each
+  /// velocity, or one for all: rad or m, per s, s² or s³. Throws std::invalid_argument unless the limits are
+  /// positive and finite; `name` is their name in the message.
   std::vector<double> limits(const char* name, std::span<const double> given) const;
-  /// The largest velocity along the path of each of joints(). Limits of velocities may be infinite; if none
-  /// are given, they are those of the model, in which a joint that moves must have a limit above 0.
+  /// For each of joints(), the largest velocity along the path that keeps velocity limits. `given` has one
+  /// limit for each velocity, or one for all (rad/s or m/s), which may be infinite. If it is empty, the
+  /// limits of the model count, and must be above 0 for a joint that moves. Throws std::invalid_argument for
+  /// limits that are not positive.
   std::vector<double> velocity_limits(std::span<const double> given) const;
 
   /// A function that writes the distance of each of joints() at a time from 0 to the duration, with its first
   /// two derivatives. `side` is -1 for the values before a jump at this time, and 1 for those after it.
   using Profile = std::function<void(double t, int side, std::span<MotionValue> distances)>;
-  /// The trajectory whose joints have these distances, with a state wherever a second or third derivative
-  /// jumps, and in at least fifty steps. Between the states it is exact if distances are polynomials of
-  /// degree 5 there. If no joint moves it has one state.
+  /// Computes the trajectory whose joints have the distances that `profile` writes. It has a state at each of
+  /// `jumps`, the times at which a second or third derivative jumps, and at least fifty steps. Between the
+  /// states it is exact if distances are polynomials of degree 5 there. If no joint moves it has one state.
   Trajectory follow(std::vector<double> jumps, double duration, const Profile& profile) const;
 
-  /// Jumps that are closer to each other than this part of the duration are taken as one.
+  /// Two jumps whose distance in time is less than this part of the duration are taken as one.
   static constexpr double resolution = 1e-7;
 
  private:

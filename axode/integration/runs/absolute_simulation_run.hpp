@@ -12,8 +12,8 @@
 
 namespace axode {
 
-/// A motion in absolute coordinates: q, v and a are those of the bodies, see AbsoluteSystem. The trajectory
-/// contains the coordinates, velocities and accelerations of the joints.
+/// A motion that is integrated in absolute coordinates: q, v and a are those of the bodies, see
+/// AbsoluteSystem. The trajectory contains the coordinates, velocities and accelerations of the joints.
 class AbsoluteSimulationRun {
  public:
   using Vector = std::vector<double>;
@@ -41,7 +41,7 @@ class AbsoluteSimulationRun {
 
  public:
   Trajectory& trajectory;
-  Vector q, v, a, lambda;  ///< present state and multipliers
+  Vector q, v, a, lambda;  ///< present state, accelerations and multipliers
 
   AbsoluteSystem& bodies() { return bodies_; }
   const Tree<double>& tree() const { return bodies_.group(); }
@@ -54,16 +54,17 @@ class AbsoluteSimulationRun {
   double step_end(double t_1) const { return run_.step_end(t_1); }
   void stop(const Failure& failure) { run_.stop(failure); }
   const EnergyNorm& norm() const { return norm_; }
-  /// The size of velocities in a step of length h, see SimulationRun; v_t are the velocities of the bodies.
+  /// The magnitude of the terms from which velocities are computed in a step of length h, see SimulationRun;
+  /// v_t are the velocities of the bodies.
   double velocity_scale(const Vector& v_t, double h) const {
     return std::max(norm_.of_velocities(as_eigen(v_t)), run_.velocity_scale(h));
   }
 
-  // The schemes call these functions.
+  // The schemes in absolute coordinates call the functions factorize() to take_closed().
   Failure factorize(double t, Span q_t) { return checked(t, bodies_.factorize(q_t)); }
   Failure factorize_with_rank(double t, Span q_t) { return checked(t, bodies_.factorize_with_rank(q_t)); }
-  /// Factorises the system with the resistance of springs, dampers and drives. The resistance is the force by
-  /// which they react to a change x of accelerations, which changes q by c_x x and v by c_v x.
+  /// Factorises the system at q_t with the resistance of springs, dampers and drives: the forces by which
+  /// they react to a change x of accelerations, if this changes q by c_x x and v by c_v x.
   Failure factorize(double t, Span q_t, Span v_t, double c_x, double c_v) {
     bodies_.to_joint_state(q_t, v_t, q_joints_, v_joints_);
     if (Failure failure = run_.joint_resistance(t, q_joints_, v_joints_, c_x, c_v, resistance_))
@@ -94,8 +95,9 @@ class AbsoluteSimulationRun {
     std::ranges::copy(x_, a_t.begin());
     return finite(x_) ? Failure{} : Failure{t, "accelerations are not finite"};
   }
-  /// Projects q_1 and v_1 so that joints and loops are closed, by the displacement and the impulses that are
-  /// least in the norm of the mass matrix. Factorises the system at the result.
+  /// Projects q_1 and v_1 at time t so that joints and loops are closed, by the displacement and the impulses
+  /// that are least in the norm of the mass matrix. Factorises the system at the result. Fails if the
+  /// residual of positions stays above 1e-6.
   Failure close(double t, Vector& q_1, Vector& v_1) {
     constexpr double closed = 1e-13, tolerable = 1e-6;
     double before = position_error(q_1);
@@ -117,8 +119,8 @@ class AbsoluteSimulationRun {
     as_eigen(v_1) += as_eigen(x_);
     return {};
   }
-  /// Projects the end of a step and appends it to the trajectory. Dry friction is a force -f sign(v), which
-  /// may jump within a step.
+  /// Projects the state at the end of a step and appends it to the trajectory. The dry friction of a joint
+  /// with the limit f is a force -f sign(v); the step is not divided where it jumps.
   Failure take_up_to(double t_1, const StepEnd& end, const Attempt&) {
     Vector q_1(end.q.begin(), end.q.end()), v_1(end.v.begin(), end.v.end());
     if (Failure failure = close(t_1, q_1, v_1)) return failure;
@@ -127,8 +129,8 @@ class AbsoluteSimulationRun {
   }
   void begin_step() { weakest_row_ = 1; }
   double weakest_row() const { return weakest_row_; }
-  /// Appends the end of a step to the trajectory without projection, for schemes that keep joints and loops
-  /// closed themselves.
+  /// Appends the state at the end of a step to the trajectory without projection, for schemes that keep
+  /// joints and loops closed themselves.
   Failure take_closed(double t, Span q_end, Span v_end) {
     bodies_.to_joint_state(q_end, v_end, q_joints_, v_joints_);
     bodies_.set_reference_angles(q_joints_);
@@ -144,7 +146,7 @@ class AbsoluteSimulationRun {
   Failure checked(double t, const Solvability& how) {
     return how.ok() ? Failure{} : Failure{t, to_string(trajectory.model(), how)};
   }
-  /// The diagonal of M, which is constant.
+  /// The diagonal of the mass matrix M of the bodies, which is constant.
   static Eigen::VectorXd inertia_of(const AbsoluteSystem& bodies) {
     Eigen::VectorXd inertia(bodies.nv());
     Vector v(static_cast<std::size_t>(bodies.nv())), p;
@@ -156,7 +158,8 @@ class AbsoluteSimulationRun {
     }
     return inertia;
   }
-  /// Computes the change x of the motion by the impulses that remove the residuals in rows_.
+  /// Computes in x_ the displacement or change of velocities, by impulses of joints and loops, that removes
+  /// the residuals in rows_.
   void project() {
     as_eigen(rows_) *= -1;
     f_.assign(static_cast<std::size_t>(bodies_.nv()), 0.0);

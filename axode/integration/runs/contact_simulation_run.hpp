@@ -5,9 +5,9 @@
 
 namespace axode {
 
-/// A motion with contact between the impulses of contacts, stops, dry joints and loops: the free motion of
-/// the tree. The options must not have joint losses; damping is added here, and dry friction belongs to the
-/// impulses.
+/// The free motion of the tree in a motion with contact, between the impulses of contacts, stops, dry joints
+/// and loops. The options must not have joint losses: damping acts if `damping` is true, and dry friction
+/// acts by impulses.
 class ContactSimulationRun : public MomentumSimulationRun {
  public:
   ContactSimulationRun(const Model& model, Span q_0, Span v_0, double until, const SimulationOptions& options,
@@ -24,7 +24,7 @@ class ContactSimulationRun : public MomentumSimulationRun {
     for (Vector* x : {&v_end, &v_middle, &v_t_}) x->resize(model.nv());
   }
 
-  /// Begins another motion at a configuration, for callers of fly() alone.
+  /// Begins another motion at q_0, for callers that use fly() alone.
   void restart(const Vector& q_0) {
     places_ = norm_.of_places(tree(), q_0);
     h_ = 0;
@@ -35,9 +35,10 @@ class ContactSimulationRun : public MomentumSimulationRun {
     return finite(q_t) && finite(v_t) ? Failure{} : not_finite(t, "the state is", as_span(v_t));
   }
 
-  /// Moves freely from (q_0, v_0) at time t over h by the midpoint rule (D8.5). A floating base keeps its
-  /// momentum, or the sum of its momentum and that of gravity, to rounding. The state is given at the end and
-  /// in the middle of the step, with the velocities of the middle for its whole length.
+  /// Computes the free motion from (q_0, v_0) at time t over h by the midpoint rule (D8.5). The momentum of a
+  /// floating base, together with the impulse of gravity, is exact to rounding. q_end and v_end have the
+  /// state at the end of the motion, and q_middle the configuration in its middle; v_middle has the
+  /// velocities in the middle, with which the bodies move for the whole time.
   Failure fly(double t, double h, const Vector& q_0, const Vector& v_0) {
     FloatingBases& bases = this->bases();
     bases.restart(t, q_0.data(), v_0.data(), is_loaded());
@@ -69,7 +70,8 @@ class ContactSimulationRun : public MomentumSimulationRun {
     return {};
   }
 
-  /// The partials of MomentumSimulationRun with the damping of the joints.
+  /// Computes p = M v and f = τ + ∂L/∂q as MomentumSimulationRun does, and subtracts the damping of the
+  /// joints from f if damping acts.
   Failure partials(double t, const Vector& q_t, const Vector& v_t, Vector& p, Vector& f) {
     if (Failure failure = MomentumSimulationRun::partials(t, q_t, v_t, p, f)) return failure;
     if (damping_)
@@ -78,20 +80,21 @@ class ContactSimulationRun : public MomentumSimulationRun {
     return {};
   }
 
-  /// Appends the end of a step; without accelerations they are those of the free motion.
+  /// Appends the state at the end of a step to the trajectory. If a_t is empty, the accelerations are those
+  /// of the motion without contact.
   Failure take_contact(double t, const Vector& q_t, const Vector& v_t, const Vector& a_t) {
     Span tau;
     if (Failure failure = joint_forces(t, as_span(q_t), as_span(v_t), tau)) return failure;
     return record(t, {q_t, v_t, a_t});
   }
 
-  Vector q_end, v_end, q_middle, v_middle;  ///< after fly()
+  Vector q_end, v_end, q_middle, v_middle;  ///< results of fly()
 
  private:
   bool damping_;
   Midpoint<ContactSimulationRun> midpoint_;
   Vector q_0_, p_, y_, v_0_, change_;
-  double h_ = 0;  ///< length of the motion of change_, 0 if there is none
+  double h_ = 0;  ///< length of the motion in which v changed by change_; 0: none
 };
 
 }  // namespace axode

@@ -9,8 +9,8 @@
 
 namespace axode {
 
-/// The states of the drives of a motion during its integration. Evaluations of forces take place at the
-/// states that act_at() was called with last or, in an implicit step, at those that the step has at its end.
+/// The states of the drives of a motion during its integration. Forces are evaluated with the states of the
+/// last act_at() or, in an implicit step, with those that the drives have at the end of the step.
 class DriveStates {
  public:
   using Vector = Eigen::VectorXd;
@@ -19,41 +19,46 @@ class DriveStates {
 
   explicit DriveStates(DriveSystem system);
 
-  /// The drives with their statuses and inputs.
+  /// The drives with their present statuses and inputs.
   const DriveSystem& system() const { return system_; }
   bool empty() const { return system_.empty(); }
   std::size_t size() const { return system_.nx(); }
   const Vector& nominal() const { return nominal_; }
   std::vector<std::string> names() const;
 
-  /// Chooses x, unless it is given, and the statuses at the start of a motion at time 0. Throws
-  /// std::invalid_argument for a given x of a wrong size or with a number that is not finite.
+  /// Sets the states x and the statuses of the drives at the start of a motion, at time 0: x is `given` or,
+  /// if that is empty, chosen by the drives. Throws std::invalid_argument for a given x of a wrong size or
+  /// with a number that is not finite.
   void start(Span q, Span v, Span given);
-  /// Sets the states at which the drives act from now on.
+  /// Sets the states with which forces are evaluated from now on, and ends an implicit step.
   void act_at(Span x_t);
-  /// Begins a step of generalised-α over h (D17.6). Until act_at(), the states of every evaluation are those
-  /// that belong to its q and v at the end of the step.
+  /// Begins an implicit step of generalised-α over h (D17.6). Until act_at(), the states in every evaluation
+  /// of forces at (q, v) are those that the drives would have if the step ended with this q and v.
   void begin_implicit_step(double h, double spectral_radius);
-  /// The states at the last evaluation of forces.
+  /// The states in the last evaluation of forces.
   Span states() const { return {x_t_.data(), size()}; }
-  /// Accepts the implicit step, or begins anew after a jump.
+  /// accept_implicit_step() keeps the mean rates of the step for the next one. restart() replaces them by the
+  /// present rates, after a jump.
   void accept_implicit_step();
   void restart() { mean_0_ = dx; }
-  /// Adds the derivatives of the drive forces by q and v, nv × nv, at the last evaluation to out. In an
-  /// implicit step they contain those of the states (D17.7).
+  /// Adds to by_q and by_v the derivatives of the drive forces by q and v, nv × nv each, at the last
+  /// evaluation. In an implicit step the states depend on q and v, which is taken into account (D17.7).
   void add_force_derivatives(Span q, Span v, Eigen::Ref<Matrix> by_q, Eigen::Ref<Matrix> by_v);
-  /// Adds the drive forces to tau, and computes rates().
+  /// Evaluates the drives at time t and state (q, v): adds their forces to tau (nv numbers), and computes
+  /// rates().
   void add_forces(double t, Span q, Span v, std::span<double> tau);
-  /// Adds to tau the part of these forces that acts along lines, at the last evaluation of forces.
+  /// Adds to tau (nv numbers) the forces of those drives that act along lines between two points, as the last
+  /// evaluation has found them; they are contained in the tau of add_forces() already.
   void add_line_forces(std::span<double> tau) const { system_.add_line_forces(tau); }
-  /// The rates of the states at the last evaluation of forces.
+  /// The rates of the states in the last evaluation of forces.
   Span rates() const { return {dx_t_.data(), size()}; }
   /// The name of the first state whose rate is not finite, if there is one.
   std::string first_not_finite() const;
 
   double next_jump(double t) const { return system_.next_jump(t); }
   double least_margin(double t, Span q, Span v, Span x_t) { return system_.least_margin(t, q, v, x_t); }
-  /// DriveSystem::switch_at() for the present states.
+  /// Calls DriveSystem::switch_at() with the present states: inputs and statuses change that must change at
+  /// time t. Returns whether one did.
   bool switch_at(double t, Span q, Span v);
 
   Vector x, dx;  ///< present states and their rates

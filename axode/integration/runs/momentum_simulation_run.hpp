@@ -9,7 +9,8 @@
 
 namespace axode {
 
-/// A motion in (q, p), with floating bases relative to their centres of mass.
+/// A motion that is integrated in configurations q and momenta p = M v. Floating bases move relative to the
+/// moving frames of FloatingBases, in which gravity vanishes.
 class MomentumSimulationRun : public SimulationRun {
  public:
   MomentumSimulationRun(const Model& model, Span q_0, Span v_0, double until,
@@ -20,7 +21,7 @@ class MomentumSimulationRun : public SimulationRun {
         p_(model.nv()) {}
 
   FloatingBases& bases() { return bases_; }
-  /// q, v and p = M v at the start, relative to the frames of the bases.
+  /// Writes q, v and p = M v at the start of the motion, relative to the moving frames of the floating bases.
   void initial_state(Vector& q_0, Vector& v_0, Vector& p_0) {
     q_0 = q;
     v_0 = v;
@@ -29,7 +30,8 @@ class MomentumSimulationRun : public SimulationRun {
     momenta(model_, workspace_, Span(as_span(q_0)), as_span(v_0), as_span(p_0));
   }
 
-  /// p = M v and f = τ + ∂L/∂q.
+  /// Computes p = M v and f = τ + ∂L/∂q at time t and a state (q_t, v_t) relative to the moving frames of the
+  /// floating bases.
   Failure partials(double t, const Vector& q_t, const Vector& v_t, Vector& p, Vector& f) {
     q_t_ = q_t;
     v_t_ = v_t;
@@ -42,14 +44,14 @@ class MomentumSimulationRun : public SimulationRun {
   }
   Failure factorize(double t, const Vector& q_t) { return checked(t, phase_space_.factorize(q_t.data())); }
   void solve(Vector& x) { phase_space_.solve(x.data()); }
-  /// v of a state (q, p).
+  /// Computes v = M⁻¹ p of a state (q, p), and factorises M at q.
   Failure velocity(double t, const Vector& q_t, const Vector& p, Vector& v_t) {
     if (Failure failure = factorize(t, q_t)) return failure;
     v_t = p;
     solve(v_t);
     return finite(v_t) ? Failure{} : not_finite(t, "the state is", as_span(v_t));
   }
-  /// v, and f = p' - ad_vᵀ p.
+  /// Computes v = M⁻¹ p and f = p' - ad_vᵀ p of a state (q, p), where the forces of loops are included.
   Failure rates(double t, const Vector& q_t, const Vector& p, Vector& v_t, Vector& f) {
     if (Failure failure = velocity(t, q_t, p, v_t)) return failure;
     if (Failure failure = partials(t, q_t, v_t, p_, f)) return failure;
@@ -60,16 +62,17 @@ class MomentumSimulationRun : public SimulationRun {
   Failure checked(double t, const Solvability& found) const {
     return found.ok() ? Failure{} : Failure{t, to_string(model_, found)};
   }
-  /// Projects p onto momenta that keep the loops closed, and q onto closed loops.
+  /// close() projects p onto momenta that keep the loops closed, and close_places() projects q onto closed
+  /// loops. Without loops they do nothing.
   Failure close(double t, const Vector& q_t, Vector& p) {
     return !loops_ || loops_->close_momenta(as_span(q_t), as_span(p)) ? Failure{} : Failure{t, open};
   }
   Failure close_places(double t, Vector& q_t) {
     return !loops_ || loops_->close_places(as_span(q_t)) ? Failure{} : Failure{t, open};
   }
-  /// Whether a load or drive acted on a base in the last evaluation.
+  /// Whether a load or drive acted on a floating base in the last evaluation of forces.
   bool pushes_bases() const { return pushes_bases_; }
-  /// Appends the end of a step.
+  /// Appends the end of a step, a state (q, p) relative to the moving frames, to the trajectory.
   Failure take_momenta(double t, const Vector& q_t, const Vector& p) {
     Vector q_1 = q_t, v_1, a_1(p.size());
     if (Failure failure = velocity(t, q_t, p, v_1)) return failure;

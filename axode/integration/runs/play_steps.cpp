@@ -5,14 +5,15 @@
 #include "axode/eigen.hpp"
 #include "axode/integration/runs/simulation_run.hpp"
 
-/// Steps that end where a play reaches or leaves one of its ends (D16.18).
+/// The functions of SimulationRun for steps that end where the play of a coupling reaches or leaves one of
+/// its ends (D16.18).
 namespace axode {
 namespace {
 
 constexpr int upper = 1, lower = -1;
 
-/// The time at which a cubic with the values and rates of both ends of a step is least, as a part of the
-/// step.
+/// The place of the minimum of a cubic in a step, as a fraction of the step from 0 to 1. g_0 and g_1 are the
+/// values of the cubic at both ends of the step, and d_0 and d_1 its rates times the length of the step.
 double part_of_least(double g_0, double d_0, double g_1, double d_1) {
   const double c2 = 3 * (g_1 - g_0) - 2 * d_0 - d_1, c3 = 2 * (g_0 - g_1) + d_0 + d_1;
   const double root = std::sqrt(std::max(0.0, c2 * c2 - 3 * c3 * d_0));
@@ -22,7 +23,8 @@ double part_of_least(double g_0, double d_0, double g_1, double d_1) {
 
 }  // namespace
 
-/// Finds which plays are at an end when the motion starts.
+/// Finds which plays are at an end when the motion starts. Throws std::invalid_argument if a play is beyond
+/// an end, and if joints have dry friction or gears with losses.
 void SimulationRun::start_plays() {
   if (friction_.active())
     throw std::invalid_argument(
@@ -50,7 +52,7 @@ void SimulationRun::start_plays() {
                     as_span(drives_.dx));
 }
 
-/// Makes the plays at their ends loops.
+/// Sets up the loops of the mechanism anew, with a coupling without play for every play that is at an end.
 void SimulationRun::engage_plays() {
   const Model& model = plays_.any_at_an_end() ? plays_.engaged() : model_;
   loops_.reset();
@@ -60,8 +62,9 @@ void SimulationRun::engage_plays() {
   loops_->determine_rank(as_span(q));
 }
 
-/// Computes a reserve of each play, which is positive until the play changes and negative afterwards. That of
-/// a free play is its gap, and that of a play at an end is the force with which the end pushes.
+/// Computes a reserve of each play at a state, which is positive until the play changes and negative
+/// afterwards. The reserve of a free play is its gap, and that of a play at an end is the force with which
+/// the end pushes.
 Failure SimulationRun::reserves(double t, const StepEnd& end, std::vector<double>& out) {
   out.resize(plays_.size());
   if (plays_.any_at_an_end()) {
@@ -95,8 +98,8 @@ double SimulationRun::time_of_dip(double t_1, const StepEnd& end) const {
   return t_1;
 }
 
-/// Shortens a step after which some play has changed until the change is at its end. `reserve` is that of the
-/// end of the step.
+/// Shortens a step at whose end some play has changed, so that it ends just after the change: t_1 and `end`
+/// change. `reserve` has the reserves at the end of the step, before and after the call.
 Failure SimulationRun::find_change(double& t_1, StepEnd& end, const Attempt& attempt,
                                    std::vector<double>& reserve) {
   const double t_0 = now(), resolution = std::max(1e-13 * (t_1 - t_0), 1e-15 * t_1);
@@ -167,7 +170,8 @@ Failure SimulationRun::take_up_to_play(double t_1, StepEnd& end, const Attempt& 
   return change_plays(reserve);
 }
 
-/// Lets the plays change whose reserve is used up.
+/// Lets the plays with a negative reserve change: a free play that moves outwards meets its end, and a play
+/// at an end becomes free.
 Failure SimulationRun::change_plays(const std::vector<double>& reserve) {
   std::vector<std::size_t> reaching;  // a play that leaves its end now does not meet it again
   bool released = false;
@@ -193,7 +197,8 @@ Failure SimulationRun::change_plays(const std::vector<double>& reserve) {
   return {};
 }
 
-/// The impact of play k on one of its ends. Other plays that the impact would pull leave their ends.
+/// Computes the impact of play k on its lower or upper end (`side` -1 or 1). Ends only push: another play at
+/// an end that the impact would pull becomes free.
 void SimulationRun::meet_end(std::size_t k, int side) {
   const double speed = side * plays_.rate(k, as_span(v)), e = plays_.restitution(k, speed);
   plays_.set_side(k, side);
@@ -220,7 +225,7 @@ void SimulationRun::meet_end(std::size_t k, int side) {
   engage_plays();
 }
 
-/// Computes the accelerations at the present state. Plays that would be pulled leave their ends.
+/// Computes the accelerations at the present state. A play at an end that would be pulled becomes free.
 Failure SimulationRun::settle_plays() {
   for (;;) {
     if (Failure failure = accelerate_now()) return failure;

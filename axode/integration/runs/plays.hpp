@@ -8,8 +8,9 @@
 
 namespace axode {
 
-/// The couplings with play of a mechanism in a simulation. A play is free or at one of its ends, where it
-/// acts as a coupling that pushes and does not pull, see (D16.18) of docs/derivations.
+/// The couplings with play of a mechanism in a simulation. The play of a coupling is free, or it is at one of
+/// its two ends, where the coupling acts like one without play that pushes and does not pull, see (D16.18) of
+/// docs/derivations.
 class Plays {
  public:
   using Span = std::span<const double>;
@@ -19,32 +20,38 @@ class Plays {
   bool any() const { return !plays().empty(); }
   std::size_t size() const { return plays().size(); }
   const std::string& name(std::size_t k) const { return plays()[k].name; }
-  /// -1 at the lower end of play k, 1 at the upper one, 0 in between.
+  /// The end at which play k is: -1 for the lower one, 1 for the upper one, 0 if the play is free.
   int side(std::size_t k) const { return side_[k]; }
   void set_side(std::size_t k, int side) { side_[k] = side; }
   bool any_at_an_end() const;
 
-  /// The mechanism in which every play at an end is a loop. It has the coordinates of the mechanism.
+  /// The model in which every coupling whose play is at an end has no play there. Its coordinates are those
+  /// of the model with play. It is built when a combination of ends occurs first.
   const Model& engaged();
 
-  /// δ = Σ factor q - offset of play k, and its rate.
+  /// deflection() is δ = Σ factor q - offset of play k, its distance from the middle of the play; rate() is
+  /// δ'.
   double deflection(std::size_t k, Span q) const;
   double rate(std::size_t k, Span v) const;
   double half(std::size_t k) const { return plays()[k].play / 2; }
-  /// The restitution of an impact on the end of play k at a speed: 0 below the threshold of the mechanism.
+  /// The restitution of an impact of play k on its end at a speed: 0 if the speed is below the threshold of
+  /// the mechanism.
   double restitution(std::size_t k, double speed) const;
   /// The rounding error of the gap between play k and one of its ends; smaller gaps count as 0.
   double gap_resolution(std::size_t k, Span q) const;
-  /// The gap between play k and the end that is nearer, plus what it may be beyond this end while it is free.
+  /// The gap between play k and the end that is nearer, negative beyond it, plus the overshoot that is
+  /// allowed by allow_overshoot().
   double gap(std::size_t k, Span q) const;
-  /// Lets free plays be as far beyond their ends as they are now, where an event or the start has left them.
+  /// Allows each play to be as far beyond one of its ends as it is at q, because an event or the start of the
+  /// motion may leave it a little beyond. gap() is then not negative there.
   void allow_overshoot(Span q);
-  /// Takes back what the free plays no longer need of allow_overshoot().
+  /// Reduces the overshoot that allow_overshoot() has allowed for each play, if the play is less far beyond
+  /// its end at q.
   void reduce_overshoot(Span q);
 
  private:
   const std::vector<Backlash>& plays() const { return model_.loops().backlashes; }
-  /// The distance of play k beyond one of its ends; 0 if it is between them.
+  /// The distance of play k beyond the nearer one of its ends; 0 if it is between them.
   double beyond(std::size_t k, Span q) const;
 
   Model model_;

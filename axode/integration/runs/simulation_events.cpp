@@ -4,7 +4,7 @@
 #include "axode/integration/runs/simulation_run.hpp"
 #include "axode/kinematics/twists.hpp"
 
-/// The events of a motion during its integration.
+/// The functions of SimulationRun that find the events of a motion.
 namespace axode {
 std::vector<double> SimulationRun::values_at(double t, Span q_t, Span v_t) const {
   std::vector<double> values;
@@ -12,15 +12,16 @@ std::vector<double> SimulationRun::values_at(double t, Span q_t, Span v_t) const
   return values;
 }
 
-/// The value of an event at a time in the last step.
+/// The value of an event at a time t in the last step, whose state is interpolated.
 double SimulationRun::value_at(const Event& event, double t) const {
   Vector q_t(q.size()), v_t(v.size());
   trajectory.at(t, as_span(q_t), as_span(v_t));
   return event.value(t, as_span(q_t), as_span(v_t));
 }
 
-/// The number of parts of the last step in which no body turns by much more than a quarter turn. In a longer
-/// part an event that depends on an attitude could occur and end unnoticed.
+/// Divides the last step, which begins at time `before`, into parts in which no body turns by much more than
+/// a quarter turn, and returns the number of parts. In a longer part the value of an event that depends on an
+/// attitude could change its sign twice unnoticed.
 int SimulationRun::parts_by_rotation(double before) {
   const double h = now() - before;
   const std::size_t k = trajectory.size() - 1;
@@ -33,8 +34,9 @@ int SimulationRun::parts_by_rotation(double before) {
   return static_cast<int>(std::clamp(std::ceil(h * fastest / (std::numbers::pi / 2)), 1.0, 1e9));
 }
 
-/// Finds the times in a part of the last step at which the value of an event changes sign, from `begin` to
-/// `end`: once, or twice if its rates at both ends show that it approaches zero and returns.
+/// Finds the times in a part of the last step, from `before` to `after`, at which the value of event e
+/// changes sign. The value is `begin` at the start of the part and `end` at its end. There is one such time,
+/// or there are two if the rates of the value at both ends show that it approaches zero and returns.
 void SimulationRun::find_occurrences(std::size_t e, double before, double after, double begin, double end,
                                      std::vector<Trajectory::EventOccurrence>& met) const {
   const Event& event = options_.events[e];
@@ -71,7 +73,8 @@ void SimulationRun::find_occurrences(std::size_t e, double before, double after,
   }
 }
 
-/// Finds the events of the last step between two times; the trajectory ends at a terminal one.
+/// Finds the events of the last step, which leads from time `before` to time `after`. At a terminal event the
+/// trajectory is shortened and ends.
 Failure SimulationRun::find_events(double before, double after) {
   const std::vector<double> next = values_at(after, as_span(q), as_span(v));
   std::vector<Trajectory::EventOccurrence> met;

@@ -15,14 +15,14 @@
 namespace axode {
 namespace {
 
-/// The norm of gravity as a force on the whole mechanism, an upper bound of that on any joint.
+/// The norm √m |g| of gravity as a force on the whole mechanism, an upper bound of that on any joint.
 double weight_of(const Tree<double>& tree) {
   double mass = 0;
   for (int i = 1; i <= tree->n; ++i) mass += tree.M[i].m;
   return std::sqrt(mass) * axode::norm(tree.g);
 }
 
-/// Why springs have no force at q: the gas of a spring has no volume left. Empty if there is no such spring.
+/// Why a spring has no force at q: the gas in it has no volume left. Empty if there is no such spring.
 std::string exhausted_gas(const Model& model, Workspace<>& workspace, std::span<const double> q) {
   const std::vector<Spring>& springs = model.springs().elements;
   for (std::size_t k = 0; k < springs.size(); ++k) {
@@ -85,8 +85,8 @@ SimulationRun::SimulationRun(const Model& model, Span q_0, Span v_0, double unti
   values_ = values_at(0, q_0, as_span(v));
 }
 
-/// Throws if a joint that follows a motion has dry friction or a gear with losses, which would have to hold
-/// it.
+/// Throws std::invalid_argument if a joint that follows a prescribed motion has dry friction or a gear with
+/// losses.
 void SimulationRun::check_friction_of_motions() const {
   if (!friction_.active()) return;
   for (const MotionRows::Row& row : loops_->motions().rows()) {
@@ -293,7 +293,7 @@ void SimulationRun::add_resistance_of_drive(double t, Span q_t, Span v_t, double
 
 // Dry friction.
 
-/// Changes the last accelerations a to the accelerations under the friction that depends on them.
+/// Changes the accelerations a_t without the friction that depends on accelerations to those with it.
 Failure SimulationRun::apply_friction(double t, Span q_t, Span v_t, std::span<double> a_t) {
   const std::vector<int>& resisting = friction_.resisting();
   columns_.resize(model_.nv(), static_cast<Eigen::Index>(resisting.size()));
@@ -406,8 +406,8 @@ Failure SimulationRun::take_under_friction(double t_1, StepEnd& end, const Attem
 
 // Drives with states.
 
-/// Ends the step earlier, just after a status of a drive can no longer remain as it is: changes t_1 and the
-/// end. The time is found by regula falsi (Illinois) with bisections in between.
+/// If a status of a drive must change before t_1, shortens the step so that it ends just after this change:
+/// t_1 and `end` change. The time is found by regula falsi (Illinois) with bisections in between.
 Failure SimulationRun::end_at_switch(double& t_1, StepEnd& end, const Attempt& attempt) {
   if (drives_.empty()) return {};
   const auto margin = [&](double t) {
@@ -445,7 +445,7 @@ Failure SimulationRun::end_at_switch(double& t_1, StepEnd& end, const Attempt& a
   return {};
 }
 
-/// Continues with the statuses and inputs of the drives after the present time.
+/// Lets the statuses and inputs of the drives change at the present time, and computes accelerations anew.
 Failure SimulationRun::switch_drives() {
   if (!drives_.switch_at(now(), as_span(q), as_span(v))) return {};
   accelerations_jumped_ = true;
@@ -459,7 +459,7 @@ Failure SimulationRun::switch_drives() {
 Failure SimulationRun::continue_until(double until) {
   if (loops_) loops_->motions().check_times(now(), until);
   until_ = until;
-  // These changes follow every step except the last one of a call.
+  // After the last step of a call, friction and drives have not changed yet.
   if (friction_.active()) stop_sliding(0);
   if (Failure failure = switch_drives()) return failure;
   return friction_.active() ? forces_changed() : Failure{};

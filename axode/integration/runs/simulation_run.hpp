@@ -18,16 +18,18 @@
 
 namespace axode {
 
-/// The state at the end of a step, with that of the drives; a and dx are empty if the scheme does not compute
-/// accelerations.
+/// The state at the end of a step: q, v and the accelerations a of the mechanism, and the states x and rates
+/// dx of its drives. a and dx are empty if the scheme does not compute accelerations.
 struct StepEnd {
   Eigen::VectorXd q, v, a = {}, x = {}, dx = {};
 };
-/// A function that computes the end of a step from the present time to t_1. It must call begin_step() first.
+/// A function that computes the state at the end of a step from the present time to t_1. It must call
+/// begin_step(), or check_sticking(), which does.
 using Attempt = std::function<Failure(double t_1, StepEnd& end)>;
 
-/// A motion under integration, the common part of all schemes: the trajectory so far in joint coordinates,
-/// accelerations, events and dry friction.
+/// A motion that is being integrated in joint coordinates, as far as all schemes share it. It has the
+/// trajectory so far and the present state, computes accelerations, and handles events, dry friction, drives
+/// with states and couplings with play.
 class SimulationRun {
  public:
   using Vector = Eigen::VectorXd;
@@ -35,21 +37,23 @@ class SimulationRun {
 
   SimulationRun(const Model& model, Span q_0, Span v_0, double until, const SimulationOptions& options);
 
-  /// Computes accelerations under springs, drives, loads and friction.
+  /// Computes the accelerations a_t at time t and state (q_t, v_t) under springs, drives, loads and friction.
   Failure accelerate(double t, Span q_t, Span v_t, std::span<double> a_t);
 
-  /// Computes the residual r, which is 0 if a is the acceleration: r = ID(q, v, a) - tau by inverse dynamics
-  /// or, with loops, r = a - FD(q, v, tau) by forward dynamics. For sticking velocities r is a.
+  /// Computes the residual r (nv numbers), which is 0 if a_t is the acceleration: r = ID(q, v, a) - τ by
+  /// inverse dynamics or, with loops, r = a - FD(q, v, τ) by forward dynamics. Its entries of sticking
+  /// velocities are those of a.
   Failure residual(double t, const Vector& q_t, const Vector& v_t, const Vector& a_t, Vector& r);
   double size_of_residual(const Vector& r) const {
     return loops_ ? norm_.of_velocities(r) : norm_.of_forces(r);
   }
-  /// Derivatives of residual() by q, v and a, without those of the drive.
+  /// Computes the derivatives dr of residual() by q, v and a, nv × nv each, without the contribution of
+  /// SimulationOptions::drive.
   void residual_derivatives(const Vector& q_t, const Vector& v_t, const Vector& a_t,
                             const InverseDynamicsDerivatives<double>& dr);
   bool is_driven() const { return static_cast<bool>(options_.drive); }
-  /// The drive's part of the residual with the opposite sign: τ or, with loops, (∂a/∂τ) τ with ∂a/∂τ from the
-  /// last residual_derivatives(). Entries of sticking velocities are 0.
+  /// The contribution of SimulationOptions::drive to residual() with the opposite sign: τ or, with loops,
+  /// (∂a/∂τ) τ with ∂a/∂τ from the last residual_derivatives(). Entries of sticking velocities are 0.
   Span drive(double t, const Vector& q_t, const Vector& v_t);
 
   const EnergyNorm& norm() const { return norm_; }
@@ -62,34 +66,35 @@ class SimulationRun {
   double velocity_scale(double h) const {
     return std::max(std::abs(h) * std::max(weight_, norm_.of_forces(forces_)), 1e7 * place_resolution(h));
   }
-  /// The norm of velocities that change q in a step by no more than the rounding error of q.
+  /// The norm of velocities that change q, in a step of length h, by no more than the rounding error of q.
   double place_resolution(double h) const { return 1e-15 * places_ / std::abs(h); }
 
-  /// Takes the step to t_1, or to an earlier time at which dry friction changes, because a joint comes to
-  /// rest or begins to slide, at which a status of a drive changes, or at which a play reaches or leaves one
-  /// of its ends. The last attempt must be the one at t_1 under the present friction, statuses and plays.
+  /// Takes the step to t_1, or to an earlier time: that at which a joint comes to rest or begins to slide
+  /// under dry friction, a status of a drive changes, or a play reaches or leaves one of its ends. The last
+  /// attempt must be the one at t_1 under the present directions of friction, statuses and plays.
   Failure take_up_to(double t_1, StepEnd& end, const Attempt& attempt);
-  /// Begins an attempt under the present friction.
+  /// Prepares an attempt at a step: resets the violation of dry friction and weakest_row().
   void begin_step();
-  /// The least LoopSystem::weakest_row() of the accelerations that were computed since begin_step().
+  /// The least LoopSystem::weakest_row() of all accelerations that were computed since begin_step().
   double weakest_row() const { return weakest_row_; }
   /// Whether dry friction, a drive or a play changed at the end of the last step, so that accelerations jump
   /// there.
   bool accelerations_jumped() const { return accelerations_jumped_; }
-  /// Checks whether friction can hold the sticking joints at the end of a step, for schemes that did not
-  /// compute accelerations there.
+  /// Computes the accelerations at the end of a step if joints stick, so that DryFriction::violation() says
+  /// whether friction can hold them. It is for schemes that have not computed accelerations there.
   Failure check_sticking(double t, const StepEnd& end);
 
-  /// Accepts the end of a step, which contains the acceleration if the scheme has computed it. Loops are
-  /// closed again, which changes the state a little.
+  /// Accepts the state at the end of a step, and appends it to the trajectory. Loops are closed again, which
+  /// changes the state a little. Accelerations are computed if the scheme has not computed them.
   Failure take(double t, const StepEnd& end);
-  /// Appends the end of a step without projection, for schemes that keep loops closed themselves.
+  /// Appends the state at the end of a step to the trajectory without projection, for schemes that keep loops
+  /// closed themselves.
   Failure take_closed(double t, Span q_end, Span v_end);
-  /// Asks the monitor whether the motion goes on.
+  /// Calls the monitor of the options with a time t (s). Fails if it returns false.
   Failure interruption(double t) const;
-  /// Ends the motion for a reason.
+  /// Ends the motion: the trajectory is then not complete and contains the reason.
   void stop(const Failure& failure);
-  /// Lets a motion that has reached its end continue until a later time.
+  /// Lets a motion that has reached its end continue until a later time (s).
   Failure continue_until(double until);
   /// Computes the accelerations at the present state anew, after a force of the options has changed.
   Failure forces_changed();
@@ -107,12 +112,13 @@ class SimulationRun {
   const Tree<double>& tree() const { return model_.tree<double>(); }
   LocalCoordinates local_coordinates() const { return options_.local_coordinates; }
   ConfigurationGroup<double> group() const { return ConfigurationGroup<double>(tree(), local_coordinates()); }
-  /// tau of drives and springs at a state.
+  /// Computes the joint forces tau (nv numbers) at a time and state: the sum of drive forces, spring forces
+  /// and, if there is dry friction, losses.
   Failure joint_forces(double t, Span q_t, Span v_t, Span& tau);
-  /// Computes the resistance of springs, dampers and the drive, which acts on each velocity like an added
-  /// inertia. The step is an implicit one in which a change of an acceleration by x changes the coordinate by
-  /// c_x x and the velocity by c_v x. Derivatives of the drive are difference quotients, and negative entries
-  /// are set to 0.
+  /// Computes the resistance of springs, dampers and SimulationOptions::drive to a change of accelerations,
+  /// one number for each velocity, which acts like an added inertia. In the implicit step for which it is
+  /// computed, a change x of an acceleration changes the coordinate by c_x x and the velocity by c_v x.
+  /// Derivatives of the drive are difference quotients, and negative entries are set to 0.
   Failure joint_resistance(double t, Span q_t, Span v_t, double c_x, double c_v, std::vector<double>& out);
   Loads<double> loads() const { return {loads_, options_.joint_losses && !friction_.active()}; }
 
@@ -123,11 +129,12 @@ class SimulationRun {
   using SquareMatrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
   static constexpr const char* open = "the loops do not stay closed; use a shorter step";
 
-  /// Appends the end of a step to the trajectory without projection.
+  /// Appends the state at the end of a step to the trajectory without projection, finds the events of the
+  /// step and calls the monitor.
   Failure record(double t, StepEnd end);
   /// Computes the sum of drive forces, spring forces and, if there is dry friction, losses.
   Span joint_force_sum(Span q_t, Span v_t);
-  /// Computes drive forces and loads at a state.
+  /// Computes drive forces and loads at a time and state. Fails if a number is not finite.
   Failure begin_evaluation(double t, Span q_t, Span v_t);
   /// The reason for the end of a motion with more than `most_short_steps` changes in succession.
   static std::string too_many_changes(const char* what);
@@ -147,16 +154,17 @@ class SimulationRun {
   std::vector<AppliedWrench<>> loads_;  ///< loads at the state of the last evaluation
 
  private:
-  /// The number of consecutive steps that are shorter than this part of what was attempted, after which
-  /// friction, drives or plays change faster than they can be followed.
+  /// The motion ends if more than most_short_steps consecutive steps end early and are shorter than
+  /// short_part of what was attempted: friction, drives or plays then change faster than they can be
+  /// followed.
   static constexpr int most_short_steps = 1000;
   static constexpr double short_part = 1e-9;
 
   void compute_loads(double t, Span q_t, Span v_t);
   void check_friction_of_motions() const;
-  /// Computes tau_ of the drive of the options and of the drives with states.
+  /// Computes in tau_ the forces of SimulationOptions::drive and of the drives with states.
   void compute_drive_forces(double t, Span q_t, Span v_t);
-  /// Computes a, and the rates of the drives, at the present state.
+  /// Computes the accelerations a, and the rates of the states of the drives, at the present state.
   Failure accelerate_now();
   Failure take_under_friction(double t_1, StepEnd& end, const Attempt& attempt);
   Failure end_at_switch(double& t_1, StepEnd& end, const Attempt& attempt);

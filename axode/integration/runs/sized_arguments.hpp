@@ -5,7 +5,8 @@
 
 namespace axode {
 
-/// An argument or a result, with the size that it must have.
+/// An argument or a result of a function: its name, its numbers, the size that it must have, and what this
+/// size is in words.
 template <class T> struct Sized {
   const char* name;
   std::span<T> x;
@@ -13,7 +14,8 @@ template <class T> struct Sized {
   const char* meaning;
 };
 
-/// Checks the sizes of the arguments and results of one call, and that results have memory of their own.
+/// Throws std::invalid_argument unless the arguments and results of a call have their sizes, and no result
+/// overlaps an argument or another result.
 inline void check_sizes(std::initializer_list<Sized<const double>> arguments,
                         std::initializer_list<Sized<double>> results) {
   for (const auto& in : arguments) check_size(in.name, in.x.size(), in.size, in.meaning);
@@ -25,7 +27,7 @@ inline void check_sizes(std::initializer_list<Sized<const double>> arguments,
   }
 }
 
-/// The number K of steps, from the number of drive forces.
+/// The number K of the steps of a motion, from the size K nv of its drive forces; 0 if nv is 0.
 inline std::size_t steps_of(const Model& model, std::span<const double> tau) {
   return model.nv() == 0 ? 0 : tau.size() / static_cast<std::size_t>(model.nv());
 }

@@ -10,7 +10,7 @@
 
 namespace axode {
 
-/// A vector of an AbsoluteSystem as a vector of Eigen, without a copy.
+/// Views a std::vector as a vector of Eigen, without a copy.
 inline Eigen::Map<Eigen::VectorXd> as_eigen(std::vector<double>& x) {
   return {x.data(), static_cast<Eigen::Index>(x.size())};
 }
@@ -18,14 +18,14 @@ inline Eigen::Map<const Eigen::VectorXd> as_eigen(const std::vector<double>& x) 
   return {x.data(), static_cast<Eigen::Index>(x.size())};
 }
 
-/// The reason for a step that did not converge.
+/// The reason that is given for a step that did not converge.
 inline constexpr const char* no_convergence =
     "the iteration of the step did not converge; try a shorter step";
 
 /// Anderson acceleration of a fixed-point iteration x += dx(x), such as Newton's method with an approximate
-/// matrix. The next x is the combination of the last steps for which the predicted dx is least. The iteration
-/// converges even if the matrix has the wrong sign in a few directions, which may happen if branches of the
-/// motion meet within a step.
+/// matrix. The next x is the combination of the results x + dx of the last steps for which the predicted dx
+/// is least. The iteration converges even if the matrix has the wrong sign in a few directions, which may
+/// happen if branches of the motion meet within a step.
 class AndersonIteration {
  public:
   using Vector = Eigen::VectorXd;
@@ -36,12 +36,15 @@ class AndersonIteration {
     Eigen::Ref<const Vector> dx;
   };
 
-  /// The first part of x must have velocities or accelerations; they are measured in the norm.
+  /// Takes the norm in which the first part of x is measured. This part must consist of velocities or
+  /// accelerations.
   explicit AndersonIteration(const EnergyNorm& norm) : norm_(&norm) {}
 
-  /// Takes a step of the iteration. It has converged if the first part of dx is a rounding error compared
-  /// with `size`. If dx does not halve within four steps, the step with the least dx is the result, provided
-  /// that is_rounding() returns true: the terms of dx are rounding errors.
+  /// Takes a step of the iteration: replaces the parts of x, for which dx has been computed, by the next x.
+  /// The iteration has converged if the first part of dx is a rounding error compared with `size`. If dx does
+  /// not halve within four steps, the iteration has also converged, to the x with the least dx, provided that
+  /// this dx is small and that is_rounding() returns true, by which the caller says that the terms of dx are
+  /// rounding errors.
   template <class F> Status update(double size, std::initializer_list<Part> parts, const F& is_rounding) {
     constexpr double rounding = 2e-14, noisy = 1e-10, ill_conditioned = 1e-7;
     constexpr int most = 60, patience = 4;

@@ -9,13 +9,13 @@
 
 namespace axode {
 
-/// A step of the midpoint rule between two impulses of the loops, one at each end of the step (D8.7), with
-/// r(q) and its rows R, r' = R v:
+/// A step of the midpoint rule between two impulses of the loops, one at each end of the step (D8.7). With
+/// the residuals r(q) of the loops, their rows R, r' = R v, and multipliers λ,
 ///   p_0⁺ = p_0 + h/2 R(q_0)ᵀ λ,   (q_1, p_1⁻) = midpoint step of (q_0, p_0⁺),   r(q_1) = 0.
-/// The System projects p_1 = p_1⁻ + R(q_1)ᵀ μ so that R M⁻¹ p_1 = 0. With this the step is symmetric, of
-/// second order, and symplectic on the closed configurations if the midpoint rule is. Newton's matrix is made
-/// of M and R at the predicted middle of the step. A System needs the members that Midpoint requires, and
-/// checked(t, solvability).
+/// After the step the System projects p_1 = p_1⁻ + R(q_1)ᵀ μ so that R M⁻¹ p_1 = 0. With this projection the
+/// step is symmetric, of second order, and symplectic on the closed configurations if the midpoint rule is.
+/// Newton's matrix is made of M and R at the predicted middle of the step. A System has the functions that
+/// Midpoint requires, and checked(t, solvability).
 template <class System> class ClosedMidpoint {
  public:
   using Vector = Eigen::VectorXd;
@@ -40,7 +40,8 @@ template <class System> class ClosedMidpoint {
         momenta_(model.nv()),
         r_(model.nv()) {}
 
-  /// Computes the step from (q0, p0) at time t over h, see Midpoint::run(). Loops must be closed at q0.
+  /// Computes the step from (q0, p0) at time t over h, which may be negative; v must contain a first guess.
+  /// Loops must be closed at q0. The results are in the public members.
   Failure run(double t, double h, const Vector& q0, const Vector& p0) {
     LoopSystem<double>&ends = ends_.system(model_), &middle = middle_.system(model_);
     constexpr auto places = ConstraintLevel::position;
@@ -95,7 +96,7 @@ template <class System> class ClosedMidpoint {
     y_ = part * v;
     group_.move(q0, y_, to);
   }
-  /// The largest term of the residual: momenta, forces, and the impulse of each row.
+  /// The norm of the largest term of the residual: momenta, forces, and the impulse of each loop row.
   double terms(double h, double scale) const {
     double most = std::max({system_->norm().of_forces(p_0_), system_->norm().of_forces(momenta_), scale});
     for (Eigen::Index row = 0; row < lambda_.size(); ++row)

@@ -8,20 +8,21 @@
 
 namespace axode {
 
-/// A step of generalised-α under constraints, on a group with constant M (Arnold, Brüls): with AlphaMeans
+/// A step of generalised-α under constraints, on a group with constant mass matrix M (Arnold, Brüls). Φ are
+/// the residuals of joints and loops, B their rows and λ multipliers. With the averages of AlphaMeans,
 ///   M a_1 = f(q_1, v_1) + ad_{v_1}ᵀ M v_1 + B_1ᵀ λ,   Φ(q_1) = 0                    (index 3)
 /// or, stabilised to index 2, with multipliers η of positions, also B_1 v_1 = 0:
 ///   x = h v_0 + h² ((1/2 - β) â_0 + β â_1 + β c M⁻¹ Bᵀ η).
-/// Nonholonomic rows, N v_1 = 0, are imposed in both forms, and also on the displacement by η. Newton's
-/// matrix has M, B and the resistance of the joints (springs, dampers, drives) at the predicted end of the
-/// step; M in the term c M⁻¹ Bᵀ η also contains this resistance. A System needs the members that Rattle
-/// requires, with a factorize() that takes the resistance into account.
+/// Nonholonomic rows N, which have no residual, are imposed as N v_1 = 0 in both forms, and also on the
+/// displacement by η. Newton's matrix has M, B and the resistance of the joints (springs, dampers, drives) at
+/// the predicted end of the step; M in the term c M⁻¹ Bᵀ η also contains this resistance. A System has the
+/// functions that Rattle requires, and factorize(t, q, v, c_x, c_v), which takes the resistance into account.
 template <class System> class ConstrainedAlpha {
  public:
   using Vector = std::vector<double>;
 
-  /// Starts at a state with acceleration a_0 and multipliers, at which the system has been factorised with
-  /// its rank.
+  /// Starts at the state (q_0, v_0) with the acceleration a_0 and multipliers lambda_0, at which the system
+  /// must have been factorised with its rank.
   ConstrainedAlpha(System& system, double spectral_radius, bool stabilized, const Vector& q_0,
                    const Vector& v_0, const Vector& a_0, const Vector& lambda_0)
       : q(q_0),
@@ -84,7 +85,8 @@ template <class System> class ConstrainedAlpha {
   Vector q, v, lambda;
 
  private:
-  /// Computes the end of the step for the acceleration a_1 and the displacement by η.
+  /// Computes q, v and the mean acceleration at the end of the step for the acceleration a_1_ and the
+  /// displacement moved_ by η.
   void end_with(double h) {
     v_1_.resize(v.size());
     Eigen::Map<Eigen::VectorXd> v_1 = as_eigen(v_1_);

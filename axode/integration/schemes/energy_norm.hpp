@@ -17,17 +17,17 @@ class EnergyNorm {
   using Vector = Eigen::VectorXd;
   using Argument = Eigen::Ref<const Vector>;
 
-  /// `inertia` has m_c of each velocity.
+  /// Constructs the norm from the bounds m_c of the inertias, one for each velocity.
   explicit EnergyNorm(const Vector& inertia)
       : root_(inertia.cwiseSqrt()),
         inverse_root_((root_.array() > 0).select(root_.cwiseInverse(), Vector::Zero(root_.size()))) {}
-  /// m_c are the bounds of the inertias of a tree.
+  /// Constructs the norm with the bounds m_c of the inertias of a tree.
   explicit EnergyNorm(const Tree<double>& tree) : EnergyNorm(inertia_of(tree)) {}
 
   double of_velocities(const Argument& v) const { return length(root_.cwiseProduct(v)); }
   double of_forces(const Argument& p) const { return length(inverse_root_.cwiseProduct(p)); }
-  /// The norm of a displacement of which each rotation is one radian, and each length is that of the present
-  /// coordinate.
+  /// The norm of the displacement in which each rotation is one radian, and each length is that of the
+  /// coordinate in q.
   double of_places(const Tree<double>& tree, const Argument& q) const {
     double squares = 0;
     for (int i = 1; i <= tree->n; ++i) {
@@ -43,13 +43,13 @@ class EnergyNorm {
   }
   /// The weights √m_c of the velocities.
   const Vector& weights() const { return root_; }
-  /// The value that velocity c must have, if all others are 0, for a norm of `size`. For a velocity without
-  /// inertia it is the value for the velocity with the largest inertia.
+  /// The value that velocity c must have, if all others are 0, for the norm to be `size`. For a velocity
+  /// without inertia it is the value for the velocity with the largest inertia.
   double alone(Eigen::Index c, double size) const {
     return size / (root_[c] > 0 ? root_[c] : root_.maxCoeff());
   }
-  /// A small change of velocity c, whose value is v_c, for difference quotients; velocities have a norm of
-  /// `size`.
+  /// A small change of velocity c, whose value is v_c, for difference quotients. `size` is the norm of all
+  /// velocities.
   double increment(Eigen::Index c, double v_c, double size) const {
     return 1e-7 * std::max(std::abs(v_c), alone(c, size));
   }

@@ -8,8 +8,9 @@
 #include "axode/integration/schemes/anderson_iteration.hpp"
 #include "axode/integration/schemes/munthe_kaas.hpp"
 
-/// Loops over the steps of explicit methods. A Run has the present q, v and a on the group of tree(),
-/// computes accelerations by accelerate(), and accepts the end of a step by take_up_to().
+/// Loops over the steps of explicit methods. The argument `run` is a simulation, such as a SimulationRun: it
+/// has the present q, v and a on the group of tree(), computes accelerations by accelerate(), and accepts the
+/// end of a step by take_up_to().
 namespace axode {
 
 /// Takes steps of equal length from time 0 to `until`; the last one may be shorter. take(t_1) computes the
@@ -20,8 +21,8 @@ template <class Run, class Take> void each_step(Run& run, double until, double s
     if (Failure failure = take(k == whole ? until : k * step)) run.stop(failure);
 }
 
-/// Advances the motion to t_1, in several steps if friction changes in between. after() is called after each
-/// of them.
+/// Advances the motion to t_1, in several steps if friction, drives or plays change in between, or if a
+/// motion or an input jumps. after() is called after each of these steps.
 template <class Run, class After>
 Failure take_until(Run& run, double t_1, StepEnd& end, const Attempt& attempt, const After& after) {
   while (run.now() < t_1 && !run.done()) {
@@ -33,14 +34,14 @@ Failure take_until(Run& run, double t_1, StepEnd& end, const Attempt& attempt, c
   return {};
 }
 
-/// The velocities, or their rates, with the states of the drives after them.
+/// Returns the vector (v, x) of velocities v and states x of the drives, or that of their rates.
 std::vector<double> joined(const auto& v, const Eigen::VectorXd& x) {
   std::vector<double> y(v.begin(), v.end());
   y.insert(y.end(), x.begin(), x.end());
   return y;
 }
 
-/// The function that attempts a step of an explicit method.
+/// Returns the function that attempts a step of an explicit method, see Attempt.
 template <class Run, class Scheme> Attempt attempts(Run& run, Scheme& scheme) {
   return [&, group = run.group()](double t_1, StepEnd& end) {
     const double t = run.now();
@@ -67,7 +68,7 @@ template <class Run, class Scheme> Attempt attempts(Run& run, Scheme& scheme) {
   };
 }
 
-/// Takes steps of one length until a time.
+/// Takes steps of one length from time 0 until a time (s) by an explicit method.
 template <class Run> void take_steps(Run& run, double until, double step, const Tableau& method) {
   MuntheKaas scheme(run.tree(), method, run.local_coordinates(), run.drives().size());
   const Attempt attempt = attempts(run, scheme);
@@ -75,9 +76,10 @@ template <class Run> void take_steps(Run& run, double until, double step, const 
   each_step(run, until, step, [&](double t_1) { return take_until(run, t_1, end, attempt, [] {}); });
 }
 
-/// If a drive force is discontinuous at a state where the motion stays, for example -sign(v) at rest, steps
-/// become ever shorter. The motion ends if `stall_window` steps are on average shorter than `stall_step` (s),
-/// and more than `stall_ratio` times as many would be needed.
+/// If a drive force is discontinuous at a state where the motion stays, for example -sign(v) at rest,
+/// adaptive steps become ever shorter. The motion therefore ends if `stall_window` attempts advance it by
+/// less than `stall_step` (s) each on average, and more than `stall_ratio` times as many would be needed to
+/// the end.
 inline constexpr int stall_window = 10'000;
 inline constexpr double stall_ratio = 1e5, stall_step = 1e-9;
 inline constexpr const char* jumps =
@@ -85,12 +87,12 @@ inline constexpr const char* jumps =
     "without bound; use a method of fixed steps (rk4), and give dry friction as a joint property that "
     "joint_losses counts";
 
-/// Where branches of a motion meet, rows of the loops are nearly redundant. Near such a configuration the
-/// accelerations are those of a mechanism with more degrees of freedom. The error estimate then shows a jump
-/// that the motion does not have, and shorter steps do not help. After a step without such rows, up to
-/// `most_passing` consecutive steps therefore keep the step length and ignore their error estimate. An
-/// attempt with a row weaker than `too_weak` is repeated up to `most_shortened` times, each time with a step
-/// that is shorter by the factor `shortened`.
+/// In configurations where branches of a motion meet, rows of the loops are redundant, and near such a
+/// configuration they are nearly so. The accelerations there are those of a mechanism with more degrees of
+/// freedom. The error estimate then shows a jump that the motion does not have, and shorter steps do not
+/// help. Hence up to `most_passing` consecutive steps with nearly redundant rows keep the step length and
+/// ignore their error estimate. An attempt with a row weaker than `too_weak` is repeated up to
+/// `most_shortened` times, each time with a step that is shorter by the factor `shortened`.
 inline constexpr int most_passing = 20, most_shortened = 6;
 inline constexpr double too_weak = 1e-6, shortened = 0.85;
 
@@ -102,7 +104,8 @@ template <class Run> void take_adapted_steps(Run& run, double until, const Toler
     return Eigen::Map<const Eigen::ArrayXd>(x.data(), static_cast<Eigen::Index>(x.size()));
   };
   const std::vector<double> ones(run.v.size(), 1.0);
-  // The root mean square of the errors of q, v and x, relative to their tolerances.
+  // The root mean square of the error estimates of q, v and the states x of drives, relative to their
+  // tolerances.
   const auto error_of_step = [&] {
     const double relative = tolerances.relative, absolute = tolerances.absolute;
     const auto theta = to_array(scheme.theta).abs().max(1.0);
@@ -114,7 +117,7 @@ template <class Run> void take_adapted_steps(Run& run, double until, const Toler
     return std::sqrt(squares /
                      std::max(1.0, static_cast<double>(scheme.theta.size() + scheme.error_y.size())));
   };
-  // While nothing moves, errors do not tell when a force or a motion begins.
+  // As long as nothing moves, error estimates do not show that a force or a prescribed motion will begin.
   const double unless_given = run.is_driven_in_time() ? until / 50 : until;
   const double most = tolerances.largest_step > 0 ? tolerances.largest_step : unless_given;
   double h = tolerances.first_step;

@@ -9,13 +9,13 @@
 
 namespace axode {
 
-/// Floating bases: the root bodies on a free joint without armature, damping and friction that no loop
-/// connects to another body, each with its subtree. The spatial momentum Π^s of a subtree replaces the joint
-/// momentum p as a state. It is taken in a frame that does not rotate and falls with g, where gravity
-/// vanishes. If no wrench is applied, the frame also moves with the velocity u of the centre of mass at t =
-/// 0: then the linear momentum is 0 and the centre of mass is constant. Hence every scheme gives the linear
-/// momentum, and the angular momentum about the centre of mass, of a subtree without applied wrenches to
-/// rounding.
+/// Floating bases are the root bodies on a free joint without armature, damping and friction that no loop
+/// connects to a body outside their subtrees, each with its subtree. The spatial momentum Π^s of a subtree
+/// replaces the joint momentum p of its base as a state y. It is taken in a moving frame, which does not
+/// rotate and falls with the gravity g, so that gravity vanishes there. If no wrench is applied, the frame
+/// also moves with the velocity u of the centre of mass at t = 0: then the linear momentum is 0 and the
+/// centre of mass is constant. Hence every scheme gives the linear momentum, and the angular momentum about
+/// the centre of mass, of a subtree without applied wrenches to rounding.
 class FloatingBases {
  public:
   FloatingBases(const Model& model, const double* q, const double* v, bool wrenches)
@@ -33,7 +33,8 @@ class FloatingBases {
     });
     restart(0, q, v, wrenches);
   }
-  /// Lets the moving frames coincide with the inertial frame at time t and state q, v.
+  /// Lets the moving frames coincide with the inertial frame at time t and state (q, v). `wrenches` says
+  /// whether wrenches are applied to the mechanism.
   void restart(double t, const double* q, const double* v, bool wrenches) {
     begin_ = t;
     kernel_->run(*tree_, q);
@@ -44,14 +45,14 @@ class FloatingBases {
       root.u = wrenches ? Vec3<>{} : (1 / kernel_->M[root.body].m) * momenta_->Pi[root.body].p;
     }
   }
-  /// Gravity for each root: 0 for floating bases.
+  /// The gravity (m/s²) that acts on each root body and its subtree, indexed by bodies: 0 for floating bases.
   std::span<const Vec3<>> gravity() const { return gravity_; }
   /// Calls f(body, constant) for each floating base, where `constant` says whether its centre of mass rests
   /// in its moving frame.
   template <class F> void each(const F& f) const {
     for (const Root& root : roots_) f(root.body, root.constant);
   }
-  /// Whether the forces tau (nv) act on one of the bases.
+  /// Whether one of the joint forces tau (nv numbers) of a floating base is not 0.
   bool driven_by(const double* tau) const {
     for (const Root& root : roots_)
       for (int k = 0; k < 6; ++k)
@@ -59,37 +60,41 @@ class FloatingBases {
     return false;
   }
 
-  /// Converts from the inertial frame to the moving ones, and back, at time t.
+  /// to_moving_frame() converts q and v of floating bases from the inertial frame to the moving frames at
+  /// time t, and from_moving_frame() converts them back.
   void to_moving_frame(double t, double* q, double* v) const { add(-1, t, q, v); }
   void from_moving_frame(double t, double* q, double* v) const { add(1, t, q, v); }
 
-  // In the following functions, q, p and y are relative to the moving frames.
-  /// Replaces p by y.
+  // In the functions begin() to restore_centers(), q, p and y are relative to the moving frames.
+  /// Replaces the joint momenta p of the floating bases, which y contains, by the states y: their spatial
+  /// momenta.
   void begin(const double* q, double* y) const {
     for (const Root& root : roots_) {
       const Wrench<Spatial> Pi = coAd(pose(root, q), read<BodyFixed>(root, y));
       write(root, Wrench<Spatial>{Pi.m, root.constant ? Vec3<>{} : Pi.f}, y);
     }
   }
-  /// Computes the joint momenta p of the bases from the states y.
+  /// Computes the joint momenta p of the floating bases from the states y.
   void to_momenta(const double* q, const double* y, double* p) const {
     for (const Root& root : roots_) write(root, coAd_inv(pose(root, q), read<Spatial>(root, y)), p);
   }
-  /// Computes the rates y' of the bases from f = p' - ad_vᵀ p. They are 0 unless a load or drive acts on the
-  /// bases (`pushed`).
+  /// Computes the rates y' of the floating bases from f = p' - ad_vᵀ p. They are 0 unless a load or drive
+  /// acts on the bases (`pushed`).
   void rates(const double* q, bool pushed, const double* f, double* dy) {
     for (Root& root : roots_) {
       write(root, pushed ? coAd(pose(root, q), read<BodyFixed>(root, f)) : Wrench<Spatial>{}, dy);
       root.constant = root.constant && !pushed;
     }
   }
-  /// Advances y by a time h with the forces f.
+  /// Advances the states y of the floating bases by a time h with the forces f at q, which are overwritten by
+  /// the rates y'.
   void advance(const double* q, double h, bool pushed, double* f, double* y) {
     rates(q, pushed, f, f);
     for (const Root& root : roots_)
       for (int c = first(root); c < first(root) + 6; ++c) y[c] += h * f[c];
   }
-  /// Moves the bases so that centres of mass that are constant have their exact positions again.
+  /// Moves the floating bases so that those centres of mass that rest in their moving frames have their exact
+  /// positions again.
   void restore_centers(double* q) {
     if (std::ranges::none_of(roots_, &Root::constant)) return;
     kernel_->run(*tree_, q);
@@ -101,7 +106,7 @@ class FloatingBases {
   struct Root {
     int body;
     bool constant;
-    Vec3<> center, u;  ///< when the frames coincide
+    Vec3<> center, u;  ///< centre of mass and velocity of the frame at time begin_
   };
   static std::size_t size(int n) { return static_cast<std::size_t>(n); }
   int first(const Root& root) const { return (*tree_)->iv[root.body]; }
@@ -112,7 +117,8 @@ class FloatingBases {
         return false;
     return true;
   }
-  /// Whether a loop connects the subtree of a root to another body.
+  /// Whether a loop connects the subtree of a root i to a body outside it, or a coupling contains a
+  /// coordinate of the root.
   bool is_connected(const Model& model, int i) const {
     const auto carried = [&](int body) { return body >= i && body < (*tree_)->subtree_end[i]; };
     const auto its = [&](const LoopCoupling::Term& term) {
@@ -125,7 +131,7 @@ class FloatingBases {
     return std::ranges::any_of(model.loops().joints, leaves) ||
            std::ranges::any_of(model.loops().couplings, binds);
   }
-  /// The centre of mass at the configuration of the kernel.
+  /// The centre of mass of the subtree of body i, at the configuration of the kernel.
   Vec3<> center(int i) {
     const Inertia<>& M = kernel_->M[i];
     return kernel_->origin[i] + (1 / M.m) * M.h;
@@ -163,7 +169,7 @@ class FloatingBases {
   const Tree<double>* tree_;
   WithScratch<double, SpatialTree<double>> kernel_;
   WithScratch<double, SubtreeMomenta<double>> momenta_;
-  double begin_ = 0;  ///< when the frames coincide, s
+  double begin_ = 0;  ///< time at which moving and inertial frames coincide, s
   std::vector<Vec3<>> gravity_;
   std::vector<Root> roots_;
 };

@@ -8,9 +8,10 @@
 
 namespace axode {
 
-/// The averages of generalised-α with a mean acceleration â:
+/// The averages of generalised-α over a step of length h, with a mean acceleration â that belongs to each end
+/// of a step:
 ///   (1 - α_m) â_1 + α_m â_0 = (1 - α_f) a_1 + α_f a_0,   v_1 = v_0 + h ((1 - γ) â_0 + γ â_1),
-///   x = h v_0 + h² ((1/2 - β) â_0 + β â_1).
+///   x = h v_0 + h² ((1/2 - β) â_0 + β â_1),   q_1 = q_0 ⊕ x.
 /// With c = (1 - α_f) / (1 - α_m), the derivatives by a_1 are h γ c for v_1 and h² β c for x.
 struct AlphaMeans {
   using Vector = Eigen::VectorXd;
@@ -24,7 +25,7 @@ struct AlphaMeans {
         beta((gamma + 0.5) * (gamma + 0.5) / 4),
         c((1 - a_f) / (1 - a_m)) {}
 
-  /// Computes â_1, v_1 and x of a step from a_0 and â_0 with the new acceleration a_1.
+  /// Computes â_1, v_1 and x of a step of length h from v_0, a_0 and â_0 with the new acceleration a_1.
   void advance(double h, const auto& v_0, const Vector& a_0, const Vector& mean_0, const auto& a_1,
                Vector& mean_1, auto& v_1, Vector& x) const {
     mean_1 = (a_f * a_0 - a_m * mean_0) / (1 - a_m) + c * a_1;
@@ -33,13 +34,14 @@ struct AlphaMeans {
   }
 };
 
-/// One step of generalised-α on the group: with AlphaMeans and q_1 = q_0 ⊕ x, it is solved for the a_1 with
-/// ID(q_1, v_1, a_1) = τ by Newton's method with
+/// One step of generalised-α on the group: with AlphaMeans and q_1 = q_0 ⊕ x, Newton's method finds the a_1
+/// for which ID(q_1, v_1, a_1) = τ, with the matrix
 ///   J = M + h γ c ∂ID/∂v + h² β c ∂ID/∂q dexp_{-x}.
-/// ID is inverse dynamics. The iteration has converged if the change of a_1 is a rounding error, if the
-/// residual is a rounding error of its terms, or if the change of a_1 moves q_1 by no more than the rounding
-/// of q_1. A System has residual(t, q, v, a, r) with r = ID - τ; size_of_residual(r) and place_resolution(h),
-/// see SimulationRun; and the members that StepMatrix requires.
+/// ID is inverse dynamics, and τ are the joint forces. The iteration has converged if the change of a_1 is a
+/// rounding error, if the residual is a rounding error of its terms, or if the change of a_1 moves q_1 by no
+/// more than the rounding of q_1. A System has the functions residual(t, q, v, a, r) with r = ID - τ;
+/// size_of_residual(r) and place_resolution(h), see SimulationRun; and the functions that StepMatrix
+/// requires.
 template <class System> class GeneralizedAlpha {
  public:
   using Vector = Eigen::VectorXd;
@@ -57,7 +59,7 @@ template <class System> class GeneralizedAlpha {
         x_(tree->nv),
         r_(tree->nv) {}
 
-  /// Computes the step from (q0, v0, a0) over h to q, v and a at time t.
+  /// Computes the step from (q0, v0, a0) over h. q, v and a receive the state at its end, which is at time t.
   Failure run(double t, double h, const Vector& q0, const Vector& v0, const Vector& a0) {
     constexpr int most = 40;
     const EnergyNorm& norm = system_->norm();
@@ -88,19 +90,21 @@ template <class System> class GeneralizedAlpha {
     }
     return {t, "Newton's method did not converge; a shorter step may help"};
   }
-  /// Accepts the step. restart() begins again with the accelerations a_0 after a jump.
+  /// accept() keeps the mean acceleration of the step for the next one. restart() replaces it by the
+  /// accelerations a_0 after a jump.
   void accept() { mean_0_ = mean_; }
   void restart(const Vector& a_0) { mean_0_ = a_0; }
 
   Vector q, v, a;  ///< results of run(): the state at the end of the step
 
  private:
-  /// Computes the end of the step for the acceleration a.
+  /// Computes q, v and the mean acceleration at the end of the step for the acceleration a.
   void end_with(double h, const Vector& q0, const Vector& v0, const Vector& a0) {
     means_.advance(h, v0, a0, mean_0_, a, mean_, v, x_);
     group_.move(q0, x_, q);
   }
-  /// Computes Newton's matrix. If the derivatives of the drive have been needed before, it includes them.
+  /// Computes Newton's matrix. It contains the derivatives of the drive if with_drive_ is set, because the
+  /// iteration has been slow without them.
   void linearize(double t, double h, const Vector& q0) {
     const double c_x = h * h * means_.beta * means_.c, c_v = h * means_.gamma * means_.c;
     if (with_drive_)

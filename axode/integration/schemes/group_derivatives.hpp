@@ -7,22 +7,24 @@
 
 namespace axode {
 
-/// Derivatives of ⊕ and rate() of a ConfigurationGroup: if q is displaced by η, x by δx and the velocity y by
-/// δy,
+/// Derivatives of ⊕ and rate() of a ConfigurationGroup in exponential coordinates: if q is displaced by η, x
+/// by δx and the velocity y by δy,
 ///   q ⊕ x is displaced by Ad_{exp(-x)} η + dexp_{-x} δx,
 ///   dexp⁻¹_{-x} y changes by dexp⁻¹_{-x} δy + (D dexp⁻¹_{-x} y) δx.
-/// The four maps are matrices for joints of several velocities; for the others they are 1, 1, 1 and 0.
+/// These four maps of η, δx, δy and δx are matrices for joints of several velocities; for joints of one
+/// velocity they are 1, 1, 1 and 0.
 class GroupDerivatives {
  public:
   using Matrix = Eigen::MatrixXd;  ///< matrix with a row for each velocity
   using Block = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::ColMajor, 6, 6>;
 
-  /// The maps of one joint, or a range of consecutive joints of one velocity, which need no maps.
+  /// The four maps of one joint of several velocities, or a range of consecutive joints of one velocity,
+  /// which needs no matrices.
   struct Joints {
     int body;  ///< 0 for a range of joints of one velocity
     Eigen::Index first, n;
-    Block carry{}, velocity{};  ///< maps of η and δx
-    Block rate{}, turn{};       ///< maps of δy and δx
+    Block carry{}, velocity{};  ///< Ad_{exp(-x)} of η, and dexp_{-x} of δx
+    Block rate{}, turn{};       ///< dexp⁻¹_{-x} of δy, and D dexp⁻¹_{-x} y of δx
   };
 
   explicit GroupDerivatives(const Tree<double>& tree) : tree_(&tree) {
@@ -40,7 +42,7 @@ class GroupDerivatives {
     }
   }
 
-  /// Computes the maps at x and y.
+  /// Computes the maps of all joints at a displacement x and a velocity y (nv numbers each).
   void at(const double* x, const double* y) noexcept {
     for (Joints& joints : joints_)
       if (const int i = joints.body; i > 0)
@@ -49,7 +51,8 @@ class GroupDerivatives {
         });
   }
 
-  /// Adds map z to out; add_transposed() adds mapᵀ z. z and out have a column for each direction or weight.
+  /// add() adds map z to out, and add_transposed() adds mapᵀ z, for all joints. z and out have nv rows, and a
+  /// column for each direction or weight.
   void add(Block Joints::*map, const Matrix& z, Matrix& out) const {
     add_to(map, z, out, [](const Block& block) -> const Block& { return block; });
   }

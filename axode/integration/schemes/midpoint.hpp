@@ -13,19 +13,19 @@ namespace axode {
 /// One step of the midpoint rule on the group for (q, p) (D8.5): with y = h v / 2 and q_m = q_0 ⊕ y,
 ///   p⁻ = Ad_{exp y}ᵀ p_0,   p⁺ = p⁻ + h f(t_m, q_m, v),   M(q_m) v = dexp_yᵀ (p_0 + p⁺) / 2,
 ///   q_1 = q_m ⊕ y,        p_1 = Ad_{exp y}ᵀ p⁺.
-/// It is symmetric and of second order, and symplectic if f = ∂L/∂q, because it follows from the discrete
-/// Lagrangian h L(q_m, v). (With M(q_m) v = (p⁻ + p⁺)/2 it would not be, if joints have several velocities.)
-/// Forces that depend on v enter by d'Alembert's discrete principle.
+/// The step is symmetric and of second order, and symplectic if f = ∂L/∂q, because it follows from the
+/// discrete Lagrangian h L(q_m, v). (With M(q_m) v = (p⁻ + p⁺)/2 it would not be symplectic if joints have
+/// several velocities.) Forces that depend on v enter by d'Alembert's discrete principle.
 ///
-/// The iteration for v uses M, factorised once, and Newton's matrix (D8.6) if the residual r does not halve
-/// in an iteration. The iteration has converged if the change of v is a rounding error, or if r is a rounding
-/// error of its terms; if M is nearly singular only the latter occurs. The force of a stiff drive at rest
-/// contains the rounding error of q; then the iteration has converged if the change of v moves q by no more
-/// than this error.
+/// The iteration for v uses M, factorised once, and then Newton's matrix (D8.6) if the residual r of the
+/// equation for M(q_m) v has not halved in an iteration. The iteration has converged if the change of v is a
+/// rounding error, or if r is a rounding error of its terms; if M is nearly singular, only r becomes as small
+/// as that. The force of a stiff drive at rest contains the rounding error of q; then the iteration has
+/// converged if the change of v moves q by no more than this error.
 ///
-/// A System has partials(t, q, v, p, f), which computes p = M v and f; factorize(t, q) and solve(x) with M;
-/// norm(), velocity_scale(v, h) and place_resolution(h), see SimulationRun; and the members that StepMatrix
-/// requires.
+/// A System has the functions partials(t, q, v, p, f), which computes p = M v and f; factorize(t, q) and
+/// solve(x) with M; norm(), velocity_scale(v, h) and place_resolution(h), see SimulationRun; and the
+/// functions that StepMatrix requires.
 template <class System> class Midpoint {
  public:
   using Vector = Eigen::VectorXd;
@@ -73,7 +73,7 @@ template <class System> class Midpoint {
       const double change = norm.of_velocities(r_);
       if (change <= 1e-13 * scale || residual <= (slow ? 1e-13 : 1e-14) * std::max(terms, scale) ||
           (newton && slow && change <= system_->place_resolution(h))) {
-        // q and p must be advanced with the same last v, otherwise momenta would not be conserved.
+        // q and p must be advanced with the same v, otherwise momenta would not be conserved.
         y_ = h / 2 * v;
         group_.Ad_transpose(y_, p0, p);
         p += h * f;

@@ -8,12 +8,14 @@
 
 namespace axode {
 
-/// One step of an explicit Runge-Kutta-Munthe-Kaas method on (q, y), with q on its group and y = v or
-/// momenta, for states of numbers T and a tree of numbers S:
+/// One step of an explicit Runge-Kutta-Munthe-Kaas method on (q, y), with q on its group and y the velocities
+/// v or the momenta, for states of numbers T and a tree of numbers S. With the coefficients a_ij and c_i of a
+/// Tableau,
 ///   θ_i = h Σ a_ij K_j,  Y_i = y + h Σ a_ij L_j,
 ///   (V_i, L_i) = (v, y')(t + c_i h, q ⊕ θ_i, Y_i),  K_i = dexp⁻¹_{-θ_i} V_i,
-/// or dcay⁻¹ in the coordinates of Cayley. y may have more numbers than q has velocities: other states
-/// follow. With one stage it is Euler's method; if y = v it is semi-implicit: q moves with the new v.
+/// or K_i = dcay⁻¹_{-θ_i} V_i in Cayley coordinates. y may have more numbers than q has velocities; these are
+/// other states. With one stage the method is Euler's; if y = v, it is then semi-implicit: q moves with the
+/// new v.
 template <class T = double, class S = T> class MuntheKaas {
  public:
   using Vector = std::vector<T>;
@@ -30,8 +32,9 @@ template <class T = double, class S = T> class MuntheKaas {
         L_(method.b.size() * y.size()),
         q_(static_cast<std::size_t>(tree->nq)) {}
 
-  /// Computes a step with y = v, or y = (v, other states), from (q0, y0), where y' = dy0, over h.
-  /// accelerate(t, q, y, dy) must write dy and return whether it succeeded; if it did not, the step fails.
+  /// Computes a step over h for y = v, or y = (v, other states), from (q0, y0) with the rate y' = dy0 there.
+  /// accelerate(t, q, y, dy) must write the rate dy and return whether it succeeded; if it did not, the step
+  /// fails and false is returned.
   template <class Accelerate>
   bool run(double t, const T* q0, const T* y0, const T* dy0, double h, const Accelerate& accelerate) {
     const auto rates = [&](double t_i, std::span<const T> q, std::span<const T> y_i, std::span<T> V,
@@ -45,8 +48,8 @@ template <class T = double, class S = T> class MuntheKaas {
     sum(method_->b, h, K_, theta);
     return true;
   }
-  /// Computes a step from (q0, y0), where the velocity is v0 and y' is dy0. rates(t, q, y, v, dy) must write
-  /// v and dy.
+  /// Computes a step over h from (q0, y0), where the velocity is v0 and y' is dy0. rates(t, q, y, v, dy) must
+  /// write v and dy and return whether it succeeded; if it did not, the step fails and false is returned.
   template <class Rates>
   bool run(double t, const T* q0, const T* y0, const T* v0, const T* dy0, double h, const Rates& rates) {
     const Tableau& m = *method_;
@@ -73,9 +76,10 @@ template <class T = double, class S = T> class MuntheKaas {
   }
 
   Vector theta, y;              ///< results of run(): the step θ of q, and y at the end of the step
-  Vector error_theta, error_y;  ///< differences to the results of the embedded method
+  Vector error_theta, error_y;  ///< theta and y minus those of the embedded method
 
-  /// The rate y' at the end of the step, if the last stage of the method is at the end; otherwise empty.
+  /// The rate y' at the end of the step, if the last stage of the method is at the end of the step; otherwise
+  /// empty.
   std::span<const T> end() const {
     const Tableau& m = *method_;
     const bool there = m.b.back() == 0 && std::equal(m.a.back().begin(), m.a.back().end(), m.b.begin());

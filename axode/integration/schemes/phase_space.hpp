@@ -10,20 +10,21 @@
 
 namespace axode {
 
-/// The Hamiltonian form of a model for schemes on (q, p) with p = M v. All functions are O(n), except solve()
-/// if joints are coupled.
+/// The Hamiltonian form of a model for integration schemes on (q, p) with the momenta p = M v. All functions
+/// are O(n), except solve() if joints are coupled.
 class PhaseSpace {
  public:
   explicit PhaseSpace(const Model& model)
       : tree_(&model.tree<double>()), group_(*tree_), kernels_(model.topology()), own_(size(model)) {}
 
-  /// Computes p = M v and f = τ + ∂L/∂q with loads and losses, so that p' = f + ad_vᵀ p (D5.2). g[i] is the
-  /// gravity (m/s²) that acts on root body i and its subtree.
+  /// Computes p = M v and f = τ + ∂L/∂q with loads and losses, so that p' = f + ad_vᵀ p (D5.2), where L is
+  /// the Lagrangian and tau are the joint forces τ. g[i] is the gravity (m/s²) that acts on root body i and
+  /// its subtree.
   void partials(const double* q, const double* v, std::span<const Vec3<>> g, std::span<const double> tau,
                 const Loads<double>& loads, double* p, double* f) {
     const Tree<double>& tree = *tree_;
     kernels_->lagrangian.run(tree, q, v, g, loads.wrenches, p, f);
-    // Armatures of joints with several velocities have momenta that do not turn with the joint, as in
+    // The momenta of armatures of joints with several velocities do not turn with the joint, as in
     // forward_dynamics().
     for (int c = 0; c < tree->nv; ++c) own_[index(c)] = tree.armature[index(c)] * v[c];
     group_.ad_transpose(v, own_.data(), own_.data());

@@ -9,11 +9,12 @@
 
 namespace axode {
 
-/// Newton's matrix of an implicit step, factorised (D8.6): the derivative of r = ID(q, v, a) - τ by a, where
-/// q = q_0 ⊕ x and a change δa changes x by c_x δa and v by c_v δa,
+/// Newton's matrix J of an implicit step, factorised (D8.6): the derivative of r = ID(q, v, a) - τ by a,
+/// where ID is inverse dynamics and q = q_0 ⊕ x. A change δa of a changes v by c_v δa and x by c_x δa, hence
 ///   J = M + c_v ∂r/∂v + c_x ∂r/∂q dexp_{-x}.
-/// A System has residual_derivatives(q, v, a, dr), the derivatives of ID; is_driven(); drive(t, q, v), which
-/// is τ; norm(), local_coordinates() and velocity_scale(v, h), see SimulationRun.
+/// A System has the functions residual_derivatives(q, v, a, dr), which computes the derivatives of r without
+/// those of the drive of the simulation options; is_driven(); drive(t, q, v), which returns the forces of
+/// this drive; norm(), local_coordinates() and velocity_scale(v, h), see SimulationRun.
 template <class System> class StepMatrix {
  public:
   using Vector = Eigen::VectorXd;
@@ -40,7 +41,7 @@ template <class System> class StepMatrix {
   using Matrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
 
   void assemble(const Vector& x, const Vector& q, const Vector& v, const Vector& a, double c_x, double c_v) {
-    // Memory is allocated only for schemes that use the matrix.
+    // Memory is allocated here, so that schemes which do not use the matrix allocate none.
     for (Matrix* matrix : {&dq_, &dv_, &J_}) matrix->resize(v.size(), v.size());
     system_->residual_derivatives(q, v, a, {as_span(dq_), as_span(dv_), as_span(J_)});
     if (!group_.commutes()) {

@@ -10,16 +10,16 @@
 
 namespace axode {
 
-/// A step of a symmetric composition (D8.11) of the midpoint rule on (q, p), with floating bases relative to
-/// their centres of mass. The first guess of v in each part is extrapolated from the same part of the last
-/// steps. Part is Midpoint or ClosedMidpoint. A System needs the members that Part requires, and bases(), its
-/// FloatingBases; pushes_bases(), whether a load or drive acted on one of them in the last evaluation; and
-/// close(t, q, p), which projects p onto closed loops.
+/// A step of a symmetric composition (D8.11) of the midpoint rule on (q, p). Floating bases move relative to
+/// the moving frames of FloatingBases. The first guess of v in each part of the step is extrapolated from the
+/// same part of the last steps. Part is Midpoint or ClosedMidpoint. A System has the functions that Part
+/// requires, and bases(), which returns its FloatingBases; pushes_bases(), whether a load or drive acted on a
+/// floating base in the last evaluation; and close(t, q, p), which projects p onto closed loops.
 template <class System, class Part> class SymplecticStep {
  public:
   using Vector = Eigen::VectorXd;
 
-  /// Starts at a state with p = M v.
+  /// Starts at the state (q_0, v_0) with p_0 = M v_0.
   SymplecticStep(System& system, Part part, int order, const Vector& q_0, const Vector& p_0,
                  const Vector& v_0)
       : q(q_0),
@@ -56,7 +56,7 @@ template <class System, class Part> class SymplecticStep {
   Vector q, p;
 
  private:
-  /// Extrapolates equally spaced values to the next one, from up to four of them.
+  /// Extrapolates equally spaced values to the next one, from the last four values, or fewer at the start.
   class Extrapolation {
    public:
     void take(const Vector& v) {
