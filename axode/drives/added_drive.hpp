@@ -9,12 +9,13 @@
 
 namespace axode {
 
-/// A drive besides those that the description of a mechanism has, with a law of its own.
+/// A drive with a law of its own that a simulation adds to the drives in the description of the mechanism.
+/// The coordinate of its port is Σ factor q over `joints`.
 struct AddedDrive {
   std::string name;
-  std::vector<std::pair<std::string, double>> joints;  ///< joints of one velocity with their factors
+  std::vector<std::pair<std::string, double>> joints;  ///< names of joints with one velocity, and factors
   std::shared_ptr<const DriveLaw> law;
-  std::function<double(double t)> input = {};  ///< continuous; empty: 0
+  std::function<double(double t)> input = {};  ///< input u, continuous in t (s); empty: 0
 };
 
 }  // namespace axode

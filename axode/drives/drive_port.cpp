@@ -46,9 +46,10 @@ void DrivePort::update(const Tree<double>& tree, std::span<const double> q, std:
   }
 }
 
-/// With the columns r_k of the distance vector and w_k of the rotations, E_k = u·r_k. Along direction j, r
-/// changes by r_j. On the same end, r_k changes by w_j × r_k or, if j is farther from the ground, by w_k ×
-/// r_j.
+/// Let r be the vector from one end of the line to the other and u = r/|r|. A unit of velocity k moves r by
+/// r_k and turns the end that it moves by w_k, so that E_k = u·r_k. Along the direction of velocity j, r
+/// changes by r_j. If the joints of j and k move the same end, r_k changes by w_j × r_k or, if joint j is
+/// farther from the ground than joint k, by w_k × r_j; otherwise r_k is constant.
 void DrivePort::add_row_derivatives(const Tree<double>& tree, std::span<const double> q, double factor,
                                     std::span<double> out) const {
   if (!along_line_) return;

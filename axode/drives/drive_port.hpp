@@ -8,27 +8,32 @@
 
 namespace axode {
 
-/// The port of a drive: a sum of joint coordinates, or the length of a line between two points.
+/// The port at which a drive acts on a mechanism. Its coordinate l is a sum of joint coordinates with
+/// factors, or the length of a line between two points of bodies; its rate is w = l' = E v with a row E of nv
+/// entries.
 class DrivePort {
  public:
-  /// A sum of joint coordinates with factors. Throws std::invalid_argument, which names `drive`, for an
-  /// unknown joint and for a joint that does not have one velocity.
+  /// Constructs a port whose coordinate is Σ factor q over `joints`, names of joints with their factors.
+  /// Throws std::invalid_argument for a joint that does not exist and for a joint that does not have one
+  /// velocity; `drive` is the name of the drive in the message for the latter.
   DrivePort(const Model& model, const std::string& drive,
             std::span<const std::pair<std::string, double>> joints);
   explicit DrivePort(const Spring::Path& line) : line_(line), along_line_(true) {}
 
-  /// Whether the row E depends on q.
+  /// Whether the port is a line between two points. The row E depends on q only then.
   bool is_line() const { return along_line_; }
 
-  /// Computes the coordinate, its rate and the row E at a state.
+  /// Computes the coordinate l, the rate w and the row E of the port at a state (q, v).
   void update(const Tree<double>& tree, std::span<const double> q, std::span<const double> v);
   double l() const { return l_; }
   double w() const { return w_; }
-  /// The row E with l' = E v: indices of velocities with their entries. An index may occur more than once.
+  /// The row E with l' = E v at the last update(): pairs of the index of a velocity and an entry. Entries
+  /// with the same index are to be added.
   std::span<const std::pair<int, double>> row() const { return row_; }
 
-  /// Adds factor times the derivatives of the row E by q along the group to out, nv × nv: [component of E,
-  /// direction] (D17.3).
+  /// Adds `factor` times the derivatives of the entries of the row E, by q along the left-trivialised
+  /// direction of each velocity, to out (nv × nv), [entry of E, direction] (D17.3). Nothing is added unless
+  /// the port is a line, because a sum of joint coordinates has a constant row.
   void add_row_derivatives(const Tree<double>& tree, std::span<const double> q, double factor,
                            std::span<double> out) const;
 
@@ -43,7 +48,9 @@ class DrivePort {
   bool along_line_ = false;
   double l_ = 0, w_ = 0;
   std::vector<std::pair<int, double>> row_;
-  std::vector<std::pair<std::size_t, Vec3<>>> columns_;  ///< of a line: its end, and the column of a velocity
+  /// For each entry of the row E of a line: the end that the velocity of this entry moves (0 or 1), and the
+  /// velocity of this end if the former is 1, in the axes of the body at this end.
+  std::vector<std::pair<std::size_t, Vec3<>>> columns_;
 };
 
 }  // namespace axode

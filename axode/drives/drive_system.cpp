@@ -12,7 +12,8 @@
 namespace axode {
 namespace {
 
-/// Checks a drive that no description has checked.
+/// Throws std::invalid_argument unless an added drive has a law and joints, with factors that are finite and
+/// not 0.
 void check(const AddedDrive& drive) {
   const std::string subject = "drive \"" + drive.name + "\" ";
   if (!drive.law)
@@ -60,7 +61,8 @@ DriveSystem::DriveSystem(const Model& model, std::span<const AddedDrive> more) :
   for (auto* each : {&now_.l, &now_.w, &now_.u, &now_.outputs}) each->resize(size());
 }
 
-/// Finds the drives that feed others. The description has no cycle.
+/// Finds which drives feed others, and an order of evaluation in which a drive comes after the one that feeds
+/// it. The description must not contain a cycle of drives that feed each other.
 void DriveSystem::order_by_inputs() {
   std::unordered_map<std::string_view, std::size_t> index;
   for (std::size_t d = 0; d < size(); ++d) index.try_emplace(drives_[d].name, d);
@@ -208,7 +210,7 @@ DriveDerivatives DriveSystem::derivatives(double t, Span q, Span v, Span x) {
   DriveDerivatives out{zeros(nv, nv),  zeros(nv, nv),  zeros(nv, n_x),  zeros(nv, index(inputs_.size())),
                        zeros(n_x, nv), zeros(n_x, nv), zeros(n_x, n_x), zeros(n_x, index(inputs_.size()))};
   Values<Dual> values = with_duals();
-  // Evaluates the derivatives by one argument, and calls add(forces, rates) with that of τ and f.
+  // Computes the derivatives of τ and f by one argument of the laws, in by_tau and by_f.
   Eigen::VectorXd by_tau(nv), by_f(n_x);
   const auto along = [&](Dual& argument) {
     argument.dx[0] = 1;
@@ -244,7 +246,7 @@ DriveDerivatives DriveSystem::derivatives(double t, Span q, Span v, Span x) {
       out.tau_v.col(c) += factor * by_tau;
       out.f_v.col(c) += factor * by_f;
     }
-    // Along a line w = E v changes with q as well, and so does τ = Eᵀ g.
+    // The row E of a line depends on q, and hence w = E v and τ = Eᵀ g depend on q also by E.
     if (!drive.port.is_line()) continue;
     std::ranges::fill(of_row, 0.0);
     drive.port.add_row_derivatives(model_.tree<double>(), q, 1, of_row);
@@ -281,7 +283,8 @@ bool DriveSystem::switch_at(double t, Span q, Span v, std::span<double> x) {
     drive.signal.begin(t);
     changed = changed || drive.signal(t) != before;
   }
-  // A change may make the margin of another status negative; several changes at one time come to an end.
+  // A change may make the margin of another status negative, so that statuses are checked again. The number
+  // of repetitions is limited.
   constexpr int most_changes = 20;
   for (int changes = 0; changes < most_changes; ++changes) {
     evaluate_laws(t, q, v, x);

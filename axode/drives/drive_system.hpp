@@ -14,63 +14,72 @@
 
 namespace axode {
 
-/// Energy and powers of all drives of a mechanism.
+/// Sums over the drives of a mechanism: stored energy, supplied power and power that becomes heat. A drive
+/// whose output is the input of another drive has no energy or power of its own.
 struct DriveEnergy {
   double stored = 0;              ///< J
   double supplied = 0, lost = 0;  ///< W
 };
 
-/// Derivatives of the drive forces τ (nv) and of the rates f of the states (nx), by q along the group, by v,
-/// by x and by the inputs u that are functions of time.
+/// Derivatives of the drive forces τ (nv numbers) and of the rates f = x' of the drive states (nx numbers):
+/// by q along the left-trivialised directions of the velocities (nv columns), by v, by the states x (nx
+/// columns), and by those inputs u that are functions of time (a column for each of DriveSystem::inputs()).
 struct DriveDerivatives {
   Eigen::MatrixXd tau_q, tau_v, tau_x, tau_u;
   Eigen::MatrixXd f_q, f_v, f_x, f_u;
 };
 
-/// All drives of a mechanism: their ports and laws, in an order in which a drive comes after the one that
-/// feeds it. The states x of all drives are one vector, in the order of the drives. An object serves one
-/// thread.
+/// All drives of a mechanism with their ports, laws, inputs and statuses. The output of a drive may be the
+/// input of another drive; it then feeds this drive, and its law is evaluated before. The states x of all
+/// drives are one vector of nx() numbers, in the order of the drives. An object serves one thread.
 class DriveSystem {
  public:
   using Span = std::span<const double>;
 
-  /// The drives of the description, followed by `more`. Throws std::invalid_argument for unknown joints, for
-  /// joints that do not have one velocity, and for drives of `more` without a law, a joint or a finite
-  /// factor.
+  /// Takes the drives of the description of the model, followed by `more`. Throws std::invalid_argument for a
+  /// joint that does not exist or does not have one velocity, and for a drive of `more` that has no law or no
+  /// joint, or a factor that is 0 or not finite.
   explicit DriveSystem(const Model& model, std::span<const AddedDrive> more = {});
 
   bool empty() const { return drives_.empty(); }
   std::size_t size() const { return drives_.size(); }
   std::size_t nx() const { return states_.size(); }
   const std::string& name(std::size_t drive) const { return drives_[drive].name; }
-  /// The states with their units; their names are `<drive>.<state>`.
+  /// The states of all drives in the order of x, with their units and with names `<drive>.<state>`.
   std::span<const DriveState> states() const { return states_; }
-  /// The drives whose input is a function of time, in the order of the columns of tau_u and f_u.
+  /// Indices of the drives whose input is a function of time instead of the output of another drive. The
+  /// columns of DriveDerivatives::tau_u and f_u are in this order.
   std::span<const std::size_t> inputs() const { return inputs_; }
 
-  /// Takes the inputs after a time, writes the states x with which a motion starts there, and chooses the
-  /// statuses.
+  /// Prepares the start of a motion at time t and state (q, v): sets the inputs to their values just after t,
+  /// writes the states x with which the drives start (nx() numbers), and chooses their statuses.
   void start(double t, Span q, Span v, std::span<double> x);
-  /// Takes the inputs after a time, and chooses the statuses of a state.
+  /// Sets the inputs to their values just after time t, and chooses the statuses of the drives that belong to
+  /// the state (q, v, x).
   void set_state(double t, Span q, Span v, Span x);
 
-  /// Adds the drive forces to tau (nv), and writes the rates of x.
+  /// Evaluates all laws at time t and state (q, v, x) with the present statuses: adds the drive forces to tau
+  /// (nv numbers), and writes the rates x' to dx (nx() numbers).
   void evaluate(double t, Span q, Span v, Span x, std::span<double> tau, std::span<double> dx);
-  /// Adds to tau the forces of drives that act along lines, at the last evaluation; evaluate() has added them
-  /// as well.
+  /// Adds to tau (nv numbers) the forces of those drives that act along lines between two points, as the last
+  /// evaluation has found them. They are contained in the tau of evaluate() already.
   void add_line_forces(std::span<double> tau) const;
   DriveEnergy energy(double t, Span q, Span v, Span x);
-  /// Allocates.
+  /// Computes the derivatives of the drive forces and of the rates at constant statuses. Allocates.
   DriveDerivatives derivatives(double t, Span q, Span v, Span x);
-  /// Writes the rates of x, and returns their derivatives f_x alone. Allocates.
+  /// Writes the rates x' of the drive states to dx (nx() numbers), and returns their derivatives by x alone
+  /// (nx() × nx()), at constant q, v and t. Allocates.
   Eigen::MatrixXd rates_by_states(double t, Span q, Span v, Span x, std::span<double> dx);
 
-  /// The first time after t at which an input jumps; infinite if there is none.
+  /// The first time after t at which the input of a drive or one of its derivatives jumps, so that a step of
+  /// an integration should end there; infinite if there is none.
   double next_jump(double t) const;
-  /// The least margin of all statuses. A step must end where it becomes negative.
+  /// The least of the margins of all statuses at a time and state, see DriveLaw::margin(); infinite if there
+  /// are no statuses. A step of an integration must end where it becomes negative.
   double least_margin(double t, Span q, Span v, Span x);
-  /// Continues a motion after a step: inputs that jump at this time take their new values, and statuses with
-  /// negative margins change. Returns whether anything changed, which may include x.
+  /// Prepares the drives for the next step of a motion, which begins at time t and state (q, v, x). Inputs
+  /// that jump at t take their values after the jump. Statuses with negative margins change, and states in x
+  /// may jump with them. Returns whether an input or a status has changed.
   bool switch_at(double t, Span q, Span v, std::span<double> x);
 
  private:
@@ -79,21 +88,22 @@ class DriveSystem {
     std::shared_ptr<const DriveLaw> law;
     DrivePort port;
     DriveSignal signal;
-    std::string from;  ///< drive whose output is the input, or empty
+    std::string from;  ///< name of the drive whose output is the input; empty: none
     std::vector<std::pair<std::string, double>> initial;
-    int fed_by = -1;     ///< its index
+    int fed_by = -1;     ///< index of the drive whose output is the input, or -1
     bool feeds = false;  ///< whether the output is the input of another drive
     std::size_t first_x = 0, n_x = 0;
     std::vector<int> statuses = {};
   };
-  /// The arguments of all laws, and their results.
+  /// The arguments of the laws of all drives, and their results: x and dx have nx() entries, and the others
+  /// one for each drive.
   template <class T> struct Values { std::vector<T> x, l, w, u, outputs, dx; };
 
   void order_by_inputs();
-  /// The arguments and results of the last evaluation, with derivatives of 0.
+  /// The arguments and results of the last evaluation as dual numbers, whose derivatives are 0.
   Values<DriveLaw::Dual> with_duals() const;
   void update_ports(double t, Span q, Span v);
-  /// Evaluates drive d after the one that feeds it.
+  /// Evaluates the law of drive d. If another drive feeds it, that one must have been evaluated before.
   template <class T> DriveResponse<T> respond(std::size_t d, double t, Values<T>& values) const;
   template <class T> DrivePoint<T> point(std::size_t d, double t, const Values<T>& values) const;
   void evaluate_laws(double t, Span q, Span v, Span x);

@@ -32,7 +32,7 @@ void check(const Model& model, const DriveSystem& drives, Span q, Span v, Span x
                                   to_text(x[k]) + "; it must be finite");
 }
 
-/// A state (q, v = 0, x) with its accelerations and rates.
+/// A state (q, v = 0, x) with its accelerations and, after these, the rates x' over the nominal values of x.
 struct AtRest {
   std::vector<double> q, x;
   Vector rates;
@@ -40,7 +40,8 @@ struct AtRest {
   Solvability solvability;
 };
 
-/// Accelerations and rates of states at rest. Rates count relative to the nominal values of their states.
+/// Computes accelerations and rates of the drive states in states at rest, and the steps of Newton's method.
+/// The rates are divided by the nominal values of the drive states.
 class Statics {
  public:
   Statics(const Model& model, DriveSystem& drives, double t)
@@ -65,7 +66,8 @@ class Statics {
     at.rates.tail(nominal_.size()) = as_eigen(Span(dx)).cwiseQuotient(nominal_);
     at.residual = at.rates.size() > 0 ? at.rates.lpNorm<Eigen::Infinity>() : 0;
   }
-  /// The step of Newton's method, in velocities and in nominal values of x.
+  /// The step of Newton's method: nv displacements (rad or m, at most 1 in magnitude) and then changes of the
+  /// drive states x as multiples of their nominal values.
   Vector step(const AtRest& at) {
     const DriveLinearization linear = linearize_with_drives(model_, drives_, t_, at.q, still_, at.x);
     const Eigen::Index nv = model_.nv(), nx = nominal_.size(), n = nv + nx;

@@ -6,7 +6,8 @@
 
 namespace axode {
 
-/// The law of a drive that a description without faults has.
+/// Makes the law of a drive from its description, which must be without faults. Parameters that are not given
+/// have the standard values of the kind of drive.
 std::shared_ptr<const DriveLaw> make_law(const DriveDescription& drive);
 
 }  // namespace axode

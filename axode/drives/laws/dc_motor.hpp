@@ -6,21 +6,22 @@
 
 namespace axode {
 
-/// A DC motor with a gear (D17.8). The states are the current and, if the motor has a heat capacity, the
-/// temperature of its winding. The inertia of the rotor is not part of it: draw ratio² J as the armature of
-/// the joint.
+/// A DC motor with a gear (D17.8). The states are the current (A) and, if the motor has a finite heat
+/// capacity, the temperature of its winding (degC). The inertia J of the rotor is not part of the drive: give
+/// N² J as the armature of the joint.
 struct DcMotor {
-  double R, L, k;             ///< ohm at T_0, H, N m/A = V s/rad
-  double b = 0;               ///< N m s/rad, at the motor
-  double N = 1;               ///< angle of the motor over that of the joint
-  double u_max, i_max;        ///< V and A; infinite: not limited
-  double C, R_thermal;        ///< J/K and K/W; an infinite C has no state
-  double alpha = 0;           ///< 1/K
-  double T_a = 25, T_0 = 25;  ///< degC: ambient, and at which R is given
+  /// Resistance at the temperature T_0 (ohm), inductance (H) and torque constant (N m/A = V s/rad).
+  double R, L, k;
+  double b = 0;               ///< viscous friction at the motor, N m s/rad
+  double N = 1;               ///< gear ratio: angle of the motor over that of the joint
+  double u_max, i_max;        ///< limits of voltage and current, V and A; may be infinite
+  double C, R_thermal;        ///< heat capacity, J/K, and thermal resistance, K/W; infinite C: no state
+  double alpha = 0;           ///< temperature coefficient of the resistance, 1/K
+  double T_a = 25, T_0 = 25;  ///< ambient temperature, and the one at which R is given, degC
 
-  /// Values of the status of the current: it is free, or the amplifier holds it at the limit, or it exceeds
-  /// the limit because the amplifier's largest voltage against it is too small. The sign is that of the
-  /// current.
+  /// Magnitudes of the status of the current: the current is free, or the amplifier holds it at the limit
+  /// i_max, or it exceeds the limit because the largest opposing voltage of the amplifier is too small to
+  /// hold it. The sign of the status is the sign of the current.
   enum Current { free = 0, held = 1, beyond = 2 };
 
   bool has_temperature() const { return std::isfinite(C); }
@@ -37,7 +38,7 @@ struct DcMotor {
   template <class T> T resistance(const DrivePoint<T>& at) const {
     return has_temperature() ? T(R) * (T(1) + T(alpha) * (at.x[1] - T(T_0))) : T(R);
   }
-  /// The voltage that keeps the current as it is.
+  /// The voltage (V) at which the current is constant: R i + k N w.
   template <class T> T holding_voltage(const DrivePoint<T>& at) const {
     return resistance(at) * at.x[0] + T(k * N) * at.w;
   }
@@ -94,7 +95,8 @@ struct DcMotor {
 
  private:
   Saturation voltage() const { return {u_max}; }
-  /// The voltage by which the input would drive the current farther over its limit.
+  /// The voltage (V) of the input beyond the holding voltage, in the direction `sign` of the limit that the
+  /// current has reached: if it is positive, the input drives the current farther over the limit.
   double drive_at_limit(const DrivePoint<double>& at, std::span<const int> statuses, int sign) const {
     return sign * (voltage().of(at.u, statuses[0]) - holding_voltage(at));
   }

@@ -9,18 +9,19 @@
 namespace axode {
 
 /// A hydraulic cylinder with two chambers and a 4/3 valve (D17.16). The coordinate of its port is its length,
-/// and a positive force makes it longer. The states are the pressures of the chambers and the position of
-/// the spool, from -1 to 1.
+/// and a positive force makes it longer. The states are the pressures p_a and p_b of the chambers (Pa) and
+/// the position y of the spool, which follows the input. y is 1 or -1 if the valve is fully open, and is not
+/// limited to this range.
 struct HydraulicCylinder {
   double closed_length;     ///< length of the port at which the stroke is 0, m
-  double stroke;            ///< m
+  double stroke;            ///< length of the stroke, m
   double A_a, A_b;          ///< areas of the piston, m²
   double V_a, V_b;          ///< dead volumes, m³
   double beta;              ///< bulk modulus of the oil, Pa
   double C_i = 0, C_e = 0;  ///< leakages across the piston and to the outside, m³/(s Pa)
-  double K_v;               ///< flow through the open valve, m³/(s √Pa)
+  double K_v;               ///< flow of the open valve over the root of the pressure, m³/(s √Pa)
   double p_smooth;          ///< pressure below which flows become proportional to pressures, Pa
-  double p_supply, p_tank;  ///< Pa
+  double p_supply, p_tank;  ///< pressures of supply and tank, Pa
   double T_v;               ///< time constant of the valve, s
   double b = 0;             ///< viscous friction, N s/m
   double k_c = 0, d_c = 0;  ///< stiffness (N/m) and damping (s/m) of the cushions at both ends
@@ -31,18 +32,21 @@ struct HydraulicCylinder {
     x[2] = at.u;
   }
 
-  /// The square root of a pressure difference with its sign, smooth through 0.
+  /// The root φ(p) = p/(p² + p_smooth²)^(1/4) of a pressure difference p: about √|p| with the sign of p, and
+  /// smooth at p = 0.
   template <class T> T root(const T& p) const {
     using std::sqrt;
     return p / sqrt(sqrt(p * p + T(p_smooth * p_smooth)));
   }
-  /// The power per flow at a pressure: the pressure itself, and the energy of the compressed oil.
+  /// The power Π(p) = β (exp(p/β) - 1) that a unit of flow carries at the pressure p: the pressure itself,
+  /// and the energy of the compressed oil (D17.17).
   template <class T> T power_per_flow(const T& p) const {
     using std::exp;
     return T(beta) * (exp(p * T(1 / beta)) - T(1));
   }
 
-  /// The rate of the pressure by the flow into a chamber, Pa/m³; NaN for a chamber without volume.
+  /// The rate of the pressure in a chamber for a unit of flow into it, β/volume (Pa/m³); NaN if the chamber
+  /// has no volume.
   template <class T> T stiffness(const T& volume) const {
     return volume > T(0) ? T(beta) / volume : T(std::numeric_limits<double>::quiet_NaN());
   }
@@ -75,8 +79,8 @@ struct HydraulicCylinder {
         out.supplied - per_a * into_a - per_b * into_b + T(b) * w * w + (cushion - T(k_c) * depth) * closing;
   }
 
-  // The statuses are the sign of the spool, and the cushion that is compressed: 1 at the end of the stroke,
-  // -1 at its start, 0 if there is none.
+  // Status 0 is the sign of the spool position. Status 1 is the cushion that is compressed: 1 at the end of
+  // the stroke, -1 at its start, 0 if none is.
   std::size_t n_statuses() const { return 2; }
   void choose(const DrivePoint<double>& at, DriveLaw::Statuses statuses) const {
     const double s = at.l - closed_length;

@@ -6,13 +6,14 @@
 
 namespace axode {
 
-/// LuGre friction (Canudas de Wit, Olsson, Åström, Lischinsky 1995): the state is the deflection z of the
-/// bristles (D17.14).
+/// LuGre friction (Canudas de Wit, Olsson, Åström, Lischinsky 1995). The state is the deflection z (rad) of
+/// the bristles (D17.14).
 struct LuGreFriction {
-  double sigma_0, sigma_1 = 0, sigma_2 = 0;  ///< N m/rad, N m s/rad, N m s/rad
-  double F_c, F_s;                           ///< levels of sliding and of sticking, N m
-  double v_s;                                ///< Stribeck's velocity, rad/s
-  double v_d;  ///< velocity above which the bristles are not damped, rad/s; infinite: there is none
+  /// Stiffness of the bristles (N m/rad), damping of the bristles and viscous friction (N m s/rad).
+  double sigma_0, sigma_1 = 0, sigma_2 = 0;
+  double F_c, F_s;  ///< friction in sliding and largest friction in sticking, N m
+  double v_s;       ///< Stribeck's velocity, rad/s
+  double v_d;       ///< velocity above which the damping of the bristles vanishes, rad/s; may be infinite
 
   std::vector<DriveState> states() const {
     std::vector<DriveState> all = states_of(DriveKind::lugre);
@@ -36,7 +37,7 @@ struct LuGreFriction {
     out.lost = T(sigma_0) * z * slip + damping * dz * w + T(sigma_2) * w * w;
   }
 
-  // The status is the sign of w.
+  // The only status is the sign of the rate w of the port.
   std::size_t n_statuses() const { return 1; }
   void choose(const DrivePoint<double>& at, DriveLaw::Statuses statuses) const {
     statuses[0] = at.w < 0 ? -1 : 1;

@@ -6,13 +6,13 @@
 namespace axode {
 
 /// A PID controller of the coordinate of its port, whose input is the reference (D17.10). Its output is a
-/// force on the port or the input of another drive.
+/// force on the port or the input of another drive. The states are the integral and the filtered error.
 struct PidController {
   double K_p, K_i = 0, K_d = 0;
   double T_f = 0.01;         ///< time constant of the filter of the derivative, s
   double T_t;                ///< time constant with which the integrator follows the limit, s
-  double limit;              ///< largest output; infinite: not limited
-  bool conditional = false;  ///< whether the integrator of a saturated controller stops instead
+  double limit;              ///< largest magnitude of the output; may be infinite
+  bool conditional = false;  ///< whether the integrator stops, instead of following the limit
 
   std::vector<DriveState> states() const { return states_of(DriveKind::pid); }
   void start(const DrivePoint<double>& at, std::span<double> x) const {
@@ -37,7 +37,8 @@ struct PidController {
     out.supplied = y * at.w;
   }
 
-  // The statuses are the limit that is reached and, for conditional integration, the sign of the error.
+  // Status 0 is the sign of the limit that the output has reached, or 0. Status 1, which only conditional
+  // integration has, is the sign of the error.
   std::size_t n_statuses() const { return conditional ? 2 : 1; }
   void choose(const DrivePoint<double>& at, DriveLaw::Statuses statuses) const {
     statuses[0] = Saturation{limit}.choose(wanted(at));

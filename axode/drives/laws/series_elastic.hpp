@@ -4,17 +4,17 @@
 namespace axode {
 
 /// A series-elastic drive: a DC motor, a gear, and a spring with a damper between the gear and the joint
-/// (D17.13). The states are the current, and the angle and the speed of the rotor.
+/// (D17.13). The states are the current (A), and the angle (rad) and the speed (rad/s) of the rotor.
 struct SeriesElastic {
-  double R, L, k;  ///< ohm, H, N m/A = V s/rad
-  double b = 0;    ///< N m s/rad, at the motor
-  double N = 1;    ///< angle of the motor over that of the gear's output
-  double J;        ///< kg m²
-  double k_s;      ///< N m/rad, at the joint
-  double d_s = 0;  ///< N m s/rad, at the joint
+  double R, L, k;  ///< resistance, inductance, torque constant; ohm, H, N m/A = V s/rad
+  double b = 0;    ///< viscous friction at the motor, N m s/rad
+  double N = 1;    ///< gear ratio: angle of the motor over that of the gear's output
+  double J;        ///< inertia of the rotor, kg m²
+  double k_s;      ///< stiffness of the spring at the joint, N m/rad
+  double d_s = 0;  ///< damping of the spring at the joint, N m s/rad
 
   std::vector<DriveState> states() const { return states_of(DriveKind::series_elastic); }
-  /// The motion starts with a relaxed spring.
+  /// Writes the states at the start of a motion: no current, and a relaxed spring that turns with the joint.
   void start(const DrivePoint<double>& at, std::span<double> x) const {
     x[0] = 0;
     x[1] = N * at.l;
