@@ -18,11 +18,11 @@ namespace {
 using Vector = Eigen::VectorXd;
 using Matrix = Eigen::MatrixXd;
 
-/// Residuals and steps are without unit here: lengths are divided by the size of the loops, so that neither
-/// the path of the search nor the answer depends on the unit of length.
+/// The search of assemble() for a closed configuration. Residuals and steps have no unit: lengths are divided
+/// by the size of the loops, so that neither the iterates nor the result depend on the unit of length.
 class Assembly {
  public:
-  /// In the model every motion is a loop, see MotionRows.
+  /// Searches in the model of `motions`, in which every prescribed motion is a loop, see MotionRows.
   Assembly(MotionRows& motions, const AssemblyOptions& options)
       : model_(motions.model()), options_(options), workspace_(model_), system_(workspace_.system(model_)) {
     motions.impose(options.time, system_);
@@ -87,14 +87,15 @@ class Assembly {
     }
     return AssemblyStatus::closed;
   }
-  /// The damped least-squares step -Rᵀ (R Rᵀ + small)⁻¹ r.
+  /// The damped least-squares solution x = -Rᵀ (R Rᵀ + small I)⁻¹ r of R x = -r.
   static Vector least(const Matrix& R, const Vector& r, double small) {
     Matrix S = R * R.transpose();
     S.diagonal().array() += small;
     return -R.transpose() * S.ldlt().solve(r);
   }
-  /// The damped step that closes the loops to first order, at most half a radian or half the size of the
-  /// loops. The constant part of the damping prevents that redundant rows contribute to the step.
+  /// The damped step that closes the loops to first order. No entry of it is larger than 0.5, that is half a
+  /// radian or half the size of the loops. The constant part of the damping prevents that redundant rows
+  /// contribute to the step.
   static Vector step(const Matrix& R, const Vector& r, double damping) {
     const Vector x = least(R, r, damping * r.norm() + 1e-12 * R.squaredNorm());
     const double largest = x.cwiseAbs().maxCoeff();
@@ -102,15 +103,15 @@ class Assembly {
   }
   static std::vector<double> as_numbers(const Vector& x) { return {x.begin(), x.end()}; }
 
-  /// Computes the residual r(q), and updates the kinematics of the system to q.
+  /// Computes the residual r(q) without units, and updates the kinematics of the system to q.
   Vector residual_of(const std::vector<double>& q) {
     Vector r(model_.loops().residuals);
     system_.update_kinematics(q.data());
     system_.residual(q.data(), r.data());
     return r.cwiseQuotient(unit_of_residual_);
   }
-  /// The unit of each row of a level: the size of the loops for a row along which a force acts, 1 for a row
-  /// about which a couple acts, and the unit of the first term for a coupling.
+  /// The unit of each row of a level: the size of the loops for a row whose wrench has a force, 1 for a row
+  /// whose wrench is a couple, and the unit of the first term for a coupling.
   Vector units_of_rows(ConstraintLevel level) {
     system_.make_rows(level);
     Vector units = Vector::Ones(system_.size(level));
@@ -135,7 +136,8 @@ class Assembly {
     const LoopCoupling::Term& first = coupling.terms.front();
     return std::abs(first.factor) * unit_of_velocity_[first.velocity];
   }
-  /// The matrix R or A of a level at the present kinematics. Columns of held velocities are 0.
+  /// The matrix R (position level) or A (velocity level) without units, at the present kinematics. Columns of
+  /// held velocities are 0.
   Matrix rows(ConstraintLevel level) {
     LoopSystem<double>::RowByRow R(system_.size(level), model_.nv());
     system_.make_rows(level);
@@ -153,16 +155,16 @@ class Assembly {
     rates.array() /= unit_of_row_.array();
     const Matrix A = rows(ConstraintLevel::velocity);
     Eigen::Map<Vector> v(result_.v.data(), model_.nv());
-    for (int n = 0; n < 3; ++n) {  // each step leaves a small part of the rates
+    for (int n = 0; n < 3; ++n) {  // each step reduces the residual A v to a small part of it
       const Vector dv = least(A, rates, 1e-8 * A.squaredNorm());
       v += unit_of_velocity_.cwiseProduct(dv);
       rates += A * dv;
     }
     return true;
   }
-  /// The size of the loops at the present configuration, which is that of the drawing: the largest distance
-  /// of a body or of an end of a loop from the origin of its root or of its body, and 1 m if there is no such
-  /// distance.
+  /// The size of the loops at the present kinematics, which must be those of the drawing. It is the largest
+  /// distance of a body on the loops from the origin of its root body, or of an end of a loop from the origin
+  /// of the body that has the end. It is 1 m if all these distances are 0.
   double size() const {
     double largest = 0;
     for (const LoopPath& path : system_.table().paths) {
@@ -171,7 +173,7 @@ class Assembly {
     }
     return largest > 0 ? largest : 1;
   }
-  /// A bound on the rounding of the residual at the present configuration.
+  /// A bound on the rounding errors of the residual without units, at the present configuration.
   double rounding() const {
     double sum = 0;
     const LoopTable& table = system_.table();
@@ -181,8 +183,9 @@ class Assembly {
                                       : largest_term(model_.loops().couplings[k - table.joints.size()]));
     return 4 * std::numeric_limits<double>::epsilon() * sum;
   }
-  /// The largest term in the residual of a loop: a coordinate, the distance of a body from the origin of its
-  /// root, the distance of the root from the inertial origin, or one of these distances times an angle.
+  /// The largest term in the residual of a loop, without units: a coordinate, the distance of a body from the
+  /// origin of its root body, the distance of the root body from the inertial origin, or the largest distance
+  /// from a root times an angle. For a coupling it is the offset or a product of a factor and a coordinate.
   double largest_term(const LoopCoupling& coupling) const {
     double largest = std::abs(coupling.offset);
     for (const LoopCoupling::Term& term : coupling.terms)
@@ -217,9 +220,9 @@ class Assembly {
   const AssemblyOptions& options_;
   LoopWorkspace<double> workspace_;
   LoopSystem<double>& system_;
-  double size_ = 1;                        ///< of the loops, m
-  Vector unit_of_velocity_;                ///< of each velocity: size_ for a length, and 1 for an angle
-  Vector unit_of_residual_, unit_of_row_;  ///< see units_of_rows()
+  double size_ = 1;                        ///< size of the loops, m; see size()
+  Vector unit_of_velocity_;                ///< unit of each velocity: size_ for a length, and 1 for an angle
+  Vector unit_of_residual_, unit_of_row_;  ///< units of the rows R and A, see units_of_rows()
   AssemblyResult result_;
 };
 

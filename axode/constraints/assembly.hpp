@@ -9,42 +9,50 @@
 namespace axode {
 
 struct AssemblyOptions {
-  double tolerance = 1e-12;        ///< on the residual, relative to the size of the mechanism; see assemble()
-  int iterations = 200;            ///< upper limit
-  std::span<const int> held = {};  ///< velocities of joints that must not move, such as drives
-  double time = 0;                 ///< time at which prescribed motions are followed, s
+  double tolerance = 1e-12;        ///< bound on |r|, with lengths in r divided by the size of the loops; see
+                                   ///< assemble()
+  int iterations = 200;            ///< largest number of iterations
+  std::span<const int> held = {};  ///< indices of joint velocities, such as those of drives, that must not
+                                   ///< change
+  double time = 0;                 ///< time at which the prescribed motions of the model are evaluated, s
   std::function<bool()> monitor = {};  ///< called at every iteration; false ends the search
 };
 
 enum class AssemblyStatus {
   closed,
   open,             ///< no small step reduces the residual any more
-  singular_guess,   ///< no velocity closes the loops to first order, because a chain is stretched or folded,
-                    ///< or velocities are held
+  singular_guess,   ///< at the first iterate no velocity reduces the residual to first order: a chain is
+                    ///< stretched or folded, or too many velocities are held
   iteration_limit,  ///< the iterations were used up, or the monitor ended the search
-  singular,         ///< the loops are closed, but the mass matrix is singular, so that no velocities were
-                    ///< found
+  singular,         ///< the loops are closed, but velocities were not found, because the mass matrix of the
+                    ///< tree is singular
 };
 std::string_view to_string(AssemblyStatus status);
 
 struct AssemblyResult {
   AssemblyStatus status{};
-  std::vector<double> q, v;  ///< the best configuration found, and velocities that keep it closed
-  double residual = 0;       ///< |r|, rad and m
-  std::vector<double> open;  ///< |r| of each loop, then of each motion of a joint
+  std::vector<double> q, v;  ///< the best configuration found and, if v was given, velocities that keep it
+                             ///< closed
+  double residual = 0;       ///< norm of the residual r of all loops and motions at q, rad and m
+  std::vector<double> open;  ///< norm of the residual of each loop, followed by that of each prescribed
+                             ///< motion of a joint
   int iterations = 0;
 };
-/// A sentence for the user with the residual of each open loop, the largest first.
+/// One sentence for the user. If loops are open, it has the residual of each open loop, the largest first.
 std::string to_string(const Model& model, const AssemblyResult& result);
 
-/// Finds a closed configuration near q that follows the prescribed motions, by the Levenberg-Marquardt
-/// method on the group. If v is not empty, also finds the velocities after an impact that closes the loops
-/// and follows the motions, the nearest to v in kinetic energy. Redundant rows are allowed; where two
-/// branches of the motion meet, convergence is slow. A residual that stops decreasing within the rounding of
-/// the poses and coordinates, or within a thousand times the tolerance, counts as closed. Lengths are
-/// measured by the size of the loops in the drawing, so that the unit of length does not matter. Limits of
-/// coordinates are ignored. Allocates; O(m nv²) an iteration. Throws std::invalid_argument for wrong sizes
-/// and for numbers in q or v that are not finite.
+/// Finds a closed configuration near q that follows the prescribed motions of the model at options.time, by
+/// the Levenberg-Marquardt method on the configuration manifold. If v is not empty, also finds velocities
+/// that keep the loops closed and follow the motions. They are those after an impact that closes the loops,
+/// the nearest to v in kinetic energy; if options.held is not empty, they are the nearest to v in the
+/// Euclidean norm, with lengths divided by the size of the loops.
+///
+/// Redundant rows are allowed. At a configuration where two branches of the motion meet, convergence is slow.
+/// A residual that stops decreasing also counts as closed if it is within a bound on its rounding errors, or
+/// within a thousand times the tolerance. Lengths are divided by the size of the loops in the drawing, so
+/// that the unit of length does not matter. Limits of coordinates are ignored. Allocates; O(m nv²) for each
+/// iteration with m rows. Throws std::invalid_argument for wrong sizes, for numbers in q or v that are not
+/// finite, and for held velocities that do not exist.
 [[nodiscard]] AssemblyResult assemble(const Model& model, std::span<const double> q,
                                       std::span<const double> v = {}, const AssemblyOptions& options = {});
 

@@ -45,8 +45,8 @@ void check_closed(LoopSystem<double>& system, Numbers<double> q, Numbers<double>
 
 void check_accelerations(LoopSystem<double>& system, Numbers<double> q, Numbers<double> v,
                          Numbers<double> a) {
-  constexpr double tolerance = 1e-3;  // it is wide, because accelerations from measurements or finite
-                                      // differences have few correct digits
+  constexpr double tolerance = 1e-3;  // the tolerance is wide, because accelerations from measurements or
+                                      // finite differences have few correct digits
   const Loops& loops = system.model().loops();
   const auto norm = [](Numbers<double> x) {
     return Eigen::Map<const Eigen::VectorXd>(x.data(), std::ssize(x)).norm();

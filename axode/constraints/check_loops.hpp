@@ -18,23 +18,25 @@ LoopSystem<T>& checked(const Model& model, LoopWorkspace<T>& workspace, Numbers<
   return checked(model, workspace, q);
 }
 
-/// Throws std::invalid_argument for a velocity that does not exist.
+/// Throws std::invalid_argument if an index in `drives` is not that of a velocity, 0 to nv - 1.
 void check_drives(const Model& model, std::span<const int> drives);
-/// The velocities with drives: the given ones or, if there are none, those of all joints that are not
-/// passive. Throws std::invalid_argument for a velocity that does not exist.
+/// Indices of the velocities with drives: those in `drives` or, if it is empty, those of all joints that are
+/// not passive. Throws std::invalid_argument if an index in `drives` is not that of a velocity, 0 to nv - 1.
 std::vector<int> driven(const Model& model, std::span<const int> drives);
 
-/// The largest residual of a loop, rad and m, with which a motion may start.
+/// The largest norm of the residual of one loop, rad and m, with which a motion may start.
 inline constexpr double closed_enough = 1e-6;
-/// Throws std::invalid_argument, with the loop and its residual, if q leaves a loop open or v does not keep
-/// it closed. Updates the kinematics of the system.
+/// Throws std::invalid_argument, with the name of the loop and its residual, if a loop is open at q by more
+/// than closed_enough, or if |A v| of a loop is more than closed_enough (1 + |v|). Updates the kinematics of
+/// the system to q.
 void check_closed(LoopSystem<double>& system, Numbers<double> q, Numbers<double> v);
-/// Throws std::invalid_argument, with the loop, if |A a + γ| is more than a thousandth of 1 + |a| + |v|², or
-/// with the fault of q or v if that is the cause. It follows force() and make_rows(), or
+/// Throws std::invalid_argument, with the name of the loop, if the part of A a + γ that belongs to one loop
+/// has a norm of more than a thousandth of 1 + |a| + |v|². If q leaves a loop open or v does not keep it
+/// closed, the message says so instead. Must be called after LoopSystem::force() and make_rows(), or after
 /// force_fast(), at (q, v, a).
 void check_accelerations(LoopSystem<double>& system, Numbers<double> q, Numbers<double> v, Numbers<double> a);
-/// Throws std::invalid_argument if `left`, the part of the required forces that no drive can produce, is more
-/// than 1e-8. `task` completes the message "the drives cannot ...".
+/// Throws std::invalid_argument if `left`, the part of the required forces, by norm, that no drive can
+/// produce, is more than 1e-8. `task` completes the message "the drives cannot ...".
 void check_driven(double left, const char* task);
 
 inline void check_rows(const char* name, std::size_t size, int rows, const char* meaning, int columns = 1) {

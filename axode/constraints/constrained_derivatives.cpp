@@ -19,7 +19,7 @@ template <class T> std::span<T> entries(RowByRow<T>& matrix) {
   return {matrix.data(), static_cast<std::size_t>(matrix.size())};
 }
 
-/// The given rows of a matrix.
+/// The matrix of those rows of `all` whose indices are in `rows`.
 template <class T> Eigen::MatrixX<T> rows_of(const RowByRow<T>& all, const std::vector<int>& rows) {
   Eigen::MatrixX<T> out(static_cast<Eigen::Index>(rows.size()), all.cols());
   for (std::size_t k = 0; k < rows.size(); ++k) out.row(static_cast<Eigen::Index>(k)) = all.row(rows[k]);
@@ -108,7 +108,8 @@ Solvability forward_dynamics_derivatives(const Model& model, LoopWorkspace<T>& w
 
 namespace {
 
-/// Memory for the matrices of the derivatives by q, v and tau.
+/// Computes the derivatives of the accelerations by q (index 0), v (1) and tau (2), nv × nv each, and stores
+/// them.
 template <class T> class Matrices {
  public:
   Matrices(const Model& model, LoopWorkspace<T>& workspace, Numbers<T> q, Numbers<T> v, Numbers<T> tau,

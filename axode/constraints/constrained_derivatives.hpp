@@ -5,27 +5,30 @@
 
 namespace axode {
 
-/// Receives ∂a/∂q, ∂a/∂v and ∂a/∂τ (nv × nv each), and the derivatives of λ (loops().rows × nv each, may be
-/// empty), row by row, [component, direction].
+/// Results of forward_dynamics_derivatives() with loops: ∂a/∂q, ∂a/∂v and ∂a/∂τ (nv × nv each), and the
+/// derivatives of the multipliers λ by q, v and τ (loops().rows × nv each, may be empty). All matrices are
+/// stored row by row, [component, direction].
 template <class T> struct ClosedDynamicsDerivatives {
   std::span<T> a_q, a_v, a_tau;
   std::span<T> lambda_q = {}, lambda_v = {}, lambda_tau = {};
 };
 
-/// First derivatives of forward dynamics with loops, by differentiating M a + h - Aᵀ λ = τ, A a + γ = 0 with
-/// the rows that are independent at q (D7.15); the multipliers of the other rows are 0. If rows are redundant
-/// by geometry (Bricard's mechanism), accelerations jump as the loops open: then only derivatives along
-/// velocities that the loops allow are meaningful. Directions of q are those of q ⊕ ε e_k. Allocates; O((nv +
-/// m)³). Throws std::invalid_argument for wrong sizes.
+/// Computes the first derivatives of forward dynamics with loops, by differentiating M a + h - Aᵀ λ = τ, A a
+/// + γ = 0 with the rows of A that are independent at q (D7.15). The multipliers of the other rows are 0. If
+/// rows are redundant by geometry (Bricard's mechanism), accelerations jump as the loops open: then only
+/// derivatives along velocities v with A v = 0 are meaningful. Directions of q are those of q ⊕ ε e_k.
+/// Springs are ignored. Allocates; O((nv + m)³) for m rows of A. Throws std::invalid_argument for wrong sizes
+/// and for a model with prescribed motions.
 template <class T>
 Solvability forward_dynamics_derivatives(const Model& model, LoopWorkspace<T>& workspace, Numbers<T> q,
                                          Numbers<T> v, Numbers<T> tau,
                                          const std::type_identity_t<ClosedDynamicsDerivatives<T>>& d,
                                          const std::type_identity_t<Loads<T>>& loads = {});
 
-/// The derivative da (nv) of the accelerations along a direction (dq, dv, dtau), and the gradients of w·a by
-/// q, v and tau: products of the matrices of forward_dynamics_derivatives with a vector, at the cost of the
-/// matrices.
+/// Products of the derivatives of forward dynamics with loops and a vector. forward_dynamics_jvp() computes
+/// the derivative da (nv) of the accelerations along a direction (dq, dv, dtau). forward_dynamics_vjp()
+/// computes the gradients of w·a by q, v and tau for weights w (nv). Both compute the matrices of
+/// forward_dynamics_derivatives() first and cost as much as that function.
 template <class T>
 Solvability forward_dynamics_jvp(const Model& model, LoopWorkspace<T>& workspace, Numbers<T> q, Numbers<T> v,
                                  Numbers<T> tau, Numbers<T> dq, Numbers<T> dv, Numbers<T> dtau,

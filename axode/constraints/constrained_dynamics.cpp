@@ -13,7 +13,7 @@
 namespace axode {
 namespace {
 
-/// Memory for multipliers if the caller provides none.
+/// The memory for multipliers or impulses: the caller's span or, if this is empty, memory of its own.
 template <class T> class Multipliers {
  public:
   Multipliers(const Model& model, const char* name, std::span<T> given) : given_(given) {
@@ -30,7 +30,8 @@ template <class T> class Multipliers {
   std::vector<T> own_;
 };
 
-/// M a + h of the tree; the system has this motion afterwards.
+/// Computes the forces M a + h (nv) of the spanning tree. Afterwards the system has the kinematics and the
+/// motion of (q, v, a). Throws std::invalid_argument for wrong sizes and loads.
 template <class T>
 Eigen::VectorX<T> tree_forces(LoopSystem<T>& system, Numbers<T> q, Numbers<T> v, Numbers<T> a,
                               const Loads<T>& loads) {
@@ -40,21 +41,21 @@ Eigen::VectorX<T> tree_forces(LoopSystem<T>& system, Numbers<T> q, Numbers<T> v,
   system.force(q.data(), v.data(), a.data(), loads, need.data());
   return need;
 }
-/// Computes the forces M a + h of the spanning tree. Throws if the accelerations do not keep the loops
-/// closed.
+/// Computes the forces M a + h (nv) of the spanning tree. Throws std::invalid_argument, in double precision,
+/// if the accelerations do not keep the loops closed.
 template <class T>
 Eigen::VectorX<T> closed_forces(LoopSystem<T>& system, Numbers<T> q, Numbers<T> v, Numbers<T> a,
                                 const Loads<T>& loads) {
   Eigen::VectorX<T> need = tree_forces(system, q, v, a, loads);
   system.make_rows(ConstraintLevel::velocity);
-  if constexpr (std::same_as<T, double>)  // in single precision this difference is rounding
+  if constexpr (std::same_as<T, double>)  // in single precision A a + γ consists of rounding errors
     check_accelerations(system, q, v, a);
   return need;
 }
 
-/// The least drive forces at the velocities `drives` that, together with forces of the loops, have the same
-/// effect as the forces `need` on the tree (D7.10). They are computed at the present kinematics of the
-/// system, whose rows are computed too.
+/// The least drive forces at the velocities whose indices are in `drives` that, together with forces Aᵀ λ of
+/// the loops, have the effect of the forces `need` on the tree (D7.10). The constructor uses the present
+/// kinematics of the system and computes its rows A.
 template <class T> struct DriveForces {
   using Vector = Eigen::VectorX<T>;
   using Matrix = Eigen::MatrixX<T>;
@@ -67,7 +68,8 @@ template <class T> struct DriveForces {
     for (std::size_t k = 0; k < drives.size(); ++k)
       NB.col(static_cast<Eigen::Index>(k)) = N.row(drives[k]).transpose();
     Vector u = Vector::Zero(NB.cols());
-    // The columns of N are orthonormal, so that this bound tells drives that loops lock from all others.
+    // The columns of N are orthonormal. A drive whose row of N is smaller than this bound is locked by the
+    // loops.
     constexpr T rounding = RowElimination<T>::rounding;
     const T largest = NB.size() > 0 ? NB.colwise().norm().maxCoeff() : T(0);
     if (largest > rounding)
@@ -81,11 +83,12 @@ template <class T> struct DriveForces {
   }
 
   IndependentRows<T> rows;
-  Vector tau, by_loops;  ///< nv numbers each; their sum is `need`
+  Vector tau, by_loops;  ///< forces of the drives and Aᵀ λ of the loops, nv numbers each; their sum is `need`
   T missing;             ///< the part of |need| that neither drives nor loops produce
 };
 
-/// Throws if the gear of a joint has losses, and the joint has no drive that could bear them.
+/// Throws std::invalid_argument if the gear of a joint has losses and the joint is not among the drives, so
+/// that no drive force could overcome these losses.
 template <class T>
 void check_gears_driven(const Model& model, const Loads<T>& loads, std::span<const int> drives) {
   if (!loads.joint_losses || model.gears().empty()) return;
@@ -98,7 +101,8 @@ void check_gears_driven(const Model& model, const Loads<T>& loads, std::span<con
                                   "set joint_losses to false");
 }
 
-/// Computes joint wrenches from the multipliers. Must be called after force() and make_rows().
+/// Computes the wrenches that the joints transmit under the multipliers `lambda`, in the representation Rep
+/// at the point `at` of each body. Must be called after force() and make_rows() of the system.
 template <class Rep, class T>
 void write_joint_wrenches(const Model& model, LoopSystem<T>& system, Numbers<T> lambda, WrenchPoint at,
                           std::span<Wrench<Rep, T>> W) {
@@ -157,7 +161,7 @@ T inverse_dynamics(const Model& model, LoopWorkspace<T>& workspace, Numbers<T> q
     gears.emplace(model, v, a);
   }
   const std::span<T> f = system.force_fast(q.data(), v.data(), a.data(), loads);
-  if constexpr (std::same_as<T, double>)  // in single precision this difference is rounding
+  if constexpr (std::same_as<T, double>)  // in single precision A a + γ consists of rounding errors
     check_accelerations(system, q, v, a);
   for (std::size_t c = 0; c < forces.size(); ++c) f[c] -= forces[c];
   if (system.drive_forces(drives, f.data(), tau.data(), lambda.empty() ? nullptr : lambda.data())) {

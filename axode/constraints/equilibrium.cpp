@@ -32,19 +32,20 @@ namespace {
 using Matrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
 using Vector = Eigen::VectorXd;
 
-/// A configuration with its unbalanced forces r and ∂r/∂q. If there are loops, r and ∂r/∂q are projected on
-/// an orthonormal basis N of the velocities that the loops allow.
+/// A configuration q with its unbalanced forces r and the derivative ∂r/∂q. If there are loops, r and ∂r/∂q
+/// are projected on an orthonormal basis N of the velocities that the loops allow; otherwise N is empty.
 struct Iterate {
   std::vector<double> q;
   Vector r;
   Matrix dr_dq, N;
-  double residual = 0;  ///< ‖r‖
+  double residual = 0;  ///< ‖r‖, N m and N
 
   Iterate(const Model& model, std::span<const double> at)
       : q(at.begin(), at.end()), r(model.nv()), dr_dq(model.nv(), model.nv()) {}
 };
 
-/// Computes the unbalanced forces: the drive forces that a configuration needs minus the given forces.
+/// Computes the unbalanced forces: the drive forces that a configuration needs for rest, minus the given
+/// drive forces and those of springs.
 class Statics {
  public:
   Statics(const Model& model, std::span<const double> tau, const Loads<>& loads)
@@ -77,7 +78,8 @@ class Statics {
   }
 
  private:
-  /// Subtracts the forces of the loops from the unbalanced forces: r - Aᵀ λ remains.
+  /// Subtracts the forces Aᵀ λ of the loops from the unbalanced forces r, with the least-squares multipliers
+  /// λ, and projects the rest and its derivative on the basis N of the velocities that the loops allow.
   void close(Iterate& at) {
     const Eigen::Index nv = model_.nv(), m = model_.loops().rows;
     Vector lambda(m), forces(nv);
@@ -110,7 +112,7 @@ Vector newton_step(const Iterate& at) {
   return step / std::max(1.0, step.lpNorm<Eigen::Infinity>());
 }
 
-/// Closes the loops; returns whether it succeeded.
+/// Replaces q by a closed configuration near it. Returns whether one was found.
 bool closed(const Model& model, std::vector<double>& q) {
   if (model.loops().empty()) return true;
   AssemblyResult found = assemble(model, q);
@@ -118,8 +120,8 @@ bool closed(const Model& model, std::vector<double>& q) {
   return found.status == AssemblyStatus::closed;
 }
 
-/// Moves along the step; the step is halved until it reduces the residual. Returns false if no part of the
-/// step does.
+/// Moves `at` along the step, halved until it reduces the residual. Returns false, and leaves `at` unchanged,
+/// if no part of the step reduces it.
 bool improve(const Model& model, Statics& statics, const Vector& step, Iterate& at, Iterate& next) {
   constexpr int most_halves = 40;
   constexpr double decrease = 1e-4;

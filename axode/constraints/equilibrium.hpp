@@ -14,9 +14,10 @@ struct EquilibriumOptions {
 
 enum class EquilibriumStatus {
   solved,           ///< the unbalanced forces are within the tolerance
-  stalled,          ///< no part of the last step was an improvement: probably no equilibrium is near
+  stalled,          ///< no part of the last step reduced the unbalanced forces: probably no equilibrium is
+                    ///< near
   iteration_limit,  ///< the iterations were used up
-  open,             ///< the loops do not close near q0
+  open,             ///< no configuration near q0 that closes the loops was found
 };
 std::string_view to_string(EquilibriumStatus status);
 
@@ -27,15 +28,19 @@ struct EquilibriumResult {
   int iterations = 0;
 };
 
-/// Finds a configuration near q0 in which the system stays at rest under the drive forces tau, which are 0 if
-/// tau is empty: the inverse dynamics at v = 0 and a = 0 equals tau plus the forces of springs, stops (`LE`)
-/// and loops, and the loops are closed. Newton's method on the configuration manifold with the exact ∂τ/∂q,
-/// along the velocities that the loops allow. If ∂τ/∂q is singular, the least step is taken. A step is at
-/// most 1 rad or m for each velocity; loops are closed after it by assemble(), and it is halved until the
-/// residual decreases. Equilibria may be stable or unstable; limits are ignored, and so are damping and
-/// Coulomb friction: friction would hold a whole range of configurations at rest. O(n³) for each iteration;
-/// allocates. Throws std::invalid_argument for wrong sizes, quaternions that are not of unit norm, a load on
-/// a frame that does not exist, numbers that are not finite, and drives with states.
+/// Finds a configuration near q0 in which the system stays at rest under the drive forces tau (nv), which are
+/// 0 if tau is empty. The inverse dynamics at v = 0 and a = 0 then equals tau plus the forces of springs,
+/// mechanical stops (`LE`) and loops, and the loops are closed.
+///
+/// The method is Newton's on the configuration manifold, with the exact ∂τ/∂q along the velocities that the
+/// loops allow. If ∂τ/∂q is singular, the least step is taken. A step is at most 1 rad or m along each
+/// velocity. Loops are closed after each step by assemble(), and the step is halved until the residual
+/// decreases. Equilibria may be stable or unstable. Limits of coordinates are ignored, and so are damping and
+/// Coulomb friction; with friction, a whole range of configurations would be at rest.
+///
+/// O(n³) for each iteration; allocates. Throws std::invalid_argument for wrong sizes, quaternions that are
+/// not of unit norm, a load on a frame that does not exist, numbers that are not finite, options that are not
+/// positive, and drives with states.
 [[nodiscard]] EquilibriumResult equilibrium(const Model& model, std::span<const double> q0,
                                             std::span<const double> tau = {}, const Loads<>& loads = {},
                                             const EquilibriumOptions& options = {});

@@ -5,22 +5,24 @@
 #include "axode/recursion/loads.hpp"
 #include "axode/scalar/instruction_set.hpp"
 
-/// Closed loops. A mechanism is cut to a tree; a loop joint between bodies i and j leaves a subgroup of SE(3)
-/// free, and the wrenches W that are reciprocal to it close the loop: W λ acts on j and -W λ on i. The rows
+/// Closed loops. A mechanism is cut to a spanning tree. A loop joint between bodies i and j leaves a subgroup
+/// of SE(3) free. The wrenches W that are reciprocal to this subgroup close the loop: for multipliers λ, the
+/// wrench W λ acts on body j and -W λ on body i. The rows
 ///   A = Wᵀ (J_j - J_i),   A v = 0,   A a + γ = 0
-/// and their multipliers λ do not depend on a representation. A loop joint has six rows less its degrees of
-/// freedom: couples about x and y, then forces along x, y and z, in its frame on j, whose z is the axis.
+/// and the multipliers λ are the same in all representations. A loop joint has six rows less its degrees of
+/// freedom: couples about x and y, then forces along x, y and z, in the frame of the joint on body j, whose z
+/// is the axis.
 namespace axode {
 
 template <class T> class LoopSystem;
 
-/// Scratch memory of one thread for a mechanism with loops. A function that takes a LoopWorkspace instead of
-/// a Workspace takes loops into account.
+/// Scratch memory of one thread for a mechanism with loops. A function with a LoopWorkspace as an argument
+/// takes loops into account; a function with a Workspace computes with a tree.
 template <class T = double> class AXODE_ENTRY LoopWorkspace {
  public:
   explicit LoopWorkspace(const Model& model);
   ~LoopWorkspace();
-  /// A copy is made for the same model and shares no memory.
+  /// Makes a workspace for the same model. It shares no memory with `other`.
   LoopWorkspace(const LoopWorkspace& other);
   LoopWorkspace(LoopWorkspace&&) noexcept;
   LoopWorkspace& operator=(const LoopWorkspace& other);
@@ -36,32 +38,33 @@ template <class T = double> class AXODE_ENTRY LoopWorkspace {
 
 /// Computes the residual r(q) (loops().residuals numbers, rad and m), which is 0 if the loops are closed. It
 /// is smooth along all motions of the loop joints, however far (D6.2). A rolling contact has a residual for
-/// the distance only. O(n).
+/// the distance from the plane only, and a belt has none. O(n).
 template <class T>
 void loop_residual(const Model& model, LoopWorkspace<T>& workspace, Numbers<T> q,
                    std::type_identity_t<std::span<T>> r);
 
 /// Computes the matrix A(q) of all rows, loops().rows × nv, row by row: velocities with A v = 0 keep the
-/// loops closed (D6.6). O(n + m d), and O(m nv) to write the matrix.
+/// loops closed (D6.6). O(n + m d) for m rows on paths of d joints, and O(m nv) to write the matrix.
 template <class T>
 void loop_jacobian(const Model& model, LoopWorkspace<T>& workspace, Numbers<T> q,
                    std::type_identity_t<std::span<T>> A);
 
-/// Computes the Jacobian R(q) of the residual, loops().residuals × nv: r' = R v, exactly, also if the loops
-/// are open (D6.4). If the loops are closed, R consists of the rows of A that have a residual.
+/// Computes the Jacobian R(q) of the residual r(q), loops().residuals × nv, with r' = R v. It is exact also
+/// if the loops are open (D6.4). If the loops are closed, R consists of the rows of A that have a residual.
 template <class T>
 void loop_residual_jacobian(const Model& model, LoopWorkspace<T>& workspace, Numbers<T> q,
                             std::type_identity_t<std::span<T>> R);
 
-/// Computes the rate of R(q)ᵀ λ (nv) as q moves with the velocities w (nv): the product of the second
-/// derivatives of Σ λ_k r_k with w. It is exact. If every velocity is the rate of a coordinate, it is the
-/// product of the Hessian with w. O(n + m d).
+/// Computes the rate of R(q)ᵀ λ (nv) for constant λ (loops().residuals numbers) as q moves with the
+/// velocities w (nv). This is the product of the second derivatives of Σ λ_k r_k with w, and it is exact. If
+/// every velocity is the rate of a coordinate, it is the product of the Hessian of Σ λ_k r_k with w. O(n + m
+/// d) for m residuals on paths of d joints.
 template <class T>
 void loop_hessian_product(const Model& model, LoopWorkspace<T>& workspace, Numbers<T> q, Numbers<T> lambda,
                           Numbers<T> w, std::type_identity_t<std::span<T>> product);
 
-/// Computes γ(q, v) (loops().rows numbers) of (A v)' = A a + γ, exactly, also if the loops are open (D6.7).
-/// O(n).
+/// Computes the bias γ(q, v) (loops().rows numbers) of (A v)' = A a + γ. It is exact also if the loops are
+/// open (D6.7). O(n).
 template <class T>
 void loop_bias(const Model& model, LoopWorkspace<T>& workspace, Numbers<T> q, Numbers<T> v,
                std::type_identity_t<std::span<T>> gamma);

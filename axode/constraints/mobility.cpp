@@ -11,7 +11,7 @@
 namespace axode {
 namespace {
 
-/// Describes a wrench about the point O of the inertial frame in words.
+/// Describes in words a wrench W that is given about the point O, in the axes of the inertial frame.
 std::string in_words(const Wrench<Spatial>& W, const Vec3<>& O) {
   const double f = norm(W.f), m = norm(W.m);
   if (!(f > 1e-9 * m)) return "couple about " + rounded_text((1 / m) * W.m);
@@ -22,8 +22,9 @@ std::string in_words(const Wrench<Spatial>& W, const Vec3<>& O) {
   return words;
 }
 
-/// Whether the velocities x of the kernel belong to motions: this requires that the quadratic form n·γ(q, x)
-/// vanishes for each dependency n.
+/// Whether velocities x with A x = 0, for which `kernel` is a basis, belong to finite motions. It is
+/// necessary that the quadratic form n·γ(q, x) vanishes for each dependency n, nᵀ A = 0. A definite form
+/// makes the mechanism shaky; an indefinite one makes branches.
 Mobility second_order(LoopSystem<double>& system, std::span<const double> q, const Eigen::MatrixXd& kernel,
                       const Eigen::MatrixXd& dependencies) {
   const Eigen::Index f = kernel.cols();

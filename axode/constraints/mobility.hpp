@@ -8,36 +8,39 @@
 
 namespace axode {
 
-/// A redundant row of A. It corresponds to a state of internal stress that the loops can carry without
-/// external forces.
+/// A row of the loop Jacobian A that depends on other rows. It corresponds to a state of internal stress that
+/// the loops can carry without external forces.
 struct RedundantRow {
   int row = 0;                 ///< index of the row in A
   std::string loop;            ///< name of the loop that has the row
-  Eigen::VectorXd dependency;  ///< n (rows) with nᵀ A = 0 and n = 1 at this row
-  std::string wrench;          ///< the wrench in the loop in this state of stress, described in words, in the
-                               ///< inertial frame
+  Eigen::VectorXd dependency;  ///< vector n (one entry for each row of A) with nᵀ A = 0 and n = 1 at this row
+  std::string wrench;          ///< the wrench of the loop joint in this state of stress, described in words,
+                               ///< in the inertial frame
 };
 
 /// Whether the velocities that satisfy A v = 0 belong to finite motions.
 enum class Mobility {
-  regular,   ///< all these velocities belong to finite motions
-  branches,  ///< several motions meet in this configuration, and some velocities belong to none of them
-  shaky,     ///< none of these velocities belongs to a finite motion: the mobility is infinitesimal
+  regular,   ///< all velocities with A v = 0 belong to finite motions
+  branches,  ///< several motions meet in this configuration, and some velocities with A v = 0 belong to none
+             ///< of them
+  shaky,     ///< no velocity with A v = 0 belongs to a finite motion: the mobility is infinitesimal
 };
 std::string_view to_string(Mobility mobility);
 
 struct LoopMobility {
-  int degrees_of_freedom = 0;  ///< nv - rank; the positions have more if there are rolling contacts
+  int degrees_of_freedom = 0;  ///< nv - rank, the degrees of freedom of velocities; positions have more if
+                               ///< there are rolling contacts
   int rank = 0;                ///< rank of A
   std::vector<RedundantRow> redundant;
-  std::vector<int> indeterminate;  ///< rows whose multipliers are indeterminate because of redundancy
+  std::vector<int> indeterminate;  ///< indices of rows of A whose multipliers are indeterminate because of
+                                   ///< redundancy
   Mobility mobility{};
   Eigen::MatrixXd kernel;  ///< nv × degrees_of_freedom: an orthonormal basis of the velocities with A v = 0
 };
 
-/// Computes rank and degrees of freedom of a closed configuration. The results are those of the rows at q: if
-/// q is not closed, redundancy that is due to the geometry may be missed. Allocates; O(nv³). Throws
-/// std::invalid_argument for a wrong q.
+/// Computes the rank of the loop Jacobian A, the degrees of freedom, redundant rows and mobility at a closed
+/// configuration q. If q is not closed, redundancy that is due to the geometry may be missed. Allocates;
+/// O(nv³). Throws std::invalid_argument for a wrong size of q and for quaternions that are not of unit norm.
 [[nodiscard]] LoopMobility loop_mobility(const Model& model, std::span<const double> q);
 
 }  // namespace axode

@@ -8,9 +8,9 @@
 
 namespace axode {
 
-/// A number for a message, rounded to four decimals.
+/// Text of a number for a message, rounded to four decimals.
 inline std::string rounded_text(double x) { return to_text(std::round(1e4 * x) / 1e4 + 0.0); }
-/// A vector for a message, each component rounded to four decimals.
+/// Text "(x, y, z)" of a vector for a message, each component rounded to four decimals.
 inline std::string rounded_text(const Vec3<>& a) {
   std::string out = "(";
   for (const double x : {a.x, a.y, a.z}) {
@@ -20,9 +20,9 @@ inline std::string rounded_text(const Vec3<>& a) {
   return out += ')';
 }
 
-/// Entries of null vectors that are named in a message, relative to the largest one.
+/// Entries of a null vector are named in a message if they are larger than this part of its largest entry.
 inline constexpr double considerable = 0.1;
-/// Names in quotes, separated by commas and "and".
+/// The names, each in quotes, separated by commas and, before the last one, by "and".
 inline std::string listed(const std::vector<std::string>& names) {
   std::string all;
   for (std::size_t k = 0; k < names.size(); ++k)

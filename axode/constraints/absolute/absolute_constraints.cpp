@@ -8,8 +8,8 @@
 namespace axode {
 namespace {
 
-/// The residual angle - counted of an angle, or 0 if the two differ by no more than the rounding of angles of
-/// that size.
+/// The residual angle - counted, where `angle` follows from poses and `counted` is a coordinate. It is 0 if
+/// the two differ by no more than the rounding error of angles of that size.
 double angle_residual(double angle, double counted) {
   const double open = angle - counted;
   const double rounding = 4 * std::numeric_limits<double>::epsilon();
@@ -34,7 +34,7 @@ template <class Motion> void AbsoluteSystem::bind(const Motion& X, Vector& rows)
   }
 }
 
-/// The point about which the rows of a loop joint are taken: the origin of one of its bodies.
+/// The point about which the wrenches of a loop joint are taken: the origin of one of its two bodies.
 const Vec3<>& AbsoluteSystem::loop_origin(const LoopPath& path) const {
   return C_[index(std::max(path.ends[0].body, path.ends[1].body))].r;
 }
@@ -44,7 +44,7 @@ loops::LoopFrames<double> AbsoluteSystem::loop_frames(const LoopPath& path) cons
   return {about(O, C_[index(a.body)] * a.F), about(O, C_[index(b.body)] * b.F)};
 }
 
-/// Multiplies the rows of a loop joint with the velocities of its two bodies.
+/// Computes the products A v of the rows of a loop joint with the present velocities of its two bodies.
 template <class Joint>
 Six<double> AbsoluteSystem::loop_rates(const LoopPath& path, const Joint& joint) const {
   const auto& [a, b] = path.ends;
@@ -198,8 +198,8 @@ void AbsoluteSystem::solve(Span r, Span rhs, Vector& x, Vector& lambda) {
   x.resize(index(nv()));
   lambda.resize(loop_rows + index(m));
 
-  // The velocities that the rows prescribe are known. If K_i is their sum along the path to body i, Z_i = X_i
-  // - K_i is a motion that the joints allow.
+  // The right side prescribes the velocities along the rows of the joints. If K_i is the sum of these
+  // velocities along the path to body i, Z_i = X_i - K_i is a motion that the joints allow.
   on_[0] = {};
   for (int i = 1; i <= n_; ++i) {
     const double* const at = &rhs[index(6 * (i - 1))];
@@ -265,8 +265,7 @@ void AbsoluteSystem::bias(Span v, Vector& rhs) {
   C_ = factorized_C_;
   find_twists(v);
   rhs.resize(index(rows(ConstraintLevel::velocity)));
-  // If the coordinates are in inertial axes, the twists of bodies change although the coordinates do not
-  // accelerate.
+  // If linear velocities are in inertial axes (SO3xR3), the body-fixed twists change although v is constant.
   std::vector<BodyTwist> rest(index(n_ + 1));
   for (int i = 1; i <= n_; ++i) {
     const BodyTwist& V = V_[index(i)];

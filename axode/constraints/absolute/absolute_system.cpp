@@ -13,14 +13,15 @@ namespace {
 using BodyTwist = Twist<BodyFixed, double>;
 using BodyWrench = Wrench<BodyFixed, double>;
 
-/// The free direction of a joint that has one velocity; -1 for all other joints.
+/// The index, from 0 to 5 for ω_x to v_z, of the free direction of a joint that has one velocity; -1 for all
+/// other joints.
 int direction_along(const std::array<bool, 6>& free) {
   return std::ranges::count(free, true) == 1 ? static_cast<int>(std::ranges::find(free, true) - free.begin())
                                              : -1;
 }
 
-/// Whether the velocity of a joint along a direction is the rate of an angle, which poses determine only up
-/// to whole turns.
+/// Whether the velocity of a joint along a direction (0 to 5 for ω_x to v_z) is the rate of an angle, which
+/// poses determine only up to whole turns.
 bool turns(const loops::SubgroupClosure& joint, std::size_t along) {
   return along == 2 && !joint.free[0] && joint.pitch == 0;
 }
@@ -63,7 +64,8 @@ AbsoluteSystem::AbsoluteSystem(const Model& model, BodyGroup kind)
   group_tree_ = group_of(n_, n_rotors(), kind);
 }
 
-/// The group as a tree without inertia: a joint on the ground for every body, and one for every rotor.
+/// The configuration group as a tree without inertia. Every body has one joint on the ground with the group
+/// SE(3), or four joints with SO(3) and three translations; every rotor has one prismatic joint.
 Tree<double> AbsoluteSystem::group_of(int n, int rotors, BodyGroup kind) {
   Connections all{.parent = {0}, .kind = {Subgroup::free}, .leader = {0}, .frame_body = {0}};
   const auto add = [&](Subgroup subgroup) {
@@ -111,7 +113,8 @@ void AbsoluteSystem::put_pose(const SE3<>& C, int i, Vector& q) const {
   const std::array<double, 7> all{turn.x, turn.y, turn.z, turn.w, r.x, r.y, r.z};
   std::ranges::copy(all, q.begin() + 7 * (i - 1));
 }
-/// The velocity of the centre of mass in body axes is Rᵀ c' = v + ω × c.
+/// Computes the body-fixed twist of body i from its velocities in v. The velocity of the centre of mass in
+/// body axes is Rᵀ c' = v + ω × c.
 BodyTwist AbsoluteSystem::twist(const SE3<>& C, Span v, int i) const {
   const double* const at = &v[index(6 * (i - 1))];
   const Vec3<> c_dot = kind_ == BodyGroup::SE3 ? linear(at) : transpose(C.R) * linear(at);
@@ -142,7 +145,7 @@ void AbsoluteSystem::find_twists(Span v) {
   for (int i = 1; i <= n_; ++i) V_[index(i)] = twist(C_[index(i)], v, i);
 }
 
-// The joints. The poses of their bodies need not be allowed by the joints.
+// Functions of the joints. The poses of the bodies need not be allowed by the joints.
 
 /// The pose B⁻¹ C_p⁻¹ C_i of the joint frame on the body relative to the joint frame on the predecessor.
 SE3<> AbsoluteSystem::joint_pose(int i) const {
@@ -154,12 +157,14 @@ BodyTwist AbsoluteSystem::joint_twist(int i) const {
   if (p == 0) return V_[index(i)];
   return V_[index(i)] - carried(inverse(C_[index(p)]) * C_[index(i)], V_[index(p)]);
 }
-/// The coordinates of a joint that are nearest to `near`.
+/// Computes the coordinates q_i of joint i at the present poses of its bodies. Angles are determined up to
+/// whole turns, and quaternions up to their signs; the coordinates nearest to `near` are taken.
 void AbsoluteSystem::joint_coordinates(int i, const double* near, double* q_i) const {
   with_subgroup(tree()->kind[index(i)], tree().pitch[index(i)],
                 [&](const auto& joint) { joint.coordinates(joint_pose(i), near, q_i); });
 }
-/// The first coordinate of a joint, which may be coupled.
+/// The first coordinate of joint i, which may be coupled, at the present poses of its bodies. Of the angles
+/// that differ by whole turns, the one nearest to the reference angle is taken, see set_reference_angles().
 double AbsoluteSystem::angle(int i) const {
   const int l = leader_[index(i)];
   std::array<double, 7> near{}, q_i;
@@ -171,10 +176,11 @@ double AbsoluteSystem::angle(int i) const {
   joint_coordinates(i, near.data(), q_i.data());
   return q_i[0];
 }
-/// The coordinate of a joint whose rate is the velocity c.
+/// The coordinate whose rate is velocity c of the model, at the present poses.
 double AbsoluteSystem::known_angle(int c) const { return angle(joint_of_[index(c)]); }
 
-/// The wrench by which the drive force tau of a joint with one velocity acts on the body.
+/// The wrench by which the drive force tau of joint i, which has one velocity, acts on body i, in the body's
+/// frame.
 BodyWrench AbsoluteSystem::co_screw(int i, double tau) const {
   return co_screw(index(bound_[index(i)].along), tau);
 }
@@ -192,7 +198,7 @@ BodyWrench AbsoluteSystem::joint_force(int i, Span tau) const {
     if (bound_[index(i)].closure.free[k]) all[k] = at[c++];
   return {angular(all.data()), linear(all.data())};
 }
-/// Adds W on body i at its joint, and the reaction on the predecessor.
+/// Adds the wrench W that joint i exerts on body i, and its reaction on the predecessor, to the forces f.
 void AbsoluteSystem::add_joint_wrench(int i, const BodyWrench& W, Vector& f) const {
   add_wrench(C_[index(i)], W, i, f);
   const int p = parent(i);
@@ -245,7 +251,7 @@ void AbsoluteSystem::set_poses_and_twists(std::span<const SE3<>> C, std::span<co
   q.resize(index(nq()));
   v.resize(index(nv()));
   for (int i = 1; i <= n_; ++i) {
-    const SE3<>& offset = tree().frame_offset[index(i)];  // from the user's frame
+    const SE3<>& offset = tree().frame_offset[index(i)];  // pose of the user's frame in the internal frame
     C_[index(i)] = about(-C_[0].r, C[index(i)]) * inverse(offset);
     const Screw<> X = Ad(offset, screw(V[index(i)]));
     V_[index(i)] = {X.w, X.v};

@@ -9,14 +9,15 @@
 
 namespace axode {
 
-/// The group in which a body moves freely.
+/// The configuration group of a body that moves freely.
 enum class BodyGroup {
-  SE3,     ///< q = (quaternion x y z w, position of the centre of mass), v = body-fixed twist there
-  SO3xR3,  ///< q as for SE3; v has the velocity of the centre of mass in inertial axes, and the angular one
-           ///< in body axes
+  SE3,     ///< q = (quaternion x y z w, position of the centre of mass); v = body-fixed twist about this
+           ///< point
+  SO3xR3,  ///< q is that of SE3; v = (angular velocity in body axes, velocity of the centre of mass in
+           ///< inertial axes)
 };
 
-/// The largest absolute value; NaN if any number is NaN.
+/// The largest absolute value of the numbers, 0 if there are none, and NaN if any number is NaN.
 inline double largest_of(std::span<const double> numbers) {
   double most = 0;
   for (const double x : numbers)
@@ -24,25 +25,27 @@ inline double largest_of(std::span<const double> numbers) {
   return most;
 }
 
-/// A mechanism in absolute coordinates: every body moves freely, and every joint, like every loop, is a
+/// A mechanism in absolute coordinates: every body moves freely, and every joint and every loop is a
 /// constraint between two bodies.
 ///   M v' - ad_vᵀ M v = f + Bᵀ λ,   Φ(q) = 0,   B v = 0
-/// with a constant M. The residual of a joint is the relative pose of its bodies after the motion in the
-/// subgroup of the joint has been removed (D6.1).
+/// with a constant mass matrix M, constraint rows B and multipliers λ. The residual Φ of a joint is the
+/// relative pose of its bodies after the motion in the subgroup of the joint has been removed (D6.1).
 ///
-/// The coordinates are those of all bodies, with positions relative to the centre of mass of the first body
-/// in the reference configuration, and one coordinate for every rotor. A rotor is bound to one velocity of a
-/// joint. Every velocity with armature has a rotor, so that M is constant; every angle of a revolute or
-/// planar joint has one as well, without inertia if there is no armature. The coordinate of such a rotor is
-/// the angle with its whole turns, which poses do not determine; the schemes integrate it like the
-/// coordinates of the bodies.
+/// The coordinates are those of all bodies, followed by one coordinate for every rotor. Positions are
+/// relative to the centre of mass of the first body in the reference configuration. A rotor is an additional
+/// body that turns with one velocity of a joint. Every velocity with armature has a rotor, so that M is
+/// constant. Every angle of a revolute or planar joint has a rotor as well, without inertia if there is no
+/// armature. The coordinate of such a rotor is the angle with its whole turns, which poses do not determine;
+/// the integration schemes treat it like the coordinates of the bodies.
 ///
-/// There are three kinds of rows. Each joint has six rows, in the axes of the joint; a row of a free
-/// direction is 0, unless a coupled joint binds its rate to that of its leader. Each rotor has one row; it
-/// has a position level only if its velocity is the rate of a coordinate. The rows of the loops come last.
+/// There are three kinds of rows. Each joint has six rows, in the axes of the joint; the row of a free
+/// direction is 0, unless the joint is coupled, when this row binds its rate to that of its leader. Each
+/// rotor has one row; it has a position level only if its velocity is the rate of a coordinate. The rows of
+/// the loops are the last ones.
 ///
-/// The multipliers of the tree joints are not unknowns: the free velocities are eliminated body by body, as
-/// in the articulated-body algorithm. O(n + m d + m² d + m³) for m rows of loops on paths of d joints.
+/// The multipliers of the tree joints are not unknowns of the linear systems: the free velocities are
+/// eliminated body by body, as in the articulated-body algorithm. O(n + m d + m² d + m³) for n bodies and m
+/// rows of loops on paths of d joints.
 class AbsoluteSystem {
  public:
   using Vector = std::vector<double>;
@@ -50,58 +53,66 @@ class AbsoluteSystem {
 
   AbsoluteSystem(const Model& model, BodyGroup group);
 
-  /// The group of the coordinates: a tree whose bodies all hang on the ground, each on a joint with the group
-  /// of its motion.
+  /// The configuration group of the coordinates, as a tree: every body and every rotor has joints on the
+  /// ground whose motions form its group.
   const Tree<double>& group() const { return group_tree_; }
   int nq() const { return group_tree_->nq; }
   int nv() const { return group_tree_->nv; }
-  /// The number of rows. Rolling contacts and rotors without a position have rows at the velocity level only.
+  /// The number of rows of a level. Rolling contacts, belts and rotors without a position have rows at the
+  /// velocity level only.
   int rows(ConstraintLevel level) const { return first_loop(level) + loops_.size(level); }
 
-  /// Converts coordinates and velocities of the joints to those of the bodies, and back; angles keep their
-  /// whole turns.
+  /// from_joint_state() converts coordinates and velocities of the joints to those of the bodies and rotors,
+  /// and to_joint_state() converts them back. Angles keep their whole turns.
   void from_joint_state(Span q_joints, Span v_joints, Vector& q, Vector& v);
   void to_joint_state(Span q, Span v, Vector& q_joints, Vector& v_joints);
-  /// Sets q and v to poses and twists of all bodies in the user's frames, beginning with the ground. Rotors
-  /// move with their joints; their angles are those nearest to the reference angles.
+  /// Computes q and v from the poses C and body-fixed twists V of all bodies in the user's frames; entry 0 is
+  /// that of the ground. Rotors move with their joints; their angles are those nearest to the angles of
+  /// set_reference_angles().
   void set_poses_and_twists(std::span<const SE3<>> C, std::span<const Twist<BodyFixed>> V, Vector& q,
                             Vector& v);
-  /// Sets the coordinates that determine whole turns of angles and the signs of quaternions.
+  /// Sets the reference coordinates (nq of the model). Angles and quaternions that follow from poses are
+  /// chosen nearest to them, which fixes whole turns and signs.
   void set_reference_angles(Span q_joints) { reference_q_.assign(q_joints.begin(), q_joints.end()); }
 
-  /// Computes the residuals Φ(q), and below B v, at any q. If the rows are those of the velocity level, Φ is
-  /// 0 in rows without a position level.
+  /// position_residual() computes Φ(q), and velocity_residual() computes B v at q; q need not satisfy the
+  /// constraints. If the residuals Φ are wanted for all rows of the velocity level, they are 0 in rows
+  /// without a position level.
   void position_residual(Span q, Vector& out, ConstraintLevel level = ConstraintLevel::position);
   void velocity_residual(Span q, Span v, Vector& out);
-  /// Whether there are rows without a position level. set_nonholonomic_rates() sets these entries of `out`,
-  /// among all rows of the velocity level, to scale · (B v) at q.
+  /// Whether there are rows without a position level. For these rows set_nonholonomic_rates() sets the
+  /// entries of `out`, which has one entry for each row of the velocity level, to scale · (B v) at q.
   bool has_nonholonomic_rows() const {
     return rows(ConstraintLevel::velocity) > rows(ConstraintLevel::position);
   }
   void set_nonholonomic_rates(Span q, Span v, double scale, Vector& out);
-  /// Adds the constraint forces Bᵀ λ to f, with the rows B at q.
+  /// Adds the constraint forces Bᵀ λ to f (nv), with the rows B at q.
   void add_constraint_forces(Span q, Span lambda, Vector& f);
-  /// Computes the momentum p = M v.
+  /// Computes the momentum p = M v (nv) with the constant mass matrix M.
   void momentum(Span v, Vector& p) const;
   /// The kinetic energy plus the potential energy of gravity, J.
   double energy(Span q, Span v);
-  /// Computes the forces f of gravity, loads and drives; tau are the drive forces of the joints.
+  /// Computes the forces f (nv) of gravity, loads and drives on the bodies at (q, v). `tau` are the drive
+  /// forces of the joints (nv of the model). If loads.joint_losses is set, damping and dry friction of the
+  /// joints act as well.
   void forces(Span q, Span v, Span tau, const Loads<double>& loads, Vector& f);
 
-  /// Evaluates the kinematics at q and factorises the system with the constraint rows of a level. If the
-  /// loops are closed at q, factorize_with_rank() decides in addition which rows of loops are redundant;
-  /// solve() uses this rank from then on.
+  /// Evaluates the kinematics at q and factorises the system with the constraint rows of a level.
+  /// factorize_with_rank() uses the velocity level and decides in addition which rows of the loops are
+  /// redundant; the loops must be closed at q. solve() uses this rank until the next decision.
   Solvability factorize(Span q, ConstraintLevel level = ConstraintLevel::velocity);
-  /// Factorises the system with a resistance of the joints (nv of the model), by which an implicit step
-  /// accounts for springs and dampers: a velocity c of the joints that changes by x_c adds a force of
-  /// -resistance_c x_c. It acts like an armature.
+  /// Factorises the system with a resistance of the joints (nv of the model), which acts like an armature. An
+  /// implicit step accounts for springs and dampers in this way: if velocity c of the joints changes by x_c,
+  /// the joint exerts the additional force -resistance_c x_c.
   Solvability factorize(Span q, Span resistance);
   Solvability factorize_with_rank(Span q);
-  /// Solves M x - Bᵀ λ = r and B x = rhs, with the least λ if rows are redundant.
+  /// Solves M x - Bᵀ λ = r and B x = rhs, with the rows B of the last factorisation. If rows are redundant, λ
+  /// is the least solution.
   void solve(Span r, Span rhs, Vector& x, Vector& lambda);
-  /// How far the rows were from redundant in the last solve(), see LoopSystem::weakest_row().
+  /// A measure from 0 to 1 of how far the rows of the loops were from redundant in the last solve(), see
+  /// LoopSystem::weakest_row().
   double weakest_row() const { return loops_.weakest_row(); }
-  /// Computes the right side of B v' = rhs that is equivalent to (B v)' = 0, at v and at the q of the last
+  /// Computes the right side of B v' = rhs for which (B v)' = 0, at the velocities v and at the q of the last
   /// factorisation.
   void bias(Span v, Vector& rhs);
 
@@ -109,16 +120,17 @@ class AbsoluteSystem {
   using BodyTwist = Twist<BodyFixed, double>;
   using BodyWrench = Wrench<BodyFixed, double>;
   struct Bound {
-    loops::SubgroupClosure closure;  ///< the free directions of the joint, in its frame
-    int along = -1;                  ///< the free direction if the joint has one velocity
+    loops::SubgroupClosure closure;  ///< free directions of the joint, in its frame
+    int along = -1;                  ///< index of the free direction if the joint has one velocity, otherwise
+                                     ///< -1
   };
   static std::size_t index(int k) { return static_cast<std::size_t>(k); }
   const Tree<double>& tree() const { return model_.tree<double>(); }
-  /// A rotor of a velocity of a joint. Rotors with a position level come first; they belong to joints with
-  /// one velocity and to the angles of planar joints.
+  /// A rotor that turns with one velocity of a joint. Rotors with a position level are stored first; they
+  /// belong to joints with one velocity and to the angles of planar joints.
   struct Rotor {
     int joint, velocity;
-    std::size_t along;  ///< the direction of the joint
+    std::size_t along;  ///< direction of this velocity, from 0 to 5 for ω_x to v_z in the frame of the joint
   };
   int n_rotors() const { return static_cast<int>(rotors_.size()); }
   int n_rotors(ConstraintLevel level) const {
@@ -129,7 +141,7 @@ class AbsoluteSystem {
   static Tree<double> group_of(int n, int rotors, BodyGroup group);
   static Vec3<> angular(const double* x) { return {x[0], x[1], x[2]}; }
   static Vec3<> linear(const double* x) { return {x[3], x[4], x[5]}; }
-  /// The motion X of the predecessor, expressed in the frame of a body whose pose relative to the predecessor
+  /// The twist X of the predecessor, expressed in the frame of a body whose pose relative to the predecessor
   /// is D.
   static BodyTwist carried(const SE3<>& D, const BodyTwist& X) {
     return axode::twist<BodyFixed>(Ad_inv(D, screw(X)));
@@ -150,7 +162,7 @@ class AbsoluteSystem {
   double angle(int i) const;
   double known_angle(int c) const;
   Solvability factorize(Span q, ConstraintLevel level, const double* armature);
-  /// Evaluates the rows of the joints and rotors for the relative motions X of all joints.
+  /// Computes the products of the rows of the joints and rotors with the relative motions X of all joints.
   template <class Motion> void bind(const Motion& X, Vector& rows) const;
   double rate(int i, const BodyTwist& X) const { return six(X.w, X.v)[index(bound_[index(i)].along)]; }
   BodyWrench co_screw(int i, double tau) const;
@@ -169,8 +181,8 @@ class AbsoluteSystem {
   std::vector<Bound> bound_;
   std::vector<Rotor> rotors_;
   int n_placed_rotors_ = 0;
-  std::vector<int> leader_;    ///< the leader of each joint; 0: the joint is not coupled
-  std::vector<int> joint_of_;  ///< the joint of each velocity
+  std::vector<int> leader_;    ///< leader of each joint; 0 if the joint is not coupled
+  std::vector<int> joint_of_;  ///< joint of each velocity of the model
   std::vector<Vec3<>> com_;
   Tree<double> group_tree_;
   LoopSystem<double> loops_;

@@ -7,17 +7,19 @@
 
 namespace axode {
 
-/// Coordinates and velocities of the joints that fit a motion of the bodies best, and the residuals of this
-/// motion.
+/// Coordinates and velocities of the joints that fit given poses and twists of the bodies, and the residuals
+/// of the constraints at these poses and twists.
 struct JointState {
   std::vector<double> q, v;
-  double position_residual = 0;  ///< the largest residual of a joint or loop, rad and m
-  double velocity_residual = 0;  ///< the largest residual of velocities, rad/s and m/s
+  double position_residual = 0;  ///< largest absolute entry of the residuals of joints and loops, rad and m
+  double velocity_residual = 0;  ///< largest absolute entry of the velocity residuals of joints and loops,
+                                 ///< rad/s and m/s
 };
 
 /// Computes the state of the joints from the poses C and the body-fixed twists V of bodies 0 to n_bodies() in
-/// the user's frames; the inverse of poses() and twists(). Angles are those nearest to the ones in `near`, or
-/// to the neutral ones if this is empty. Throws std::invalid_argument for wrong sizes. O(n).
+/// the user's frames; the inverse of poses() and twists(). Of the angles that differ by whole turns, those
+/// nearest to the coordinates `near` are taken, or to the neutral configuration if `near` is empty. Throws
+/// std::invalid_argument for wrong sizes. O(n).
 JointState joint_state(const Model& model, std::span<const SE3<>> C, std::span<const Twist<BodyFixed>> V,
                        std::span<const double> near = {});
 

@@ -8,7 +8,7 @@ template <class T>
 DriveElimination<T>::DriveElimination(const Model& model, const LoopTable& table)
     : table_(table), limbs_(limbs_of(model, table.paths)), parts_(limbs_.limbs.size()) {
   const std::size_t nv = index(model.nv()), carrying = limbs_.carrying.size();
-  driven_.assign(nv, 2);  // neither 0 nor 1, so that the first call sorts the velocities
+  driven_.assign(nv, 2);  // 2 is neither flag, so that the first call sorts the velocities
   column_.resize(nv);
   carries_.resize(nv);
   for (const int c : limbs_.carrying) carries_[index(c)] = 1;

@@ -6,60 +6,69 @@
 
 namespace axode {
 
-/// Drive forces τ and multipliers λ with τ + Aᵀ λ = f for forces f that the tree needs, limb by limb. In each
-/// limb the velocities without a drive are eliminated from its rows; the rows that remain are the wrenches
-/// that the limb transmits while its passive joints move freely. The carrying velocities without a drive are
-/// eliminated from these. See (D18.7) to (D18.9) of docs/derivations. O(limbs) for limbs of bounded size. The
-/// constructor allocates all memory.
+/// Finds drive forces τ and multipliers λ with τ + Aᵀ λ = f, limb by limb, for the forces f = M a + h that
+/// the spanning tree needs. A limb is a part of the mechanism that is coupled to the rest only through the
+/// carrying velocities, those of the joints between the ground and a platform. In each limb the velocities
+/// without a drive are eliminated from its rows of A. The rows that remain are the wrenches that the limb
+/// transmits while its passive joints move freely. The carrying velocities without a drive are eliminated
+/// from the remaining rows of all limbs. See (D18.7) to (D18.9) of docs/derivations. O(limbs) for limbs of
+/// bounded size. The constructor allocates all memory.
 template <class T> class AXODE_ENTRY DriveElimination {
  public:
   DriveElimination(const Model& model, const LoopTable& table);
 
-  /// Computes τ (nv) and, unless it is null, λ (loops().rows). driven (nv) flags the velocities with drives.
-  /// entries[k] are those of loop k, a column of its rows for each column of its path. `considerable` is the
-  /// size below which entries may be rounding errors, see LoopSystem. If there are more drives than needed, τ
-  /// is the least one. Returns false, without results, if some motion has no drive, if λ is wanted and not
-  /// unique, or if rounding leaves a rank open.
+  /// Computes τ (nv) and, unless `lambda` is null, λ (loops().rows). If there are more drives than needed, τ
+  /// is the least one. `driven` (nv) flags the velocities with drives. entries[k] has the entries of A for
+  /// loop k: for each column of its path, one entry for each of its rows. `considerable` is the size below
+  /// which entries may be rounding errors, see LoopSystem::considerable_entry(). Returns false, without
+  /// results, if some motion has no drive, if λ is wanted and not unique, or if rounding leaves a rank open.
   bool solve(const std::vector<std::vector<T>>& entries, const T& considerable, const char* driven,
              const T* f, T* tau, T* lambda) noexcept;
 
  private:
-  /// The columns of a limb are its velocities without a drive, those with one, and the carrying ones.
+  /// The matrix of one limb: its rows of A. The columns are the velocities of the limb without a drive, its
+  /// velocities with a drive, and the carrying velocities, those of the joints between the ground and the
+  /// platform.
   struct Part {
     std::vector<int> passive, active;
-    std::vector<int> rows;     ///< the row of A of each row
-    std::vector<int> columns;  ///< the column of each column of the paths of its loops
+    std::vector<int> rows;     ///< index in A of each row of the limb
+    std::vector<int> columns;  ///< column of `matrix` for each column of the paths of the limb's loops
     RowElimination<T> matrix;
-    std::vector<T> mu;  ///< multipliers of the rows after the elimination
+    std::vector<T> mu;  ///< multipliers of the rows of `matrix` after the elimination
   };
   static std::size_t index(int k) { return static_cast<std::size_t>(k); }
   static int size(const std::vector<int>& of) { return static_cast<int>(of.size()); }
-  /// The first carrying column of a limb.
+  /// The index of the first column of a carrying velocity.
   static int carrying_column(const Part& part) { return size(part.passive) + size(part.active); }
 
   void sort_velocities(const char* driven) noexcept;
   bool eliminate_limbs(const std::vector<std::vector<T>>& entries, const T& considerable,
                        const T* f) noexcept;
   bool eliminate_carrying(const T& considerable, const T* f) noexcept;
-  /// Writes multipliers ν of the carrying elimination as those of the rows that remain of the limbs.
+  /// Writes to `mu` of each limb the multipliers of those of its rows that remain after its elimination. `nu`
+  /// are the multipliers of the rows of remaining_ after its elimination; they are overwritten.
   void set_remaining(T* nu) noexcept;
-  /// Subtracts from the forces (nv) of the drives those of the rows with the present multipliers, and returns
-  /// the size of the numbers from which the differences of the remaining rows are made.
+  /// Subtracts from `forces` (nv) at the velocities with drives the forces of the rows with the multipliers
+  /// mu, or only of the rows that remain after the eliminations. Returns the largest absolute value of a
+  /// subtracted product.
   T subtract_rows(bool only_remaining, T* forces) const noexcept;
-  /// Makes the forces (nv) of the drives the least ones. Returns false if rounding leaves open which rows
-  /// change them.
+  /// Projects `forces` (nv) of the drives so that they become the least ones. Returns false if rounding
+  /// leaves open which of the remaining rows change them.
   bool take_least(const T& considerable, T* forces) noexcept;
 
   const LoopTable& table_;
   Limbs limbs_;
   std::vector<char> driven_;
-  std::vector<int> column_;  ///< nv: column of each velocity in its limb, or among the carrying ones
+  std::vector<int> column_;  ///< nv: column of each velocity in the matrix of its limb, or its index among
+                             ///< the carrying velocities
   std::vector<char> carries_;
   std::vector<int> carrying_passive_, carrying_active_;
   std::vector<Part> parts_;
-  RowElimination<T> remaining_;  ///< what remains of all limbs: a column for each of carrying_passive_
+  RowElimination<T> remaining_;  ///< remaining rows of all limbs, with one column for each of
+                                 ///< carrying_passive_
   std::vector<T> b_, nu_, x_, forces_;
-  std::vector<T> basis_;  ///< an orthonormal basis of the forces of drives against each other, nv for each
+  std::vector<T> basis_;  ///< orthonormal basis of the forces that drives exert against each other, nv
+                          ///< numbers for each vector
 };
 
 }  // namespace axode

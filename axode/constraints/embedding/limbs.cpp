@@ -8,7 +8,7 @@
 namespace axode {
 namespace {
 
-/// Sets of velocities that are joined until they are the limbs.
+/// A partition of the velocities into sets (union-find). Sets are joined until each is a limb.
 class Parts {
  public:
   explicit Parts(int size) : up_(static_cast<std::size_t>(size)) { std::iota(up_.begin(), up_.end(), 0); }
@@ -27,7 +27,8 @@ class Parts {
   std::vector<int> up_;
 };
 
-/// The order of the operations of eliminations limb by limb.
+/// The order of magnitude of the number of operations of an elimination limb by limb: the sum of the cubes of
+/// the numbers of velocities.
 double cost(const Limbs& division) {
   const auto cube = [](std::size_t n) {
     const auto x = static_cast<double>(n);
@@ -53,11 +54,13 @@ Limbs limbs_of(const Model& model, const std::vector<LoopPath>& paths, int platf
 
   Parts parts(topology.nv);
   const auto separate = [&](int c) { return carries[static_cast<std::size_t>(c)] == 0; };
-  for (int c = 0; c < topology.nv; ++c) {  // the tree couples velocities along a path to the ground
+  for (int c = 0; c < topology.nv; ++c) {  // the mass matrix of the tree couples velocities on one path to
+                                           // the ground
     const int p = topology.velocity_parent[c];
     if (p >= 0 && separate(c) && separate(p)) parts.join(c, p);
   }
-  std::vector<int> first_of_loop;  // a velocity of each loop; -1 if it concerns the platform alone
+  std::vector<int> first_of_loop;  // a velocity of each loop that is not carrying; -1 if the loop has
+                                   // carrying velocities only
   for (const LoopPath& path : paths) {
     int first = -1;
     for (const LoopColumn& column : path.columns) {
@@ -92,7 +95,7 @@ Limbs limbs_of(const Model& model, const std::vector<LoopPath>& paths, int platf
 
 Limbs limbs_of(const Model& model, const std::vector<LoopPath>& paths) {
   constexpr std::size_t most_candidates = 16;
-  std::map<int, int> loops;  // how many loops have a body on their paths to the ground
+  std::map<int, int> loops;  // for each body, the number of loops that have it on their paths to the ground
   for (const LoopPath& path : paths)
     for (const int body : path.bodies) ++loops[body];
   std::vector<std::pair<int, int>> candidates(loops.begin(), loops.end());

@@ -13,10 +13,11 @@ namespace axode {
 namespace {
 
 constexpr int most_iterations = 60;
-constexpr double reached = 1e-10;    ///< largest residual of a limb that reaches the platform, rad and m
+constexpr double reached = 1e-10;    ///< largest residual of a limb that counts as reaching the platform, rad
+                                     ///< and m
 constexpr double most_change = 0.5;  ///< largest change of a joint in an iteration, rad or m
 
-/// The residual of a limb, and its Jacobian by the velocities of the limb.
+/// The residual of one limb, its Jacobian by the velocities of the limb, and Newton steps to close it.
 class LimbClosure {
  public:
   LimbClosure(const LoopTable& table, const TaskKernel::Part& part) : table_(table), part_(part) {
@@ -29,8 +30,9 @@ class LimbClosure {
 
   double last_norm() const { return last_norm_; }
 
-  /// Computes a step of Newton's method at the present rows of positions and their residuals r. Returns
-  /// whether a step is due: the residual is finite, and larger than rounding or less than before.
+  /// Computes a step of Newton's method from the rows R of `system` and the residuals r of all loops. Returns
+  /// false, and makes the step 0, if the residual of the limb is not finite, or if it is at most `reached`
+  /// and no smaller than before.
   bool compute_step(const LoopSystem<double>& system, const Eigen::VectorXd& r) {
     const int n = static_cast<int>(part_.velocities.size());
     matrix_.reset(rows_, n);
@@ -88,7 +90,8 @@ void set_platform(const Model& model, int platform, const SE3<>& C, std::span<do
   with_joint(tree, platform, [&](const auto& joint) { joint.coordinates(D, near.data(), own); });
 }
 
-/// How far the body frame of the platform is from the pose C, rad and m.
+/// The distance of the platform's body frame from the pose C: the larger of the angle and the distance of the
+/// origins, rad and m.
 double distance_from(const TaskKernel& kernel, const SE3<>& C) {
   const SE3<> found = kernel.platform_pose() *
                       kernel.model().tree<double>().frame_offset[static_cast<std::size_t>(kernel.platform)];

@@ -4,24 +4,28 @@
 
 namespace axode {
 
-/// Where place_platform() ended.
+/// The result of place_platform().
 struct PlatformPlacement {
   bool reached = false;
-  /// The limb that reaches the pose least; -1 if the joint of the platform itself does not have this pose.
+  /// The limb with the largest residual; -1 if the joint of the platform itself does not have the wanted
+  /// pose.
   int limb = -1;
-  double residual = 0;  ///< the residual |r| of this limb, or of the platform's pose, rad and m
+  double residual = 0;  ///< norm of the residual of this limb, or distance from the wanted pose if limb is
+                        ///< -1, rad and m
   int iterations = 0;
 };
 
-/// Inverse kinematics: moves the platform to the pose C of its body frame in the inertial frame, and closes
-/// every limb by itself, by Newton's method on its own joints (D18.12). `q` (nq) has a configuration to start
-/// from and receives the new one, whose limbs are in the same assembly mode if the pose is not far. Joint
-/// velocities that the platform does not determine stay as they are. If a limb does not reach the pose, q is
-/// the last iterate. Limits of coordinates are ignored. Allocates; O(limbs) an iteration. Throws
-/// std::invalid_argument for a mechanism without a platform, a wrong q and numbers that are not finite.
+/// Inverse kinematics of a parallel manipulator: moves the platform such that its body frame has the pose C
+/// in the inertial frame, and closes every limb by Newton's method on the limb's own joints (D18.12). `q`
+/// (nq) contains the configuration to start from and receives the new one. If the pose is not far, the limbs
+/// stay in their assembly mode. Coordinates that the platform does not determine do not change. If a limb
+/// does not reach the pose, q is the last iterate. Limits of coordinates are ignored. Allocates; O(limbs) for
+/// each iteration. Throws std::invalid_argument for a mechanism without a platform, for a wrong size of q or
+/// quaternions that are not of unit norm, and for numbers that are not finite.
 [[nodiscard]] PlatformPlacement place_platform(TaskSpace& space, const SE3<>& C, std::span<double> q);
 
-/// One sentence for the user: what does not reach the pose.
+/// One sentence for the user: that the pose is reached, or which limb or joint does not reach it and by how
+/// much.
 std::string to_string(const TaskSpace& space, const PlatformPlacement& placement);
 
 }  // namespace axode

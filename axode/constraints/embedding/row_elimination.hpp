@@ -9,13 +9,14 @@
 
 namespace axode {
 
-/// Elimination of the first columns of a small matrix by row operations, E A = A', with complete pivoting
-/// among these columns. Eliminated entries are not set to zero. The memory is allocated once.
+/// Elimination of the first columns of a small matrix A by row operations E, with complete pivoting among
+/// these columns; A' = E A is the result. Eliminated entries are not set to zero. The memory is allocated
+/// once.
 template <class T> class RowElimination {
  public:
-  /// The least pivot of a matrix whose rank is certain, relative to the largest entry of its first columns.
+  /// A pivot is certain if it is larger than this part of the largest entry of the first columns.
   static constexpr T certain = std::same_as<T, float> ? T(1e-3) : T(1e-6);
-  /// Entries that are smaller than this part of the largest one are rounding errors.
+  /// An entry is a rounding error if it is smaller than this part of the largest entry of the first columns.
   static constexpr T rounding = std::same_as<T, float> ? T(1e-5) : T(1e-11);
 
   void reserve(std::size_t rows, std::size_t columns) {
@@ -27,7 +28,8 @@ template <class T> class RowElimination {
     rows_.resize(rows);
     columns_.resize(columns);
   }
-  /// Sets the matrix to zero, with rows and columns numbered in order.
+  /// Sets the matrix to zero, with `rows` rows, of which the first `pivots` columns are to be eliminated.
+  /// Rows and columns are numbered in order.
   void reset(int rows, int pivots) noexcept {
     m_ = rows;
     p_ = pivots;
@@ -42,13 +44,14 @@ template <class T> class RowElimination {
   int rank() const { return rank_; }
   /// The inverse of pivot k.
   T inverse_pivot(int k) const { return inverse_[index(k)]; }
-  /// The number that a row, or one of the first columns, had before the elimination.
+  /// The index before the elimination of the row that now has index i, and of the column that now has index j
+  /// (one of the first columns).
   int row_before(int i) const { return rows_[index(i)]; }
   int column_before(int j) const { return columns_[index(j)]; }
 
-  /// Eliminates the first columns, one after the other, as long as a pivot is larger than the part `certain`
-  /// of the largest entry in them, or of `size` if that is larger. Returns whether the rank is certain: what
-  /// is left of these columns is rounding.
+  /// Eliminates the first columns, one after the other, as long as a pivot is larger than `certain` times the
+  /// largest entry in these columns, or times `size` if that is larger. Returns whether the rank is certain:
+  /// if all that is left of these columns is rounding errors.
   bool run(T size = T(0)) noexcept {
     for (int k = 0; k < m_ && k < p_; ++k) {
       int best_row = k, best_column = k;
@@ -78,8 +81,9 @@ template <class T> class RowElimination {
     return true;
   }
 
-  /// Solves A'ᵀ μ = b for the pivot rows: `b` are the numbers of the first columns in their order before the
-  /// elimination, μ those of the rows in their order after it. Only the first rank() numbers are written.
+  /// Solves A'ᵀ μ = b for the multipliers μ of the pivot rows. b has one number for each of the first
+  /// columns, in their order before the elimination; μ is in the order of the rows after it. Only the first
+  /// rank() numbers of μ are written.
   void solve_transposed(const T* b, T* mu) const noexcept {
     for (int j = 0; j < rank_; ++j) {
       T rest = b[column_before(j)];
@@ -87,14 +91,16 @@ template <class T> class RowElimination {
       mu[j] = rest * inverse_[index(j)];
     }
   }
-  /// λ = Eᵀ μ: multipliers of the rows before the elimination. μ is overwritten.
+  /// Computes the multipliers λ = Eᵀ μ of the rows before the elimination from those of the rows after it. μ
+  /// is overwritten.
   void multipliers(T* mu, T* lambda) const noexcept {
     for (int k = rank_; k-- > 0;)
       for (int i = k + 1; i < m_; ++i) mu[k] -= factors(i)[k] * mu[i];
     for (int i = 0; i < m_; ++i) lambda[row_before(i)] = mu[i];
   }
-  /// Solves A' x = b of the pivot rows, by the numbers b of these rows after the elimination, for the first
-  /// columns; columns beyond the rank have the numbers x already. x is in the order before the elimination.
+  /// Solves the pivot rows of A' x = b for the first columns. b is in the order of the rows after the
+  /// elimination, and x in the order of the columns before it. Columns beyond the rank are not solved for: x
+  /// already has their numbers.
   void solve(const T* b, T* x) const noexcept {
     for (int k = rank_; k-- > 0;) {
       T rest = b[k];
@@ -102,7 +108,7 @@ template <class T> class RowElimination {
       x[column_before(k)] = rest * inverse_[index(k)];
     }
   }
-  /// Replaces a right side b of the rows before the elimination by that of the rows after it, E b.
+  /// Computes E b (`after`) for a right side b (`before`) of the rows before the elimination.
   void reduce(const T* before, T* after) const noexcept {
     for (int i = 0; i < m_; ++i) after[i] = before[row_before(i)];
     for (int k = 0; k < rank_; ++k)
@@ -122,7 +128,8 @@ template <class T> class RowElimination {
     std::swap(columns_[index(k)], columns_[index(j)]);
   }
 
-  /// Rows are padded with zeros to whole blocks of this many numbers, so that loops over them have no rest.
+  /// Rows are padded with zeros to whole blocks of this many numbers, so that loops over them need no
+  /// remainder.
   static constexpr std::size_t width = 4;
 
   T* factors(int i) noexcept { return factors_.data() + index(i) * factor_stride_; }
@@ -131,8 +138,8 @@ template <class T> class RowElimination {
   std::size_t stride_ = 0, factor_stride_ = 0;
   int m_ = 0, p_ = 0, rank_ = 0;
   std::vector<T> entries_;
-  std::vector<T> factors_;  ///< the multiples of pivot rows that were subtracted, one for each row and pivot
-  std::vector<T> inverse_;  ///< the inverse of each pivot
+  std::vector<T> factors_;  ///< multiples of the pivot rows that were subtracted, one for each row and pivot
+  std::vector<T> inverse_;  ///< inverse of each pivot
   std::vector<int> rows_, columns_;
 };
 

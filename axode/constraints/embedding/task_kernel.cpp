@@ -20,7 +20,8 @@ constexpr std::array<std::string_view, 6> components{"omega_x", "omega_y", "omeg
                               "; limbs are determined at a configuration away from singularities");
 }
 
-/// The division into limbs for a platform, -1 for the one with the least cost.
+/// Divides the mechanism into limbs that carry the body `platform`; if it is -1, into those for which
+/// eliminations cost least. Throws std::invalid_argument if another body carries the platform.
 Limbs division(const Model& model, const LoopTable& table, int platform) {
   const auto carried = [&](int i) {
     return i > 0 && (model.body(i).predecessor > 0 || model.joint(i).leader.has_value());
@@ -131,7 +132,7 @@ void TaskKernel::determine_ranks() {
   if (!eliminate_constraints()) refuse_rank("the constraints of the platform");
   dependent_ = sort(constraints_, carrying_);
   for (Part& part : parts_)
-    static_cast<void>(eliminate(part));  // with the carrying velocities in their order
+    static_cast<void>(eliminate(part));  // now with the carrying velocities in their final order
   static_cast<void>(eliminate_constraints());
   freedom_ = static_cast<int>(carrying_.size()) - dependent_;
   for (Part& part : parts_) {
@@ -223,7 +224,8 @@ bool TaskKernel::change_to_components() noexcept {
       to_components_.row(i)[j] = sum;
     }
   if (!to_components_.run() || to_components_.rank() < free) return false;
-  std::array<std::array<double, 6>, 6> G{};  // its columns are independent velocities for a unit component
+  std::array<std::array<double, 6>, 6> G{};  // column j of G: the independent carrying velocities for a unit
+                                             // of component j
   for (int j = 0; j < free; ++j) {
     std::array<double, 6> unit{}, reduced{};
     unit[index(j)] = 1;
@@ -331,7 +333,8 @@ void TaskKernel::make_M(std::span<const double> q) noexcept {
   const int f = freedom_;
   make_tree_M(q);
   M_.setZero();
-  // Adds Bᵀ M_ba A for the rows b of B and a of A and, if `both`, its transpose.
+  // Adds Bᵀ M_ba A to M_. The rows of B and A belong to the velocities b and a, and M_ba is the block of the
+  // tree's mass matrix for them. If `both`, the transpose of the product is added as well.
   const auto add = [&](const std::vector<int>& b, const Matrix& B, const std::vector<int>& a, const Matrix& A,
                        bool both) {
     for (std::size_t i = 0; i < b.size(); ++i) {

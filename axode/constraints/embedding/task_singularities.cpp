@@ -17,7 +17,8 @@ namespace {
 using Matrix = Eigen::MatrixXd;
 using Vector = Eigen::VectorXd;
 
-/// Describes a twist about the inertial origin. An axis that is farther away than 1e6 lengths is none.
+/// Describes in words a twist V about the inertial origin. It is described as a translation if its axis is
+/// farther away than 1e6 times `length`.
 std::string in_words(const Twist<Spatial>& V, double length) {
   if (!(norm(V.w) * 1e6 * length > norm(V.v))) return "along " + rounded_text((1 / norm(V.v)) * V.v);
   const ScrewAxis<> axis = screw_axis(Screw<>{V.w, V.v});
@@ -26,8 +27,8 @@ std::string in_words(const Twist<Spatial>& V, double length) {
   return words;
 }
 
-/// The matrices of the limbs and of the platform without units: lengths are measured in `length`, twists of
-/// the platform about `center`.
+/// The matrices of the limbs and of the platform without units: lengths are divided by `length`, and twists
+/// of the platform are about `center`.
 class Scaled {
  public:
   Scaled(TaskKernel& kernel, std::span<const double> q) : kernel_(kernel), model_(kernel.model()) {
@@ -38,7 +39,8 @@ class Scaled {
     LoopSystem<double>::RowByRow A(model_.loops().rows, model_.nv());
     system.write(A.data());
     A_ = A;
-    for (std::size_t k = 0; k < model_.loops().joints.size(); ++k) {  // rows of couples are multiplied
+    for (std::size_t k = 0; k < model_.loops().joints.size(); ++k) {  // rows of couples are multiplied by the
+                                                                      // length
       const LoopPath::Range rows = system.table().paths[k].rows;
       for (int r = rows.first; r < rows.first + rows.count; ++r) {
         const Vector unit = Vector::Unit(A_.rows(), r);
@@ -56,7 +58,7 @@ class Scaled {
   Matrix of(const std::vector<int>& rows, const std::vector<int>& velocities) const {
     return A_(rows, velocities);
   }
-  /// The twist, about the inertial origin, of carrying velocities without unit.
+  /// The twist of the platform, about the inertial origin, for carrying velocities without units.
   Twist<Spatial> twist(const Vector& carrying) const {
     const Vector X = twists_ * carrying;  // (length ω; v) about the centre
     const Vec3<> w{X[0] / length, X[1] / length, X[2] / length}, v{X[3], X[4], X[5]};
@@ -83,7 +85,7 @@ class Scaled {
     distance /= static_cast<double>(points.size());
     if (distance > 0) length = distance;
   }
-  /// Whether each velocity is that of an angle.
+  /// Whether each velocity of the model is the rate of an angle.
   std::vector<bool> angle_velocities() const {
     std::vector<bool> angles(static_cast<std::size_t>(model_.nv()));
     for (int i = 1; i <= model_.n_bodies(); ++i) {
@@ -94,7 +96,8 @@ class Scaled {
     }
     return angles;
   }
-  /// (length ω; v) of the platform about the centre for a unit of each carrying velocity without unit.
+  /// Computes, for a unit of each velocity of the platform's joint without units, the twist (length ω; v) of
+  /// the platform about the centre.
   void make_twists() {
     const std::vector<int>& carrying = kernel_.carrying();
     twists_.setZero(6, std::ssize(carrying));
@@ -112,12 +115,13 @@ class Scaled {
 
   TaskKernel& kernel_;
   Model model_;
-  SE3<> pose_;  ///< of the internal frame of the platform
+  SE3<> pose_;  ///< pose of the internal frame of the platform
   Matrix A_, twists_;
-  Vector rate_;  ///< the velocity for a unit of a velocity without unit
+  Vector rate_;  ///< each velocity for one unit of the velocity without units
 };
 
-/// The singular value that vanishes first if the rank falls below `rank`, relative to the largest one.
+/// The singular value that vanishes first if the rank falls below `rank`, divided by the largest singular
+/// value.
 double distance_of(const Eigen::JacobiSVD<Matrix>& svd, Eigen::Index rank) {
   const Vector& sigma = svd.singularValues();
   if (rank == 0 || sigma.size() == 0) return 1;
@@ -134,7 +138,7 @@ std::vector<std::string> considerable_names(const Vector& x, const std::vector<i
   return out;
 }
 
-/// A twist whose larger part, ω or v about the centre in lengths, has the norm 1.
+/// The twist V divided by the larger of |ω| and |v| / length, where v is the velocity of the centre.
 Twist<Spatial> normalized(const Twist<Spatial>& V, const Scaled& scaled) {
   const double size = std::max(norm(V.w), norm(V.v - cross(scaled.center, V.w)) / scaled.length);
   return {(1 / size) * V.w, (1 / size) * V.v};
@@ -157,7 +161,7 @@ std::vector<TaskSingularity> singularities(TaskSpace& space, std::span<const dou
   const auto s = static_cast<Eigen::Index>(carrying.size());
   std::vector<TaskSingularity> found;
 
-  // F_l = -A_l⁺ A_pl of the driven velocities, and the wrenches by which the limbs hold the platform.
+  // Rows of F_l = -A_l⁺ A_pl of the driven velocities, and the wrenches by which the limbs hold the platform.
   std::vector<int> driven_velocities;
   std::vector<Eigen::RowVectorXd> drive_rows, held;
   for (std::size_t l = 0; l < kernel.parts().size(); ++l) {
@@ -201,7 +205,7 @@ std::vector<TaskSingularity> singularities(TaskSpace& space, std::span<const dou
     for (std::size_t k = 0; k < rows.size(); ++k) out.row(static_cast<Eigen::Index>(k)) = rows[k];
     return out;
   };
-  // Unit twists of the platform, so that the singular values are those of twists.
+  // The columns of to_carrying are unit twists of the platform, so that singular values are those of twists.
   const auto basis = [](const Matrix& A) {
     return Matrix(Eigen::JacobiSVD<Matrix>(A, Eigen::ComputeThinU | Eigen::ComputeThinV)
                       .solve(Matrix::Identity(A.rows(), A.rows())));

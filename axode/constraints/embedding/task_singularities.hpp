@@ -9,24 +9,29 @@ struct TaskSingularity {
   enum class Type {
     limb,        ///< type 1 (Gosselin and Angeles): joints of a limb can move while the platform is at rest
     drives,      ///< type 2: the platform can move while all drives are locked
-    constraint,  ///< the limbs leave the platform a freedom more than elsewhere (Zlatanov et al.)
+    constraint,  ///< the limbs leave the platform one freedom more than at regular configurations (Zlatanov
+                 ///< et al.)
   };
   Type type{};
-  int limb = -1;        ///< of a singularity of type 1
-  double distance = 0;  ///< least singular value divided by the largest one; 0 at the singularity
-  Twist<Spatial>
-      twist;  ///< motion of the platform that becomes free, about the inertial origin, for `drives`
-              ///< and `constraint`; the largest of its parts ω and ω-independent v is 1
-  std::vector<std::string> joints;  ///< joints of the limb that move, or drives that hold each other
-  std::string sentence;             ///< for the user, with the screw of the twist
+  int limb = -1;        ///< index of the limb in a singularity of type 1; otherwise -1
+  double distance = 0;  ///< least singular value of the matrix that loses rank, divided by the largest one; 0
+                        ///< at the singularity
+  /// For `drives` and `constraint`, the motion of the platform that becomes free, about the inertial origin.
+  /// The larger of |ω| and |v| / length is 1, with the velocity v of the centre of the loop joints on the
+  /// platform and their mean distance from this centre as length.
+  Twist<Spatial> twist;
+  std::vector<std::string> joints;  ///< velocities of the limb that can move, or drives that act against each
+                                    ///< other
+  std::string sentence;             ///< one sentence for the user, with the screw of the twist
 };
 
-/// Finds the singularities of types 1 and 2 and the constraint singularities whose distance at a closed
-/// configuration q is less than `within`. Lengths are measured in the mean distance of the loop joints on the
-/// platform from their centre, about which twists are taken, so that distances have no unit. Where a
-/// singularity of a limb and one of the drives are found together, it is one of type 3. Allocates; a singular
-/// value decomposition for each limb. Throws std::invalid_argument for a mechanism without a platform, a
-/// wrong q, and `within` that is not from 0 to 1.
+/// Finds the singularities of types 1 (limbs) and 2 (drives) and the constraint singularities whose distance
+/// at a closed configuration q is less than `within`. Lengths are divided by the mean distance of the loop
+/// joints on the platform from their centre, and twists are about this centre, so that distances have no
+/// unit. If a singularity of a limb and one of the drives are found together, the configuration is a
+/// singularity of type 3. Allocates; one singular value decomposition for each limb. Throws
+/// std::invalid_argument for a mechanism without a platform, for a wrong size of q, a q that leaves a loop
+/// open, and `within` that is not from 0 to 1.
 [[nodiscard]] std::vector<TaskSingularity> singularities(TaskSpace& space, std::span<const double> q,
                                                          double within = 1e-3);
 

@@ -12,78 +12,83 @@ namespace axode {
 
 class TaskKernel;
 
-/// Whether a quantity of a parallel manipulator exists at a configuration, and what is singular if not.
+/// Whether a quantity of a parallel manipulator exists at a configuration and, if it does not, what is
+/// singular.
 struct TaskVerdict {
   enum class Kind {
     solved,
     limb_singular,        ///< type 1: joints of a limb can move while the platform is at rest
     drives_singular,      ///< type 2: the platform can move while all drives are locked
-    constraint_singular,  ///< the limbs of reduced mobility leave the platform another freedom
-    mass_singular,        ///< a motion moves no mass
+    constraint_singular,  ///< the limbs leave the platform one freedom more than at regular configurations
+    mass_singular,        ///< the mass matrix of the task space is singular: a motion moves no mass
     not_finite,           ///< an argument or a result is not a finite number
   };
   Kind kind = Kind::solved;
-  int limb = -1;  ///< the number of the singular limb
+  int limb = -1;  ///< index of the singular limb; -1 if no limb is singular
   bool ok() const { return kind == Kind::solved; }
 };
 
 /// The equations of motion of a parallel manipulator in its task space (D18.11):
 ///   M V' + h = Jᵀ u,   v = F V,   a = F V' + c
-/// for f task velocities V, the forces u of d drives, and all nv joint velocities v.
+/// for f task velocities V, the forces u of the drives, and all nv joint velocities v with accelerations a.
 struct TaskEquations {
   TaskVerdict verdict;      ///< if it is not ok(), the matrices are empty
   Eigen::MatrixXd M;        ///< f × f, kg m², kg m and kg
-  Eigen::VectorXd h;        ///< f, Coriolis, centrifugal and gravity forces, less those of loads
-  Eigen::MatrixXd J;        ///< d × f: the rates of the drives are J V
-  std::vector<int> drives;  ///< the velocities of the drives, ascending
-  Eigen::MatrixXd F;        ///< nv × f
-  Eigen::VectorXd c;        ///< nv
+  Eigen::VectorXd h;        ///< f numbers: Coriolis, centrifugal and gravity forces minus those of the loads
+  Eigen::MatrixXd J;        ///< (number of drives) × f: the velocities of the drives are J V
+  std::vector<int> drives;  ///< indices of the velocities with drives, ascending
+  Eigen::MatrixXd F;        ///< nv × f matrix of v = F V
+  Eigen::VectorXd c;        ///< nv numbers: the accelerations for V' = 0
 };
 
-/// A parallel manipulator in its task space: a platform that is carried by limbs, each of which is resolved
-/// by itself from the motion of the platform. The task velocities V are components of the body-fixed twist of
-/// the platform, as many as it has freedoms, followed by joint velocities that the platform does not
-/// determine: those of a rod that spins between two balls, or of an arm on the platform. Without a platform
-/// all task velocities are joint velocities.
+/// A parallel manipulator in its task space: limbs carry a platform, and the velocities of each limb follow
+/// from the motion of the platform independently of the other limbs. The task velocities V are components of
+/// the body-fixed twist of the platform, as many as it has freedoms, followed by joint velocities that the
+/// platform does not determine, for example those of a rod that spins between two balls, or of an arm on the
+/// platform. Without a platform all task velocities are joint velocities.
 ///
-/// A TaskSpace has the scratch memory of one thread; its functions do not allocate. Configurations q must be
-/// closed and velocities v must keep the loops closed, as place() and velocities() compute them. Costs are
-/// O(limbs) for limbs of bounded size. See docs/derivations/constraint-embedding.md.
+/// A TaskSpace has the scratch memory of one thread. Its functions do not allocate, except equations().
+/// Configurations q must be closed and velocities v must keep the loops closed, as place_platform() and
+/// velocities() compute them. Costs are O(limbs) for limbs of bounded size. See
+/// docs/derivations/constraint-embedding.md.
 class TaskSpace {
  public:
   /// Determines the limbs, their mobility and the task velocities at a closed configuration q that should not
-  /// be singular. `platform` is the name of a body whose joint is on the ground; if it is empty, the body is
-  /// taken for which eliminations limb by limb cost least. Throws std::invalid_argument for a wrong q, an
-  /// unknown body or one that another body carries, a mechanism without loops, prescribed motions, and ranks
-  /// that rounding leaves open. Springs act only if their forces are added to τ.
+  /// be singular. `platform` is the name of a body whose joint is on the ground; if it is empty, the body for
+  /// which eliminations limb by limb cost least is chosen. Springs act only if their forces are added to τ.
+  /// Throws std::invalid_argument for a wrong size of q or a q that leaves a loop open, an unknown body, a
+  /// body that another body carries, a mechanism without loops or with prescribed motions, and ranks that
+  /// rounding leaves open.
   TaskSpace(const Model& model, std::span<const double> q, std::string_view platform = {});
   ~TaskSpace();
   TaskSpace(TaskSpace&&) noexcept;
   TaskSpace& operator=(TaskSpace&&) noexcept;
 
   const Model& model() const;
-  int platform() const;  ///< the body, 0 if there is none
-  /// The number f of task velocities, and their names: "platform.omega_x" to "platform.v_z", or the name of a
-  /// joint velocity.
+  int platform() const;  ///< index of the platform's body, 0 if there is none
+  /// freedom() is the number f of task velocities, and names() are their names: "platform.omega_x" to
+  /// "platform.v_z" with the name of the platform's body, or the name of a joint velocity.
   int freedom() const;
   const std::vector<std::string>& names() const;
-  /// The number of limbs, and the velocities of one. The last limb has no loops if joints move independently.
+  /// limbs() is the number of limbs, and limb(l) the indices of the velocities of one limb. If there are
+  /// velocities that no loop constrains, the last limb consists of these and has no loops.
   int limbs() const;
   const std::vector<int>& limb(int l) const;
 
   /// Computes v = F V (nv) from task velocities V (f), with one small linear system for each limb (D18.6).
   [[nodiscard]] TaskVerdict velocities(std::span<const double> q, std::span<const double> V,
                                        std::span<double> v);
-  /// Computes a = F V' + c (nv) at a motion v that keeps the loops closed (D18.10).
+  /// Computes the accelerations a = F V' + c (nv) for the rates V' of the task velocities, at a velocity v
+  /// that keeps the loops closed (D18.10).
   [[nodiscard]] TaskVerdict accelerations(std::span<const double> q, std::span<const double> v,
                                           std::span<const double> dV, std::span<double> a);
-  /// Computes the drive forces τ (nv; 0 in passive joints) for the rates V' of the task velocities (D18.9).
-  /// If there are more drives than needed, τ is the least one.
+  /// Computes the drive forces τ (nv; 0 in passive joints) for the rates V' of the task velocities at (q, v)
+  /// (D18.9). If there are more drives than needed, τ is the least one.
   [[nodiscard]] TaskVerdict inverse_dynamics(std::span<const double> q, std::span<const double> v,
                                              std::span<const double> dV, std::span<double> tau,
                                              const Loads<double>& loads = {});
-  /// Computes the rates V' (f) of the task velocities and, unless it is empty, the accelerations a (nv) under
-  /// joint forces τ (nv), which may act in passive joints too (D18.11).
+  /// Computes the rates V' (f) of the task velocities under joint forces τ (nv), which may act in passive
+  /// joints too, and the accelerations a (nv) unless `a` is empty (D18.11).
   [[nodiscard]] TaskVerdict forward_dynamics(std::span<const double> q, std::span<const double> v,
                                              std::span<const double> tau, std::span<double> dV,
                                              std::span<double> a = {}, const Loads<double>& loads = {});
@@ -91,7 +96,7 @@ class TaskSpace {
   [[nodiscard]] TaskEquations equations(std::span<const double> q, std::span<const double> v,
                                         const Loads<double>& loads = {});
 
-  /// The scratch memory, for the functions of this room.
+  /// The computations and the scratch memory, for the other functions of constraints/embedding.
   TaskKernel& kernel() { return *kernel_; }
   const TaskKernel& kernel() const { return *kernel_; }
 
@@ -99,7 +104,7 @@ class TaskSpace {
   std::unique_ptr<TaskKernel> kernel_;
 };
 
-/// One sentence for the user: what is singular, or that numbers are not finite.
+/// One sentence for the user: what is singular, that numbers are not finite, or that nothing is singular.
 std::string to_string(const TaskSpace& space, const TaskVerdict& verdict);
 
 }  // namespace axode

@@ -14,9 +14,11 @@ namespace {
 using Vector = Eigen::VectorXd;
 using Matrix = Eigen::MatrixXd;
 
-/// Throws std::invalid_argument if some (A v)^(k) is not 0.
+/// Throws std::invalid_argument, with the order and the name of the loop, if a time derivative of A v along
+/// the motion is not 0.
 void check_motion(const Model& model, const LoopSeries& loops, Numbers<double> rates) {
-  constexpr double tolerance = 1e-3;  // derivatives that are measured or differenced have few digits
+  constexpr double tolerance = 1e-3;  // the tolerance is wide, because derivatives that are measured or
+                                      // differenced have few correct digits
   const Eigen::Index nv = model.nv();
   for (int k = 0; k <= loops.order(); ++k) {
     const Vector known = loops.known_terms(rates.data(), k),
@@ -63,7 +65,7 @@ double inverse_dynamics_rates(const Model& model, LoopWorkspace<>& workspace, Nu
   K.topLeftCorner(nv, nv) = drive.asDiagonal();
   K.topRightCorner(nv, m) = loops.derivative(0).transpose();
   K.bottomLeftCorner(m, nv) = loops.derivative(0);
-  Matrix z(nv + m, orders);  // w and λ of each order
+  Matrix z(nv + m, orders);  // w and λ of each order; the drive forces are the entries of w at the drives
   double missing = 0;
   for (Eigen::Index k = 0; k < orders; ++k) {
     Vector b = Vector::Zero(nv + m);

@@ -4,14 +4,18 @@
 
 namespace axode {
 
-/// The time derivatives τ, τ', τ'', ... of the drive forces of a mechanism with loops (`tau`, K rows of nv)
-/// along a motion (`rates`, K + 1 rows of nv: v, v', v'', ..., as inverse_kinematics_rates() has them), with
-/// drives and loads as in inverse_dynamics(): of more drives than the mechanism needs the least τ, and its
-/// derivatives. Returns the largest part of the required forces, by norm, of any order, that no drive can
-/// produce. One linear system for each order, with the same matrix, (D3.14).
+/// Computes the drive forces τ of a mechanism with loops and their time derivatives τ', τ'', ... (`tau`, K
+/// rows of nv numbers, 1 to 7 rows) along a motion. The motion is given by q and the rates v, v', v'', ...
+/// (`rates`, K + 1 rows of nv numbers), which inverse_kinematics_rates() computes. Drives act on the
+/// velocities whose indices are in `drives` or, if it is empty, on those of all joints that are not passive.
+/// If there are more drives than the mechanism needs, τ is the least one, and the other rows are its
+/// derivatives. For each order a part of the required forces, by norm, cannot be produced by any drive; the
+/// largest of these parts is returned. The method solves one linear system for each order, all with the same
+/// matrix (D3.14).
 ///
-/// Throws std::invalid_argument for wrong sizes, more than 7 rows of forces, and a motion of which some
-/// derivative does not keep a loop closed. Allocates; O(K (nv + m)³ + n K²) for m rows of loops.
+/// Throws std::invalid_argument for wrong sizes, more than 7 rows of forces, numbers that are not finite, and
+/// a motion of which some derivative does not keep a loop closed. Allocates; O(K (nv + m)³ + n K²) for m rows
+/// of loops.
 [[nodiscard]] double inverse_dynamics_rates(const Model& model, LoopWorkspace<>& workspace, Numbers<double> q,
                                             Numbers<double> rates, std::span<double> tau,
                                             std::span<const int> drives = {},

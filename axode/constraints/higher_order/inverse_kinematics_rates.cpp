@@ -16,10 +16,11 @@
 namespace axode {
 namespace {
 
-constexpr double rounding = 1e-13;  ///< pivots of J that are smaller than this part of the largest are 0
-constexpr double reachable = 1e-9;  ///< largest RatesReached::missing of a derivative that is reached
+constexpr double rounding = 1e-13;  ///< pivots of J that are smaller than this part of the largest pivot
+                                    ///< count as 0
+constexpr double reachable = 1e-9;  ///< largest RatesReached::missing of a derivative that counts as reached
 
-/// Writes the wanted parts of a six-vector.
+/// Writes to `out` those of the parts w and v of a six-vector that the target specifies.
 template <class Target>
 void write_parts(const Target& target, const Vec3<>& w, const Vec3<>& v, Eigen::Ref<Eigen::VectorXd> out) {
   Eigen::Index row = 0;
@@ -43,7 +44,8 @@ template <class Rep> void check(std::span<const TwistTarget<Rep>> targets, std::
   }
 }
 
-/// The systems of all orders: J and A stacked, and their right sides.
+/// The linear systems of all orders. Their common matrix consists of the Jacobians J of the targets above the
+/// rows A of the loops; `wanted - known` is the right side.
 template <class Rep> class RateSystem {
  public:
   RateSystem(const Model& model, Numbers<double> q, std::span<const TwistTarget<Rep>> targets, int orders)
@@ -59,7 +61,8 @@ template <class Rep> class RateSystem {
     known.resize(rows);
   }
 
-  /// Computes the right side of order k, wanted - known, from rates with 0 in row k and beyond.
+  /// Computes `wanted` and `known` of order k, and the matrix if k is 0. `rates` contains the derivatives of
+  /// lower order, and 0 in row k and in all later rows.
   void run(std::span<const double> rates, int k) {
     motion_.evaluate(q_, rates);
     Eigen::Index row = 0;

@@ -5,7 +5,7 @@
 namespace axode {
 namespace {
 
-/// Sets the coefficients of order n.
+/// Sets the coefficients of order n of a vector of power series.
 template <class Series> void set(Vec3<Series>& of, std::size_t n, const Vec3<>& x) {
   of.x.c[n] = x.x;
   of.y.c[n] = x.y;

@@ -9,8 +9,8 @@
 namespace axode {
 
 /// The rows A of the loops and their time derivatives A', A'', ... along a motion of the spanning tree, by
-/// power series: MotionSeries has those of the joint screws, and the wrenches of a loop joint are computed on
-/// series of its two frames.
+/// power series in time. MotionSeries provides the series of the joint screws, and the wrenches of a loop
+/// joint are computed from the series of its two frames.
 class LoopSeries {
  public:
   static constexpr int largest_order = 7;
@@ -20,19 +20,21 @@ class LoopSeries {
 
   int order() const { return motion_.order(); }
 
-  /// Computes A to A^(order) from q and v, v', ... (order + 1 rows of nv, of which the last has no effect).
+  /// Computes A and its derivatives up to A^(order) from q and v, v', ... (order + 1 rows of nv, of which the
+  /// last has no effect).
   void run(const double* q, const double* rates) noexcept;
 
-  /// A^(k), loops().rows × nv.
+  /// The derivative A^(k) of the rows at the last run(), loops().rows × nv.
   const Eigen::MatrixXd& derivative(int k) const { return A_[static_cast<std::size_t>(k)]; }
-  /// (A v)^(k) without its term A v^(k): what v^(k) has to compensate.
+  /// Computes the time derivative (A v)^(k) without its term A v^(k), loops().rows numbers. Motions that keep
+  /// the loops closed satisfy A v^(k) = -known_terms.
   Eigen::VectorXd known_terms(const double* rates, int k) const;
 
  private:
   using Series = Taylor<double, largest_order + 1>;
 
-  /// The series of a screw or of a frame about the common point O of a loop; `shift` is the origin of the
-  /// root minus O.
+  /// about() and frame_series() compute the series of a screw and of a frame about the common point O of a
+  /// loop. `shift` is the origin of the root body minus O.
   Screw<Series> about(const Vec3<>& shift, const Screw<>* X) const;
   SE3<Series> frame_series(const Loop::End& end, const Vec3<>& shift);
 
@@ -40,7 +42,7 @@ class LoopSeries {
   LoopTable table_;
   MotionSeries<double> motion_;
   PoseSeries<double> pose_;
-  std::vector<Vec3<>> origin_;  ///< of each root body, at its index; 0 for the ground
+  std::vector<Vec3<>> origin_;  ///< origin of each root body, at the index of the body; 0 for the ground
   std::vector<Eigen::MatrixXd> A_;
 };
 

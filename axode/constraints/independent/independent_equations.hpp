@@ -8,22 +8,23 @@
 
 namespace axode {
 
-/// The equations of motion of a mechanism with loops in independent velocities y, which are some of its joint
+/// The equations of motion of a mechanism with loops in independent velocities y, which are k of its joint
 /// velocities:
 ///   M y' + h = Nᵀ τ,   v = N y,   a = N y' + c.
 struct IndependentEquations {
   std::vector<int> velocities;  ///< the indices of the k independent velocities
   Eigen::MatrixXd N;            ///< nv × k; the identity in the rows of the independent velocities
-  Eigen::VectorXd c;            ///< nv; 0 in the rows of the independent velocities
-  Eigen::MatrixXd M;            ///< k × k, Nᵀ M N with the mass matrix of the tree
-  Eigen::VectorXd h;            ///< k, Nᵀ (M c + h) with the forces of the tree
+  Eigen::VectorXd c;            ///< nv numbers; 0 in the rows of the independent velocities
+  Eigen::MatrixXd M;            ///< k × k: Nᵀ M_t N with the mass matrix M_t of the tree
+  Eigen::VectorXd h;            ///< k numbers: Nᵀ (M_t c + h_t) with the bias forces h_t of the tree
 };
 
 /// Computes the equations of motion in independent velocities, at a closed configuration q and velocities v
-/// that keep it closed. `velocities` are the indices of the independent velocities; if it is empty, the
-/// velocities that determine the others best are chosen. Allocates; O(nv³). Throws std::invalid_argument for
-/// wrong sizes, if the number of velocities is not nv minus the rank of A, and if they do not determine the
-/// others at q.
+/// that keep the loops closed. `velocities` are the indices of the independent velocities; if it is empty,
+/// the velocities that determine the others best are chosen. Springs are ignored: Nᵀ spring_forces(q, v) may
+/// be subtracted from h. Allocates; O(nv³). Throws std::invalid_argument for wrong sizes, for prescribed
+/// motions, if the number of velocities is not nv minus the rank of A, and if they do not determine the other
+/// velocities at q.
 [[nodiscard]] IndependentEquations independent_equations(const Model& model, std::span<const double> q,
                                                          std::span<const double> v,
                                                          std::span<const int> velocities = {},

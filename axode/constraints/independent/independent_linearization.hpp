@@ -9,9 +9,10 @@
 
 namespace axode {
 
-/// Small motions of a mechanism with loops: x' = A x + B δτ for the deviations x = (δ, δv) of k independent
-/// velocities, as `linearize` computes them for all velocities of a tree. The deviations of all joints are N
-/// δ and N δv + D δ.
+/// The linearised equations of motion of a mechanism with loops: x' = A x + B δτ for x = (δ, δv), where δ are
+/// the displacements along k independent velocities, and δv the deviations of these velocities. linearize()
+/// has such equations for all velocities of a tree. All joints have the displacements N δ and the deviations
+/// of velocities N δv + D δ.
 struct IndependentLinearization {
   std::vector<int> velocities;  ///< the indices of the k independent velocities
   Eigen::MatrixXd N;            ///< nv × k; the identity in the rows of the independent velocities
@@ -20,12 +21,14 @@ struct IndependentLinearization {
   Solvability solvability;      ///< if it is not ok(), A and B are NaN
 };
 
-/// Computes the small motions about a closed configuration q and velocities v that keep it closed.
-/// `velocities` are the indices of the independent velocities; if it is empty, the velocities that determine
-/// the others best are chosen. Springs, dampers, stops, loads and losses act as in `linearize`. At an
-/// equilibrium with v = 0 the eigenvalues of A are those of the small oscillations; they do not depend on the
-/// choice of velocities. Allocates; O((nv + m)³). Throws std::invalid_argument as independent_equations does,
-/// for a state that leaves a loop open, and for drives with states.
+/// Linearises the equations of motion about a closed configuration q and velocities v that keep the loops
+/// closed. `velocities` are the indices of the independent velocities; if it is empty, the velocities that
+/// determine the others best are chosen. Springs, dampers, mechanical stops, loads and losses act as in
+/// linearize(). At an equilibrium with v = 0 the eigenvalues of A are those of the small oscillations; they
+/// do not depend on the choice of velocities. Allocates; O((nv + m)³) for m rows of A. Throws
+/// std::invalid_argument for wrong sizes, for prescribed motions, for a state that leaves a loop open, for
+/// drives with states, if the number of velocities is not nv minus the rank of A, and if they do not
+/// determine the other velocities at q.
 [[nodiscard]] IndependentLinearization independent_linearization(
     const Model& model, std::span<const double> q, std::span<const double> v, std::span<const double> tau,
     std::span<const int> velocities = {}, const Loads<double>& loads = {});

@@ -16,7 +16,7 @@ constexpr double off_branch = 0.05;  // distance from a branch, relative to the 
 constexpr double at_rest = 1e-7, moved = 1e-5;
 constexpr double ordinary = 10;  // coefficients far from singularities are smaller
 
-/// The coefficients of t(ζ), the inverse of ζ(t) = Σ c_k t^k with c_0 = 0.
+/// The coefficients of the power series t(ζ) that inverts ζ(t) = Σ c_k t^k with c_0 = 0.
 Eigen::RowVectorXd reversed(const PolynomialRing& line, const Eigen::RowVectorXd& c) {
   Eigen::RowVectorXd t = Eigen::RowVectorXd::Zero(c.size());
   t[1] = 1 / c[1];
@@ -24,7 +24,8 @@ Eigen::RowVectorXd reversed(const PolynomialRing& line, const Eigen::RowVectorXd
   return t;
 }
 
-/// The coefficients of (1 + r_1 t + ...)^a, by the recursion that f' p = a p' f gives for f = p^a.
+/// The coefficients of the power series (1 + r_1 t + ...)^a. With p = 1 + r_1 t + ..., f = p^a satisfies f' p
+/// = a p' f, from which the recursion follows.
 Eigen::RowVectorXd power_of(const Eigen::RowVectorXd& r, double a) {
   Eigen::RowVectorXd out = Eigen::RowVectorXd::Zero(r.size());
   out[0] = 1;
@@ -35,7 +36,8 @@ Eigen::RowVectorXd power_of(const Eigen::RowVectorXd& r, double a) {
   return out;
 }
 
-/// The branch of dimension 1 with the points z(t), in its normal form (D13.13). It has dimension 0 if z is 0.
+/// Makes a branch of dimension 1 from its points z(t), in normal form (D13.13). The dimension of the result
+/// is 0 if z is 0.
 MotionBranch curve(const PolynomialRing& line, Eigen::MatrixXd z) {
   MotionBranch out;
   const int K = line.degree();
@@ -62,7 +64,8 @@ MotionBranch curve(const PolynomialRing& line, Eigen::MatrixXd z) {
   return out;
 }
 
-/// The reach of a germ z(w), from the largest coefficient of each degree.
+/// The reach of a germ z(w), at most 1, from the largest coefficient of each degree: the distance from q to
+/// which the series describes the branch, relative to that far from singularities.
 double reach_of_germ(const PolynomialRing& ring, const Eigen::MatrixXd& z) {
   double out = 1;
   for (int k = 2; k <= ring.degree(); ++k) {
@@ -72,14 +75,17 @@ double reach_of_germ(const PolynomialRing& ring, const Eigen::MatrixXd& z) {
   return out;
 }
 
-/// The point of a curve at a parameter; with `terms` terms of the series beyond the constant only.
+/// The point of a branch of dimension 1 at a parameter, computed from the first `terms` terms of its series
+/// after the constant.
 Eigen::VectorXd point_at(const MotionBranch& branch, double parameter, Eigen::Index terms) {
   Eigen::VectorXd x = Eigen::VectorXd::Zero(branch.series.rows());
   for (Eigen::Index k = terms; k > 0; --k) x = parameter * (x + branch.series.col(k));
   return x;
 }
 
-/// The point of a branch of any dimension with the parameters that a point x has, to second order for D > 1.
+/// The point of a branch with the parameters τ = T x of a point x. It is computed to second order if the
+/// dimension is larger than 1. If the dimension is 1, `other_side` selects the point at the parameter with
+/// the opposite sign, which is on the other side of a cusp.
 Eigen::VectorXd nearest(const MotionBranch& branch, const Eigen::VectorXd& x, bool other_side) {
   const Eigen::VectorXd tau = branch.T * x;
   if (branch.dimension == 1) {
@@ -129,8 +135,9 @@ void trace_curve(const Closure& closure, MotionBranch& branch) {
     }
 }
 
-/// The points of a branch for τ = ±h c at steps that are halved, and from them differences without their
-/// errors of orders 2, 4 and 6 (Romberg). `difference` makes one from two points and h.
+/// Computes the value of `difference` for h → 0 (Romberg's method). difference(a, b, h) is a difference
+/// quotient of the points a and b of a branch at τ = h c and τ = -h c. It is evaluated for values of h that
+/// are halved, and its errors of orders 2, 4 and 6 are eliminated.
 template <class Difference>
 Eigen::VectorXd extrapolated(const Closure& closure, const Eigen::MatrixXd& T, const Eigen::VectorXd& c,
                              double range, const Difference& difference) {
@@ -155,8 +162,8 @@ Eigen::MatrixXd orthonormal_rows(const Eigen::MatrixXd& rows) {
   return svd.V.leftCols(rows.rows()).transpose();
 }
 
-/// An orthonormal basis of the row space of T that does not depend on how the space was found: the largest
-/// column of the projector, then of what it leaves.
+/// An orthonormal basis of the row space of T that does not depend on how T was found. Each vector is the
+/// largest column of the projector on the part of the space that is orthogonal to the vectors before.
 Eigen::MatrixXd canonical_basis(const Eigen::MatrixXd& T) {
   Eigen::MatrixXd P = T.transpose() * T, out(T.rows(), T.cols());
   for (Eigen::Index k = 0; k < T.rows(); ++k) {
@@ -170,8 +177,9 @@ Eigen::MatrixXd canonical_basis(const Eigen::MatrixXd& T) {
   return out;
 }
 
-/// The tangent space of a surface at q. Germs of blow-ups have coordinates in which it is seen beside q only;
-/// then it is found from differences of closed points.
+/// The tangent space at q of a branch of dimension above 1, as orthonormal rows. It follows from the terms of
+/// degree 1 of the germ. If these are dependent, as after blow-ups, it follows from differences of closed
+/// points instead.
 Eigen::MatrixXd tangent_space(const Closure& closure, const Germ& germ) {
   const Eigen::Index D = germ.ring->variables();
   const Eigen::MatrixXd first = germ.z.middleCols(1, D);
@@ -193,7 +201,8 @@ Eigen::MatrixXd tangent_space(const Closure& closure, const Germ& germ) {
   return canonical_basis(orthonormal_rows(rows.allFinite() ? rows : beside));
 }
 
-/// II_ab by the polar form of second derivatives along lines (D13.13).
+/// Computes the second fundamental form, with II_ab in row a D + b, by the polar form of second derivatives
+/// along lines (D13.13).
 Eigen::MatrixXd second_form(const Closure& closure, const Eigen::MatrixXd& T, double range) {
   const Eigen::Index D = T.rows();
   Eigen::MatrixXd II(D * D, T.cols());
@@ -240,7 +249,8 @@ MotionBranch surface(const Closure& closure, const Germ& germ) {
   return out;
 }
 
-/// Differential mobility beside q, and the coordinates at rest.
+/// Computes the differential mobility of a branch at a point beside q, the coordinates that rest at q or
+/// along the whole branch, and the loops in which something moves.
 void look_beside(const Closure& closure, MotionBranch& branch) {
   if (branch.points.empty()) return;
   const std::size_t at = branch.dimension == 1 ? std::min<std::size_t>(2, branch.points.size() - 1) : 0;
@@ -270,7 +280,7 @@ bool same(const MotionBranch& a, const MotionBranch& b) {
   return a.cusp() && (a.series.leftCols(k) - mirrored).norm() < 1e-3;
 }
 
-/// Whether the points of a curve near q lie on a surface.
+/// Whether the points near q of a branch of dimension 1 lie on a branch of larger dimension.
 bool within(const MotionBranch& line, const MotionBranch& surface) {
   return line.dimension == 1 && surface.dimension > 1 && !line.points.empty() &&
          std::ranges::all_of(line.points, [&](const BranchPoint& point) {

@@ -6,15 +6,15 @@
 
 namespace axode::higher_order {
 
-/// The branches that germs of the closure belong to, each once, traced by closed points. All lengths are in
-/// characteristic lengths.
+/// Makes the branches of the configuration space from germs of solutions of the closure equations. Every
+/// branch occurs once and is traced by closed points. All lengths are in characteristic lengths.
 std::vector<MotionBranch> branches(const Closure& closure, const std::vector<Germ>& germs);
 
-/// The distance from q, relative to that at a configuration far from singularities, to which the series of a
-/// branch describes it: coefficient k of the series is at most 10 / reach^(k - 1).
+/// The distance from q up to which the series of a branch describes it, relative to that at a configuration
+/// far from singularities, at most 1: coefficient k of the series is at most 10 / reach^(k - 1).
 double reach(const MotionBranch& branch);
 
-/// Whether a closed point near q lies on a branch, to second order.
+/// Whether a closed point x near q lies on a branch, to second order in x.
 bool lies_on(const MotionBranch& branch, const Eigen::VectorXd& x);
 
 }  // namespace axode::higher_order

@@ -10,14 +10,15 @@
 namespace axode::higher_order {
 namespace {
 
-/// The part of a combination of equations that rounding may have left in a loop.
+/// A loop belongs to a combination of equations if its coefficients are larger than this part of all
+/// coefficients, by norm; smaller ones may be rounding errors.
 constexpr double negligible_share = 1e-6;
 
 Eigen::Matrix<double, 6, 1> column(const Screw<>& X) { return {X.w.x, X.w.y, X.w.z, X.v.x, X.v.y, X.v.z}; }
 
-/// The points, each once.
+/// The points without duplicates.
 std::vector<Vec3<>> distinct(const std::vector<Vec3<>>& points) {
-  constexpr double same = 1e-9;  // relative to the distance from the first point
+  constexpr double same = 1e-9;  // tolerance relative to the distance from the first point
   std::vector<Vec3<>> out;
   for (const Vec3<>& point : points)
     if (std::ranges::none_of(
@@ -26,7 +27,7 @@ std::vector<Vec3<>> distinct(const std::vector<Vec3<>>& points) {
   return out;
 }
 
-/// The mean distance between two of the points; 1 if there is one point only.
+/// The mean distance between two of the points; 1 if there are no two different points.
 double mean_distance(const std::vector<Vec3<>>& points) {
   double sum = 0;
   for (const Vec3<>& a : points)
@@ -141,7 +142,7 @@ Eigen::MatrixXd Closure::jacobian(const Eigen::Ref<const Eigen::VectorXd>& x) co
 double Closure::close(Eigen::VectorXd& x, const Eigen::Ref<const Eigen::MatrixXd>& held,
                       const Eigen::Ref<const Eigen::VectorXd>& target) const {
   constexpr int most = 60;
-  constexpr double negligible = 1e-9;  // pivots of redundant rows, relative to the largest
+  constexpr double negligible = 1e-9;  // bound on pivots of redundant rows, relative to the largest pivot
   constexpr double rounding = 1e-16, farthest = 10;
   Eigen::MatrixXd A(rows() + held.rows(), size()), J;
   Eigen::VectorXd b(A.rows()), r;

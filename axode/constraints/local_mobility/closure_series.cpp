@@ -8,8 +8,8 @@ using Series = Eigen::MatrixXd;  ///< 6 × monomials: a screw whose coordinates 
 Eigen::Matrix<double, 6, 1> column(const Screw<>& X) { return {X.w.x, X.w.y, X.w.z, X.v.x, X.v.y, X.v.z}; }
 Screw<> screw_at(const double* x) { return {{x[0], x[1], x[2]}, {x[3], x[4], x[5]}}; }
 
-/// Adds scale times the part of [X, Z] of degree k that comes from the parts of X of degree a and of Z of
-/// degree k - a.
+/// Adds to `out` scale times a part of degree k of the bracket [X, Z]: that from the part of X of degree a
+/// and the part of Z of degree k - a.
 void add_bracket(const PolynomialRing& ring, const Series& X, const Series& Z, int a, int k, double scale,
                  Series& out) {
   for (int i = ring.begin(a); i < ring.begin(a + 1); ++i) {
@@ -19,7 +19,7 @@ void add_bracket(const PolynomialRing& ring, const Series& X, const Series& Z, i
   }
 }
 
-/// Adds the part of degree k of p S, where the polynomial p has no constant.
+/// Adds to `out` the part of degree k of the product p S, where the polynomial p has no constant.
 void add_product(const PolynomialRing& ring, const Series& S, const Eigen::RowVectorXd& p, int k,
                  Series& out) {
   for (int a = 1; a <= k; ++a)
@@ -30,7 +30,8 @@ void add_product(const PolynomialRing& ring, const Series& S, const Eigen::RowVe
     }
 }
 
-/// The coefficients of dexp (1/(k + 1)!) or of its inverse (Bernoulli numbers over k!), k < count.
+/// The first `count` coefficients of the power series of dexp in ad, 1/(k + 1)!, or of its inverse, the
+/// Bernoulli numbers over k!.
 std::vector<double> dexp_coefficients(int count, bool inverse) {
   std::vector<double> c(static_cast<std::size_t>(count)), factorial(c.size() + 1, 1);
   for (std::size_t k = 1; k < factorial.size(); ++k) factorial[k] = factorial[k - 1] * static_cast<double>(k);
@@ -45,14 +46,14 @@ std::vector<double> dexp_coefficients(int count, bool inverse) {
   return c;
 }
 
-/// p with its part of degree k multiplied by k: the derivative t d/dt along rays.
+/// Multiplies the part of degree k of each polynomial by k. This is the derivative t d/dt along rays x = t u.
 Eigen::MatrixXd along_rays(const PolynomialRing& ring, const Eigen::Ref<const Eigen::MatrixXd>& p) {
   Eigen::MatrixXd out = p;
   for (int i = 0; i < ring.size(); ++i) out.col(i) *= ring.degree_of(i);
   return out;
 }
 
-/// Adds dexp_X W, X and W without a constant, to V (D13.4).
+/// Adds dexp_X W to V up to a degree, where X and W have no constant (D13.4).
 void add_dexp(const PolynomialRing& ring, const Series& X, Series W, int degree, Series& V) {
   const std::vector<double> c = dexp_coefficients(degree, false);
   V += W;
@@ -65,7 +66,8 @@ void add_dexp(const PolynomialRing& ring, const Series& X, Series W, int degree,
   }
 }
 
-/// Adds what a joint contributes to V (D13.3, D13.4), where V is the velocity of the body that carries it.
+/// Adds the velocity of a joint to V, which is the velocity of the body before the joint and becomes that of
+/// the body after it (D13.3, D13.4).
 void pass(const PolynomialRing& ring, const PassedJoint& joint, const Eigen::Ref<const Eigen::MatrixXd>& x,
           const Eigen::MatrixXd& dx, int degree, Series& V) {
   const std::size_t n = joint.S.size();

@@ -5,16 +5,16 @@
 #include "axode/constraints/local_mobility/polynomial_ring.hpp"
 #include "axode/constraints/local_mobility/walks.hpp"
 
-/// Series of the product of exponentials of a loop, by brackets alone. A series is a matrix of polynomials,
-/// 6 × ring.size().
+/// Power series of the product f of exponentials of a loop, computed from brackets of joint screws alone. A
+/// series is a matrix of polynomials, 6 × ring.size().
 namespace axode::higher_order {
 
-/// The spatial twist of the last body along rays, multiplied by the parameter of the ray, for polynomials x
-/// (n × ring.size()) without constants, up to a degree (D13.3, D13.4).
+/// Computes the spatial twist of the last body of a loop along rays, multiplied by the parameter of the ray,
+/// for polynomials x (n × ring.size()) without constants. Terms up to `degree` are computed (D13.3, D13.4).
 Eigen::MatrixXd twist_series(const PolynomialRing& ring, const std::vector<PassedJoint>& loop,
                              const Eigen::Ref<const Eigen::MatrixXd>& x, int degree);
 
-/// log f of the product f from its twist_series (D13.6).
+/// Computes log f of the product f of exponentials from its twist_series() V, up to a degree (D13.6).
 Eigen::MatrixXd logarithm_series(const PolynomialRing& ring, const Eigen::MatrixXd& V, int degree);
 
 }  // namespace axode::higher_order

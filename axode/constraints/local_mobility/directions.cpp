@@ -14,17 +14,20 @@ namespace {
 
 using Complex = std::complex<double>;
 
-constexpr double same_root = 1e-3;       // roots that rounding has parted lie closer
-constexpr double same_direction = 1e-4;  // of directions that a search has found
+constexpr double same_root = 1e-3;       // roots that rounding has separated from a multiple root are closer
+                                         // than this
+constexpr double same_direction = 1e-4;  // two directions that a search has found are the same if they are
+                                         // closer than this
 
-/// The vector whose first entry that is not 0 is positive, of x and -x.
+/// Of x and -x, the vector whose first entry that is not 0 is positive.
 Eigen::VectorXd on_half_sphere(const Eigen::VectorXd& x) {
   for (const double entry : x)
     if (std::abs(entry) > coefficient_tolerance) return entry > 0 ? x : Eigen::VectorXd(-x);
   return x;
 }
 
-/// The leading forms, each of norm 1, with the columns of their degrees only.
+/// The leading forms of the rows, each divided by its norm, as a matrix with the columns up to the highest
+/// degree among them.
 Eigen::MatrixXd leading_forms(const PolynomialRing& ring, const std::vector<Form>& rows) {
   int highest = 0;
   for (const Form& row : rows) highest = std::max(highest, row.degree);
@@ -36,8 +39,8 @@ Eigen::MatrixXd leading_forms(const PolynomialRing& ring, const std::vector<Form
   return F;
 }
 
-/// The roots of a polynomial, each once: a multiple root is the mean of the roots into which rounding has
-/// parted it.
+/// The distinct roots of a polynomial with the coefficients c, that of the highest power first. Roots that
+/// rounding has separated from a multiple root are replaced by their mean.
 std::vector<Complex> distinct_roots(const Eigen::VectorXd& c) {
   Eigen::Index first = 0;
   while (first < c.size() && std::abs(c[first]) < 1e-14 * c.cwiseAbs().maxCoeff()) ++first;
@@ -62,8 +65,8 @@ std::vector<Complex> distinct_roots(const Eigen::VectorXd& c) {
   return out;
 }
 
-/// The real zeros of a binary form c_0 x^m + c_1 x^(m-1) y + ... + c_m y^m. The coordinates are turned by an
-/// arbitrary angle, so that no zero is at infinity.
+/// The directions (x, y) of the real zeros of a binary form c_0 x^m + c_1 x^(m-1) y + ... + c_m y^m. The
+/// coordinates are rotated by an arbitrary angle, so that no zero is at infinity.
 std::vector<Eigen::VectorXd> zeros_of_binary_form(const Eigen::VectorXd& c) {
   const double angle = 0.7393, cosine = std::cos(angle), sine = std::sin(angle);
   const Eigen::Index m = c.size() - 1;
@@ -110,14 +113,14 @@ std::vector<Direction> binary_zeros(const PolynomialRing& ring, const std::vecto
   return out;
 }
 
-/// Residuals and their derivatives by the unknowns.
+/// Residuals r and their derivatives J by the unknowns.
 struct Linearized {
   Eigen::VectorXd r;
   Eigen::MatrixXd J;
 };
 
-/// Minimises |r| by the method of Levenberg and Marquardt, from x and with x; returns |r|. `accept` projects
-/// a trial onto the admissible set.
+/// Minimises |r| by the method of Levenberg and Marquardt and returns the least |r|. x contains the first
+/// iterate and receives the last one. `accept` projects an iterate onto the admissible set.
 template <class Evaluate, class Accept>
 double minimize(Eigen::VectorXd& x, int steps, const Evaluate& evaluate, const Accept& accept) {
   double lambda = 1e-3;
@@ -139,7 +142,8 @@ double minimize(Eigen::VectorXd& x, int steps, const Evaluate& evaluate, const A
   return at.r.norm();
 }
 
-/// The zero of the forms on the unit sphere to which a search from e leads.
+/// Finds a common zero of the forms F on the unit sphere by a search from the direction `start`; empty if the
+/// search fails.
 std::optional<Eigen::VectorXd> search(const PolynomialRing& ring, const Eigen::MatrixXd& F,
                                       const Eigen::VectorXd& start) {
   Eigen::VectorXd e = start.normalized();
@@ -156,7 +160,8 @@ std::optional<Eigen::VectorXd> search(const PolynomialRing& ring, const Eigen::M
   return e;
 }
 
-/// 1 and the number of independent steps that lead from e to other zeros.
+/// The dimension of the cone of common zeros of the forms F near the zero e: 1 plus the number of independent
+/// steps that lead from e to other zeros.
 int dimension_of_cone(const PolynomialRing& ring, const Eigen::MatrixXd& F, const Eigen::VectorXd& e) {
   constexpr double step = 0.05, shortest = 0.02, longest = 0.12;
   Eigen::MatrixXd G(F.rows() + 1, e.size());
@@ -178,9 +183,9 @@ int dimension_of_cone(const PolynomialRing& ring, const Eigen::MatrixXd& F, cons
   return 1 + singular_values(all).rank(0.3);
 }
 
-/// An isolated zero at which the derivatives of the forms are dependent, to rounding. A search finds such a
-/// zero e only to the root of rounding. Newton's method on F(e) = 0 with (∂F/∂e) λ = 0, whose zero (e, λ) is
-/// simple if that of F is double, finds it to rounding. Other zeros are returned as they are.
+/// Improves an isolated zero e of the forms F at which their derivatives are dependent. A search finds such a
+/// zero only to the square root of rounding errors. Newton's method on F(e) = 0 with (∂F/∂e) λ = 0 finds it
+/// to rounding, because its zero (e, λ) is simple if that of F is double. Other zeros are returned unchanged.
 Eigen::VectorXd polished(const PolynomialRing& ring, const Eigen::MatrixXd& F, const Eigen::VectorXd& e) {
   constexpr double farthest = 1e-5, negligible = 1e-6;
   const Eigen::Index d = e.size(), m = F.rows();
@@ -195,7 +200,7 @@ Eigen::VectorXd polished(const PolynomialRing& ring, const Eigen::MatrixXd& F, c
   for (int k = 0; k < ring.variables(); ++k) slopes.push_back(ring.derivative(whole, k));
   Eigen::VectorXd x = e, lambda = along;
   for (int step = 0; step < 8; ++step) {
-    Eigen::MatrixXd second = Eigen::MatrixXd::Zero(m, d);  // of F along λ
+    Eigen::MatrixXd second = Eigen::MatrixXd::Zero(m, d);  // second derivatives of F along λ
     for (Eigen::Index k = 0; k < d; ++k)
       second += lambda[k] * ring.gradient(slopes[static_cast<std::size_t>(k)], x);
     const Eigen::MatrixXd gradient = ring.gradient(F, x);

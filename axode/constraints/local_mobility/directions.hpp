@@ -6,19 +6,21 @@
 
 namespace axode::higher_order {
 
-/// A real direction in which all leading forms vanish.
+/// A real direction e in which all leading forms of an elimination vanish.
 struct Direction {
-  Eigen::VectorXd e;  ///< of norm 1; stands for -e as well
-  int dimension = 1;  ///< dimension of the cone of such directions near e
+  Eigen::VectorXd e;  ///< unit vector; -e is the same direction
+  int dimension = 1;  ///< dimension of the cone of directions, near e, in which the leading forms vanish
 };
 
-/// Directions e with F_i(e) = 0 for the leading form F_i of every row. All are found for two variables, as
-/// common roots of binary forms. For more variables a search from random starts finds them, with the same
-/// starts in every call; of a cone of dimension above 1 some directions stand for the others.
+/// Finds the directions e with F_i(e) = 0 for the leading form F_i of every row. For two variables all
+/// directions are found, as common roots of binary forms. For more variables they are found by searches from
+/// random starts, which are the same in every call. If they form a cone of dimension above 1, at most a fixed
+/// number of its directions is returned.
 std::vector<Direction> common_zeros(const PolynomialRings& rings, const PolynomialRing& ring,
                                     const std::vector<Form>& rows);
 
-/// Whether an arc u = e t + u_2 t² + ... has g(u(t)) = O(t^(order + 1)) for all rows (D13.14).
+/// Whether an arc u(t) = e t + u_2 t² + ... exists with g(u(t)) = O(t^(order + 1)) for the polynomial g of
+/// every row (D13.14).
 bool arc_exists(PolynomialRings& rings, const PolynomialRing& ring, const std::vector<Form>& rows,
                 const Eigen::VectorXd& e, int order);
 

@@ -8,42 +8,47 @@
 
 namespace axode::higher_order {
 
-/// The bounds below which numbers are taken as 0, relative to numbers of the size 1.
+/// The bounds below which singular values (rank_tolerance) and coefficients (coefficient_tolerance) count as
+/// 0, relative to numbers of size 1.
 inline constexpr double rank_tolerance = 1e-7;
 inline constexpr double coefficient_tolerance = 1e-6;
 
-/// Equations φ(z) = 0 with φ(0) = 0: the values of φ for polynomials z, up to a degree.
+/// Equations φ(z) = 0 with φ(0) = 0. The function returns φ for polynomials z in the variables of `ring`, up
+/// to degree `degree`.
 using Equations =
     std::function<Eigen::MatrixXd(const PolynomialRing& ring, const Eigen::MatrixXd& z, int degree)>;
 
-/// The equations after the unknowns that their derivative determines are eliminated (D13.8, D13.9).
+/// The result of an elimination: the equations that remain after the unknowns that the derivative of φ at 0
+/// determines have been eliminated (D13.8, D13.9).
 struct Elimination {
   int rank = 0;
-  Eigen::VectorXd singular_values;       ///< of the derivative
-  const PolynomialRing* ring = nullptr;  ///< in the coordinates u of the kernel; null if the kernel is {0}
-  Eigen::MatrixXd z;                     ///< z(u), which solves the equations of the range
-  Eigen::MatrixXd left;                  ///< a basis of the left null space of the derivative
-  /// For each degree, the largest coefficient of z and g up to that degree, and at least 1. Coefficients grow
-  /// near a singularity, and their rounding errors with them.
+  Eigen::VectorXd singular_values;       ///< singular values of the derivative of φ at 0
+  const PolynomialRing* ring = nullptr;  ///< polynomials in the coordinates u of the kernel; null if the
+                                         ///< kernel is {0}
+  Eigen::MatrixXd z;                     ///< polynomials z(u) that solve the equations in the range of the
+                                         ///< derivative
+  Eigen::MatrixXd left;                  ///< columns: a basis of the left null space of the derivative
+  /// For each degree, the largest absolute coefficient of z and g up to that degree, and at least 1.
+  /// Coefficients grow near a singularity, and so do their rounding errors.
   std::vector<double> scale;
   Eigen::MatrixXd g;  ///< the remaining equations g(u) = 0, whose terms begin with degree 2
 };
 
-/// The rank of a derivative.
+/// The number of singular values of a derivative that do not count as 0.
 int rank_of(const SingularValues& svd);
 
-/// Eliminates the range of A = ∂φ/∂z at 0, up to degree K.
+/// Eliminates from φ(z) = 0 the unknowns that A = ∂φ/∂z at 0 determines, up to degree K.
 Elimination eliminate(PolynomialRings& rings, const Equations& phi, const Eigen::MatrixXd& A, int K);
 
-/// A polynomial whose terms begin with degree `degree`.
+/// A polynomial p, a combination of rows of g, whose terms of lowest degree have degree `degree`.
 struct Form {
   int degree;
   Eigen::RowVectorXd p;
-  Eigen::VectorXd combination;  ///< the rows of g that it combines
+  Eigen::VectorXd combination;  ///< coefficients of the combination, one for each row of g
 };
 
 /// Combines the rows of g so that their terms of lowest degree are linearly independent in each degree
-/// (D13.10). Rows that vanish up to degree K are left out. `scale` is that of the elimination.
+/// (D13.10). Rows that vanish up to degree K are left out. g and `scale` are those of an Elimination.
 std::vector<Form> independent_forms(const PolynomialRing& ring, const Eigen::MatrixXd& g,
                                     const std::vector<double>& scale);
 

@@ -11,14 +11,15 @@ namespace {
 
 constexpr int deepest = 6;
 
-/// u = s (e + B v) as polynomials of (s, v), where the columns of B are orthogonal to e.
+/// The blow-up u = s (e + B v) as polynomials of (s, v), where the columns of B are an orthonormal basis of
+/// the directions orthogonal to e.
 struct BlowUp {
   BlowUp(const PolynomialRing& ring, const Eigen::VectorXd& direction)
       : e(direction), B(orthogonal_complement(e.transpose()).transpose()) {
     const Eigen::Index d = e.size();
     u = of(ring, ring.linear(Eigen::MatrixXd::Identity(d, d)));
   }
-  /// s (e + B v) for polynomials y = (s, v).
+  /// Computes s (e + B v) for polynomials y = (s, v).
   Eigen::MatrixXd of(const PolynomialRing& ring, const Eigen::MatrixXd& y) const {
     return e * y.row(0) + B * ring.times(y.bottomRows(y.rows() - 1), y.row(0));
   }
@@ -27,7 +28,8 @@ struct BlowUp {
   Eigen::MatrixXd B, u;
 };
 
-/// h_i = g_i(s (e + B v)) / s^(m_i), up to degree K (D13.11).
+/// Computes h_i = g_i(s (e + B v)) / s^(m_i) for the polynomials g_i and degrees m_i of the rows, up to the
+/// degree of the ring `small` (D13.11).
 Eigen::MatrixXd divided(const PolynomialRing& ring, const std::vector<Form>& rows, const BlowUp& blow,
                         const PolynomialRing& small) {
   Eigen::MatrixXd g(static_cast<Eigen::Index>(rows.size()), ring.size());
@@ -45,7 +47,8 @@ Eigen::MatrixXd divided(const PolynomialRing& ring, const std::vector<Form>& row
   return h;
 }
 
-/// The germs of h = 0 at 0, in the unknowns of h.
+/// The germs at 0 of the solutions of equations with the derivative A at 0, in their unknowns, up to degree
+/// K.
 std::vector<Germ> solve(PolynomialRings& rings, const Equations& equations, const Eigen::MatrixXd& A, int K,
                         int depth) {
   const Elimination left = eliminate(rings, equations, A, K);
@@ -55,7 +58,8 @@ std::vector<Germ> solve(PolynomialRings& rings, const Equations& equations, cons
   return found;
 }
 
-/// Germs along which ∂h/∂v is singular: h = 0 and (∂h/∂v) λ = 0 with λ near its kernel at 0 (D13.12).
+/// The germs of solutions of h(s, v) = 0 along which ∂h/∂v is singular. They solve h = 0 and (∂h/∂v) λ = 0
+/// with λ near the kernel of ∂h/∂v at 0 (D13.12).
 std::vector<Germ> deflated(PolynomialRings& rings, const PolynomialRing& ring, const Eigen::MatrixXd& h,
                            int depth) {
   const int d = ring.variables(), K = ring.degree() - 1;
@@ -99,7 +103,7 @@ std::vector<Germ> deflated(PolynomialRings& rings, const PolynomialRing& ring, c
   return found;
 }
 
-/// The germs whose tangents are near a direction e.
+/// The germs of solutions, in the unknowns u of the rows, that leave u = 0 in the direction e.
 std::vector<Germ> blown_up(PolynomialRings& rings, const PolynomialRing& ring, const std::vector<Form>& rows,
                            const Eigen::VectorXd& e, int K, int depth) {
   const BlowUp blow(ring, e);
@@ -112,7 +116,7 @@ std::vector<Germ> blown_up(PolynomialRings& rings, const PolynomialRing& ring, c
   if (K > 1 && std::ranges::any_of(found, [](const Germ& germ) { return !germ.settled; }))
     if (std::vector<Germ> multiple = deflated(rings, small, h, depth); !multiple.empty())
       found = std::move(multiple);
-  // Nothing moves within s = 0.
+  // A germ within s = 0 is the single point u = 0.
   std::erase_if(found,
                 [](const Germ& germ) { return germ.z.row(0).cwiseAbs().maxCoeff() < coefficient_tolerance; });
   for (Germ& germ : found) germ.z = blow.of(*germ.ring, germ.z);
@@ -123,7 +127,7 @@ std::vector<Germ> blown_up(PolynomialRings& rings, const PolynomialRing& ring, c
 
 std::vector<Germ> germs(PolynomialRings& rings, const PolynomialRing& ring, const Eigen::MatrixXd& g,
                         const std::vector<double>& scale, int depth) {
-  constexpr int enough = 3;  // orders in which a further equation would have appeared
+  constexpr int enough = 3;  // number of orders in which a further equation would have appeared
   const int d = ring.variables();
   const std::vector<Form> rows = independent_forms(ring, g, scale);
   if (rows.empty())

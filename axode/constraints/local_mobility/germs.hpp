@@ -6,16 +6,17 @@
 
 namespace axode::higher_order {
 
-/// A germ of a component of {g = 0}: z(w) for coordinates w of the germ.
+/// A germ of a component of the set {g = 0} at 0: polynomials z(w) in the coordinates w of the germ.
 struct Germ {
-  const PolynomialRing* ring = nullptr;  ///< in the coordinates of the germ
-  Eigen::MatrixXd z;                     ///< a row for each unknown of g
-  bool settled = false;                  ///< whether enough orders are left to exclude a further equation
-  bool multiple = false;                 ///< whether the equations hold doubly along the germ
+  const PolynomialRing* ring = nullptr;  ///< polynomials in the coordinates w of the germ
+  Eigen::MatrixXd z;                     ///< one row for each unknown of g
+  bool settled = false;                  ///< whether enough orders remain to exclude a further equation
+  bool multiple = false;                 ///< whether the equations hold doubly, as squares do, along the germ
 };
 
-/// Returns the real germs of {g = 0} at 0, for an elimination with g and `scale`. Elimination, blow-ups
-/// (D13.11) and deflation (D13.12) take turns.
+/// Returns the germs of the real solutions of g = 0 at 0, where g and `scale` are those of an Elimination.
+/// Elimination, blow-ups (D13.11) and deflation (D13.12) take turns; `depth` is the number of blow-ups so
+/// far.
 std::vector<Germ> germs(PolynomialRings& rings, const PolynomialRing& ring, const Eigen::MatrixXd& g,
                         const std::vector<double>& scale, int depth = 0);
 

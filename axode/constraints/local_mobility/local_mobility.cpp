@@ -21,7 +21,7 @@ namespace higher_order {
 namespace {
 
 constexpr int highest_order = 20;
-/// The open part of a loop that is neglected, in rad and m for lengths up to 1 m.
+/// The residual of a loop that counts as closed, in rad and m for lengths up to 1 m.
 constexpr double negligible_gap = 1e-8;
 
 int default_order(int d) {
@@ -52,13 +52,13 @@ void check_closed_at(const Model& model, std::span<const double> q, double lengt
   }
 }
 
-/// The dimensions of the kinematic tangent cones of order 1 ... K (D13.14).
+/// Computes the dimensions of the kinematic tangent cones of order 1 ... K (D13.14).
 std::vector<int> mobility_by_order(PolynomialRings& rings, const PolynomialRing& ring,
                                    const std::vector<Form>& rows, int K) {
   const int d = ring.variables();
   std::vector<int> out{d};
   std::vector<Direction> found;
-  std::size_t searched = 0;  // the number of forms whose zeros were found
+  std::size_t searched = 0;  // number of forms whose common zeros are in `found`
   for (int k = 2; k <= K; ++k) {
     std::vector<Form> known;
     std::ranges::copy_if(rows, std::back_inserter(known), [&](const Form& row) { return row.degree <= k; });
@@ -144,7 +144,7 @@ void draw_conclusions(LocalMobility& found) {
                           (found.rigid_at_order > 0 && found.differential_mobility <= 2);
 }
 
-/// From characteristic lengths to m.
+/// Converts tangents, curvatures, series and points of a branch from characteristic lengths to m.
 void in_units(MotionBranch& branch, const Eigen::VectorXd& unit) {
   branch.T = branch.T * unit.asDiagonal();
   if (branch.II.size() > 0) branch.II = branch.II * unit.asDiagonal();
@@ -152,7 +152,8 @@ void in_units(MotionBranch& branch, const Eigen::VectorXd& unit) {
   for (BranchPoint& point : branch.points) point.x = unit.cwiseProduct(point.x);
 }
 
-/// Follows the elimination of the closure, if anything is free, into orders and branches.
+/// Computes the conditions, the mobility by order, the branches and the probe of an analysis, and stores them
+/// in `found`. `left` is the elimination of the closure, with at least one remaining coordinate.
 void find_branches(PolynomialRings& rings, const Closure& closure, const Elimination& left,
                    LocalMobility& found) {
   const int orders = found.differential_mobility <= 2 ? found.order : std::min(found.order, 6);
@@ -167,7 +168,7 @@ void find_branches(PolynomialRings& rings, const Closure& closure, const Elimina
   found.probe = probe(rings, closure, left.z.middleCols(1, ring.variables()), found.branches);
 }
 
-/// The analysis of a closure, which may be repeated with another order.
+/// The analysis of the equations of a closure. run() may be called for several orders.
 class Analysis {
  public:
   explicit Analysis(const Closure& closure)

@@ -6,7 +6,8 @@
 namespace axode::higher_order {
 namespace {
 
-/// Appends all exponents of degree k, the powers of the first variable in descending order.
+/// Appends to `out` the exponents of all monomials of degree k in the remaining variables, each after the
+/// exponents `head`; powers of the first variable are in descending order.
 void append_exponents(int variables, int k, std::vector<int>& head, std::vector<std::vector<int>>& out) {
   if (static_cast<int>(head.size()) == variables - 1) {
     out.push_back(head);
@@ -91,7 +92,7 @@ Eigen::MatrixXd PolynomialRing::derivative(const Eigen::Ref<const Eigen::MatrixX
 Eigen::MatrixXd PolynomialRing::substitute(const Eigen::Ref<const Eigen::MatrixXd>& p,
                                            const PolynomialRing& into,
                                            const Eigen::Ref<const Eigen::MatrixXd>& z) const {
-  // Monomials are visited depth first, so that only one product of each degree is kept.
+  // Monomials are visited depth first, so that only one product of each degree is stored.
   Eigen::MatrixXd out = into.zero(p.rows());
   std::vector<Eigen::RowVectorXd> products(static_cast<std::size_t>(degree_) + 1, into.zero(1));
   products[0][0] = 1;

@@ -9,9 +9,9 @@
 
 namespace axode::higher_order {
 
-/// Polynomials in d variables without their terms above degree K. The rows of a matrix (rows × size) are
-/// polynomials, and its columns are monomials, sorted by degree; column 0 is the constant, and column 1 + k
-/// is variable k.
+/// Polynomials in d variables, truncated after the terms of degree K. In a matrix (rows × size) each row is a
+/// polynomial and each column belongs to a monomial. Monomials are sorted by degree; column 0 is the
+/// constant, and column 1 + k is variable k.
 class PolynomialRing {
  public:
   static constexpr double most_products = 1e6;
@@ -23,38 +23,40 @@ class PolynomialRing {
   int variables() const { return variables_; }
   int degree() const { return degree_; }
   int size() const { return begin_.back(); }
-  /// The monomials of degree k are begin(k) to begin(k + 1) - 1.
+  /// The monomials of degree k have the indices begin(k) to begin(k + 1) - 1.
   int begin(int k) const { return begin_[static_cast<std::size_t>(k)]; }
   int count(int k) const { return begin(k + 1) - begin(k); }
   int degree_of(int monomial) const { return degrees_[static_cast<std::size_t>(monomial)]; }
   int exponent(int monomial, int variable) const { return exponents_[index(monomial, variable)]; }
-  /// The monomial divided by a variable; -1 if the variable does not divide it.
+  /// The index of a monomial divided by a variable; -1 if the variable does not divide it.
   int quotient(int monomial, int variable) const { return quotients_[index(monomial, variable)]; }
-  /// The product of two monomials whose degrees add up to at most K.
+  /// The index of the product of monomials i and j, whose degrees must add up to at most K.
   int product(int i, int j) const {
     return products_[first_product_[static_cast<std::size_t>(i)] + static_cast<std::size_t>(j)];
   }
-  /// The monomial with these exponents, one for each variable.
+  /// The index of the monomial with the given exponents, one for each variable.
   int monomial(std::span<const int> exponents) const;
 
   Eigen::MatrixXd zero(Eigen::Index rows) const { return Eigen::MatrixXd::Zero(rows, size()); }
-  /// The linear forms A u of the variables u.
+  /// The linear forms A u of the variables u, as polynomials.
   Eigen::MatrixXd linear(const Eigen::Ref<const Eigen::MatrixXd>& A) const;
-  /// The rows of a, each times the polynomial b (1 × size).
+  /// Multiplies each row of a by the polynomial b (1 × size).
   Eigen::MatrixXd times(const Eigen::Ref<const Eigen::MatrixXd>& a,
                         const Eigen::Ref<const Eigen::RowVectorXd>& b) const;
-  /// ∂p/∂u_k, which has terms up to degree K - 1.
+  /// Computes ∂p/∂u_k for the variable k, with terms up to degree K - 1.
   Eigen::MatrixXd derivative(const Eigen::Ref<const Eigen::MatrixXd>& p, int variable) const;
-  /// p(z) in another ring; row k of z replaces variable k of this ring.
+  /// Computes p(z) in the ring `into`; row k of z, a polynomial of that ring, replaces variable k of this
+  /// ring.
   Eigen::MatrixXd substitute(const Eigen::Ref<const Eigen::MatrixXd>& p, const PolynomialRing& into,
                              const Eigen::Ref<const Eigen::MatrixXd>& z) const;
 
-  /// The values of the first `count` monomials at u.
+  /// Computes the values of the first `count` monomials at the point u.
   Eigen::VectorXd monomials_at(const Eigen::Ref<const Eigen::VectorXd>& u, int count) const;
-  /// The values of polynomials at u; p may have the columns of a lower degree only.
+  /// Computes the values of the polynomials p at the point u. p may have only the columns of monomials up to
+  /// a lower degree.
   Eigen::VectorXd at(const Eigen::Ref<const Eigen::MatrixXd>& p,
                      const Eigen::Ref<const Eigen::VectorXd>& u) const;
-  /// The derivatives (rows × variables) of polynomials at u.
+  /// Computes the derivatives of the polynomials p by the variables at the point u (rows × variables).
   Eigen::MatrixXd gradient(const Eigen::Ref<const Eigen::MatrixXd>& p,
                            const Eigen::Ref<const Eigen::VectorXd>& u) const;
 
@@ -67,20 +69,20 @@ class PolynomialRing {
   int variables_, degree_;
   std::vector<int> begin_, degrees_;
   std::vector<int> exponents_, quotients_;  ///< size × variables
-  std::vector<int> first_factor_;           ///< the first variable that divides a monomial
+  std::vector<int> first_factor_;           ///< first variable that divides each monomial
   std::vector<std::size_t> first_product_;
   std::vector<int> products_;
-  std::map<std::vector<int>, int> numbers_;  ///< monomials by their exponents
+  std::map<std::vector<int>, int> numbers_;  ///< index of each monomial by its exponents
 };
 
-/// Ends an analysis whose monitor wants it to end.
+/// Exception that ends an analysis if its monitor has returned false.
 struct AnalysisEnded {};
 
-/// The rings of an analysis, each made once, and its monitor.
+/// The polynomial rings of an analysis, each made when it is first used, and the monitor of the analysis.
 class PolynomialRings {
  public:
   explicit PolynomialRings(std::function<bool()> monitor = {}) : monitor_(std::move(monitor)) {}
-  /// Throws AnalysisEnded if the monitor returns false.
+  /// Calls the monitor. Throws AnalysisEnded if it returns false.
   void ask() const {
     if (monitor_ && !monitor_()) throw AnalysisEnded{};
   }

@@ -12,7 +12,7 @@
 namespace axode::higher_order {
 namespace {
 
-/// The screws of a loop joint in the frame of its joint, for kinds that are a subgroup.
+/// The screws of a loop joint in the frame of the joint, for kinds whose free motions form a subgroup.
 std::vector<Screw<>> subgroup_screws(const Loop& loop) {
   const std::array<bool, 6>& free = traits(loop.kind).free;
   std::vector<Screw<>> found;
@@ -28,7 +28,7 @@ std::vector<Screw<>> subgroup_screws(const Loop& loop) {
 
 Screw<> rotation_about(const Vec3<>& axis, const Vec3<>& point) { return {axis, cross(point, axis)}; }
 
-/// The names of the coordinates of a loop joint, in the style of velocity_names().
+/// Names for the coordinates of a loop joint: `name` for one coordinate, otherwise name[0], name[1], ...
 std::vector<std::string> numbered(const std::string& name, std::size_t count) {
   if (count == 1) return {name};
   std::vector<std::string> names(count, name);
@@ -63,7 +63,8 @@ class Walker {
   static std::size_t index(int i) { return static_cast<std::size_t>(i); }
   SE3<>& at(int i) { return C_[index(i)]; }
 
-  /// The joints from a body up to `meeting`, the last one first.
+  /// The joints from a body up to the body `meeting`, which is not included; the joint of the body itself is
+  /// first.
   std::vector<int> path(int body, int meeting) const {
     std::vector<int> found;
     for (int i = body; i != meeting; i = tree_->parent[i]) found.push_back(i);
@@ -73,7 +74,8 @@ class Walker {
     return common_predecessor(tree_, loop.ends[0].body, loop.ends[1].body);
   }
 
-  /// Marks the velocities of all joints on the paths of a loop.
+  /// Marks the velocities of all joints on the paths of a loop. Throws std::invalid_argument for a rolling
+  /// contact or a belt.
   void mark(const Loop& loop) {
     if (loop.kind == LoopKind::rolling || loop.kind == LoopKind::belt)
       throw std::invalid_argument("loop \"" + loop.name + "\" is a " +
@@ -85,7 +87,7 @@ class Walker {
         each_screw(tree_, i, at(i), [&](int c, const Screw<>&) { coordinate_[index(c)] = 0; });
   }
 
-  /// Gives every marked velocity a coordinate.
+  /// Makes a coordinate for every marked velocity, and collects all other velocities in `outside`.
   void number_velocities() {
     const std::vector<std::string> names = velocity_names(model_);
     std::vector<char> angular(names.size(), 0);
@@ -115,7 +117,7 @@ class Walker {
     return joint;
   }
 
-  /// A part of a loop joint, whose screws have coordinates of their own.
+  /// Makes a part of a loop joint from its screws, and adds a coordinate for each of them.
   PassedJoint own(std::vector<Screw<>> screws, const std::vector<std::string>& names) {
     PassedJoint joint{std::move(screws), {}};
     for (std::size_t k = 0; k < joint.S.size(); ++k) {
@@ -125,7 +127,7 @@ class Walker {
     return joint;
   }
 
-  /// The parts of a loop joint from its first to its second body.
+  /// Makes the parts of a loop joint in their order from its first to its second body.
   std::vector<PassedJoint> joint_of(const Loop& loop) {
     const std::array<SE3<>, 2> F{at(loop.ends[0].body) * loop.ends[0].F,
                                  at(loop.ends[1].body) * loop.ends[1].F};
@@ -162,7 +164,7 @@ class Walker {
   const Model& model_;
   const Tree<double>& tree_;
   std::vector<SE3<>> C_;         ///< poses of the joint frames at q0
-  std::vector<int> coordinate_;  ///< of each velocity; -1 outside all loops
+  std::vector<int> coordinate_;  ///< index of the coordinate of each velocity; -1 outside all loops
   Walks out_;
 };
 

@@ -7,23 +7,25 @@
 
 namespace axode::higher_order {
 
-/// A joint that a walk around a loop passes: exp(Σ S_k x_k). Its screws are about the inertial origin at q0,
-/// and negative if the joint is passed backwards.
+/// A joint on the walk around a loop: exp(Σ S_k x_k). Its screws are about the inertial origin at q0. They
+/// have the opposite sign if the joint is passed from the body to its predecessor.
 struct PassedJoint {
   std::vector<Screw<>> S;
   std::vector<int> coordinates;
 };
 
-/// The walks around the loops of a mechanism at q0, in rad and m about the inertial origin.
+/// The walks around the loops of a mechanism at q0: for each loop, the joints in the order in which they are
+/// passed. Screws are in rad and m about the inertial origin.
 struct Walks {
   std::vector<ClosureCoordinate> coordinates;
   std::vector<std::vector<PassedJoint>> loops;
-  Eigen::MatrixXd couplings;    ///< a row for each coupling, n columns
-  std::vector<Vec3<>> centers;  ///< points of the joints that have a position
-  std::vector<int> outside;     ///< velocities of joints that are in no loop
+  Eigen::MatrixXd couplings;    ///< one row for each coupling, one column for each coordinate
+  std::vector<Vec3<>> centers;  ///< points of all joints whose position matters
+  std::vector<int> outside;     ///< indices of velocities of joints that are in no loop
 };
 
-/// Throws std::invalid_argument with the name of a rolling contact, whose closure cannot be integrated.
+/// Makes the walks at the configuration q0. Throws std::invalid_argument, with the name of the loop, for a
+/// rolling contact or a belt: it constrains velocities, and no product of exponentials describes it.
 Walks walks(const Model& model, std::span<const double> q0);
 
 }  // namespace axode::higher_order

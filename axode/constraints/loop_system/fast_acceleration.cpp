@@ -1,9 +1,10 @@
 #include "axode/constraints/loop_system/loop_system.hpp"
 #include "axode/recursion/instantiate.hpp"
 
-/// Accelerations of mechanisms with loops by the fast articulated bodies (D4.12), and forces by the fast
-/// inverse dynamics. All quantities are about the origins of the bodies. For the bodies at which loops end,
-/// poses and motion about the origins of their roots are computed as well, because the rows need them.
+/// Accelerations of mechanisms with loops by the fast articulated-body kernel (D4.12), and drive forces by
+/// the fast inverse-dynamics kernel. Both kernels have all quantities about the origins of the bodies. For
+/// the bodies at which loops end, poses and motion about the origins of their root bodies are computed as
+/// well, because the rows of the loops need them.
 namespace axode {
 
 template <class T>
@@ -61,7 +62,8 @@ bool LoopSystem<T>::accelerate_fast(const T* q, const T* v, const T* tau, const 
     each_register_of_rows<T>(count(table_.paths[k]),
                              [&](int row, auto n) { pull_rows_fast<n()>(table_.paths[k], at_[k], row); });
   multiply_rows();
-  for (const LoopPath& path : table_.paths) {  // if a row nearly vanishes, the general elimination is needed
+  for (const LoopPath& path : table_.paths) {  // if all rows of a loop nearly vanish, the general elimination
+                                               // is needed
     constexpr T least_part = T(1e-10);
     T most(0);
     for (const int c : path.velocities) most = std::max(most, root_[c] * root_[c]);
@@ -120,7 +122,8 @@ std::span<T> LoopSystem<T>::force_fast(const T* q, const T* v, const T* a, const
   return {forces_.data(), index(model_.nv())};
 }
 
-/// Computes entries of Y as pull_rows() does, with the wrenches about the origin of each body on the path.
+/// Computes the entries of Y for n rows of a loop from `row` on. The sweep to the ground is that of (D7.6)
+/// with the pivots of the fast articulated bodies; wrenches are about the origin of each body on the path.
 template <class T>
 template <int n>
 void LoopSystem<T>::pull_rows_fast(const LoopPath& path, const State& at, int row) noexcept {
@@ -138,7 +141,7 @@ void LoopSystem<T>::pull_rows_fast(const LoopPath& path, const State& at, int ro
       const auto& pivot = bodies.pivot[s];
       F.eliminate(u, root_[c], &Y_(c, first(path) + row), u, pivot.K_m, pivot.K_f);
     };
-    if (is_hinge(t, i)) {  // K of a hinge is about the predecessor's origin
+    if (is_hinge(t, i)) {  // the stored K of a hinge is about the predecessor's origin
       const auto u = dot(Wrenches::all(body.n), F.m);
       F.move(body.r);
       eliminate(first_screw, u);

@@ -6,8 +6,10 @@
 
 namespace axode {
 
-/// Computes accelerations and multipliers by LoopSystem::accelerate(), with the losses of moving gears of the
-/// model if joint losses act. Throws as MovingGears.
+/// Computes accelerations a (nv) and multipliers λ (loops().rows) by LoopSystem::accelerate(). If
+/// loads.joint_losses is set, the losses of the model's moving gears act as well; std::invalid_argument is
+/// then thrown if a model with such gears has springs, because tau could contain their forces, which do not
+/// pass through gears.
 template <class T>
 Solvability accelerate_with_losses(LoopSystem<T>& system, const Model& model, NumberSpan<T> q,
                                    NumberSpan<T> v, NumberSpan<T> tau, const Loads<T>& loads, std::span<T> a,

@@ -8,30 +8,33 @@
 
 namespace axode {
 
-/// Determines independent rows of the loops, in the order of the loops, and the dependencies of the redundant
-/// rows on them. It applies the Gram-Schmidt process to the columns of Y, which do not depend on units. It
-/// serves reports and computations that need a rank; accelerations are computed without it. Allocates; O(m²
-/// nv + nv³).
+/// Determines which rows of the loops are independent, in the order of the loops, and how the redundant rows
+/// depend on them. It applies the Gram-Schmidt process to the columns of Y = D^-½ L⁻ᵀ Aᵀ with M = Lᵀ D L,
+/// which do not depend on units. It serves reports and computations that need a rank; accelerations are
+/// computed without it. Allocates; O(m² nv + nv³) for m rows.
 template <class T> class AXODE_ENTRY IndependentRows {
  public:
   using Vector = Eigen::VectorX<T>;
   using Matrix = Eigen::MatrixX<T>;
 
-  /// Uses the present kinematics of the system. A row is redundant if less than `part` of its size remains
-  /// after its projection on the rows before it has been subtracted.
+  /// Analyses the rows of a level at the present kinematics of the system. A row is redundant if what remains
+  /// of its column of Y after the projection on the columns of earlier independent rows is subtracted has a
+  /// norm of at most `part` times the size d of the row (D7.7).
   IndependentRows(LoopSystem<T>& system, ConstraintLevel level,
                   T part = std::same_as<T, float> ? T(1e-4) : T(1e-8));
 
   int rank() const { return static_cast<int>(independent.size()); }
 
-  /// N with A N = 0: an orthonormal basis of the velocities that the loops allow, nv × (nv - rank).
+  /// Computes N with A N = 0: an orthonormal basis of the velocities that the loops allow, nv × (nv - rank).
   Matrix kernel() const;
 
-  /// The least-squares solution λ of Aᵀ λ = f with the least Σ d² λ² for the sizes d of the rows (D7.11).
+  /// Computes the least-squares solution λ (m) of Aᵀ λ = f (nv) for which Σ d² λ² is least, with the sizes d
+  /// of the rows (D7.11).
   void least_multipliers(const Vector& f, std::span<T> lambda) const;
 
   std::vector<int> independent, redundant;
-  Matrix dependencies;  ///< m × number of redundant rows: columns n with nᵀ A = 0
+  Matrix dependencies;  ///< m × (number of redundant rows): column k is a vector n with nᵀ A = 0 and n = 1 at
+                        ///< redundant row k
 
  private:
   void find_dependencies(const Matrix& Y);

@@ -1,8 +1,9 @@
 #include "axode/constraints/loop_system/loop_system.hpp"
 #include "axode/recursion/instantiate.hpp"
 
-/// Derivatives of the rows of loops by q and v. The motion of the two bodies along a direction is that of
-/// (D6.10); the rows follow from the code of each type of loop joint on dual numbers.
+/// Derivatives of the rows of loops by q and v. The motion of the two bodies of a loop joint along a
+/// direction of q or v is given by (D6.10). The derivatives of the rows follow from it, because the code of
+/// each type of loop joint is evaluated on dual numbers.
 namespace axode {
 namespace {
 

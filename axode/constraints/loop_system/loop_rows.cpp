@@ -4,21 +4,20 @@
 #include "axode/constraints/loop_system/loop_system.hpp"
 #include "axode/recursion/instantiate.hpp"
 
-/// The rows of loops in the velocities of M = Lᵀ D L, their rank, and the multipliers. See "Redundant rows"
-/// of docs/derivations/loop-dynamics.md.
+/// The rows of loops in the scaled velocities of the factorisation M = Lᵀ D L, their rank, and the
+/// multipliers. See "Redundant rows" of docs/derivations/loop-dynamics.md.
 namespace axode {
 namespace {
 
-/// Bounds of the filter μ (D7.9). If the loops have a residual r, redundant rows appear to have the size |r|
-/// d, and r² / μ of such a row would enter a step; hence μ = (1e4 |r|)². During a motion the loops are closed
-/// to rounding only. Near a configuration where branches of the motion meet, such a residual would become a
-/// motion that is 1 / σ times as large, where σ is the least singular value of the rows; hence the lower
-/// bound of μ is larger in motions.
+/// Bounds of the filter μ (D7.9). If the loops have a residual r, a redundant row appears to have the size
+/// |r| d instead of 0, with the size d of an independent row, and r² / μ of such a row would enter a step;
+/// hence μ = (1e4 |r|)². During a motion the loops are closed to rounding only. Near a configuration where
+/// branches of the motion meet, such a residual would cause a motion that is 1 / σ times as large, where σ is
+/// the least singular value of the rows; hence the lower bound of μ is larger in motions.
 template <class T> constexpr bool is_float = std::same_as<T, float>;
 template <class T> constexpr T least_filter_in_motion = is_float<T> ? T(1e-4) : T(1e-9);
 template <class T> constexpr T most_filter = is_float<T> ? T(1e-4) : T(1e-6);
-/// A row needs no filter if more than this part of it remains after its projection on the other rows has been
-/// subtracted.
+/// A row needs no filter if its pivot is larger than this part of d², where d is the size of the row.
 template <class T> constexpr T sound_part = is_float<T> ? T(1e-2) : T(1e-3);
 template <class T> constexpr T converged = is_float<T> ? T(1e-5) : T(1e-12);
 constexpr int most_steps = 5;
@@ -32,8 +31,8 @@ template <class T> void LoopSystem<T>::set_filter(const T* q, const RowRank& ran
   filter_ = std::clamp(T(1e8) * open, least, most_filter<T>);
 }
 
-/// Computes the column of Y that belongs to one row, by the general backward sweep. It begins with the unit
-/// wrench on the two bodies of a loop joint, or with the factors of a coupling.
+/// Computes the column of Y that belongs to one row, by the general backward sweep. The sweep begins with the
+/// unit wrench on the two bodies of a loop joint, or with the factors of a coupling.
 template <class T>
 void LoopSystem<T>::pull_row(const LoopPath& path, int row, const Wrench<Spatial, T>& first,
                              const Wrench<Spatial, T>& second) noexcept {
@@ -56,8 +55,9 @@ void LoopSystem<T>::pull_row(const LoopPath& path, int row, const Wrench<Spatial
   bodies.each_pivot(tree(), 0, put);
 }
 
-/// Computes the columns of Y for n rows of a loop at once, if no joints are coupled (D7.6): Y_c = Sᵀ F / √D
-/// and F -= U Sᵀ F / D for the wrenches F.
+/// Computes the columns of Y for n rows of a loop at once, if no joints of the tree are coupled (D7.6). For
+/// each eliminated velocity c with D and U = M S, the wrenches F give the entries Y_c = Sᵀ F / √D and become
+/// F - U Sᵀ F / D.
 template <class T>
 template <int n>
 void LoopSystem<T>::pull_rows(const LoopPath& path, const State& at, int row) noexcept {
@@ -93,8 +93,8 @@ template <class T> void LoopSystem<T>::factorize_rows() noexcept {
   for (const LoopPath& path : table_.of_couplings()) pull_row(path, first(path), {}, {});
   multiply_rows();
   // If the terms of a row cancel, for example because a loop repeats a joint of the tree, only rounding
-  // errors remain. The size of a row is therefore bounded below by a part of its terms. The terms are those
-  // of the wrench on either end alone, with moment and force apart, about the origin of the loop.
+  // errors remain. The size of a row is therefore at least a part of the size of its terms. The terms are
+  // those of the wrench on either end alone, with moment and force apart, about the origin of the loop.
   constexpr T least_part = T(1e-4);
   const Topology& topology = *tree().operator->();
   for (std::size_t k = 0; k < at_.size(); ++k) {
@@ -128,7 +128,7 @@ template <class T> void LoopSystem<T>::multiply_rows() noexcept {
   for (const LoopTable::VelocityBlock& group : blocks())
     for (const Range& a : group.rows)
       for (int ra = a.first; ra < a.first + a.count; ++ra) {
-        Eigen::Index from = Factor::block(ra);  // entries left of the diagonal are not used
+        Eigen::Index from = Factor::block(ra);  // blocks left of the block of the diagonal are not used
         for (const Range& b : group.rows) {
           from = std::max(from, Factor::block(b.first));
           for (; from < b.first + b.count; from += Factor::width) {
@@ -141,7 +141,7 @@ template <class T> void LoopSystem<T>::multiply_rows() noexcept {
       }
   const T largest = m > 0 ? sqrt(G_.diagonal().head(m).maxCoeff()) : T(0);
   for (const LoopPath& path : table_.paths) {
-    if (count(path) == 0) continue;  // a belt has no row on positions
+    if (count(path) == 0) continue;  // a belt has no row at the position level
     const auto own = G_.diagonal().segment(first(path), count(path));
     const T floor = std::max(T(0.1) * sqrt(own.maxCoeff()), T(1e-6) * largest);
     scale_.segment(first(path), count(path)) = own.cwiseSqrt().cwiseMax(floor > T(0) ? floor : T(1));
@@ -162,12 +162,12 @@ template <class T> void LoopSystem<T>::determine_rank(RowRank& rank) noexcept {
   rank.redundant.assign(index(size(ConstraintLevel::velocity)), 1);
   left_ = Y_;
   Eigen::Index found = 0;
-  // Rows with a residual come first: if a row of a rolling contact depends on such a row, the row with a
-  // residual is kept, because only this one corrects positions.
+  // Rows with a residual are chosen before rows without one: if a row of a rolling contact depends on a row
+  // with a residual, the latter is kept, because only it corrects positions.
   for (const bool with_residual : {true, false})
     for (; found < basis_.cols(); ++found) {
-      // The row with the largest remainder is next: near singular configurations small remainders are
-      // ill-conditioned.
+      // The row with the largest remainder is chosen next, because small remainders are ill-conditioned near
+      // singular configurations.
       int best = -1;
       T most = part;
       for (const LoopPath& path : table_.paths)

@@ -18,7 +18,8 @@ LoopSystem<T>::LoopSystem(const Model& of)
       driven_(index(of.nv())) {
   const int m = of.loops().rows, nv = of.nv();
   for (std::size_t k = 0; k < entries_.size(); ++k)
-    for (const LoopColumn& column : table_.paths[k].columns)  // only the entries of couplings are constant
+    for (const LoopColumn& column : table_.paths[k].columns)  // entries of couplings are constant and set
+                                                              // here; all others are set by make_entries()
       entries_[k].resize(entries_[k].size() + index(table_.paths[k].rows.count), T(column.factor));
   const Eigen::Index room = RowCholesky<T>::room(m);
   Y_.setZero(nv, room);
@@ -163,7 +164,7 @@ template <class T> T LoopSystem<T>::considerable_entry() const noexcept {
   T square(0);
   for (const State& at : at_)
     square = std::max({square, dot(at.frames.a.r, at.frames.a.r), dot(at.frames.b.r, at.frames.b.r)});
-  constexpr T shortest = T(1e-6);  // shorter levers than this are no levers
+  constexpr T shortest = T(1e-6);  // shorter levers count as 0
   const T lever = sqrt(square);
   return T(0.1) * (lever > shortest ? std::min(T(1), lever) : T(1));
 }
@@ -330,7 +331,7 @@ template <class T> void LoopSystem<T>::joint_wrenches(const T* lambda, Wrench<Sp
   }
   for (int i = n; i > 0; --i) {
     const int p = tree()->parent[i];
-    if (p > 0) W[p] += W[i];  // W[i] becomes the sum of the loop wrenches on the subtree of body i
+    if (p > 0) W[p] += W[i];  // W[i] now is the sum of the loop wrenches on the subtree of body i
     W[i] = dynamics_->recursion.W[i] - W[i];
   }
 }

@@ -4,15 +4,16 @@
 
 namespace axode {
 
-/// Factorisation Rᵀ D R of a symmetric positive matrix with some dozens of rows, R with a unit diagonal. Rows
-/// are stored in blocks of eight numbers, which is faster than Eigen's decomposition for such sizes. Each row
-/// has an additional column for a right side, and is padded with zeros to a whole block.
+/// Cholesky factorisation A = Rᵀ D R of a symmetric positive definite matrix with some dozens of rows, where
+/// R is upper triangular with a unit diagonal. Rows are stored in blocks of eight numbers, which is faster
+/// than Eigen's decomposition for such sizes. Each row has an additional column for a right side, and is
+/// padded with zeros to whole blocks.
 template <class T> class RowCholesky {
  public:
   using Matrix = Eigen::Matrix<T, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
   static constexpr Eigen::Index width = 8;
   static Eigen::Index room(Eigen::Index m) { return block(m + width); }
-  /// The first column of the block of column k.
+  /// The first column of the block of eight columns that contains column k.
   static Eigen::Index block(Eigen::Index k) { return k / width * width; }
   static auto part(Matrix& A, Eigen::Index row, Eigen::Index begin) {
     return A.row(row).template segment<width>(begin);
@@ -25,12 +26,12 @@ template <class T> class RowCholesky {
     R_.setZero(m, room(m));
     inverse_.resize(m);
   }
-  /// Memory of the factorisation. Before factorize() it has the matrix on and above the diagonal, and a right
-  /// side in column m; afterwards it has R without the diagonal.
+  /// The memory of the factorisation. Before factorize() it has the matrix on and above the diagonal, and a
+  /// right side b in column m; afterwards it has R without its diagonal, and D⁻¹ R⁻ᵀ b in column m.
   Matrix& matrix() { return R_; }
 
-  /// Factorises the first m rows, and applies R⁻ᵀ to the right side. Returns false, and leaves no
-  /// factorisation, as soon as sound(k, D_k) is false for a pivot D_k.
+  /// Factorises the first m rows, and replaces the right side b in column m by D⁻¹ R⁻ᵀ b. Returns false, and
+  /// leaves no factorisation, as soon as sound(k, D_k) is false for a pivot D_k.
   template <class Sound> bool factorize(Eigen::Index m, const Sound& sound) noexcept {
     for (Eigen::Index k = 0; k < m; ++k) {
       if (!sound(k, R_(k, k))) return false;
@@ -47,8 +48,8 @@ template <class T> class RowCholesky {
   void factorize(Eigen::Index m) noexcept {
     factorize(m, [](Eigen::Index, const T&) { return true; });
   }
-  /// Computes the solution x for the right side that factorize() received, and removes this right side. x is
-  /// as long as a row, room(m).
+  /// Computes the solution x for the right side that was in column m before factorize(), and sets this column
+  /// to 0. x has room(m) entries.
   void solve_right_side(Eigen::Index m, Eigen::VectorX<T>& x) noexcept {
     for (Eigen::Index k = 0; k < m; ++k) {
       x[k] = R_(k, m);
@@ -56,7 +57,7 @@ template <class T> class RowCholesky {
     }
     solve_up(m, x);
   }
-  /// Replaces x by (Rᵀ D R)⁻¹ x. A right side must have been removed by solve_right_side() before.
+  /// Replaces x by (Rᵀ D R)⁻¹ x. solve_right_side() must have been called since factorize().
   void solve(Eigen::Index m, Eigen::VectorX<T>& x) const noexcept {
     for (Eigen::Index k = 0; k < m; ++k) {
       const T x_k = x[k];
@@ -68,8 +69,8 @@ template <class T> class RowCholesky {
   }
 
  private:
-  /// Replaces x by R⁻¹ x. The numbers of the block of row k are used one by one, and the number that was
-  /// found last is used last: a vector load of numbers that were just written one by one would stall.
+  /// Replaces x by R⁻¹ x. The entries of x in the block of row k are used one by one, and the entry that was
+  /// computed last is used last: a vector load of numbers that were just written one by one would stall.
   void solve_up(Eigen::Index m, Eigen::VectorX<T>& x) const noexcept {
     for (Eigen::Index k = m; k-- > 0;) {
       const Eigen::Index next = block(k) + width;

@@ -4,38 +4,43 @@
 #include "axode/lie/twist.hpp"
 #include "axode/scalar/dual.hpp"
 
-/// A loop joint is a small type with double parameters and members that are templates over the scalar:
+/// A loop joint is a small type with parameters of type double and with members that are templates over the
+/// scalar:
 ///   rows(), residuals()            numbers of rows of A and of the residual r
-///   residual(at, r)                r, which vanishes when the loop is closed
-///   wrenches(at, W)                W on the second body for unit multipliers: A v = Wᵀ (V_j - V_i)
-/// These are optional, and the functions below have a default for each:
-///   residual_wrenches(at, R)       r' = Rᵀ (V_j - V_i); by default the first columns of W
-///   wrench_rates(at, m, dW)        W' of moving bodies; by default W evaluated on dual numbers
-///   bias(at, W, m, gamma)          γ = Wᵀ (V'_j - V'_i) + W'ᵀ (V_j - V_i)
-/// Numbers of rows are the same in all representations. W λ acts on the second body and -W λ on the first.
+///   residual(at, r)                computes r, which vanishes if the loop is closed
+///   wrenches(at, W)                computes W on the second body for unit multipliers: A v = Wᵀ (V_j - V_i)
+/// The following members are optional, and the functions below have a default for each:
+///   residual_wrenches(at, R)       computes R with r' = Rᵀ (V_j - V_i); by default the first columns of W
+///   wrench_rates(at, m, dW)        computes W' for moving bodies; by default W is evaluated on dual numbers
+///   bias(at, W, m, gamma)          computes γ = Wᵀ (V'_j - V'_i) + W'ᵀ (V_j - V_i)
+/// The rows A, γ and r are the same in all representations. The wrench W λ acts on the second body j, and -W
+/// λ on the first body i.
 namespace axode::loops {
 
 template <class T> using SpatialWrench = Wrench<Spatial, T>;
 template <class T> using LoopWrenches = std::array<SpatialWrench<T>, 6>;
 
-/// The frames of a loop joint on its two bodies, relative to a common point O in inertial axes.
+/// The frames of a loop joint on its two bodies: axes in inertial axes, and origins relative to a common
+/// point O.
 template <class T> struct LoopFrames { SE3<T> a, b; };
-/// Spatial twists of the two bodies about O, and their rates. The caller decides whether the rates include
-/// joint accelerations.
+/// Spatial twists of the two bodies of a loop joint about the common point O, and their rates. The caller
+/// decides whether the rates include joint accelerations.
 template <class T> struct EndMotion { Screw<T> V_i, V_j, dV_i, dV_j; };
 
 template <class T> T power(const SpatialWrench<T>& W, const Screw<T>& X) {
   return dot(W.m, X.w) + dot(W.f, X.v);
 }
 template <class T> Vec3<T> velocity(const Screw<T>& V, const Vec3<T>& p) { return V.v + cross(V.w, p); }
-/// The wrench of a force f at the point p; with the rates of p and f, the rate of this wrench.
+/// force_at() is the wrench of a force f at the point p. force_rate() is the rate of this wrench for the
+/// rates dp and df of p and f.
 template <class T> SpatialWrench<T> force_at(const Vec3<T>& p, const Vec3<T>& f) { return {cross(p, f), f}; }
 template <class T>
 SpatialWrench<T> force_rate(const Vec3<T>& p, const Vec3<T>& dp, const Vec3<T>& f, const Vec3<T>& df) {
   return {cross(dp, f) + cross(p, df), df};
 }
 
-/// A vector, a screw or a pose with its rate, as dual numbers.
+/// lift() makes dual numbers of a vector, a screw or a pose and of its rate; the rate of a pose is a spatial
+/// twist.
 template <class T> Vec3<Dual<T, 1>> lift(const Vec3<T>& x, const Vec3<T>& dx) {
   return {{x.x, {dx.x}}, {x.y, {dx.y}}, {x.z, {dx.z}}};
 }
@@ -46,7 +51,7 @@ template <class T> SE3<Dual<T, 1>> lift(const SE3<T>& C, const Screw<T>& V) {
   const auto axis = [&](const Vec3<T>& e) { return lift(e, cross(V.w, e)); };
   return {{axis(C.R.x), axis(C.R.y), axis(C.R.z)}, lift(C.r, velocity(V, C.r))};
 }
-/// The value and the rate of a wrench of dual numbers.
+/// value_of() is the value of a wrench of dual numbers, and rate_of() is its derivative.
 template <class T> SpatialWrench<T> value_of(const SpatialWrench<Dual<T, 1>>& W) {
   return {{W.m.x.x, W.m.y.x, W.m.z.x}, {W.f.x.x, W.f.y.x, W.f.z.x}};
 }

@@ -15,7 +15,7 @@ namespace axode {
 using LoopJoint =
     std::variant<loops::SubgroupClosure, loops::Universal, loops::Rod, loops::RollingContact, loops::Belt>;
 
-/// Makes the loop joint of a kind; `size` and `radii` are those of Loop.
+/// Makes the loop joint of a kind. The other arguments are the members of Loop with these names.
 constexpr LoopJoint loop_joint(LoopKind kind, double pitch, double size, bool wheel,
                                const std::array<double, 2>& radii = {}) {
   if (kind == LoopKind::universal) return loops::Universal{size};
@@ -25,7 +25,8 @@ constexpr LoopJoint loop_joint(LoopKind kind, double pitch, double size, bool wh
   return loops::SubgroupClosure{traits(kind).free, pitch};
 }
 
-/// Whether the table of kinds has the numbers of rows that the types of loop joints have.
+/// Whether the table loop_kinds has, for each kind, the numbers of rows and residuals of its type of loop
+/// joint.
 constexpr bool loop_kinds_have_the_rows_of_their_types() {
   for (const LoopTraits& kind : loop_kinds) {
     const auto agrees = [&](const auto& joint) {

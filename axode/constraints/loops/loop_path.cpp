@@ -31,8 +31,8 @@ LoopPath::LoopPath(const Tree<double>& tree, const LoopCoupling& coupling) : Loo
   add_bodies(topology, moved);
 }
 
-/// Collects the bodies on the paths from those in `from` to the ground, and the velocities that are
-/// eliminated on these paths.
+/// Collects in `bodies` the bodies on the paths from those in `from` to the ground, and in `velocities` the
+/// velocities that are eliminated on these paths.
 void LoopPath::add_bodies(const Topology& topology, const std::vector<int>& from) {
   std::set<int, std::greater<>> on_paths;
   for (const int last : from)

@@ -5,7 +5,7 @@ namespace {
 
 using Ranges = std::vector<LoopPath::Range>;
 
-/// Appends a range to a list; if it is adjacent to the last range, the two are merged.
+/// Appends a range to a list of ranges. If it is adjacent to the last one, the two are merged.
 void add(const LoopPath::Range& range, Ranges& to) {
   if (!to.empty() && to.back().first + to.back().count == range.first) {
     to.back().count += range.count;
@@ -14,7 +14,8 @@ void add(const LoopPath::Range& range, Ranges& to) {
   }
 }
 
-/// Finds the blocks of consecutive velocities with entries in the same rows of A or of R.
+/// Finds the blocks of consecutive velocities with non-zero entries for the same rows; `rows` selects the
+/// rows of A or those of R.
 std::vector<LoopTable::VelocityBlock> blocks(const std::vector<LoopPath>& paths, int nv,
                                              LoopPath::Range LoopPath::*rows) {
   std::vector<Ranges> of_velocity(static_cast<std::size_t>(nv));

@@ -7,11 +7,11 @@
 
 namespace axode {
 
-/// The constant part of all loops of a mechanism: each loop joint with its type, and couplings, which are
-/// constant rows of velocities.
+/// The data of all loops of a mechanism that do not depend on q: the path and the type of each loop joint,
+/// and the path of each coupling, whose row of A is constant.
 struct LoopTable {
   using Range = LoopPath::Range;
-  /// Consecutive velocities (rows of Y) with non-zero entries for the same loop rows.
+  /// Consecutive velocities (rows of Y = D^-½ L⁻ᵀ Aᵀ) with non-zero entries for the same loop rows.
   struct VelocityBlock {
     int first, count;
     std::vector<Range> rows;
@@ -21,7 +21,8 @@ struct LoopTable {
 
   std::vector<LoopPath> paths;  ///< one path for each loop joint, then one for each coupling
   std::vector<LoopJoint> joints;
-  std::vector<VelocityBlock> row_blocks, residual_blocks;  ///< for the rows A and for the rows R
+  std::vector<VelocityBlock> row_blocks, residual_blocks;  ///< blocks of velocities for the rows A and for
+                                                           ///< the rows R
   std::vector<char> ends;                                  ///< whether a loop joint ends at each body, n + 1
                                                            ///< entries
 

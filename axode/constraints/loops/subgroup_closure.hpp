@@ -9,13 +9,13 @@
 namespace axode::loops {
 
 /// A loop joint whose free motions form a subgroup of SE(3). The subgroup is given by its free directions ω_x
-/// ω_y ω_z v_x v_y v_z in the frame of the joint, and by the pitch of a helical joint, whose v_z is bound to
+/// ω_y ω_z v_x v_y v_z in the frame of the joint, and by the pitch of a helical joint, for which v_z = pitch
 /// ω_z.
 ///
-/// S spans the subalgebra of the joint, and T spans the wrenches with Tᵀ S = 0. A relative pose is written as
-/// D = g E, and the motion g in the subgroup is removed from it. The residual r = Tᵀ (log R_E; r_E) vanishes
-/// on the whole subgroup, however far the joint has moved. Tᵀ log D would not be suitable, because it jumps
-/// at half a turn.
+/// S spans the subalgebra of the joint, and T spans the wrenches with Tᵀ S = 0. A relative pose D is written
+/// as D = g E, and the motion g in the subgroup is removed from it. The residual r = Tᵀ (log R_E; r_E)
+/// vanishes on the whole subgroup, however far the joint has moved. Tᵀ log D would not be suitable, because
+/// it jumps at half a turn.
 struct SubgroupClosure {
   std::array<bool, 6> free{};
   double pitch = 0;  ///< m/rad, 0 unless the joint is helical
@@ -32,15 +32,15 @@ struct SubgroupClosure {
       ++W;
     }
   }
-  /// Computes γ by (D6.8): the wrenches are fixed to the second body, and W' = -ad_{V_j}ᵀ W.
+  /// Computes γ by (D6.8). The wrenches are fixed to the second body, so that W' = -ad_{V_j}ᵀ W.
   template <class T>
   void bias(const LoopFrames<T>&, const SpatialWrench<T>* W, const EndMotion<T>& m, T* gamma) const {
     const Screw<T> Psi = m.dV_j - m.dV_i + ad(m.V_j, m.V_i);
     for (int k = 0, n = rows(); k < n; ++k) gamma[k] = power(W[k], Psi);
   }
 
-  /// Computes E of D = g E (D6.1) with g in the subgroup. If the joint is nearly closed, E is near the
-  /// identity.
+  /// Removes from the relative pose D = g E the motion g in the subgroup of the joint, and returns E (D6.1).
+  /// If the joint is nearly closed, E is near the identity.
   template <class T> SE3<T> strip(const SE3<T>& D) const {
     T theta(0);
     SO3<T> turn{};
@@ -66,9 +66,11 @@ struct SubgroupClosure {
       ++r;
     }
   }
-  /// In the frame of the joint r' = P X for X = D⁻¹ D', exactly, and P = Tᵀ on the subgroup (D6.4):
+  /// Computes the wrenches R with r' = Rᵀ (V_j - V_i). In the frame of the joint r' = P X for X = D⁻¹ D',
+  /// exactly, and P = Tᵀ if D is in the subgroup (D6.4):
   ///   P = Tᵀ (I - K (Nᵀ K)⁻¹ Nᵀ) B
-  /// with B = diag(dexp⁻¹_{-φ}, R_E), K = B Ad_E⁻¹ S and N the coordinates that strip makes 0.
+  /// with B = diag(dexp⁻¹_{-φ}, R_E), φ = log R_E and K = B Ad_E⁻¹ S. The columns of N are unit vectors of
+  /// the coordinates of (φ; r_E) that strip() makes 0.
   template <class T> void residual_wrenches(const LoopFrames<T>& at, SpatialWrench<T>* R) const {
     const SE3<T> E = strip(relative(at));
     const Vec3<T> phi = log_SO3(E.R);

@@ -4,7 +4,7 @@
 namespace axode::loops {
 
 /// A universal joint: the axes z of the two frames intersect in one point, with a constant angle between
-/// them. It has the rows of a ball joint and one couple.
+/// them. Its rows are the three forces of a ball joint and one couple perpendicular to both axes.
 struct Universal {
   double cosine = 0;  ///< cosine of the angle between the axes
   static constexpr SubgroupClosure ball{{true, true, true}};

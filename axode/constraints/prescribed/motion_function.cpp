@@ -17,7 +17,8 @@ MotionFunction::Function harmonic(const MotionDescription& d) {
   };
 }
 
-/// 10 u³ - 15 u⁴ + 6 u⁵ in u = (t - start) / (end - start).
+/// The ramp from + (to - from) (10 u³ - 15 u⁴ + 6 u⁵) in u = (t - start) / (end - start), constant outside u
+/// from 0 to 1.
 MotionFunction::Function ramp(const MotionDescription& d) {
   return [from = d.from, rise = d.to - d.from, start = d.start, length = d.end - d.start](double t) {
     const double u = std::clamp((t - start) / length, 0.0, 1.0), rest = 1 - u;
@@ -28,7 +29,7 @@ MotionFunction::Function ramp(const MotionDescription& d) {
   };
 }
 
-/// Horner's scheme for a polynomial and its Taylor coefficients.
+/// A polynomial in t. Horner's scheme computes its value and its Taylor coefficients up to order 3 at t.
 MotionFunction::Function polynomial(const MotionDescription& d) {
   return [coefficients = d.coefficients](double t) {
     double c_0 = 0, c_1 = 0, c_2 = 0, c_3 = 0;

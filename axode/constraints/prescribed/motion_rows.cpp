@@ -12,7 +12,7 @@
 namespace axode {
 namespace {
 
-/// All motions of a mechanism, with the names of their rows.
+/// All prescribed motions of a mechanism, and the names of the loops that they become.
 struct Motions {
   std::vector<PrescribedMotion> all;
   std::vector<std::string> names;
@@ -36,7 +36,8 @@ const Loop* rod_named(const Model& model, std::string_view name) {
   return nullptr;
 }
 
-/// Throws if a motion has nothing to move, or moves what another motion moves.
+/// Throws std::invalid_argument if a motion is not that of a joint with one velocity or of a rod, or if two
+/// motions move the same joint or rod.
 void check(const Model& model, std::span<const PrescribedMotion> motions) {
   for (std::size_t k = 0; k < motions.size(); ++k) {
     const std::string& of = motions[k].of;
@@ -58,7 +59,7 @@ void check(const Model& model, std::span<const PrescribedMotion> motions) {
   }
 }
 
-/// The mechanism with a coupling for each motion of a joint.
+/// Returns the mechanism without motions and with an additional coupling for each motion of a joint.
 Model with_rows(const Model& model, const Motions& motions) {
   if (motions.all.empty()) return model;
   check(model, motions.all);

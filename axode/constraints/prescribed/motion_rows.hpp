@@ -8,37 +8,41 @@
 
 namespace axode {
 
-/// The motions of a mechanism as rows of its loops.
+/// The prescribed motions of a mechanism, imposed as rows of loops.
 class MotionRows {
  public:
   struct Row {
-    std::string of;  ///< joint or rod
+    std::string of;  ///< name of the joint or rod
     PrescribedRow<double> place;
-    double drawn;  ///< the length of a rod as drawn, 0 for a joint
+    double drawn;  ///< length of the rod as drawn, m; 0 for a joint
     MotionFunction function;
   };
 
-  /// The motions of the description, followed by `more`. Throws std::invalid_argument for a name that is
-  /// neither a joint of one velocity nor a rod, and for a second motion of one joint or rod.
+  /// Takes the motions of the model's description, followed by those in `more`. Throws std::invalid_argument
+  /// for a name that is neither that of a joint with one velocity nor that of a rod, and for a second motion
+  /// of one joint or rod.
   explicit MotionRows(const Model& model, std::span<const PrescribedMotion> more = {});
 
   bool empty() const { return rows_.empty(); }
   std::span<const Row> rows() const { return rows_; }
-  /// The mechanism in which every motion is a loop: its rod, or a coupling that has the joint alone. Its
-  /// state has the same coordinates. It is the mechanism itself if there are no motions.
+  /// The mechanism in which every motion is a loop. For the length of a rod it is the rod's own loop, and for
+  /// a joint an additional coupling with the joint as its only term. The coordinates and velocities are those
+  /// of the original mechanism. Without motions it is the original mechanism.
   const Model& model() const { return model_; }
 
-  /// Gives the rows of a system of model() the right sides that they have at a time.
+  /// Sets the right sides of the motions' rows, in a system of model(), to their values at time t.
   void impose(double t, LoopSystem<double>& system);
-  /// Gives them the right sides 0, for the response to forces.
+  /// Sets all right sides of the motions' rows to 0, so that the system computes responses to forces.
   void release(LoopSystem<double>& system) const { system.prescribe({}); }
 
-  /// The first time after t at which a step of an integration should end; infinite if there is none.
+  /// The first time after t at which a derivative of a motion jumps, so that a step of an integration should
+  /// end there; infinite if there is none.
   double next_jump(double t) const;
-  /// Throws std::invalid_argument if a motion is not known from one time to another.
+  /// Throws std::invalid_argument if the function of a motion is not known at all times from `from` to
+  /// `until`.
   void check_times(double from, double until) const;
-  /// The motion whose row differs from 0 most, by its joint or rod; empty if no row differs by more than the
-  /// tolerance.
+  /// The name of the joint or rod of the motion with the largest absolute entry in `rows`, which has one
+  /// entry for each row of A; empty if no entry of a motion is larger than the tolerance.
   std::string worst(std::span<const double> rows, double tolerance) const;
 
  private:

@@ -9,14 +9,14 @@
 #include "axode/recursion/solvability.hpp"
 
 /// Prescribed motions: a joint of one velocity, or the length of a rod, follows a function s of time. A
-/// motion is a row A v = s' beside those of the loops; its multiplier is the force that the motion takes, in
-/// N m for an angle and in N for a length. The force along a rod pushes its ends apart if it is positive.
-/// The power of a motion is its force times s'. See (D12.1) to (D12.4) of docs/derivations.
+/// motion is a row A v = s' in addition to the rows of the loops. Its multiplier is the force that is needed
+/// for the motion, in N m for an angle and in N for a length. A positive force along a rod pushes its ends
+/// apart. The power of a motion is its force times s'. See (D12.1) to (D12.4) of docs/derivations.
 namespace axode {
 
-/// A motion besides those that the description of a mechanism has.
+/// A prescribed motion in addition to those in the description of a mechanism.
 struct PrescribedMotion {
-  std::string of;  ///< joint of one velocity, or loop of kind rod
+  std::string of;  ///< name of a joint of one velocity, or of a loop of kind rod
   MotionFunction function;
 };
 
@@ -25,14 +25,17 @@ struct DynamicsAtTime {
   Solvability solvability;
   std::vector<double> a;              ///< accelerations (nv)
   std::vector<double> lambda;         ///< multipliers of the loops (loops().rows)
-  std::vector<double> motion_forces;  ///< force of each motion, those of the model first
+  std::vector<double> motion_forces;  ///< force of each motion, in the order of the model's motions followed
+                                      ///< by those of the argument `motions`
 };
 
-/// Computes the accelerations at a time at which joints or rods follow prescribed motions, with the
-/// multipliers of the loops and the forces that the motions take. If motions use up the mobility, this is
-/// their inverse dynamics. q and v should be closed and follow the motions; their residuals are not
-/// corrected. Loops are counted as in forward_dynamics(), and springs are ignored. Throws
-/// std::invalid_argument for wrong sizes. Allocates; O(n + m d + m² d + m³).
+/// Computes the accelerations at time t (s) of a mechanism of which joints or rods follow prescribed motions,
+/// those of the model and those in `motions`. Also computes the multipliers of the loops and the forces of
+/// the motions. If the motions leave no degree of freedom, this is the inverse dynamics of the motions. q and
+/// v should close the loops and follow the motions; their residuals are not corrected. Loops act as in
+/// forward_dynamics(), and springs are ignored. Throws std::invalid_argument for wrong sizes, numbers that
+/// are not finite, motions of joints or rods that do not exist, and a time at which a motion is not known.
+/// Allocates; O(n + m d + m² d + m³) for m rows of loops and motions on paths of d joints.
 [[nodiscard]] DynamicsAtTime forward_dynamics_at(const Model& model, double t, std::span<const double> q,
                                                  std::span<const double> v, std::span<const double> tau,
                                                  const Loads<double>& loads = {},

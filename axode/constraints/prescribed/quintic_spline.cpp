@@ -7,7 +7,7 @@ namespace axode {
 namespace {
 
 constexpr int quintic = 5;
-/// Samples after the first and before the last one that are no knots.
+/// Number of samples after the first one, and before the last one, that are not knots.
 constexpr int without_knots = 2;
 
 }  // namespace

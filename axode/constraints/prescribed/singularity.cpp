@@ -13,7 +13,7 @@ namespace {
 using Vector = Eigen::VectorXd;
 using Matrix = Eigen::MatrixXd;
 
-/// Singular values that are smaller than this part of the largest one belong to a singularity nearby.
+/// A singularity is nearby if the least singular value is smaller than this part of the largest one.
 constexpr double near = 0.05;
 
 }  // namespace
@@ -37,7 +37,7 @@ std::string nearby_singularity(MotionRows& motions, LoopSystem<double>& system, 
   if (!(least < near * most)) return {};
   const Vector n = squares.eigenvectors().col(0), x = A.transpose() * n;
   std::vector<std::string> moved, moving;
-  double rate = 0, rates = 0;  // n·s' and its terms
+  double rate = 0, rates = 0;  // n·s' and the sum of its terms' absolute values
   for (const MotionRows::Row& row : motions.rows()) {
     const auto at = std::find(chosen.begin(), chosen.end(), row.place.row);
     if (at == chosen.end()) continue;
