@@ -17,7 +17,7 @@ constexpr const char *platform_2 = "aarch64-linux", *platform_3 = "aarch64-linux
 constexpr const char *platform_2 = "linux64", *platform_3 = "x86_64-linux";
 #endif
 
-/// The name of the model as an identifier of C.
+/// The name of the model with all characters that are not allowed in a C identifier replaced by _.
 std::string identifier_of(const std::string& name) {
   std::string out;
   for (const char c : name) {
@@ -28,7 +28,7 @@ std::string identifier_of(const std::string& name) {
   return out.empty() ? "mechanism" : out;
 }
 
-/// The drawing of a mechanism without shapes.
+/// The mechanism as the text of a drawing, without its shapes.
 std::string drawing_of(const Model& model) {
   Description description = model.description();
   description.shapes.clear();

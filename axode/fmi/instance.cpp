@@ -14,17 +14,19 @@
 namespace axode::fmi {
 namespace {
 
-/// The distance from closed loops, in rad, m, rad/s and m/s, above which model exchange asks for an event,
-/// unless the master has a tolerance.
+/// Model exchange asks for an event if the state is farther than usual_drift from a state with closed loops
+/// (rad, m, rad/s and m/s). If the master has a tolerance, it is used instead, but not below least_drift.
 constexpr double usual_drift = 1e-8, least_drift = 1e-10;
-/// The deviation of the norm of a quaternion from 1 above which model exchange asks for an event.
+/// For mechanisms without loops, model exchange asks for an event if projecting the state to quaternions of
+/// unit norm changes it by more than this number.
 constexpr double usual_norm_error = 1e-6;
-/// The indicator of the drives is their least margin plus this part of the largest margin so far. Where it is
-/// 0, the margin is negative by more than the error of the master in time, so that a status changes there.
+/// The event indicator of the drives is their least margin plus this part of the largest margin so far. When
+/// the indicator is 0, the margin is negative by more than the master's error in the time of the event, so
+/// that a discrete status of a drive changes there.
 constexpr double indicator_shift = 1e-9;
 
-/// The treatment of properties of mechanisms. Contact, hard stops and dry friction are no properties that a
-/// model counts; check_supported() looks for them itself.
+/// The treatment of properties of mechanisms by FMUs. Contact, hard stops and dry friction are not in these
+/// tables; check_supported() looks for them itself.
 constexpr catalog::Counts of_co_simulation{.loops = catalog::counted,
                                            .passive_joints = catalog::counted,
                                            .springs = catalog::counted,
@@ -135,7 +137,7 @@ void Instance::prepare() {
     Description description = model_.description();
     for (std::size_t k = 0; k < parameters_.size(); ++k)
       table_.parameters()[k].in(description) = parameters_[k];
-    // The states of drives start where the master has set them.
+    // The states of drives start at the values that the master has set.
     std::size_t k = 0;
     for (DriveDescription& drive : description.drives) drive.initial.clear();
     for (const DriveState& state : equations_.drives().states()) {
@@ -363,7 +365,7 @@ Instance::Event Instance::update_discrete_states() {
 
 // Derivatives.
 
-/// Whether dry friction, losses of gears or play act.
+/// Whether dry friction, losses of gears or play act, so that accelerations have no derivatives.
 bool Instance::has_jumps() const {
   const auto rubs = [](const Joint& joint) {
     return std::ranges::any_of(joint.dof, [](const Dof& dof) { return dof.friction != 0; });
@@ -396,7 +398,8 @@ Eigen::RowVectorXd Instance::row(const Variable& it, const Eigen::MatrixXd& all)
   refuse(it, "is no unknown of a derivative: unknowns are rates, outputs and gaps of stops");
 }
 
-/// The column of a known in the Jacobian of the equations; empty for a parameter.
+/// The column of the known variable in the Jacobian of the equations of motion; empty for a parameter. Throws
+/// std::invalid_argument if the variable cannot be a known of a derivative.
 std::optional<Eigen::Index> Instance::column(const Variable& known) const {
   const std::size_t nq = at_.q.size(), nv = at_.v.size(), nx = at_.x.size();
   const auto at = [](std::size_t k) { return static_cast<Eigen::Index>(k); };

@@ -10,31 +10,35 @@
 
 namespace axode::fmi {
 
-/// Who integrates: the master (model exchange), or the FMU (co-simulation).
+/// The kinds of FMUs: the master integrates the equations (model exchange), or the FMU does (co-simulation).
+/// The master is the program that imports the FMU.
 enum class Kind { model_exchange, co_simulation };
 
-/// Throws std::invalid_argument, in one sentence, if an FMU of a kind cannot have everything that the
-/// mechanism has.
+/// Throws std::invalid_argument, with one sentence, if the mechanism has a property that FMUs of the given
+/// kind do not support, such as contact, hard stops or, in model exchange, dry friction.
 void check_supported(const Model& model, const Settings& settings, Kind kind);
 
 /// An instance of an FMU, independent of the version of FMI. All functions throw std::runtime_error or
-/// std::invalid_argument with a sentence for the log of the master. A copy is a saved state.
+/// std::invalid_argument with one sentence for the log of the master, which is the program that imports the
+/// FMU. A copy of an Instance is a saved state.
 class Instance {
  public:
   using References = std::span<const unsigned>;
   using Span = std::span<const double>;
 
-  /// The modes of FMI 3.0. Version 2.0 has no name for the mode of a co-simulation between its steps.
+  /// The modes of FMI 3.0. FMI 2.0 has no name for the mode of a co-simulation between two communication
+  /// steps, which is `step` here.
   enum class Mode { instantiated, initialization, event, continuous_time, step, terminated };
 
-  /// Reads the drawing of the mechanism and the settings.
+  /// Reads the drawing of the mechanism and the settings from the texts of these resources, and resets the
+  /// instance.
   Instance(Kind kind, std::string_view drawing, std::string_view settings);
   Instance(const Instance&) = default;
   Instance& operator=(const Instance&) = delete;
   ~Instance() = default;
 
   void reset();
-  /// Sets the start time and the tolerance of the master, if it has one.
+  /// Sets the start time (s) and the relative tolerance of the master, which may be empty.
   void set_up(double start, std::optional<double> tolerance);
   void enter_initialization(double start, std::optional<double> tolerance) {
     set_up(start, tolerance);
@@ -57,19 +61,21 @@ class Instance {
   void get_rates(std::span<double> rates);
   void get_indicators(std::span<double> indicators);
   void get_nominals(std::span<double> nominals) const;
-  /// Whether a completed step of the master has to be followed by event mode.
+  /// Whether event mode must follow the step that the master has completed: a discrete status of a drive must
+  /// change, or the loops have opened or quaternions have left unit norm by more than a tolerance.
   bool needs_event();
   struct Event {
     bool states_changed = false;
-    std::optional<double> next = {};  ///< time of the next event
+    std::optional<double> next = {};  ///< time of the next event, s; empty if none is known
   };
   Event update_discrete_states();
 
-  /// Integrates from a communication point at time t to t + h.
+  /// Integrates from the communication point at time t to t + h (s).
   void step(double t, double h);
 
-  /// Products of the Jacobian of unknowns by knowns with a seed of the knowns, and below of its transpose
-  /// with a seed of the unknowns.
+  /// directional_derivative() computes the product of the Jacobian (derivatives of the unknowns by the
+  /// knowns) with a seed, one number for each known. adjoint_derivative() computes the product of its
+  /// transpose with a seed, one number for each unknown.
   void directional_derivative(References unknowns, References knowns, Span seed, std::span<double> result);
   void adjoint_derivative(References unknowns, References knowns, Span seed, std::span<double> result);
 
@@ -79,17 +85,19 @@ class Instance {
   bool is_before_start() const { return mode_ == Mode::instantiated || mode_ == Mode::initialization; }
   void set_one(const Variable& variable, double value);
   double get_one(const Variable& variable);
-  /// Rebuilds the model if parameters or initial states of drives have changed, and makes the state one of
-  /// the mechanism.
+  /// Before the end of the initialisation, rebuilds the model if parameters or initial states of drives have
+  /// changed, and then corrects the state: loops are closed and quaternions have unit norm. Later it does
+  /// nothing.
   void prepare();
   void start_stepping();
   const Rates& rates();
   const std::vector<double>& poses();
   double indicator(std::size_t k);
   double gap(const Stop& stop) const;
-  /// The least margin of the drives; updates margin_scale_.
+  /// Returns the least margin of the drives, and updates margin_scale_. Without an indicator of drives it is
+  /// 1.
   double observe_margin();
-  /// The rows of unknowns and the columns of knowns of the Jacobian.
+  /// The Jacobian of the unknowns (rows) by the knowns (columns).
   Eigen::MatrixXd jacobian(References unknowns, References knowns);
   Eigen::RowVectorXd row(const Variable& unknown, const Eigen::MatrixXd& all) const;
   std::optional<Eigen::Index> column(const Variable& known) const;
@@ -107,11 +115,12 @@ class Instance {
   VariableTable table_;
   std::vector<double> parameters_;
   MotionEquations equations_;
-  std::optional<SteppedMotion> motion_;  ///< in co-simulation, once accelerations are wanted
+  std::optional<SteppedMotion> motion_;  ///< motion of a co-simulation; empty until accelerations or a step
+                                         ///< are needed
   Point at_;
   Mode mode_ = Mode::instantiated;
   bool model_is_old_ = false, state_is_raw_ = true;
-  double margin_scale_ = 0;  ///< the largest margin of the drives at ends of steps so far
+  double margin_scale_ = 0;  ///< largest absolute margin of the drives at the ends of steps so far
   std::optional<double> tolerance_;
   std::optional<Rates> rates_;
   std::optional<std::vector<double>> poses_;

@@ -13,7 +13,7 @@
 namespace axode::fmi {
 namespace {
 
-/// A unit by exponents of SI base units.
+/// A unit as a product of powers of SI base units.
 struct Unit {
   std::string_view name;
   std::vector<std::pair<const char*, int>> base;
@@ -58,7 +58,7 @@ const char* causality(Role role) {
     default: return is_output(role) ? "output" : "local";
   }
 }
-/// Empty if the attribute must be left out.
+/// The value of the attribute `initial` of a variable; empty if the attribute must be left out.
 const char* initial(Role role) {
   if (role == Role::time || is_input(role)) return "";
   return is_state(role) || role == Role::parameter ? "exact" : "calculated";
@@ -133,14 +133,15 @@ class Writer {
     close();
   }
 
-  /// The reference of the state that belongs to a rate.
+  /// The value reference of the state whose time derivative the variable `rate` is.
   std::size_t state_of(const Variable& rate) const {
     const Role role = rate.role == Role::coordinate_rate ? Role::coordinate
                       : rate.role == Role::acceleration  ? Role::velocity
                                                          : Role::drive_state;
     return table_.first(role) + rate.index;
   }
-  /// The number by which the model structure refers to a variable.
+  /// The number by which the model structure refers to a variable: the value reference in FMI 3.0, the index
+  /// from 1 in FMI 2.0.
   std::size_t number(std::size_t reference) const { return three_ ? reference : reference + 1; }
 
   void write(std::size_t reference) {

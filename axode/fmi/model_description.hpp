@@ -6,11 +6,12 @@
 
 namespace axode::fmi {
 
-/// The versions of the standard.
+/// The versions of the FMI standard: 2.0 and 3.0.
 enum class Version { fmi2, fmi3 };
 
-/// The file modelDescription.xml of an FMU with these kinds. `identifier` is the name of its binary without
-/// the ending, and `token` what the master has to show to the binary.
+/// Makes the text of the file modelDescription.xml of an FMU of the given kinds. `identifier` is the name of
+/// the FMU's binary without the file extension. `token` is the text that the master must pass to the binary
+/// when it makes an instance.
 std::string model_description(const Model& model, const VariableTable& table, Version version,
                               const std::vector<Kind>& kinds, const std::string& identifier,
                               const std::string& token);

@@ -23,7 +23,8 @@ namespace {
 
 using Span = std::span<const double>;
 
-/// Calls f(joint, iq, iv) for every joint with coordinates of its own, where joint is its subgroup on T.
+/// Calls f(subgroup, iq, iv) for every joint with coordinates of its own: with its subgroup on the scalar T
+/// and the indices of its first coordinate and its first velocity.
 template <class T, class F> void each_subgroup(const Model& model, const F& f) {
   for (const Joint& joint : model.joints())
     if (!joint.leader)
@@ -61,7 +62,8 @@ std::vector<double> MotionEquations::normalized(Span q) const {
   }
 }
 
-/// Throws NoRates for a time beyond the samples of a motion: a solver tries a shorter step then.
+/// Sets the time of the prescribed motions. Throws NoRates for a time beyond the samples of a motion, so that
+/// a solver tries a shorter step.
 void MotionEquations::set_time(double t) {
   try {
     loops_->motions().check_times(t, t);
@@ -90,7 +92,7 @@ void MotionEquations::start(Point& at) {
   drives_.set_state(at.t, at.q, at.v, at.x);
 }
 
-/// Whether the loops are closed and the motions are followed, so that a motion may start.
+/// Whether at q and v the loops are closed and the prescribed motions are followed.
 bool MotionEquations::is_closed(const Point& at) {
   try {
     loops_->check(at.q, at.v);
@@ -211,7 +213,7 @@ void MotionEquations::seeds(Span raw, Span q, Eigen::MatrixXd& displacement,
   });
 }
 
-/// The derivatives of E(q) v by the entries of q.
+/// The derivatives of the coordinate rates q' = E(q) v by the entries of q, nq × nq.
 Eigen::MatrixXd MotionEquations::rates_by_coordinates(Span q, Span v) const {
   using T = Dual<double, 1>;
   Eigen::MatrixXd out = Eigen::MatrixXd::Zero(model_.nq(), model_.nq());
@@ -297,7 +299,7 @@ Eigen::VectorXd MotionEquations::acceleration_by(const Point& at, const Paramete
   };
   Description numbers = model_.description();
   const double value = std::abs(parameter.in(numbers)), h = parameter.step * (value > 0 ? value : 1);
-  // Numbers that are 0 may not become negative.
+  // A number that is 0 is only increased, because some numbers must not be negative.
   const Eigen::VectorXd change =
       value > 0 ? Eigen::VectorXd(missing_force(h) - missing_force(-h))
                 : Eigen::VectorXd(4 * missing_force(h) - missing_force(2 * h) - 3 * missing_force(0));

@@ -12,67 +12,76 @@
 
 namespace axode::fmi {
 
-/// Thrown if rates cannot be computed at a state: the mass matrix is singular, or numbers are not finite. The
-/// master may try another state.
+/// Thrown if the rates (q', v', x') cannot be computed at a state, for example because the mass matrix is
+/// singular, numbers are not finite, or the time is beyond the samples of a prescribed motion. The master,
+/// which is the importing program, may try another state.
 class NoRates : public std::runtime_error {
  public:
   using std::runtime_error::runtime_error;
 };
 
-/// A state of a mechanism at a time, under forces tau (nv) and wrenches on frames, six numbers for each:
-/// moment and force about the origin of the frame, in inertial axes.
+/// A time t (s), a state (q, v, x) of a mechanism with the states x of its drives, drive forces tau (nv), and
+/// wrenches on frames. A wrench has six numbers: moment and force about the origin of the frame, in inertial
+/// axes.
 struct Point {
   double t = 0;
   std::vector<double> q, v, x, tau, wrenches = {};
 };
-/// The wrenches as loads on these frames.
+/// Converts wrenches, six numbers for each frame, to loads on the frames with the given indices.
 std::vector<AppliedWrench<>> applied(std::span<const double> wrenches, std::span<const int> frames);
-/// The rates of a state.
+/// The time derivatives of a state: q', the accelerations a = v', and the rates x' of the states of the
+/// drives.
 struct Rates {
   std::vector<double> dq, a, dx;
 };
 
-/// The equations of motion of a mechanism as a system of ordinary differential equations in (q, v, x), with
-/// loops, prescribed motions, springs and drives. q need not have quaternions of unit norm: every function of
-/// q takes q with its quaternions normalised, so that their norm is constant along solutions. The states of a
-/// mechanism with loops are those of its tree; accelerations keep A v, and close() removes what an
-/// integration has added to the residuals.
+/// The equations of motion of a mechanism as a system of ordinary differential equations in (q, v, x), where
+/// x are the states of the drives, with loops, prescribed motions, springs and drives. q need not have
+/// quaternions of unit norm: every function of q normalises the quaternions first, so that their norm is
+/// constant along solutions. The states of a mechanism with loops are those of its spanning tree. The
+/// accelerations keep A v constant for the rows A of the loops, and close() removes the residuals that an
+/// integration has accumulated.
 class MotionEquations {
  public:
   using Span = std::span<const double>;
 
-  /// `loads` are the frames on which the wrenches of a point act.
+  /// `loads` are the indices of the frames on which the wrenches of a Point act.
   MotionEquations(const Model& model, const Settings& settings, std::span<const int> loads);
 
   const DriveSystem& drives() const { return drives_; }
-  /// Continues with the statuses and inputs of other drives of the same mechanism.
+  /// Replaces the drives by other drives of the same mechanism, with their discrete statuses and inputs.
   void act_by(const DriveSystem& drives) { drives_ = drives; }
 
-  /// Makes (q, v) a state of the mechanism: quaternions of unit norm, loops that are closed, motions that are
-  /// followed; and chooses the statuses of the drives. Throws std::runtime_error if the loops cannot be
-  /// closed.
+  /// Corrects q and v: quaternions get unit norm, loops are closed, and prescribed motions are followed at
+  /// the time of the point. Then chooses the discrete statuses of the drives. Throws std::runtime_error if
+  /// the loops cannot be closed.
   void start(Point& at);
   Rates rates(const Point& at);
-  /// Projects q and v, with quaternions of unit norm. Returns whether the loops could be closed.
+  /// Projects q and v onto closed loops and followed motions, with quaternions of unit norm. Returns whether
+  /// the loops could be closed.
   [[nodiscard]] bool close(Point& at);
 
-  /// Continues with the statuses and inputs of the drives after a time, which may change x.
+  /// Gives inputs of drives that jump at the time of the point the values after the jump, and changes the
+  /// discrete statuses of drives whose margin is negative. This may change x, the states of the drives.
   void switch_drives(Point& at);
   double next_jump(double t) const;
-  /// The least margin of the drives, or 1 if they have no statuses.
+  /// The least margin of the drives, which becomes negative when a discrete status must change; 1 if they
+  /// have no statuses.
   double least_margin(const Point& at);
-  /// The poses of frames: 12 numbers for each, the columns of R and r.
+  /// The poses of the frames with the given indices. Each has 12 numbers: the columns of the rotation matrix
+  /// R and the position r.
   std::vector<double> poses(const Point& at, std::span<const int> frames);
 
-  /// The derivatives of (q', v', x', poses), one below the other, by (q, v, x, tau, wrenches). They are
-  /// exact.
+  /// The exact derivatives of (q', v', x', poses), one below the other, by (q, v, x, tau, wrenches).
   Eigen::MatrixXd jacobian(const Point& at, std::span<const int> frames);
-  /// The derivatives of the accelerations by a number of the description, which must have one, see Parameter.
+  /// The derivatives of the accelerations (nv) by a parameter, a number of the description, for which
+  /// Parameter::has_derivative must be true.
   Eigen::VectorXd acceleration_by(const Point& at, const Parameter& parameter);
 
  private:
   using RowMajor = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
-  /// Accelerations by q along the group, v and tau, with springs and drives.
+  /// The derivatives of the accelerations by q along the group, v, tau and the states x of the drives, with
+  /// springs and drives, and the derivatives of the drives.
   struct Derivatives {
     RowMajor a_q, a_v, a_tau;
     Eigen::MatrixXd a_x;
@@ -81,12 +90,14 @@ class MotionEquations {
   std::vector<double> normalized(Span q) const;
   void set_time(double t);
   bool is_closed(const Point& at);
-  /// The loads at a point, valid until the next call.
+  /// The loads of a point. They are valid until the next call.
   Loads<double> loads(const Point& at);
-  /// The sum of the forces of drives and springs and of tau; writes the rates of x unless dx is null.
+  /// The sum of tau and of the forces of drives and springs (nv). Writes the rates of x to dx unless dx is
+  /// null.
   std::vector<double> force_sum(const Point& at, Span q, std::vector<double>* dx);
   Derivatives derivatives(const Point& at, Span q);
-  /// v along the group, and q with normalised quaternions, for each unit vector of q: nv × nq and nq × nq.
+  /// For each unit vector of `raw`, the coordinates before normalisation, computes the change of q along the
+  /// group (`displacement`, nv × nq) and that of the normalised coordinates (`normalization`, nq × nq).
   void seeds(Span raw, Span q, Eigen::MatrixXd& displacement, Eigen::MatrixXd& normalization) const;
   Eigen::MatrixXd rates_by_coordinates(Span q, Span v) const;
 

@@ -18,7 +18,7 @@ constexpr std::array<std::pair<std::string_view, double Sym3<>::*>, 6> inertias{
 
 std::string component(const std::string& name, std::size_t c) { return name + "[" + std::to_string(c) + "]"; }
 
-/// Whether the point of a joint of a kind is a part of its geometry.
+/// Whether the geometry of a joint of this kind depends on the point at which it is drawn.
 bool is_located(JointKind kind) {
   return kind == JointKind::revolute || kind == JointKind::helical || kind == JointKind::cylindrical ||
          kind == JointKind::universal || kind == JointKind::spherical;

@@ -35,7 +35,7 @@ SteppedMotion::SteppedMotion(const Model& model, const Settings& settings, doubl
   if (t != 0 && !(model.motions().empty() && model.drives().empty()))
     throw std::invalid_argument("co-simulation starts at t = " + std::to_string(t) +
                                 " s; a mechanism with prescribed motions or drives starts at 0 s");
-  // Forces begin at communication points, so that a mechanism at rest cannot miss one.
+  // Forces change only at communication points, where steps end, so that long steps cannot miss a change.
   if (model.motions().empty()) tolerances_.largest_step = std::numeric_limits<double>::infinity();
   check();
 }
@@ -60,7 +60,8 @@ void SteppedMotion::set_forces(Span tau, std::vector<AppliedWrench<>> loads) {
   check();
 }
 
-/// Lets the forces of this motion act, which may be a copy of another one.
+/// Copies the forces of this motion to the memory from which the run reads them. Copies of a motion share
+/// this memory.
 void SteppedMotion::act() {
   fixed_->tau = tau_;
   fixed_->loads = loads_;
@@ -74,7 +75,7 @@ void SteppedMotion::advance(double t) {
   forget_past();
 }
 
-/// Keeps the last state of the trajectory alone.
+/// Removes all states of the trajectory except the last one.
 void SteppedMotion::forget_past() {
   const Trajectory& all = run_.trajectory;
   const std::size_t last = all.size() - 1, nv = tau_.size();

@@ -8,37 +8,39 @@
 
 namespace axode::fmi {
 
-/// A motion that is integrated from one communication point of a co-simulation to the next, as simulate()
-/// does it: loops are closed at the end of each step, and steps end where dry friction, drives or plays
-/// change. Drive forces and loads are constant between communication points.
+/// A motion in a co-simulation, which is integrated from one communication point to the next with the method
+/// of simulate(): loops are closed at the end of each step, and steps end at times at which dry friction,
+/// drives or plays change. Drive forces and loads are constant between communication points.
 class SteppedMotion {
  public:
   using Span = std::span<const double>;
 
-  /// Starts at (q, v) at a time (s), with the initial states of drives that the description has. Throws
-  /// std::invalid_argument for a state in which a motion cannot start, and for a time that is not 0 if the
-  /// mechanism has motions or drives, which are functions of time.
+  /// Starts at the state (q, v) at time t (s). The states of drives start at the values in the description.
+  /// Throws std::invalid_argument for a state in which a motion cannot start. Also throws it if t is not 0
+  /// and the mechanism has prescribed motions or drives, because these are functions of time.
   SteppedMotion(const Model& model, const Settings& settings, double t, Span q, Span v,
                 const Tolerances& tolerances);
-  /// A copy continues independently, but shares the forces.
+  /// A copy continues independently. Both use one memory for the forces, into which each writes its own
+  /// before it integrates.
   SteppedMotion(const SteppedMotion& other);
 
   /// Sets the drive forces (nv) and the loads that act from now on.
   void set_forces(Span tau, std::vector<AppliedWrench<>> loads);
-  /// Integrates until a time. Throws std::runtime_error if the motion ends early.
+  /// Integrates until time t (s). Throws std::runtime_error if the motion ends early.
   void advance(double t);
 
   double t() const { return t_0_ + run_.now(); }
   Span q() const { return {run_.q.data(), static_cast<std::size_t>(run_.q.size())}; }
   Span v() const { return {run_.v.data(), static_cast<std::size_t>(run_.v.size())}; }
   Span a() const { return {run_.a.data(), static_cast<std::size_t>(run_.a.size())}; }
-  /// The drives with their present statuses and inputs.
+  /// The drives with their present discrete statuses and inputs.
   const DriveSystem& drives() { return run_.drives().system(); }
   Span x() { return {run_.drives().x.data(), run_.drives().size()}; }
   Span dx() { return {run_.drives().dx.data(), run_.drives().size()}; }
 
  private:
-  /// The model, the options and the forces, to which the run has references.
+  /// The data to which the run has references: the model, the options and the forces. Copies of a motion
+  /// share them.
   struct Fixed {
     Model model;
     SimulationOptions options = {};

@@ -13,8 +13,8 @@
 namespace axode::fmi {
 namespace {
 
-/// The units of the coordinates of a joint, with `rad` for angles, `m` for lengths and `1` for entries of
-/// quaternions; and below those of its velocities.
+/// coordinate_units() are the units of the coordinates of a joint: `rad` for angles, `m` for lengths and `1`
+/// for entries of quaternions. velocity_units() are the units of its velocities without `/s`.
 std::vector<std::string> coordinate_units(const Joint& joint) {
   return with_subgroup(joint.kind, joint.pitch, []<class Kind>(const Kind&) {
     std::vector<std::string> units;
@@ -39,7 +39,7 @@ template <class F> void each_own_joint(const Model& model, const F& f) {
     if (!joint.leader) f(joint);
 }
 
-/// Throws if a frame is named twice, because names of variables must differ.
+/// Throws std::invalid_argument if a frame is named twice, because names of variables must differ.
 void refuse_repeated(const std::vector<std::string>& names, const std::string& what) {
   for (auto name = names.begin(); name != names.end(); ++name)
     if (std::find(names.begin(), name, *name) != name)

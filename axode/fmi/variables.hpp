@@ -8,21 +8,23 @@
 
 #include "axode/model/model.hpp"
 
-/// The variables of an FMU (Functional Mock-up Unit) of a mechanism. The description that a master reads and
-/// the binary that it calls have the same table: the value reference of a variable is its index.
+/// The variables of an FMU (Functional Mock-up Unit) of a mechanism. The model description that a master (the
+/// importing program) reads and the binary that it calls use one table: the value reference of a variable is
+/// its index in this table.
 namespace axode::fmi {
 
-/// The choices with which an FMU is made, besides the mechanism.
+/// The settings of an FMU that are stored in its resources besides the mechanism.
 struct Settings {
   bool joint_losses = false;             ///< whether damping, dry friction and gears act
-  std::vector<std::string> frames = {};  ///< frames whose poses are outputs
-  std::vector<std::string> loads = {};   ///< frames on which wrenches act that are inputs
+  std::vector<std::string> frames = {};  ///< names of frames whose poses are outputs
+  std::vector<std::string> loads = {};   ///< names of frames on which wrenches act as inputs
 };
-/// The settings as TOML, and their reader. It throws std::invalid_argument for a text of another kind.
+/// to_text() writes settings as TOML, and read_settings() reads them. read_settings() throws
+/// std::invalid_argument for a text that to_text() has not written.
 std::string to_text(const Settings& settings);
 Settings read_settings(std::string_view text);
 
-/// The meaning of a variable. Variables of one role follow each other.
+/// The roles of variables. The variables of one role have consecutive value references.
 enum class Role {
   time,
   coordinate,       ///< q: a state and an output
@@ -35,41 +37,45 @@ enum class Role {
   load,             ///< a component of a wrench on a frame, an input
   pose,             ///< an entry of the pose of a frame, an output
   indicator,        ///< an event indicator
-  parameter,        ///< a number of the description
+  parameter,        ///< a number of the mechanism's description, such as a mass
 };
 
 struct Variable {
   Role role{};
-  std::size_t index = 0;  ///< number among the variables of the role
+  std::size_t index = 0;  ///< index among the variables of the same role
   std::string name, unit, description;
-  double start = 0;  ///< value at the start, of variables that have one
+  double start = 0;  ///< value at the start; used for states, parameters and inputs
   double nominal = 1;
 };
 
-/// A number of the description of a mechanism that a master may change before the start.
+/// A parameter of an FMU: a number of the mechanism's description that a master may change before the
+/// simulation starts.
 struct Parameter {
   std::string name, unit, description;
-  std::function<double&(Description&)> in;  ///< the number in a description of the same mechanism
-  /// Whether accelerations at a given state are known functions of it, at most quadratic before the inversion
-  /// of the mass matrix, so that central differences of inverse dynamics have no error but rounding.
+  std::function<double&(Description&)> in;  ///< function that returns a reference to the number in a
+                                            ///< description of the same mechanism
+  /// Whether derivatives of accelerations by this number are provided. If true, the inverse dynamics at a
+  /// given state are at most quadratic in the number, so that their central differences have no error but
+  /// rounding.
   bool has_derivative = true;
-  /// The step of these differences relative to the number. It is small if the force has kinks, as that of a
-  /// one-sided spring.
+  /// The step of the central differences by this number, relative to the number. It is small if the force has
+  /// kinks, as that of a one-sided spring.
   double step = 0.25;
 };
 
-/// A stop whose gap is an event indicator: side × (limit - p) for the position p = ratio q + offset of a
-/// joint.
+/// A mechanical stop of a joint whose gap is an event indicator. The gap is side × (limit - p) for the
+/// position p = ratio q + offset, where q is the coordinate with the index `coordinate`.
 struct Stop {
   std::size_t coordinate = 0;
   double ratio = 1, offset = 0, limit = 0;
   int side = 1;  ///< 1 for an upper limit, -1 for a lower one
 };
 
-/// All variables of a mechanism.
+/// The table of all variables of the FMU of a mechanism.
 class VariableTable {
  public:
-  /// Throws std::invalid_argument for a frame that does not exist.
+  /// Makes the table. Throws std::invalid_argument for a frame in the settings that does not exist or is
+  /// named twice.
   VariableTable(const Model& model, const Settings& settings);
 
   std::size_t size() const { return all_.size(); }
@@ -79,17 +85,17 @@ class VariableTable {
   std::span<const Variable> of(Role role) const {
     return std::span(all_).subspan(first(role), count_[at(role)]);
   }
-  /// The reference of the first variable of a role.
+  /// The value reference of the first variable of a role.
   std::size_t first(Role role) const { return first_[at(role)]; }
   std::size_t count(Role role) const { return count_[at(role)]; }
 
-  /// The velocities on which the inputs act.
+  /// Indices of the velocities on which the drive forces, which are inputs, act.
   const std::vector<std::size_t>& driven() const { return driven_; }
   const std::vector<int>& frames() const { return frames_; }
   const std::vector<int>& loads() const { return loads_; }
   const std::vector<Stop>& stops() const { return stops_; }
   std::span<const Parameter> parameters() const { return parameters_; }
-  /// Whether the last indicator is the least margin of the drives.
+  /// Whether the last event indicator is the least margin of the drives.
   bool drives_have_indicator() const { return count(Role::indicator) > stops_.size(); }
 
  private:

@@ -15,13 +15,14 @@
 #include "axode/fmi/instance.hpp"
 #include "axode/fmi/resources.hpp"
 
-/// The parts of the C interfaces of FMI 2.0 and 3.0 that both versions have.
+/// The parts of the C interfaces that FMI 2.0 and FMI 3.0 have in common.
 namespace axode::fmi {
 
-/// The status that a function returns to the master, with the numbers of the standard.
+/// The status that an interface function returns to the master, with the numbers of the FMI standard.
 enum Status : int { ok, warning, discard, error, fatal };
 
-/// The pointer that a master receives as its instance points to a Component.
+/// An instance with its log function. The pointer that a master receives as its instance points to a
+/// Component.
 struct Component {
   std::unique_ptr<Instance> instance;
   std::function<void(Status, const char*)> log;
@@ -33,7 +34,8 @@ inline Status failed(const Component& component, Status status, const char* mess
 }
 
 /// Calls f(instance), and turns exceptions into a status with a message for the log. The status is `discard`
-/// if the master may try another state.
+/// for NoRates, an exception after which the master may try another state, and `error` for all other
+/// exceptions.
 template <class F> Status guarded(void* component, const F& f) noexcept {
   if (component == nullptr) return error;
   auto& its = *static_cast<Component*>(component);
@@ -46,12 +48,13 @@ template <class F> Status guarded(void* component, const F& f) noexcept {
     return failed(its, error, fault.what());
   }
 }
-/// The answer of a function that has no meaning for mechanisms.
+/// Returns the status of a function of the standard that mechanisms do not support: `error`, with a message
+/// in the log.
 inline Status unsupported(void* component, const char* function) noexcept {
   return guarded(component,
                  [&](Instance&) { throw std::runtime_error(std::string(function) + " is not supported"); });
 }
-/// The answer of an access to n variables of a type that no variable has.
+/// Returns the status of an access to n variables of a type that no variable has: `error` unless n is 0.
 inline Status no_variables(void* component, const unsigned* references, std::size_t n) noexcept {
   return guarded(component, [&](Instance&) {
     if (n > 0)
@@ -66,7 +69,8 @@ inline std::string contents(const std::filesystem::path& file) {
   return {std::istreambuf_iterator<char>(in), {}};
 }
 
-/// Makes an instance from the resources, or logs why there is none and returns null.
+/// Makes an instance from the files in the folder `resources`. If the token is not that of these files, or if
+/// the instance cannot be made, logs the reason and returns null.
 inline void* make_component(Kind kind, const char* token, const std::filesystem::path& resources,
                             std::function<void(Status, const char*)> log) noexcept {
   Component made{nullptr, std::move(log)};
@@ -86,7 +90,7 @@ inline void* make_component(Kind kind, const char* token, const std::filesystem:
 }
 inline void free_component(void* component) noexcept { delete static_cast<Component*>(component); }
 
-/// Saves the state of an instance in *state, which is null or a state that was saved before.
+/// Saves the state of an instance in *state, which is null or a state that was saved before and is replaced.
 inline Status save(void* component, void** state) noexcept {
   return guarded(component, [&](Instance& its) {
     auto copy = std::make_unique<Instance>(its);

@@ -26,7 +26,7 @@ struct EventInfo {
   double next;
 };
 
-/// The path of a URI such as file:///tmp/resources.
+/// The path of a file URI such as file:///tmp/resources, with %-escapes decoded.
 std::string path_of(std::string_view uri) {
   for (const std::string_view start : {"file://localhost", "file://", "file:"})
     if (uri.starts_with(start)) {
