@@ -9,11 +9,12 @@
 
 namespace axode {
 
-// The functions are always inlined, because their code must not be shared between instruction sets.
+// The functions of Arena are always inlined, because code that is compiled for one instruction set must not
+// be shared with callers that are compiled for another one.
 
-/// Scratch memory that is handed out from its start, for the length of one call. A kernel takes its memory in
-/// its constructor; on an arena without memory, the same constructor only counts how much it would take, see
-/// footprint().
+/// Scratch memory for one call, from which arrays are taken one after the other and never given back. A
+/// kernel takes its arrays in its constructor. On an arena without memory the same constructor only counts
+/// the bytes that it would take; footprint() uses this.
 class Arena {
  public:
   static constexpr std::size_t line = 64;        ///< bytes of a cache line, to which the memory is aligned
@@ -24,7 +25,7 @@ class Arena {
         begin_(reinterpret_cast<std::uintptr_t>(begin)),
         next_(begin_),
         end_(begin_ + bytes) {}
-  /// An arena without memory, which only counts the memory that is taken from it.
+  /// Makes an arena without memory, which only counts the bytes that are taken from it.
   [[gnu::always_inline]] explicit Arena(const Topology& topology)
       : topology_(&topology), end_(std::numeric_limits<std::uintptr_t>::max()) {}
 
@@ -38,13 +39,14 @@ class Arena {
     assert(next_ <= end_);
     return p;
   }
-  /// Memory from the start of a cache line.
+  /// Takes an array of n entries that begins at the start of a cache line.
   template <class U> [[gnu::always_inline]] U* lines(std::size_t n) {
     next_ += -next_ % line;
     return array<U>(n);
   }
-  /// Arrays with an entry for each body and the ground, each joint screw, each velocity, each tie of coupled
-  /// joints, each pair of a tie and a screw of its body, or each pair of ties of one group.
+  /// The functions per_body() to per_pair_of_ties() take an array with one entry for each body and the
+  /// ground, each joint screw, each velocity, each tie of coupled joints (see Topology::Ties), each pair of a
+  /// tie and a joint screw of its body, or each pair of ties of one group.
   template <class U> [[gnu::always_inline]] U* per_body() { return array<U>(size(topology_->n + 1)); }
   template <class U> [[gnu::always_inline]] U* per_screw() { return array<U>(size(topology_->n_screws)); }
   template <class U> [[gnu::always_inline]] U* per_velocity() { return array<U>(size(topology_->nv)); }
@@ -55,7 +57,8 @@ class Arena {
   template <class U> [[gnu::always_inline]] U* per_pair_of_ties() {
     return array<U>(topology_->ties.n_pairs);
   }
-  /// An array with an entry for each body, and for the lanes beyond the last body.
+  /// Takes an array with an entry for the ground and each body, rounded up to a multiple of most_lanes so
+  /// that whole SIMD registers can be stored in it.
   template <class U> [[gnu::always_inline]] U* per_lane() {
     return array<U>((size(topology_->n) + most_lanes) / most_lanes * most_lanes);
   }
@@ -67,7 +70,7 @@ class Arena {
   std::uintptr_t begin_ = 0, next_ = 0, end_;
 };
 
-/// The largest memory that one of the kernels takes of an arena, in bytes.
+/// The bytes of arena memory that the largest of the given kernels takes for a topology.
 template <class... Kernels> std::size_t footprint(const Topology& topology) {
   std::size_t most = 0;
   const auto count = [&]<class Kernel>(Kernel*) {

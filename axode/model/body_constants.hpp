@@ -7,8 +7,9 @@
 
 namespace axode {
 
-/// The constants of one body that a sweep reads: B = (B, r) and the inertia (m, h, Theta). With R = B.R
-/// exp(e_z θ), the rotation of a hinge, columns(sin θ, cos θ) * u is R u and rows(sin θ, cos θ) * u is Rᵀ u.
+/// The constants of one body that a sweep over the tree reads: the reference pose (B, r) of the joint frame
+/// in the predecessor's internal frame, and the inertia (m, h, Theta). For a hinge with the angle θ,
+/// columns(sin θ, cos θ) returns R = B exp(e_z θ), and rows(sin θ, cos θ) returns Rᵀ.
 template <class G> struct BodyConstants;
 
 template <class T> struct BodyConstants<Plain<T>> {
@@ -27,7 +28,7 @@ template <class T> struct BodyConstants<Plain<T>> {
 
 template <std::floating_point T> struct BodyConstants<Packed<T>> {
   packed::Matrix<T> B, Bt,
-      exchanged;  ///< the columns of B.R and of its transpose, and the same columns with x and y exchanged
+      exchanged;  ///< B.R, its transpose, and the columns of the transpose with x and y exchanged
   packed::Factor<T> r_, h_;
   Vec3<T> r, h;
   Sym3<T> Theta;
@@ -49,7 +50,8 @@ template <std::floating_point T> struct BodyConstants<Packed<T>> {
   const packed::Factor<T>& h_factor() const { return h_; }
 };
 
-/// The packed constants of all bodies of a tree. It is empty for scalars that have no packed geometry.
+/// The packed constants of all bodies of a tree. For scalars other than floating-point numbers, which have no
+/// packed geometry, the struct is empty.
 template <class T> struct PackedConstants {};
 template <std::floating_point T> struct PackedConstants<T> { std::vector<BodyConstants<Packed<T>>> body; };
 

@@ -12,7 +12,8 @@
 namespace axode {
 namespace {
 
-/// Calls f(joint, i) for every joint with coordinates of its own, in the order of the model.
+/// Calls f(s, joint) for every joint that is not coupled, in the order of the model, where s is the subgroup
+/// struct of the joint.
 template <class F> void each_independent_joint(const Model& model, F&& f) {
   for (int i = 1; i <= model.n_bodies(); ++i)
     if (!model.joint(i).leader)
@@ -33,7 +34,8 @@ void check(const Model& model, std::span<const Real> q, const char* argument, do
   }
 }
 
-/// Throws std::invalid_argument if a step is not finite or so large that a result is not finite.
+/// Throws std::invalid_argument if a number in `results` is not finite, because the argument `step` is not
+/// finite or too large. `first` and `count` select the numbers of each joint; the message names the joint.
 void check_finite(const Model& model, const char* step, int Joint::*first, int Joint::*count,
                   std::span<const double> results) {
   for (const Joint& joint : model.joints()) {
@@ -45,8 +47,8 @@ void check_finite(const Model& model, const char* step, int Joint::*first, int J
   }
 }
 
-/// The names of the joints, each once for every coordinate or velocity of the joint, with a number if there
-/// are several.
+/// The names of the joints, repeated for every coordinate or velocity of the joint (`count` is nq or nv of
+/// the joint). If there are several, the names end in an index: `hip[0]`, `hip[1]`.
 std::vector<std::string> numbered(const Model& model, int Joint::*count) {
   std::vector<std::string> names;
   for (const Joint& joint : model.joints())
@@ -111,10 +113,10 @@ InitialState initial_state(const Model& model) {
 std::vector<double> random_configurations(const Model& model, std::uint64_t seed, std::size_t n) {
   std::mt19937_64 bits(seed);
   const auto uniform = [&](double lower,
-                           double upper) {  // used instead of the standard distributions, which differ
-                                            // between libraries
+                           double upper) {  // the distributions of the standard library are not used, as
+                                            // they give other numbers with every library
     const double s = static_cast<double>(bits() >> 11) * 0x1p-53;
-    return lower * (1 - s) + upper * s;  // in this form the difference cannot overflow
+    return lower * (1 - s) + upper * s;  // upper - lower could overflow
   };
   const CoordinateLimits limit = limits(model);
   std::vector<double> all(n * static_cast<std::size_t>(model.nq()));

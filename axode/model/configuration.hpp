@@ -5,27 +5,29 @@
 
 #include "axode/model/model.hpp"
 
-/// The configuration manifold. q has model.nq() coordinates; tangent vectors have model.nv() components, in
-/// the left-trivialised directions of the joints. All functions throw std::invalid_argument for a wrong size,
-/// and for steps so large that a result would not be finite.
+/// Functions on the configuration manifold. q has model.nq() coordinates; tangent vectors have model.nv()
+/// components, in the left-trivialised directions of the joints. Every function with a q, v or dv among its
+/// arguments throws std::invalid_argument if an argument has the wrong size, if a quaternion in q is not of
+/// unit norm (except normalize()), or if the result is not finite because a step is too large.
 namespace axode {
 
 /// The configuration with every coordinate 0 and every quaternion the identity.
 std::vector<double> neutral(const Model& model);
 
-/// A configuration and velocities.
+/// The coordinates and velocities of a mechanism at one time.
 struct InitialState {
   std::vector<double> q, v;  ///< nq and nv numbers
 };
-/// The state in which a motion of the mechanism starts, as its description says: see
-/// InitialStateDescription. Joints that the description does not name are at 0 and at rest.
+/// The state in which a motion of the mechanism starts, as InitialStateDescription gives it. Joints that the
+/// description does not name have the coordinates of neutral() and are at rest.
 InitialState initial_state(const Model& model);
 
-/// A random configuration within the limits, uniform for each joint: unlimited angles in [-π, π], unlimited
-/// lengths in [-1, 1] m, rotations uniform on SO(3). The same seed gives the same configuration.
+/// A random configuration within the limits, uniform for each joint. Without limits, angles are in [-π, π]
+/// and lengths in [-1, 1] m; with one limit, a coordinate is at most 2π rad or 2 m away from it. Rotations of
+/// spherical and free joints are uniform on SO(3). The same seed gives the same configuration.
 std::vector<double> random_configuration(const Model& model, std::uint64_t seed);
-/// n random configurations, one after the other: n * nq numbers. The first is random_configuration(model,
-/// seed).
+/// n random configurations, stored one after the other in n * nq numbers. The first one is
+/// random_configuration(model, seed).
 std::vector<double> random_configurations(const Model& model, std::uint64_t seed, std::size_t n);
 
 /// The configuration q with every quaternion scaled to norm 1. Throws std::invalid_argument with the name of
@@ -35,46 +37,52 @@ std::vector<double> normalize(const Model& model, std::span<const double> q);
 /// Computes q ⊕ dv: the configuration after every joint has moved along its left-trivialised direction dv.
 std::vector<double> integrate(const Model& model, std::span<const double> q, std::span<const double> dv);
 
-/// Computes q1 ⊖ q0: the dv with q0 ⊕ dv = q1. Rotations go the shorter way round, so that the angle of a
-/// planar joint is reached up to whole turns, and a quaternion up to its sign.
+/// Computes q1 ⊖ q0: the dv (nv numbers) with q0 ⊕ dv = q1. Rotations go the shorter way round. Hence q0 ⊕ dv
+/// can differ from q1 by whole turns in the angle of a planar joint and by the sign of a quaternion.
 std::vector<double> difference(const Model& model, std::span<const double> q0, std::span<const double> q1);
 
-/// Computes q0 ⊕ s (q1 ⊖ q0): a screw motion of every joint from q0 at s = 0 to q1 at s = 1.
+/// Computes q0 ⊕ s (q1 ⊖ q0): every joint moves along one screw, from q0 at s = 0 to q1 at s = 1. s may be
+/// outside [0, 1].
 std::vector<double> interpolate(const Model& model, std::span<const double> q0, std::span<const double> q1,
                                 double s);
 
-/// Computes q' = E(q) v: the rates of the nq coordinates at velocities v. The rate of a quaternion a is a (ω;
-/// 0) / 2, and the rate of the position of a free joint is R v.
+/// Computes q' = E(q) v: the rates of the nq coordinates at velocities v (nv numbers). The rate of a
+/// quaternion a at the angular velocity ω is a (ω; 0) / 2, and the rate of the position of a free joint is R
+/// v with the linear velocity v of the joint.
 std::vector<double> coordinate_rates(const Model& model, std::span<const double> q,
                                      std::span<const double> v);
-/// Computes v = E(q)⁺ q': the nv velocities from the rates q' of the coordinates. The part of a quaternion's
-/// rate that would change its norm is left out.
+/// Computes v = E(q)⁺ q': the nv velocities from the rates q' of the nq coordinates. The part of a
+/// quaternion's rate that would change its norm has no influence.
 std::vector<double> velocities_from_rates(const Model& model, std::span<const double> q,
                                           std::span<const double> dq);
 
-/// The names of the coordinates and of the velocities. Each is the name of its joint, with a number if the
-/// joint has several, as in `hip[0]`, `hip[1]`. Coupled and fixed joints have none. q[k] belongs to
-/// coordinate_names(model)[k]; v[k], a[k] and tau[k] belong to velocity_names(model)[k].
+/// coordinate_names() returns a name for each of the nq coordinates, and velocity_names() for each of the nv
+/// velocities: q[k] belongs to coordinate_names(model)[k], and v[k], a[k] and tau[k] belong to
+/// velocity_names(model)[k]. A name is that of the joint, with an index if the joint has several coordinates
+/// or velocities, as in `hip[0]`, `hip[1]`. Coupled and fixed joints have no names here, as they have no
+/// coordinates of their own.
 std::vector<std::string> coordinate_names(const Model& model);
 std::vector<std::string> velocity_names(const Model& model);
 
-/// The largest speed (rad/s, m/s), and below the largest drive force (N m, N), for each velocity: nv numbers,
-/// infinite if there is no limit. Limits of coupled joints are not included: they hold for the joints, not
-/// for the velocity of their leader.
+/// velocity_limits() returns the largest speed (rad/s, m/s) and effort_limits() the largest drive force (N m,
+/// N) for each of the nv velocities; an entry is infinite if there is no limit. The limits of coupled joints
+/// are not included, because they hold for these joints and not for the velocity of their leader.
 std::vector<double> velocity_limits(const Model& model);
 std::vector<double> effort_limits(const Model& model);
 
-/// Lower and upper limit of each coordinate. They are infinite if there is no limit, and for quaternions.
+/// The lower and upper limits of the nq coordinates. Limits are infinite if the description gives none, and
+/// for the four numbers of a quaternion.
 struct CoordinateLimits {
   std::vector<double> lower, upper;
 };
 CoordinateLimits limits(const Model& model);
 
-/// The nearest configuration within the limits.
+/// The configuration in which each coordinate of q that exceeds a limit is set to this limit. Quaternions do
+/// not change.
 std::vector<double> clamp(const Model& model, std::span<const double> q);
 
-/// Throws std::invalid_argument with the name of the argument and the joint if q has the wrong size, or if
-/// the norm of a quaternion differs from 1 by more than 1e-6 (1e-4 in float).
+/// Throws std::invalid_argument if q has another size than nq, or if the norm of a quaternion differs from 1
+/// by more than 1e-6 (1e-4 in float). The message names the argument and the joint.
 void check_configuration(const Model& model, std::span<const double> q, const char* argument = "q");
 void check_configuration(const Model& model, std::span<const float> q, const char* argument = "q");
 
@@ -82,8 +90,8 @@ void check_configuration(const Model& model, std::span<const float> q, const cha
 /// is nan`. Empty if all are finite.
 std::string first_not_finite(const Model& model, std::span<const double> q, std::span<const double> v);
 
-/// Throws std::invalid_argument with the name of the argument, the actual and the expected size, if these
-/// differ.
+/// Throws std::invalid_argument if the actual size of an argument is not the expected one. The message has
+/// the name of the argument, both sizes, and `meaning`, the name of the expected size, such as `nq`.
 void check_size(const char* argument, std::size_t actual, std::size_t expected, const char* meaning);
 
 }  // namespace axode

@@ -13,11 +13,11 @@
 #include "axode/model/loops.hpp"
 #include "axode/model/springs.hpp"
 
-/// The description of a mechanism as an engineer gives it. ModelBuilder checks it and compiles it into a
-/// Model.
+/// The description of a mechanism as an engineer gives it. ModelBuilder checks a description and compiles it
+/// into a Model.
 ///
-/// The mechanism is drawn with every joint at zero. Its one construction frame is the inertial frame, and the
-/// body "ground" rests in it.
+/// The mechanism is drawn with every joint at zero. All drawn points, axes and poses are in one construction
+/// frame, which is the inertial frame, and the body "ground" rests in it.
 namespace axode {
 
 enum class JointKind {
@@ -25,37 +25,39 @@ enum class JointKind {
   revolute,
   prismatic,
   helical,
-  cylindrical,  ///< becomes two joints, `<name>.rotation` and `<name>.translation`, through a massless body
-  universal,    ///< becomes two joints, `<name>.first` and `<name>.second`, through a massless body
+  cylindrical,  ///< becomes `<name>.rotation` and `<name>.translation` with a massless body in between
+  universal,    ///< becomes `<name>.first` and `<name>.second` with a massless body in between
   spherical,
   planar,
   free,
 };
 
-/// Limits, losses, drive inertia and elastic elements of one degree of freedom of a joint. Units follow from
-/// the kind: rad or m, N m or N.
+/// Limits, losses, drive inertia and elastic elements of one degree of freedom of a joint. The first unit of
+/// a member holds for an angle and the second for a length; forces are N m or N. Losses (damping, friction
+/// and gear losses) act only if a caller sets Loads::joint_losses.
 struct Dof {
   double lower = -std::numeric_limits<double>::infinity();
   double upper = std::numeric_limits<double>::infinity();
   double velocity = std::numeric_limits<double>::infinity();  ///< largest speed
   double effort = std::numeric_limits<double>::infinity();    ///< largest drive force
-  double damping = 0;    ///< N m s/rad or N s/m; a force law, see Loads::joint_losses
-  double friction = 0;   ///< Coulomb friction, N m or N; a force law, see Loads::joint_losses
-  double armature = 0;   ///< inertia of the drive as it acts at the joint, kg m² or kg; part of the dynamics
+  double damping = 0;    ///< N m s/rad or N s/m; needs Loads::joint_losses
+  double friction = 0;   ///< Coulomb friction, N m or N; needs Loads::joint_losses
+  double armature = 0;   ///< inertia of the drive as it acts at the joint, kg m² or kg
   double stiffness = 0;  ///< stiffness of a spring, N m/rad or N/m; acts in simulations, see spring_forces()
-  /// Position at which the spring has no force, rad or m; 0 for joints of several velocities.
+  /// Position at which the spring has no force, rad or m. It must be 0 for joints of several velocities.
   double rest = 0;
-  /// Stiffness of stops at the limits, N m/rad or N/m; for joints of one velocity.
+  /// Stiffness of elastic stops at the limits, N m/rad or N/m. Only joints of one velocity can have stops.
   double stop_stiffness = 0;
-  double stop_damping = 0;  ///< damping of the stops by Hunt and Crossley, s/rad or s/m
-  bool hard_stops = false;  ///< whether the limits are stops that do not yield; for joints of one velocity
-  double restitution = 0;   ///< restitution of hard stops, 0 to 1
-  /// The part of the force F that the gear transmits to the joint and that it loses in addition while the
-  /// drive drives, an efficiency of 1/(1 + gear_loss); a force law, see Loads::joint_losses. For joints of
-  /// one velocity.
+  double stop_damping = 0;  ///< damping of elastic stops after Hunt and Crossley, s/rad or s/m
+  bool hard_stops = false;  ///< whether the limits are rigid stops; for joints of one velocity
+  double restitution = 0;   ///< coefficient of restitution of hard stops, 0 to 1
+  /// Loss of the gear while the drive drives the joint, divided by the force F that the gear transmits: the
+  /// drive needs the force (1 + gear_loss) F, so that the efficiency is 1/(1 + gear_loss). It acts only if
+  /// Loads::joint_losses is set. Only joints of one velocity can have a gear.
   double gear_loss = 0;
-  /// The same part while the joint drives the drive back. If empty, it is gear_loss. The efficiency is
-  /// 1 - gear_loss_back, and from 1 on the gear locks itself.
+  /// Loss of the gear while the joint drives the drive back, divided by the force that the gear transmits; if
+  /// empty, it is gear_loss. The efficiency is 1 - gear_loss_back. A gear with a value of 1 or more locks
+  /// itself: the joint cannot drive it.
   std::optional<double> gear_loss_back = {};
 };
 /// Whether the gear of a joint loses a part of the force that it transmits.
@@ -63,13 +65,15 @@ inline bool has_gear_losses(const Dof& dof) {
   return dof.gear_loss > 0 || dof.gear_loss_back.value_or(0) > 0;
 }
 
-/// q = ratio q_leader + offset; a coupled joint has no coordinate of its own.
+/// The coupling of a joint to another one, its leader: q = ratio q_leader + offset. A coupled joint has no
+/// coordinate of its own.
 struct Coupling {
   std::string leader;
   double ratio = 1, offset = 0;
 };
 
-/// A joint between a body and its predecessor. Axis and point are given in the frame that the Geometry names.
+/// A joint between a body and its predecessor. The frame in which axis and point are given follows from the
+/// type of BodyDescription::geometry.
 struct JointDescription {
   std::string name = {};  ///< empty: `<body>_joint`
   JointKind kind = JointKind::fixed;
@@ -77,28 +81,30 @@ struct JointDescription {
   Vec3<> second_axis{1, 0, 0};  ///< second axis of a universal joint, fixed in the child
   Vec3<> point{0, 0, 0};        ///< a point on the axis, the centre of a spherical or universal joint, m
   double pitch = 0;             ///< pitch of a helical joint, m/rad
-  std::vector<Dof> dof = {};    ///< one for each velocity, or empty
+  std::vector<Dof> dof = {};    ///< one for each degree of freedom, or empty
   std::optional<Coupling> coupling = {};  ///< coupling of a revolute, prismatic or helical joint
   /// Whether the joint has no drive. If empty, it has a drive unless it is a free joint of a mechanism with
   /// loops or couplings.
   std::optional<bool> passive = {};
-  Source source = {};  ///< source of the joint if it differs from that of the body
+  Source source = {};  ///< place in a file; empty if it is that of the body
 };
 
-/// Geometry in the construction frame: axis and point are those of Y_i; A is the reference pose of the body
-/// frame. By default A is the construction frame itself, whose origin need not be on the body;
-/// InConstructionFrame{{{}, point}} has the origin at the joint. `in` of MassProperties names the frame of
-/// com.
+/// Geometry of a body in the construction frame. The axis and the point of its joint are given in this frame
+/// and determine the spatial screw Y_i. A is the reference pose of the body frame. By default A is the
+/// identity; then the origin of the body frame need not be on the body. InConstructionFrame{{{}, point}} has
+/// the origin at the joint. The frame of the centre of mass is chosen by MassProperties::in.
 struct InConstructionFrame {
   SE3<> A;
 };
-/// Geometry in the body frame: axis and point are those of X_i; B is the reference pose of the body frame in
-/// the frame of the predecessor.
+/// Geometry of a body in the body frame. The axis and the point of its joint are given in this frame and
+/// determine the body-fixed screw X_i. B is the reference pose of the body frame in the frame of the
+/// predecessor.
 struct InBodyFrame {
   SE3<> B;
 };
-/// Geometry in joint frames: axis and point are those of Z_i; the joint frame has pose S_prev = S_{i-1,i} on
-/// the predecessor and S_self = S_{i,i} on the body.
+/// Geometry of a body in joint frames. The axis and the point of its joint are given in the joint frame and
+/// determine the screw Z_i. The joint frame has the pose S_prev = S_{i-1,i} in the frame of the predecessor
+/// and S_self = S_{i,i} in the frame of the body.
 struct InJointFrames {
   SE3<> S_prev, S_self;
 };
@@ -114,7 +120,7 @@ struct MassProperties {
   Sym3<> Theta;                                       ///< kg m²
   GivenIn in = GivenIn::body_frame;                   ///< frame of com and Theta
   InertiaAbout about = InertiaAbout::center_of_mass;  ///< reference point of Theta
-  SO3<> axes = {};  ///< axes of Theta, rotated against that frame (the paper's R_bc)
+  SO3<> axes = {};  ///< axes of Theta relative to the frame `in` (the paper's R_bc)
 };
 
 enum class ShapeKind {
@@ -123,20 +129,21 @@ enum class ShapeKind {
   cylinder,  ///< along z, about its middle
   capsule,   ///< a cylinder along z with a half ball on each end, about its middle
   ellipsoid,
-  mesh,   ///< mesh in a file, which is not opened here
+  mesh,   ///< mesh in a file; the builder does not open it
   plane,  ///< the half-space z < 0, whose outward normal is z
 };
 
-/// The largest coefficient of friction of two shapes, as a number or in m; larger ones act like this one. A
-/// surface must be steeper than 89.9 degrees for a shape to slide with it, and the numbers of a step with
-/// contact still have digits for its laws.
+/// The largest coefficient of friction in a contact: a number for sliding, m for drilling and rolling
+/// friction. Larger coefficients are replaced by it. With a coefficient of 1000 a shape slides only on a
+/// surface that is steeper than 89.9 degrees, and the equations of a step with contact can still be solved
+/// with sufficient accuracy.
 inline constexpr double most_friction = 1000;
 
 /// How the surface of a shape behaves in contact. Two shapes in contact have the geometric mean of their
 /// coefficients of each kind of friction, and the larger of their restitutions. Surfaces with a stiffness are
 /// compliant and act like springs in series; they do not bounce by a restitution.
 struct ContactProperties {
-  std::optional<double> friction = {};  ///< coefficient of sliding friction; empty: that of the mechanism
+  std::optional<double> friction = {};  ///< sliding friction; empty: that of ContactDescription
   double spin_friction = 0;             ///< moment of drilling friction divided by the normal force, m
   double rolling_friction = 0;          ///< moment of rolling friction divided by the normal force, m
   double restitution = 0;               ///< 0 to 1
@@ -146,18 +153,18 @@ struct ContactProperties {
   double damping = 0;     ///< c, s/m
 };
 
-/// A visual shape of a body, or one for contacts. Shapes are kept, written and drawn; only simulations with
-/// contact let collision shapes act.
+/// A shape of a body or of the ground, for drawing (visual) or for contacts (collision). Shapes have no
+/// influence on the dynamics, except for collision shapes in simulations with contact.
 struct ShapeDescription {
   enum class Role { visual, collision } role = Role::visual;
   std::string name = {};
   ShapeKind kind = ShapeKind::box;
   SE3<> pose = {};        ///< pose in the body frame, or in the construction frame for shapes of the ground
-  Vec3<> size{};          ///< edges of a box, semi-axes of an ellipsoid, m
+  Vec3<> size{};          ///< edge lengths of a box or semi-axes of an ellipsoid, m
   double radius = 0;      ///< m
   double length = 0;      ///< length of a cylinder, or of a capsule without its ends, m
   std::string file = {};  ///< file of a mesh as the description gives it: see find_mesh()
-  Vec3<> scale{1, 1, 1};  ///< scale of a mesh: m for each of its units
+  Vec3<> scale{1, 1, 1};  ///< scale of a mesh along x, y and z, m per unit of the file
   std::optional<std::array<double, 4>> color = {};  ///< red, green, blue, opacity; 0 to 1
   ContactProperties contact = {};                   ///< used for collision shapes
 };
@@ -172,7 +179,7 @@ struct BodyDescription {
   Source source = {};
 };
 
-/// A frame of interest on a body: a tool, a sensor, a contact point.
+/// A named frame on a body, such as that of a tool, a sensor or a contact point.
 struct FrameDescription {
   std::string name;
   std::string body;
@@ -181,10 +188,10 @@ struct FrameDescription {
   Source source = {};
 };
 
-/// A spring and a damper. Its kind says what it measures: a line between two points unless another kind is
-/// given. It acts in simulations, see spring_forces().
+/// A spring and a damper in parallel. The kind determines the coordinate on which the force depends; by
+/// default it is the distance of two points. Springs act in simulations, see spring_forces().
 struct SpringDescription {
-  /// A point of a tendon on a body or a named frame, or on the ground.
+  /// A point of a tendon. `on` is the name of a body, of a named frame, or "ground".
   struct Point {
     std::string on;
     Vec3<> point{};  ///< m
@@ -193,28 +200,30 @@ struct SpringDescription {
   SpringKind kind = SpringKind::line;
   std::array<std::string, 2> between = {};  ///< bodies, named frames or "ground"; not for tendons and joints
   std::array<Vec3<>, 2> points = {};        ///< ends of a line, m
-  /// Frame of points and poses: each in its frame, or all in the construction frame.
+  /// Frame of `points`, `path` and `frames`: body_frame means that each is given in the frame of the body or
+  /// named frame on which it is, and construction_frame that all are given in the construction frame.
   GivenIn in = GivenIn::body_frame;
-  double stiffness = 0;  ///< stiffness if no curve is given, N/m or N m/rad
-  double rest = 0;       ///< coordinate of the deflection 0, m or rad; without a curve there is no force
-  double damping = 0;    ///< N s/m or N m s/rad
-  std::optional<ForceCurve> curve = {};  ///< the force by the deflection, in place of a stiffness
+  double stiffness = 0;                  ///< stiffness if no curve is given, N/m or N m/rad
+  double rest = 0;                       ///< coordinate at which the deflection is 0, m or rad
+  double damping = 0;                    ///< N s/m or N m s/rad
+  std::optional<ForceCurve> curve = {};  ///< force as a function of the deflection; replaces `stiffness`
   Acts acts = Acts::both_ways;
-  std::optional<double> preload = {};  ///< tension as drawn, in place of rest, N or N m
+  std::optional<double> preload = {};  ///< tension at q = 0, N or N m; replaces `rest`
   std::vector<Point> path = {};        ///< points of a tendon
-  std::array<SE3<>, 2> frames = {};    ///< frames of a bushing; of a torsion spring z is the axis
+  std::array<SE3<>, 2> frames = {};    ///< frames of a bushing or torsion spring; z is the axis of torsion
   std::vector<std::pair<std::string, double>> terms = {};  ///< joints and their factors
-  SE3<> rest_pose = {};     ///< pose of the second frame of a bushing in the first one that has no wrench
+  SE3<> rest_pose = {};     ///< pose of the second frame of a bushing in the first one without a wrench
   SixBySix K = {}, C = {};  ///< stiffness and damping of a bushing in the axes of its second frame
   Source source = {};
 };
 
-/// A joint that closes a loop. It is drawn by axis and point in the construction frame at q = 0, where the
-/// loop is closed; or the frame of the loop is given on either body, and the two frames need not meet at q =
-/// 0.
+/// A joint that closes a loop. Either it is drawn, by axis and point in the construction frame at q = 0,
+/// where the loop is closed then. Or `frames` gives the joint frame on each of the two bodies, and the loop
+/// need not be closed at q = 0.
 struct LoopDescription {
-  std::string name = {};  ///< empty: `loop 1`, ...; must differ from names of joints
-  /// Bodies, named frames or "ground". The wrench of the loop acts on the second one.
+  std::string name = {};  ///< empty: `loop 1`, ...; must differ from the names of joints
+  /// The bodies, named frames or "ground" that the loop joint connects. The wrench of the loop acts on the
+  /// second one, and the opposite wrench on the first one.
   std::array<std::string, 2> between = {};
   LoopKind kind = LoopKind::revolute;
   Vec3<> axis{0, 0, 1};         ///< axis of any length but 0; for planar and rolling the normal of the plane
@@ -224,95 +233,103 @@ struct LoopDescription {
   std::array<Vec3<>, 2> points = {};      ///< ends of a rod, or centres of the pulleys of a belt, m
   Vec3<> center{};                        ///< centre of the rolling body, m
   std::optional<Vec3<>> wheel_axis = {};  ///< axis of a rolling wheel; empty: the body is a sphere
-  /// The alternative to a drawn loop: its poses in the frames of both bodies, whose z is the axis and whose
-  /// origin is the point. For a universal joint z is the first axis on the first body and the second axis on
-  /// the second one. For a rod the origins are its ends. For a rolling contact z is the normal on the first
-  /// body; on the second one the origin is the centre, and z is the axis of a wheel. For a belt the origins
-  /// are the centres of the pulleys, and z is the axis about which they turn.
+  /// The joint frames, given in the frames of the two bodies, as an alternative to axis and point. In general
+  /// z is the axis and the origin is the point. For a universal joint z is the first axis in the first frame
+  /// and the second axis in the second frame. For a rod the origins are its ends. For a rolling contact z of
+  /// the first frame is the normal of the plane; the origin of the second frame is the centre of the rolling
+  /// body, and its z is the axis if this is a wheel. For a belt the origins are the centres of the pulleys,
+  /// and z is the axis about which they turn.
   std::optional<std::array<SE3<>, 2>> frames = {};
-  std::optional<double> length = {};  ///< length of a rod, m; empty: as drawn
-  std::optional<double> radius = {};  ///< radius of a rolling body, m; empty: as drawn
-  std::optional<double> angle = {};   ///< angle between the axes of a universal joint, rad; empty: as drawn
+  std::optional<double> length = {};  ///< length of a rod, m; empty: the distance of `points`
+  std::optional<double> radius = {};  ///< radius of a rolling body, m; empty: it follows from `center`
+  std::optional<double> angle = {};   ///< angle of the axes of a universal joint, rad; empty: as drawn
   std::array<double, 2> radii = {};   ///< radii of the pulleys of a belt, m; see Loop::radii for their signs
   Source source = {};
 };
 
-/// A coupling Σ factor q = offset of joints with one velocity: a differential, a cable or a gear train. It
-/// closes a loop as well. With play it holds only at the ends of the play: |Σ factor q - offset| <= play/2.
+/// A coupling Σ factor q = offset of the coordinates of joints with one velocity: a differential, a cable or
+/// a gear train. It is a constraint like a loop joint. If `play` is positive, the coupling only requires |Σ
+/// factor q - offset| <= play/2.
 struct CouplingDescription {
   std::string name = {};                                   ///< empty: `coupling 1`, ...
   std::vector<std::pair<std::string, double>> terms = {};  ///< joints and their factors
   double offset = 0;
-  double play = 0;         ///< backlash from one side to the other, in units of the offset
+  double play = 0;         ///< whole width of the backlash, in units of the offset
   double restitution = 0;  ///< restitution of impacts at the ends of the play, 0 to 1
   Source source = {};
 };
 
-/// A function of time that a joint of one velocity or the length of a rod follows.
+/// A prescribed motion: a function of time that the coordinate of a joint of one velocity, or the length of a
+/// rod, follows.
 struct MotionDescription {
-  std::string name = {};  ///< empty: that of its joint or rod
+  std::string name = {};  ///< empty: `motion of <joint or rod>`
   std::string of;         ///< joint of one velocity, or loop of kind rod
   enum class Kind {
     harmonic,    ///< offset + amplitude sin(2π frequency t + phase)
-    ramp,        ///< from `from` until `start` to `to` from `end` on, as a polynomial of degree 5
+    ramp,        ///< `from` until `start`, `to` after `end`, a polynomial of degree 5 in between
     polynomial,  ///< Σ coefficients[k] t^k
     samples,     ///< spline of degree 5 through (times, values)
   } kind = Kind::polynomial;
-  double offset = 0, amplitude = 0, frequency = 0, phase = 0;  ///< rad or m, the same, Hz, rad
-  double from = 0, to = 0, start = 0, end = 0;                 ///< rad or m, the same, s, s
+  double offset = 0, amplitude = 0, frequency = 0, phase = 0;  ///< rad or m, rad or m, Hz, rad
+  double from = 0, to = 0, start = 0, end = 0;                 ///< rad or m, rad or m, s, s
   std::vector<double> coefficients = {};
   std::vector<double> times = {}, values = {};  ///< s, rad or m
   Source source = {};
 };
 
-/// The input of a drive: another drive, a function of time, or steps in time.
+/// The input of a drive. It is given in one of three forms: the output of another drive (`from`), a function
+/// of time, or values that change in steps. All members are empty for a kind of drive that has no input.
 struct DriveInput {
-  std::string from = {};                           ///< drive whose output it is; empty: none
-  std::optional<MotionDescription> function = {};  ///< its name and joint are not used
-  /// Otherwise it has the value k from times[k] on, and values[0] before. One value needs no time.
+  std::string from = {};                           ///< name of the drive whose output is the input, or empty
+  std::optional<MotionDescription> function = {};  ///< function of time; its `name` and `of` are not used
+  /// Steps: the input is values[k] from times[k] on, and values[0] before times[0]. A constant has one value
+  /// and no time.
   std::vector<double> times = {}, values = {};
 };
 
-/// A drive with states of its own, see axode/drives.hpp. It acts in simulations: on a sum of joint
-/// coordinates, or along a line between two points, whose ends a positive force pushes apart.
+/// A drive with states of its own, see axode/drives.hpp. Drives act in simulations, either on a sum of joint
+/// coordinates or along the line between two points; on a line a positive force pushes the ends apart.
 struct DriveDescription {
   std::string name = {};  ///< empty: `drive 1`, ...
   DriveKind kind = DriveKind::dc_motor;
-  /// The joints of one velocity on which it acts, with their factors: its coordinate is Σ factor q. Empty if
-  /// it acts along a line.
+  /// The joints on which the drive acts, each with a factor: the coordinate of the drive is Σ factor q. The
+  /// joints must have one velocity. Empty if the drive acts along a line.
   std::vector<std::pair<std::string, double>> joints = {};
   struct Line {
     std::array<std::string, 2> between = {};  ///< bodies, named frames or "ground"
     std::array<Vec3<>, 2> points = {};        ///< m
-    /// Frame of the points: each in its frame, or both in the construction frame.
+    /// Frame of `points`: body_frame means that each is given in the frame of its body or named frame, and
+    /// construction_frame that both are given in the construction frame.
     GivenIn in = GivenIn::body_frame;
   };
   std::optional<Line> line = {};
-  /// Parameters by the names in drive_kinds. What is not named has its standard value.
+  /// Parameters by name, see drive_kinds for the names. A parameter that is not given has its standard value.
   std::vector<std::pair<std::string, double>> parameters = {};
-  /// Whether the integrator of a saturated PID controller stops, instead of following the limit.
+  /// Anti-windup of a PID controller. If true, its integrator stops while the output is saturated and the
+  /// error would increase it further; if false, the integrator follows the limit (back calculation).
   bool conditional = false;
   DriveInput input = {};
-  /// Initial values of states by name. What is not named starts as the kind says.
+  /// Initial values of states by name. A state that is not given starts at the value that the kind of drive
+  /// chooses.
   std::vector<std::pair<std::string, double>> initial = {};
   Source source = {};
 };
 
-/// Where a motion of the mechanism starts: coordinates and velocities of joints by name. What is not named is
-/// 0, or the identity.
+/// The state in which a motion of the mechanism starts: the coordinates q and velocities v of joints by name.
+/// A joint that is not named starts at 0 (at the identity if it has a quaternion), or with the velocity 0.
 struct InitialStateDescription {
   std::vector<std::pair<std::string, std::vector<double>>> q = {}, v = {};
   Source source = {};
 };
 
-/// Settings of contact for the whole mechanism: the table [contact] of a drawing. Single shapes have their
-/// own ContactProperties. A mechanism with these settings is simulated with contact unless another method is
-/// named.
+/// Settings of contact for the whole mechanism: the table [contact] of a drawing. Properties of single shapes
+/// are in ContactProperties. A mechanism with these settings is simulated by the method with contact unless
+/// the caller names another method.
 struct ContactDescription {
-  double friction = 0.6;    ///< coefficient of sliding friction of shapes that have none of their own
+  double friction = 0.6;    ///< coefficient of sliding friction of shapes without one of their own
   double margin = 0.01;     ///< gap below which a contact is considered, m
-  double threshold = 0.05;  ///< speed of approach below which nothing bounces, m/s
-  std::vector<std::array<std::string, 2>> ignored = {};  ///< pairs of bodies that never touch
+  double threshold = 0.05;  ///< speed of approach below which impacts have no restitution, m/s
+  std::vector<std::array<std::string, 2>> ignored = {};  ///< pairs of bodies without contacts
   Source source = {};
 };
 
@@ -330,11 +347,11 @@ struct Description {
   std::optional<InitialStateDescription> state = {};
   std::optional<ContactDescription> contact = {};
   Source source = {};
-  std::vector<Fault> warnings = {};  ///< warnings of the reader
+  std::vector<Fault> warnings = {};  ///< warnings of the reader that made the description
 };
 
-/// Whether a joint has no drive: as the description says or, if it says nothing, if it is a free joint of a
-/// mechanism with loops or couplings.
+/// Whether a joint has no drive. If the description leaves it open, only a free joint of a mechanism with
+/// loops or couplings has none.
 inline bool is_passive(const JointDescription& joint, const Description& d) {
   const bool closed = !(d.loops.empty() && d.couplings.empty());
   return joint.passive.value_or(closed && joint.kind == JointKind::free);

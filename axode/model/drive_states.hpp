@@ -9,11 +9,12 @@ namespace axode {
 /// A state of a drive.
 struct DriveState {
   std::string name, unit;
-  double nominal = 1;  ///< the size of a usual value, by which errors of this state are measured
+  double nominal = 1;  ///< magnitude of usual values; errors of the state are relative to it
 };
 
-/// The states of a kind of drives for a joint that turns. A dc_motor without a heat capacity has no
-/// temperature, and the bristles of a lugre have a nominal value of their own.
+/// The states of a kind of drives, with the units for a drive that acts on an angle. There are two
+/// exceptions, which the drive itself decides: a dc_motor without a heat capacity has no state `temperature`,
+/// and the nominal value of the state `bristle` of a lugre follows from the parameters.
 inline std::vector<DriveState> states_of(DriveKind kind) {
   switch (kind) {
     case DriveKind::dc_motor: return {{"current", "A", 1}, {"temperature", "degC", 10}};

@@ -5,9 +5,8 @@
 #include <variant>
 #include <vector>
 
-/// Force laws of springs: the tension of a spring whose coordinate is x, a length or an angle, as a
-/// function of the deflection δ = x - rest and of the rate x'. A tension pulls the ends together and is
-/// positive.
+/// Force laws of springs: the tension F of a spring as a function of the deflection δ = x - rest and of the
+/// rate x', where the coordinate x is a length or an angle. A positive tension pulls the ends together.
 namespace axode {
 
 /// F = stiffness δ.
@@ -18,8 +17,8 @@ struct LinearCurve {
 struct PolynomialCurve {
   std::vector<double> coefficients;
 };
-/// A monotone cubic through the points (deflections[k], forces[k]) after Fritsch and Carlson, continued by
-/// straight lines, see (D16.3).
+/// A piecewise cubic through the points (deflections[k], forces[k]) that is monotone between them, after
+/// Fritsch and Carlson (D16.3). Before the first point and after the last one the curve is a straight line.
 struct TableCurve {
   std::vector<double> deflections, forces;
 };
@@ -32,24 +31,26 @@ struct GasCurve {
   double exponent = 1;       ///< polytropic exponent; 1: constant temperature
   double ambient = 101'325;  ///< pressure outside, Pa
 };
-/// The curves that a spring may have. Whatever asks which curve a spring has visits all of them.
+/// The curves that a spring may have. Code that depends on the type of curve must handle all of them, as it
+/// uses std::visit.
 using ForceCurve = std::variant<LinearCurve, PolynomialCurve, TableCurve, GasCurve>;
 
-/// The forces that a spring can exert. A one-sided spring has none for deflections of the other sign.
+/// The signs of force that a spring can exert. A spring that acts in tension exerts no force at negative
+/// deflections, and one that acts in compression none at positive deflections.
 enum class Acts { both_ways, in_tension, in_compression };
 
-/// A force law as the kernels read it: F = curve(δ) + damping x'. Damping does not reverse the force of a
-/// one-sided spring.
+/// A force law as the kernels read it: F = curve(δ) + damping x'. If the spring acts in tension or in
+/// compression only, F is set to 0 where damping would reverse the sign of curve(δ).
 struct ForceLaw {
   ForceCurve curve = {};
-  double rest = 0;     ///< coordinate of the deflection 0, m or rad
+  double rest = 0;     ///< coordinate at which the deflection is 0, m or rad
   double damping = 0;  ///< N s/m or N m s/rad
   Acts acts = Acts::both_ways;
-  std::vector<double> slopes = {};    ///< slopes of a table at its points
-  std::vector<double> energies = {};  ///< energy of a table at its points, 0 at δ = 0
+  std::vector<double> slopes = {};    ///< slopes of a TableCurve at its points; else empty
+  std::vector<double> energies = {};  ///< energies of a TableCurve at its points, 0 at δ = 0
 };
 
-/// The value of a curve, its derivative, and the energy ∫ F dδ from 0.
+/// The value F of a curve at a deflection δ, its derivative by δ, and the energy ∫ F dδ from 0 to δ.
 template <class T> struct CurveValue { T f, slope, energy; };
 
 template <class T> CurveValue<T> evaluate(const LinearCurve& curve, const ForceLaw&, const T& x) noexcept {
@@ -69,7 +70,8 @@ CurveValue<T> evaluate(const PolynomialCurve& curve, const ForceLaw&, const T& x
   return out;
 }
 
-/// The piece of a table that contains δ. Before the first point and after the last one the curve is a line.
+/// Evaluates the cubic of a TableCurve between the two points that enclose the deflection x, or the straight
+/// line if x is before the first point or after the last one.
 template <class T> CurveValue<T> evaluate(const TableCurve& curve, const ForceLaw& law, const T& x) noexcept {
   const std::vector<double>&at = curve.deflections, &F = curve.forces;
   const auto next = std::upper_bound(at.begin(), at.end(), x, [](const T& a, double b) { return a < T(b); });
@@ -84,7 +86,8 @@ template <class T> CurveValue<T> evaluate(const TableCurve& curve, const ForceLa
           U + s * (f + s * (T(0.5) * m + s * (c2 / T(3) + T(0.25) * s * c3)))};
 }
 
-/// Not a number if the chamber has no volume left.
+/// Evaluates a GasCurve at the deflection x. All results are NaN if the volume of the chamber is not
+/// positive.
 template <class T> CurveValue<T> evaluate(const GasCurve& gas, const ForceLaw&, const T& x) noexcept {
   const T A = T(gas.area), V_0 = T(gas.volume), V = V_0 + A * x, n = T(gas.exponent);
   if (!(V > T(0))) {
@@ -98,7 +101,7 @@ template <class T> CurveValue<T> evaluate(const GasCurve& gas, const ForceLaw&, 
           T(gas.pressure) * V_0 * work + T(gas.ambient) * A * x};
 }
 
-/// The tension of a spring, and its derivatives by the coordinate and by the rate of the coordinate.
+/// The tension f of a spring, and its derivatives by the coordinate x and by the rate dx of the coordinate.
 template <class T> struct Tension { T f, by_x, by_dx; };
 
 /// Whether a one-sided spring exerts no force at the deflection δ.
@@ -111,7 +114,7 @@ template <class T> CurveValue<T> curve_value(const ForceLaw& law, const T& defle
   return std::visit([&](const auto& curve) { return evaluate(curve, law, deflection); }, law.curve);
 }
 
-/// The tension at the coordinate x and its rate (D16.2).
+/// The tension of a spring at the coordinate x and the rate dx of the coordinate (D16.2).
 template <class T> Tension<T> tension(const ForceLaw& law, const T& x, const T& dx) noexcept {
   const T deflection = x - T(law.rest);
   if (is_slack(law, deflection)) return {T(0), T(0), T(0)};

@@ -6,16 +6,19 @@
 
 #include "axode/model/model.hpp"
 
-/// The ten parameters of each moving body in which the equations of motion are linear:
+/// The ten inertial parameters of each moving body, in which the equations of motion are linear:
+///
 ///   π = (m, m c_x, m c_y, m c_z, Θ_xx, Θ_yy, Θ_zz, Θ_xy, Θ_xz, Θ_yz).
-/// They are in the frame of the body, with Θ about its origin, and include all bodies that are fixed to it.
+///
+/// They are in the frame of the body, where c is the centre of mass and Θ the rotational inertia about the
+/// origin. They include all bodies that are fixed to the body.
 namespace axode {
 
 std::array<double, 10> inertial_parameters(const Inertia<double>& M);
 Inertia<double> inertia_of(std::span<const double, 10> parameters);
-/// The parameters of all bodies, 10 n_bodies numbers.
+/// The parameters of the moving bodies 1, 2, ..., one after the other: 10 n_bodies numbers.
 std::vector<double> inertial_parameters(const Model& model);
-/// The names of the parameters: `<body> m`, `<body> m cx`, ..., `<body> Iyz`.
+/// The names of the 10 n_bodies parameters: `<body> m`, `<body> m cx`, ..., `<body> Iyz`.
 std::vector<std::string> parameter_names(const Model& model);
 
 }  // namespace axode

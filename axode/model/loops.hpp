@@ -9,7 +9,9 @@
 
 namespace axode {
 
-/// The kinds of loop joints: joints between two bodies that both hang on other bodies, rods and contacts.
+/// The kinds of loop joints. A loop joint constrains the relative motion of two bodies, or of a body and the
+/// ground, in addition to the joints of the spanning tree. Rods, rolling contacts and belts are loop joints
+/// as well.
 enum class LoopKind {
   fixed,
   revolute,
@@ -18,27 +20,27 @@ enum class LoopKind {
   cylindrical,
   spherical,
   planar,
-  translational,  ///< every translation and no rotation
+  translational,  ///< all translations are free and no rotation is
   universal,
   rod,      ///< massless rod with a ball joint at either end: two points keep their distance
   rolling,  ///< rolling of a wheel or a sphere on a plane, without slip
   belt,     ///< span of a belt that does not stretch, from one pulley to another
 };
 
-/// The table of loop joints, with everything that depends on the kind alone. The equations of a kind are
-/// those of a type in constraints/loops/; loop_joint() selects the type by the kind.
+/// A row of the table of loop joints, with everything that depends only on the kind. The constraint equations
+/// of a kind are in a type of constraints/loops/, which loop_joint() selects by the kind.
 struct LoopTraits {
   LoopKind kind;
   std::string_view name;
   int rows;       ///< number of rows of the Jacobian
   int residuals;  ///< number of residuals; fewer than rows if some rows have no position level
-  /// The directions among ω_x ω_y ω_z v_x v_y v_z that the joint leaves free. A helical joint leaves ω_z
-  /// free, with v_z = pitch ω_z. A universal joint is a spherical one with another row; rods, rolling
-  /// contacts and belts are no subgroups.
+  /// The directions among ω_x ω_y ω_z v_x v_y v_z that the joint leaves free. For a helical joint ω_z is free
+  /// and v_z = pitch ω_z follows. A universal joint has the free directions of a spherical joint and one more
+  /// constraint row. Rods, rolling contacts and belts are no subgroups, and all entries are false.
   std::array<bool, 6> free;
   bool located;  ///< whether the position of the joint matters and not only its directions
-  /// Members of LoopDescription by which the joint is drawn. It has one frame for both bodies unless it has a
-  /// second axis, two points, or a centre.
+  /// Members of LoopDescription by which the joint is drawn. Both bodies have the same joint frame at q = 0,
+  /// unless the keys include `second_axis`, `points` or `center`.
   std::array<std::string_view, 5> keys;
 
   constexpr bool has(std::string_view key) const {
@@ -73,7 +75,8 @@ constexpr const LoopTraits& traits(LoopKind kind) {
 }
 constexpr std::string_view to_string(LoopKind kind) { return traits(kind).name; }
 
-/// The name of a loop joint or coupling, and the indices of its rows in A and in the residuals r.
+/// The name of a loop joint or coupling, and the indices of its rows in the loop Jacobian A and in the vector
+/// r of residuals at position level.
 struct LoopRows {
   std::string name;
   int first_row = 0, rows = 1;
@@ -84,7 +87,7 @@ struct LoopRows {
 struct Loop : LoopRows {
   struct End {
     int body = 0;
-    SE3<> F;  ///< frame of the loop in the internal frame of the body
+    SE3<> F;  ///< pose of the joint frame in the internal frame of the body
   };
   LoopKind kind{};
   std::array<End, 2> ends = {};
@@ -98,7 +101,8 @@ struct Loop : LoopRows {
   std::array<double, 2> radii = {};
 };
 
-/// A coupling Σ factor q = offset of the coordinates of several joints. For velocities it is a constant row.
+/// A coupling Σ factor q = offset of the coordinates of several joints. Its row of the loop Jacobian is
+/// constant: the factors at the velocities of the joints.
 struct LoopCoupling : LoopRows {
   struct Term {
     int coordinate, velocity;
@@ -108,8 +112,8 @@ struct LoopCoupling : LoopRows {
   double offset = 0;
 };
 
-/// A coupling with play, |Σ factor q - offset| <= play/2. It is no loop: at the ends of the play it acts as a
-/// contact in simulations, see simulate().
+/// A coupling with play, |Σ factor q - offset| <= play/2. It has no rows in the loop Jacobian. Simulations
+/// treat the ends of the play as contacts, see simulate().
 struct Backlash {
   std::string name;
   std::vector<LoopCoupling::Term> terms = {};
@@ -117,14 +121,14 @@ struct Backlash {
   double restitution = 0;
 };
 
-/// All loops of a mechanism.
+/// The loop joints and couplings of a mechanism.
 struct Loops {
   std::vector<Loop> joints;
   std::vector<LoopCoupling> couplings;
-  std::vector<LoopRows> all;         ///< names and rows of the joints, followed by those of the couplings
+  std::vector<LoopRows> all;         ///< the entries of `joints`, followed by those of `couplings`
   int rows = 0, residuals = 0;       ///< total numbers of rows and residuals
-  std::vector<Backlash> backlashes;  ///< couplings with play, which have no rows here
-  std::vector<char> driven;          ///< nv: whether a joint that is not passive has that velocity
+  std::vector<Backlash> backlashes;  ///< couplings with play, which are not in `couplings`
+  std::vector<char> driven;          ///< nv: whether the velocity belongs to a joint that has a drive
 
   bool empty() const { return all.empty(); }
 };

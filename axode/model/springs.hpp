@@ -11,7 +11,7 @@
 
 namespace axode {
 
-/// The kinds of springs, each with the quantity on which its force depends.
+/// The kinds of springs. The comment of each kind names the coordinate on which the force depends.
 enum class SpringKind {
   line,     ///< the distance of two points
   tendon,   ///< the length of a path of points with straight segments
@@ -20,14 +20,14 @@ enum class SpringKind {
   bushing,  ///< the pose of one frame relative to another, with a stiffness for all six directions
 };
 
-/// The table of springs, with the keys of the drawing format by which a kind is placed. All kinds but
-/// bushings have one coordinate and a ForceLaw.
+/// A row of the table of springs, with everything that depends only on the kind. All kinds but bushings have
+/// one coordinate and a ForceLaw.
 struct SpringTraits {
   SpringKind kind;
   std::string_view name;
-  std::string_view stiffness;  ///< unit of the stiffness, in words of the drawing format
-  std::string_view damping;    ///< unit of the damping
-  std::array<std::string_view, 5> keys;
+  std::string_view stiffness;            ///< unit of the stiffness for messages
+  std::string_view damping;              ///< unit of the damping
+  std::array<std::string_view, 5> keys;  ///< keys of the drawing format that place the spring
 
   constexpr bool has(std::string_view key) const {
     return std::find(keys.begin(), keys.end(), key) != keys.end();
@@ -50,12 +50,13 @@ constexpr const SpringTraits& traits(SpringKind kind) {
 }
 constexpr std::string_view to_string(SpringKind kind) { return traits(kind).name; }
 
-/// A 6×6 matrix of numbers by its rows, angular before linear.
+/// A 6×6 matrix, stored by rows; the three angular rows and columns are before the linear ones.
 using SixBySix = std::array<std::array<double, 6>, 6>;
 
 /// A spring and damper as the kernels read it, see spring_forces().
 struct Spring {
-  /// A path of two points or more. A spring along a line has two.
+  /// A path of straight segments through two or more points. The path of a spring of kind `line` has two
+  /// points.
   struct Path {
     struct Point {
       int frame = 0;
@@ -63,16 +64,17 @@ struct Spring {
     };
     std::vector<Point> points;
   };
-  /// A pose on a frame.
+  /// A frame on which an end of the spring is, and the pose of the end in this frame.
   struct End {
     int frame = 0;
     SE3<> pose;
   };
-  /// The angle about z of the two frames.
+  /// The coordinate of a torsion spring is the angle about z between the frames of its two ends.
   struct Torsion {
     std::array<End, 2> ends;
   };
-  /// Σ factor q + offset. The factor of a joint that follows another one has its ratio.
+  /// The coordinate Σ factor q + offset of a spring on joints. For a coupled joint, q is that of its leader,
+  /// and factor and offset contain the ratio and offset of the coupling.
   struct JointSum {
     struct Term {
       int coordinate = 0, velocity = 0;
@@ -83,7 +85,7 @@ struct Spring {
   };
   struct Bushing {
     std::array<End, 2> ends;
-    SE3<> rest;     ///< pose of the second frame relative to the first one that has no wrench
+    SE3<> rest;     ///< pose of the second frame in the first one without a wrench
     SixBySix K, C;  ///< stiffness and damping, symmetric
   };
 
@@ -94,11 +96,12 @@ struct Spring {
   bool on_joints() const { return std::holds_alternative<JointSum>(geometry); }
 };
 
-/// The springs, dampers and stops of a mechanism.
+/// The springs, dampers and elastic stops of a mechanism, and the lines of its drives.
 struct Springs {
-  std::vector<int> joints;  ///< joints that have a spring or stops, coupled ones included; see Joint::dof
-  std::vector<Spring> elements;  ///< springs of the description, in its order
-  /// Lines without forces along which drives act, in the order of the drives; each has two points.
+  std::vector<int> joints;       ///< joints with a spring or elastic stops in Joint::dof, also coupled joints
+  std::vector<Spring> elements;  ///< the springs of the description, in its order
+  /// The lines along which drives act, in the order of the drives of the description. Each is a path of two
+  /// points.
   std::vector<Spring::Path> drive_lines;
 
   bool empty() const { return joints.empty() && elements.empty(); }

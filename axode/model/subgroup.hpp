@@ -6,33 +6,34 @@
 
 #include "axode/lie/twist.hpp"
 
-/// Joints as subgroups of SE(3). A new kind of joint is a new struct here, a new enumerator of Subgroup and a
-/// new line in with_subgroup; no recursion changes.
+/// Joints as subgroups of SE(3). A new kind of joint needs a new struct here, a new enumerator of Subgroup
+/// and a new line in with_subgroup(); no recursion changes.
 ///
-/// The joint frame is a frame of the child: its z-axis is the axis of the joint. Velocities are
-/// left-trivialised: components in the child's joint frame, where the motion subspace S is constant. Every
-/// struct has
+/// The joint frame is fixed to the child, and its z-axis is the axis of the joint. Velocities are
+/// left-trivialised: they are components in the child's joint frame, where the motion subspace S is constant.
+/// Every struct has the following members:
+///
 ///   nq, nv                       sizes of q and v; if nq > nv, q begins with a quaternion
-///   angles                       number of angular velocities, which come first
-///   vector_coordinates           whether q and v have the same meaning (q' = v)
-///   neutral()                    the coordinates of the identity
+///   angles                       number of angular velocities, which are before the linear ones
+///   vector_coordinates           whether q' = v
+///   neutral()                    coordinates of the identity
 ///   pose(B, q)                   B exp(S q), the pose of the child's joint frame, for a reference pose B
-///   coordinates(D, near, q)      the q nearest to `near` with pose(I, q) = D, or with a pose near D
+///   coordinates(D, near, q)      writes the q nearest to `near` with pose(I, q) = D, or with a pose near D
 ///   twist(v)                     S v in the joint frame
 ///   project(W)                   Sᵀ W for a wrench in the joint frame
 ///   column(k)                    the k-th column of S
 ///   column(C, k)                 Ad_C of the k-th column, where C is the pose of the joint frame
-///   integrate(q, dv, out)        out = q ⊕ dv
-///   difference(q0, q1, out)      q0 ⊕ out = q1
-///   rates(q, v, out)             q' from v
-///   velocities(q, dq, out)       v from q', without the part that would change the norm of a quaternion
+///   integrate(q, dv, out)        writes out = q ⊕ dv
+///   difference(q0, q1, out)      writes the `out` with q0 ⊕ out = q1
+///   rates(q, v, out)             writes the q' of v
+///   velocities(q, dq, out)       writes the v of q' = dq; a change of the norm of a quaternion is ignored
 namespace axode {
 
 enum class Subgroup : unsigned char { revolute, prismatic, helical, spherical, planar, free };
 
 namespace subgroup {
 
-/// Writes the components of a vector, or below of a quaternion, one after the other.
+/// Writes the components x y z of a vector, or x y z w of a quaternion, to consecutive numbers.
 template <class T> constexpr void put(const Vec3<T>& a, T* out) {
   out[0] = a.x;
   out[1] = a.y;
@@ -43,7 +44,8 @@ template <class T> constexpr void put(const Quaternion<T>& a, T* out) {
   out[3] = a.w;
 }
 
-/// The part that joints have in common whose coordinates have the velocities as rates.
+/// Common base of the joints whose velocities are the rates of their coordinates, v = q'. N is the number of
+/// coordinates.
 template <class T, int N> struct VectorCoordinates {
   static constexpr int nq = N, nv = N;
   static constexpr bool vector_coordinates = true;
@@ -62,22 +64,23 @@ template <class T, int N> struct VectorCoordinates {
   }
 };
 
-/// The rotation part of B exp(e_z θ), from sine and cosine of θ.
+/// The rotation B exp(e_z θ), computed from s = sin θ and c = cos θ.
 template <class T> constexpr SO3<T> turn(const SO3<T>& B, const T& s, const T& c) {
   return {c * B.x + s * B.y, c * B.y - s * B.x, B.z};
 }
 
-/// The angle of the rotation about z that is nearest to R.
+/// The angle (rad, in [-π, π]) of the rotation about z that is nearest to R.
 template <class T> T turn_about_z(const SO3<T>& R) { return atan2(R.x.y - R.y.x, R.x.x + R.y.y); }
 
-/// The angle that differs from `angle` by whole turns and is nearest to `to`.
+/// The angle nearest to `to` among those that differ from `angle` by whole turns, rad.
 template <class T> T nearest_turn(const T& angle, const T& to) {
   using std::round;
   const T whole = T(2 * std::numbers::pi);
   return angle + whole * round((to - angle) / whole);
 }
 
-/// The quaternion of R with the sign that is nearer to another quaternion.
+/// Writes to q the quaternion of R, x y z w. Of the two signs it has the one that is nearer to the quaternion
+/// `near`.
 template <class T> void nearest_quaternion(const SO3<T>& R, const T* near, T* q) {
   const Quaternion<T> a = quaternion(R);
   const T side = a.x * near[0] + a.y * near[1] + a.z * near[2] + a.w * near[3] < T(0) ? T(-1) : T(1);
@@ -172,7 +175,8 @@ template <class T> struct Spherical {
 };
 
 /// Planar joint: motion in the plane normal to z. q = (θ, x, y), v = (ω; v_x, v_y) in the child's joint
-/// frame. Differences take the shorter way round, so that θ is reached up to whole turns.
+/// frame. difference() takes the shorter way round, so that q0 ⊕ difference(q0, q1) can differ from q1 by
+/// whole turns of θ.
 template <class T> struct Planar {
   static constexpr int nq = 3, nv = 3, angles = 1;
   static constexpr bool vector_coordinates = false;
@@ -267,7 +271,7 @@ template <class T> struct Free {
 
 }  // namespace subgroup
 
-/// Calls f(joint) for the struct of a subgroup; the pitch (m/rad) is used by helical joints only.
+/// Calls f with the struct of a subgroup and returns its result. Only helical joints use the pitch (m/rad).
 template <class T, class F> constexpr decltype(auto) with_subgroup(Subgroup kind, const T& pitch, F&& f) {
   switch (kind) {
     case Subgroup::revolute: return f(subgroup::Revolute<T>{});
@@ -280,8 +284,9 @@ template <class T, class F> constexpr decltype(auto) with_subgroup(Subgroup kind
   return f(subgroup::Free<T>{});
 }
 
-/// The directions of ω_x ω_y ω_z v_x v_y v_z that a joint leaves free: for each velocity the first one along
-/// which it moves. Hence v_z of a helical joint, which follows ω_z, is not among them.
+/// The directions among ω_x ω_y ω_z v_x v_y v_z that a joint leaves free: for each column of the motion
+/// subspace the first direction with an entry other than 0. A helical joint therefore has ω_z only, and not
+/// v_z = pitch ω_z.
 constexpr std::array<bool, 6> free_directions(Subgroup kind) {
   std::array<bool, 6> free{};
   with_subgroup(kind, 1.0, [&](const auto& joint) {

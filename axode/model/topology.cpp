@@ -13,7 +13,8 @@ constexpr std::size_t most_lanes = 16;  // largest number of lanes of any SIMD r
 
 std::size_t size(int n) { return static_cast<std::size_t>(n); }
 
-/// Numbers coordinates and velocities in the order of the bodies; a coupled joint has those of its leader.
+/// Numbers the coordinates, velocities and screws of the joints in the order of the bodies. A coupled joint
+/// has the indices of the coordinate and velocity of its leader.
 void number_coordinates(const std::vector<int>& leader, Topology& t) {
   t.iq.assign(size(t.n + 1), 0);
   t.iv.assign(size(t.n + 1), 0);
@@ -36,7 +37,7 @@ void number_coordinates(const std::vector<int>& leader, Topology& t) {
   }
 }
 
-/// Groups bodies by the subgroup of their joint; coupled joints come last.
+/// Sorts the bodies by the subgroup of their joint, coupled joints after all others, and finds the groups.
 void sort_by_kind(Topology& t) {
   t.by_kind.resize(size(t.n));
   std::iota(t.by_kind.begin(), t.by_kind.end(), 1);
@@ -65,8 +66,9 @@ void find_subtrees(Topology& t) {
       t.velocity_end.push_back(t.subtree_end[i] <= t.n ? t.iv[t.subtree_end[i]] : t.nv);
 }
 
-/// For each velocity, the later velocities to which it is coupled, as far as the elimination tree needs them.
-/// All velocities on one path are coupled to each other; of these only the next one is listed.
+/// For each velocity, the velocities with larger indices to which the mass matrix couples it. All velocities
+/// on one path to the ground are coupled to each other; of these only the next larger one is listed, as this
+/// suffices for the elimination tree.
 std::vector<std::vector<int>> later_neighbours(const Topology& t) {
   std::vector<std::vector<int>> later(size(t.nv));
   std::multiset<int> path;  // velocities from the ground to the body where the walk is
@@ -88,8 +90,9 @@ std::vector<std::vector<int>> later_neighbours(const Topology& t) {
   return later;
 }
 
-/// Computes velocity_parent, the elimination tree, by the algorithm of Liu: the root of every subtree that
-/// velocity c reaches becomes a child of c. Paths are shortened on the way.
+/// Computes velocity_parent, the elimination tree, by the algorithm of Liu: velocities c are taken from the
+/// last to the first, and the current root above each later velocity that is coupled to c becomes a child of
+/// c. Paths to the roots are shortened on the way. Also computes depth.
 void find_velocity_parents(Topology& t) {
   const std::vector<std::vector<int>> later = later_neighbours(t);
   std::vector<int> root(size(t.nv), -1);
@@ -115,14 +118,16 @@ int meeting_point(const Topology& t, int i, int j) {
   return i;
 }
 
-/// A velocity that several joints share, given by the leader of these joints, and the body through which it
-/// reaches another body.
+/// A shared velocity that reaches a body on its way to the ground. The velocity is given by the leader of the
+/// joints that share it. `from` is the child through which it comes, or the body itself if its own joint has
+/// it.
 struct Arrival {
   int leader, from;
 };
 
-/// For each body, the shared velocities that reach it, in the order of their leaders. The shared velocity of
-/// the body's own joint comes from the body itself.
+/// For each body, the shared velocities that reach it from its children and its own joint, in the order of
+/// their leaders. meets[l] is the body where the paths of all joints with the velocity of leader l meet;
+/// velocities do not go beyond it.
 std::vector<std::vector<Arrival>> arrivals(const std::vector<int>& leader, const std::vector<int>& meets,
                                            const Topology& t) {
   std::vector<std::vector<Arrival>> all(size(t.n + 1));
@@ -138,12 +143,13 @@ std::vector<std::vector<Arrival>> arrivals(const std::vector<int>& leader, const
   return all;
 }
 
-/// The ties of one body: the leaders of its shared velocities without repetition, and for each of them the
-/// smallest number in its group.
+/// The ties of body i, found from the velocities that reach it: `leaders` has the leader of each shared
+/// velocity once, and `group` the smallest index of a tie in the same group.
 struct Groups {
   std::vector<int> leaders, group;
 
-  /// `first_from` is scratch memory: -1 for every body, before and after.
+  /// `first_from` is scratch memory with an entry for each body; all entries are -1 before and after the
+  /// call.
   Groups(const std::vector<Arrival>& here, const std::vector<int>& meets, int i,
          std::vector<int>& first_from) {
     for (const auto& [leader, from] : here) {
@@ -155,8 +161,8 @@ struct Groups {
       unite(k, first_from[from] < 0 ? k : first_from[from]);
       first_from[from] = k;
       if (meets[leader] == i) continue;
-      unite(k, first_from[i] < 0 ? k : first_from[i]);  // unites the velocities that go on to the
-                                                        // predecessor, and that of the joint of the body
+      unite(k, first_from[i] < 0 ? k : first_from[i]);  // unites the velocities that continue to the
+                                                        // predecessor with that of the body's own joint
       first_from[i] = k;
     }
     for (int k = 0; k < static_cast<int>(group.size()); ++k) group[k] = root(k);

@@ -6,76 +6,85 @@
 
 namespace axode {
 
-/// Bodies whose joints are of one kind: by_kind[begin] to by_kind[end - 1].
+/// A group of bodies whose joints are of one kind, and are all coupled or all not: the bodies by_kind[begin]
+/// to by_kind[end - 1] of a Topology.
 struct JointGroup {
   Subgroup kind;
   bool coupled;  ///< whether the joints are coupled, q_i = ratio q_j + offset; coupled groups come last
   int begin, end;
 };
 
-/// The bodies and joints of a tree before its coordinates are numbered. Body 0 is the ground; its entries are
-/// not used.
+/// The structure of a tree before its coordinates are numbered. All vectors are indexed by bodies (frame_body
+/// by frames). Body 0 is the ground, whose parent, kind and leader are not used.
 struct Connections {
   std::vector<int> parent;     ///< predecessor of each body, parent[i] < i
   std::vector<Subgroup> kind;  ///< subgroup of the joint that moves the body
-  /// Joint that the joint of the body follows, which has no leader itself; 0 if there is none.
+  /// For each body i the index of the joint that joint i follows, its leader; 0 if joint i is not coupled. A
+  /// leader must not follow another joint itself.
   std::vector<int> leader;
   std::vector<int> frame_body;  ///< body that each named frame moves with
 };
 
-/// The integers of a tree: its structure, and the indices of the coordinates, velocities and screws of each
-/// joint. Body 0 is the ground; joint i moves body i. A topology is made once and shared by the trees of all
-/// scalars.
+/// The integer data of a tree: its structure, and the indices of the coordinates, velocities and screws of
+/// each joint. Body 0 is the ground, and joint i moves body i. Trees of all scalars share one topology. A
+/// comment such as "n + 1" below is the size of the vector.
 struct Topology {
   explicit Topology(Connections connections);
 
   int n = 0, nq = 0, nv = 0;     ///< moving bodies, coordinates, velocities
-  int n_screws = 0;              ///< joint screws: a column for each degree of freedom of every joint
-  int depth = 0;                 ///< velocities on the longest path from the ground
+  int n_screws = 0;              ///< number of joint screws: one per degree of freedom of every joint
+  int depth = 0;                 ///< height of the tree velocity_parent: velocities on its longest path
   std::vector<int> parent;       ///< n + 1; parent[i] < i
   std::vector<Subgroup> kind;    ///< n + 1
   std::vector<char> coupled;     ///< n + 1
-  std::vector<int> iq, iv;       ///< n + 1: first coordinate and velocity (of the leader for a coupled joint)
+  std::vector<int> iq, iv;       ///< n + 1: first coordinate and velocity of the joint, or of its leader
   std::vector<int> first_screw;  ///< n + 2: joint i has screws first_screw[i] to first_screw[i + 1] - 1
   std::vector<int> frame_body;   ///< body of frame f: 0 is the ground, 1 to n are the bodies, others follow
 
   std::vector<JointGroup> joint_groups;
-  std::vector<int> by_kind;  ///< n
-  /// Bodies whose joint is coupled, and bodies whose joint has a quaternion.
+  std::vector<int> by_kind;  ///< n: the bodies, sorted by the groups in joint_groups
+  /// The bodies whose joint is coupled, and the bodies whose joint has a quaternion and is not coupled.
   std::vector<int> coupled_bodies, quaternion_bodies;
   std::vector<int> subtree_end;  ///< n + 1: the bodies that joint i moves are i to subtree_end[i] - 1
-  /// nv entries: without couplings the velocities of the subtree that c moves are c to velocity_end[c] - 1.
+  /// nv: the end of the velocities in the subtree that velocity c moves. Without couplings these are the
+  /// velocities c to velocity_end[c] - 1.
   std::vector<int> velocity_end;
-  /// nv entries: M = LᵀDL has the entries L(c, velocity_parent[c]), ...; -1 at the end. This is the
-  /// elimination tree of M from the last velocity to the first. Without couplings it is the preceding
-  /// velocity on the path to the ground; a coupled joint joins the path of its leader with its own.
+  /// nv: the parent of each velocity in the elimination tree of M from the last velocity to the first; -1 for
+  /// a root. Row c of L in M = LᵀDL has entries other than 0 in the columns velocity_parent[c], the parent of
+  /// this one, and so on. Without couplings the parent is the preceding velocity on the path to the ground; a
+  /// coupled joint joins the path of its leader with its own.
   std::vector<int> velocity_parent;
 
-  /// Velocities that several joints share, during an elimination from the leaves to the ground. There is one
-  /// entry for each body between a joint that has the velocity and the body where the paths of all these
-  /// joints meet. There the velocity is eliminated, before the joint of that body, unless that joint has it
-  /// as well. Entries ties.begin[i] to ties.begin[i + 1] - 1 belong to body i, 0 for the ground. Entries that
-  /// come through one body or go on together are consecutive and form a group; entries of different groups
-  /// are not coupled.
+  /// Data for the elimination of velocities that several joints share, because joints are coupled, in a sweep
+  /// from the leaves to the ground. A tie is a pair of a body and such a velocity. There is one tie for each
+  /// body on the paths from the joints that have the velocity to the body where these paths meet, both ends
+  /// included. At the body where the paths meet, the velocity is eliminated before the joint of this body,
+  /// unless this joint has the velocity itself.
+  ///
+  /// Ties begin[i] to begin[i + 1] - 1 belong to body i; body 0 is the ground. Two ties of a body are in one
+  /// group if their velocities come through the same child, or if each of them continues to the predecessor
+  /// or belongs to the body's own joint. Ties of a group are consecutive, and ties of different groups are
+  /// not coupled. The vectors without a size in their comment have one entry per tie.
   struct Ties {
-    std::vector<int> begin;     ///< n + 2
-    std::vector<int> velocity;  ///< velocity of each entry
-    /// The entry of the predecessor for the same velocity; -1 if the velocity is eliminated at this body.
+    std::vector<int> begin;     ///< n + 2: first tie of each body
+    std::vector<int> velocity;  ///< velocity of each tie
+    /// The tie of the predecessor for the same velocity; -1 if the velocity is eliminated at this body.
     std::vector<int> up;
-    /// n + 1: the entry for the joint of the body itself; -1 if this shares no velocity.
+    /// n + 1: the tie for the velocity of the body's own joint; -1 if its joint shares no velocity.
     std::vector<int> own;
-    std::vector<int> group_begin, group_end;  ///< the entries of the group of each entry
-    /// The first pair of each entry, which has one with each entry of its group.
+    std::vector<int> group_begin, group_end;  ///< first tie of the group of each tie, and its end
+    /// The first pair of each tie. A tie has one pair with each tie of its group, in the order of the group.
     std::vector<std::size_t> row;
-    std::size_t n_pairs = 0;
-    /// n + 2: offsets like `begin`, but with the entries of body i repeated for each screw of its joint.
+    std::size_t n_pairs = 0;  ///< number of pairs of all ties
+    /// n + 2: offsets of the pairs of a tie of a body with a screw of its joint. of_screws[i] is the first
+    /// pair of body i, which has one pair for each of its ties and each screw of joint i.
     std::vector<std::size_t> of_screws;
   } ties;
 
-  // The following members are for sweeps that take several bodies at once.
-  std::vector<int> angle;  ///< iq of joints 1 to n, and 0 up to a multiple of the lanes of any SIMD register
-  std::vector<char> branches;  ///< n + 1: whether a body other than the next one hangs on the body
-  std::vector<int> hinges;  ///< n + 2: how many hinges with coordinates of their own follow, from joint i on
+  // The following members are for kernels that process several bodies in one SIMD register.
+  std::vector<int> angle;      ///< iq of joints 1 to n, padded with 0 to a multiple of 16 entries
+  std::vector<char> branches;  ///< n + 1: whether the body has a child other than the next body
+  std::vector<int> hinges;     ///< n + 2: length of the run of hinges that are not coupled, from joint i on
 
   int n_frames() const { return static_cast<int>(frame_body.size()); }
 };

@@ -9,21 +9,21 @@
 
 namespace axode {
 
-/// The numbers of which a tree is made. The internal frame of body i is its joint frame, so that S_i is
-/// sparse; named frames have offsets from internal frames.
+/// The real-valued data of a tree. The internal frame of body i is its joint frame, in which the motion
+/// subspace S_i is sparse. Named frames are given by their poses in internal frames.
 template <class T = double> struct TreeNumbers {
   std::vector<T> pitch;          ///< n + 1, m/rad
-  std::vector<T> ratio, offset;  ///< n + 1: 1 and 0 for a joint with coordinates of its own
-  std::vector<SE3<T>> B;      ///< n + 1: joint frame of i at q = 0 in the internal frame of its predecessor
+  std::vector<T> ratio, offset;  ///< n + 1: coupling of joint i to its leader; 1 and 0 if not coupled
+  std::vector<SE3<T>> B;      ///< n + 1: pose of the joint frame at q = 0 in the predecessor's internal frame
   std::vector<Inertia<T>> M;  ///< n + 1: inertia of each body in its internal frame
-  std::vector<T> armature;    ///< nv: sum of the armatures of all joints that have the velocity, kg m² or kg
-  std::vector<T> damping, friction;  ///< nv, N m s/rad or N s/m; N m or N
+  std::vector<T> armature;    ///< nv: inertia of the drives of all joints with the velocity, kg m² or kg
+  std::vector<T> damping, friction;  ///< nv: N m s/rad or N s/m; N m or N
   std::vector<SE3<T>> frame_offset;  ///< pose of frame f in the internal frame of its body
   Vec3<T> g;                         ///< gravity, m/s²
 };
 
-/// A tree as the kernels read it: its integers through the arrow, as in `tree->parent[i]`, which all scalars
-/// share, and its numbers, as in `tree.B[i]`.
+/// The data of a tree as the kernels read it. The arrow gives access to the integers, which trees of all
+/// scalars share, as in `tree->parent[i]`; the dot gives access to the real numbers, as in `tree.B[i]`.
 template <class T = double> class Tree : public TreeNumbers<T> {
  public:
   Tree(std::shared_ptr<const Topology> topology, TreeNumbers<T> numbers);
@@ -31,11 +31,11 @@ template <class T = double> class Tree : public TreeNumbers<T> {
   const Topology* operator->() const { return topology_.get(); }
   const std::shared_ptr<const Topology>& topology() const { return topology_; }
 
-  // The following numbers are derived from the others for the sweeps.
-  std::vector<T> inertia_scale;   ///< n_screws: magnitude of the inertia that a unit of the screw moves
-  std::vector<T> inertia_arrays;  ///< M in arrays: h, Θ (xx yy zz xy xz yz), m; entry i for body i
-  int inertia_stride = 0;         ///< distance between two arrays, in entries
-  PackedConstants<T> packed;      ///< n + 1 bodies
+  // The following members are computed from the others by the constructor; kernels read them.
+  std::vector<T> inertia_scale;   ///< n_screws: upper bound of Sᵀ M S of each joint screw at q = 0
+  std::vector<T> inertia_arrays;  ///< ten arrays: h, Θ (xx yy zz xy xz yz), m; entry i is that of body i
+  int inertia_stride = 0;         ///< distance between the starts of two of the ten arrays, in entries
+  PackedConstants<T> packed;      ///< constants of n + 1 bodies
 
  private:
   void set_inertia_scale();
@@ -44,9 +44,9 @@ template <class T = double> class Tree : public TreeNumbers<T> {
   std::shared_ptr<const Topology> topology_;
 };
 
-/// The requirements on a tree that kernels accept, in any body frames: kernels read its integers through the
-/// arrow, as in `tree->parent[i]`, and its joints by each_joint(). Of the numbers of bodies they read only B
-/// and M.
+/// The requirements that kernels have on the type of a tree. Kernels read the integers through the arrow, as
+/// in `tree->parent[i]`, and visit the joints by each_joint(). They read the poses and inertias of bodies
+/// from B and M only, so that any choice of body frames is possible.
 template <class X, class T>
 concept TreeOf = requires(const X& tree, int i) {
   { tree->parent[i] } -> std::convertible_to<int>;
@@ -55,7 +55,7 @@ concept TreeOf = requires(const X& tree, int i) {
   tree.B[i], tree.M[i], tree.ratio[i], tree.frame_offset[i];
 };
 
-/// Conversions of numbers to another scalar.
+/// cast<To>() converts a vector, pose, tensor, inertia or tree to another scalar.
 template <class To, class From> constexpr Vec3<To> cast(const Vec3<From>& a) {
   return {To(a.x), To(a.y), To(a.z)};
 }
@@ -94,13 +94,13 @@ template <class To, class From> Tree<To> cast(const Tree<From>& tree) {
            .g = cast<To>(tree.g)}};
 }
 
-/// Calls f(joint) for the joint of body i.
+/// Calls f with the subgroup struct of the joint of body i, and returns the result.
 template <class T, class F> constexpr decltype(auto) with_joint(const Tree<T>& tree, int i, F&& f) {
   return with_subgroup(tree->kind[i], tree.pitch[i], f);
 }
 
-/// Calls f(joint, i, coupled) for every joint with coordinates of its own, kind by kind, and then for the
-/// coupled joints.
+/// Calls f(joint, i, coupled) for the joint of every body i, where `joint` is its subgroup struct. Joints are
+/// visited kind by kind, and coupled joints after all others.
 template <class T, class F> constexpr void each_joint(const Tree<T>& tree, F&& f) {
   for (const JointGroup& group : tree->joint_groups) {
     if (group.kind == Subgroup::helical) {
@@ -125,8 +125,9 @@ Tree<T>::Tree(std::shared_ptr<const Topology> topology, TreeNumbers<T> numbers)
     for (int i = 0; i <= topology_->n; ++i) packed.body.emplace_back(this->B[i], this->M[i]);
 }
 
-/// Computes inertia_scale of each joint screw, a bound of the inertia that the joint moves, with every joint
-/// at zero: the trace of the rotational inertia about the origin of the joint, or the mass.
+/// Computes inertia_scale. For a joint screw (w; v) it is |w|² tr Θ + |v|² m plus the armature, where Θ
+/// (about the origin of the joint frame) and m are those of the whole subtree with every joint at zero. The
+/// armature of a coupled joint is left out.
 template <class T> void Tree<T>::set_inertia_scale() {
   std::vector<Inertia<T>> composite(this->M);
   for (int i = topology_->n; i > 0; --i)

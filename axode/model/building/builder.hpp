@@ -9,8 +9,8 @@ namespace axode {
 /// The treatment of defects that do not prevent a computation: inertias that no mass distribution has, masses
 /// of 0, and defects of files that other readers accept.
 enum class Strictness {
-  lenient,  ///< they are warnings, because files of real robots have them
-  strict,   ///< they are errors
+  lenient,  ///< such defects are warnings, because files of real robots have them
+  strict,   ///< such defects are errors
 };
 
 /// Collects a description, checks all of it and compiles it.
@@ -23,7 +23,7 @@ enum class Strictness {
 class ModelBuilder {
  public:
   explicit ModelBuilder(std::string_view name = "mechanism") { description_.name = name; }
-  /// Starts from the description of a model, to edit it, or below from a description that a reader made.
+  /// Starts from the description of a model, or from a description that a reader made, to edit it.
   explicit ModelBuilder(const Model& model) : description_(model.description()) {}
   explicit ModelBuilder(Description description) : description_(std::move(description)) {}
 
@@ -37,11 +37,12 @@ class ModelBuilder {
   ModelBuilder& state(InitialStateDescription state);
   ModelBuilder& gravity(const Vec3<>& g);  ///< m/s², in the construction frame
 
-  /// The description of a body, which may be changed. Throws std::invalid_argument for an unknown name.
+  /// The description of a body of the builder, for changes. Throws std::invalid_argument if no body has the
+  /// name.
   BodyDescription& body(std::string_view name);
   const Description& description() const { return description_; }
 
-  /// All errors and warnings of the description, without building it.
+  /// All errors and warnings about the description. Nothing is thrown for a description with errors.
   std::vector<Fault> check(Strictness strictness = Strictness::lenient) const;
   /// Builds the model. Throws ModelError with every fault if one of them is an error; if there are only
   /// warnings, the model keeps them.
@@ -51,19 +52,21 @@ class ModelBuilder {
   Description description_;
 };
 
-/// The description in which the one body that is fixed to the ground hangs on it by a free joint `free_base`
-/// (or free_base_2, ... if the name is taken). If no body is fixed and some are free, nothing changes.
-/// Otherwise throws ModelError (rule no_base) unless exactly one body is fixed to the ground.
+/// Replaces the joint of the one body that is fixed to the ground by a free joint `free_base` (or
+/// `free_base_2`, ... if the name is taken). If no body is fixed to the ground and at least one is free on
+/// it, the description does not change. Throws ModelError (rule no_base) if several bodies are fixed to the
+/// ground, or if none is fixed to it or free on it.
 Description with_free_base(Description description);
-/// The description in which all bodies that are free on the ground are fixed to it: a single one by a joint
-/// `fixed_base`, several by joints without a name.
+/// Fixes all bodies whose predecessor is the ground and whose joint is free: a single one by a joint
+/// `fixed_base`, several by joints without names. Their initial states are left out with a warning.
 Description with_fixed_base(Description description);
 
-/// A new model in which the named joints are fixed at their position in q (nq coordinates of `model`).
-/// Joints that are coupled to a locked one are locked as well. The initial state and the motions of locked
-/// joints are left out. Loops between bodies that no longer move relative to each other, and couplings
-/// without a moving joint, are left out, whether they are closed or not. Throws std::invalid_argument for an
-/// unknown or coupled joint and a wrong q.
+/// A new model in which the named joints are fixed at their position in q (nq coordinates of `model`). Joints
+/// that are coupled to one of them are fixed as well. The new model has no initial state and no motions of
+/// these joints. It has no loops between bodies that no longer move relative to each other, and no couplings
+/// or springs on fixed joints alone, even if such a loop or coupling is not closed at q. Throws
+/// std::invalid_argument for an unknown or coupled joint, for a joint that a drive with states acts on, and
+/// for a wrong q.
 Model reduced(const Model& model, std::span<const std::string_view> locked, std::span<const double> q);
 
 }  // namespace axode

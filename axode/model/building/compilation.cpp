@@ -14,12 +14,12 @@
 namespace axode {
 namespace {
 
-/// A mechanism during its compilation into a model. Bodies that are fixed to others are merged into the
-/// bodies that carry them, and stay as frames.
+/// A mechanism during its compilation into a model. A body that is fixed to another one is merged into the
+/// moving body that carries it, and remains as a named frame.
 ///
 /// Poses that are drawn in the construction frame are related to their neighbours by differences, and poses
-/// that are given relative to a neighbour never use the construction frame. Hence no digits are lost far from
-/// its origin.
+/// that are given relative to a neighbour never use the construction frame. Hence no digits are lost if both
+/// are far from its origin.
 class Compiler {
  public:
   explicit Compiler(const Description& description)
@@ -73,18 +73,20 @@ class Compiler {
   }
 
  private:
-  /// The body of the model that carries a body of the description. The pose of its internal frame is relative
-  /// to the joint of the body, and that of the joint to the body frame, which may be far from both.
+  /// The carrier of a body of the description: the index of the moving body into which the body is merged, or
+  /// of the body itself. The pose of the carrier's internal frame in the body frame is the product S F. It is
+  /// kept as two factors, because both may be near each other and far from the body frame. S is usually the
+  /// joint frame.
   struct Carried {
     int carrier = 0;
     SE3<> S, F;
   };
-  /// A pose relative to the body frame, expressed in the internal frame of the carrier.
+  /// Converts a pose C in the body frame into the internal frame of the carrier: F⁻¹ S⁻¹ C.
   static SE3<> in_carrier(const Carried& on, const SE3<>& C) { return relative(on.F, relative(on.S, C)); }
 
   int n_bodies() const { return static_cast<int>(bodies_.size()); }
 
-  /// The inertia of body d in the internal frame of its carrier, which has pose J at q = 0.
+  /// The inertia of body d in the internal frame of its carrier, which has pose J in the construction frame.
   Inertia<> inertia_of(int d, const SE3<>& J) const {
     const BodyDescription& from = expanded_.bodies[d];
     if (!from.inertia) return {};
@@ -172,18 +174,18 @@ class Compiler {
     frames_.push_back(std::move(frame));
   }
 
-  /// Finds frames and joints by their names, after all of them were added.
+  /// Fills the maps from names to indices, after all frames and joints were added.
   void index_names() {
     for (std::size_t f = 0; f < frames_.size(); ++f) frame_.emplace(frames_[f].name, static_cast<int>(f));
     for (int i = 1; i < n_bodies(); ++i) joint_.emplace(joints_[i].name, i);
   }
 
-  /// A pose that a description gives in frame f or in the construction frame, in frame f.
+  /// The pose in frame f of a pose C that is given in frame f or in the construction frame, as `in` says.
   SE3<> in_frame(int f, GivenIn in, const SE3<>& C) const {
     if (in == GivenIn::body_frame) return C;
     return relative(numbers_.frame_offset[f], relative(internal_[frames_[f].body], C));
   }
-  /// The pose in the construction frame of a pose in frame f, at q = 0.
+  /// The pose in the construction frame at q = 0 of a pose C in frame f.
   SE3<> drawn(int f, const SE3<>& C) const {
     return internal_[frames_[f].body] * (numbers_.frame_offset[f] * C);
   }
@@ -218,7 +220,7 @@ class Compiler {
     return sum;
   }
 
-  /// The coordinate of a spring at q = 0.
+  /// The coordinate of a spring at q = 0, which is a length, an angle or a sum of joint coordinates.
   double drawn_coordinate(const Spring::Path& path) const {
     double length = 0;
     for (std::size_t k = 1; k < path.points.size(); ++k) {
@@ -235,7 +237,8 @@ class Compiler {
   double drawn_coordinate(const Spring::JointSum& joints) const { return joints.offset; }
   double drawn_coordinate(const Spring::Bushing&) const { return 0; }
 
-  /// Spring k of the description. A preload is turned into a rest (D16.4).
+  /// Compiles spring k of the description. A preload is replaced by the rest that gives this force at q = 0
+  /// (D16.4). If no rest does so, a fault is added.
   Spring spring(std::size_t k, const Topology& topology, std::vector<Fault>& faults) const {
     const SpringDescription& from = description_.springs[k];
     Spring out{.name = spring_name(from, k), .geometry = Spring::Path{}, .law = {}};
@@ -265,7 +268,7 @@ class Compiler {
     return out;
   }
 
-  /// The line of a drive between two points, each in its frame.
+  /// The line of a drive as a path of two points, each given in the frame on which it is.
   Spring::Path line_of(const DriveDescription::Line& from) const {
     Spring::Path path;
     for (std::size_t e = 0; e < 2; ++e) {
@@ -275,7 +278,7 @@ class Compiler {
     return path;
   }
 
-  /// Gives a loop joint or coupling the rows that follow the previous ones.
+  /// Assigns the next free rows of the loop Jacobian and residuals to a loop joint or coupling.
   static void number(LoopRows& next, Loops& loops) {
     next.first_row = loops.rows;
     next.first_residual = loops.residuals;
@@ -284,7 +287,7 @@ class Compiler {
     loops.all.push_back(next);
   }
 
-  /// Loop joints with their frames in internal frames of bodies, followed by the couplings of coordinates.
+  /// The loop joints, with their frames in the internal frames of bodies, and the couplings.
   Loops closed_loops(const Topology& topology) const {
     Loops loops;
     for (std::size_t k = 0; k < description_.loops.size(); ++k) {
@@ -337,7 +340,8 @@ class Compiler {
     return loops;
   }
 
-  /// Resolves q_i = ratio q_leader + offset through chains of couplings.
+  /// Replaces chains of coupled joints, in which a leader follows another joint, by q_i = ratio q_leader +
+  /// offset with the last leader, which has a coordinate of its own.
   void couple() {
     std::unordered_map<std::string_view, int> index;
     for (int i = 1; i < n_bodies(); ++i) index.emplace(joints_[i].name, i);
@@ -367,7 +371,8 @@ class Compiler {
     }
   }
 
-  /// Numbers the coordinates and velocities of the joints and adds up the terms that belong to velocities.
+  /// Gives the joints the indices of their coordinates and velocities, and sums armature, damping and
+  /// friction over all joints that have a velocity.
   void number_joints(const Topology& topology) {
     numbers_.g = description_.gravity;
     for (std::vector<double>* terms : {&numbers_.armature, &numbers_.damping, &numbers_.friction})
@@ -378,8 +383,8 @@ class Compiler {
       joint.iv = topology.iv[i];
       if (!joint.leader)
         with_subgroup(joint.kind, joint.pitch, [&](const auto& s) { joint.nq = s.nq, joint.nv = s.nv; });
-      const double k = numbers_.ratio[i];  // by equal power: the coupled joint moves k times as fast as its
-                                           // leader
+      const double k = numbers_.ratio[i];  // the coupled joint moves k times as fast as its leader; the sums
+                                           // have equal energy and power
       for (std::size_t d = 0; d < joint.dof.size(); ++d) {
         const std::size_t c = static_cast<std::size_t>(joint.iv) + d;
         numbers_.armature[c] += k * k * joint.dof[d].armature;
@@ -389,7 +394,7 @@ class Compiler {
     }
   }
 
-  /// Notes a fault of body i of the model.
+  /// Adds a fault about body i of the model; i = 0 stands for the mechanism.
   void note(Compilation& out, int i, Severity severity, Rule rule, std::string element,
             const char* message) const {
     const Source& source = i > 0 ? expanded_.bodies[described_[i - 1]].source : expanded_.source;
@@ -417,8 +422,8 @@ class Compiler {
       mass[i] += tree.M[i].m;
       mass[tree->parent[i]] += mass[i];
     }
-    std::vector<bool> moves_mass(mass.size());  // whether the joint moves mass, itself or through the joints
-                                                // that follow it
+    std::vector<bool> moves_mass(mass.size());  // whether the joint, or a joint that follows it, moves
+                                                // mass or has an armature
     for (int i = 1; i <= tree->n; ++i) {
       const Joint& joint = out.joints[i];
       const bool armature =
@@ -438,7 +443,7 @@ class Compiler {
       }
   }
 
-  /// Reports numbers that are finite in the description, but so large that results overflow.
+  /// Reports finite numbers of the description that are so large that poses, inertias or points overflow.
   void report_overflow(Compilation& out) const {
     const Tree<double>& tree = out.tree;
     for (int i = 0; i <= tree->n; ++i) {
@@ -474,17 +479,18 @@ class Compiler {
   std::unordered_map<std::string_view, std::size_t> index_;
   std::unordered_map<std::string_view, int> frame_, joint_;  ///< indices in the model by names
   std::vector<Carried> on_;                                  ///< carrier of each body of the description
-  std::vector<int> described_;  ///< index in the description of bodies 1, 2, ... of the model
-  // The members below are indexed by bodies of the model, from the ground on.
+  std::vector<int> described_;  ///< indices in expanded_ of the bodies 1, 2, ... of the model
+  // The vectors below have an entry for each body of the model, from the ground on, but for frames_ and
+  // extra_.
   Connections connections_{.parent = {0}};
   TreeNumbers<double> numbers_{.frame_offset = {SE3<>{}}};
-  std::vector<SE3<>> internal_{SE3<>{}};  ///< internal frame in the construction frame, at q = 0
-  std::vector<SE3<>> offset_;             ///< frame of the user in the internal frame
+  std::vector<SE3<>> internal_{SE3<>{}};  ///< pose of the internal frame in the construction frame, q = 0
+  std::vector<SE3<>> offset_;             ///< pose of the body frame in the internal frame
   std::vector<Body> bodies_;
   std::vector<Joint> joints_;
   std::vector<Frame> frames_;
   std::vector<std::pair<Frame, SE3<>>>
-      extra_;  ///< the named frames other than those of moving bodies, with their poses in internal frames
+      extra_;  ///< named frames other than those of moving bodies, and their poses in internal frames
 };
 
 }  // namespace

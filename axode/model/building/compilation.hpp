@@ -5,7 +5,8 @@
 
 namespace axode {
 
-/// The result of a compilation: the numbers of a mechanism, and the faults that only the numbers show.
+/// The result of a compilation: the parts of a Model, and the faults that cannot be found before the numbers
+/// are computed.
 struct Compilation {
   std::vector<Body> bodies;
   std::vector<Joint> joints;
@@ -15,7 +16,8 @@ struct Compilation {
   Tree<double> tree;
   std::vector<Fault> faults;
 };
-/// Compiles a description, which must have passed inspect() without an error.
+/// Compiles a description into the parts of a model. The description must have passed inspect() without an
+/// error.
 Compilation compile(const Description& description);
 
 }  // namespace axode

@@ -18,7 +18,7 @@
 namespace axode {
 namespace {
 
-/// The mass properties of a body that has the inertia M in its frame.
+/// The mass properties of a body with the inertia M about the origin of its frame.
 MassProperties mass_properties(const Inertia<>& M) {
   return {.mass = M.m,
           .com = M.m == 0 ? Vec3<>{} : center_of_mass(M),
@@ -26,8 +26,7 @@ MassProperties mass_properties(const Inertia<>& M) {
           .about = InertiaAbout::frame_origin};
 }
 
-/// Throws std::invalid_argument if two mechanisms have names in common; the names of the second one have a
-/// prefix.
+/// Throws std::invalid_argument if a name of `other`, with the prefix before it, is a name in `one` as well.
 void check_names_differ(const Description& one, const Description& other, const std::string& prefix) {
   std::unordered_set<std::string> places,
       joints;  // a name must be unique among bodies and frames, and among joints and loops
@@ -49,8 +48,8 @@ void check_names_differ(const Description& one, const Description& other, const 
                                 "; give a prefix that makes them differ");
 }
 
-/// The frame on which another mechanism is mounted, with its pose on a body; it replaces the ground of the
-/// other one.
+/// The place at which another mechanism is mounted: the pose of a frame on the body `carrier`. The frame
+/// replaces the ground of the other mechanism, whose names get a prefix.
 struct Mount {
   std::string carrier;
   SE3<> pose;
@@ -58,11 +57,13 @@ struct Mount {
 
   std::string renamed(const std::string& name) const { return prefix + name; }
   std::string new_name(const std::string& name) const { return name == "ground" ? carrier : renamed(name); }
-  /// The pose of a frame of the other mechanism relative to the frame of the first one that now carries it.
+  /// The pose in which a body or frame of the mounted mechanism is replaced: that of the mount on its carrier
+  /// for the ground, else the identity.
   SE3<> from(const std::string& name) const { return name == "ground" ? pose : SE3<>{}; }
 };
 
-// Mounted bodies are described relative to bodies and frames, see in_joint_frames().
+// mount() renames an element of the mounted mechanism and puts it on the carrier if it was on the ground. All
+// poses must be relative to bodies and frames, see in_joint_frames().
 void mount(BodyDescription& body, const Mount& at) {
   body.joint.name = at.renamed(joint_name(body));
   body.name = at.renamed(body.name);
@@ -118,7 +119,8 @@ void mount(DriveDescription& drive, const Mount& at) {
     }
   if (!drive.input.from.empty()) drive.input.from = at.renamed(drive.input.from);
 }
-/// The initial state of both mechanisms; that of the mounted one is added to `into`.
+/// Adds the initial state of the mounted mechanism to the state `into`, which becomes that of both
+/// mechanisms.
 void mount(const InitialStateDescription& state, const Mount& at,
            std::optional<InitialStateDescription>& into) {
   if (!into) into.emplace().source = state.source;
@@ -132,8 +134,8 @@ template <class Part> void mount_all(std::vector<Part>& parts, const Mount& at, 
   }
 }
 
-/// Adds the ignored pairs of a mounted mechanism. The other numbers are those of the first mechanism that has
-/// some.
+/// Adds the settings of contact of a mounted mechanism to those of the other one, `into`. If both have
+/// settings, only the ignored pairs are added, and the numbers of `into` are kept.
 void mount_contact(std::optional<ContactDescription>& contact, const Mount& at,
                    std::optional<ContactDescription>& into) {
   if (!contact) return;
@@ -144,7 +146,8 @@ void mount_contact(std::optional<ContactDescription>& contact, const Mount& at,
     into = std::move(contact);
 }
 
-/// Names loops and couplings that have no name, because the default names depend on how many precede.
+/// Puts the prefix before the names of all loops and couplings. Those without a name get their default name,
+/// such as `loop 1`, because it would change with the number of loops before it.
 void name_loops(Description& description, const std::string& prefix) {
   for (std::size_t k = 0; k < description.loops.size(); ++k)
     description.loops[k].name = prefix + loop_name(description.loops[k], k);
@@ -233,9 +236,10 @@ Model append(const Model& model, std::string_view frame, const Model& other, std
 
 namespace {
 
-/// Throws std::invalid_argument if a joint would act differently when it is reversed: the axes of several
-/// velocities are those of the body that the joint moves. Springs and losses of a spherical joint that are
-/// equal about all axes stay.
+/// Throws std::invalid_argument if a joint with several velocities has limits, losses, springs or armatures,
+/// because these act along axes of the body that the joint moves and would act along other axes when the
+/// joint is reversed. Springs, damping and armatures that are equal about all axes of a spherical joint are
+/// allowed, unless `base` says that it is the joint of the root.
 void check_may_be_reversed(const JointDescription& joint, bool base) {
   const auto of_own_axes = [](const Dof& dof) {
     return dof.armature != 0 || dof.damping != 0 || dof.friction != 0 || dof.stiffness != 0;
@@ -259,8 +263,9 @@ void check_may_be_reversed(const JointDescription& joint, bool base) {
         "remove them first");
 }
 
-/// Leaves out the initial state of joints on the path from the new root to the old one that have several
-/// velocities, and of the free joint of the root: reversed joints have other coordinates.
+/// Leaves out the initial state of joints whose coordinates change, with a warning: the joints with several
+/// velocities on the path from the new root to the old one, and the joint `held` of the old root if it is
+/// free.
 void drop_reversed_state(Description& description, const std::vector<std::size_t>& path,
                          const JointDescription& held) {
   std::unordered_set<std::string> reversed;
@@ -296,8 +301,8 @@ Model rerooted(const Model& model, std::string_view body) {
     check_may_be_reversed(held, true);
     drop_reversed_state(description, path, held);
   }
-  // A joint with the displacement C in its frames is reversed with C⁻¹, which is the same coordinate about
-  // -z.
+  // A joint with the displacement C between its joint frames is reversed by the displacement C⁻¹. For a joint
+  // of one velocity this is the displacement about the axis -z with the same coordinate.
   for (std::size_t k = path.size() - 1; k > 0; --k) {
     BodyDescription& behind = description.bodies[path[k]];
     const BodyDescription& ahead = description.bodies[path[k - 1]];

@@ -4,59 +4,63 @@
 
 #include "axode/model/model.hpp"
 
-/// New models made from other ones, which never change. All are built leniently: inertias that no mass
-/// distribution has are warnings of the new model, because estimates and files of real robots have them.
-/// Cylindrical and universal joints become chains of two joints. See also ModelBuilder(model) and `reduced`
-/// in axode/model/building/builder.hpp.
+/// Functions that make a new model from another one, which does not change. All of them build leniently: an
+/// inertia that no mass distribution has is a warning of the new model, because estimates and files of real
+/// robots have such inertias. Cylindrical and universal joints become chains of two joints. See also
+/// ModelBuilder(model) and reduced() in axode/model/building/builder.hpp.
 namespace axode {
 
-/// The mechanism with other inertial parameters π (axode/model/inertial_parameters.hpp), 10 n_bodies numbers.
-/// The drive forces of the new model are Y π with the regressor Y. Bodies that are fixed to a moving body
-/// stay as massless frames, as their inertia is part of the parameters of that body. Throws
-/// std::invalid_argument for a wrong size and for a body with a moment but no mass, ModelError for numbers
-/// that are not finite and for negative masses.
+/// The mechanism with other inertial parameters π: 10 n_bodies numbers, see
+/// axode/model/inertial_parameters.hpp. The drive forces of the new model are Y π with the regressor Y.
+/// Bodies that are fixed to a moving body remain as massless frames, because their inertia is part of the
+/// parameters of the moving body. Throws std::invalid_argument for a wrong number of parameters and for a
+/// body with a first moment of mass but the mass 0, and ModelError for numbers that are not finite and for
+/// negative masses.
 Model with_parameters(const Model& model, std::span<const double> pi);
 
-/// The mechanism in another gravity, m/s² in the construction frame. Throws ModelError if it is not finite.
+/// The mechanism with another gravity g, m/s² in the construction frame. Throws ModelError if g is not
+/// finite.
 Model with_gravity(const Model& model, const Vec3<>& g);
 
-/// The mechanism with a body of inertia M, given in a frame of the model, fixed to that frame; `name` becomes
-/// a frame as well. Throws std::invalid_argument for an unknown frame, ModelError for a name that is taken
-/// and for an inertia that no mass distribution has.
+/// The mechanism with an additional body that is fixed to a frame of the model. Its inertia M is given in
+/// this frame, and `name` becomes the name of a frame as well. Throws std::invalid_argument for an unknown
+/// frame, and ModelError for a name that is taken, a negative mass, and numbers that are not finite.
 Model with_payload(const Model& model, std::string_view frame, const Inertia<>& M,
                    std::string_view name = "payload");
 
-/// The mechanism with another one mounted on one of its frames, such as a hand on the flange of an arm. The
-/// frame replaces the ground of the other mechanism, and the gravity of the other one is not used. The prefix
-/// is put before all names of bodies, joints, frames, loops and motions of the other one. Bodies are numbered
-/// depth-first, so that the coordinates of the other one need not be the last ones.
+/// The mechanism `model` with the mechanism `other` mounted on one of its frames, such as a hand on the
+/// flange of an arm. The frame replaces the ground of `other`, and the gravity of `other` is not used. The
+/// prefix is put before the names of all bodies, joints, frames, springs, loops, couplings, motions and
+/// drives of `other`. Bodies are numbered depth-first, so that the coordinates of `other` need not be the
+/// last ones.
 ///
-/// If a joint other than a fixed one is given, the ground of the other mechanism moves on the frame by this
-/// joint. It becomes a massless body `<joint>.base`, which coincides with the frame at zero of the joint.
-/// Axis and point are given in the frame. A joint without a name is called `<prefix>mount`; its coupling
-/// names a joint of the first mechanism.
+/// If `joint` is not a fixed joint, the ground of `other` moves on the frame by this joint. It becomes a
+/// massless body `<joint>.base`, which coincides with the frame when the joint is at zero. Axis and point of
+/// the joint are given in the frame. A joint without a name is called `<prefix>mount`. If the joint is
+/// coupled, its leader is a joint of `model`.
 ///
-/// Throws std::invalid_argument for an unknown frame, and for names that both mechanisms have, which it
-/// lists; ModelError for a joint that is described wrongly or whose names are taken.
+/// Throws std::invalid_argument for an unknown frame, and for names that both mechanisms have, which the
+/// message lists. Throws ModelError if the joint has faults or its names are taken.
 Model append(const Model& model, std::string_view frame, const Model& other, std::string_view prefix = "",
              const JointDescription& joint = {});
 
-/// The mechanism with another body as its root. The body hangs on the ground by a joint with the name and
-/// kind (fixed or free) of the joint of the old root, and the joints between the two bodies are reversed. All
-/// bodies, frames, loops and springs keep their names, and with all joints at zero all bodies are where they
-/// were drawn.
+/// The mechanism with another body as its root. The body becomes a child of the ground, with a joint that has
+/// the name and kind (fixed or free) of the joint of the old root, and the joints on the path between the two
+/// bodies are reversed. All bodies, frames, loops and springs keep their names, and with all joints at zero
+/// all bodies are where they were drawn.
 ///
-/// A joint of one velocity keeps its q, v, a and τ, limits, losses and couplings. A spherical, planar or free
-/// joint on the path has the inverse displacement: C' = C⁻¹ between its joint frames, v' = -Ad_C v, and τ =
-/// -Ad_Cᵀ τ'. A free root has the pose and twist of the body. joint_state()
-/// (axode/constraints/absolute/joint_state.hpp) converts the poses and twists of a state into the new
-/// coordinates; the initial state of such joints is left out with a warning. If the root is free and its
-/// joint has no drive force, the motion is the same; if it is fixed, the new root is held instead of the old
-/// one.
+/// A joint of one velocity keeps its q, v, a and τ, limits, losses and couplings. The displacement of a
+/// spherical, planar or free joint on the path is inverted: C' = C⁻¹ between its joint frames, v' = -Ad_C v,
+/// and τ = -Ad_Cᵀ τ'. A free root has the pose and twist of the new root body as coordinates and velocities.
+/// joint_state() (axode/constraints/absolute/joint_state.hpp) computes the new coordinates and velocities
+/// from the poses and twists of the bodies. The initial state of joints whose coordinates change is left out
+/// with a warning. If the root is free and its joint has no drive force, the motion is the same; if it is
+/// fixed, the new root is held instead of the old one.
 ///
-/// Throws std::invalid_argument for an unknown body, for a root on any other joint, and for limits, losses,
-/// springs and armatures of joints with several velocities on the path, because these act along axes of the
-/// body that is moved.
+/// Throws std::invalid_argument for an unknown body, and for a root whose joint is neither fixed nor free.
+/// Also throws std::invalid_argument if a joint with several velocities on the path has limits, losses,
+/// springs or armatures, because these act along axes of the body that the joint moves; springs, damping and
+/// armatures of a spherical joint that are equal about all axes are allowed.
 Model rerooted(const Model& model, std::string_view body);
 
 }  // namespace axode

@@ -7,7 +7,8 @@
 
 namespace axode {
 
-/// The place in a file from which a description comes; the file is empty for a mechanism described in code.
+/// A place in a file that describes a mechanism or an element; `file` is empty if the mechanism is described
+/// in code.
 struct Source {
   std::string file;
   int line = 0;
@@ -15,7 +16,8 @@ struct Source {
 
 enum class Severity { warning, error };
 
-/// The rules that are checked. Each has one name in messages, tests and JSON, which to_string() returns.
+/// The rules that descriptions are checked against. Each rule has one name in messages, tests and JSON, which
+/// to_string() returns.
 enum class Rule {
   missing_name,
   duplicate_name,
@@ -68,8 +70,8 @@ std::string to_string(const Fault& fault);
 class ModelError : public std::runtime_error {
  public:
   ModelError(std::string_view model, std::vector<Fault> faults);
-  /// All faults, warnings included, in the order in which they were found: those of names and of the tree
-  /// come first, those of couplings last.
+  /// All faults, including warnings, in the order in which the checks found them; load() may sort them by
+  /// line.
   std::span<const Fault> faults() const { return faults_; }
 
  private:

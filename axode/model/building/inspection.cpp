@@ -59,7 +59,8 @@ class Inspection {
   void error(Rule rule, std::string element, std::string message, const Source& source) {
     faults_.note(Severity::error, rule, std::move(element), std::move(message), source);
   }
-  /// The text `; did you mean ...?` with the name in `range` that is nearest to an unknown name.
+  /// Returns `; did you mean ...?` with the name in `range` that is nearest to an unknown name, or an empty
+  /// text if none is near or there were too many unknown names.
   template <class Range, class NameOf>
   std::string nearest(std::string_view name, const Range& range, NameOf name_of) {
     return ++suggestions_ > most_suggestions ? "" : did_you_mean(name, range, name_of);
@@ -153,11 +154,11 @@ class Inspection {
     cycles();
   }
 
-  /// Finds cycles: it follows the predecessors from every body, and a body that is met again on the same walk
-  /// closes a cycle.
+  /// Reports cycles of predecessors. From every body a walk follows the predecessors; a body that the same
+  /// walk has met before closes a cycle.
   void cycles() {
-    std::unordered_map<std::string_view, const BodyDescription*> seen;  // for each body: the body at which
-                                                                        // the walk that met it first started
+    std::unordered_map<std::string_view, const BodyDescription*> seen;  // for each body that was met:
+                                                                        // the start of the first such walk
     for (const BodyDescription& start : description_.bodies) {
       const BodyDescription* at = &start;
       while (at != nullptr && !seen.contains(at->name)) {
@@ -248,7 +249,7 @@ class Inspection {
       std::vector<const BodyDescription*> walk;
       bool loop = false;
       while (at != nullptr && at->joint.coupling) {
-        const auto [known, is_new] = ends_in_loop.emplace(at, true);  // true until the walk finds its end
+        const auto [known, is_new] = ends_in_loop.emplace(at, true);  // true while the walk goes on
         if (!is_new) {
           loop = known->second;
           break;

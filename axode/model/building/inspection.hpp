@@ -5,7 +5,8 @@
 
 namespace axode {
 
-/// All errors and warnings of a description that can be found before it is compiled.
+/// Finds all errors and warnings about a description that can be found without compiling it. The description
+/// may have any numbers and names.
 std::vector<Fault> inspect(const Description& description, Strictness strictness);
 
 }  // namespace axode

@@ -7,12 +7,13 @@
 
 namespace axode {
 
-/// Thrown for a name of a joint, body or frame that a model does not have.
+/// Exception for the name of a joint, body or frame that a model does not have.
 struct UnknownName : std::invalid_argument {
   using std::invalid_argument::invalid_argument;
 };
 
-/// The number of single-letter edits between two names.
+/// The smallest number of insertions, deletions and replacements of single characters that turn one name into
+/// the other.
 inline std::size_t edit_distance(std::string_view a, std::string_view b) {
   std::vector<std::size_t> row(b.size() + 1);
   for (std::size_t j = 0; j <= b.size(); ++j) row[j] = j;
@@ -28,11 +29,12 @@ inline std::size_t edit_distance(std::string_view a, std::string_view b) {
   return row[b.size()];
 }
 
-/// The largest number of unknown names that get a suggestion. It is limited because each of them is compared
-/// with every known name.
+/// The largest number of unknown names in one description for which a similar name is suggested. It is
+/// limited because each unknown name is compared with every known name.
 inline constexpr int most_suggestions = 20;
 
-/// The text `; did you mean "forearm"?` with the nearest known name; empty if no known name is near.
+/// Returns `; did you mean "forearm"?` with the known name nearest to `name`, or an empty text if no known
+/// name is near. name_of(candidate) is the name of a candidate.
 template <class Range, class NameOf>
 std::string did_you_mean(std::string_view name, const Range& candidates, NameOf name_of) {
   std::string best;

@@ -12,7 +12,9 @@
 namespace axode {
 namespace {
 
-/// Makes the first of the two motions of a joint the joint of a massless body in between.
+/// Splits a cylindrical or universal joint. Returns a new massless body, whose joint has the first of the two
+/// motions, and gives the joint of `body` the second one. The arguments are the endings of the new names, and
+/// the kinds and the second axis.
 BodyDescription split_off(BodyDescription& body, const char* carrier, JointKind first_kind, const char* first,
                           JointKind second_kind, const char* second, const Vec3<>& second_axis) {
   const std::string name = joint_name(body);
@@ -37,19 +39,19 @@ BodyDescription split_off(BodyDescription& body, const char* carrier, JointKind 
   return between;
 }
 
-/// Makes a rotation that is exact to 1e-6 exact to working precision.
+/// Corrects a rotation matrix that is orthonormal to 1e-6, so that it is orthonormal to working precision.
 SO3<> orthonormal(const SO3<>& R) {
   const SO3<> G = transpose(R) * R;
   const double off = abs(G.x.x - 1) + abs(G.y.y - 1) + abs(G.z.z - 1) + abs(G.x.y) + abs(G.x.z) + abs(G.y.z);
   return off > 1e-14 ? rotation(quaternion(R)) : R;
 }
-/// The joint frame in the frame in which axis and point are given.
+/// The pose of the joint frame in the frame in which axis and point of the joint are given.
 SE3<> joint_frame(const JointDescription& joint) {
   if (joint.kind == JointKind::spherical || joint.kind == JointKind::fixed) return {{}, joint.point};
   return {orthonormal(rotation_to(direction(joint.axis))), joint.point};
 }
 
-/// The mass of a drawn body: its centre in the construction frame and its radius of gyration.
+/// The centre of mass of a drawn body in the construction frame (m), and its radius of gyration (m).
 struct DrawnMass {
   Vec3<> center;
   double radius_of_gyration = 0;
@@ -64,8 +66,8 @@ std::optional<DrawnMass> drawn_mass(const BodyDescription& body) {
   return DrawnMass{A * given.com,
                    std::sqrt(std::max(0.0, trace(given.Theta) / (2 * given.mass) - about_origin))};
 }
-/// The drawn mass of each body of an expanded description or, if the body has none, of the first of its
-/// successors that has one.
+/// For each body of an expanded description its drawn_mass() or, if it has none, that of its first successor
+/// in depth-first order that has one.
 std::vector<std::optional<DrawnMass>> first_masses(const Description& expanded,
                                                    const DepthFirstOrder& order) {
   std::vector<std::optional<DrawnMass>> first(expanded.bodies.size());
@@ -75,12 +77,13 @@ std::vector<std::optional<DrawnMass>> first_masses(const Description& expanded,
   }
   return first;
 }
-/// Inertias about an origin at a distance r from the mass lose (r / radius of gyration)² roundings. Joint
-/// frames that are further away than this many radii of gyration are moved to the mass if the joint allows
-/// it.
+/// An inertia about an origin at the distance r from the centre of mass has (r / radius of gyration)² times
+/// larger rounding errors. A prismatic joint frame that is further away than this number of radii of gyration
+/// is moved to the centre of mass.
 constexpr double most_radii = 16;
 
-/// Computes the reference poses of a body and its joint. `predecessor` is null if the body is on the ground.
+/// Computes the reference poses of a body and its joint. `predecessor` has those of the predecessor and is
+/// null for the ground; `mass` is the entry of the body in first_masses().
 Placement reference_placement(const BodyDescription& body, const Placement* predecessor,
                               const std::optional<DrawnMass>& mass) {
   const SE3<> A_predecessor = predecessor == nullptr ? SE3<>{} : predecessor->A;

@@ -12,20 +12,22 @@
 namespace axode {
 namespace {
 
-/// The coordinate of a joint of one velocity, which may follow another joint.
+/// The position of a joint of one velocity at q; for a coupled joint it follows from the coordinate of its
+/// leader.
 double coordinate(const Joint& joint, std::span<const double> q) {
   return joint.leader ? joint.leader->ratio * q[joint.iq] + joint.leader->offset : q[joint.iq];
 }
 
-/// The displacement C_J(q) of a joint in its joint frame.
+/// The displacement of a joint at q: the pose exp(S q_i) of its joint frame relative to the joint frame at
+/// zero.
 SE3<> displacement(const Joint& joint, std::span<const double> q) {
   const double own = joint.leader ? coordinate(joint, q) : 0;
   const double* q_i = joint.leader ? &own : &q[joint.iq];
   return with_subgroup(joint.kind, joint.pitch, [&](const auto& s) { return s.pose(SE3<>{}, q_i); });
 }
 
-/// Leaves out the loops between bodies that do not move relative to each other; the other loops keep their
-/// names.
+/// Removes the loops between bodies that no longer move relative to each other. All other loops keep their
+/// names, also those with a default name.
 void drop_still_loops(Description& description) {
   std::unordered_map<std::string_view, std::string_view> carrier{{"ground", "ground"}};
   for (const int d : depth_first_order(description).order) {
@@ -42,7 +44,8 @@ void drop_still_loops(Description& description) {
   });
 }
 
-/// Moves the terms of locked joints into the offset; couplings without other terms are left out.
+/// Replaces the terms of locked joints in couplings by a change of the offset, and removes couplings on
+/// locked joints alone.
 void lock_terms(Description& description, const Model& model, const std::vector<bool>& is_locked,
                 std::span<const double> q) {
   for (std::size_t k = 0; k < description.couplings.size(); ++k) {
@@ -57,8 +60,8 @@ void lock_terms(Description& description, const Model& model, const std::vector<
   std::erase_if(description.couplings, [](const CouplingDescription& c) { return c.terms.empty(); });
 }
 
-/// Writes a spring whose rest is negative as one that rests at 0, with the same force. A law with a preload
-/// may have such a rest, and lengths in a description must not.
+/// Changes a spring with a negative rest into one with the rest 0 and the same force. A negative rest can
+/// follow from a preload, but a description must not have one for a length.
 void rest_at_zero(SpringDescription& spring) {
   const double rest = std::exchange(spring.rest, 0.0);
   ForceCurve curve = spring.curve.value_or(LinearCurve{spring.stiffness});
@@ -71,13 +74,14 @@ void rest_at_zero(SpringDescription& spring) {
       for (std::size_t k = c.size() - 1; k-- > n;) c[k] -= rest * c[k + 1];
   }
   spring.curve = std::move(curve);
-  // Lengths are on the side on which it acts. Only damping, which must not reverse the force, tells sides.
+  // With the rest 0 the deflection is the length, which is never negative, so that a spring that acts in
+  // tension always acts. The side only matters for damping, which must not reverse the force.
   if (spring.damping == 0) spring.acts = Acts::both_ways;
 }
 
-/// Gives springs with a preload the rest that it means, because the mechanism is drawn in another
-/// configuration now, and moves the terms of locked joints into the rest. Springs on locked joints alone
-/// are left out.
+/// Changes springs for a mechanism with locked joints. A preload is replaced by the rest that gives it in the
+/// drawing, because the reduced mechanism is drawn in another configuration. Terms of locked joints are
+/// replaced by a change of the rest, and springs on locked joints alone are removed.
 void lock_springs(Description& description, const Model& model, const std::vector<bool>& is_locked,
                   std::span<const double> q) {
   for (std::size_t k = 0; k < description.springs.size(); ++k) {
@@ -100,8 +104,8 @@ void lock_springs(Description& description, const Model& model, const std::vecto
   });
 }
 
-/// Leaves out the initial state of joints that no longer move, and the motions of these and of loops that
-/// were left out.
+/// Removes the initial state and the motions of locked joints, and the motions of loops that were removed.
+/// Throws std::invalid_argument if a drive acts on a locked joint.
 void drop_still_motions(Description& description, const Model& model, const std::vector<bool>& is_locked) {
   const auto locked = [&](const auto& entry) { return is_locked[model.joint_index(entry.first)]; };
   if (description.state) {
@@ -140,8 +144,8 @@ Model reduced(const Model& model, std::span<const std::string_view> locked, std:
   for (int i = 1; i <= model.n_bodies(); ++i)
     if (const auto& leader = model.joint(i).leader; leader && is_locked[leader->joint]) is_locked[i] = true;
 
-  // Every body is described relative to its predecessor, so that nothing else depends on a locked joint; it
-  // is described by joint frames, which are close to each other even if body frames are far away.
+  // Every body is described relative to its predecessor, so that no other body depends on a locked joint. It
+  // is described by joint frames, because these are close to each other even if body frames are far away.
   std::unordered_map<std::string_view, int> index;
   for (int i = 1; i <= model.n_bodies(); ++i) index.emplace(model.body(i).name, i);
   Description description = in_joint_frames(model.description());

@@ -5,8 +5,8 @@
 namespace axode {
 namespace {
 
-/// Slopes of a monotone cubic at its points: means of the secants, reduced where a piece would not be
-/// monotone.
+/// The slopes of a piecewise monotone cubic at its points: means of the slopes of adjacent secants, reduced
+/// where the cubic would not be monotone between two points.
 std::vector<double> monotone_slopes(const TableCurve& table) {
   const std::size_t n = table.deflections.size();
   std::vector<double> secants(n - 1), slopes(n);

@@ -3,15 +3,17 @@
 
 #include "axode/model/description.hpp"
 
-/// Force laws of springs, from their descriptions.
+/// Functions that compute the force laws of springs from their descriptions.
 namespace axode {
 
-/// The force law of a spring that is described without faults: its curve, with the slopes of a table (D16.3).
-/// If it has a preload instead of a rest, the rest is 0.
+/// The force law of a spring without faults: its curve and, for a table, the slopes and energies at the
+/// points (D16.3). The rest is 0 if the spring has a preload.
 ForceLaw force_law(const SpringDescription& spring);
 
-/// The deflection at which the curve of a law has a force (D16.4), the one nearest to 0 as far as steps of a
-/// part of `size` show it. Nothing if no deflection at which the spring acts has this force.
+/// A deflection at which the curve of a law has the given force (D16.4). It is searched on both sides of 0 in
+/// steps of size/256 up to `size`, a typical deflection (m or rad), then in steps that are 16, 256, ... times
+/// as long, and refined to rounding. Of several solutions it is the one nearest to 0, unless one step
+/// contains two of them. Empty if no such deflection is found where the spring acts.
 std::optional<double> deflection_at(const ForceLaw& law, double force, double size);
 
 }  // namespace axode

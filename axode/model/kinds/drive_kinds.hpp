@@ -9,24 +9,25 @@ namespace axode {
 
 /// The kinds of drives with states, see DriveDescription.
 enum class DriveKind {
-  dc_motor,            ///< electric motor with a gear; its input is the voltage, V
-  pid,                 ///< controller of a position; its input is the reference, rad or m
-  series_elastic,      ///< DC motor, gear and a spring to the joint; its input is the voltage, V
-  lugre,               ///< friction with bristles (Canudas de Wit and others); it has no input
-  hydraulic_cylinder,  ///< cylinder with a 4/3 valve; its input is the spool command, -1 to 1
+  dc_motor,            ///< electric motor with a gear; the input is the voltage, V
+  pid,                 ///< PID controller of a position; the input is the reference, rad or m
+  series_elastic,      ///< DC motor, gear and a spring to the joint; the input is the voltage, V
+  lugre,               ///< LuGre friction (Canudas de Wit and others); there is no input
+  hydraulic_cylinder,  ///< cylinder with a 4/3 valve; the input is the spool command, -1 to 1
 };
 
-/// A parameter of a kind of drives.
+/// A parameter of a kind of drives, with the values that it may have.
 struct DriveParameter {
   enum class Bound { any, not_zero, not_negative, positive };
 
   std::string_view name;  ///< key in a drawing
-  std::string_view unit;  ///< for a joint that turns; "" for a number without unit
+  std::string_view unit;  ///< unit if the drive acts on an angle; "" for a pure number
   Bound bound;
-  double standard;  ///< value if none is given; NaN: it must be given
+  double standard;  ///< value if a description gives none; NaN if it must give one
 };
 
-/// A kind of drives: its name, its parameters and how it acts.
+/// A row of the table of drives: the name and the parameters of a kind, and whether it has an input and an
+/// output.
 struct DriveTraits {
   DriveKind kind;
   std::string_view name;

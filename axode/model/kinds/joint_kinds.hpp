@@ -12,8 +12,8 @@ struct JointTraits {
   JointKind kind;
   std::string_view name;
   int dof;  ///< degrees of freedom
-  /// Subgroup of the joint. If the kind stands for two joints, it is the subgroup of the one next to the
-  /// body.
+  /// Subgroup of the joint. For a cylindrical or universal joint, which becomes two joints, it is the
+  /// subgroup of the second one, which moves the body.
   Subgroup subgroup;
   bool axis;   ///< whether the joint has an axis; for planar joints it is the normal
   bool point;  ///< whether the position of the joint matters

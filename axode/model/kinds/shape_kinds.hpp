@@ -7,13 +7,13 @@
 
 namespace axode {
 
-/// The table of shapes, with everything that depends on the kind alone.
+/// A row of the table of shapes, with everything that depends only on the kind.
 struct ShapeTraits {
   ShapeKind kind;
   std::string_view name;
-  std::string_view size;  ///< key of the three lengths; empty if the shape has none
-  bool radius, length;
-  bool in_urdf;  ///< whether URDF has an element for the shape
+  std::string_view size;  ///< name of the three lengths in `size`; empty if the kind has none
+  bool radius, length;    ///< whether the kind has a radius, and a length
+  bool in_urdf;           ///< whether URDF has an element for the shape
 };
 
 inline constexpr std::array<ShapeTraits, 7> shape_kinds{{

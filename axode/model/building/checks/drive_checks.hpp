@@ -4,10 +4,12 @@
 
 namespace axode {
 
-/// Checks the numbers of a drive, which may be any: its parameters, its initial state and its input.
+/// Checks the parameters, the initial state, the input, and the joints or line of a drive. The numbers of the
+/// drive may have any value, including infinity and NaN. Faults are reported by `at`.
 void check_drive(const FaultySubject& at, const DriveDescription& drive);
 
-/// Checks that inputs name drives that may feed others, and that no drive feeds itself.
+/// Checks the drives whose input is the output of another drive: the other drive must exist and be a
+/// controller, and no drive may feed itself by way of others.
 void check_feeding(FaultCollector& faults, const Description& description);
 
 }  // namespace axode

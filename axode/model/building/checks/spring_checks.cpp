@@ -87,7 +87,8 @@ bool check_curve(const FaultySubject& at, const GasCurve& gas) {
   return good && gas.ambient >= 0;
 }
 
-/// Checks a preload, and warns of forces that jump. The curve has no faults.
+/// Checks the preload of a spring, and warns if the force of a one-sided spring jumps at the deflection 0.
+/// The curve of the spring must have no faults.
 void check_force(const FaultySubject& at, const SpringDescription& spring) {
   const bool tension = spring.acts == Acts::in_tension;
   if (spring.acts != Acts::both_ways) {
@@ -117,8 +118,8 @@ void check_force(const FaultySubject& at, const SpringDescription& spring) {
 
 constexpr double matrix_tolerance = 1e-9;
 
-/// Whether a symmetric matrix with a unit diagonal, or with zeros on it, has an eigenvalue below 0, by the
-/// pivots of its elimination.
+/// Whether a symmetric matrix, whose diagonal entries are 1 or 0, has a negative eigenvalue. This shows in
+/// the pivots of its elimination.
 bool has_negative_eigenvalue(SixBySix A) {
   for (std::size_t k = 0; k < 6; ++k) {
     const double pivot = A[k][k];
@@ -135,8 +136,8 @@ bool has_negative_eigenvalue(SixBySix A) {
   return false;
 }
 
-/// Checks a matrix of a bushing, which is symmetric and has no negative eigenvalue. Its rows have unlike
-/// units, so that the matrix is scaled to a unit diagonal first.
+/// Checks the stiffness or damping matrix A of a bushing: it must be symmetric and have no negative
+/// eigenvalue. As its rows have different units, the matrix is first scaled to diagonal entries of 1 or 0.
 void check_matrix(const FaultySubject& at, const std::string& what, const SixBySix& A) {
   SixBySix scaled{};
   for (std::size_t k = 0; k < 6; ++k)

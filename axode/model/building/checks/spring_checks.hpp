@@ -3,7 +3,8 @@
 
 namespace axode {
 
-/// Checks the values of a spring, which may be any numbers.
+/// Checks the numbers, frames and force law of a spring. The numbers may have any value, including infinity
+/// and NaN. Faults are reported by `at`.
 void check_spring(const FaultySubject& at, const SpringDescription& spring);
 
 }  // namespace axode

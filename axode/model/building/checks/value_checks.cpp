@@ -30,7 +30,7 @@ constexpr double realisability_tolerance = 1e-9;
 bool zero(const Vec3<>& axis) { return axis.x == 0 && axis.y == 0 && axis.z == 0; }
 bool parallel(const Vec3<>& a, const Vec3<>& b) { return norm(cross(direction(a), direction(b))) < 1e-6; }
 
-/// Whether coordinate k of a joint is an angle with limits.
+/// Whether degree of freedom k of a joint is an angle that can have limits.
 bool is_angle(JointKind kind, std::size_t k) {
   switch (kind) {
     case JointKind::revolute:
@@ -42,8 +42,8 @@ bool is_angle(JointKind kind, std::size_t k) {
   }
 }
 
-/// Reports limits of an angle that are more than two turns and a round number, because they are probably in
-/// degrees.
+/// Reports limits of an angle that look like degrees: a limit of more than two turns in rad and at most 720
+/// that is a multiple of 5.
 void angle_limits(const FaultySubject& at, const Dof& dof) {
   constexpr double two_turns = 4 * std::numbers::pi, most = 720, round = 5;
   const auto looks_like_degrees = [](double x) {
@@ -86,7 +86,9 @@ void compliance(const FaultySubject& at, const std::string& of_it, const Contact
                                     ", and it has a stiffness; a compliant surface bounces by its damping");
 }
 
-/// Checks that a joint can have its spring and stops.
+/// Reports an error if a joint cannot have the spring or the stops of its degree of freedom `dof`: stops that
+/// are both hard and elastic, stops without limits, and stops or a rest other than 0 at a joint of several
+/// velocities.
 void springs(const FaultySubject& at, const JointDescription& joint, const Dof& dof) {
   const bool elastic = dof.stop_stiffness != 0 || dof.stop_damping != 0;
   const bool stops = elastic || dof.hard_stops;
@@ -109,7 +111,8 @@ void springs(const FaultySubject& at, const JointDescription& joint, const Dof& 
   }
 }
 
-/// Reports losses of a gear that a joint cannot have.
+/// Reports an error if a joint cannot have the gear losses of its degree of freedom `dof`: a joint of several
+/// velocities, a coupled or passive joint, and a gear that locks itself without an armature.
 void gear(const FaultySubject& at, const JointDescription& joint, const Dof& dof) {
   if (dof.gear_loss == 0 && !dof.gear_loss_back) return;
   const double back = dof.gear_loss_back.value_or(dof.gear_loss);
@@ -149,7 +152,8 @@ bool check_pose(const FaultySubject& at, const std::string& what, const SE3<>& C
   return false;
 }
 
-/// Whether every number of the body is finite and every pose has a rotation.
+/// Checks the numbers and poses of a body, its joint and its shapes. Returns whether all numbers are finite
+/// (limits may be infinite) and all poses have a rotation.
 bool check_numbers(const BodyDescription& body, FaultCollector& faults) {
   const FaultySubject in_body{faults, "body " + quoted(body.name), body.source};
   const FaultySubject in_joint{faults, "joint " + quoted(joint_name(body)), joint_source(body)};
@@ -194,8 +198,8 @@ bool check_numbers(const BodyDescription& body, FaultCollector& faults) {
   return good;
 }
 
-/// Whether every number of a shape is finite and its pose has a rotation. Sizes and colours that no shape has
-/// are reported as lenient faults.
+/// Checks a shape. Returns whether all its numbers are finite and its pose has a rotation. Sizes that are not
+/// positive and colours outside 0 to 1 are errors only if the check is strict.
 bool check_shape(const FaultySubject& at, const ShapeDescription& it) {
   const ShapeTraits& kind = traits(it.kind);
   const std::string of_it = " of a " + std::string(kind.name);
@@ -289,7 +293,7 @@ void check_inertia(const BodyDescription& body, FaultCollector& faults) {
     at.report_lenient(Rule::mass_not_positive,
                       "mass is 0; a mass must be positive, and a massless body needs no mass at all");
   } else {
-    // Whether a density can produce an inertia does not depend on the axes and the frame.
+    // The test whether a density can produce an inertia gives the same result in all axes and frames.
     const double worst = realisability(inertia_in({}, given));
     if (worst < -realisability_tolerance)
       at.report_lenient(Rule::inertia_not_realisable,

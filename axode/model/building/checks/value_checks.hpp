@@ -13,12 +13,12 @@
 namespace axode {
 
 inline std::string quoted(std::string_view name) { return '"' + std::string(name) + '"'; }
-/// The source of a joint or, if it has none of its own, of its body.
+/// The place in a file that describes a joint; if the joint has none of its own, that of its body.
 inline const Source& joint_source(const BodyDescription& body) {
   return body.joint.source.line > 0 ? body.joint.source : body.source;
 }
 
-/// Collects the faults of a description.
+/// Collects the faults of a description, beginning with the warnings of its reader.
 struct FaultCollector {
   const Description& description;
   Strictness strictness;
@@ -30,7 +30,8 @@ struct FaultCollector {
   }
 };
 
-/// An element of the description, for its faults.
+/// An element of a description about which faults are reported: its name in messages, and its place in a
+/// file.
 struct FaultySubject {
   FaultCollector& faults;
   std::string element;
@@ -42,32 +43,34 @@ struct FaultySubject {
   void warning(Rule rule, std::string message) const {
     faults.note(Severity::warning, rule, element, std::move(message), source);
   }
-  /// A fault that a lenient check reports as a warning.
+  /// Reports a fault that is an error if the check is strict, and a warning if it is lenient.
   void report_lenient(Rule rule, std::string message) const {
     const bool strict = faults.strictness == Strictness::strict;
     faults.note(strict ? Severity::error : Severity::warning, rule, element, std::move(message), source);
   }
 };
 
-/// Reports the values that are negative, by what they are.
+/// Reports an error for each value that is negative. A value is given with its name for the message.
 void not_negative(const FaultySubject& at, std::initializer_list<std::pair<std::string, double>> values);
 /// Reports the first of the values that is not finite, by its key, and returns whether all are finite.
 bool are_finite(const FaultySubject& at, std::initializer_list<std::pair<const char*, double>> values);
 bool are_finite(const FaultySubject& at, std::initializer_list<std::pair<const char*, Vec3<>>> values);
 bool are_finite(const FaultySubject& at, const std::string& key, std::span<const double> values);
 
-/// Whether the numbers of an element are finite and its pose has a rotation.
+/// The following three functions check a pose, a shape, or the numbers and poses of a body, and report
+/// faults. They return whether all numbers are finite and all poses have a rotation.
 bool check_pose(const FaultySubject& at, const std::string& what, const SE3<>& C);
 bool check_shape(const FaultySubject& at, const ShapeDescription& shape);
 bool check_numbers(const BodyDescription& body, FaultCollector& faults);
-/// The following functions check single elements. Their numbers must be finite, except those of loops,
-/// motions and contact, which may be any numbers.
+/// The following functions check an element and report its faults. check_joint() and check_inertia() take a
+/// body that has passed check_numbers(). The other functions accept any numbers, including infinity and NaN.
 void check_joint(const BodyDescription& body, FaultCollector& faults);
 void check_inertia(const BodyDescription& body, FaultCollector& faults);
 void check_loop(const FaultySubject& at, const LoopDescription& loop);
 void check_play(const FaultySubject& at, const CouplingDescription& coupling);
 void check_motion(const FaultySubject& at, const MotionDescription& motion);
-/// Checks the coordinates or velocities of a joint in an initial state, where they are called `what`.
+/// Checks the coordinates (if `positions` is true) or velocities of a joint in an initial state. `what` is
+/// their name in messages, q or v.
 void check_joint_state(const FaultySubject& at, const char* what, const JointDescription& joint,
                        std::span<const double> numbers, bool positions);
 void check_contact(const FaultySubject& at, const ContactDescription& contact);
