@@ -4,12 +4,13 @@
 #include <string>
 #include <string_view>
 
-/// Words of other formats and programs for the keys and words of a drawing. They are used in messages.
+/// Words of other formats and programs for the keys and values of a drawing, such as "link" for "body".
+/// Messages about unknown keys use them to suggest the right word.
 namespace axode::io {
 
 struct ForeignTerm {
-  std::string_view theirs, ours;  ///< a word of other formats, and the key or dotted key of a drawing for the
-                                  ///< same thing
+  std::string_view theirs, ours;  ///< a word of other formats, and the key, dotted key or value of a drawing
+                                  ///< with the same meaning
 };
 
 // clang-format off
@@ -66,8 +67,8 @@ inline constexpr auto foreign_terms = std::to_array<ForeignTerm>({
 });
 // clang-format on
 
-/// `; it is called "on" here` if other formats use the word for one of the known keys or words; otherwise
-/// empty.
+/// Returns a text such as `; it is called "on" here` if `word` is a word of another format for one of the
+/// known keys or values of a drawing; otherwise an empty text.
 template <class Range> std::string own_term_for(std::string_view word, const Range& known) {
   const auto is_ours = [&](const ForeignTerm& other) {
     const std::string_view key = other.ours.substr(0, other.ours.find('.'));

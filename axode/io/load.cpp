@@ -17,7 +17,7 @@ struct Text {
   std::vector<Fault> faults;
 };
 
-/// The contents of a file, or the fault for which it cannot be read.
+/// The contents of a file or, if it cannot be read, a fault with the reason.
 Text text_of(const std::filesystem::path& file) {
   Text text;
   const auto fail = [&](const std::string& why) {
@@ -29,7 +29,7 @@ Text text_of(const std::filesystem::path& file) {
     fail("it is a folder");
     return text;
   }
-  constexpr std::size_t most = std::size_t{256} << 20;  // a limit, as devices may have no end
+  constexpr std::size_t most = std::size_t{256} << 20;  // needed because the data of a device may never end
   errno = 0;
   std::ifstream stream(file, std::ios::binary);
   const bool opened = stream.good();
@@ -51,7 +51,7 @@ io::Reading read_drawing(std::string_view text, const std::string& file, Strictn
   return io::read_drawing(text, file, strictness);
 }
 
-/// Refuses MJCF, whose meaning is defined by the compiler of MuJoCo.
+/// A reader for MJCF, which only returns a fault that says how to load the file by MuJoCo.
 io::Reading refuse_mjcf(std::string_view text, const std::string& file, Strictness) {
   const auto line =
       1 + std::count(text.begin(), text.begin() + static_cast<std::ptrdiff_t>(text.find("<mujoco")), '\n');
@@ -66,7 +66,8 @@ io::Reading refuse_mjcf(std::string_view text, const std::string& file, Strictne
   return unread;
 }
 
-/// The reader of a file, by the ending of its name or, if this does not decide, by its root element.
+/// Chooses the reader of a file by the ending of its name. If the ending does not decide, it is chosen by the
+/// root element of XML; text that is no XML is read as a drawing.
 Reader reader_for(const std::filesystem::path& file, std::string_view content) {
   const std::string extension = file.extension().string();
   if (extension == ".toml") return read_drawing;
@@ -91,14 +92,15 @@ io::Reading read(const std::filesystem::path& file, Strictness strictness) {
   return reader_for(file, text.content)(text.content, file.string(), strictness);
 }
 
-/// The description with the base as the caller chooses it.
+/// Returns the description with the joint between base and ground that `base` chooses.
 Description held(Description description, Base base) {
   if (base == Base::free) return with_free_base(std::move(description));
   if (base == Base::fixed) return with_fixed_base(std::move(description));
   return description;
 }
 
-/// The faults of the reader and those of the mechanism, sorted by line.
+/// The faults of the reader and those of the description, sorted by line. If the reader has found errors,
+/// warnings about the description and faults about missing names are left out.
 std::vector<Fault> all_faults(io::Reading reading, Base base, Strictness strictness) {
   std::vector<Fault> faults = std::move(reading.faults);
   const bool in_part = io::has_error(faults);

@@ -9,20 +9,21 @@
 
 namespace axode::io {
 
-/// Collects faults for the things in a mechanism that the format of a writer cannot express.
+/// Collects faults about the elements of a mechanism that the format of a writer cannot express.
 class Unsaid {
  public:
   Unsaid(std::string_view format, Strictness strictness) : format_(format), strictness_(strictness) {}
 
-  /// Notes that the writer leaves something out: a warning, or an error if the writer is strict. `what` is
-  /// the predicate of a sentence about the element, such as `is passive`.
+  /// Adds a fault about an element that the writer leaves out: a warning, or an error if the writer is
+  /// strict. `what` is the predicate of a sentence about the element, such as `is passive`.
   void leave_out(std::string element, const std::string& what, const Source& source) {
     const bool strict = strictness_ == Strictness::strict;
     faults_.push_back({strict ? Severity::error : Severity::warning, Rule::wrong_value, std::move(element),
                        what + "; " + format_ + " has no word for it" + (strict ? "" : ", and it is left out"),
                        source});
   }
-  /// Notes that the initial state, the prescribed motions and the drives of a mechanism are left out.
+  /// Adds a fault for each drive and each prescribed motion of a mechanism, and for its initial state, as all
+  /// of them are left out.
   void leave_out_motions(const Description& d) {
     for (std::size_t k = 0; k < d.drives.size(); ++k)
       leave_out("drive \"" + drive_name(d.drives[k], k) + '"',
@@ -31,8 +32,8 @@ class Unsaid {
       leave_out("motion of \"" + motion.of + '"', "is prescribed", motion.source);
     if (d.state) leave_out("state", "is the initial state of motions", d.state->source);
   }
-  /// Notes an error, also if the writer is lenient, because bodies and joints would move differently without
-  /// the element.
+  /// Adds an error, even if the writer is lenient, about an element without which bodies and joints would
+  /// move differently.
   void refuse(std::string element, std::string message, const Source& source) {
     faults_.push_back({Severity::error, Rule::wrong_value, std::move(element), std::move(message), source});
   }
@@ -41,7 +42,7 @@ class Unsaid {
   void throw_errors(std::string_view model) {
     if (has_error(faults_)) throw ModelError(model, std::move(faults_));
   }
-  /// The warnings, after throw_errors().
+  /// The collected warnings. Call throw_errors() before, so that no error is among them.
   std::vector<Fault> warnings() && { return std::move(faults_); }
 
  private:
@@ -50,7 +51,8 @@ class Unsaid {
   std::vector<Fault> faults_;
 };
 
-/// The predicate of a sentence that says what a spring is, for Unsaid.
+/// The predicate of a sentence about a spring, such as `is a bushing between "a" and "b"`, for
+/// Unsaid::leave_out().
 inline std::string said_of(const SpringDescription& spring) {
   const std::string between = "between \"" + spring.between[0] + "\" and \"" + spring.between[1] + '"';
   switch (spring.kind) {

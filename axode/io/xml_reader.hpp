@@ -15,12 +15,12 @@
 #include "axode/model/building/nearest_name.hpp"
 #include "axode/model/kinds/shape_kinds.hpp"
 
-/// The base of the readers of XML formats.
+/// The base class of the readers of XML formats (URDF and SDFormat).
 namespace axode::io {
 
 using tinyxml2::XMLElement;
 
-/// The attributes and children that a format knows in an element.
+/// The attributes and child elements that a format knows in one element.
 struct Grammar {
   std::string_view element;
   std::vector<std::string_view> attributes = {};
@@ -28,13 +28,13 @@ struct Grammar {
   std::vector<std::string_view> repeated = {};  ///< names of children that may occur any number of times
 };
 
-/// A format: its names in messages, and its grammar.
+/// A format: its names in messages, its grammar, and the form of its numbers.
 struct XmlFormat {
-  std::string_view name;    ///< name of the format, `URDF`
-  std::string_view a_file;  ///< name of a file of the format, `a URDF`
+  std::string_view name;    ///< name of the format, such as `URDF`
+  std::string_view a_file;  ///< name of a file of the format with its article, such as `a URDF`
   std::string_view root;    ///< name of the root element
   std::span<const Grammar> grammar;
-  bool values_are_elements;  ///< whether numbers are texts of child elements instead of attributes
+  bool values_are_elements;  ///< whether numbers are texts of child elements, not attributes
 };
 
 /// The entries of a rotational inertia by their names in URDF and SDFormat.
@@ -46,8 +46,8 @@ inline constexpr std::array<std::pair<const char*, double Sym3<>::*>, 6> inertia
      {"iyz", &Sym3<>::yz},
      {"izz", &Sym3<>::zz}}};
 
-/// Finds the elements, attributes and numbers of a text, with a fault for each that is wrong and a warning
-/// for each kind of element and attribute that the format does not know.
+/// Finds elements, attributes and numbers in an XML text. It collects a fault for each that is wrong or
+/// missing, and one warning for each kind of element and attribute that the format does not know.
 class XmlReader {
  protected:
   XmlReader(XmlFormat format, std::string_view text, std::string file, Strictness strictness)
@@ -63,49 +63,58 @@ class XmlReader {
   void error(Rule rule, std::string element, std::string message, int line) {
     note(Severity::error, rule, std::move(element), std::move(message), line);
   }
-  /// The severity of defects that a lenient reader accepts: an error if the reader is strict, else a warning.
+  /// The severity of a defect that a lenient reader accepts: an error if the reader is strict, else a
+  /// warning.
   Severity lenient_severity() const {
     return strictness_ == Strictness::strict ? Severity::error : Severity::warning;
   }
-  /// Counts something that the reader ignores.
+  /// Counts an element, attribute or text that the reader ignores; report_ignored() reports it.
   void ignore(std::string what, int line);
-  /// Notes one warning for each kind of thing that was ignored.
+  /// Adds one warning for each kind of element, attribute and text that was ignored, with their number.
   void report_ignored();
-  /// ` (3 times, first here)` for a message; empty for 1.
+  /// The text ` (3 times, first here)` for a message, with the given count; empty for 1.
   static std::string times(int count) {
     return count > 1 ? " (" + std::to_string(count) + " times, first here)" : "";
   }
 
-  /// Parses the text and returns its root element. If the text is not XML, or the root is not that of the
-  /// format, a fault is noted and the result is null.
+  /// Parses the text and returns its root element. If the text is not XML, or the root element is not that of
+  /// the format, a fault is added and the result is null.
   const XMLElement* parse(tinyxml2::XMLDocument& document);
 
-  /// The child elements of that name, or all if `name` is null.
+  /// The child elements of e with the given name, or all child elements if `name` is null.
   static std::vector<const XMLElement*> children(const XMLElement& e, const char* name = nullptr);
   static std::string tag(const XMLElement& e) { return '<' + std::string(e.Name()) + '>'; }
   /// The grammar of an element; null if the format does not know it.
   const Grammar* grammar_of(std::string_view element) const;
-  /// Whether something was ignored whose description begins like this.
+  /// Whether an ignored element, attribute or text has a description that begins with `beginning`, such as
+  /// `<xacro:`.
   bool is_ignored(std::string_view beginning) const;
-  /// Notes the attributes, children and texts in an element that the format does not know or allow.
+  /// Counts the attributes, child elements and texts of an element that the format does not know, see
+  /// ignore(), and reports child elements that occur too often. `owner` is the name of the element in
+  /// messages.
   void inspect(const XMLElement& e, const std::string& owner);
-  /// The first child of that name, after inspect(); null if there is none.
+  /// The first child element of e with the given name, after inspect() of this child; null if there is none.
   const XMLElement* child_of(const XMLElement& e, const char* name, const std::string& owner);
-  /// The first child of that name, after inspect(); null, with a fault, if there is none.
+  /// The first child element of e with the given name, after inspect() of this child. If there is none, a
+  /// fault is added and the result is null.
   const XMLElement* required_child(const XMLElement& e, const char* name, const std::string& owner);
-  /// The text of an attribute; null, with a fault, if there is none.
+  /// The text of an attribute. If the attribute is missing, a fault is added and the result is null.
   const char* required(const XMLElement& e, const char* attribute, const std::string& owner);
-  /// The name in an attribute; empty, with a fault, if there is none.
+  /// The text of an attribute that is a name. If it is missing, empty or not printable, a fault is added; the
+  /// result is empty if it is missing.
   std::string name(const XMLElement& e, const char* attribute, const std::string& owner);
-  /// The text of a child element; empty, with a fault, if there is none.
+  /// The text of a child element that is a name. If the child is missing or has no text, a fault is added and
+  /// the result is empty.
   std::string required_text(const XMLElement& e, const char* child, const std::string& owner);
-  /// The text in an element, without blanks around it.
+  /// The first text in an element that is not blank, without the blanks around it; empty if there is none.
   static std::string text_of(const XMLElement& e);
-  /// Returns a name that was read, and notes a fault if it is empty or cannot be printed.
+  /// Returns the name `value`, and adds a fault if it is empty (with the message `where_empty`) or has
+  /// control characters.
   std::string checked_name(const char* value, const std::string& where_empty, const std::string& owner,
                            int line);
 
-  /// The N numbers in a text; if the text is wrong, a fault is noted and the result is empty.
+  /// The N numbers in a text. If one of them is wrong or the count is not N, a fault is added and the result
+  /// is empty.
   template <std::size_t N>
   std::optional<std::array<double, N>> numbers(std::string_view text, const std::string& what,
                                                const std::string& owner, int line,
@@ -121,14 +130,15 @@ class XmlReader {
     std::copy(all->begin(), all->end(), out.begin());
     return out;
   }
-  /// A value in an element: the text of an attribute or, if values_are_elements, of a child.
+  /// A value of an element: the text of an attribute or, if the format has values_are_elements, of a child
+  /// element.
   struct Value {
     std::string text, what;  ///< `what` is the name of the value in messages
     int line;
   };
   std::optional<Value> value(const XMLElement& e, const char* key) const;
-  /// The N numbers in a value; the result is empty if the value is absent, or if it is wrong, which is noted
-  /// as a fault.
+  /// The N numbers in the value `key` of an element. The result is empty if the value is absent, or if it is
+  /// wrong; in the second case a fault is added.
   template <std::size_t N>
   std::optional<std::array<double, N>> numbers(const XMLElement& e, const char* key, const std::string& owner,
                                                Severity severity = Severity::error) {
@@ -139,16 +149,19 @@ class XmlReader {
   std::optional<Vec3<>> vector(const XMLElement& e, const char* key, const std::string& owner,
                                Severity severity = Severity::error);
   double scalar(const XMLElement& e, const char* key, const std::string& owner, double otherwise);
-  /// A limit. Infinity, and magnitudes of `unbounded` and more, mean that there is none.
+  /// The limit in the value `key` of an element; `otherwise` if the value is absent. The result is infinite
+  /// if the given magnitude is infinite or at least `unbounded`.
   double bound(const XMLElement& e, const char* key, const std::string& owner, double otherwise,
                double unbounded);
 
-  /// Reads the geometry of a visual or collision element and adds a copy of `shape` for each complete shape
-  /// in it. As shapes do not affect the motion, wrong dimensions are errors of a strict reader only.
+  /// Reads the geometry of a visual or collision element, and appends a copy of `shape` with the kind and the
+  /// dimensions of each complete shape in it to `shapes`. Wrong dimensions are errors only if the reader is
+  /// strict, because they do not affect the motion.
   void read_geometry(const XMLElement& e, ShapeDescription shape, const std::string& owner,
                      std::vector<ShapeDescription>& shapes);
 
-  /// The row of a table of joint types with the type of an element; null, with a fault, if there is none.
+  /// The row of `kinds` whose type is that of an element. If the type is missing or unknown, a fault is added
+  /// and the result is null.
   template <class Kind, std::size_t N>
   const Kind* kind_of(const XMLElement& e, const std::string& owner, const std::array<Kind, N>& kinds) {
     const char* type = required(e, "type", owner);
@@ -165,11 +178,11 @@ class XmlReader {
     return nullptr;
   }
 
-  /// All numbers in a text, however many there are. If one of them is wrong, a fault is noted and the result
-  /// is empty.
+  /// All numbers in a text. If one of them is wrong, a fault is added and the result is empty.
   std::optional<std::vector<double>> numbers(std::string_view text, const std::string& what,
                                              const std::string& owner, int line, Severity severity);
-  /// Notes that a text has another count of numbers than `needed`, which is a phrase such as `6 numbers`.
+  /// Adds a fault about a text that has `count` numbers instead of those that are needed. `needed` is a
+  /// phrase such as `6 numbers`.
   void wrong_count(std::string_view text, const std::string& what, const std::string& needed,
                    std::size_t count, const std::string& owner, int line, Severity severity);
 

@@ -5,7 +5,7 @@
 #include "axode/lie/vec3.hpp"
 #include "axode/model/building/fault.hpp"
 
-/// Texts of numbers and names for attributes of XML.
+/// Functions that convert numbers, vectors and names to texts for attributes of XML.
 namespace axode::io::xml {
 
 inline std::string text(double x) { return to_text(x == 0 ? 0.0 : x); }  // -0 becomes 0

@@ -14,7 +14,7 @@ namespace {
 
 constexpr double noise = 1e-15;
 
-/// Sets the components to 0 that are rounding noise of numbers of the magnitude `scale`.
+/// Returns `a` with 0 instead of components that are rounding noise of numbers of the magnitude `scale`.
 Vec3<> clean(const Vec3<>& a, double scale) {
   const auto each = [&](double x) { return std::abs(x) < noise * scale ? 0.0 : x; };
   return {each(a.x), each(a.y), each(a.z)};
@@ -38,14 +38,15 @@ bool same(const SO3<>& a, const SO3<>& b) {
   return norm(a.x - b.x) <= 10 * noise && norm(a.y - b.y) <= 10 * noise && norm(a.z - b.z) <= 10 * noise;
 }
 
-/// The pose in the body frame of the frame in which axis and point of the joint are given.
+/// The frame in which axis and point of a joint are given, as a pose in the body frame. It is the body frame
+/// itself unless the geometry gives joint frames.
 SE3<> given_frame(const Geometry& geometry) {
   const auto* frames = std::get_if<InJointFrames>(&geometry);
   return frames == nullptr ? SE3<>{} : frames->S_self;
 }
 
-/// Writes axis and point of a joint in the construction frame, and the geometry of its body as the pose A,
-/// unless the joint has to keep its joint frames.
+/// Changes the axis and the point of a joint, and the geometry of its body, to the construction frame, unless
+/// a planar or spherical joint has to keep its joint frames. `at` has the reference poses of the body.
 void move_joint(BodyDescription& body, const Placement& at) {
   JointDescription& joint = body.joint;
   if (!traits(joint.kind).axis && !traits(joint.kind).point) {
@@ -73,7 +74,8 @@ void move_joint(BodyDescription& body, const Placement& at) {
   body.geometry = InConstructionFrame{clean(at.A)};
 }
 
-/// Writes the inertia of a body with the pose A in the construction frame, about the centre of mass.
+/// Changes the mass properties of a body to the construction frame, with the inertia about the centre of
+/// mass. A is the pose of the body frame in the construction frame.
 void move_inertia(MassProperties& given, const SE3<>& A) {
   if (given.in == GivenIn::construction_frame) return;
   given.in = GivenIn::construction_frame;

@@ -3,16 +3,17 @@
 
 namespace axode::io {
 
-/// Rewrites a description so that axes, points, centres of mass, inertias and frames are in the construction
-/// frame; the mechanism stays the same. Numbers that are given in the construction frame already do not
-/// change. Rounding noise around 0 and ±1 is removed from poses and from numbers that had to be transformed.
+/// Returns the description of the same mechanism with axes, points, centres of mass, inertias and named
+/// frames in the construction frame. Numbers that are already given in the construction frame do not change.
+/// Rounding noise around 0 and ±1 is removed from poses and from numbers that had to be transformed.
 ///
-/// Loops do not change: they are drawn in the construction frame, or have frames relative to frames that do
-/// not move.
+/// Loops do not change, because they are drawn in the construction frame or are described relative to bodies
+/// and named frames.
 ///
-/// If the frame of a planar or spherical joint is rotated relative to the one that follows from the
-/// construction frame, the joint keeps its joint frames and its body its inertia, because otherwise its
-/// coordinates would change their meaning.
+/// For a planar or spherical joint, a fixed rule gives the axes of the joint frame in the construction frame.
+/// If the axes of the given joint frame are rotated relative to them, the coordinates of the joint would
+/// change their meaning. In this case the joint keeps its joint frames, and the inertia of its body is not
+/// rewritten.
 Description in_construction_frame(const Description& description);
 
 }  // namespace axode::io

@@ -4,10 +4,11 @@
 #include "axode/io/drawing/drawing_table.hpp"
 #include "axode/model/description.hpp"
 
-/// Drives of a drawing.
+/// The reader of the tables [[drive]] of a drawing.
 namespace axode::io {
 
-/// Reads a drive and returns whether it is complete; faults name it by its number, from 0.
+/// Reads a table [[drive]] into `drive`. Returns false if it has faults. `number` is its index among the
+/// drives of the file, from 0; messages use it for a drive without a name.
 bool read_drive(Table& table, std::size_t number, DriveDescription& drive);
 
 }  // namespace axode::io

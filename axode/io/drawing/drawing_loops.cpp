@@ -10,16 +10,16 @@ namespace {
 
 constexpr auto loop_names = names_of(loop_kinds);
 
-/// The keys that say where a loop is drawn. A loop with frames has none of them.
+/// The keys that say where a loop is drawn. A loop that is given by `frames` must have none of them.
 constexpr std::array<std::string_view, 5> drawn_keys{"axis", "second_axis", "point", "points", "center"};
 constexpr std::array<std::string_view, 7> size_keys{"pitch",      "lead",   "length", "radii",
                                                     "wheel_axis", "radius", "angle"};
 
-/// Whether a key means something for a kind of loop. A lead is another way to write a pitch.
+/// Whether a kind of loop has a key. `lead` is another way to give a pitch.
 bool has_key(LoopKind kind, std::string_view key) { return traits(kind).has(key == "lead" ? "pitch" : key); }
 
-/// Reads the two bodies or frames that a loop connects. Their names are in `between` or, if they are frames
-/// which also say where the loop is, in `frames`.
+/// Reads the names of the two bodies or named frames that a loop connects. They are in the key `between` or,
+/// if two named frames also say where the loop is, in the key `frames`.
 void read_ends(Table& table, LoopDescription& loop) {
   const toml::Value* frames = table.look("frames");
   const toml::Array* both = frames == nullptr ? nullptr : frames->array();
@@ -38,7 +38,8 @@ void read_ends(Table& table, LoopDescription& loop) {
   }
 }
 
-/// Reads where a loop is, and the numbers that belong to its kind.
+/// Reads the keys that say where a loop is, and the numbers of its kind, such as pitch, length or radii. Keys
+/// that are needed but missing are faults.
 void read_place(Table& table, LoopDescription& loop) {
   const bool drawn = !table.has("frames");
   const std::string a_kind = "a " + std::string(to_string(loop.kind)) + " loop";

@@ -2,11 +2,12 @@
 #include "axode/io/drawing/drawing_table.hpp"
 #include "axode/model/description.hpp"
 
-/// Loops and couplings of a drawing.
+/// The readers of the tables [[loop]] and [[coupling]] of a drawing.
 namespace axode::io {
 
-/// Reads a table [[loop]], or below a table [[coupling]]; its number counts from 0. Returns false if the
-/// table has faults, so that no further faults follow from an incomplete loop.
+/// read_loop() reads a table [[loop]] and read_coupling() a table [[coupling]]. `number` is the index of the
+/// table in the file, from 0, from which the default name follows. The functions return false if the table
+/// has faults, so that an incomplete loop is left out of the description and causes no further faults.
 bool read_loop(Table& table, std::size_t number, LoopDescription& loop);
 bool read_coupling(Table& table, std::size_t number, CouplingDescription& coupling);
 

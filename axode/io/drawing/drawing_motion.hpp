@@ -7,18 +7,19 @@
 #include "axode/io/drawing/drawing_table.hpp"
 #include "axode/model/description.hpp"
 
-/// Prescribed motions and the initial state of a drawing.
+/// The readers of prescribed motions, functions of time and the initial state of a drawing.
 namespace axode::io {
 
-/// Reads a motion and returns whether it is complete; faults name it by its number, from 0.
+/// Reads a table [[motion]] into `motion`. Returns false if it has faults. `number` is its index among the
+/// motions of the file, from 0; messages use it until the motion has a name.
 bool read_motion(Table& table, std::size_t number, MotionDescription& motion);
 
-/// Names of the kinds of functions of time, in the order of MotionDescription::Kind.
+/// The names of the kinds of functions of time, in the order of MotionDescription::Kind.
 inline constexpr std::array<std::string_view, 4> function_kinds{"harmonic", "ramp", "polynomial", "samples"};
-/// Reads the parameters of a function of time, whose kind is set.
+/// Reads the parameters of a function of time from a table. motion.kind must be set before.
 void read_function(Table& table, MotionDescription& motion);
 
-/// Reads the table `state` of the top, if there is one.
+/// Reads the table `state` of a drawing, if there is one. `top` is the table of the whole file.
 void read_state(Table& top, std::optional<InitialStateDescription>& state);
 
 }  // namespace axode::io

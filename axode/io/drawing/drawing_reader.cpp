@@ -23,7 +23,8 @@ constexpr auto shape_names = names_of(shape_kinds);
 /// The form in which the geometry of a body is given: A, B, or S_prev and S_self.
 enum class GeometryForm { construction, body, joint };
 
-/// Reads the geometry of a body: A, or B, or S_prev and S_self.
+/// Reads the keys that place a body (A, or B, or S_prev and S_self), and returns which of these ways it
+/// found.
 GeometryForm read_geometry(Table& table, BodyDescription& body) {
   const bool has_A = table.has("A"), has_B = table.has("B"),
              has_S = table.has("S_prev") || table.has("S_self"), has_frame = table.has("frame");
@@ -49,7 +50,8 @@ constexpr std::array<std::string_view, 11> dof_keys{"limits",   "velocity", "eff
                                                     "friction", "armature", "gear_loss",  "gear_loss_back",
                                                     "spring",   "stop",     "restitution"};
 
-/// Reads the table of a spring or of stops, which has the key `stiffness` and one other key.
+/// Reads the table of a joint spring or of elastic stops. `what` is the key of this table, `spring` or
+/// `stop`. In the table, `stiffness` is required, and a second number with the name `key` is optional.
 void read_elastic(Table& table, std::string_view what, double& stiffness, std::string_view key,
                   double& other) {
   auto inner = table.table(what);
@@ -61,7 +63,7 @@ void read_elastic(Table& table, std::string_view what, double& stiffness, std::s
   inner->finish();
 }
 
-/// Reads the stops of a joint, which are elastic or hard.
+/// Reads the stops of a joint, which are elastic (a table) or hard (the text "hard"), and their restitution.
 void read_stops(Table& table, Dof& dof) {
   constexpr std::array<std::string_view, 1> hard{"hard"};
   const toml::Value* stop = table.look("stop");
@@ -90,8 +92,8 @@ Dof read_dof(Table& table) {
   return dof;
 }
 
-/// Reads the limits and losses of a joint. They are next to its axis if it has one degree of freedom, else in
-/// `dof`.
+/// Reads limits, losses, spring and stops of a joint. If the joint has one degree of freedom they are keys of
+/// its own table, otherwise they are in the array `dof`.
 void read_dofs(Table& table, JointDescription& joint) {
   if (traits(joint.kind).dof == 1) {
     table.refuse("dof", "this joint has one degree of freedom; write limits, velocity, ... beside its axis");
@@ -112,7 +114,8 @@ void read_dofs(Table& table, JointDescription& joint) {
   }
 }
 
-/// Reads axis, point and pitch of a joint, and reports those that its kind needs or must not have.
+/// Reads the axes, the point and the pitch of a joint, and adds a fault for each that its kind needs and that
+/// is missing, or that its kind does not have.
 void read_screw(Table& table, GeometryForm form, JointDescription& joint) {
   const JointKind kind = joint.kind;
   const std::string a_kind = "a " + std::string(to_string(kind)) + " joint";
@@ -149,7 +152,8 @@ void read_screw(Table& table, GeometryForm form, JointDescription& joint) {
   }
 }
 
-/// Reads the keys of a joint whose kind is not known, so that faults in its numbers are reported as well.
+/// Reads the keys of a joint whose kind is missing or unknown, so that faults in their numbers are reported
+/// as well.
 void read_of_unknown_kind(Table& table) {
   for (const char* const key : {"axis", "second_axis"}) table.direction(key);
   table.vector("point");
@@ -236,8 +240,8 @@ std::optional<MassProperties> read_inertia(Table& table, GeometryForm form) {
   return given;
 }
 
-/// Places the frame of a drawn body by the key `frame`, if there is one: at the point of its joint or at its
-/// centre of mass, parallel to the construction frame.
+/// Sets the body frame of a body in the construction frame by the key `frame`, if there is one. Its origin is
+/// the point of the joint or the centre of mass, and its axes are those of the construction frame.
 void move_frame(Table& table, BodyDescription& body) {
   constexpr std::array<std::string_view, 2> places{"joint", "com"};
   const toml::Value* at = table.look("frame");
@@ -273,7 +277,8 @@ bool has_key(const ShapeTraits& kind, std::string_view key) {
   return key == kind.size || (kind.kind == ShapeKind::mesh && (key == "file" || key == "scale"));
 }
 
-/// Reads a shape, or a mesh if `given_kind` says so. The result is empty if the table has faults.
+/// Reads a table of a shape. If `given_kind` is set, it is the kind of the shape, and the table has no key
+/// `kind`. The result is empty if the table has faults.
 std::optional<ShapeDescription> read_shape(Table& table, const std::string& owner,
                                            std::optional<ShapeKind> given_kind = {}) {
   ShapeDescription shape;
@@ -320,7 +325,8 @@ void read_shapes(Table& owner, const std::string& element, const std::string& ke
     if (auto read = read_shape(shape, element)) shapes.push_back(std::move(*read));
 }
 
-/// Reads the name of a body or frame. Faults name the table by it or, if it is missing, by its number.
+/// Reads the name of a body or frame. From then on faults name the table by it or, if there is none, by its
+/// number in the file.
 std::string read_name(Table& table, const std::string& kind, std::size_t number) {
   table.rename(kind + " " + std::to_string(number + 1));
   std::string name = table.name("name", "every " + kind + " needs one");
@@ -353,7 +359,8 @@ bool read_frame(Table& table, std::size_t number, FrameDescription& frame) {
   return true;
 }
 
-/// Reads the tables of an array of the top. read(table, number, item) returns whether the item is complete.
+/// Reads the array of tables with the given key. `top` is the table of the whole file. read(table, number,
+/// item) returns whether the item is complete; other items are left out.
 template <class Item, class Read>
 void read_all(Table& top, std::string_view key, const Read& read, std::vector<Item>& items) {
   std::size_t number = 0;

@@ -13,8 +13,8 @@ constexpr std::array<std::string_view, 2> frame_names{"construction", "body"};
 constexpr std::array<std::string_view, 2> sides{"tension", "compression"};
 constexpr std::array<std::string_view, 3> law_names{"polynomial", "table", "gas"};
 
-/// The keys that place a spring, of which each kind has some, and those of a force law, which all kinds but
-/// bushings have.
+/// place_keys are the keys that say where a spring is, of which each kind has some. law_keys are the keys of
+/// a force law, which all kinds but bushings have.
 constexpr std::array<std::string_view, 9> place_keys{"between", "points", "path", "axis",     "frames",
                                                      "in",      "terms",  "pose", "rest_pose"};
 constexpr std::array<std::string_view, 4> law_keys{"law", "rest", "preload", "one_sided"};
@@ -52,8 +52,8 @@ void read_path(Table& table, SpringDescription& spring) {
   }
 }
 
-/// Reads the two frames of a spring: one that is drawn for both bodies, by the key `drawn_by`, or `frames` on
-/// each of them.
+/// Reads the two frames of a torsion spring or bushing. Either the key `drawn_by` (`axis` or `pose`) gives
+/// one frame for both bodies, in the construction frame, or the key `frames` gives a frame on each of them.
 void read_frames(Table& table, SpringDescription& spring, std::string_view drawn_by) {
   read_between(table, spring);
   const bool given = table.has("frames");
@@ -89,7 +89,8 @@ void read_terms(Table& table, SpringDescription& spring) {
   spring.terms = table.named_numbers("terms");
 }
 
-/// Reads a 6×6 matrix: its diagonal, or its rows.
+/// Reads a 6×6 matrix from a key, which has either the six numbers of the diagonal or six rows of six
+/// numbers.
 void read_matrix(Table& table, std::string_view key, SixBySix& A) {
   const toml::Value* node = table.take(key);
   if (node == nullptr) return;

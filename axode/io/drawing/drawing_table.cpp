@@ -7,7 +7,7 @@
 namespace axode::io {
 namespace {
 
-/// A value as messages show it.
+/// A value of TOML as messages show it, such as `"knee"`, `1.5` or `an array of 3`.
 std::string shown(const toml::Value& value) {
   if (const auto* text = value.text()) return in_quotes(*text);
   if (const auto* x = value.number()) return to_text(*x);

@@ -12,10 +12,10 @@
 #include "axode/io/reading.hpp"
 #include "axode/model/building/nearest_name.hpp"
 
-/// The tables of a drawing. Their keys are read one by one, and a fault is noted for each that is wrong.
+/// Access to the tables of a drawing. Keys are read one by one, and a fault is added for each that is wrong.
 namespace axode::io {
 
-/// The names in a table of kinds, as choices of a key.
+/// The names of all kinds in a table such as joint_kinds, as the choices of a key.
 template <class Traits, std::size_t N>
 constexpr std::array<std::string_view, N> names_of(const std::array<Traits, N>& kinds) {
   std::array<std::string_view, N> names;
@@ -23,7 +23,7 @@ constexpr std::array<std::string_view, N> names_of(const std::array<Traits, N>& 
   return names;
 }
 
-/// The faults of one file.
+/// The list of faults of one file, and the name of the file.
 struct Notes {
   std::vector<Fault>& faults;
   std::string file;
@@ -33,7 +33,9 @@ struct Notes {
   }
 };
 
-/// One table of a drawing. Each key that the table may have is read once; finish() reports all other keys.
+/// One table of a drawing. Each key that the table may have is read by one of the functions; finish() then
+/// adds a fault for each other key. Functions that read a key return an empty result if the key is absent, or
+/// if its value is wrong; in the second case they add a fault.
 class Table {
  public:
   Table(const Notes& notes, const toml::Value& table, std::string element)
@@ -62,7 +64,7 @@ class Table {
   void missing(std::string_view key, std::string_view need) const {
     error(Rule::missing_element, "has no " + std::string(key) + "; " + std::string(need));
   }
-  /// Reports a key that this table must not have although other tables of its kind have it.
+  /// Adds a fault if the table has a key that other tables of this type have and this one must not have.
   void refuse(std::string_view key, std::string_view reason) {
     if (const toml::Value* node = take(key))
       error(Rule::unknown_element, std::string(key) + " has no meaning here: " + std::string(reason), node);
@@ -70,7 +72,7 @@ class Table {
   void finish() const;
 
   std::optional<std::string> text(std::string_view key);
-  /// A name that the table must have. If it is missing, a fault is noted and the result is empty.
+  /// A name that the table must have. If it is missing or wrong, a fault is added and the result is empty.
   std::string name(std::string_view key, std::string_view need);
   template <std::size_t N>
   std::optional<std::size_t> choice(std::string_view key, const std::array<std::string_view, N>& choices) {
@@ -107,11 +109,11 @@ class Table {
     const auto x = numbers<3>(key);
     return x ? std::optional(Vec3<>{(*x)[0], (*x)[1], (*x)[2]}) : std::nullopt;
   }
-  /// Red, green, blue and opacity. The opacity may be left out and is 1 then.
+  /// Red, green, blue and opacity, 0 to 1. If only three numbers are given, the opacity is 1.
   std::optional<std::array<double, 4>> color(std::string_view key);
   /// A direction, given by three numbers or by the name of an axis, such as "-x".
   std::optional<Vec3<>> direction(std::string_view key);
-  /// N rows of three numbers.
+  /// N rows of three numbers. `need` is the part of a message that says what the key needs.
   template <std::size_t N>
   std::optional<std::array<Vec3<>, N>> rows(std::string_view key, std::string_view need) {
     const toml::Value* node = take(key);
@@ -131,44 +133,51 @@ class Table {
     const auto m = rows<3>(key, "it needs three rows of three numbers");
     return m ? std::optional(transpose(SO3<>{(*m)[0], (*m)[1], (*m)[2]})) : std::nullopt;
   }
-  /// An array of two names.
+  /// A pair of names, given as an array of two texts. `need` is the part of a message that says what the key
+  /// needs.
   std::optional<std::array<std::string, 2>> pair_of_names(std::string_view key, std::string_view need);
-  /// An array of arrays of two names; empty if the key is absent.
+  /// Pairs of names, given as an array of arrays of two texts; empty if the key is absent.
   std::vector<std::array<std::string, 2>> pairs_of_names(std::string_view key, std::string_view need);
-  /// All keys of a table, with the number of each.
+  /// The keys of a table inside this one, each with its number; empty if there is no such table.
   std::vector<std::pair<std::string, double>> named_numbers(std::string_view key);
-  /// The numbers of an array of any length. Its numbers are finite.
+  /// The numbers of an array of any length, which must be finite.
   std::optional<std::vector<double>> list(std::string_view key, std::string_view need);
 
-  /// A number in a unit, and a list of numbers, that must be given; 0 and an empty list if they are not.
+  /// needed_number() and needed_list() read a number or a list of numbers that must be given. If it is
+  /// missing or wrong, a fault is added and the result is 0 or an empty list. `unit` and `need` are parts of
+  /// the message.
   double needed_number(std::string_view key, std::string_view unit);
   std::vector<double> needed_list(std::string_view key, std::string_view need);
-  /// All keys of a table, each with one number or an array of them.
+  /// The keys of a table inside this one, each with one number or an array of numbers; empty if there is no
+  /// such table.
   std::vector<std::pair<std::string, std::vector<double>>> named_lists(std::string_view key);
-  /// A symmetric tensor, given by Ixx Iyy Izz, by Ixx Iyy Izz Ixy Ixz Iyz, or by the rows of a symmetric
-  /// matrix.
+  /// A symmetric tensor, given by three numbers Ixx Iyy Izz, by six numbers Ixx Iyy Izz Ixy Ixz Iyz, or by
+  /// the three rows of a symmetric matrix.
   std::optional<Sym3<>> symmetric(std::string_view key);
 
-  /// The rotation that `rotation` (rows), `quaternion` (x y z w) or `rpy` gives; the identity if there is
-  /// none of them.
+  /// The rotation that one of the keys `rotation` (rows of a matrix), `quaternion` (x y z w) or `rpy` (roll,
+  /// pitch and yaw, rad) of this table gives; the identity if there is none of them or it is wrong.
   SO3<> rotation();
   SE3<> pose() {
     const Vec3<> r = vector("position").value_or(Vec3<>{});
     return {rotation(), r};
   }
 
-  /// A table inside this one.
+  /// The table inside this one with the given key.
   std::optional<Table> table(std::string_view key);
   std::optional<SE3<>> pose(std::string_view key);
   std::optional<std::array<SE3<>, 2>> pair_of_poses(std::string_view key, std::string_view need);
-  /// The tables of an array of tables.
+  /// The tables of an array of tables; empty if the key is absent. `need` is the part of a message that says
+  /// what the key needs.
   std::vector<Table> tables(std::string_view key, const std::string& need);
 
  private:
-  /// All keys of a table, with the value that read(table, name, entry) finds for each.
+  /// The keys of the table inside this one that `key` names, each with the value that read(table, name,
+  /// entry) returns for it. Keys for which this is empty are left out.
   template <class T, class Read>
   std::vector<std::pair<std::string, T>> named(std::string_view key, const Read& read);
-  /// Reads the N numbers of an array. A number that is not finite is a fault.
+  /// Reads the N numbers of an array into `out`, and returns whether this was possible. A fault is added for
+  /// a number that is not finite, but not for a value that is no array of N numbers.
   enum class Found { good, wrong, not_finite };
   template <std::size_t N>
   Found read_numbers(std::string_view key, const toml::Value& value, std::array<double, N>& out,

@@ -61,7 +61,7 @@ std::string text(const SE3<>& pose) {
   const std::string rotation = is_identity(pose.R) ? "" : ", rotation = " + text(pose.R);
   return "{ position = " + text(pose.r) + rotation + " }";
 }
-/// The diagonal of a matrix that has nothing besides, or its rows.
+/// The text of a 6×6 matrix: the six numbers of its diagonal if all other entries are 0, else its rows.
 std::string text(const SixBySix& A) {
   std::vector<double> diagonal;
   bool is_diagonal = true;
@@ -329,7 +329,7 @@ class DrawingWriter {
     if (kind.has("radius") && loop.radius) line("radius", text(*loop.radius));
     if (kind.has("radii")) line("radii", text(std::vector<double>{loop.radii[0], loop.radii[1]}));
   }
-  /// Writes where a loop is drawn.
+  /// Writes the keys that say where a loop is drawn.
   void write_place(const LoopDescription& loop) {
     const LoopTraits& kind = traits(loop.kind);
     if (kind.has("axis")) line("axis", text(loop.axis));
@@ -339,7 +339,7 @@ class DrawingWriter {
     if (kind.has("center")) line("center", text(loop.center));
   }
 
-  /// Writes a coupling with its terms sorted by name, which is also the order in which they are read.
+  /// Writes a coupling. Its terms are sorted by name, because they are read in this order.
   void write(const CouplingDescription& coupling) {
     out_ << "\n[[coupling]]\n";
     if (!coupling.name.empty()) line("name", text(coupling.name));
@@ -421,7 +421,7 @@ class DrawingWriter {
     for (const auto& [key, value] : all) joined += (joined.empty() ? " " : ", ") + key + " = " + value;
     if (!joined.empty()) line("input", "{" + joined + " }");
   }
-  /// Numbers by name, sorted by name, which is also the order in which they are read.
+  /// The text of a table of named numbers. It is sorted by name, because it is read in this order.
   static std::string by_name(std::vector<std::pair<std::string, double>> all) {
     std::ranges::sort(all);
     std::string joined;
@@ -429,7 +429,7 @@ class DrawingWriter {
     return "{" + joined + " }";
   }
 
-  /// Writes the initial state with its joints sorted by name, which is also the order in which they are read.
+  /// Writes the initial state. Its joints are sorted by name, because they are read in this order.
   void write(const InitialStateDescription& state) {
     out_ << "\n[state]\n";
     if (!state.q.empty()) line("q", by_joint(state.q));

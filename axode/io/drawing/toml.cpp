@@ -22,12 +22,12 @@ bool is_bare(char c) {
 bool is_blank(char c) { return c == ' ' || c == '\t'; }
 bool is_control(char c) { return (c >= 0 && c < ' ' && c != '\t') || c == '\x7f'; }
 
-/// Reads a number from a word; plain_ collects its characters without underscores.
+/// Reads the number in a word. plain_ collects the characters that were read, without underscores.
 class NumberScan {
  public:
   explicit NumberScan(std::string_view word) : rest_(word) {}
 
-  /// Reads [+-] integer [. digits] [e [+-] digits]. Empty if the word is anything else.
+  /// Reads a decimal number: [+-] integer [. digits] [e [+-] digits]. Empty if the word is anything else.
   std::optional<double> decimal() {
     if (!rest_.empty() && (rest_[0] == '+' || rest_[0] == '-')) take();
     const std::string_view whole = rest_;
@@ -48,8 +48,8 @@ class NumberScan {
     return x.broken ? std::nullopt : std::optional(x.value);
   }
 
-  /// Reads digits of a base after 0x, 0o or 0b. Empty if the word is anything else, or the number has over 64
-  /// bits.
+  /// Reads an integer after 0x, 0o or 0b. is_one(c) says whether c is a digit of the base. Empty if the word
+  /// is anything else, or if the number has more than 64 bits.
   std::optional<double> of_base(int base, bool (*is_one)(char)) {
     rest_.remove_prefix(2);
     std::uint64_t value = 0;
@@ -63,7 +63,8 @@ class NumberScan {
     plain_ += rest_[0];
     rest_.remove_prefix(1);
   }
-  /// Reads one or more digits, with single underscores between digits. Returns false if there is no digit.
+  /// Reads one or more digits, which may have single underscores between them. Returns false if there is no
+  /// digit.
   bool digits(bool (*is_one)(char)) {
     if (rest_.empty() || !is_one(rest_[0])) return false;
     while (!rest_.empty() && is_one(rest_[0])) {
@@ -169,7 +170,7 @@ class Parser {
 
   [[noreturn]] void fail(std::string message) const { throw Failure{std::move(message), line_}; }
   [[noreturn]] void fail(std::string message, int line) const { throw Failure{std::move(message), line}; }
-  /// Fails with a message that says what was expected and what was found.
+  /// Throws a Failure whose message says what was expected and what was found.
   [[noreturn]] void expected(const std::string& what) const {
     std::size_t length = 1;
     while (is_bare(peek(length - 1)) && is_bare(peek(length)) && length < 30) ++length;
@@ -195,7 +196,7 @@ class Parser {
     if (at_ == begin) expected(what);
     return {std::string(text_.substr(begin, at_ - begin)), line_};
   }
-  /// Reads a.b.c.
+  /// Reads a dotted key such as a.b.c. `what` says in a message what was expected.
   std::vector<Key> dotted_key(const std::string& what) {
     std::vector<Key> keys{key(what)};
     for (skip_blanks(); peek() == '.'; skip_blanks()) {
@@ -221,7 +222,7 @@ class Parser {
     fail(in_quotes(key.name) + " is given twice, first in line " + std::to_string(before.line), key.line);
   }
 
-  /// Reads [a.b.c] or [[a.b.c]].
+  /// Reads a header [a.b.c] or [[a.b.c]], makes the tables that it names, and sets section_ to the last one.
   void header() {
     const bool is_array = take("[[");
     if (!is_array) take("[");
@@ -256,7 +257,7 @@ class Parser {
     }
   }
 
-  /// Reads a.b.c = value.
+  /// Reads a line such as a.b.c = value, and adds the value to the table.
   void key_and_value(Value& table, const std::string& what) {
     const std::vector<Key> keys = dotted_key(what);
     if (!take("=")) expected("\"=\" after the key " + in_quotes(keys.back().name));
@@ -319,8 +320,8 @@ class Parser {
     if (!take("}")) expected("\",\" or \"}\" in a table in braces, all in one line");
     close(table);
   }
-  /// Closes a table in braces, and the tables in it that dotted keys made: nothing can be added to them
-  /// later.
+  /// Marks a table in braces, and the tables in it that dotted keys made, as complete: nothing can be added
+  /// to them later.
   static void close(Value& table) {
     std::vector<Value*> open{&table};
     while (!open.empty()) {
@@ -368,7 +369,8 @@ class Parser {
     ++at_;
     return text;
   }
-  /// Reads """text""" or '''text''', which may run over several lines, from after the opening quotes.
+  /// Reads """text""" or '''text''', which may have several lines. The opening quotes, `three`, have been
+  /// read already.
   std::string long_text(std::string_view three) {
     const int first = line_;
     std::string text;
@@ -385,7 +387,8 @@ class Parser {
     for (int more = 0; more < 2 && peek() == three[0]; ++more) text += text_[at_++];
     return text;
   }
-  /// Skips a backslash that ends a line and all white space after it; false if there is none.
+  /// Skips a backslash at the end of a line and all white space after it. Returns false if there is no such
+  /// backslash.
   bool goes_on_in_next_line() {
     std::size_t k = 1;
     if (peek() != '\\') return false;

@@ -16,7 +16,7 @@ namespace {
 
 using xml::text;
 
-/// Whether MuJoCo can open a mesh file: it must be a path, not a URL, and have an ending that MuJoCo knows.
+/// Whether MuJoCo can open a mesh file: the name must be a path, not a URL, and end in .stl, .obj or .msh.
 bool opens(const std::string& file) {
   if (file.find("://") != std::string::npos) return false;
   const std::size_t dot = file.rfind('.');
@@ -36,7 +36,7 @@ std::vector<Dof> said(const JointDescription& joint) {
   const bool ball = joint.kind == JointKind::spherical, planar = joint.kind == JointKind::planar;
   std::vector<Dof> all = joint.dof;
   all.resize(static_cast<std::size_t>(traits(joint.kind).dof));
-  const std::size_t first = planar ? 1 : 0;  // the first of the degrees of freedom that share numbers
+  const std::size_t first = planar ? 1 : 0;  // first degree of freedom of those that share numbers
   const Dof like = all.empty() ? Dof{} : all[std::min(first, all.size() - 1)];
   const bool alike = std::all_of(
       all.begin() + static_cast<std::ptrdiff_t>(std::min(first, all.size())), all.end(), [&](const Dof& dof) {
@@ -143,7 +143,7 @@ std::string size_text(const ShapeDescription& shape) {
   if (ball) return with("sphere", text(shape.radius));
   if (shape.kind == ShapeKind::box) return with("box", text(0.5 * shape.size));
   if (shape.kind == ShapeKind::ellipsoid) return with("ellipsoid", text(shape.size));
-  if (shape.kind == ShapeKind::plane) return with("plane", "0 0 1");  // without bounds; the last draws a grid
+  if (shape.kind == ShapeKind::plane) return with("plane", "0 0 1");  // without bounds, and a grid of 1 m
   return with(to_string(shape.kind), text(shape.radius) + " " + text(0.5 * shape.length));
 }
 

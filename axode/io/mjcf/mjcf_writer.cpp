@@ -23,16 +23,16 @@ using io::mjcf::attribute, io::mjcf::has_words_for, io::mjcf::inertial_element, 
 using io::mjcf::springs_and_couplings_unsaid;
 using io::xml::text;
 
-/// The largest limit that is written. MuJoCo treats larger numbers as errors.
+/// The largest limit that the writer writes, because MuJoCo treats larger numbers as errors.
 constexpr double no_limit = 1e10;
-/// The largest number of joints of one body in MuJoCo.
+/// The largest number of joints that one body can have in MuJoCo.
 constexpr std::size_t most_joints = 6;
 constexpr std::size_t deepest_indent = 20;
 constexpr double realisability_tolerance = 1e-9;
 
 bool bounded(const Dof& dof) { return std::isfinite(dof.lower) || std::isfinite(dof.upper); }
 
-/// A set of names. free() returns the given name, and appends `_` to it until it is not taken.
+/// A set of taken names. free() appends `_` to a name until it is not taken, then adds and returns it.
 class Names {
  public:
   explicit Names(std::initializer_list<std::string> taken) : taken_(taken) {}
@@ -106,7 +106,7 @@ class MjcfWriter {
   // body
 
   /// Attaches bodies with free joints to the world if they hang on bodies that are fixed to it, because
-  /// MuJoCo has free joints on the world only.
+  /// MuJoCo allows free joints on the world only.
   void hoist_free() {
     for (auto it = order_.order.rbegin(); it != order_.order.rend(); ++it) {
       const int i = *it;
@@ -122,15 +122,15 @@ class MjcfWriter {
     }
   }
 
-  /// One of the joints of a body in MJCF.
+  /// One of the joints that a body has in MJCF.
   struct Moves {
-    int body;     ///< body whose joint it is in the description
-    SE3<> frame;  ///< pose of the joint frame in the frame of the body in MJCF
+    int body;     ///< body of the description whose joint it is
+    SE3<> frame;  ///< pose of the joint frame in the frame of the MJCF body
   };
 
-  /// Leaves out massless bodies. MuJoCo refuses moving bodies without mass, but a body may have several
-  /// joints. If a massless body carries exactly one other body, and no frame, spring or loop names it, its
-  /// joints become joints of the body that it carries.
+  /// Removes moving massless bodies, which MuJoCo refuses, and makes their joints joints of the child. A body
+  /// is removed if it has exactly one child and no shape, if no frame, spring or loop names it, if none of
+  /// the joints is free, and if the child is not fixed to it and gets at most most_joints joints.
   void merge_massless() {
     std::unordered_set<std::string> asked;
     for (const FrameDescription& frame : d_.frames) asked.insert(frame.body);
@@ -158,7 +158,7 @@ class MjcfWriter {
     }
   }
 
-  /// Whether each body has mass, together with the bodies that are fixed to it.
+  /// For each body whether it, or a body that is fixed to it, has mass.
   std::vector<char> with_mass() const {
     std::vector<char> has(d_.bodies.size(), 0);
     for (auto i = order_.order.rbegin(); i != order_.order.rend(); ++i) {
@@ -211,7 +211,7 @@ class MjcfWriter {
 
   // ---------------------------------------------------------------- bodies
 
-  /// Chooses the names of bodies. `world` is not free, as it is the name of MuJoCo's ground.
+  /// Chooses the names of bodies. No body can be called `world`, which is the name of the ground in MuJoCo.
   void name_bodies() {
     Names names{"world"};
     for (const int i : order_.order)
@@ -320,7 +320,7 @@ class MjcfWriter {
     const auto found = index_.find(body);
     return found == index_.end() ? SE3<>{} : at_[found->second].A;
   }
-  /// Adds a site on a body, at a pose in the body frame, and returns its name.
+  /// Adds a site to a body, at a pose in the body frame, and returns its name, see Names::free().
   std::string site(const std::string& body, const std::string& wished, const SE3<>& pose) {
     const std::string name = site_names_.free(wished);
     sites_[body] += "<site" + attribute("name", text(name)) + pose_text(pose) + "/>\n";
@@ -340,8 +340,8 @@ class MjcfWriter {
 
   // ---------------------------------------------------------------- loops, springs, couplings
 
-  /// The name of a site at a pose in the frame of `carrier`, which is a body, the ground or a named frame. If
-  /// the pose in a named frame is the identity, it is the site of that frame; else a site is added.
+  /// The name of a site at a pose in the frame of `carrier`, a body, the ground or a named frame. It is the
+  /// site of the named frame if the pose in this frame is the identity; otherwise a site is added.
   std::string site_on(const std::string& carrier, const std::string& wished, const SE3<>& pose) {
     const auto named = on_body_.find(carrier);
     if (named == on_body_.end()) return site(carrier, wished, pose);
@@ -419,7 +419,7 @@ class MjcfWriter {
                   << attribute("polycoef", text(it.offset) + " 0 0 0 0") << "/>\n";
     }
   }
-  /// Writes the equality q = offset + ratio q_leader; without a leader it is q = offset.
+  /// Writes the equality q = offset + ratio q_leader of a joint, or q = offset if `leader` is null.
   void write_equality(const std::string& joint, const std::string* leader, double offset, double ratio,
                       const std::string& name) {
     equalities_ << "    <joint" << name << attribute("joint1", text(joint));

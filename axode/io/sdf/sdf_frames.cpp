@@ -78,7 +78,7 @@ void SdfFrames::resolve(const Report& report) {
   };
   for (int k = 1; k < size(); ++k) {
     Frame& it = (*this)[k];
-    // A joint moves with its child, and its pose is relative to that of the child.
+    // A joint moves with its child link, and its pose is relative to that of the child by default.
     const int inside = it.kind == Kind::model ? k : it.model;
     const int carrier = it.attached_to.empty()
                             ? (it.kind == Kind::model ? first_link_[static_cast<std::size_t>(k)] : inside)
@@ -93,7 +93,7 @@ void SdfFrames::resolve(const Report& report) {
   }
   const std::vector<int> by_pose =
       in_order(&Frame::on, "its pose is relative to itself, by way of others", report);
-  for (int k = size() - 1; k > 0; --k) {  // models have smaller numbers than the frames in them
+  for (int k = size() - 1; k > 0; --k) {  // backwards: frames in a model have larger numbers than it
     Frame& model = (*this)[k];
     if (model.placement.empty()) continue;
     SE3<> placement;

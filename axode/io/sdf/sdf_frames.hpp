@@ -8,7 +8,7 @@
 #include "axode/lie/se3.hpp"
 #include "axode/model/building/fault.hpp"
 
-/// The named frames of an SDFormat file: models, links, joints and frames, whose poses are relative to each
+/// The frames of an SDFormat file: models, links, joints and named frames, whose poses are relative to each
 /// other.
 namespace axode::io {
 
@@ -17,50 +17,52 @@ class SdfFrames {
   enum class Kind { world, model, link, joint, frame };
   struct Frame {
     Kind kind{};
-    std::string path = {};         ///< name after those of the models that hold it, `arm::hand::palm`
-    int model = 0;                 ///< number of the model that holds it, 0 for the world
-    SE3<> X = {};                  ///< pose as given; for a model it is that of the placement frame
+    std::string path = {};         ///< name with those of the models around it, `arm::hand::palm`
+    int model = 0;                 ///< number of the model in which it is, 0 for the world
+    SE3<> X = {};                  ///< pose as given; of the placement frame for a model until resolve()
     std::string relative_to = {};  ///< name of the frame to which X is relative; empty for the default
     std::string attached_to = {};  ///< name of the link or frame with which a joint, frame or model moves;
                                    ///< empty for the default
-    std::string placement = {};    ///< name of a model's placement frame; empty for the frame of the model
+    std::string placement = {};    ///< name of a model's placement frame; empty: the model frame itself
     int line = 0;
 
-    // The following members are results of resolve().
+    // The following members are computed by resolve().
     SE3<> pose = {};     ///< pose in the world
     int on = 0;          ///< number of the frame to which X is relative
     int moves_with = 0;  ///< number of the link that the frame is fixed to; 0 for the world
   };
-  /// Function that is called with each fault of a frame.
+  /// A function that is called for each fault of a frame, with the rule, the frame and the message.
   using Report = std::function<void(Rule, const Frame&, std::string message)>;
 
   SdfFrames() { add({.kind = Kind::world, .path = "world"}); }
 
-  /// Adds a frame and returns its number. If its name is taken, find() does not find the frame, and `is_new`
-  /// is set to false.
+  /// Adds a frame and returns its number. If its path is taken, find() keeps returning the earlier frame, and
+  /// `is_new` is set to false.
   int add(Frame frame, bool* is_new = nullptr);
-  /// The number of the frame that a name means within a model; -1 if there is none.
+  /// The number of the frame that a name means inside a model; -1 if there is none. The model is given by its
+  /// number, 0 for the world.
   int find(int model, std::string_view name) const;
-  /// `; did you mean "palm"?` with a similar name within the model, or an empty text.
+  /// Returns `; did you mean "palm"?` with the name of a frame in the model that is similar to `name`, or an
+  /// empty text.
   std::string nearest(int model, std::string_view name);
 
   Frame& operator[](int k) { return all_[static_cast<std::size_t>(k)]; }
   const Frame& operator[](int k) const { return all_[static_cast<std::size_t>(k)]; }
   int size() const { return static_cast<int>(all_.size()); }
 
-  /// Finds, for each frame, the frame to which its pose is relative and the link with which it moves, and
-  /// computes `pose`. Names of frames that do not exist, and cycles, are reported.
+  /// Computes for each frame the frame to which its pose is relative, the link with which it moves, and its
+  /// pose in the world. Names of frames that do not exist, and cycles, are reported.
   void resolve(const Report& report);
 
  private:
   std::string path(int model, std::string_view name) const;
-  /// The frames in an order in which each comes after the one that `next` names. A cycle is reported and cut:
-  /// one of its frames is related to the world instead.
+  /// The numbers of the frames, sorted so that the frame that the member `next` of a frame names is before
+  /// the frame itself. A cycle is reported and cut: `next` of one of its frames becomes the world.
   std::vector<int> in_order(int Frame::*next, std::string_view in_a_cycle, const Report& report);
 
   std::vector<Frame> all_;
   std::unordered_map<std::string, int> by_path_;
-  std::vector<int> first_link_;  ///< first link in each model or a model nested in it; 0 if there is none
+  std::vector<int> first_link_;  ///< number of the first link in each model and in models inside it; 0: none
   int suggestions_ = 0;
 };
 

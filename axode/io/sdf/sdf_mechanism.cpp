@@ -9,8 +9,9 @@
 
 namespace axode::io {
 
-/// The link that moves with the frame of that name, as a joint sees it; -1 if this is the world or a link
-/// of a static model. The result is empty, with a fault, if there is no such frame.
+/// The index of the link with which the frame `name` moves; -1 if it moves with the world or with a link of a
+/// static model. `name` is the parent, child or reference body of the joint c, as `role` says. If there is no
+/// such frame, a fault is added and the result is empty; it is also empty for an empty name.
 std::optional<int> SdfMechanism::link_meant(const Connection& c, const std::string& name, const char* role) {
   if (name.empty()) return std::nullopt;
   const int model = frames_[c.frame].model, frame = frames_.find(model, name);
@@ -54,8 +55,8 @@ void SdfMechanism::assemble() {
   for (const int k : named_frames_) add_frame(k);
 }
 
-/// The name of a body or frame in the description. A body or frame that is called `ground` in the file gets
-/// another name, with a warning, because this is the name of the inertial frame.
+/// The name that a body or frame gets in the description. One that is called `ground` in the file gets
+/// another name, with a warning, because `ground` is the inertial frame here.
 std::string SdfMechanism::named_here(const std::string& name, int line) {
   if (name != "ground") return name;
   std::string other = name;
@@ -66,8 +67,8 @@ std::string SdfMechanism::named_here(const std::string& name, int line) {
   return other;
 }
 
-/// Finds the links of a joint. If they are missing or cannot be connected, a fault is noted and the result is
-/// false.
+/// Finds the parent and child links of a joint. If one is missing or they cannot be connected, a fault is
+/// added and the result is false.
 bool SdfMechanism::connect(Connection& c) {
   const std::string owner = "joint \"" + c.name + '"';
   const auto parent = link_meant(c, c.parent, "parent"), child = link_meant(c, c.child, "child");
@@ -84,9 +85,9 @@ bool SdfMechanism::connect(Connection& c) {
   return c.to >= 0 && c.from != c.to;
 }
 
-/// Marks the joints of a spanning tree of all links and returns its root links, to which no joint leads.
-/// Joints are taken in the order of the file; a joint is reversed, from child to parent, only if no other
-/// joint reaches a new link. The joints that remain close loops.
+/// Chooses the joints of a spanning tree of all links, and returns its root links, to which no joint of the
+/// tree leads. Joints are chosen in the order of the file. A joint is reversed, so that it leads from its
+/// child to its parent, only if no other joint reaches a new link. All other joints close loops.
 std::vector<std::size_t> SdfMechanism::grow_tree() {
   std::vector<std::vector<std::size_t>> joints_at(links_.size() + 1);  // the last entry is the world
   const auto at = [&](int k) { return k < 0 ? links_.size() : static_cast<std::size_t>(k); };
@@ -129,7 +130,8 @@ std::vector<std::size_t> SdfMechanism::grow_tree() {
   return roots;
 }
 
-/// Adds the root links with free joints. Links of static models become frames and shapes of the ground.
+/// Adds the root links to the description, with free joints on the ground. Links of static models become
+/// named frames, and their shapes become shapes of the ground.
 void SdfMechanism::add_roots(const std::vector<std::size_t>& roots) {
   const bool name_is_free =
       std::ranges::none_of(connections_, [](const Connection& c) { return c.name == "free_base"; });
@@ -159,8 +161,8 @@ void SdfMechanism::add(Link& link) {
   link.body.name = name;
 }
 
-/// An axis of a joint in the axes of the world. If the frame in which it is expressed is not described, a
-/// fault is noted and the joint's own frame is used.
+/// The components of axis `number` of a joint in the axes of the world. If the frame in which the axis is
+/// expressed does not exist, a fault is added and the frame of the joint is used instead.
 Vec3<> SdfMechanism::axis_of(const Connection& c, std::size_t number) {
   const Axis& axis = c.axes[number];
   int in = c.frame;
@@ -190,7 +192,7 @@ void SdfMechanism::add_body(const Connection& c) {
   const int dof = traits(joint.kind).dof;
   joint.point = relative(A, frames_[c.frame].pose).r;
   if (traits(joint.kind).axis) {
-    // In a reversed joint the second axis comes first, and the axes have the opposite directions.
+    // In a reversed joint the order of the two axes is exchanged, and the axes have the opposite directions.
     const auto in_body = [&](std::size_t k) {
       const Vec3<> axis = transpose(A.R) * axis_of(c, k);
       return c.reversed ? -axis : axis;
@@ -226,7 +228,7 @@ void SdfMechanism::add_loop(const Connection& c) {
   description().loops.push_back(std::move(loop));
 }
 
-/// The name of the coordinate that a mimic follows.
+/// The name of the joint of the description whose coordinate the mimic of joint c follows.
 std::string SdfMechanism::coordinate_of(const Connection& c, const Mimic& mimic) {
   const auto found = connection_of_frame_.find(frames_.find(frames_[c.frame].model, mimic.leader));
   if (found == connection_of_frame_.end()) return mimic.leader;
@@ -235,7 +237,7 @@ std::string SdfMechanism::coordinate_of(const Connection& c, const Mimic& mimic)
   return leader.name + ((mimic.axis == "axis2") != leader.reversed ? ".second" : ".first");
 }
 
-/// Adds a coupling for each axis of a universal joint that follows another coordinate.
+/// Adds a coupling for each axis of the universal joint c that has a mimic. Does nothing for other joints.
 void SdfMechanism::add_couplings(const Connection& c) {
   if (c.kind->kind != JointKind::universal || !c.in_tree) return;
   for (std::size_t k = 0; k < 2; ++k) {
@@ -248,7 +250,7 @@ void SdfMechanism::add_couplings(const Connection& c) {
   }
 }
 
-/// Adds the coupling of a gearbox: relative to the reference body, the child turns by -ratio times the
+/// Adds the coupling of a gearbox: relative to the reference body, the angle of the child is -ratio times the
 /// angle of the parent.
 void SdfMechanism::add_gearbox(const Connection& c) {
   const auto reference = link_meant(c, c.gear_reference, "reference body");

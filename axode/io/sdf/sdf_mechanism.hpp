@@ -11,10 +11,11 @@
 #include "axode/io/sdf/sdf_frames.hpp"
 #include "axode/io/xml_reader.hpp"
 
-/// The links and joints of an SDF file, and the mechanism that is made of them.
+/// The conversion of the links and joints of an SDF file into the bodies and loops of a description.
 namespace axode::io {
 
-/// A type of joint in SDFormat, with its kind in the tree and its kind if it closes a loop.
+/// A type of joint in SDFormat, with the kind of joint that it becomes in the spanning tree, and the kind of
+/// loop joint that it becomes if it closes a loop.
 struct SdfKind {
   std::string_view type;
   JointKind kind;
@@ -42,7 +43,7 @@ class SdfMechanism : protected XmlReader {
   struct Link {
     int frame = 0;
     BodyDescription body;
-    std::vector<std::string> shape_frames = {};  ///< frame to which the pose of each shape is relative
+    std::vector<std::string> shape_frames = {};  ///< frame to which each shape's pose is relative
     bool is_static = false;
   };
   struct Mimic {
@@ -65,12 +66,12 @@ class SdfMechanism : protected XmlReader {
     std::string gear_reference;
     bool is_static = false;
     int line = 0;
-    int from = -1, to = -1;  ///< links of parent and child; -1 for the world
+    int from = -1, to = -1;  ///< indices of the parent and child links; -1 for the world
     bool in_tree = false, reversed = false;
   };
 
-  /// The name that a path has in the description and in messages. If the file has one model, the name of that
-  /// model is left out.
+  /// The name of the frame with the given path in the description and in messages. If the file has one model
+  /// at the top, the name of this model is left out.
   std::string shown(const std::string& path) const {
     return models_at_top_ == 1 && path.starts_with(top_) ? path.substr(top_.size()) : path;
   }
@@ -80,10 +81,11 @@ class SdfMechanism : protected XmlReader {
 
   Link& link(int k) { return links_[static_cast<std::size_t>(k)]; }
 
-  /// Expresses the poses of shapes that are relative to other frames in the frames of their links.
+  /// Converts the poses of shapes that are relative to other frames into poses in the frames of their links.
   void finish_shapes();
-  /// Adds the bodies to the description: first the bodies to which no joint of the tree leads, then the
-  /// others in the order of their joints in the file. Then it adds loops, couplings and frames.
+  /// Adds the bodies to the description: first the root links, which no joint of the spanning tree moves,
+  /// then the others in the order of their joints in the file. Then it adds loops, couplings and named
+  /// frames.
   void assemble();
 
   SdfFrames frames_;
@@ -91,7 +93,7 @@ class SdfMechanism : protected XmlReader {
   std::vector<Connection> connections_;
   std::unordered_map<int, int> link_of_frame_;
   std::vector<int> named_frames_;
-  std::string top_;  ///< name of the first model at the top, and `::`
+  std::string top_;  ///< name of the first model at the top of the file, followed by `::`
   std::size_t models_at_top_ = 0;
 
  private:
@@ -110,7 +112,7 @@ class SdfMechanism : protected XmlReader {
   void add_frame(int number);
 
   std::unordered_map<int, std::size_t> connection_of_frame_;
-  std::map<std::pair<int, int>, std::size_t> hinges_;  ///< revolute joints of the tree, by links
+  std::map<std::pair<int, int>, std::size_t> hinges_;  ///< revolute joints of the tree, by their two links
 };
 
 }  // namespace axode::io

@@ -146,8 +146,8 @@ class SdfReader : SdfMechanism {
     return result;
   }
 
-  /// Adds the frame of an element of a model and returns its number. If the name is missing, reserved, too
-  /// long or taken, a fault is noted and the result is 0.
+  /// Adds a frame for a model, link, joint or named frame inside a model, and returns its number. If the name
+  /// is missing, reserved, too long or taken, a fault is added and the result is 0.
   int declare(const XMLElement& e, Kind kind, int model, const std::string& owner) {
     const std::string own = name(e, "name", owner);
     if (own.empty()) return 0;
@@ -405,8 +405,9 @@ class SdfReader : SdfMechanism {
     connections_.push_back(std::move(c));
   }
 
-  /// The pitch of a screw joint in m/rad. A positive `screw_thread_pitch` (m per turn) is a right-handed
-  /// thread, and a positive `thread_pitch` (rad/m) a left-handed one.
+  /// The pitch of a screw joint, m/rad. A positive <screw_thread_pitch> (m per turn) is a right-handed
+  /// thread, a positive <thread_pitch> (rad/m) a left-handed one. If both are given, <screw_thread_pitch> is
+  /// used; if none is given, it is 1 m.
   double read_pitch(const XMLElement& e, const std::string& owner) {
     if (e.FirstChildElement("screw_thread_pitch") != nullptr ||
         e.FirstChildElement("thread_pitch") == nullptr)

@@ -6,7 +6,7 @@
 
 namespace axode::io {
 
-/// A type of joint in URDF and its kind of joint.
+/// A type of joint in URDF, and the kind of joint that it becomes.
 struct UrdfKind {
   std::string_view type;
   JointKind kind;
@@ -18,8 +18,8 @@ inline constexpr std::array<UrdfKind, 6> urdf_kinds{{{"revolute", JointKind::rev
                                                      {"floating", JointKind::free},
                                                      {"planar", JointKind::planar}}};
 
-/// Whether a <loop_joint> can describe a loop of that kind completely, because two frames are enough. Of
-/// these kinds, other programs read only spherical loops.
+/// Whether the element <loop_joint> can describe a loop of a kind completely. It can if the loop is
+/// determined by its two frames. Other programs read only spherical loops.
 constexpr bool in_urdf(LoopKind kind) {
   const std::array<std::string_view, 5>& keys = traits(kind).keys;
   return std::all_of(keys.begin(), keys.end(),

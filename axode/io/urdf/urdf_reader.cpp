@@ -86,7 +86,8 @@ class UrdfReader : XmlReader {
 
   // ---------------------------------------------------------------- elements and attributes
 
-  /// Whether an element that URDF knows contains an expression of xacro, with a fault for the first one.
+  /// Whether an attribute of an element that URDF knows contains an expression ${...} of xacro. A fault is
+  /// added for the first one.
   bool is_xacro(const XMLElement& robot) {
     std::vector<const XMLElement*> open{&robot};
     while (!open.empty()) {
@@ -114,7 +115,7 @@ class UrdfReader : XmlReader {
     const XMLElement* origin = child_of(e, "origin", owner);
     return origin == nullptr ? SE3<>{} : pose(*origin, owner);
   }
-  /// The pose in the attributes of an element; the identity if there are none.
+  /// The pose in the attributes xyz, and rpy or quat_xyzw, of an element; the identity if there are none.
   SE3<> pose(const XMLElement& e, const std::string& owner) {
     SE3<> pose;
     pose.r = vector(e, "xyz", owner).value_or(Vec3<>{});
@@ -161,8 +162,9 @@ class UrdfReader : XmlReader {
     }
   }
 
-  /// Chooses another name for a link `ground` that is the child of a joint, because `ground` is the name of
-  /// the inertial frame here. A root link of this name is the inertial frame itself.
+  /// Chooses another name, with a warning, for a link `ground` that is the child of a joint, because `ground`
+  /// is the name of the inertial frame here. A root link `ground` keeps the name and is the inertial frame
+  /// itself.
   void name_what_is_called_ground(const XMLElement& robot) {
     std::unordered_set<std::string_view> names;
     const XMLElement* called = nullptr;
@@ -239,8 +241,8 @@ class UrdfReader : XmlReader {
     read_geometry(e, std::move(shape), owner, shapes);
   }
 
-  /// The colour of a material: its own colour or, if it has none, that which the robot or an earlier shape
-  /// gave to the name of the material.
+  /// The colour of a material. If the element has none, it is the colour that the robot or an earlier shape
+  /// gave to a material of this name.
   std::optional<Color> read_material(const XMLElement& e, const std::string& owner) {
     const char* name = e.Attribute("name");
     if (const XMLElement* color = e.FirstChildElement("color")) {
@@ -254,8 +256,8 @@ class UrdfReader : XmlReader {
 
   // ---------------------------------------------------------------- joints
 
-  /// Reads a loop_joint, an extension of URDF that several programs share: a joint between frames on two
-  /// links, whose z is the axis of the joint.
+  /// Reads a <loop_joint>, an extension of URDF that several programs have: a joint between a frame on each
+  /// of two links. The z-axes of these frames are the axis of the joint.
   void read_loop(const XMLElement& e) {
     const std::size_t faults_before = faults().size();
     LoopDescription loop{.name = name(e, "name", "loop_joint"), .source = {file_, e.GetLineNum()}};
@@ -296,7 +298,7 @@ class UrdfReader : XmlReader {
     if (const XMLElement* child = required_child(e, "child", owner))
       connection.child = name_of_link(*child, "link", owner);
     connection.origin = origin(e, owner);
-    // With an unknown type the numbers of the joint are still checked.
+    // If the type is unknown, the numbers of the joint are checked nevertheless.
     static constexpr UrdfKind unknown{"", JointKind::revolute};
     const UrdfKind* known = kind_of(e, owner, urdf_kinds);
     const UrdfKind& kind = known == nullptr ? unknown : *known;
@@ -324,8 +326,8 @@ class UrdfReader : XmlReader {
     if (traits(joint.kind).axis) joint.axis = axis;
   }
 
-  /// Reads limits and losses of a joint, which hold for each of its degrees of freedom. Only revolute and
-  /// prismatic joints have limits of their position.
+  /// Reads the limits and losses of a joint, which hold for each of its degrees of freedom. Only revolute and
+  /// prismatic joints have limits of the position.
   void read_dof(const XMLElement& e, const std::string& owner, const UrdfKind& kind,
                 JointDescription& joint) {
     const XMLElement* limit = child_of(e, "limit", owner);
@@ -370,8 +372,8 @@ class UrdfReader : XmlReader {
     return did_you_mean(link, links_, [](const Link& l) { return l.body.name; });
   }
 
-  /// Adds the bodies to the description: first the links without a joint to a parent, then the others in the
-  /// order of their joints in the file.
+  /// Adds the bodies to the description: first the root links, which are no child of a joint, then the others
+  /// in the order of their joints in the file.
   void assemble() {
     std::vector<BodyDescription> children;
     for (Connection& c : connections_) {
@@ -409,7 +411,8 @@ class UrdfReader : XmlReader {
     for (BodyDescription& body : children) description().bodies.push_back(std::move(body));
   }
 
-  /// Adds the root links, fixed to the ground. A root link with the name `ground` is the ground itself.
+  /// Adds the root links, which are fixed to the ground. A root link with the name `ground` is the ground
+  /// itself.
   void add_roots() {
     const bool name_is_free = std::none_of(connections_.begin(), connections_.end(),
                                            [&](const Connection& c) { return c.name == "fixed_base"; });

@@ -20,11 +20,11 @@ namespace {
 
 using io::xml::text;
 
-/// Tolerance on the rule of URDF that the origin of a link is on the axis of its joint.
+/// Relative tolerance of the test whether the origin of a link is on the axis of its joint, as URDF requires.
 constexpr double on_axis = 1e-12;
 
-/// The text of a limit. URDF has no word for "no limit"; the largest number stands for it, and readers
-/// understand this.
+/// The text of a limit. URDF cannot express that there is no limit. The largest number of type double is
+/// written instead, which readers treat as no limit.
 std::string limit_text(double x) {
   return text(std::clamp(x, -std::numeric_limits<double>::max(), std::numeric_limits<double>::max()));
 }
@@ -38,7 +38,8 @@ std::string_view urdf_type(const JointDescription& joint) {
   return found == io::urdf_kinds.end() ? "" : found->type;
 }
 
-/// The limits and losses that all degrees of freedom of a joint share, or none if these differ.
+/// The limits and losses of a joint if all its degrees of freedom have the same ones, as URDF requires; empty
+/// if they differ.
 std::optional<Dof> shared_dof(const JointDescription& joint) {
   if (joint.dof.empty()) return Dof{};
   const Dof& first = joint.dof[0];
@@ -50,7 +51,7 @@ std::optional<Dof> shared_dof(const JointDescription& joint) {
   return first;
 }
 
-/// Notes everything in a description that a URDF cannot express.
+/// Adds a fault to `unsaid` for everything in a description that URDF cannot express.
 void find_unsaid(const Description& d, io::Unsaid& unsaid) {
   if (norm(d.gravity - Vec3<>{0, 0, -9.81}) > 0)
     unsaid.leave_out("gravity", "is (" + text(d.gravity) + ") m/s², and readers take (0, 0, -9.81)",
@@ -155,7 +156,8 @@ class UrdfWriter {
     return norm(a.x - b.x) <= on_axis && norm(a.y - b.y) <= on_axis && norm(a.z - b.z) <= on_axis;
   }
 
-  /// Whether the frame of the body can be that of the link which its joint moves.
+  /// Whether the link that the joint moves can have the frame of body i: in URDF the frame of a link is also
+  /// that of its joint.
   bool can_be_link(int i) const {
     const SE3<>& S = at_[i].S_self;
     const double scale = 1 + norm(at_[i].A.r);
@@ -178,7 +180,8 @@ class UrdfWriter {
       write_joint(body.joint, parent, body.name, at_[i].B, at_[i].S_self.R.z);
       return;
     }
-    // The joint moves an additional link whose origin is on the axis, and the body is fixed to this link.
+    // Otherwise the joint moves an additional link whose origin is on the axis, and the body is fixed to this
+    // link.
     const SE3<>& S = at_[i].S_self;
     const SE3<> on_body{body.joint.kind == JointKind::planar ? S.R : SO3<>{}, S.r};
     const std::string carrier = free_name(links_, body.joint.name + "_frame");
@@ -200,8 +203,8 @@ class UrdfWriter {
   void write_loop(const LoopDescription& loop, const std::string& name) {
     out_ << "  <loop_joint name=\"" << text(name) << "\" type=\"" << to_string(loop.kind) << "\">\n";
     for (const std::size_t k : {0, 1}) {
-      // If the root is the one fixed body, no link is called ground, and the frame of the root is that of the
-      // ground.
+      // If the only root is fixed to the ground at the identity, no link is called ground, and the frame of
+      // the root is that of the ground.
       const bool on_root = one_fixed_root_ && loop.between[k] == "ground";
       const SE3<>& pose = (*loop.frames)[k];
       out_ << "    <link" << k + 1 << " link=\""
@@ -253,7 +256,8 @@ class UrdfWriter {
     out_ << "    </" << to_string(shape.role) << ">\n";
   }
 
-  /// Writes an inertia about the centre of mass, in the axes of the link.
+  /// Writes <inertial>, about the centre of mass and in the axes of the link. A is the pose of the body frame
+  /// in the construction frame.
   void write_inertial(const MassProperties& given, const SE3<>& A) {
     const SE3<> to_body = given.in == GivenIn::body_frame ? SE3<>{} : inverse(A);
     Sym3<> Theta = rotate(given.axes, given.Theta);
