@@ -26,7 +26,7 @@ bool is_file(const fs::path& path) {
   return fs::is_regular_file(path, unknown);
 }
 
-/// The folders that an environment variable lists, separated by colons.
+/// The folders in the value of an environment variable, where colons separate them.
 std::vector<fs::path> folders_of(const char* variable) {
   std::vector<fs::path> folders;
   const char* value = std::getenv(variable);
@@ -39,20 +39,22 @@ std::vector<fs::path> folders_of(const char* variable) {
   return folders;
 }
 
-/// A URI scheme that begins with the name of a package, and how packages of this scheme are found.
+/// A URI scheme whose paths begin with the name of a package, and the places where packages of this scheme
+/// are.
 struct Library {
   std::string_view scheme;
-  std::string_view what;               ///< word for a package in messages
-  std::string_view manifest, element;  ///< XML file in a package, and its root element, which has the <name>
-  std::array<const char*, 2> variables;  ///< environment variables with lists of folders that have packages
-  std::string_view below_second;         ///< subfolder with the packages, in folders of the second variable
+  std::string_view what;                 ///< word for a package in messages
+  std::string_view manifest, element;    ///< XML file in a package, and its root element, which holds <name>
+  std::array<const char*, 2> variables;  ///< environment variables whose folders hold packages
+  std::string_view below_second;         ///< subfolder of the second variable's folders with the packages
 };
 constexpr Library ros{
     "package://", "package", "package.xml", "package", {"ROS_PACKAGE_PATH", "AMENT_PREFIX_PATH"}, "share"};
 constexpr Library gazebo{
     "model://", "model", "model.config", "model", {"GZ_SIM_RESOURCE_PATH", "GAZEBO_MODEL_PATH"}, ""};
 
-/// Whether a folder is the package of a name: either the folder has this name, or its manifest does.
+/// Whether a folder is the package with the given name: either the folder has this name, or its manifest has
+/// it.
 bool is_package(const fs::path& folder, const std::string& name, const Library& library) {
   if (folder.filename() == name) return true;
   tinyxml2::XMLDocument manifest;
@@ -64,7 +66,8 @@ bool is_package(const fs::path& folder, const std::string& name, const Library& 
   return name_element != nullptr && name_element->GetText() != nullptr && name_element->GetText() == name;
 }
 
-/// All existing folders that may be the package of that name, the likeliest first.
+/// All existing folders that may be the package with the given name, the likeliest first. `folder` is that of
+/// the description's file.
 std::vector<fs::path> packages(const std::string& name, const fs::path& folder, const Library& library) {
   std::vector<fs::path> found;
   std::error_code unknown;
@@ -84,8 +87,8 @@ std::vector<fs::path> packages(const std::string& name, const fs::path& folder, 
   return found;
 }
 
-/// Finds the file of `package://name/path` or `model://name/path`; `folder` is that of the description's
-/// file.
+/// Finds the file of `package://name/path` or `model://name/path`, given without the scheme. `folder` is that
+/// of the description's file.
 FoundMesh in_package(std::string_view name_and_path, const fs::path& folder, const Library& library) {
   const std::size_t slash = name_and_path.find('/');
   const std::string name(name_and_path.substr(0, slash)), what(library.what);
@@ -120,7 +123,8 @@ std::string decoded(std::string_view text) {
   return out;
 }
 
-/// The rest of a text after `start`; empty if the text does not start with it.
+/// The rest of a text after its beginning `start`. The result has no value if the text does not begin with
+/// `start`.
 std::optional<std::string_view> behind(std::string_view text, std::string_view start) {
   if (!text.starts_with(start)) return std::nullopt;
   return text.substr(start.size());

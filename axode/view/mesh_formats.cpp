@@ -18,7 +18,8 @@ namespace {
 
 using Json = nlohmann::json;
 
-/// The number at a byte of a little-endian file. The caller makes sure that the file is long enough.
+/// The number of type T that begins at byte `place` of a little-endian file. The caller makes sure that the
+/// file is long enough.
 template <class T> T number_at(std::string_view bytes, std::size_t place) {
   static_assert(std::endian::native == std::endian::little);
   T number;
@@ -28,7 +29,8 @@ template <class T> T number_at(std::string_view bytes, std::size_t place) {
 
 constexpr std::string_view blanks = " \t\r\n\f\v";
 
-/// Removes the next word from a text and returns it; empty at the end of the text.
+/// Removes the next word from a text and returns it; the result is empty at the end of the text. Words are
+/// separated by the characters in `between`.
 std::string_view next_word(std::string_view& text, std::string_view between = blanks) {
   text.remove_prefix(std::min(text.find_first_not_of(between), text.size()));
   const std::string_view word = text.substr(0, text.find_first_of(between));
@@ -42,7 +44,7 @@ std::string_view next_line(std::string_view& text) {
   return line;
 }
 
-/// The number in a word; empty if the word holds anything else.
+/// The number of type T in a word. The result has no value if the word holds anything else.
 template <class T> std::optional<T> number_in(std::string_view word) {
   T number{};
   if (word.starts_with('+')) word.remove_prefix(1);
@@ -51,15 +53,16 @@ template <class T> std::optional<T> number_in(std::string_view word) {
   return number;
 }
 
-/// A word of a file as a message shows it: in quotes, cut after 30 characters, and with ? for other than
-/// printable ASCII.
+/// A word of a file as messages show it: in quotes, cut after 30 characters, and with ? instead of each byte
+/// that is not printable ASCII.
 std::string shown(std::string_view word) {
   std::string text = "\"";
   for (const char c : word.substr(0, 30)) text += c >= ' ' && c <= '~' ? c : '?';
   return text + (word.size() > 30 ? "...\"" : "\"");
 }
 
-/// Checks a word that must be a coordinate: it must be finite as a float, because the page stores it as one.
+/// Checks a word that must be a coordinate. It must be finite as a float, because the page stores coordinates
+/// as floats. Returns a sentence about the fault, or an empty text.
 std::string fault_of_coordinate(std::string_view word) {
   const std::optional<double> x = number_in<double>(word);
   if (x && std::abs(*x) <= std::numeric_limits<float>::max()) return "";
@@ -67,7 +70,7 @@ std::string fault_of_coordinate(std::string_view word) {
 }
 
 constexpr std::size_t stl_head = 84, stl_triangle = 50,
-                      stl_normal = 12;  // bytes of the parts of a binary STL
+                      stl_normal = 12;  // sizes of the parts of a binary STL, bytes
 
 std::string fault_of_binary_stl(std::string_view bytes) {
   if (bytes.size() < stl_head) return "it has " + std::to_string(bytes.size()) + " bytes, too few for an STL";
@@ -96,19 +99,20 @@ std::string fault_of_text_stl(std::string_view bytes) {
   return vertices % 3 == 0 ? "" : "it has " + std::to_string(vertices) + " vertices; a triangle takes three";
 }
 
-/// Whether a corner of a face names one of the vertices so far, which count from 1, or backwards from -1 for
-/// the last.
+/// Whether the corner of a face of an OBJ file refers to an existing vertex. `vertices` is the number of
+/// vertices before the face. They count from 1, or backwards from -1 for the last one.
 bool is_vertex(std::string_view word, std::int64_t vertices) {
   const std::optional<std::int64_t> index = number_in<std::int64_t>(word.substr(0, word.find('/')));
   return index && *index != 0 && *index >= -vertices && *index <= vertices;
 }
 
-/// Some binary files begin with "solid", as text files do, and only the zero bytes tell them apart.
+/// Whether an STL is text. Text files begin with "solid", but some binary ones do so as well; these have zero
+/// bytes near the beginning.
 bool is_text_stl(std::string_view bytes) {
   return bytes.starts_with("solid") && bytes.substr(0, 1024).find('\0') == std::string_view::npos;
 }
 
-/// The three coordinates in the next words of a text.
+/// Removes the next three words from a text and returns them as the coordinates of a vertex.
 Vec3<> vertex_in(std::string_view& text) {
   const auto next = [&] { return number_in<double>(next_word(text)).value_or(0); };
   const double x = next(), y = next(), z = next();
@@ -171,8 +175,8 @@ std::vector<Vec3<>> vertices_of_obj(std::string_view bytes) {
 
 namespace {
 
-/// Calls f for the elements of that name among `from`, its later siblings and their descendants, and returns
-/// the first text of f that is not empty.
+/// Calls f for all elements with the given name among `from`, its later siblings and their descendants, until
+/// f returns a text that is not empty, and returns this text.
 template <class F> std::string first_fault(const tinyxml2::XMLElement* from, const char* name, const F& f) {
   std::string fault;
   for (const tinyxml2::XMLElement* e = from; e != nullptr && fault.empty(); e = e->NextSiblingElement())
@@ -180,7 +184,8 @@ template <class F> std::string first_fault(const tinyxml2::XMLElement* from, con
   return fault;
 }
 
-/// Checks that an array has finite numbers, and as many as its attribute `count` says.
+/// Checks that an array of COLLADA has finite numbers, and as many as its attribute `count` says. Returns a
+/// sentence about the fault, or an empty text.
 std::string fault_of_numbers(const tinyxml2::XMLElement& array) {
   std::string_view text = array.GetText() == nullptr ? "" : array.GetText();
   std::uint64_t count = 0;
@@ -211,8 +216,8 @@ std::string fault_of_dae(std::string_view bytes) {
 
 namespace {
 
-/// Parses JSON. The result is_discarded() if the text is not JSON, or is nested more than 64 levels deep and
-/// could exhaust the stack.
+/// Parses JSON. is_discarded() of the result is true if the text is not JSON, or if it is nested more than 64
+/// levels deep and could exhaust the stack.
 Json parsed(std::string_view text) {
   const auto shallow = [](int depth, Json::parse_event_t, Json&) {
     if (depth > 64) throw std::out_of_range("too deep");
@@ -228,8 +233,9 @@ Json parsed(std::string_view text) {
 constexpr std::array<const char*, 3> compressions{"KHR_draco_mesh_compression", "EXT_meshopt_compression",
                                                   "KHR_texture_basisu"};
 
-/// Checks that a glTF needs no other file and no compression that the page cannot read, and has a mesh.
-/// Throws Json::exception if the JSON is not that of a glTF.
+/// Checks that a glTF needs no other file and no compression that the page cannot read, and that it has a
+/// mesh. Returns a sentence about the fault, or an empty text. Throws Json::exception if the JSON is not that
+/// of a glTF.
 std::string fault_of_references(const Json& json) {
   for (const char* list : {"buffers", "images"})
     for (const Json& each : json.value(list, Json::array()))
@@ -242,7 +248,8 @@ std::string fault_of_references(const Json& json) {
   return json.at("meshes").empty() ? "it has no meshes" : "";
 }
 
-/// Checks that all accessors lie within the one buffer and that their floats are finite.
+/// Checks that all accessors of a glTF are within its only buffer and that their floats are finite. Returns a
+/// sentence about the fault, or an empty text.
 std::string fault_of_buffer(const Json& json, std::string_view buffer) {
   const Json views = json.value("bufferViews", Json::array());
   for (const Json& each : json.value("accessors", Json::array())) {
@@ -274,7 +281,8 @@ std::string fault_of_buffer(const Json& json, std::string_view buffer) {
   return "";
 }
 
-/// Parses JSON and returns f(json), or a text if it is not JSON or f throws a Json::exception.
+/// Parses JSON and returns f(json). If the text is not JSON, or f throws a Json::exception, the result is a
+/// sentence that says so.
 template <class F> std::string fault_of_json(std::string_view text, const F& f) {
   const Json json = parsed(text);
   if (json.is_discarded()) return "its JSON chunk is not JSON";

@@ -30,7 +30,7 @@ std::vector<Vec3<>> vertices_of(const ShapeDescription& shape, const Source& ref
   return vertices;
 }
 
-/// A run of Qhull, whose messages go to a file that disappears.
+/// One run of Qhull for a set of points. Its messages go to a temporary file that is deleted at the end.
 class QhullRun {
  public:
   explicit QhullRun(const std::vector<Vec3<>>& points) : messages_(std::tmpfile(), &std::fclose) {
@@ -51,7 +51,8 @@ class QhullRun {
 
   bool failed() const { return failed_; }
 
-  /// The triangles of the hull, as indices of points, counter-clockwise seen from outside.
+  /// The triangles of the hull as indices of the points. The corners are counter-clockwise when seen from
+  /// outside.
   std::vector<std::array<int, 3>> triangles(const std::vector<Vec3<>>& points) {
     std::vector<std::array<int, 3>> all;
     for (const facetT* facet = qhull_.facet_list; facet != nullptr && facet->next != nullptr;
@@ -86,7 +87,7 @@ MeshHull hull_of_mesh(const ShapeDescription& shape, const Source& referenced_fr
                                 "\" lie in a plane, or are fewer than four");
   std::vector<std::array<int, 3>> triangles = run.triangles(points);
 
-  // Vertices are numbered anew, because most points of a mesh are none of its hull.
+  // The vertices of the hull get new numbers, because most points of a mesh are not on the hull.
   std::vector<int> number(points.size(), -1);
   MeshHull out{};
   std::vector<Vec3<>> vertices;
@@ -102,7 +103,7 @@ MeshHull hull_of_mesh(const ShapeDescription& shape, const Source& referenced_fr
     }
   out.origin = (1 / static_cast<double>(vertices.size())) * out.origin;
   for (Vec3<>& v : vertices) v -= out.origin;
-  constexpr double coplanar = 1e-4;  // files have coordinates of seven digits
+  constexpr double coplanar = 1e-4;  // rad; coordinates in files have about seven digits
   out.hull = make_hull(std::move(vertices), triangles, coplanar);
   return out;
 }

@@ -28,7 +28,7 @@ Json json_of(const SE3<>& C) {
   const Quaternion<> a = quaternion(C.R);
   return {C.r.x, C.r.y, C.r.z, a.x, a.y, a.z, a.w};
 }
-/// A limit, or null if it is infinite.
+/// A limit as JSON; null if it is infinite.
 Json limit(double x) { return std::isfinite(x) ? Json(x) : Json(); }
 
 std::string in_base64(std::string_view bytes) {
@@ -60,7 +60,7 @@ Json json_of(const Joint& joint) {
           {"limits", limits},     {"passive", joint.passive}};
 }
 
-/// The ground and the bodies with their joints and inertias (about the centre of mass).
+/// The ground and the bodies as JSON, with their joints and their inertias about the centre of mass.
 Json bodies_of(const Model& model) {
   Json bodies = Json::array({{{"name", "ground"}}});
   for (int i = 1; i <= model.n_bodies(); ++i) {
@@ -80,7 +80,7 @@ Json bodies_of(const Model& model) {
   return bodies;
 }
 
-/// The frames other than those of the ground and the bodies.
+/// The named frames as JSON, without those of the ground and of the moving bodies.
 Json frames_of(const Model& model) {
   Json frames = Json::array();
   for (const Frame& frame : model.frames().subspan(static_cast<std::size_t>(model.n_bodies()) + 1))
@@ -88,7 +88,7 @@ Json frames_of(const Model& model) {
   return frames;
 }
 
-/// The loop joints, with the pose of each end in the frame of its body.
+/// The loop joints as JSON, with the pose of the joint frame in the frame of each of the two bodies.
 Json loops_of(const Model& model) {
   Json loops = Json::array();
   for (const Loop& loop : model.loops().joints) {
@@ -105,8 +105,8 @@ Json loops_of(const Model& model) {
   return loops;
 }
 
-/// The segments of springs and dampers along points, followed by the drives along lines, with the points in
-/// the frames of their bodies. The stiffness is that without deflection.
+/// The segments of springs along points, followed by the lines of drives, as JSON. Points are in the frames
+/// of their bodies. The stiffness is that at the deflection 0.
 Json lines_of(const Model& model) {
   Json lines = Json::array();
   const auto end_of = [&](const Spring::Path::Point& end) {
@@ -143,7 +143,7 @@ Json couplings_of(const Model& model) {
   return couplings;
 }
 
-/// The shapes of a model and the meshes that they refer to. Each mesh file is read once.
+/// The shapes of a model and the meshes that they use, as JSON. Each mesh file is read once.
 class Shapes {
  public:
   explicit Shapes(const Model& model) : seen_(static_cast<std::size_t>(model.n_bodies()) + 1) {
@@ -204,15 +204,16 @@ class Shapes {
     return json;
   }
 
-  /// The meshes that are not shown for one and the same reason: the first of them, and their number.
+  /// The meshes that are not shown for one reason: the reason `why`, the element, name and source of the
+  /// first of these meshes, and their number.
   struct Missing {
     std::string why, element, first;
     Source source;
     int count = 1;
   };
 
-  /// The index in `meshes` of the mesh of that name. If it cannot be shown, the result is empty and the
-  /// reason is added to missing_.
+  /// The index in `meshes` of the mesh with the given name. If the mesh cannot be shown, the result is empty
+  /// and the reason is added to missing_.
   std::optional<std::size_t> mesh_of(const std::string& name, const std::string& body,
                                      const Source& referenced_from) {
     const auto [known, is_new] = named_.emplace(std::pair(referenced_from.file, name), std::nullopt);
@@ -251,15 +252,15 @@ class Shapes {
   }
 
   std::vector<bool> seen_;  ///< whether the ground and each body have a visible shape
-  /// The index in `meshes`, empty if the mesh cannot be shown. One map finds it by the file of the
-  /// description and the name in it, the other by the path of the mesh.
+  /// The indices of meshes in `meshes`, empty for a mesh that cannot be shown. named_ finds the index by the
+  /// file of the description and the name of the mesh in it, and read_ by the path of the mesh file.
   std::map<std::pair<std::string, std::string>, std::optional<std::size_t>> named_;
   std::map<std::filesystem::path, std::optional<std::size_t>> read_;
   std::size_t bytes_ = 0;  ///< bytes of all meshes in `meshes`
   std::vector<Missing> missing_;
 };
 
-/// The numbers as `count` rows of equal length.
+/// The numbers as JSON, divided into `count` rows of equal length.
 Json rows_of(std::span<const double> numbers, std::size_t count) {
   Json rows = Json::array();
   for (std::size_t k = 0; k < count; ++k) {
@@ -269,7 +270,7 @@ Json rows_of(std::span<const double> numbers, std::size_t count) {
   return rows;
 }
 
-/// Six numbers for each of `count` times and for each body, or null if there are no numbers.
+/// The six numbers for each of `count` times and each body as JSON; null if there are no numbers.
 Json screws_of(std::span<const double> numbers, std::size_t count, int bodies) {
   if (numbers.empty()) return {};
   Json times = Json::array();
@@ -279,7 +280,7 @@ Json screws_of(std::span<const double> numbers, std::size_t count, int bodies) {
   return times;
 }
 
-/// The states 0, stride, 2 stride, ... of a motion, and its last state.
+/// The part of a motion that has the states 0, stride, 2 stride, ... and the last state.
 ShownMotion thinned(const Model& model, const ShownMotion& motion, std::size_t stride) {
   ShownMotion out;
   const auto copy = [&](const std::vector<double>& from, std::vector<double>& to, int width, std::size_t k) {
@@ -302,8 +303,9 @@ ShownMotion thinned(const Model& model, const ShownMotion& motion, std::size_t s
 
 constexpr std::size_t numbers_of_contact = 17;
 
-/// The points of contact of each state as lists of numbers: two shapes, point, normal, gap, force, moment,
-/// friction and branch (0 open, 1 stick, 2 slide). Null if they are not known.
+/// The points of contact of each state of a motion as JSON. A point is a list of 17 numbers: the two shapes,
+/// point, normal, gap, force, moment, friction and branch (0 open, 1 stick, 2 slide). The result is null if
+/// the points are not known.
 Json contacts_of(const ShownMotion& motion) {
   if (motion.contacts.empty()) return {};
   Json times = Json::array();
@@ -323,7 +325,8 @@ Json contacts_of(const ShownMotion& motion) {
   return times;
 }
 
-/// The motion as JSON, or null if it has no times. A motion that is too long is thinned, with a warning.
+/// The motion `whole` as JSON; null if it has no times. If it has more than longest_motion numbers, some of
+/// its states are left out, and a warning is added.
 Json motion_of(const Model& model, const ShownMotion& whole, std::vector<std::string>& warnings) {
   if (whole.t.empty()) return {};
   check(model, whole);
@@ -368,8 +371,8 @@ Json motion_of(const Model& model, const ShownMotion& whole, std::vector<std::st
       {"tensions", numbers.tensions.empty() ? Json() : rows_of(numbers.tensions, N)}};
 }
 
-/// Writes JSON with <, > and & as escapes, so that no name in it can end an element of HTML. These characters
-/// occur only within the strings of JSON, where escapes are allowed.
+/// Writes JSON with escapes instead of <, > and &, so that no name in it can end an element of HTML. These
+/// characters occur only in strings of JSON, where escapes are allowed.
 void write_escaped(const std::string& text, std::ostream& out) {
   std::size_t from = 0;
   for (std::size_t at; (at = text.find_first_of("<>&", from)) != std::string::npos; from = at + 1) {

@@ -11,43 +11,44 @@
 
 namespace axode {
 
-/// A report on a scene: the meshes in it, and warnings about things that it does not show.
+/// A report on a scene: its meshes, and warnings about things that it does not show.
 struct SceneContents {
   struct Mesh {
-    std::string file;      ///< path at which it was found
+    std::string file;      ///< path of the mesh file
     std::uintmax_t bytes;  ///< size of the file
   };
   std::vector<Mesh> meshes;
-  std::vector<std::string> warnings;  ///< warnings of the model, and of meshes that are missing or unreadable
+  std::vector<std::string> warnings;  ///< warnings of the model, and about meshes that cannot be shown
 };
 
 /// Options of write_scene() and write_page().
 struct SceneOptions {
-  ShownMotion motion = {};  ///< motion to show; if it has no times there is none
-  std::string live = {};    ///< address of a stream of events with states for the page; may be empty
+  ShownMotion motion = {};  ///< motion to show; none is shown if it has no times
+  std::string live = {};    ///< address of a stream from which the page gets states; may be empty
 };
 
-/// Largest number of bytes of all mesh files of a scene together. Meshes beyond it are not shown.
+/// Largest total size of the mesh files of a scene, bytes. Meshes that would exceed it are not shown.
 inline constexpr std::size_t largest_meshes = std::size_t{256} << 20;
-/// Largest number of numbers of a motion in a scene. Of a longer motion only every second, third, ... state
-/// is shown.
+/// Largest count of numbers that the motion of a scene may have. Of a longer motion only every second, third,
+/// ... state is shown.
 inline constexpr std::size_t longest_motion = 1'000'000;
 
-/// Configuration that a page shows first if no other is given: that of initial_state(), or, if the model has
-/// loops or motions and assemble() can close and follow them from there, the closed one. The search ends if
-/// monitor() returns false.
+/// The configuration that a page shows first if the caller gives no other one. It is that of initial_state().
+/// If the model has loops or prescribed motions, assemble() starts from it, and the result is the
+/// configuration that satisfies them, if assemble() finds one. The search ends if monitor() returns false.
 std::vector<double> first_configuration(const Model& model, const std::function<bool()>& monitor = {});
 
 /// Writes the scene that a page shows as JSON: bodies with their joints and inertias, frames, shapes with the
 /// contents of their mesh files, loops, the configuration q and a motion. The text can be embedded in an
-/// element of HTML, whatever names are in the model. A body without a visible shape gets placeholder shapes.
-/// Throws std::invalid_argument if q or the motion does not fit the model.
+/// element of HTML, whatever names the model has. Bodies without a visible shape get placeholder shapes.
+/// Throws std::invalid_argument if q or the motion does not fit the model, or if their numbers are not
+/// finite.
 SceneContents write_scene(const Model& model, std::span<const double> q, std::ostream& out,
                           const SceneOptions& options = {});
 
-/// Writes the page of the viewer with a scene in it: one file of HTML that needs no other file and no
-/// network. `empty_page` is the page that the build of the viewer makes. Throws std::invalid_argument if it
-/// is another text, and as write_scene() does.
+/// Writes the page of the viewer with a scene in it: one HTML file that needs no other file and no network.
+/// `empty_page` is the text of the page that the build of the viewer makes. Throws std::invalid_argument if
+/// it is another text, or if write_scene() throws.
 SceneContents write_page(std::string_view empty_page, const Model& model, std::span<const double> q,
                          std::ostream& out, const SceneOptions& options = {});
 

@@ -17,13 +17,13 @@ namespace {
 
 using Row = std::span<const double>;
 
-/// Row k of numbers that are stored row by row.
+/// Row k of an array that is stored row by row; `width` is the length of a row.
 Row row(const std::vector<double>& rows, std::size_t k, int width) {
   return Row(rows).subspan(k * static_cast<std::size_t>(width), static_cast<std::size_t>(width));
 }
 
-/// Appends the forces of one spring between frames to the loads, as wrenches on these frames. C and V are the
-/// poses and spatial twists of all frames.
+/// Appends the forces of one spring between frames to `loads`, as wrenches on these frames, and the tensions
+/// of its segments to `tensions`. C and V are the poses and spatial twists of all frames.
 struct AppendSpring {
   const Model& model;
   const ForceLaw& law;
@@ -69,8 +69,8 @@ struct AppendSpring {
   }
 };
 
-/// Appends the forces of the springs between frames to the loads, and the tensions of those along lines, once
-/// for each segment.
+/// Appends the forces of all springs between frames to `loads`, and the tensions of springs along points to
+/// `tensions`, one for each segment.
 void append_springs(const Model& model, Row q, Row v, Workspace<>& workspace,
                     std::vector<AppliedWrench<>>& loads, std::vector<double>& tensions) {
   if (!model.springs().between_frames()) return;
@@ -82,8 +82,8 @@ void append_springs(const Model& model, Row q, Row v, Workspace<>& workspace,
     std::visit(AppendSpring{model, spring.law, q, v, C, V, loads, tensions}, spring.geometry);
 }
 
-/// Computes the multipliers of the loops under the forces of drives and springs. Returns false if the mass
-/// matrix is singular or a number is not finite.
+/// Computes the multipliers of the loops, `lambda`, under the drive forces tau and the forces of springs.
+/// Returns false if the mass matrix is singular or a number is not finite.
 bool find_multipliers(const Model& model, Row q, Row v, Row tau, Workspace<>& workspace,
                       LoopWorkspace<>& of_loops, std::vector<double>& lambda) {
   std::vector<double> forces(tau.begin(), tau.end()), a(forces);
@@ -91,13 +91,14 @@ bool find_multipliers(const Model& model, Row q, Row v, Row tau, Workspace<>& wo
   return forward_dynamics<double>(model, of_loops, q, v, forces, a, lambda).ok();
 }
 
-/// Appends the six numbers of each screw.
+/// Appends the six numbers of each screw (angular, linear) to `out`.
 template <class Screws> void append(const Screws& screws, std::vector<double>& out) {
   for (const auto& [angular, linear] : screws)
     out.insert(out.end(), {angular.x, angular.y, angular.z, linear.x, linear.y, linear.z});
 }
 
-/// The normal forces of the pairs of shapes that press in a motion, summed over their points.
+/// The normal forces of a motion with contacts, N: for each time and each pair of shapes that press at some
+/// time, the sum over the points of contact of the pair.
 view::MotionNumbers::Series contact_series(const ShownMotion& motion) {
   std::map<std::pair<int, int>, std::size_t> columns;
   for (const std::vector<ContactForce>& at_once : motion.contacts)

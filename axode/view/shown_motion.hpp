@@ -9,40 +9,42 @@
 
 namespace axode {
 
-/// A motion that a page shows, row by row: N times t (s), N × nq coordinates q and N × nv velocities v.
+/// A motion that a page shows, stored row by row: N times t (s), N × nq coordinates q and N × nv velocities
+/// v.
 struct ShownMotion {
   std::vector<double> t, q, v;
   std::vector<double> a, tau;  ///< accelerations and drive forces, N × nv; empty if not known
   std::vector<std::vector<ContactForce>> contacts;  ///< points of contact, N lists; empty if not known
-  std::vector<std::string> contact_shapes;          ///< names of the shapes by the numbers in `contacts`
+  std::vector<std::string> contact_shapes;          ///< names of shapes; `contacts` has indices into it
 };
 
-/// Checks a motion. Throws std::invalid_argument with the name of the argument if a size does not fit the
-/// model, if times do not increase, if a number is not finite, or if a quaternion is not of unit norm.
+/// Throws std::invalid_argument, with the name of the argument, if a size of a motion does not fit the model,
+/// if the times do not increase, if a number is not finite, or if a quaternion is not of unit norm.
 void check(const Model& model, const ShownMotion& motion);
 
 namespace view {
 
-/// Quantities of a motion that are shown in addition to its states.
+/// Quantities that are computed from a motion and shown in addition to its states.
 struct MotionNumbers {
   struct Series {
     std::string name, unit;
     std::vector<std::string> labels;
-    std::vector<double> values;  ///< one row for each time, with one number for each label
+    std::vector<double> values;  ///< a row for each time, with a number for each label
   };
   std::vector<Series> series;
-  /// Spatial twists of the bodies, wrenches that their joints transmit, and momenta: six numbers for each
-  /// time and body. `wrenches` is empty if the accelerations are not known, or if the mechanism has loops and
-  /// the drive forces are not known.
+  /// Spatial twists of the bodies, spatial wrenches that their joints transmit, and spatial momenta: six
+  /// numbers for each time and body. `wrenches` is empty if the accelerations are not known, if the model has
+  /// loops and the drive forces are not known, or if the constraint forces of the loops cannot be computed.
   std::vector<double> twists, wrenches, momenta;
   /// Spatial wrenches of the loop joints on their second bodies: six numbers for each time and loop joint.
-  /// They are empty if `wrenches` is.
+  /// Empty if the model has no loop joints or `wrenches` is empty.
   std::vector<double> loop_wrenches;
-  /// Tensions of the springs between points, N: one for each time and spring. A negative one pushes.
+  /// Tensions of the segments of springs along points, N: a number for each time and segment. A negative
+  /// tension pushes the ends apart.
   std::vector<double> tensions;
 };
-/// Computes energies, total momentum (about the inertial origin), twists, wrenches, momenta and tensions of a
-/// motion.
+/// Computes energies, the total momentum about the inertial origin, twists, wrenches, momenta and tensions of
+/// a motion, and the normal forces of its contacts.
 MotionNumbers numbers_of(const Model& model, const ShownMotion& motion);
 
 }  // namespace view

@@ -17,17 +17,17 @@ namespace {
 using Color = std::array<double, 4>;
 constexpr Color driven{0.88, 0.54, 0.12, 1}, passive{0.31, 0.36, 0.42, 1};
 
-/// Points on each body, the ground included, in the frame of the body.
+/// The points on each body and on the ground between which it is drawn, in the frame of the body.
 class Points {
  public:
   explicit Points(const Model& model);
 
-  /// Point of the joint of body i; empty if the joint has no point.
+  /// The point of the joint of body i in the frame of body i; empty if the joint has no point.
   const std::optional<Vec3<>>& joint(int i) const { return joints_[i]; }
-  /// The corners of the points on a body, no two of which are nearer than a hundredth of the size.
+  /// The corners() of the points on a body, without points that are nearer to another one than size()/100.
   std::vector<Vec3<>> distinct(int body) const;
-  /// The size (m) of the largest body: the diagonal of a box around its points or, if it has only one point,
-  /// the length of its bar.
+  /// The size of the largest body, m. The size of a body is the diagonal of the box around its points, or
+  /// twice the distance of its first point from the centre of mass if that is larger.
   double size() const { return size_; }
 
  private:
@@ -36,15 +36,16 @@ class Points {
   double size_ = 0;
 };
 
-/// Whether a joint has a point that its description gives. A prismatic joint in a drawing has a direction
-/// only, and a free joint has neither.
+/// Whether the description gives a point of a joint. It does not for free joints, and for prismatic joints in
+/// the construction frame, which have only a direction.
 bool has_point(const Joint& joint, const BodyDescription* body) {
   if (joint.kind != Subgroup::prismatic && joint.kind != Subgroup::free) return true;
   return body == nullptr || !std::holds_alternative<InConstructionFrame>(body->geometry) ||
          traits(body->joint.kind).point;
 }
 
-/// Calls f(body, point) for each point of springs and drives along lines, with the point in the body frame.
+/// Calls f(body, point) for each point of springs along points and of lines of drives, with the point in the
+/// frame of the body.
 template <class F> void for_line_ends(const Model& model, const F& f) {
   const auto visit = [&](const Spring::Path& path) {
     for (const Spring::Path::Point& it : path.points) {
@@ -73,8 +74,8 @@ Points::Points(const Model& model)
     all_[body.predecessor].push_back(body.S_prev.r);
   }
   for (const Frame& frame : model.frames().subspan(joints_.size())) {
-    // A fixed body has a frame with its own name. If the body is drawn, the origin of this frame has no
-    // meaning.
+    // A body that is fixed to another one has a frame with its own name. If the body is drawn in the
+    // construction frame, the origin of this frame need not be on the body and is not used.
     const BodyDescription* fixed = description_of(frame.name);
     if (fixed == nullptr || !std::holds_alternative<InConstructionFrame>(fixed->geometry))
       all_[frame.body].push_back(frame.pose.r);
@@ -94,8 +95,8 @@ Points::Points(const Model& model)
   }
 }
 
-/// The points; if there are many, only those that lie farthest in one of many directions. The page computes
-/// the convex hull of these points and must finish quickly.
+/// Returns the points if there are at most 60, otherwise for each of 60 directions the point that is farthest
+/// in this direction. The page computes the convex hull of the result and must finish quickly.
 std::vector<Vec3<>> corners(const std::vector<Vec3<>>& points) {
   constexpr int directions = 60;
   if (points.size() <= directions) return points;
@@ -116,7 +117,7 @@ std::vector<Vec3<>> Points::distinct(int body) const {
   return points;
 }
 
-/// A capsule from one point to another, with a radius of a sixth of its length, but at most `thickest`.
+/// A capsule from one point to another. Its radius is a sixth of its length, but at most `thickest`.
 ShapeDescription capsule(const Vec3<>& from, const Vec3<>& to, double thickest) {
   ShapeDescription shape{.kind = ShapeKind::capsule, .length = norm(to - from)};
   shape.pose = {rotation_to((1 / shape.length) * (to - from)), 0.5 * (from + to)};
@@ -124,7 +125,8 @@ ShapeDescription capsule(const Vec3<>& from, const Vec3<>& to, double thickest) 
   return shape;
 }
 
-/// The convex hull of balls about points, in a frame at their mean.
+/// The convex hull of balls of the given radius about points in the body frame. The points are expressed in a
+/// frame at their mean.
 StandIn hull(int body, std::vector<Vec3<>> points, double radius) {
   Vec3<> mean{};
   for (const Vec3<>& point : points) mean = mean + 1.0 / static_cast<double>(points.size()) * point;
@@ -132,15 +134,14 @@ StandIn hull(int body, std::vector<Vec3<>> points, double radius) {
   return {body, {.pose = {{}, mean}, .radius = radius}, std::move(points)};
 }
 
-/// The solid with the mass and inertia M of a body: a cylinder if exactly two principal moments are equal, an
-/// ellipsoid if not. A point mass has none.
+/// The homogeneous solid with the mass and inertia M of a body: a cylinder if exactly two principal moments
+/// are equal, otherwise an ellipsoid. The result is empty for a point mass.
 std::optional<ShapeDescription> solid(const Inertia<>& M) {
   const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> moments(to_eigen(binet_tensor(inertia_about_com(M))));
   Eigen::Matrix3d axes = moments.eigenvectors();
   if (axes.determinant() < 0) axes.col(0) *= -1;
-  const Eigen::Array3d second =
-      (moments.eigenvalues().array() / M.m).max(0);  // second moments of x, y and z,
-                                                     // m²
+  const Eigen::Array3d second = (moments.eigenvalues().array() / M.m).max(0);  // mean squares of x, y and z,
+                                                                               // m²
   ShapeDescription shape{.pose = {from_eigen<SO3<>>(axes), center_of_mass(M)}};
   if (!(second[2] > 0)) return std::nullopt;
   const auto equal = [&](int a, int b) { return second[b] - second[a] <= 1e-3 * second[2]; };
@@ -158,7 +159,8 @@ std::optional<ShapeDescription> solid(const Inertia<>& M) {
   return shape;
 }
 
-/// Whether a body is a rod along the line through its centre of mass and a point.
+/// Whether a body has the inertia of a rod along the line through its centre of mass and a point: the moment
+/// of inertia about the line is less than 0.3 times that about axes normal to it.
 bool is_rod(const Inertia<>& M, const Vec3<>& point) {
   const Vec3<> to_com = center_of_mass(M) - point, e = (1 / norm(to_com)) * to_com;
   const Sym3<> Theta = inertia_about_com(M);
@@ -166,7 +168,7 @@ bool is_rod(const Inertia<>& M, const Vec3<>& point) {
   return along < 0.3 * (Theta.xx + Theta.yy + Theta.zz - along) / 2;
 }
 
-/// The shapes of one body.
+/// Appends the placeholder shapes of body i to `all`.
 void add_body(std::vector<StandIn>& all, const Model& model, int i, const Points& points) {
   const Inertia<>& M = model.body(i).M;
   const bool slides = model.joint(i).kind == Subgroup::prismatic;
@@ -187,7 +189,7 @@ void add_body(std::vector<StandIn>& all, const Model& model, int i, const Points
   }
 }
 
-/// The pin, ball, pad or sleeve of a joint whose axis is z of `pose`. Free joints have none.
+/// The pin, ball, pad or sleeve of a joint. z of `pose` is the axis of the joint. Free joints are not drawn.
 ShapeDescription joint_part(Subgroup kind, const SE3<>& pose, double radius, const Color& color) {
   ShapeDescription shape{.pose = pose, .color = color};
   if (kind == Subgroup::revolute || kind == Subgroup::helical) {
@@ -205,8 +207,8 @@ ShapeDescription joint_part(Subgroup kind, const SE3<>& pose, double radius, con
   return shape;
 }
 
-/// The rail through the centre of mass of a body that slides on the ground, as long as its limits or, without
-/// limits, twice the size to both sides.
+/// The rail of a body that slides on the ground, in the direction of the joint through the centre of mass. It
+/// reaches from the lower limit to the upper one; a missing limit is replaced by -size or size.
 ShapeDescription rail(const Body& body, const Dof& dof, double size) {
   const Vec3<> center = body.M.m > 0 ? center_of_mass(body.M) : body.S_self.r, at = body.A * center,
                e = body.S_prev.R.z;
@@ -215,8 +217,8 @@ ShapeDescription rail(const Body& body, const Dof& dof, double size) {
   return capsule(at + lower * e, at + upper * e, 0.02 * size);
 }
 
-/// The kind of tree joint that a loop joint is drawn like; none if its position does not matter or if it is a
-/// rolling contact.
+/// The kind of tree joint whose drawing is used for a loop joint. The result is empty for a rolling contact,
+/// and if the position of the loop joint does not matter.
 std::optional<Subgroup> like_joint(LoopKind kind) {
   const LoopTraits& loop = traits(kind);
   if (!loop.located || loop.has("center")) return std::nullopt;

@@ -5,25 +5,27 @@
 
 namespace axode::view {
 
-/// A placeholder shape for a body, joint or mount that the description gives no shape.
+/// A placeholder shape for a body, a joint or a mount on the ground, to which the description gives no shape.
 struct StandIn {
   int body = 0;  ///< body to which the shape belongs; 0 is the ground
   ShapeDescription shape;
-  /// If not empty, the shape is the convex hull of balls of radius shape.radius about these points, which
-  /// are given in the frame shape.pose.
+  /// If `hull` is not empty, the shape is the convex hull of balls of radius shape.radius about these points,
+  /// which are given in the frame with the pose shape.pose.
   std::vector<Vec3<>> hull = {};
 };
 
-/// Placeholders for bodies without a visible shape, for their joints, and for the mounts of these joints on
-/// the ground; `seen` says of the ground and of each body whether it has a visible shape.
+/// Placeholder shapes for bodies without a visible shape, for their joints, and for the mounts of these
+/// joints on the ground. seen[i] says whether body i has a visible shape; body 0 is the ground. Poses are in
+/// the body frames.
 ///
-/// A body is drawn between the points of its joints, frames, loops, springs and drives: as a bar between two
-/// points, and as their rounded convex hull if there are more (of at most 60 corners). A body with one point
-/// reaches from it through the centre of mass, as a bar if the inertia is that of a rod, otherwise with the
-/// solid that has its mass and inertia: a cylinder if two principal moments are equal, an ellipsoid if not. A
-/// free body without points is that solid. A hinge is drawn as a pin, a spherical joint as a ball and a
-/// planar joint as a pad, in the colour of drives unless the joint is passive. A body that slides on the
-/// ground and whose joint has no point is on a rail. Poses are in the body frames.
+/// A body is drawn between the points of its joints, frames, loops, springs and drives: as a bar if there are
+/// two points, and as their rounded convex hull if there are more (of at most 60 of them). A body with one
+/// point is drawn as a bar from this point through the centre of mass if it has the inertia of a rod.
+/// Otherwise it is drawn as a bar from the point to the centre of mass, with a solid that has its mass and
+/// inertia: a cylinder if exactly two principal moments are equal, else an ellipsoid. A body without points
+/// is drawn as this solid alone. A hinge is drawn as a pin, a spherical joint as a ball and a planar joint as
+/// a pad, in the colour of drives unless the joint is passive. A body that slides on the ground is drawn on a
+/// rail if its joint has no point.
 std::vector<StandIn> stand_ins(const Model& model, const std::vector<bool>& seen);
 
 }  // namespace axode::view
