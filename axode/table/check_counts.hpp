@@ -6,19 +6,23 @@
 
 namespace axode::catalog {
 
-/// The treatment of loops, springs and other properties by a row, as a line of text for its documentation.
+/// A line of text for the documentation of a function: which of loops, springs and other properties it takes
+/// into account, ignores or refuses.
 std::string to_string(const Counts& counts);
 
-/// The kind of caller of a function. It decides what the message of a refusal recommends.
+/// The way in which a function is called. It decides which properties of a mechanism the call can take into
+/// account, and what the message of an exception recommends.
 enum class Caller {
-  workspace,  ///< C++ with a Workspace, which knows the tree alone
-  /// A caller that counts all properties that the row counts: C++ with a LoopWorkspace, Python, the command.
+  workspace,  ///< C++ with a Workspace, which has the spanning tree only
+  /// The call takes into account every property that the function supports: a call in C++ with a
+  /// LoopWorkspace, in Python, or by the command.
   whole,
-  tape  ///< a recording, of which generated and specialised code are made; it knows trees alone
+  tape  ///< recording for generated and specialised code, of the spanning tree only
 };
 
-/// Throws std::invalid_argument if the function, called in this way, would give the answer of another
-/// mechanism than the model. The message says what to call instead.
+/// Throws std::invalid_argument if the model has a property, such as loops, that the function called in this
+/// way does not take into account, so that its result would be that of another mechanism. The message says
+/// what to call instead.
 void check_counts(std::string_view function, const Counts& counts, const Model& model, Caller caller);
 inline void check_counts(const Words& row, const Model& model, Caller caller) {
   check_counts(row.name, row.counts, model, caller);
@@ -28,8 +32,8 @@ template <OtherId id> void check_counts(const Model& model, Caller caller = Call
   check_counts(other.name, other.counts, model, caller);
 }
 
-/// check_counts() for a call with a workspace, which costs two comparisons. A workspace for the cut tree is
-/// always accepted.
+/// check_counts() for a call with a Workspace. It costs two comparisons if nothing is refused. A workspace
+/// that was made for the cut tree is always accepted.
 template <Id row, class T> void check_counts(const Model& model, const Workspace<T>& workspace) {
   constexpr const Counts& counts = row.words().counts;
   constexpr bool motions = counts.motions.word == Word::refused;
@@ -40,7 +44,8 @@ template <Id row, class T> void check_counts(const Model& model, const Workspace
         [[unlikely]]
       check_counts(row.words(), model, Caller::workspace);
 }
-/// The check of a row that counts loops, for a call with a LoopWorkspace.
+/// The check for a call with a LoopWorkspace: throws if the model has prescribed motions and the row refuses
+/// them.
 template <Id row> void check_motions(const Model& model) {
   if constexpr (row.words().counts.motions.word == Word::refused)
     if (!model.motions().empty()) [[unlikely]]
@@ -61,15 +66,17 @@ inline std::size_t value_of(Extent extent, const Model& model, std::size_t n_loa
   }
   return 6;
 }
-/// The number of numbers in one result.
+/// The count of numbers in one result of a row; a row can have several results.
 inline std::size_t numbers_of(const Words& row, const Model& model, std::size_t n_loads) {
   std::size_t n = static_cast<std::size_t>(numbers_of(row.entry));
   for (const Extent extent : row.shape) n *= value_of(extent, model, n_loads);
   return n;
 }
 
-/// Throws std::invalid_argument for an input that has the wrong number of `size` numbers. The functions below
-/// do so for a result of `size` entries with `width` numbers each, and for a result that shares memory.
+/// refuse_input(), refuse_result() and refuse_shared() throw std::invalid_argument, and are called when a
+/// check has failed: for an input of `size` numbers instead of nv, for a result with the wrong number `size`
+/// of entries of `width` numbers each, and for a result that shares memory with the argument or result
+/// `with`.
 [[noreturn]] void refuse_input(Input input, std::size_t size, const Model& model);
 [[noreturn]] void refuse_result(const Words& row, std::size_t result, std::size_t size, std::size_t width,
                                 const Model& model, std::size_t n_loads);

@@ -3,31 +3,34 @@
 
 #include "axode/table/words.hpp"
 
-/// The treatment of the properties of mechanisms by families of functions.
+/// Which properties of mechanisms (loops, springs, ...) the functions of a family take into account, see
+/// Counts. All rows of a family in the table of functions have the same value.
 namespace axode::catalog::table {
 
-/// The properties that families of rows count. Springs, dampers and stops act in simulations only; damping
-/// and friction act as well if a caller enables them.
+/// Phrases about springs. Springs, dampers and stops act in simulations only, so that the caller of another
+/// function adds or subtracts their forces.
 inline constexpr std::string_view add_springs = "spring_forces(q, v) are to be added to tau",
                                   subtract_springs = "spring_forces(q, v) are to be subtracted from tau";
-/// A prescribed motion is a force on its joint or along its rod. Functions for a given motion of the
-/// mechanism ignore it; accelerations, and what follows from them, depend on the time if there are such
+/// Treatment of prescribed motions by functions that compute accelerations, or quantities that follow from
+/// accelerations. With a prescribed motion, which acts by a force on its joint or along its rod, they depend
+/// on the time, so that such functions refuse the model. Functions of a given motion ignore prescribed
 /// motions.
 inline constexpr Count at_a_time =
     refused("simulate and forward_dynamics_at count them, because they know the time");
-/// Drives with states act by forces, which are given as tau.
+/// Treatment of drives with states: their forces are part of the argument tau.
 inline constexpr Count forces_of_drives = of_the_tree("tau has their forces, which DriveSystem computes");
-/// Whether a coupling with play is at one of its ends is no part of a state.
+/// Treatment of couplings with play by functions that depend on a state (q, v) only: they are ignored,
+/// because the state does not say whether the play is at one of its ends.
 inline constexpr Count free_plays = of_the_tree("simulate counts them");
-/// Contacts of collision shapes and hard stops act by impulses over a step, which a function of a state does
-/// not have.
+/// Treatment of contacts of collision shapes and of hard stops by functions that depend on a state (q, v)
+/// only: they are ignored, because contacts act by impulses over a time step.
 inline constexpr Count without_contacts =
     of_the_tree("simulate with contact and ContactDynamics count contacts and hard stops");
-/// Damping and dry friction of joints, which a caller enables, without the losses of gears: these depend on
-/// the force that a gear transmits.
+/// Treatment of joint losses by functions that take damping and dry friction into account on request, but
+/// refuse the losses of gears, which depend on the force that a gear transmits.
 inline constexpr Count without_gears{
     Word::partly, "losses of gears are refused; inverse_dynamics, forward_dynamics and simulate count them"};
-/// The treatment `counts` of all properties but joint losses, which have a treatment of their own.
+/// Returns `counts` with another treatment of joint losses.
 consteval Counts with_losses(Counts counts, Count joint_losses) {
   counts.joint_losses = joint_losses;
   return counts;

@@ -4,9 +4,10 @@
 
 #include "axode/table/families.hpp"
 
-/// The table of functions of a state. From its rows C++, the command, Python and the tests read the
-/// arguments, results and costs of each function, and which parts of a mechanism it counts. The kernels are
-/// called in axode/catalog/functions.cpp.
+/// The table of functions of a state, which depend on q, v and other numbers at one time. Each row has the
+/// arguments, results and costs of a function, and says which properties of a mechanism it takes into
+/// account. C++, the command, Python and the tests read the rows. The kernels are called in
+/// axode/catalog/functions.cpp.
 namespace axode::catalog {
 namespace table {
 
@@ -23,7 +24,7 @@ inline constexpr std::string_view screws = "rad/s, m/s", rates = "rad/s^2, m/s^2
 
 }  // namespace table
 
-/// All functions, in the order of the documentation.
+/// All functions of a state, in the order of the documentation.
 inline constexpr auto functions_of_state = [] {
   using namespace table;
   return std::to_array<Words>({
@@ -375,14 +376,15 @@ inline constexpr auto functions_of_state = [] {
   });
 }();
 
-/// The number of a row, which the compiler finds by its name; an unknown name does not compile.
+/// The index of a row in functions_of_state. The compiler finds it by the name of the function; an unknown
+/// name does not compile.
 struct Id {
   std::size_t index = 0;
   consteval Id(const char* name) {  // NOLINT(google-explicit-constructor): a name converts to an Id
     while (index < functions_of_state.size() && functions_of_state[index].name != name) ++index;
     if (index == functions_of_state.size()) throw "no row has this name";
   }
-  /// The row of a name that is known at run time; empty if there is no such row.
+  /// The row of a name that is known at run time; the result is empty if no row has this name.
   static constexpr std::optional<Id> of(std::string_view name) {
     Id found("poses");
     for (found.index = 0; found.index < functions_of_state.size(); ++found.index)
@@ -393,7 +395,7 @@ struct Id {
   constexpr bool operator==(const Id&) const = default;
 };
 
-/// Calls f<id>() for every row, in the order of the table, at compile time.
+/// Calls f.operator()<id>() for the id of every row, in the order of the table.
 template <class F> constexpr void each_row(const F& f) {
   constexpr auto number = []<std::size_t index> {
     Id id("poses");

@@ -3,14 +3,15 @@
 
 namespace axode::catalog {
 
-/// Functions of a mechanism that are no rows of the table: they take motions of any order, or targets, or
-/// return more than numbers. Only the properties that they count are listed here.
+/// A function that is not in the table of functions of a state, because it takes motions of any order or
+/// targets, or returns more than numbers. Only its name and its treatment of the properties of mechanisms are
+/// given.
 struct Other {
   std::string_view name;
   Counts counts;
 };
 namespace table {
-/// Sentences of several rows about motions, drives, plays and contacts.
+/// Treatments that several of these functions have in common, with the sentence of the exception.
 inline constexpr Count locked = refused("reduced locks the joints that they move"),
                        by_simulate = refused("simulate counts them"),
                        without_contact = refused("simulate without contact counts them"),
@@ -147,7 +148,8 @@ inline constexpr auto other_functions = std::to_array<Other>({
       .contacts = counted}},
 });
 
-/// The number of such a function, which the compiler finds by its name.
+/// The index of a function in other_functions. The compiler finds it by the name; an unknown name does not
+/// compile.
 struct OtherId {
   std::size_t index = 0;
   consteval OtherId(const char* name) {  // NOLINT(google-explicit-constructor): a name converts to an OtherId

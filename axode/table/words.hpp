@@ -5,11 +5,12 @@
 #include <string_view>
 #include <utility>
 
-/// The types in which a row of the table of functions is written. They do not depend on kernels, scalars or
+/// The types of a row of the table of functions of a state. They do not depend on kernels, scalars or
 /// representations.
 namespace axode::catalog {
 
-/// A value that every row must state. It has no default, so that a row without it does not compile.
+/// A value that every row must give explicitly. It has no default constructor, so that a row without it does
+/// not compile.
 template <class E> struct Decided {
   E value;
   constexpr Decided(E of) : value(of) {}  // NOLINT(google-explicit-constructor): a row writes the value
@@ -18,7 +19,7 @@ template <class E> struct Decided {
   }  // NOLINT(google-explicit-constructor): and a reader reads it
 };
 
-/// A short list for constants.
+/// A list of at most `most` elements that can be used in constant expressions.
 template <class E, std::size_t most> class List {
  public:
   constexpr List() = default;
@@ -38,9 +39,9 @@ template <class E, std::size_t most> class List {
   std::size_t n_ = 0;
 };
 
-/// The arguments of functions of a state.
+/// The possible arguments of functions of a state, such as coordinates q, velocities v and loads at one time.
 enum class Input { q, v, a, tau, p, dq, dv, da, dtau, weights, loads, place, base, form, at };
-/// The inputs that are numbers for each coordinate or velocity of a state. The others are settings.
+/// The inputs that are arrays of numbers, such as q and v. All other inputs are settings, such as a frame.
 inline constexpr std::array inputs_of_numbers{Input::q,  Input::v,  Input::a,  Input::tau,  Input::p,
                                               Input::dq, Input::dv, Input::da, Input::dtau, Input::weights};
 constexpr bool is_of_numbers(Input input) {
@@ -48,8 +49,8 @@ constexpr bool is_of_numbers(Input input) {
 }
 std::string_view to_string(Input input);
 
-/// The kind of an entry of a result, which decides how many numbers it has. Six-vectors have their angular
-/// part first.
+/// The kind of an entry of a result. It decides how many numbers the entry has. Entries of six numbers have
+/// the angular part before the linear one.
 enum class Entry {
   number,    ///< one number
   vector,    ///< 3 numbers, in inertial axes
@@ -70,36 +71,37 @@ constexpr int numbers_of(Entry entry) {
   }
 }
 
-/// The axes over which the entries of a result run.
+/// The possible lengths of an axis of a result, such as nv for a vector with an entry for each velocity.
 enum class Extent { nv, n_bodies, n_joints, n_frames, n_screws, n_parameters, n_loads, six };
 std::string_view to_string(Extent extent);
 
-/// The representation that a caller chooses.
+/// What a caller selects by the representation (BodyFixed, Spatial, Hybrid or Mixed) of a function.
 enum class Choice {
   none,            ///< there is nothing to choose
   representation,  ///< representation of the result
-  recursion,       ///< representation in which the recursion runs, or Fast; the result does not depend on it
+  recursion,       ///< representation of the recursion, or Fast; the result is the same for all
 };
 
-/// How the work, memory for the result included, grows with the number of velocities.
+/// The growth of the computing time with the number of velocities; the size of the result is included.
 enum class Cost { linear, quadratic, cubic };
 
-/// The memory in which the results of a call may lie.
+/// The memory in which the results of a call may be.
 enum class Memory {
-  may_share,  ///< memory that may be shared with arguments
-  own,        ///< memory of their own: arguments are read while results are written
+  may_share,  ///< results may share memory with arguments
+  own,        ///< results need their own memory: arguments are read while results are written
 };
 
-/// How a function treats a property of mechanisms.
+/// The treatment of a property of mechanisms, such as loops or springs, by a function.
 enum class Word {
-  counted,      ///< the answer is that of the whole mechanism
-  of_the_tree,  ///< the quantity is by definition one of the mechanism without the property
-  optional,     ///< a parameter turns it on
-  partly,       ///< a parameter turns on a part of it, and the call throws for the rest
-  refused,      ///< the call throws
+  counted,      ///< the function takes the property into account
+  of_the_tree,  ///< the quantity is by definition that of the mechanism without the property
+  optional,     ///< a parameter makes the function take the property into account
+  partly,       ///< a parameter includes a part of the property; the call throws for the rest
+  refused,      ///< the call throws if the model has the property
 };
 
-/// The treatment of a property, with a sentence that says what to call instead or in addition.
+/// The treatment of a property by a function, with a sentence that says what to call instead or in addition.
+/// The sentence is required for `refused` and `partly`.
 struct Count {
   Word word;
   std::string_view sentence;
@@ -112,12 +114,12 @@ inline constexpr Count counted{Word::counted}, optional{Word::optional};
 consteval Count of_the_tree(std::string_view besides = {}) { return {Word::of_the_tree, besides}; }
 consteval Count refused(std::string_view instead) { return {Word::refused, instead}; }
 
-/// The treatment of every property of mechanisms by a function. A new property is a member here; a row that
-/// does not state its treatment does not compile.
+/// The treatment of every property of mechanisms by a function. A new property of mechanisms becomes a member
+/// here; a row that does not give its treatment does not compile.
 struct Counts {
   Count loops, passive_joints, springs, joint_losses, motions, drives, plays, contacts;
 };
-/// The members by their names in sentences.
+/// The members of Counts, with the names of the properties in sentences.
 inline constexpr std::array properties{std::pair{std::string_view("loops"), &Counts::loops},
                                        std::pair{std::string_view("passive joints"), &Counts::passive_joints},
                                        std::pair{std::string_view("springs"), &Counts::springs},
@@ -128,35 +130,37 @@ inline constexpr std::array properties{std::pair{std::string_view("loops"), &Cou
                                        std::pair{std::string_view("contacts"), &Counts::contacts}};
 static_assert(sizeof(Counts) == properties.size() * sizeof(Count));
 
-/// The description of a function in one row.
+/// The description of a function of a state: a row of the table functions_of_state.
 struct Words {
   std::string_view name;     ///< name in C++, in Python and in the command
-  std::string_view purpose;  ///< purpose: a phrase that can be read alone
-  /// The units of the numbers. A list names those of numbers of 0, 1, ... lengths, counted over the
-  /// velocities of the joints and the angular and linear parts of a six-vector: "N m, N". "of x" stands for
-  /// the units of x. "per" stands for a quotient by the units of a direction, a velocity, a parameter or a
-  /// displacement, along the last axes. A semicolon separates several results.
+  std::string_view purpose;  ///< what the function computes: a phrase that can be read alone
+  /// The units of the numbers of the result. A semicolon separates the units of several results. If the unit
+  /// depends on whether velocities are those of angles or lengths, or on the angular and linear parts of
+  /// six-vectors, the units are listed by the number of lengths among them, 0 first, as in "N m, N". "of x"
+  /// stands for the units of x. "per" stands for division by the unit of a direction, velocity, parameter or
+  /// displacement along the last axes of the result.
   std::string_view units;
   List<Input, 8> takes;
   Decided<Choice> choice;
   Decided<Entry> entry;
   List<Extent, 3> shape;  ///< axes of the result, outermost first
-  Decided<bool> columns;  ///< whether the entries of the last axis are columns to a reader
-  /// Symbols of the result, or of several results of that shape, one after the other.
+  Decided<bool> columns;  ///< whether readers see the entries of the last axis as columns
+  /// The symbol of the result. A function with several results of equal shape has several symbols, and its
+  /// results are stored one after the other in this order.
   List<std::string_view, 4> symbols;
-  std::string_view
-      together;  ///< the name of all results, one behind the other, where rows run in lanes or on tapes
+  std::string_view together;  ///< name of all results together, in SIMD lanes and in generated code
   Decided<Cost> cost;
   Decided<bool> allocates;
   Decided<Memory> memory;
-  /// Whether the call fails if the mass matrix is singular or results overflow on the way to M⁻¹.
+  /// Whether the call can fail: because the mass matrix is singular, or because results overflow in the
+  /// computation with M⁻¹.
   Decided<bool> may_fail;
-  std::string_view derivative_of;  ///< row whose results it differentiates, if any
-  Decided<bool> lanes;             ///< whether states go through SIMD lanes, see axode/batch.hpp
-  Decided<bool> tape;              ///< whether it is recorded for generated and specialised code
+  std::string_view derivative_of;  ///< name of the function of which it is a derivative; or empty
+  Decided<bool> lanes;             ///< whether batches compute several states in SIMD lanes
+  Decided<bool> tape;              ///< whether there is generated and specialised code for it
   Counts counts;
 
-  /// The inputs of the row that are numbers of a state.
+  /// The inputs of the function that are arrays of numbers.
   constexpr List<Input, 8> numbers() const {
     List<Input, 8> all;
     for (const Input each : takes)
@@ -170,7 +174,7 @@ struct Words {
   }
 };
 
-/// The numbers of a state that a kernel reads, by input.
+/// Pointers to the arrays of numbers that a kernel reads, by input.
 template <class T> class Read {
  public:
   [[gnu::always_inline]] const T*& operator[](Input input) { return at_[static_cast<std::size_t>(input)]; }
