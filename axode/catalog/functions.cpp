@@ -25,21 +25,22 @@ using G = Arguments<T>;
 using Out = std::span<T>;
 
 constexpr bool fast = std::same_as<Rep, Fast>;
-/// The representation of functions that have no row for Fast; for Fast it is a placeholder.
+/// The representation for functions without a fast recursion. If Rep is Fast, these functions are left out of
+/// the result, and BodyFixed is only a placeholder.
 using R4 = std::conditional_t<fast, BodyFixed, Rep>;
 
-/// The result numbers `out` as a span of entries E, such as twists or poses.
+/// The memory `out` of a result as a span of entries E, such as twists or poses.
 template <class E> std::span<E> as(Out out) {
   static_assert(sizeof(E) % sizeof(T) == 0);
   return {reinterpret_cast<E*>(out.data()), out.size() / (sizeof(E) / sizeof(T))};
 }
 template <class E> void put(const E& result, Out out) { as<E>(out)[0] = result; }
 
-/// Part k of n results, one after the other.
+/// The memory of result k in the memory `out` of n results of equal size.
 Out part(Out out, std::size_t k, std::size_t n) { return out.subspan(k * (out.size() / n), out.size() / n); }
 
-/// The pointer of a row that calls the function object F. If F returns no Solvability, the verdict is
-/// "solved".
+/// A function pointer for a row, which calls the function object F. If F does not return a Solvability, the
+/// function returns that the problem was solved.
 template <class F, class Scratch> constexpr auto call(const F&) {
   static_assert(std::is_empty_v<F>);
   return [](const Model& m, Scratch& w, const G& g, Out out) -> Solvability {
@@ -52,8 +53,9 @@ template <class F, class Scratch> constexpr auto call(const F&) {
   };
 }
 
-/// Makes a row with its calls. A row that counts loops is called with a LoopWorkspace if the mechanism has
-/// loops, by the function object L, which is F unless another one is given.
+/// Makes a row with the pointers by which it is called. If the row takes loops into account, it has a second
+/// pointer for calls with a LoopWorkspace. This one calls the function object L, which is F unless another
+/// one is given.
 template <Id id, class F, class L = F> Function<T> row(const F& of_tree, const L& = {}) {
   constexpr const Words& words = id.words();
   constexpr bool counts_loops = words.counts.loops.word == Word::counted;
@@ -68,7 +70,8 @@ template <Id id, class F, class L = F> Function<T> row(const F& of_tree, const L
   return made;
 }
 
-/// The n parts of a result. They convert to the struct by which a function receives several results.
+/// The n results in the memory `out`. The object converts to the struct of spans by which a function receives
+/// several results.
 template <class E, std::size_t n> struct Several {
   Out out;
   template <class S> operator S() const {  // NOLINT(google-explicit-constructor): an argument becomes it
@@ -77,7 +80,8 @@ template <class E, std::size_t n> struct Several {
   }
 };
 
-/// The type of a row's entries. If the row has no choice of representation, they are hybrid.
+/// The C++ type of the entries of a row. `In` is the representation; it is Hybrid if the row has no choice of
+/// representation.
 template <Entry entry, class In> auto type_of() {
   if constexpr (entry == number) return std::type_identity<T>();
   if constexpr (entry == vector) return std::type_identity<Vec3<T>>();
@@ -88,8 +92,9 @@ template <Entry entry, class In> auto type_of() {
   if constexpr (entry == momentum) return std::type_identity<Momentum<In, T>>();
 }
 
-/// Makes the row of a function whose parameters are the model, the workspace, and the numbers, frames,
-/// results and loads of its row, in this order. If the row has one entry, the function returns it.
+/// Makes the row of a function whose parameters are, in this order, the model, the workspace, the arrays of
+/// numbers of its row, its frames, its results and its loads. If the row has a result of one entry, the
+/// function returns this entry.
 template <Id id, class F> Function<T> in_order(const F&) {
   return row<id>([](auto& m, auto& w, auto& g, auto out) {
     constexpr const Words& words = id.words();
@@ -154,8 +159,7 @@ std::vector<Function<T>> make() {
                                  auto out) { inverse_dynamics<Rep>(m, w, g.q, g.v, g.a, out, g.loads); },
                               [](auto& m, auto& w, auto& g, auto out) {
                                 const T left = inverse_dynamics(m, w, g.q, g.v, g.a, out, {}, {}, g.loads);
-                                // In single precision the remainder cannot be distinguished from rounding
-                                // errors.
+                                // In single precision `left` cannot be distinguished from rounding errors.
                                 if constexpr (std::same_as<T, double>)
                                   check_driven(left, "make these accelerations");
                               }),
@@ -172,7 +176,7 @@ std::vector<Function<T>> make() {
           },
           [](auto& m, auto& w, auto& g, auto out) {
             const T left = joint_wrenches<R4>(m, w, g.q, g.v, g.a, as<Wrench<R4, T>>(out), {}, g.loads, g.at);
-            // In single precision the remainder cannot be distinguished from rounding errors.
+            // In single precision `left` cannot be distinguished from rounding errors.
             if constexpr (std::same_as<T, double>) check_driven(left, "make these accelerations");
           }),
       in_order<"mass_matrix">([](auto&&... x) { return mass_matrix<Rep>(x...); }),
