@@ -20,8 +20,8 @@ template <class Rep, class T> std::size_t footprint_of_representation(const Topo
       t);
 }
 
-/// The memory of the largest kernel that works in a Workspace<T>, in bytes. It depends on the instruction set
-/// for which the caller is compiled.
+/// The memory of the largest kernel that uses a Workspace<T>, in bytes. It depends on the instruction set for
+/// which the calling code is compiled.
 template <class T> std::size_t largest_footprint(const Topology& t) {
   return std::max(
       {footprint_of_representation<BodyFixed, T>(t), footprint_of_representation<Spatial, T>(t),
@@ -35,7 +35,7 @@ template <class T> std::size_t largest_footprint(const Topology& t) {
                  SecondOrderRecursion<Hybrid, T>, EnergyGradient<T>>(t)});
 }
 
-/// The memory of the largest such kernel in the code of the chosen instruction set.
+/// largest_footprint<T>() in the code for the instruction set that the library has chosen for this processor.
 template <class T> std::size_t chosen_largest_footprint(const Topology& t);
 
 }  // namespace axode

@@ -2,7 +2,8 @@
 
 #include "axode/workspace/largest_footprint.hpp"
 
-/// A workspace serves the kernels of the chosen instruction set and those that are compiled once.
+/// A workspace has memory for the kernels in the code for the chosen instruction set as well as for the
+/// kernels that are compiled once.
 namespace axode {
 
 template <>
