@@ -25,7 +25,8 @@ LawBranch branch_after(const VelocityProblem& problem, std::size_t block, const 
   if (!(lambda[b.first] > 0)) return LawBranch::open;
   double squares = 0;
   for (int row = b.first + 1; row < b.first + b.rows; ++row) {
-    // A velocity of sliding counts also without friction; a turn counts by its friction, in m/s.
+    // A sliding velocity counts also if its coefficient of friction is 0. An angular velocity is multiplied
+    // by its coefficient, a length, so that it is in m/s.
     const double c = row < b.first + 3 ? 1 : problem.c[static_cast<std::size_t>(row)];
     squares += c * u[row] * c * u[row];
   }

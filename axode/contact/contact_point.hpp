@@ -9,15 +9,16 @@ namespace axode {
 /// A point at which two collision shapes touch or nearly touch. Coordinates are in the inertial frame. T is
 /// the scalar of the poses of the shapes.
 template <class T> struct ContactPointOf {
-  int a = 0, b = 0;       ///< the two shapes as ContactShapes numbers them; a plane is always a
+  int a = 0, b = 0;       ///< the two shapes, numbered as in ContactShapes; a plane is always a
   Vec3<T> point;          ///< half-way between the two surfaces, and on the surface of b if a is a plane, m
-  Vec3<T> normal;         ///< unit vector from a to b
+  Vec3<T> normal;         ///< unit vector from shape a to shape b
   T gap{};                ///< distance of the two surfaces along the normal, negative in overlap, m
-  std::uint64_t key = 0;  ///< the shapes and the feature that touches, the same from step to step
+  std::uint64_t key = 0;  ///< number for the shapes and the features that touch, constant from step to step
 };
 using ContactPoint = ContactPointOf<double>;
 
-/// The key of a feature (below 2^24) of two shapes, and the shapes of a key.
+/// contact_key() makes the key of a contact between the shapes a and b (below 2^20) from the number of the
+/// feature that touches (below 2^24). shapes_of_key() returns the shapes {a, b} of a key.
 constexpr std::uint64_t contact_key(int a, int b, std::uint32_t feature) {
   return std::uint64_t(a) << 44 | std::uint64_t(b) << 24 | feature;
 }

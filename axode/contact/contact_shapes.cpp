@@ -16,7 +16,7 @@ namespace {
   throw std::invalid_argument("shape \"" + shape + "\" " + why);
 }
 
-/// The sizes of a shape in the description, which must be positive.
+/// Throws std::invalid_argument if a size of the shape is not positive; a capsule may have the length 0.
 void check_sizes(const ShapeDescription& it, const std::string& name) {
   const ShapeTraits& kind = traits(it.kind);
   const auto need_positive = [&](std::string_view what, double x) {
@@ -44,7 +44,7 @@ ConvexShape convex(const ContactShape& shape) {
   return {};
 }
 
-/// Compiles the shapes of a model.
+/// Collects the collision shapes of a model from its description.
 struct Compilation {
   const Model& model;
   const MeshHulls& mesh_hulls;
@@ -52,7 +52,8 @@ struct Compilation {
   std::vector<ContactShape> shapes = {};
   std::vector<std::unique_ptr<const Hull>> hulls = {};
 
-  /// The hull of a mesh, about an inner point to which the pose of the shape moves.
+  /// Makes the convex shape of a mesh. The vertices of its hull are relative to a point inside the hull, and
+  /// the pose of `shape` is moved to this point.
   ConvexShape hull_of(const ShapeDescription& it, const std::string& body, const Source& source,
                       ContactShape& shape) {
     const std::string mesh = "of body \"" + body + "\" is the mesh \"" + it.file + "\"";
@@ -103,7 +104,7 @@ struct Compilation {
   int body_of(const std::string& frame) const { return model.frame(model.frame_index(frame)).body; }
 
   /// The pairs of moving bodies that a joint or a loop joint connects, the smaller index first. Rods and
-  /// belts, which are drawn by two points, keep their bodies apart.
+  /// belts, which are described by points, do not count, so that their bodies may touch.
   std::set<std::pair<int, int>> joined_bodies() const {
     std::set<std::pair<int, int>> joined;
     const auto join = [&](const std::string& one, const std::string& other) {

@@ -12,21 +12,21 @@
 
 namespace axode {
 
-/// A collision shape of a model, at the body that carries it.
+/// A collision shape of a model, with its pose on the body that carries it.
 struct ContactShape {
   std::string name;  ///< name of the shape, or `hand shape 2` for the second shape of the body `hand`
   ShapeKind kind{};
-  int frame = 0;  ///< frame of the model on which the shape was described; a fixed body is a frame
-  int body = 0;   ///< body that the shape moves with; 0 is the ground
-  SE3<> pose;     ///< pose in the internal frame of that body, see Tree; that of the hull's origin for a mesh
-  ConvexShape convex;         ///< the body, unless the shape is a plane
-  Vec3<> half;                ///< half edges of a box or semi-axes of an ellipsoid, m
-  double radius = 0;          ///< radius of a sphere, capsule or cylinder, m
-  double half_length = 0;     ///< half the length of a cylinder, or of a capsule without its half balls, m
-  ContactProperties surface;  ///< friction of the mechanism is filled in
+  int frame = 0;           ///< frame of the model on which the shape was described; a fixed body is a frame
+  int body = 0;            ///< body that the shape moves with; 0 is the ground
+  SE3<> pose;              ///< pose in the internal frame of the body, see Tree; of a mesh: pose of its hull
+  ConvexShape convex;      ///< the shape as a convex set; not used for a plane
+  Vec3<> half;             ///< half edges of a box or semi-axes of an ellipsoid, m
+  double radius = 0;       ///< radius of a sphere, capsule or cylinder, m
+  double half_length = 0;  ///< half the length of a cylinder, or of a capsule without its half balls, m
+  ContactProperties surface;  ///< surface properties; friction is that of the mechanism if not given
 };
 
-/// How two surfaces behave against each other.
+/// Friction and restitution between two surfaces.
 struct SurfacePair {
   double friction = 0;          ///< coefficient of sliding friction
   double spin_friction = 0;     ///< moment of drilling friction divided by the normal force, m
@@ -35,13 +35,15 @@ struct SurfacePair {
   Compliance compliance;        ///< of both surfaces together
 };
 
-/// The convex hull of a mesh. Its vertices are about `origin`, a point inside, in the frame of the shape, m.
+/// The convex hull of a mesh. The vertices of `hull` are relative to `origin`, a point inside the hull whose
+/// position is given in the frame of the shape, m.
 struct MeshHull {
   Hull hull;
   Vec3<> origin;
 };
-/// Gives the hull of the mesh of a shape, whose file is referenced from a source. Throws
-/// std::invalid_argument with a sentence if there is none. hull_of_mesh() of axode/view.hpp reads files.
+/// Callback that returns the hull of the mesh of a shape; the Source is the file in which the shape is
+/// described. It throws std::invalid_argument with a sentence if the mesh has no hull. hull_of_mesh() of
+/// axode/view.hpp is such a function, which reads mesh files.
 using MeshHulls = std::function<MeshHull(const ShapeDescription&, const Source&)>;
 
 /// The collision shapes of a model: those of the ground first, then those of the bodies in the order of the
@@ -53,14 +55,15 @@ class ContactShapes {
   /// each other, and for compliant shapes with different exponents that may touch. Allocates.
   explicit ContactShapes(const Model& model, const MeshHulls& hulls = {});
 
-  /// The number of moving bodies of the model. Shapes serve only models with as many.
+  /// The number of moving bodies of the model. The shapes can be used only with models that have this number
+  /// of moving bodies.
   int n_bodies() const { return data_->n_bodies; }
   int size() const { return static_cast<int>(data_->shapes.size()); }
   const ContactShape& operator[](int i) const { return data_->shapes[i]; }
 
-  /// Pairs of shapes (i, j), i < j, that may touch, in ascending order. Shapes on one body, on two moving
-  /// bodies that a joint or a loop joint connects, and on bodies of an ignored pair do not touch. Rods
-  /// connect no bodies in this sense.
+  /// The pairs of shapes (i, j), i < j, that may touch, in ascending order. These are all pairs except those
+  /// of shapes on one body, on two moving bodies that a joint or a loop joint connects, or on the two bodies
+  /// of an ignored pair. Bodies that only a rod or a belt connects may touch.
   std::span<const std::array<int, 2>> pairs() const { return data_->pairs; }
   bool may_touch(int i, int j) const { return data_->may_touch[i * data_->shapes.size() + j] != 0; }
 
@@ -71,11 +74,12 @@ class ContactShapes {
   /// The index of a shape with a stiffness, or -1 if all are rigid.
   int compliant_shape() const;
 
-  /// The number of rows of each contact: 3, 4 if a shape has drilling friction, 6 if one has rolling
-  /// friction.
+  /// The number of rows of each contact: 3 (normal and sliding friction), 4 if a shape has drilling friction,
+  /// or 6 if a shape has rolling friction.
   int contact_rows() const;
 
-  /// Gap below which a contact is considered, m, and the speed of approach below which nothing bounces, m/s.
+  /// margin() is the gap below which a contact is considered, m. threshold() is the speed of approach below
+  /// which no contact bounces, m/s.
   double margin() const { return data_->margin; }
   double threshold() const { return data_->threshold; }
 
@@ -84,14 +88,15 @@ class ContactShapes {
     std::vector<ContactShape> shapes;
     std::vector<std::unique_ptr<const Hull>> hulls;
     std::vector<std::array<int, 2>> pairs;
-    std::vector<char> may_touch;  ///< size × size
+    std::vector<char> may_touch;  ///< whether shapes i and j may touch, size × size
     double margin = 0, threshold = 0;
     int n_bodies = 0;
   };
   std::shared_ptr<const Data> data_;
 };
 
-/// Throws std::invalid_argument if the shapes belong to a model with another number of bodies.
+/// Throws std::invalid_argument if the shapes were made from a model whose number of bodies differs from that
+/// of `model`.
 void check_shapes(const Model& model, const ContactShapes& shapes);
 
 }  // namespace axode

@@ -24,7 +24,7 @@ void check_distance(const char* name, double x) {
                                 " m; it must be finite and not negative");
 }
 
-/// The drive forces with those of springs, at rest.
+/// Returns the drive forces tau (0 if empty) plus the spring forces at q and at rest, nv numbers.
 std::vector<double> joint_forces(const Model& model, Numbers<double> q, Numbers<double> tau) {
   const std::vector<double> at_rest(index(model.nv()));
   std::vector<double> forces = at_rest;
@@ -53,7 +53,8 @@ ContactsAtRest contacts_at_rest(const Model& model, const ContactShapes& shapes,
   check_distance("touching", options.touching);
   const std::vector<double> forces = joint_forces(model, q, tau);
 
-  // Impulses of a second, from rest, are forces: all laws are homogeneous if nothing is left to close.
+  // In a step of 1 s from rest, impulses are equal to forces and velocities to accelerations, because all
+  // laws are homogeneous if no gap is left to close.
   constexpr double second = 1;
   ContactSystem system(model, shapes.contact_rows(), 16, options.joint_losses);
   ContactFinder finder(shapes);

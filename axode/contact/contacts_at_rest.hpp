@@ -12,26 +12,30 @@ namespace axode {
 
 /// The result of contacts_at_rest().
 struct ContactsAtRest {
-  std::vector<ContactForce> contacts;  ///< in ascending order of their pairs of shapes
-  std::vector<double> a;               ///< accelerations, nv; all 0 if the mechanism stays at rest
-  double certificate = 0;              ///< how exactly the laws hold, see certificate(); 1e-12 is rounding
+  std::vector<ContactForce> contacts;  ///< contact points, in ascending order of their pairs of shapes
+  std::vector<double> a;               ///< accelerations, nv; 0 to rounding if the mechanism stays at rest
+  double certificate = 0;              ///< error of the contact laws, see certificate(); 1e-12 is rounding
 };
 
 struct AtRestOptions {
-  std::optional<double> margin;  ///< gap below which points are given, m; that of the shapes if it is empty
-  double touching = 1e-6;        ///< gap, or room of a stop, up to which bodies touch, m or rad
-  bool joint_losses = false;     ///< whether dry friction of joints holds
+  std::optional<double> margin;  ///< gap below which points are returned, m; if empty, that of the shapes
+  double touching = 1e-6;        ///< largest gap or distance from a hard stop that counts as closed, m or rad
+  bool joint_losses = false;     ///< whether dry friction of joints acts
 };
 
-/// The points of contact at a configuration, and the forces that act there at the instant at which the
-/// mechanism is at rest and let go: M a = τ - b(q, 0) + Jᵀ f, where a and f obey Signorini's and Coulomb's
-/// laws (D11.1) for accelerations. Points with a gap of at most `touching` press, also in overlap; other
-/// points, within the margin, are open. Hard stops, dry friction and closed loops take part. τ are the drive
-/// forces (nv, or empty for none); springs of the mechanism act besides.
+/// Computes the contact points at a configuration q, and the forces that act there at the instant at which
+/// the mechanism is at rest and is let go: M a = τ - b(q, 0) + Jᵀ f, where b are the forces of gravity and
+/// loads. The accelerations a and the contact forces f obey Signorini's and Coulomb's laws (D11.1), written
+/// for accelerations instead of velocities. A point with a gap of at most `touching` can press, also in
+/// overlap; all other points within the margin have no force. Hard stops and closed loops take part; if
+/// joint_losses is set, so does dry friction of joints. τ are the drive forces (nv, or empty if they are 0),
+/// to which the forces of the springs of the mechanism are added.
 ///
-/// Where several points carry one load, the share of each is arbitrary, and their sum and moment are not.
-/// Throws std::invalid_argument for wrong arguments, prescribed motions, drives with states, couplings with
-/// play, more than 64 points for each shape, and a singular mass matrix. Allocates.
+/// If several points carry one load, its distribution over the points is arbitrary; the sum of the forces and
+/// their moment are not. Throws std::invalid_argument for arguments of a wrong size or with numbers that are
+/// not finite, a load on a frame that does not exist, prescribed motions, drives with states, couplings with
+/// play, gears with losses if joint_losses is set, a singular mass matrix, and more contact points than 64
+/// times the number of shapes. Allocates.
 ContactsAtRest contacts_at_rest(const Model& model, const ContactShapes& shapes, Numbers<double> q,
                                 Numbers<double> tau = {}, const AtRestOptions& options = {},
                                 const Loads<>& loads = {});

@@ -20,7 +20,7 @@ std::vector<std::array<int, 2>> all_pairs(const ContactShapes& shapes) {
 
 bool is_plane(const ContactShape& shape) { return shape.kind == ShapeKind::plane; }
 
-/// The distance of a shape from a half-space, with normals from the plane to the shape.
+/// The distance of a shape from a half-space. The normal points from the plane to the shape.
 ShapeDistance above_plane(const SE3<>& plane, const ContactShape& shape, const SE3<>& pose) noexcept {
   const Vec3<>& n = plane.R.z;
   const Vec3<> p = pose * convex::support_point(shape.convex, transpose(pose.R) * -n);
@@ -45,7 +45,7 @@ ShapeDistance between(const ContactShape& a, const SE3<>& A, const ContactShape&
           .proved = d.proved()};
 }
 
-/// Whether balls around two shapes are farther apart than a margin.
+/// Whether the bounding balls of two shapes are farther apart than `margin`; false if one shape is a plane.
 bool far_apart(const ContactShape& a, const SE3<>& A, const ContactShape& b, const SE3<>& B, double margin) {
   if (is_plane(a) || is_plane(b)) return false;
   return norm(B.r - A.r) - a.convex.extent - b.convex.extent > margin;

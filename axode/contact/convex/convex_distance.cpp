@@ -15,14 +15,15 @@ bool is_curved(const ConvexShape& shape) {
   return shape.core == ConvexShape::Core::cylinder || shape.core == ConvexShape::Core::ellipsoid;
 }
 
-/// A hull vertex from which the search of a support branch may start.
+/// A hull vertex at which the search for a support branch may start: `last` if it exists, otherwise 0.
 int start_vertex(const ConvexShape& shape, int last) {
   const bool exists = shape.hull != nullptr && last >= 0 && last < std::ssize(shape.hull->vertices);
   return exists ? last : 0;
 }
 
-/// Replaces c by t if t has a higher bound s, or a bound as high and a lower residual. Otherwise takes the
-/// simplex of t if it fits the normal of c better. Returns whether c has changed.
+/// Replaces candidate c by t if t has a higher bound s, or a bound as high to rounding and a lower residual.
+/// Otherwise replaces only the simplex of c by that of t, if its point is nearer to s n of c. Returns whether
+/// c has changed.
 bool improve(const CorePair& pair, Candidate& c, const Candidate& t) noexcept {
   const bool higher = t.s > c.s + pair.rounding;
   const bool as_high = t.s >= c.s - pair.rounding;
@@ -37,7 +38,8 @@ bool improve(const CorePair& pair, Candidate& c, const Candidate& t) noexcept {
   return true;
 }
 
-/// Proximal steps from the normal of c (D10.7), until s stops rising or the residual vanishes.
+/// Makes proximal steps from the normal of c (D10.7), until its bound s does not rise or its residual
+/// vanishes.
 void ascend(CorePair& pair, Candidate& c, int rounds) noexcept {
   double gap = pair.curved ? pair.step / 16 : pair.rounding;
   for (int k = 0; k < rounds && c.residual > pair.rounding; ++k) {
@@ -50,7 +52,8 @@ void ascend(CorePair& pair, Candidate& c, int rounds) noexcept {
   }
 }
 
-/// The distance of the cores as they are, which finds the answer if they are apart.
+/// Computes the point of least norm of the cores without a shift, which is the solution if the cores are
+/// apart.
 void approach(CorePair& pair, Candidate& c) noexcept {
   Candidate direct;
   direct.n = c.n;

@@ -4,9 +4,9 @@
 
 namespace axode {
 
-/// A convex body: the core, which is the convex hull of a box, a cylinder, an ellipsoid or a hull, plus a
-/// ball (D10.4). The core of a sphere is a point, that of a capsule a segment. The core of an ellipsoid is
-/// the ellipsoid less the ball of its least radius of curvature.
+/// A convex body: a core, to which a ball is added (D10.4). The core is a box, a cylinder, an ellipsoid or a
+/// polytope (hull). The core of a sphere is a point and that of a capsule a segment, both stored as boxes.
+/// The core of an ellipsoid is the ellipsoid less the ball whose radius is the least radius of curvature.
 struct ConvexShape {
   enum class Core { box, cylinder, ellipsoid, hull } core = Core::box;
   Vec3<> size{};       ///< half sizes of the core, or semi-axes of an ellipsoid, along the axes, m
@@ -15,8 +15,9 @@ struct ConvexShape {
   const Hull* hull{};  ///< the vertices of a core that is a hull; they must outlive the shape
 };
 
-/// The bodies by their sizes, m: `half_length` is half the length of the axis of a cylinder, or of a capsule
-/// without its half balls; `half` are half edges; a disc has no thickness. Sizes must be positive.
+/// These functions make convex bodies from their sizes, m. `half_length` is half the length of the axis of a
+/// cylinder, or of a capsule without its half balls; `half` are half edges; a disc is a cylinder without
+/// thickness. Sizes must be positive.
 ConvexShape sphere_shape(double radius);
 ConvexShape capsule_shape(double radius, double half_length);
 ConvexShape cylinder_shape(double radius, double half_length);

@@ -4,19 +4,21 @@
 
 #include "axode/contact/convex/support.hpp"
 
-/// The difference B - A of two cores, and what is known of its point of least norm.
+/// The set of differences b - a of the points of two cores A and B, and the state of the search for its point
+/// of least norm.
 namespace axode::convex {
 
 inline constexpr double infinity = std::numeric_limits<double>::infinity();
 inline constexpr double epsilon = std::numeric_limits<double>::epsilon();
 
-/// A point w = b - a of the difference of the cores, with the branches on which a and b lie.
+/// A point w = b - a of the difference B - A of the cores, with the branches of the support functions on
+/// which a and b lie, see support_branch().
 struct Vertex {
   Vec3<> w, a;
   int branch_a = 0, branch_b = 0;
 };
 
-/// At most four vertices with convex weights.
+/// At most four vertices with convex weights, which stand for one point of the difference B - A.
 struct Simplex {
   int count = 0;
   std::array<Vertex, 4> vertex;
@@ -32,7 +34,7 @@ struct Simplex {
       weight[k] = weight[k + 1];
     }
   }
-  /// Σ weight w + shift.
+  /// The point for which the simplex stands, Σ weight w over its vertices, plus `shift`.
   Vec3<> point(const Vec3<>& shift = {}) const noexcept {
     Vec3<> x = shift;
     for (int i = 0; i < count; ++i) x += weight[i] * vertex[i].w;
@@ -40,21 +42,22 @@ struct Simplex {
   }
 };
 
-/// A unit normal n with its bound s(n), and a simplex whose point should be s n (D10.3).
+/// A unit normal n with its bound s(n), the width of the gap between the cores along n, and a simplex whose
+/// point is s n at the solution (D10.3).
 struct Candidate {
   Vec3<> n{};
   double s = -infinity;
-  double residual = infinity;  ///< length of the difference of the point of the simplex and s n, m
+  double residual = infinity;  ///< distance of the point of the simplex from s n, m
   Simplex simplex = {};
   bool inside = false;  ///< whether the simplex contains the origin, so that the cores overlap
 };
 
-/// Two cores in the frame of A. B has the axes R and the origin r there.
+/// Two cores, in the frame of A. In this frame B has the axes R and the origin r.
 struct CorePair {
   const ConvexShape &a, &b;
   SO3<> R, R_inverse;
   Vec3<> r;
-  int hint_a, hint_b;  ///< hull vertices from which the next support branch is sought
+  int hint_a, hint_b;  ///< hull vertices at which the next search for a support branch starts
   bool curved;         ///< whether a core is a cylinder or an ellipsoid
   double rounding;     ///< rounding error of s(n), m
   double step;         ///< the least shift of a proximal step, m

@@ -10,8 +10,8 @@ namespace {
 
 constexpr int most_points = 96, most_faces = 192;
 
-/// A polytope of triangles in fixed memory. The normal of a face without area is not a number: such a face is
-/// never expanded, and disappears together with a neighbour.
+/// A polytope of triangles in fixed memory. The normal of a triangle without area is NaN. Such a triangle is
+/// never expanded, and disappears when a neighbour does.
 class Polytope {
  public:
   using Triple = std::array<std::uint8_t, 3>;
@@ -36,8 +36,9 @@ class Polytope {
   int faces() const noexcept { return faces_; }
   const Face& face(int f) const noexcept { return face_[f]; }
 
-  /// Adds a point that face `start` sees, and replaces the connected faces that see it by a cone over their
-  /// rim. Returns false if the memory is full.
+  /// Adds a point that is above the plane of face `start`. The connected faces around `start` whose planes
+  /// are below the point are replaced by a cone from their rim to the point. Returns false if the memory is
+  /// full.
   bool insert(const Vec3<>& w, int start) noexcept {
     std::array<int, most_faces> seen{start}, edge;  // faces; edges as from + 256 to
     int seeing = 1, connected = 1, edges = 0;
@@ -83,7 +84,7 @@ class Polytope {
   std::array<Face, most_faces> face_;
 };
 
-/// The search for a normal with less overlap.
+/// The search of expand() for a normal with less overlap.
 class Expansion {
  public:
   Expansion(CorePair& pair, Candidate& c) : pair_(pair), c_(c), polytope_(pair.rounding) {}
@@ -110,7 +111,8 @@ class Expansion {
  private:
   static constexpr double cap_cosine = -0.99999, curved_precision = 1e-5;
 
-  /// The point of the difference that is farthest along `out`. Its height is the overlap along -out.
+  /// The point of the difference that is farthest along `out`. Its height along `out` is the overlap for the
+  /// normal -out; if this is less than that of c_, c_ is replaced.
   Vec3<> reach(const Vec3<>& out) noexcept {
     const Vec3<> w = pair_.support(-out).w;
     const double overlap = dot(out, w);
@@ -121,12 +123,14 @@ class Expansion {
     }
     return w;
   }
-  /// The one of the farthest points along `out` and -out that is farther from the plane through p.
+  /// Of the two points that are farthest along `out` and along -out, the one that is farther from the plane
+  /// through p with the normal `out`.
   Vec3<> reach_either(const Vec3<>& out, const Vec3<>& p) noexcept {
     const Vec3<> one = reach(out), other = reach(-out);
     return std::abs(dot(out, one - p)) < std::abs(dot(out, other - p)) ? other : one;
   }
-  /// Makes a tetrahedron whose first point is farthest along the known normal. Returns false if it is flat.
+  /// Makes a tetrahedron whose first point is farthest along the minus normal of c_. Returns false if it is
+  /// flat.
   bool start() noexcept {
     const double flat = 64 * pair_.rounding;
     const Vec3<> n = c_.n;

@@ -17,7 +17,7 @@ namespace {
 
 using Triangle = std::array<int, 3>;
 
-/// Makes a hull from its triangles.
+/// Makes a Hull from vertices and triangles, see make_hull().
 class HullBuilder {
  public:
   HullBuilder(std::vector<Vec3<>> vertices, std::span<const Triangle> triangles, double coplanar)
@@ -63,7 +63,8 @@ class HullBuilder {
   }
   /// Whether a triangle is nearly a segment, so that rounding decides its normal.
   bool is_sliver(std::size_t t) const { return !(areas_[t] > 1e-5 * longest_[t] * longest_[t]); }
-  /// The triangle on the left of every edge, from its first to its second vertex.
+  /// Finds, for every directed edge from one vertex to another, the triangle on its left. Throws
+  /// std::invalid_argument if an edge occurs twice or has no triangle on the other side.
   void edges() {
     for (int t = 0; t < std::ssize(triangles_); ++t)
       for (std::size_t k = 0; k < 3; ++k) {
@@ -76,7 +77,7 @@ class HullBuilder {
     for (const auto& [edge, t] : left_)
       if (!left_.contains({edge.second, edge.first})) fail("is not closed");
   }
-  /// Neighbouring triangles of one plane become one face, beginning with the largest triangle.
+  /// Joins neighbouring triangles of one plane to faces, beginning with the largest triangle.
   void faces() {
     std::vector<std::size_t> by_size(triangles_.size());
     std::iota(by_size.begin(), by_size.end(), 0);
@@ -101,7 +102,7 @@ class HullBuilder {
     }
     hull_.first_corner.push_back(static_cast<int>(hull_.corners.size()));
   }
-  /// Adds the corners of the convex polygon around the vertices of some triangles, seen against n, by
+  /// Adds the corners of the convex polygon around the vertices of the given triangles, projected along n, by
   /// Andrew's monotone chain.
   void outline(const std::vector<std::size_t>& members, const Vec3<>& n) {
     struct Corner {
@@ -157,7 +158,7 @@ class HullBuilder {
   }
 
   std::span<const Triangle> triangles_;
-  double coplanar_;  ///< difference of unit normals of triangles in one face
+  double coplanar_;  ///< largest difference of unit normals of triangles in one face
   std::vector<Vec3<>> normals_;
   std::vector<double> areas_, longest_;  ///< twice the area and the longest edge of each triangle
   std::map<std::pair<int, int>, int> left_;

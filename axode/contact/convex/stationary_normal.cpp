@@ -7,8 +7,8 @@
 namespace axode::convex {
 namespace {
 
-/// Rows [matrix | right side] of the Newton equations: two tangential components of n, the weights of at most
-/// three vertices, and s.
+/// Rows [matrix | right side] of the Newton equations. The unknowns are two tangential components of the
+/// change of n, the weights of at most three vertices, and s.
 using Equations = std::array<std::array<double, 7>, 6>;
 
 /// Solves the first `size` equations by Gauss-Jordan elimination with pivots. The solution is in the last
@@ -30,7 +30,8 @@ bool solve(Equations& m, int size) noexcept {
   return true;
 }
 
-/// Newton's method from one candidate. A frozen body is the polytope of its points in the simplex.
+/// Newton's method from one candidate. A body that is frozen is replaced by the polytope of its points in the
+/// simplex, so that these points do not move with the normal.
 class Newton {
  public:
   Newton(CorePair& pair, const Candidate& start, bool freeze_a, bool freeze_b)
@@ -43,8 +44,7 @@ class Newton {
     for (int i = 0; i < start.simplex.count; ++i) merge(start.simplex.vertex[i], start.simplex.weight[i]);
   }
 
-  /// Returns the best candidate that was met: the start, unless another one has a lower residual and no lower
-  /// bound s.
+  /// Returns the best candidate: the start, unless an iterate has a lower residual and no lower bound s.
   Candidate run() noexcept {
     constexpr int most_steps = 8;
     Candidate best = start_;
@@ -65,7 +65,8 @@ class Newton {
   }
 
  private:
-  /// Adds a vertex. Vertices on the same branches are one vertex, unless a body is frozen.
+  /// Adds a vertex with a weight. Vertices on the same branches of both bodies become one vertex, unless a
+  /// body is frozen.
   void merge(const Vertex& v, double weight) noexcept {
     Simplex& x = now_.simplex;
     if (!freeze_a_ && !freeze_b_)
@@ -77,7 +78,8 @@ class Newton {
     x.add(v, weight);
   }
 
-  /// Moves the vertices along their branches to the normal. Returns the least n·w.
+  /// Moves the vertices along their branches to the support points for the present normal n. Returns the
+  /// least n·w.
   double move_vertices() noexcept {
     double level = infinity;
     const Vec3<> m = pair_.to_b(-now_.n);

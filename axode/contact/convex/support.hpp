@@ -4,8 +4,10 @@
 
 #include "axode/contact/convex/convex_shape.hpp"
 
-/// Support functions of cores, h(n) = max of n·x over the core. They consist of smooth branches: a vertex,
-/// the rim of a cap, or the whole surface of an ellipsoid.
+/// Support functions of cores, h(n) = max of n·x over the points x of the core. A support function consists
+/// of smooth branches, each of which belongs to a vertex, the rim of a cap, or the whole surface of an
+/// ellipsoid. A branch has a number: that of the vertex of a box or hull, 0 or 1 for the upper or lower cap,
+/// 0 for an ellipsoid.
 namespace axode::convex {
 
 template <class T> Vec3<T> unit(const Vec3<T>& a) { return (T(1) / norm(a)) * a; }
@@ -15,21 +17,22 @@ template <class T> Vec3<T> perpendicular(const Vec3<T>& n) {
   return unit(across_x ? Vec3<T>{T(0), -n.z, n.y} : Vec3<T>{-n.y, n.x, T(0)});
 }
 
-/// The unit vector in the direction of the part of n that is perpendicular to the unit vector `axis`, or
-/// `otherwise` if n is along the axis. It is perpendicular to the axis to rounding.
+/// The unit vector along the part of n that is perpendicular to the unit vector `axis`, or `otherwise` if n
+/// is parallel to the axis. The result is perpendicular to the axis to rounding.
 template <class T> Vec3<T> across(const Vec3<T>& axis, const Vec3<T>& n, const Vec3<T>& otherwise) {
   const Vec3<T> side = cross(axis, n);
   const T sine2 = dot(side, side);
   return sine2 > T(1e-24) ? cross((T(1) / sqrt(sine2)) * side, axis) : otherwise;
 }
 
-/// One of the 27 sectors of directions, about the vertices, edge centres and face centres of a cube.
+/// The number of the sector in which the unit vector n lies, 0 to 26. There is a sector for each vertex, edge
+/// and face of a cube; 13, its centre, does not occur.
 inline int sector(const Vec3<>& n) {
   const auto third = [](double x) { return (x > -0.38) + (x > 0.38); };
   return third(n.x) + 3 * third(n.y) + 9 * third(n.z);
 }
 
-/// The point of the core on one branch of its support function, at the unit normal n in the axes of the
+/// The point of the core on one branch of its support function, for the unit normal n in the axes of the
 /// shape.
 inline Vec3<> branch_point(const ConvexShape& shape, int branch, const Vec3<>& n) {
   const Vec3<>& h = shape.size;
@@ -47,8 +50,9 @@ inline Vec3<> branch_point(const ConvexShape& shape, int branch, const Vec3<>& n
   return (1 / norm(q)) * Vec3<>{h.x * q.x, h.y * q.y, h.z * q.z} - shape.radius * n;
 }
 
-/// The branch of the support function at the unit normal n. A hull is climbed over neighbours from the vertex
-/// `hint`, or from the start of the sector of n if that is higher.
+/// The number of the branch of the support function at the unit normal n. In a hull the search walks over
+/// neighbours to ever higher vertices. It starts from the vertex `hint`, or from the start vertex of the
+/// sector of n if that is higher.
 inline int support_branch(const ConvexShape& shape, const Vec3<>& n, int hint) {
   const Vec3<>& h = shape.size;
   switch (shape.core) {
@@ -81,8 +85,9 @@ inline Vec3<> support_point(const ConvexShape& shape, const Vec3<>& n) {
   return branch_point(shape, support_branch(shape, n, 0), n) + shape.radius * n;
 }
 
-/// The second derivative of the support function of the core at the unit normal n, as a matrix in the
-/// tangents u and v: the entries uu, uv, vv. It is the inverse of the curvature of the surface.
+/// The second derivative of the support function of the core at the unit normal n, as a matrix in the basis
+/// of two tangents u and v: the entries uu, uv, vv. It is the inverse of the curvature of the surface, m, and
+/// 0 for boxes and hulls.
 inline std::array<double, 3> support_hessian(const ConvexShape& shape, const Vec3<>& n, const Vec3<>& u,
                                              const Vec3<>& v) {
   const Vec3<>& h = shape.size;

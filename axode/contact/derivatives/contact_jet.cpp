@@ -9,11 +9,10 @@
 namespace axode {
 namespace {
 
-/// More points than any pair has.
+/// An upper bound of the number of contact points of one pair with a closed form.
 constexpr std::size_t most_points = 128;
 
-/// A pose that is displaced by (w; v) about its origin, on numbers with
-/// derivatives along w and v.
+/// The pose C with derivatives along a rotation w about its origin and a translation v, six numbers (w; v).
 SE3<Displaced> displaced(const SE3<>& C) {
   SE3<Displaced> out = cast<Displaced>(C);
   const auto turn = [](const Vec3<>& a, Vec3<Displaced>& to) {  // w × a

@@ -10,9 +10,8 @@
 
 namespace axode {
 
-/// A contact point with its derivatives along the displacement (w; v) of body b
-/// against body a: the small rotation w about the point `about` and the
-/// translation v of this point, in inertial axes (D11.16). All quantities are
+/// A contact point with its derivatives along the displacement (w; v) of body b relative to body a (D11.16).
+/// w is a small rotation about the point `about`, and v is the translation of this point. All quantities are
 /// in the inertial frame.
 struct ContactJet {
   int a = 0, b = 0;  ///< bodies; 0 is the ground
@@ -22,28 +21,26 @@ struct ContactJet {
   Eigen::Matrix<double, 1, 6> gap_by;
 };
 
-/// Differentiates the points of contact between shapes with closed forms. Which
-/// features touch does not change along the displacement. It is the scratch
-/// memory of one thread.
+/// Differentiates contact points of pairs of shapes that have a closed form. The features that touch are
+/// taken as constant along the displacement. An object is the scratch memory of one thread.
 class ContactJets {
  public:
   explicit ContactJets(ContactShapes shapes);
 
-  /// The jet of the contact with a key at the poses C of the internal frames of
-  /// all bodies (n_bodies + 1), or null if the pair has no such point with a
-  /// gap below the margin, or if it has no closed form. The pointer is valid
-  /// until the next call.
+  /// Returns the ContactJet of the contact with the given key, or null if its pair of shapes has no closed
+  /// form or no point with this key and a gap below the margin. `C` has the poses of the internal frames of
+  /// all bodies (n_bodies + 1 entries). The pointer is valid until the next call.
   const ContactJet* find(std::uint64_t key, std::span<const SE3<>> C, double margin) noexcept;
-  /// Whether the points of the pair of the last find() have a closed form.
+  /// Whether the contact points of the pair of the last find() have a closed form.
   bool closed_form() const { return closed_; }
-  /// The indices of the shapes (a, b) of a contact with this key, see
-  /// ContactPoint.
+  /// The indices {a, b} of the shapes of a contact with this key, see ContactPoint.
   static std::array<int, 2> shapes_of(std::uint64_t key) {
     return {static_cast<int>(key >> 44), static_cast<int>(key >> 24 & 0xfffff)};
   }
-  /// Names the two shapes of a contact.
+  /// The names of the two shapes of a contact, as text for messages.
   std::string names(std::uint64_t key) const;
-  /// Must be called before the poses or the margin of find() change.
+  /// Forgets the points of the last pair. It must be called before find() is called with other poses or
+  /// another margin.
   void restart() noexcept { i_ = -1; }
 
  private:

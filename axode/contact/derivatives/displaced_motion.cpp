@@ -8,7 +8,8 @@ namespace {
 using Changes = DisplacedMotion::Changes;
 using Across = Eigen::Matrix<double, 3, 6>;
 
-/// The axes of contact_frame() or turned() on numbers with derivatives along both normals.
+/// The axes of contact_frame() or turned() with derivatives along two normals, three numbers each: the old
+/// and the new normal of turned().
 struct DisplacedFrame {
   Vec3<Displaced> n, t1, t2;
 };
@@ -28,7 +29,8 @@ DisplacedFrame turned_frame(const DisplacedFrame& axes, const Vec3<Displaced>& n
   return {n, t1, cross(n, t1)};
 }
 
-/// A vector whose derivatives are along the numbers `first` to `first` + 2.
+/// The vector a, as an argument of a function that is differentiated: its components are the numbers `first`
+/// to `first` + 2 of the six along which derivatives are taken.
 Vec3<Displaced> along(const Vec3<>& a, std::size_t first) {
   Vec3<Displaced> out = cast<Displaced>(a);
   out.x.dx[first] = out.y.dx[first + 1] = out.z.dx[first + 2] = 1;

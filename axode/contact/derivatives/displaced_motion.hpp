@@ -10,62 +10,64 @@ namespace axode {
 /// Changes of a vector in space along k directions, 3 × k.
 using VectorChanges = Eigen::Matrix3Xd;
 
-/// How a contact changes along k directions: its point, its normal and its gap.
+/// The changes of the point, the normal and the gap of a contact along k directions.
 struct ContactChanges {
   VectorChanges point, normal;
   Eigen::RowVectorXd gap;
 };
 
-/// How the axes of a contact change along k directions.
+/// The changes of the axes n, t1, t2 of a contact along k directions.
 struct FrameChanges {
   VectorChanges n, t1, t2;
 };
-/// Changes of contact_frame(normal).
+/// The changes of contact_frame(normal) for changes of the normal.
 FrameChanges frame_changes(const Vec3<>& normal, const VectorChanges& dnormal);
-/// Changes of turned(contact_frame(from), to).
+/// The changes of turned(contact_frame(from), to) for changes of both normals.
 FrameChanges turned_changes(const Vec3<>& from, const VectorChanges& dfrom, const Vec3<>& to,
                             const VectorChanges& dto);
 
-/// The bodies of a tree at a state (q, v), and how they change along k directions (dq, dv), a column each:
-/// displacements dq are left-trivialised. ξ_i is the displacement of body i, and with the twists V_i = V_p +
-/// S v,
+/// The motion of the bodies of a tree at a state (q, v), and its changes along k directions (dq, dv), a
+/// column for each. dq are left-trivialised displacements. Let ξ_i be the displacement and V_i = V_p + S v
+/// the twist of body i with the predecessor p and the joint screws S; then
 ///   ξ_i = ξ_p + S dq,   dV_i = dV_p + [ξ_i, S v] + S dv                                            (D11.17)
-/// about the fixed point O that is the origin of the root of i at q. O(n k). It is the scratch memory of one
-/// thread.
+/// about a fixed point O, which coincides with the origin of the root of body i at q. Costs O(n k). An object
+/// is the scratch memory of one thread.
 class DisplacedMotion {
  public:
   using Changes = Eigen::MatrixXd;
 
   explicit DisplacedMotion(const Model& model);
 
-  /// Computes twists and their changes.
+  /// Computes the poses and twists of all bodies and their changes along (dq, dv), nv × k each.
   void run(const double* q, const double* v, const Changes& dq, const Changes& dv);
 
   Eigen::Index directions() const { return xi_.cols(); }
-  /// The poses of the internal frames of all bodies, n_bodies + 1.
+  /// The poses of the internal frames of all bodies in the inertial frame, n_bodies + 1 entries.
   std::span<const SE3<>> poses() const { return poses_; }
-  /// How the contact of a jet changes if its bodies are displaced.
+  /// The changes of the point, normal and gap of a contact that follow from the displacements of its bodies.
   ContactChanges contact(const ContactJet& jet);
-  /// Changes of the velocities of the rows of a contact (`rows` × k), see ContactSystem::contact_velocity(),
-  /// and the velocities u themselves.
+  /// Computes the velocities u of the rows of a contact along `axes`, see ContactSystem::contact_velocity(),
+  /// and returns their changes (`rows` × k). `change` and `daxes` are the changes of the contact and of the
+  /// axes.
   Changes row_velocities(const ContactJet& at, const ContactChanges& change, const ContactFrame& axes,
                          const FrameChanges& daxes, int rows, double* u);
-  /// Adds the changes of Jᵀ λ for constant λ to out (nv × k), where λ has `rows` entries.
+  /// Adds the changes of Jᵀ λ to `out` (nv × k), for the rows of one contact with constant impulses λ (`rows`
+  /// numbers).
   void add_impulse_changes(const ContactJet& at, const ContactChanges& change, const ContactFrame& axes,
                            const FrameChanges& daxes, int rows, const double* lambda, Changes& out);
 
  private:
   Vec3<> origin(int body) { return body > 0 ? spatial_->origin[body] : Vec3<>{}; }
-  /// The rows of a body in matrices with six rows for each body.
+  /// The six rows of a body in a matrix with six rows for each body.
   auto of(const Changes& x, int body) const { return x.middleRows<6>(6 * body); }
-  /// The displacement of a point that moves with a body.
+  /// The displacements of a point that moves with a body along all directions.
   VectorChanges displacement(int body, const Vec3<>& point);
 
   const Tree<double>* tree_;
   WithScratch<double, SpatialTree<double>> spatial_;
   std::vector<SE3<>> poses_;
   std::vector<Twist<Spatial>> V_;
-  Changes xi_, dV_;  ///< 6 (n_bodies + 1) × k
+  Changes xi_, dV_;  ///< ξ and dV of all bodies, 6 (n_bodies + 1) × k
 };
 
 }  // namespace axode

@@ -10,12 +10,13 @@ namespace axode {
 namespace {
 
 constexpr int most_iterations = 600;
-constexpr int most_changes = 12;  ///< of the weight ρ
+constexpr int most_changes = 12;  ///< largest number of changes of the weight ρ
 constexpr double good_start = 1e-6;
 
 }  // namespace
 
-/// out = Yᵀ Y a in rows that are measured by the masses; u_ and x_ are overwritten.
+/// Computes out = D⁻¹ Yᵀ Y D⁻¹ a, where D is the diagonal matrix of the scales d of the rows. Overwrites u_
+/// and x_.
 void VelocitySolver::apply_delassus(const Vector& a, Vector& out) noexcept {
   const Eigen::Map<const Eigen::VectorXd> d2(problem_->squared_scales().data(), rows_);
   u_ = a.array() / d2.array().sqrt();
@@ -36,7 +37,7 @@ double VelocitySolver::largest_eigenvalue() noexcept {
   return step_.norm();
 }
 
-/// Factorises 1 + Y D⁻² Yᵀ/s.
+/// Factorises 1 + Y D⁻² Yᵀ/s, where D is the diagonal matrix of the scales d of the rows.
 void VelocitySolver::factorize_shifted(double s) noexcept {
   const auto blocks = problem_->blocks();
   for (std::size_t k = 0; k < blocks.size(); ++k)
@@ -48,7 +49,8 @@ void VelocitySolver::factorize_shifted(double s) noexcept {
   factorize_with(true);
 }
 
-/// a := (D⁻¹ Yᵀ Y D⁻¹ + s)⁻¹ a by (D11.10).
+/// Computes a := (D⁻¹ Yᵀ Y D⁻¹ + s)⁻¹ a by (D11.10), where D is the diagonal matrix of the scales d of the
+/// rows.
 void VelocitySolver::solve_shifted(double s, Vector& a) noexcept {
   const Eigen::Map<const Eigen::VectorXd> d2(problem_->squared_scales().data(), rows_);
   u_ = a.array() / d2.array().sqrt();
@@ -86,7 +88,7 @@ void VelocitySolver::alternate(double* lambda, bool on_laws) noexcept {
     z_ = x + dual / rho;
     for (const VelocityProblem::Block& b : problem_->blocks()) {
       const double* const from = z_.data() + b.first;
-      // Bounds are given in impulses, but the vectors here are measured by the masses.
+      // The bound of dry friction is an impulse, but the vectors here are multiplied by d.
       LawBlock scaled = b;
       scaled.bound *= std::sqrt(d2[b.first]);
       on_laws ? resolve(scaled, from, y.data() + b.first) : project(scaled, from, y.data() + b.first);

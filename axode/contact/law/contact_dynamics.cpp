@@ -80,7 +80,7 @@ void ContactDynamics::check(std::span<const double> q, std::span<const double> v
   }
 }
 
-/// r in physical units, by the velocities before the step in contact_velocity_.
+/// Sets r of all rows in physical units. contact_velocity_ has the velocities of the rows before the step.
 void ContactDynamics::set_r(std::span<const Contact> contacts, const Options& options) noexcept {
   VelocityProblem& problem = system_.problem();
   bounces_.clear();
@@ -188,7 +188,7 @@ Eigen::MatrixXd ContactDynamics::derivative_by_r(ProblemDerivative* details) {
                     details);
 }
 
-/// A row of Y that is c times the physical one has dY = Y/c dc and dr = r/c dc.
+/// A scaled row is c times the physical one. Hence its derivatives by c are dY = Y/c dc and dr = r/c dc.
 Eigen::MatrixXd ContactDynamics::derivative_by_friction(ProblemDerivative* details) {
   const VelocityProblem& problem = system_.problem();
   const Eigen::Index nv = problem.nv(), m = problem.rows();

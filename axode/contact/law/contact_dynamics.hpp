@@ -9,37 +9,40 @@ namespace axode {
 struct [[nodiscard]] ContactStatus {
   Solvability mass_matrix = {};
   VelocitySolution solution = {};
-  /// Whether the velocities obey the laws to a tolerance of the certificate.
+  /// Whether the mass matrix is regular and the certificate of the velocities is at most `tolerance`.
   bool holds(double tolerance = 1e-9) const { return mass_matrix.ok() && solution.holds(tolerance); }
 };
 
-/// Velocities after a step h at a state of a mechanism with contacts, hard stops, dry joints and closed
-/// loops, all in one problem (D11.5): M (v⁺ - v) = h (τ - b) + Jᵀ λ, where the velocities J v⁺ + r obey the
-/// laws of ContactLaw together with the impulses λ. Everything is taken at the given state; nothing is
-/// integrated.
+/// Computes the velocities v⁺ after a step h at a given state (q, v) of a mechanism with contacts, hard
+/// stops, joints with dry friction and closed loops, all in one problem (D11.5): M (v⁺ - v) = h (τ - b) + Jᵀ
+/// λ, with the bias forces b(q, v). The velocities J v⁺ + r of the rows obey the laws of ContactLaw together
+/// with the impulses λ. All matrices are taken at the given state; nothing is integrated.
 ///
-/// r of a normal row and of a stop is e u if the contact bounces, where u is its velocity before and e its
-/// restitution: e > 0, u < -threshold, and gap + h u ≤ 0. Otherwise it is max(gap/h, -5 threshold): the gap
-/// may close within the step, and overlap parts slowly. r of a loop is what is open, divided by h.
+/// For the normal row of a contact and for a stop, let u be its velocity before the step, `gap` its distance
+/// and e its restitution. It bounces if e > 0, u < -threshold and gap + h u ≤ 0; then r = e u. Otherwise r =
+/// max(gap/h, -5 threshold): the gap may close within the step, and an overlap is removed slowly. For a row
+/// of a loop, r is its opening divided by h. For all other rows r is 0.
 ///
-/// It is the scratch memory and the results of one thread. λ are in N s and N m s, rows are those of
-/// ContactSystem.
+/// An object is the scratch memory of one thread and has the results of the last call of solve(). Impulses λ
+/// are in N s and N m s. The rows are those of ContactSystem.
 class ContactDynamics {
  public:
   struct Options {
-    double h = 1e-3;          ///< s
+    double h = 1e-3;          ///< step, s
     double threshold = 0.05;  ///< speed of approach below which nothing bounces, m/s
     double tolerance =
         1e-15;  ///< certificate at which the solver stops; it stops earlier if rounding prevents it
   };
 
-  /// See ContactSystem for the arguments.
+  /// The arguments are those of ContactSystem. Throws std::invalid_argument if `contact_rows` is not 3, 4 or
+  /// 6.
   explicit ContactDynamics(const Model& model, int contact_rows = 3, std::size_t capacity = 64);
 
-  /// Solves at a state q, v with drive forces tau. `start` (empty, or an impulse for each row) is where the
-  /// solver starts. Throws std::invalid_argument if an argument has another size or is not finite, if h is
-  /// not positive, or if a contact has no unit normal, a negative friction, or bodies that do not exist.
-  /// Allocates nothing if the contacts are not more than before or than the capacity.
+  /// Solves for v⁺ and λ at a state (q, v) with drive forces tau. `start` has the impulses of all rows with
+  /// which the solver starts, or is empty to start from 0. Throws std::invalid_argument if an argument has
+  /// another size or is not finite, if h is not positive or the threshold is negative, or if a contact has no
+  /// unit normal, a negative friction, a restitution outside 0 to 1, or bodies that do not exist or are
+  /// equal. Allocates nothing if there are not more contacts than the capacity or than in an earlier call.
   ContactStatus solve(std::span<const double> q, std::span<const double> v, std::span<const double> tau,
                       std::span<const Contact> contacts, const Options& options,
                       std::span<const double> start = {}, const Loads<>& loads = {});
@@ -52,20 +55,25 @@ class ContactDynamics {
   std::span<const double> velocity() const { return velocity_; }            ///< v⁺, nv
   std::span<const double> impulses() const { return impulses_; }            ///< λ, a number for each row
   std::span<const double> contact_velocity() const { return contact_velocity_; }        ///< J v⁺, without r
-  std::span<const double> r() const { return r_; }                                      ///< m/s, by row
+  std::span<const double> r() const { return r_; }                                      ///< r by row, m/s
   std::span<const double> generalized_impulse() const { return generalized_impulse_; }  ///< Jᵀ λ, nv
-  std::span<const LawBranch> branches() const { return branches_; }                     ///< of each contact
-  std::span<const char> bounces() const { return bounces_; }  ///< of each contact and active stop
-  /// The impulse of all contacts on the ground, about the inertial origin.
+  std::span<const LawBranch> branches() const { return branches_; }                     ///< per contact
+  std::span<const char> bounces() const {
+    return bounces_;
+  }  ///< whether each contact, then each active stop bounces
+  /// The sum of the impulses of all contacts on the ground, (moment; force) about the inertial origin.
   const Wrench<Spatial>& on_ground() const { return on_ground_; }
 
-  /// Derivatives of v⁺ (nv × nv) by the drive forces, with h, J, M and r held: h ∂v⁺/∂p.
+  /// ∂v⁺/∂τ by the drive forces, nv × nv, while h, J, M and r are held constant. If `details` is not null, it
+  /// receives the derivatives of the multipliers and whether they are unique.
   Eigen::MatrixXd derivative_by_tau(ProblemDerivative* details = nullptr);
-  /// ∂v⁺/∂p for the momenta p = M v + h (τ - b) of the free motion, nv × nv.
+  /// ∂v⁺/∂p, nv × nv, for the momenta p = M v + h (τ - b) of the motion without impulses. `details` may be
+  /// null.
   Eigen::MatrixXd derivative_by_momenta(ProblemDerivative* details = nullptr);
-  /// ∂v⁺/∂r, nv × rows.
+  /// ∂v⁺/∂r by the number r of each row, nv × rows. `details` may be null.
   Eigen::MatrixXd derivative_by_r(ProblemDerivative* details = nullptr);
-  /// ∂v⁺/∂c by the coefficient of each friction row, nv × rows; columns of other rows are 0.
+  /// ∂v⁺/∂c by the coefficient of friction c of each row, nv × rows. The column of a row is 0 if the row is
+  /// no friction row or if its coefficient is 0. `details` may be null.
   Eigen::MatrixXd derivative_by_friction(ProblemDerivative* details = nullptr);
 
  private:

@@ -6,7 +6,7 @@
 namespace axode {
 namespace {
 
-/// |z_T| of a contact.
+/// The norm |z_T| of the friction rows of a contact.
 double tangential(const LawBlock& block, const double* z) {
   double sum = 0;
   for (int k = 1; k < block.rows; ++k) sum += z[k] * z[k];

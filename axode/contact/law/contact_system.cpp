@@ -18,7 +18,7 @@ ContactFrame contact_frame(const Vec3<>& n) noexcept {
 ContactFrame turned(const ContactFrame& axes, const Vec3<>& n) noexcept {
   const Vec3<> across = axes.t1 - dot(n, axes.t1) * n;
   const double length = norm(across);
-  constexpr double parallel = 0.1;  // the normal has turned so far that no axes belong together
+  constexpr double parallel = 0.1;  // below: the old tangent is nearly the new normal
   if (!(length > parallel)) return contact_frame(n);
   const Vec3<> t1 = (1 / length) * across;
   return {n, t1, cross(n, t1)};

@@ -4,20 +4,20 @@
 
 namespace axode {
 
-/// Factorises a dense matrix in its own memory by Gauss' elimination with row pivots, in blocks of columns.
-/// Nothing is allocated after reserve() for matrices up to that size, except blocks of large products.
+/// Factorises a dense matrix in place by Gauss' elimination with row pivots, in blocks of columns. After
+/// reserve() nothing is allocated for matrices up to that size, except for blocks of large products.
 class DenseFactor {
  public:
   using Matrix = Eigen::MatrixXd;
 
   void reserve(Eigen::Index n);
-  /// The n × n matrix, to be filled before factorize().
+  /// The n × n matrix A, which the caller fills before factorize() or factorize_symmetric().
   Eigen::Map<Matrix> matrix(Eigen::Index n) noexcept { return {memory_.data(), n, n}; }
   void factorize(Eigen::Index n) noexcept;
   /// Factorises a symmetric positive definite matrix by Cholesky's method, which takes half as long. Only the
   /// entries on and below the diagonal are read. If the matrix is not positive definite, solve() gives NaN.
   void factorize_symmetric(Eigen::Index n) noexcept;
-  /// x := A⁻¹ x.
+  /// Computes x := A⁻¹ x (n numbers) with the factors of A, after factorize() or factorize_symmetric().
   void solve(Eigen::Index n, double* x) const noexcept;
 
  private:

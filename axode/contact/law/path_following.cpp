@@ -3,12 +3,12 @@
 
 #include "axode/contact/law/velocity_solver.hpp"
 
-/// The path of solutions from large to small R, for problems at which Newton's method fails. See "Following
-/// the path" of docs/derivations/contact.md.
+/// Follows the path of solutions from large to small R, for problems in which Newton's method fails. See
+/// "Following the path" of docs/derivations/contact.md.
 namespace axode {
 namespace {
 
-constexpr double residual_part = 1e-8;  ///< of |w|, at points of the path
+constexpr double residual_part = 1e-8;  ///< largest residual of a point of the path, as a part of |w|
 constexpr double least_length = 1e-9, most_length = 2;
 constexpr double sharp =
     0.05;  ///< length of a step times 1 - cos of its turn: beyond, it may change the branch
@@ -16,14 +16,15 @@ constexpr int most_steps = 1000;
 
 }  // namespace
 
-/// Evaluates (D11.10a) at x_ and σ. Returns |f|.
+/// Evaluates the residual f(x, σ) of the path (D11.10a) at x_ and σ, and returns |f|.
 double VelocitySolver::path_residual(double sigma) noexcept {
   const Eigen::Map<const Eigen::VectorXd> d2(problem_->squared_scales().data(), rows_);
   R_ = std::exp(sigma) * d2;
   return velocity_residual(x_, f_);
 }
 
-/// Leaves f'⁻¹ (-f) in dx_ and the unit tangent (D11.10b) in next_, after path_residual().
+/// Computes the Newton step -f'⁻¹ f to dx_ and the unit tangent (D11.10b) to next_, for the residual f of the
+/// last path_residual().
 void VelocitySolver::linearize_path() noexcept {
   factorize_velocities(0);
   u_ = (z_ - lambda_0_).cwiseProduct(R_);
@@ -38,8 +39,10 @@ void VelocitySolver::linearize_path() noexcept {
   t *= next_.sigma;
 }
 
-/// Steps from path_point_ by a length along a direction and returns to the path by the shortest way. Returns
-/// whether it finds a point ahead, with its tangent in next_.
+/// Steps from path_point_ by `length` along `direction`, and returns to the path by Newton steps that are
+/// perpendicular to it. If this leads to a point ahead on the path, moves path_point_ there, leaves its
+/// tangent in next_ and returns true. `beyond_kink` says that `direction` is the tangent behind a kink of the
+/// path.
 bool VelocitySolver::step_on_path(const PathVector& direction, double length, bool beyond_kink) noexcept {
   constexpr int most = 8, patience = 3;
   x_ = path_point_.x + length * size_ * direction.x;
@@ -59,7 +62,7 @@ bool VelocitySolver::step_on_path(const PathVector& direction, double length, bo
     x_ += dx_ - along * size_ * next_.x;
     sigma -= along * next_.sigma;
   }
-  // The way from the point before, in the units of tangents.
+  // The step from the last point of the path, in the units of tangents.
   dx_ = (x_ - path_point_.x) / size_;
   const double change = sigma - path_point_.sigma, way = std::hypot(dx_.norm(), change);
   const PathVector& ahead = beyond_kink ? next_ : direction;

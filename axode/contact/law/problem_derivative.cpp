@@ -12,7 +12,8 @@ constexpr double rank_part = 1e-11;
 constexpr double same_motion = 1e-7;
 constexpr double kink_part = 1e-10;
 
-/// Whether z is within rounding of the boundary between two branches, for numbers of a given size.
+/// Whether z is within rounding of the boundary between two branches of the law of a block. `size` is the
+/// magnitude of impulses by which rounding is judged.
 bool near_kink(const LawBlock& b, const double* z, double size) {
   const double tiny = kink_part * size;
   if (b.law == ContactLaw::loop) return false;
@@ -25,7 +26,7 @@ bool near_kink(const LawBlock& b, const double* z, double size) {
   return sum > 0 && std::abs(std::sqrt(sum) - normal) < tiny;
 }
 
-/// Y as a dense matrix, nv × rows.
+/// The matrix Y of a VelocityProblem as a dense matrix, nv × rows.
 Eigen::MatrixXd dense_columns(const VelocityProblem& p) {
   Eigen::MatrixXd Y = Eigen::MatrixXd::Zero(p.nv(), p.rows());
   for (const VelocityProblem::Block& b : p.blocks()) {
@@ -69,7 +70,7 @@ LawDerivative differentiate_law(const VelocityProblem& p, const double* lambda, 
   };
   out.multipliers = solve(d);
   const double left = (d.asDiagonal() * (A * out.multipliers - b)).norm();
-  // Another metric chooses another share of the load; a unique motion is the same.
+  // Another metric chooses another share of the load. A unique motion does not depend on it.
   Eigen::VectorXd other = d;
   for (Eigen::Index row = 0; row < m; ++row) other[row] *= 1 + 0.5 * std::sin(static_cast<double>(row));
   const Eigen::MatrixXd Y = dense_columns(p), motion = Y * out.multipliers;

@@ -3,12 +3,12 @@
 
 namespace axode {
 
-/// The derivative of the solution of a VelocityProblem, a column for each direction.
+/// The derivative of the solution of a VelocityProblem along given directions, a column for each direction.
 struct ProblemDerivative {
   Eigen::MatrixXd multipliers;  ///< dλ in scaled rows, rows × directions
   Eigen::MatrixXd motion;       ///< d(w + Y λ), nv × directions
-  /// Whether the motion has a derivative. Contacts that share a load and slide may not have one, because
-  /// friction depends on their share; nor do redundant contacts along changes of r that contradict each
+  /// Whether the motion has a derivative. It may have none if contacts that share a load slide, because
+  /// friction depends on the share of each; or if redundant contacts have changes of r that contradict each
   /// other.
   bool unique = true;
   /// Whether a block is within rounding of the boundary between two branches of its law. The derivative is
@@ -16,24 +16,27 @@ struct ProblemDerivative {
   bool at_kink = false;
 };
 
-/// Differentiates the solution λ of a problem (D11.11) along changes of its data: dx (nv × k) is dw + dY λ,
-/// and du (rows × k) is dYᵀ (w + Y λ) + dr, in scaled rows. Of the changes of multipliers that shared loads
-/// allow, the least one in the metric of the masses is given. Allocates; O(rows³).
+/// Differentiates the solution λ of a problem (D11.11) along k changes of its data: dx (nv × k) is dw + dY λ,
+/// and du (rows × k) is dYᵀ (w + Y λ) + dr, in scaled rows. If contacts share a load, dλ is not unique; then
+/// the dλ of least norm in the metric of the masses is returned. Allocates; O(rows³).
 ProblemDerivative differentiate(const VelocityProblem& problem, const double* lambda,
                                 const Eigen::Ref<const Eigen::MatrixXd>& dx,
                                 const Eigen::Ref<const Eigen::MatrixXd>& du);
 
-/// The change of multipliers that obey the laws of a problem, a column for each direction.
+/// The derivative of multipliers that obey the laws of a problem along given directions, a column for each
+/// direction.
 struct LawDerivative {
   Eigen::MatrixXd multipliers;          ///< dλ in scaled rows, rows × directions
   bool unique = true, at_kink = false;  ///< see ProblemDerivative
 };
 
-/// Where the rows of a problem have velocities u that depend on λ in any way, with the derivatives by_lambda
-/// (rows × rows) at constant data, and by_data (rows × directions) at constant λ, the multipliers change by
+/// Differentiates multipliers λ that obey the laws of a problem if the velocities u of the rows depend on λ
+/// in any way. by_lambda (rows × rows) is ∂u/∂λ at constant data, and by_data (rows × directions) is the
+/// change of u along each direction at constant λ. The multipliers change by
 ///   (1 - Z + Z d⁻² by_lambda) dλ = -Z d⁻² by_data,   Z at z = λ - u/d²                            (D11.18)
-/// All rows are scaled. `speed` is the size of the velocities in the metric of the masses, and `change` that
-/// of their changes along the directions. Allocates; O(rows³).
+/// with the derivative Z of resolve(). All rows are scaled. `speed` is the size of the velocities of the
+/// mechanism in the metric of the masses, and `change` is that of their changes along the directions;
+/// rounding errors are judged by them. Allocates; O(rows³).
 LawDerivative differentiate_law(const VelocityProblem& problem, const double* lambda, const double* u,
                                 const Eigen::Ref<const Eigen::MatrixXd>& by_lambda,
                                 const Eigen::Ref<const Eigen::MatrixXd>& by_data, double speed,

@@ -9,7 +9,7 @@
 namespace axode {
 namespace {
 
-/// Largest number of columns of a node that is made of several clusters.
+/// Largest number of columns of a node that consists of several clusters.
 constexpr int most_columns = 48;
 
 std::size_t index(int k) { return static_cast<std::size_t>(k); }
@@ -20,8 +20,8 @@ struct Panel {
   int rows, stride;
 };
 
-/// out = P Qᵀ for P and Q with n columns, tile by tile. The columns of `out` begin padded(P.rows) numbers
-/// apart. If `lower`, tiles above the diagonal are left out.
+/// Computes out = P Qᵀ for P and Q with n columns, tile by tile. The columns of `out` begin padded(P.rows)
+/// numbers apart. If `lower`, tiles above the diagonal are left out.
 void multiply(const Panel& P, const Panel& Q, int n, double* out, bool lower) noexcept {
   constexpr int size = SparseFactor::tile;
   const int stride = SparseFactor::padded(P.rows);
@@ -81,10 +81,11 @@ void SparseFactor::analyse() noexcept {
   make_lists();
 }
 
-/// Splits clusters by one group after the other.
+/// Finds the clusters: all indices are one cluster at first, and each group splits the clusters of which it
+/// has only a part.
 void SparseFactor::find_clusters() noexcept {
   std::fill_n(cluster_of_.begin(), n_, 0);
-  size_[0] = n_ + 1;  // one more than there are, so that no group has all of cluster 0
+  size_[0] = n_ + 1;  // one more than its members, so that no group has all of cluster 0
   clusters_ = 1;
   std::ranges::fill(members_in_group_, 0);
   int first = 0;
@@ -120,8 +121,8 @@ template <class F> void SparseFactor::each_adjacent(int cluster, const F& f) noe
     for (std::uint64_t bits = row[w]; bits != 0; bits &= bits - 1) f(64 * w + std::countr_zero(bits));
 }
 
-/// Eliminates a cluster of least degree after the other. The bits of an eliminated cluster stay as they were
-/// when it was eliminated.
+/// Finds the order of elimination: repeatedly eliminates a cluster with the least number of adjacent
+/// clusters. The adjacency bits of an eliminated cluster remain as they were when it was eliminated.
 void SparseFactor::order_clusters() noexcept {
   words_ = clusters_ / 64 + 1;
   std::fill_n(adjacent_.begin(), clusters_ * words_, 0);
@@ -161,7 +162,8 @@ void SparseFactor::order_clusters() noexcept {
   }
 }
 
-/// Merges a cluster into the next one that it meets, if no row below is lost and none is added.
+/// Merges a cluster into the next one with which it has common rows, if both then have the same rows below
+/// them.
 void SparseFactor::merge_clusters() noexcept {
   std::vector<int>& below = degree_;
   for (int c = 1; c < clusters_; ++c) {
@@ -303,7 +305,8 @@ void SparseFactor::factorize() noexcept {
   }
 }
 
-/// Gauss' elimination of the columns of a node: P D = L U in its square part, L below it, and U right of it.
+/// Gauss' elimination of the columns of a node: P D = L U in its square part, where P exchanges rows; then
+/// the rows of L below the square part, and the columns of U to the right of it.
 void SparseFactor::eliminate(const Node& node) noexcept {
   const int columns = node.columns, below = node.below.count, rows = columns + below;
   double* const L = values_.data() + node.L;
@@ -335,7 +338,7 @@ void SparseFactor::eliminate(const Node& node) noexcept {
   }
 }
 
-/// Cholesky's elimination of the columns of a node.
+/// Cholesky's factorisation of the columns of a node.
 void SparseFactor::eliminate_symmetric(const Node& node) noexcept {
   const int columns = node.columns, rows = columns + node.below.count;
   for (int k = 0; k < columns; ++k) {

@@ -6,8 +6,9 @@
 
 namespace axode {
 
-/// Calls f with the first of the blocks that share a support, their rows, and the number of velocities in the
-/// support as a constant, or 0 as a constant if it is not a frequent one.
+/// Calls f for each group of consecutive blocks that move the same velocities, with three arguments: the
+/// first block of the group, the number of rows of the group, and the number of velocities as a compile-time
+/// constant if it is 6, 9 or 12, or else 0.
 template <class F> void VelocityProblem::each_group(const F& f) const noexcept {
   for (std::size_t k = 0; k < blocks_.size();) {
     const Block& first = blocks_[k];
@@ -78,7 +79,8 @@ void VelocityProblem::finish() noexcept {
     std::fill_n(d2_.begin() + b.first, b.rows, d2);
     greatest = std::max(greatest, d2);
   }
-  // A row of a loop that repeats a joint of the tree is rounding: it moves nothing and is left out.
+  // A row of a loop that repeats a joint of the tree has only rounding errors in Y: it moves nothing and is
+  // left out.
   constexpr double rounding = 1e-20, least = 1e-12;
   for (const Block& b : blocks_) {
     const std::size_t row = static_cast<std::size_t>(b.first);

@@ -6,30 +6,32 @@
 
 namespace axode {
 
-/// The problem of velocities (D11.5): u = Yᵀ (w + Y λ) + r obeys the laws of its blocks together with λ.
+/// The problem to find multipliers λ for which the velocities u = Yᵀ (w + Y λ) + r of all rows obey the laws
+/// of their blocks together with λ (D11.5).
 ///
-/// M = Lᵀ D L and x = D^½ L v are the velocities measured by the masses, |x|² = vᵀ M v: w are those without
-/// impulses, and Y = D^-½ L⁻ᵀ Jᵀ. A column of Y is stored for the velocities that its block can move.
+/// With M = Lᵀ D L, x = D^½ L v are the velocities in the metric of the masses: |x|² = vᵀ M v. w is x for the
+/// motion without impulses, and Y = D^-½ L⁻ᵀ Jᵀ has a column for each row. The columns of a block are stored
+/// only for the velocities that the block can move.
 ///
-/// Rows are given in physical units together with a factor c of each row, the coefficient of friction of
-/// friction rows and otherwise 1. finish() multiplies the rows by c. Multipliers x of this problem belong to
-/// impulses λ = c x.
+/// The caller gives rows in physical units together with a factor c for each row, which is the coefficient of
+/// friction for friction rows and 1 for all others. finish() multiplies the rows by c; they are called scaled
+/// rows from then on. A multiplier x of a scaled row stands for the impulse c x.
 class VelocityProblem {
  public:
   using Vector = Eigen::VectorXd;
   using Columns = Eigen::Map<const Eigen::MatrixXd>;
 
   struct Block : LawBlock {
-    std::size_t support = 0;  ///< its first entry in supports_
-    int width = 0;            ///< number of velocities that it moves
-    std::size_t columns = 0;  ///< the first entry of its part of Y, width × rows, column by column
+    std::size_t support = 0;  ///< index of its first entry in supports_
+    int width = 0;            ///< number of velocities that the block moves
+    std::size_t columns = 0;  ///< index of its first entry in Y_, width × rows, column by column
     int compliances = 0;      ///< 1 if the last of these velocities is that of its compliance, otherwise 0
   };
 
   /// A problem without blocks for a mechanism with nv velocities.
   explicit VelocityProblem(int nv) : w(Vector::Zero(nv)), joint_velocities_(nv) {}
 
-  /// Allocates for a number of blocks of 6 rows each of which moves all velocities.
+  /// Allocates memory for `blocks` blocks that have 6 rows each and move all velocities.
   void reserve(std::size_t blocks);
   /// Removes all blocks, and chooses the number of compliances: each adds a velocity after those of the
   /// mechanism (D11.26). The memory stays.
@@ -60,20 +62,21 @@ class VelocityProblem {
   std::span<const int> joint_support(const Block& b) const {
     return support(b).first(static_cast<std::size_t>(b.width - b.compliances));
   }
-  /// The part of Y of a block, width × rows.
+  /// The part of Y that belongs to a block, width × rows.
   template <int rows = Eigen::Dynamic> auto columns(const Block& b) const {
     return Eigen::Map<const Eigen::Matrix<double, Eigen::Dynamic, rows>>(Y_.data() + b.columns, b.width,
                                                                          b.rows);
   }
   const std::vector<double>& squared_scales() const { return d2_; }
-  /// Whether a row of a loop moves masses, after finish(); otherwise its r must be 0.
+  /// Whether a row moves masses, after finish(). It is false only for rows of loops that repeat joints of the
+  /// tree. finish() sets Y and r of such a row to 0, and r must remain 0.
   bool moves(std::size_t row) const { return moves_[row] != 0; }
 
-  /// x += factor Y λ.
+  /// Computes x += factor Y λ, for rows() multipliers λ and nv() numbers x.
   void add_product(double factor, const double* lambda, double* x) const noexcept;
-  /// u += Yᵀ x.
+  /// Computes u += Yᵀ x, for nv() numbers x and rows() numbers u.
   void add_transposed(const double* x, double* u) const noexcept;
-  /// The Delassus operator Yᵀ Y (rows × rows), in the scaled rows.
+  /// Computes the Delassus operator G = Yᵀ Y (rows × rows) of the scaled rows.
   void delassus(Eigen::Ref<Eigen::MatrixXd> G) const noexcept;
 
   Vector w;               ///< nv(); 0 for compliances
@@ -91,11 +94,13 @@ class VelocityProblem {
   std::vector<char> moves_;
 };
 
-/// How far λ (in scaled rows) is from the laws, as a part of the motion; both are measured by the masses
-/// (D11.7). 1e-12 is rounding. NaN if a number is not finite. `scratch` has 2 rows() + nv() numbers.
+/// Measures how far multipliers λ of scaled rows are from the laws: the norm of the part of the motion by
+/// which the laws fail, divided by that of the motion, both in the metric of the masses (D11.7). It has no
+/// unit; 1e-12 is rounding. It is NaN if a number is not finite. `scratch` is memory for 2 rows() + nv()
+/// numbers.
 double certificate(const VelocityProblem& problem, const double* lambda, double* scratch) noexcept;
-/// Computes certificate() from the residual λ - resolve(λ - u/d²) (rows() numbers) and t = Y λ (nv()
-/// numbers).
+/// Computes certificate() if the residual λ - resolve(λ - u/d²) (rows() numbers) and t = Y λ (nv() numbers)
+/// are known.
 double certificate_of(const VelocityProblem& problem, const double* residual, const double* t) noexcept;
 
 }  // namespace axode

@@ -9,9 +9,11 @@
 namespace axode {
 namespace {
 
-/// Part of their multipliers that redundant contacts lose in a step of Newton's method on the law (D11.9).
+/// The number ε of Newton's method on the law (D11.9): it makes the matrix regular, and lets redundant
+/// contacts keep their load.
 constexpr double keep = 1e-9;
-/// Columns of Y that are added to the matrix in velocities at once, and at most those of one block more.
+/// Y B Yᵀ is added to the matrix in velocities in portions of this number of columns of Y, or at most those
+/// of one block more.
 constexpr int most_columns = 48;
 constexpr std::size_t matrix_size = LawBlock::most_rows * LawBlock::most_rows;
 
@@ -54,7 +56,8 @@ void VelocitySolver::begin(const VelocityProblem& p) noexcept {
   if (by_multipliers_) p.delassus(Eigen::Map<Eigen::MatrixXd>(G_memory_.data(), rows_, rows_));
 }
 
-/// Finds the groups of blocks that move the same velocities, and the order of elimination for them.
+/// Finds the groups of blocks that move the same velocities, and the order of elimination of SparseFactor for
+/// these groups.
 void VelocitySolver::analyse() noexcept {
   sparse_.begin(problem_->nv());
   std::size_t last = std::numeric_limits<std::size_t>::max();
@@ -88,7 +91,7 @@ VelocitySolution VelocitySolver::solve(const VelocityProblem& problem, double* l
     y_ = part * Vector(lambda, rows_);
     follow_path(tolerance);
   }
-  // Exactly symmetric problems may lie on kinks of the law: further starts are off the symmetry.
+  // Exactly symmetric problems may lie on kinks of the law. Therefore the further starts break the symmetry.
   constexpr int most_disturbed = 6;
   for (int k = 0; k < most_disturbed && searches(); ++k) {
     for (int row = 0; row < rows_; ++row)
@@ -124,7 +127,7 @@ void VelocitySolver::compute_velocities(const double* lambda) noexcept {
   problem_->add_transposed(t_.data(), u_.data());
 }
 
-/// Leaves z = λ - u/d² in z_ and λ - resolve(z) in residual_.
+/// Returns the certificate of λ. Writes z = λ - u/d² to z_ and λ - resolve(z) to residual_.
 double VelocitySolver::certify(const double* lambda) noexcept {
   compute_velocities(lambda);
   const Eigen::Map<const Eigen::VectorXd> l(lambda, rows_), d2(problem_->squared_scales().data(), rows_);
@@ -134,7 +137,8 @@ double VelocitySolver::certify(const double* lambda) noexcept {
   return certificate_of(*problem_, residual_.data(), t_.data());
 }
 
-/// λ - resolve(λ_0 - u/R), measured by the masses.
+/// Writes λ - resolve(λ_0 - u/R) to residual_ and resolve(λ_0 - u/R) to resolved_. Returns the norm of the
+/// residual in the metric of the masses.
 double VelocitySolver::multiplier_residual(const Vector& lambda) noexcept {
   const Eigen::Map<const Eigen::MatrixXd> G(G_memory_.data(), rows_, rows_);
   const Eigen::Map<const Eigen::VectorXd> d2(problem_->squared_scales().data(), rows_);
@@ -146,7 +150,7 @@ double VelocitySolver::multiplier_residual(const Vector& lambda) noexcept {
   return std::sqrt((d2.array() * residual_.array().square()).sum());
 }
 
-/// f = x - w - Y resolve(λ_0 - (Yᵀ x + r)/R).
+/// Computes f = x - w - Y resolve(λ_0 - (Yᵀ x + r)/R) and returns |f|.
 double VelocitySolver::velocity_residual(const Vector& x, Vector& f) noexcept {
   const VelocityProblem& p = *problem_;
   std::copy_n(p.r.data(), rows_, u_.data());
@@ -158,7 +162,8 @@ double VelocitySolver::velocity_residual(const Vector& x, Vector& f) noexcept {
   return f.norm();
 }
 
-/// Goes along a direction, by half as far until the residual falls. Returns false if it does not.
+/// Steps from `from` along a direction, and halves the length of the step until the residual falls. Returns
+/// false if it does not fall for lengths above 0.01 of the direction.
 template <class Residual>
 bool VelocitySolver::search(const Vector& from, const Vector& direction, Vector& to, double& norm,
                             const Residual& residual) noexcept {
@@ -253,7 +258,7 @@ double VelocitySolver::polish(double* lambda, double tolerance, int patience) no
   bool factorized = false;  // The factors are used again where the law is almost linear.
   lambda_0_ = l;
   R_ = d2;
-  for (int k = 0; k < most; ++k) {  // z_ and residual_ are those of the last certificate.
+  for (int k = 0; k < most; ++k) {  // z_ and residual_ belong to the last certify().
     if (by_multipliers_) {
       if (!factorized) factorize_multipliers(keep);
       step_ = -residual_;

@@ -7,33 +7,37 @@
 
 namespace axode {
 
-/// The result of a VelocitySolver: how exactly the law holds, and what it took.
+/// The result of VelocitySolver::solve(): how exactly the laws hold, and the number of operations.
 struct [[nodiscard]] VelocitySolution {
   double certificate = 0;  ///< see certificate()
-  int factorizations = 0;  ///< matrices that were factorised
-  int restarts = 0;        ///< further starts that were needed
+  int factorizations = 0;  ///< number of matrices that were factorised
+  int restarts = 0;        ///< number of further starts
   bool holds(double tolerance) const { return certificate <= tolerance; }
 };
 
-/// Solves a VelocityProblem: proximal steps on the resolvent, each by Newton's method (D11.8), and Newton's
-/// method on the law itself near the solution (D11.9). The unknowns are velocities or, if there are fewer
-/// rows than velocities, multipliers. If Newton's method fails, it starts again from 0, and then from the
-/// results of alternating directions. The best multipliers are returned with their certificate; they are
-/// never those of another law.
+/// Solves a VelocityProblem by proximal steps on resolve(), each by Newton's method (D11.8), and by Newton's
+/// method on the law itself near the solution (D11.9). The unknowns are velocities, or the multipliers if
+/// their dense matrix takes fewer operations. If the certificate stays above 1e-9, the solver starts again:
+/// from 0, from the results of alternating directions (D11.10), from points on the path of solutions
+/// (D11.10a), and from disturbed multipliers. It returns the multipliers with the least certificate, and this
+/// certificate. It never replaces the laws by other laws.
 ///
 /// Matrices in velocities are factorised along the bodies that touch, see SparseFactor, by Cholesky's method
-/// while no contact slides; matrices in multipliers are dense, O(rows³).
+/// while no contact slides. Matrices in multipliers are dense and take O(rows³).
 class VelocitySolver {
  public:
-  /// Allocates for problems with nv velocities and up to a number of rows.
+  /// Allocates memory for problems with up to nv velocities and up to `rows` rows.
   void reserve(int nv, int rows);
 
-  /// Whether to go on with a problem that needs further starts, which may take seconds. It may be empty.
+  /// Callback that ends the search for a solution. It is called if a problem needs further starts, which may
+  /// take seconds, and returns false to end the search. It may be empty.
   using Monitor = std::function<bool()>;
 
-  /// Improves λ, in the scaled rows of the problem, from its given value until the certificate is at most
-  /// `tolerance`, or until the monitor returns false. It is called before each further start and each step on
-  /// the path of solutions. Requires reserve(). Allocates nothing, and throws only what the monitor throws.
+  /// Improves the multipliers `lambda` of scaled rows from their given values until the certificate is at
+  /// most `tolerance`, or until rounding prevents progress. Further starts are made only while the
+  /// certificate is above 1e-9. The monitor is called before each further start and before each step on the
+  /// path of solutions; the search ends if it returns false. Requires reserve(). Allocates nothing, and
+  /// throws only what the monitor throws.
   VelocitySolution solve(const VelocityProblem& problem, double* lambda, double tolerance = 1e-12,
                          const Monitor& monitor = {});
 
@@ -43,54 +47,63 @@ class VelocitySolver {
   void begin(const VelocityProblem& problem) noexcept;
   void analyse() noexcept;
   double certify(const double* lambda) noexcept;
-  /// Resolves z_ of all blocks into `lambda`.
+  /// Computes resolve() of z_ for all blocks and writes it to `lambda`.
   void resolve_all(double* lambda) const noexcept;
-  /// u_ = Yᵀ (w + Y λ) + r, and t_ = Y λ.
+  /// Computes u_ = Yᵀ (w + Y λ) + r and t_ = Y λ.
   void compute_velocities(const double* lambda) noexcept;
 
-  /// Newton's method from one start.
+  /// Options of newton().
   struct NewtonOptions {
-    int failures = 8;  ///< proximal steps that may fail
-    double mu = 1e-2;  ///< R = mu d² in the first proximal step
+    int failures = 8;  ///< number of proximal steps that may fail
+    double mu = 1e-2;  ///< number μ with R = μ d² in the first proximal step
     int patience = 0;  ///< see polish()
   };
-  /// Newton's method with proximal steps. Improves λ and returns its certificate.
+  /// Improves λ by proximal steps and, while the certificate is below 1e-2, by polish(). Returns the
+  /// certificate.
   double newton(double* lambda, double tolerance, const NewtonOptions& options) noexcept;
-  /// Whether neither a solution is found nor the monitor ends the search.
+  /// Whether the search goes on: the certificate is above `accepted`, and the monitor has not ended the
+  /// search.
   bool searches();
-  /// Runs newton() from start_ and keeps the better multipliers.
+  /// Runs newton() from the multipliers in start_, and takes its result if its certificate is lower than that
+  /// of the best multipliers.
   void improve(double tolerance, const NewtonOptions& options) noexcept;
-  /// A proximal step from lambda_0_: returns the norm of what is left, writes λ to resolved_ and the number
-  /// of iterations to `iterations`.
+  /// Makes a proximal step from lambda_0_ by Newton's method, until the norm of the residual is at most
+  /// `goal`. Writes λ to resolved_ and the number of Newton steps to `iterations`, and returns the norm of
+  /// the residual.
   double proximal_step(double goal, int& iterations) noexcept;
   double multiplier_residual(const Vector& lambda) noexcept;
   double velocity_residual(const Vector& x, Vector& f) noexcept;
   template <class Residual>
   bool search(const Vector& from, const Vector& direction, Vector& to, double& norm,
               const Residual& residual) noexcept;
-  /// Newton's method on the law itself. It ends after more than `patience` steps that do not halve the least
-  /// certificate. Improves λ and returns its certificate.
+  /// Improves λ by Newton's method on the law itself (D11.9) and returns its certificate. The iteration ends
+  /// at the tolerance, or after more than `patience` steps that do not halve the least certificate.
   double polish(double* lambda, double tolerance, int patience) noexcept;
 
-  /// Makes the matrices B of the blocks at z_: Z/R, or (1 - (1 - kept) Z)⁻¹ Z/R if kept > 0. Returns whether
-  /// all of them are symmetric.
+  /// Makes the matrix B of each block from the derivative Z of resolve() at z_. B is Z/R if `kept` is 0.
+  /// Otherwise B is (1 - (1 - kept) Z)⁻¹ Z/R, with ε = kept of (D11.9). Returns whether all of them are
+  /// symmetric.
   bool make_matrices(double kept) noexcept;
-  /// Factorises 1 + Y B Yᵀ.
+  /// Factorises 1 + Y B Yᵀ with the matrices B of make_matrices(). `symmetric` says whether all of them are
+  /// symmetric.
   void factorize_with(bool symmetric) noexcept;
   void factorize_velocities(double kept) noexcept;
-  /// Factorises 1 - Z + kept Z + Z R⁻¹ Yᵀ Y, or 1 + Z R⁻¹ Yᵀ Y if kept = 0.
+  /// Factorises 1 + Z R⁻¹ Yᵀ Y if `kept` is 0, and 1 - (1 - kept) Z + Z R⁻¹ Yᵀ Y with ε = kept of (D11.9)
+  /// otherwise.
   void factorize_multipliers(double kept) noexcept;
-  /// a := B a, block by block.
+  /// a := B a, block by block, with the matrices B of make_matrices().
   void multiply_blocks(Vector& a) const noexcept;
 
-  /// Alternating directions from λ = 0, on the cones with the drift of De Saxcé, or on the laws themselves.
+  /// Runs alternating directions from λ = 0 and writes the best multipliers to `lambda`. If `on_laws`,
+  /// resolve() satisfies the laws. Otherwise impulses are projected on the friction cones, and the tangential
+  /// speed is added to the normal velocity of each contact (De Saxcé's form of the law).
   void alternate(double* lambda, bool on_laws) noexcept;
   void apply_delassus(const Vector& a, Vector& out) noexcept;
   double largest_eigenvalue() noexcept;
   void factorize_shifted(double s) noexcept;
   void solve_shifted(double s, Vector& a) noexcept;
 
-  /// A point (x, σ) of the path of solutions, or a direction with x in parts of |w|.
+  /// A point (x, σ) of the path of solutions (D11.10a), or a direction in which x is a multiple of |w|.
   struct PathVector {
     Vector x{nullptr, 0};
     double sigma = 0;
@@ -98,11 +111,11 @@ class VelocitySolver {
   double path_residual(double sigma) noexcept;
   void linearize_path() noexcept;
   bool step_on_path(const PathVector& direction, double length, bool beyond_kink) noexcept;
-  /// Follows the path of solutions for R = exp(σ) d² as σ falls, and tries newton() from its points. The path
-  /// begins at the multipliers in y_.
+  /// Follows the path of solutions for R = exp(σ) d² (D11.10a) as σ falls, and runs newton() from points of
+  /// the path. The path begins at the multipliers in y_.
   void follow_path(double tolerance);
 
-  /// A certificate that needs no further start.
+  /// The largest certificate at which no further start is made.
   static constexpr double accepted = 1e-9;
 
   const VelocityProblem* problem_ = nullptr;
@@ -113,10 +126,10 @@ class VelocitySolver {
   int rows_ = 0;
   bool by_multipliers_ = false;
   double size_ = 0;                   ///< |w|
-  int path_iterations_ = 0;           ///< of the last step on the path
-  DenseFactor dense_;                 ///< of matrices in multipliers
-  SparseFactor sparse_;               ///< of matrices in velocities
-  std::vector<double> memory_;        ///< of the vectors below
+  int path_iterations_ = 0;           ///< iterations in the last step on the path
+  DenseFactor dense_;                 ///< factors of matrices in multipliers
+  SparseFactor sparse_;               ///< factors of matrices in velocities
+  std::vector<double> memory_;        ///< memory of the vectors below
   std::vector<double> G_memory_;      ///< Yᵀ Y if multipliers are the unknowns
   std::vector<double> matrices_;      ///< the matrix B of each block
   std::vector<double> YB_, columns_;  ///< Y B and Y of blocks that move the same velocities

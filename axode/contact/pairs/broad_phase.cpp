@@ -8,7 +8,7 @@
 namespace axode {
 namespace {
 
-/// Half the extent of the bounding box of a shape along the inertial axes.
+/// Half the edges of the bounding box of a shape, which has the directions of the inertial axes, m.
 Vec3<> half_extent(const ContactShape& shape, const SO3<>& R) noexcept {
   const Vec3<>&h = shape.half, &axis = R.z;
   switch (shape.kind) {

@@ -7,16 +7,18 @@
 
 namespace axode {
 
-/// Finds the pairs of shapes whose bounding boxes are nearer than a margin, by a sweep along the x-axis. It
-/// is the scratch memory of one thread.
+/// Finds the pairs of shapes whose bounding boxes are nearer than a margin, by a sweep along the x-axis. An
+/// object is the scratch memory of one thread.
 class BroadPhase {
  public:
   BroadPhase() = default;
   explicit BroadPhase(const ContactShapes& shapes);
 
-  /// The pairs (i, j), i < j, of shapes that may touch and whose bounding boxes, or plane and bounding box,
-  /// are nearer than `margin` (m) at these poses of the shapes. In ascending order. O(n log n) and the number
-  /// of boxes that overlap along x.
+  /// Returns the pairs (i, j), i < j, of shapes that may touch and whose bounding boxes are nearer than
+  /// `margin` (m) along each axis, in ascending order. A pair with a plane is returned if the bounding box of
+  /// the other shape is nearer to the plane than `margin`. `poses` are those of the shapes in the inertial
+  /// frame. Costs O(n log n), plus the number of pairs of boxes that overlap along x, plus the number of
+  /// planes times that of boxes.
   std::span<const std::array<int, 2>> near(const ContactShapes& shapes, std::span<const SE3<>> poses,
                                            double margin) noexcept;
 
@@ -26,7 +28,7 @@ class BroadPhase {
     Vec3<> low, high;
   };
   std::vector<int> planes_;
-  std::vector<Box> boxes_;  ///< of all other shapes, in the order of their low x
+  std::vector<Box> boxes_;  ///< bounding boxes of all other shapes, in the order of low.x
   std::vector<std::array<int, 2>> found_;
 };
 

@@ -11,10 +11,10 @@ namespace {
 
 constexpr double infinity = std::numeric_limits<double>::infinity();
 constexpr int most_corners = 2 * Feature<>::most_points;
-constexpr double steepest = 1e-3;  // least cosine between the normal of a face and n
+constexpr double steepest = 1e-3;  // least cosine of the angle between n and a face normal
 
-/// A polygon or segment that is clipped. The edge from corner i to the next one has a label: its number, or
-/// 32 + k if it lies on side k of the other polygon.
+/// A polygon or segment that is clipped. The edge from corner i to the next corner has a label: its number in
+/// the original polygon, or 32 + k if it lies on side k of the other polygon.
 template <class T> struct Clipped {
   int count = 0;
   std::array<Vec3<T>, most_corners> point;
@@ -27,7 +27,8 @@ template <class T> struct Clipped {
   }
 };
 
-/// Keeps the part of `in` whose height over a plane is not positive (Sutherland and Hodgman).
+/// Returns the part of `in` whose height over a plane is not positive (Sutherland and Hodgman). `side` is the
+/// label of a new edge in the plane.
 template <class T, class Height>
 Clipped<T> keep_below(const Clipped<T>& in, bool segment, const Height& height, std::uint32_t side,
                       double rounding) noexcept {
@@ -39,14 +40,16 @@ Clipped<T> keep_below(const Clipped<T>& in, bool segment, const Height& height, 
     const bool p_in = !(x > T(rounding)), o_in = !(y > T(rounding));
     if (p_in) out.add(p, in.label[i]);
     if (p_in == o_in || (segment && next == 0)) continue;
-    // The edge that follows a corner where the polygon leaves is on the side itself.
+    // At a corner where the polygon leaves the kept part, the next edge lies in the plane and has the label
+    // `side`.
     const T part = std::clamp(x / (x - y), T(0), T(1));  // both heights may be rounding errors
     out.add(p + part * (o - p), p_in ? side : in.label[i]);
   }
   return out;
 }
 
-/// Clips a subject by the sides of a polygon. `n` points from the polygon to the subject.
+/// Clips a polygon or segment, the subject, by the sides of a polygon. The planes of the sides are parallel
+/// to n, which points from the polygon to the subject.
 template <class T>
 Clipped<T> clip_by_sides(const Feature<T>& subject, const Feature<T>& polygon, const Vec3<T>& n,
                          double rounding) noexcept {
@@ -65,7 +68,8 @@ Clipped<T> clip_by_sides(const Feature<T>& subject, const Feature<T>& polygon, c
   return out;
 }
 
-/// The corners of a subject beside a polygon; `n` points from the polygon to the subject.
+/// Clips a subject by a polygon and adds the corners of the result as contact points. `n` points from the
+/// polygon to the subject; `flipped` says that the subject belongs to shape a. Returns the least gap.
 template <class T>
 double clip_by_polygon(const Feature<T>& polygon, double radius_polygon, const Feature<T>& subject,
                        double radius_subject, const Vec3<T>& n, bool flipped, double size,
@@ -89,9 +93,9 @@ double clip_by_polygon(const Feature<T>& polygon, double radius_polygon, const F
   return least;
 }
 
-/// The ends of the part along which two segments lie side by side, seen along n. The gap grows with the
-/// distance e of the lines across n as e² / (2 (radius_a + radius_b)), which the curvatures of their surfaces
-/// add to it.
+/// Adds the ends of the part along which two segments lie side by side, seen along n, as contact points. Let
+/// e be the distance of the two lines across n. The curvatures of the two surfaces add e² / (2 (radius_a +
+/// radius_b)) to the gap. Returns the least gap, or infinity if the segments do not lie side by side.
 template <class T>
 double clip_segments(const Feature<T>& a, const Feature<T>& b, const FacingFeatures<T>& features,
                      PointList<T>& out) noexcept {

@@ -14,8 +14,8 @@ namespace axode {
 
 namespace {
 
-/// The vertices of a hull that are within the margin of a plane: all of them or, if there are many, the
-/// deepest one and those that are farthest along eight directions in the plane.
+/// Adds the vertices of a hull that are within the margin of a plane. If there are more than 16, only the
+/// deepest one and those that are farthest along eight directions in the plane are added.
 template <class T>
 void touch_plane_by_hull(const SE3<T>& plane, const Hull& hull, const SE3<T>& pose,
                          PointList<T>& out) noexcept {
@@ -92,7 +92,7 @@ void touch_plane(const SE3<T>& plane, const ContactShape& shape, const SE3<T>& p
 
 namespace {
 
-/// The axis of a sphere or capsule: centre + t half for t from -1 to 1.
+/// The axis of a sphere or capsule: the points center + t half for t from -1 to 1; `half` is 0 for a sphere.
 template <class T> struct Axis {
   Vec3<T> center, half;
   T radius;
@@ -102,14 +102,15 @@ template <class T> struct Axis {
         half(shape.kind == ShapeKind::capsule ? T(shape.half_length) * pose.R.z : Vec3<T>{}),
         radius(shape.radius) {}
   Vec3<T> at(const T& t) const { return center + t * half; }
-  /// Parameter of the point that is nearest to p.
+  /// The parameter t of the point of the axis that is nearest to p.
   T nearest(const Vec3<T>& p) const {
     const T length2 = dot(half, half);
     return length2 > T(0) ? std::clamp(dot(half, p - center) / length2, T(-1), T(1)) : T(0);
   }
 };
 
-/// Parameter on a of the nearest points of two axes (Ericson, Real-Time Collision Detection, section 5.1.9).
+/// The parameter t on axis a of the nearest points of two axes (Ericson, Real-Time Collision Detection,
+/// section 5.1.9).
 template <class T> T nearest_parameter(const Axis<T>& a, const Axis<T>& b) {
   const Vec3<T> r = a.center - b.center;
   const T aa = dot(a.half, a.half), ab = dot(a.half, b.half), bb = dot(b.half, b.half);

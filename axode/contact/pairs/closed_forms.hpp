@@ -2,26 +2,27 @@
 #include "axode/contact/contact_shapes.hpp"
 #include "axode/contact/pairs/point_list.hpp"
 
-/// Contact points of pairs of shapes that have a closed form. Every function adds the points with a gap below
-/// the margin of the list, with normals from the first shape to the second one. The poses are those of the
-/// shapes in the inertial frame.
+/// Contact points of the pairs of shapes that have a closed form. Every function adds the points with a gap
+/// below the margin of the list. Normals point from the first shape to the second one. Poses are in the
+/// inertial frame.
 namespace axode {
 
-/// The half-space of a plane against any other shape; the points are on the surface of that shape. A sphere
-/// and an ellipsoid have their lowest point, a capsule the lowest points of both half balls, a box and a hull
-/// their vertices, of more than 16 that are within the margin the deepest and the outermost ones. A cylinder
-/// has four points on either rim: the lowest one, and three more a quarter of a turn apart.
+/// Contact points of a plane, which bounds a half-space, with any other shape. The points are on the surface
+/// of the other shape: the lowest point of a sphere or an ellipsoid; the lowest points of both half balls of
+/// a capsule; the vertices of a box or a hull. If more than 16 vertices of a hull are within the margin, only
+/// the deepest one and the outermost ones in eight directions are taken. A cylinder has four points on each
+/// rim: the lowest one, and three more a quarter of a turn apart.
 template <class T>
 void touch_plane(const SE3<T>& plane, const ContactShape& shape, const SE3<T>& pose,
                  PointList<T>& out) noexcept;
 
-/// Two spheres or capsules. Capsules have a point where their axes are nearest, and a point at either end of
-/// the part along which they lie side by side.
+/// Contact points of two spheres or capsules. Spheres have one point. Capsules have a point where their axes
+/// are nearest, and points at both ends of the part along which they lie side by side.
 template <class T>
 void touch_round(const ContactShape& a, const SE3<T>& A, const ContactShape& b, const SE3<T>& B,
                  PointList<T>& out) noexcept;
 
-/// A box and a sphere, whose centre may be inside the box.
+/// The contact point of a box and a sphere. The centre of the sphere may be inside the box.
 template <class T>
 void touch_box_and_sphere(const ContactShape& box, const SE3<T>& A, const ContactShape& sphere,
                           const SE3<T>& B, PointList<T>& out) noexcept;

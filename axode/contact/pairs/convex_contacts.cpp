@@ -16,7 +16,8 @@ double radius_of_ball(const ContactShape& shape) {
   return shape.kind == ShapeKind::capsule ? shape.radius : 0;
 }
 
-/// Clips the features that face each other along n.
+/// Adds the contact points of the features of a and b that face each other along n, and returns the least
+/// gap, see clip().
 template <class T>
 double clip_along(const ContactShape& a, const SE3<T>& A, const ContactShape& b, const SE3<T>& B,
                   const Vec3<T>& n, PointList<T>& out) noexcept {
@@ -31,9 +32,9 @@ double clip_along(const ContactShape& a, const SE3<T>& A, const ContactShape& b,
               out);
 }
 
-/// The separation of two boxes along the best axis.
+/// The separation of two boxes along one axis, or along the axis of greatest separation.
 template <class T> struct Separation {
-  Vec3<T> n{};  ///< unit vector from a to b
+  Vec3<T> n{};  ///< unit vector from box a to box b
   double gap = -std::numeric_limits<double>::infinity();
 };
 

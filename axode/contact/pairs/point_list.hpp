@@ -6,13 +6,13 @@
 
 namespace axode {
 
-/// Receives the contact points of pairs of shapes, in memory that the caller provides.
+/// A list of contact points of pairs of shapes, in memory that the caller provides.
 template <class T = double> class PointList {
  public:
   PointList(std::span<ContactPointOf<T>> memory, double margin) : memory_(memory), margin_(margin) {}
 
-  /// Selects the pair of shapes whose points follow. If `flipped`, the normals that add() receives point from
-  /// b to a.
+  /// Selects the pair of shapes (a, b) to which the points of the next calls of add() belong. If `flipped`,
+  /// the normals that are given to add() point from b to a.
   void select(int a, int b, bool flipped) noexcept {
     a_ = a;
     b_ = b;
@@ -20,7 +20,8 @@ template <class T = double> class PointList {
   }
   double margin() const noexcept { return margin_; }
 
-  /// Adds a point if its gap is below the margin. `feature` distinguishes the points of the pair, below 2^24.
+  /// Adds a point if its gap is below the margin. `feature` is a number below 2^24 that distinguishes the
+  /// points of one pair.
   void add(const Vec3<T>& point, const Vec3<T>& n, const T& gap, std::uint32_t feature) noexcept {
     if (!(gap < T(margin_))) return;
     if (count_ == memory_.size()) {
@@ -30,7 +31,7 @@ template <class T = double> class PointList {
     memory_[count_++] = {a_, b_, point, flipped_ ? -n : n, gap, contact_key(a_, b_, feature)};
   }
   std::size_t count() const noexcept { return count_; }
-  /// Whether every point found room.
+  /// Whether there was memory for every point.
   bool complete() const noexcept { return complete_; }
 
  private:
