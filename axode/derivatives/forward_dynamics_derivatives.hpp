@@ -5,16 +5,19 @@
 
 namespace axode {
 
-/// Receives ∂a/∂q, ∂a/∂v and ∂a/∂τ, nv × nv numbers each, row by row, [component of a, direction], and the
-/// accelerations a. A span that is empty receives nothing. The spans must not overlap.
+/// Receives the matrices ∂a/∂q, ∂a/∂v and ∂a/∂τ, nv × nv numbers each, row by row, [component of a,
+/// direction], and the accelerations a (nv, or an empty span). The spans must not overlap.
 template <class T> struct ForwardDynamicsDerivatives {
   std::span<T> q, v, tau, a = {};
 };
 
-/// First derivatives of forward dynamics at a state, with ∂a/∂τ = M⁻¹: -M⁻¹ times the derivatives of inverse
-/// dynamics at the accelerations a, with the same directions and terms. M⁻¹ is applied by articulated bodies,
-/// O(n) for each column, or by products with M⁻¹ if paths are short. No allocation. If the status is not
-/// ok(), all results are NaN. See (D1.24) of docs/derivations.
+/// Computes the first derivatives of the accelerations a of forward dynamics at (q, v, τ): ∂a/∂τ = M⁻¹, and
+/// ∂a/∂x = -M⁻¹ ∂τ/∂x for x = q and v, with ∂τ/∂x of inverse_dynamics_derivatives() at the accelerations a.
+/// Directions of q, loads and losses are those of inverse_dynamics_derivatives(). M⁻¹ is applied by
+/// articulated bodies, O(n) for each column, or by products with M⁻¹ if there are at most 100 velocities. No
+/// allocation. If the status is not ok(), all results are NaN. Throws std::invalid_argument as
+/// inverse_dynamics_derivatives() does: for a wrong size, quaternions that are not of unit norm, a load on a
+/// frame that does not exist and results that overlap. See (D1.24) of docs/derivations.
 template <class T>
 Solvability forward_dynamics_derivatives(const Model& model, Workspace<T>& workspace, Numbers<T> q,
                                          Numbers<T> v, Numbers<T> tau,

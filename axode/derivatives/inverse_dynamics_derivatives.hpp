@@ -4,19 +4,19 @@
 
 namespace axode {
 
-/// Receives ∂τ/∂q, ∂τ/∂v and ∂τ/∂a, nv × nv numbers each, row by row, [component of τ, direction], and the
-/// forces τ. A span that is empty receives nothing. The spans must not overlap.
+/// Receives the matrices ∂τ/∂q, ∂τ/∂v and ∂τ/∂a, nv × nv numbers each, row by row, [component of τ,
+/// direction], and the forces τ (nv, or an empty span). The spans must not overlap.
 template <class T> struct InverseDynamicsDerivatives {
   std::span<T> q, v, a, tau = {};
 };
 
-/// First derivatives of inverse dynamics at a state; ∂τ/∂a is M with armatures. Directions of q are those of
-/// q ⊕ ε e_k. The components of loads are constant in the representation in which they are given. With
-/// loads.joint_losses damping is part of ∂τ/∂v; Coulomb friction adds nothing, and has no derivative at v =
-/// 0. Units are those of τ per unit of the direction. O(n d) for n velocities on paths of d velocities, and
-/// the time to write the zeros of the matrices; no allocation. Throws std::invalid_argument for a wrong size,
-/// quaternions that are not of unit norm, a load on a frame that does not exist and results that overlap. See
-/// (D1.17) of docs/derivations.
+/// Computes the first derivatives of the forces τ of inverse dynamics at a state (q, v, a); ∂τ/∂a is M,
+/// armatures included. Direction k of q is q ⊕ ε e_k. The components of loads are constant in the
+/// representation in which they are given. If loads.joint_losses is set, damping is part of ∂τ/∂v. Coulomb
+/// friction adds nothing, and has no derivative at v = 0. Units are those of τ per unit of the direction. O(n
+/// d) for n velocities on paths of d velocities, and the time to write the zeros of the matrices; no
+/// allocation. Throws std::invalid_argument for a wrong size, quaternions that are not of unit norm, a load
+/// on a frame that does not exist and results that overlap. See (D1.17) of docs/derivations.
 template <class T>
 void inverse_dynamics_derivatives(const Model& model, Workspace<T>& workspace, Numbers<T> q, Numbers<T> v,
                                   Numbers<T> a,

@@ -14,7 +14,7 @@
 namespace axode {
 namespace {
 
-/// Adds x y to out, for n × n matrices of which y is sparse.
+/// Adds the product x y of two n × n matrices to the n × n matrix `out`. Zeros of y are skipped.
 template <class T>
 void add_product(std::span<const T> x, std::span<const T> y, std::size_t n, std::span<T> out) {
   for (std::size_t j = 0; j < n; ++j)
@@ -53,7 +53,7 @@ Solvability linearize_without_drives(const Model& model, Workspace<T>& workspace
     check_apart("tau", tau);
   }
 
-  // The upper half of A serves as memory until the lower half is complete.
+  // The upper half of A is used as scratch memory until the lower half is complete.
   const std::span<T> upper = A.first(width * n), lower = A.last(width * n);
   const std::span<T> da_dq = upper.first(n * n), da_dv = upper.last(n * n);
   const std::span<T> da_dtau = B.last(n * n), forces_dq = lower.first(n * n), forces_dv = lower.last(n * n);

@@ -10,12 +10,12 @@
 namespace axode {
 namespace {
 
-/// Numbers with a derivative along one direction (dq, dv, da).
+/// Dual numbers with the derivative along one direction (dq, dv, da).
 template <class T> using Dual1 = Dual<T, 1>;
 template <class T> Vec3<Dual1<T>> with_derivative(const Vec3<T>& x, const Vec3<T>& dx) {
   return {{x.x, {dx.x}}, {x.y, {dx.y}}, {x.z, {dx.z}}};
 }
-/// The pose C exp(ε X) with its derivative by ε.
+/// The pose C exp(ε X) with its derivative by ε at ε = 0.
 template <class T> SE3<Dual1<T>> displaced(const SE3<T>& C, const Twist<BodyFixed, T>& X) {
   const auto column = [&](const Vec3<T>& e, const Vec3<T>& axis) {
     return with_derivative(e, C.R * cross(X.w, axis));
@@ -29,12 +29,13 @@ template <class Rep, class T> Twist<Rep, T> derivative(const Vec3<Dual1<T>>& w, 
 
 template <class T> using V6 = Twist<BodyFixed, T>;
 
-/// The motion of a place: pose, body-fixed twist and its rate.
+/// The motion of a place: its pose, its body-fixed twist, and the time derivative of this twist.
 template <class T> struct MovingPlace {
   SE3<T> C;
   V6<T> V, dV;
 
-  /// Converts changes of body-fixed components along a displacement X to those in Rep.
+  /// Converts changes by_V and by_dV of the body-fixed components of V and V' along a displacement X of the
+  /// pose to the changes of their components in Rep.
   template <class Rep> MotionChange<Rep, T> in(const V6<T>& X, const V6<T>& by_V, const V6<T>& by_dV) const {
     if constexpr (std::same_as<Rep, BodyFixed>) {
       return {X, by_V, by_dV};
@@ -50,7 +51,7 @@ template <class T> struct MovingPlace {
   }
 };
 
-/// The motion of a place and of the bodies on its path.
+/// The motion of a place and of all bodies, in body-fixed components.
 template <class T> struct MotionTo {
   const Tree<T>& tree;
   TreeMotion<BodyFixed, T> motion;
@@ -68,8 +69,9 @@ template <class T> struct MotionTo {
     for (int i = body; i > 0; i = tree->parent[i]) at.C = motion.bodies.link[i].C_pi * at.C;
   }
 
-  /// Calls f(c, J, ∂V/∂q, ∂V'/∂q, ∂V'/∂v) for every joint screw J that moves the place, with body-fixed
-  /// quantities. If several joints share the velocity c, f is called once for each of them.
+  /// Calls f(c, J, ∂V/∂q, ∂V'/∂q, ∂V'/∂v) for every joint screw J that moves the place; c is the index of its
+  /// velocity, and the derivatives by it are body-fixed twists. If several joints share the velocity c, f is
+  /// called once for each of them.
   template <class F> void each_column(const F& f) const noexcept {
     const auto& [link, V, dV] = motion.bodies;
     SE3<T> E = in_body();  // the place in the internal frame of body i
@@ -157,7 +159,7 @@ void motion_vjp(const Model& model, Workspace<T>& workspace, Numbers<T> q, Numbe
   Arena arena = workspace.arena(model.topology());
   const MotionTo<T> motion(model.tree<T>(), arena, q.data(), v.data(), a.data(), place);
   for (const auto& part : {gradient.q, gradient.v, gradient.a}) std::fill(part.begin(), part.end(), T(0));
-  // The weights of body-fixed components follow from the images of unit changes.
+  // The weights of body-fixed components follow from the images of unit changes under in().
   Wrench<BodyFixed, T> X{}, V{}, dV{};
   for (int k = 0; k < 6; ++k) {
     const Vec3<T> e{T(k % 3 == 0), T(k % 3 == 1), T(k % 3 == 2)};

@@ -4,45 +4,47 @@
 
 namespace axode {
 
-/// Receives the derivatives of V and of V', the time derivative of its components, a column for each of nv
-/// directions. They must not overlap.
+/// Receives the derivatives of the twist V of a place and of V', the time derivative of its components: one
+/// twist for each of nv directions. They must not overlap.
 template <class Rep, class T> struct MotionDerivatives {
-  std::span<Twist<Rep, T>> V_q, V_v;  ///< derivatives of V; V_v is the Jacobian of the place, and equal to
+  std::span<Twist<Rep, T>> V_q, V_v;  ///< ∂V/∂q and ∂V/∂v; ∂V/∂v is the Jacobian of the place, equal to
                                       ///< ∂V'/∂a
-  std::span<Twist<Rep, T>> dV_q, dV_v;
+  std::span<Twist<Rep, T>> dV_q, dV_v;  ///< ∂V'/∂q and ∂V'/∂v
 };
 
-/// The partial derivatives of the components of the twist V(q, v) of a place and of their time derivative
-/// V'(q, v, a), gravity not included. Directions of q are those of q ⊕ ε e_k. O(n), no allocation. Throws
-/// std::invalid_argument for a wrong size, quaternions that are not of unit norm, a frame that does not exist
-/// and results that overlap.
+/// Computes the partial derivatives of the components of the twist V(q, v) of a place and of their time
+/// derivative V'(q, v, a), without gravity. A place is a frame, or a point or pose in a frame. Direction k of
+/// q is q ⊕ ε e_k. O(n), no allocation. Throws std::invalid_argument for a wrong size, quaternions that are
+/// not of unit norm, a frame that does not exist and results that overlap.
 template <RecursionRepresentation Rep, class T>
 void motion_derivatives(const Model& model, Workspace<T>& workspace, Numbers<T> q, Numbers<T> v, Numbers<T> a,
                         const std::type_identity_t<Place<T>>& place,
                         const std::type_identity_t<MotionDerivatives<Rep, T>>& d);
 
-/// Changes of the motion of a place: the displacement X of its pose, C exp(ε X^), and the changes of the
-/// components of its twist V and of V'.
+/// The change of the motion of a place along one direction: the displacement X of its pose, C exp(ε X^), and
+/// the changes of the components of its twist V and of their time derivative V'.
 template <class Rep, class T> struct MotionChange {
   Twist<BodyFixed, T> X;
   Twist<Rep, T> V, dV;
 };
-/// Computes the changes of pose, V and V' along (dq, dv, da): the matrices of motion_derivatives() times a
-/// direction. O(n).
+/// Computes the changes of the pose, of V and of V' of a place along one direction (dq, dv, da), that is the
+/// product of the matrices of motion_derivatives() with this direction. O(n).
 template <RecursionRepresentation Rep, class T>
 MotionChange<Rep, T> motion_jvp(const Model& model, Workspace<T>& workspace, Numbers<T> q, Numbers<T> v,
                                 Numbers<T> a, const std::type_identity_t<Place<T>>& place, Numbers<T> dq,
                                 Numbers<T> dv, Numbers<T> da);
 
-/// Weights of the components of a MotionChange: of the pose, of V and of V'.
+/// Weights of the components of a MotionChange: of the pose, of the twist V and of its time derivative V'.
 template <class Rep, class T> struct MotionWeights {
   Wrench<BodyFixed, T> X;
   Wrench<Rep, T> V, dV;
 };
-/// Receives the gradients with respect to q, v and a, nv entries each. They must not overlap.
+/// Receives the gradients of a weighted sum with respect to q, v and a, nv entries each. They must not
+/// overlap.
 template <class T> struct MotionGradients { std::span<T> q, v, a; };
-/// Computes the gradient of the weighted sum of the components of pose, V and V': the transposed matrices
-/// times the weights. O(n). For poses of several places, sum the results for each.
+/// Computes the gradient of the sum of the components of the pose, of V and of V' of a place, weighted with
+/// w: the transposed matrices of motion_derivatives() times the weights. O(n). For several places, add the
+/// results for each of them.
 template <RecursionRepresentation Rep, class T>
 void motion_vjp(const Model& model, Workspace<T>& workspace, Numbers<T> q, Numbers<T> v, Numbers<T> a,
                 const std::type_identity_t<Place<T>>& place,

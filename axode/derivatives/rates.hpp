@@ -10,15 +10,15 @@ namespace axode {
 
 template <class T> class ForceSeries;
 
-/// The time derivatives τ, τ', τ'', ... of the drive forces along a motion, to any order (section 6.3).
-/// forward_dynamics_rates() computes the inverse. A motion is q and the derivatives of the velocities, v, v',
-/// v'', ..., all in the joints' left-trivialised directions; loads are constant in the representation in
-/// which they are given. Evaluation does not allocate; an object is for one thread. See (D3.9) to (D3.11) of
-/// docs/derivations.
+/// Computes the time derivatives τ, τ', τ'', ... of the drive forces along a motion, to any order (section
+/// 6.3); forward_dynamics_rates() is the inverse. A motion is given by q and by the velocities v and their
+/// time derivatives v', v'', ..., in the left-trivialised directions of the joints. Loads are constant in the
+/// representation in which they are given. evaluate() does not allocate; an object is for one thread. See
+/// (D3.9) to (D3.11) of docs/derivations.
 template <class T = double> class AXODE_ENTRY InverseDynamicsRates {
  public:
-  /// Prepares the derivatives of τ up to an order. Throws std::invalid_argument if it is negative, and for a
-  /// model with loops, which inverse_dynamics_rates() counts.
+  /// Prepares the derivatives of τ up to an order. Throws std::invalid_argument if the order is negative, and
+  /// for a model with loops; inverse_dynamics_rates() is the function that takes loops into account.
   InverseDynamicsRates(const Model& model, int order);
   ~InverseDynamicsRates();
   InverseDynamicsRates(InverseDynamicsRates&&) noexcept;
@@ -27,8 +27,9 @@ template <class T = double> class AXODE_ENTRY InverseDynamicsRates {
   int order() const;
 
   /// Computes τ, τ', ... ((order + 1) nv numbers, row by row) from q and from `rates`, which are v, a, jerk,
-  /// ... ((order + 2) nv numbers, row by row). The two must not overlap. With loads.joint_losses, damping
-  /// contributes to τ and to its derivatives; Coulomb friction contributes to τ only. O(n order²).
+  /// ... ((order + 2) nv numbers, row by row). `tau` and `rates` must not overlap. If loads.joint_losses is
+  /// set, damping contributes to τ and to its derivatives; Coulomb friction contributes to τ only. O(n
+  /// order²).
   void evaluate(Numbers<T> q, Numbers<T> rates, std::type_identity_t<std::span<T>> tau,
                 const std::type_identity_t<Loads<T>>& loads = {});
 
@@ -37,19 +38,21 @@ template <class T = double> class AXODE_ENTRY InverseDynamicsRates {
   std::unique_ptr<ForceSeries<T>> series_;
 };
 
-/// Computes τ, τ' and τ'' by the Newton-Euler recursion, differentiated twice, in the representation Rep,
-/// which is BodyFixed or Hybrid. `rates` are v, a, jerk and snap, 4 nv numbers row by row, and tau has 3 nv,
-/// which must not overlap them. The results are those of InverseDynamicsRates of order 2, also with loads and
-/// losses. O(n), no allocation. See (D3.1) to (D3.8) of docs/derivations.
+/// Computes τ, τ' and τ'' of inverse dynamics by the Newton-Euler recursion, differentiated twice, in the
+/// representation Rep, which is BodyFixed or Hybrid. `rates` are v, a, jerk and snap (4 nv numbers, row by
+/// row), and `tau` has 3 nv numbers; the two must not overlap. The results are those of InverseDynamicsRates
+/// of order 2, also with loads and losses. O(n), no allocation. Throws std::invalid_argument for a wrong size
+/// and for a model with loops. See (D3.1) to (D3.8) of docs/derivations.
 template <class Rep, class T>
 void second_order_inverse_dynamics(const Model& model, Workspace<T>& workspace, Numbers<T> q,
                                    Numbers<T> rates, std::type_identity_t<std::span<T>> tau,
                                    const std::type_identity_t<Loads<T>>& loads = {});
 
-/// Computes the derivatives of forward dynamics in time: a, jerk, ... (`rates`, k rows of nv) from q, v and
-/// τ, τ', ... (`forces`, k rows of nv). Derivative k of τ is an affine function of derivative k of a, with
-/// the matrix M; hence one linear system with M is solved for each row. O(n k³) for all rows, and one
-/// solution for each; allocates. NaN if the status is not ok(). See (D3.12) of docs/derivations.
+/// Computes the time derivatives of the accelerations of forward dynamics: a, jerk, ... (`rates`, k rows of
+/// nv numbers) from q, v and the forces τ, τ', ... (`forces`, k rows of nv numbers). Derivative j of τ is an
+/// affine function of derivative j of a, with the matrix M; hence one linear system with M is solved for each
+/// row. O(n k³) for all rows, and one solution for each; allocates. The results are NaN if the status is not
+/// ok(). See (D3.12) of docs/derivations.
 template <class T>
 Solvability forward_dynamics_rates(const Model& model, Workspace<T>& workspace, Numbers<T> q, Numbers<T> v,
                                    Numbers<T> forces, std::type_identity_t<std::span<T>> rates,

@@ -8,8 +8,8 @@
 namespace axode {
 namespace {
 
-/// Adds the derivatives of the forces of the springs in one joint, by calls of add(component, direction, by
-/// q, by v).
+/// Computes the derivatives of the forces of the springs in the joint of body i. For each entry it calls
+/// add(component, direction, derivative by q, derivative by v).
 template <class T, class Add>
 void differentiate_joint(const Model& model, int i, const T* q, const T* v, const Add& add) noexcept {
   const Tree<T>& tree = model.tree<T>();
@@ -29,15 +29,16 @@ void differentiate_joint(const Model& model, int i, const T* q, const T* v, cons
   });
 }
 
-/// Adds the derivatives of the forces of one spring of a description, as differentiate_joint() does.
+/// Computes the derivatives of the forces of one SpringDescription, with one call operator for each kind of
+/// geometry. For each entry it calls add(component, direction, derivative by q, derivative by v).
 template <class T, class Add> class DifferentiateSpring {
  public:
   DifferentiateSpring(const Tree<T>& tree, const ForceLaw& law, const T* q, const T* v,
                       SpringColumns<T>& columns, const Add& add)
       : tree_(tree), law_(law), q_(q), v_(v), columns_(columns), add_(add) {}
 
-  /// With the tension F and the length x, τ_k = -F ∂x/∂q_k, and second derivatives of x are sums over the
-  /// segments (D16.6).
+  /// A spring along a path of points, with the tension F and the length x: τ_k = -F ∂x/∂q_k. Second
+  /// derivatives of x are sums over the segments of the path (D16.6).
   void operator()(const Spring::Path& path) const noexcept {
     columns_.clear();
     T x(0), dx(0);
@@ -49,7 +50,7 @@ template <class T, class Add> class DifferentiateSpring {
       add_gradient(segment);
     }
     const Tension<T> F = tension(law_, x, dx);
-    // Where the points of a line coincide, F/x has a limit if F is 0 there.
+    // If the two points of a line coincide, F/x has a limit if F is 0 there.
     const T slope = segments == 1 && F.f == T(0) ? F.by_x : T(0);
     for (std::size_t k = 0; k < segments; ++k)
       add_curvature(
@@ -63,7 +64,8 @@ template <class T, class Add> class DifferentiateSpring {
     const SpringCoordinate<T> at = coordinate_of(joints, tree_, q_, v_);
     add_by_coordinate(tension(law_, at.x, at.dx));
   }
-  /// The columns ξ_k of the relative twist depend on the configuration as well (D16.12): τ_k = W·ξ_k.
+  /// A spring of a relative pose: τ_k = W·ξ_k, where W is its wrench and ξ_k is column k of the relative
+  /// twist. The columns depend on the configuration as well (D16.12).
   template <class Geometry> void operator()(const Geometry& between) const noexcept {
     columns_.clear();
     const RelativePose<T> at(between.ends, tree_, q_, v_, [&](std::size_t e, int i, int c, const auto& X) {
@@ -89,7 +91,8 @@ template <class T, class Add> class DifferentiateSpring {
   using Column = typename SpringColumns<T>::Column;
   static constexpr auto nothing = [](std::size_t, int, int, const auto&) {};
 
-  /// Segment k with its columns, those of the vector r between its ends and of their rotations.
+  /// Returns segment k of a path and stores its columns: the columns of the vector r between its ends, and
+  /// their rotations.
   Segment<T> with_columns(const Spring::Path& path, std::size_t k) const noexcept {
     columns_.count = 0;
     Segment<T> segment(&path.points[k], tree_, q_, v_, [&](std::size_t e, int i, int c, const Screw<T>& X) {
@@ -102,19 +105,19 @@ template <class T, class Add> class DifferentiateSpring {
     }
     return segment;
   }
-  /// The derivative of column k of r along direction j of the same end: w_j × r_k or, if j is farther from
-  /// the ground, w_k × r_j.
+  /// The derivative of column k of the vector r between the ends of a segment along direction j. If both move
+  /// the same end, it is w_j × r_k or, if j is farther from the ground, w_k × r_j; otherwise 0.
   static Vec3<T> bent(const Column& j, const Column& k) {
     if (j.end != k.end) return {};
     return j.body <= k.body ? cross(j.X.w, k.X.v) : cross(k.X.w, j.X.v);
   }
-  /// The derivative of column k of the relative twist along direction j, [ξ_k, ξ_j] or 0 (D16.12).
+  /// The derivative of column ξ_k of the relative twist along direction j: [ξ_k, ξ_j] or 0 (D16.12).
   static Screw<T> turned(const Column& j, const Column& k) {
     const bool moves = k.end == 1 ? j.end == 1 && k.body < j.body : j.end == 1 || k.body >= j.body;
     return moves ? ad(k.X, j.X) : Screw<T>{};
   }
 
-  /// Adds ∂x/∂q and ∂x'/∂q of a segment.
+  /// Adds the contributions of one segment to ∂x/∂q and ∂x'/∂q of the spring coordinate x, in columns_.
   void add_gradient(const Segment<T>& at) const noexcept {
     const T inverse = at.length == T(0) ? T(0) : T(1) / at.length;
     for (const Column& j : columns_.all()) {
@@ -124,7 +127,8 @@ template <class T, class Add> class DifferentiateSpring {
       columns_.add(j.c, l_j, dot(at.u, turn) + inverse * (dot(at.dr, j.X.v) - at.rate * l_j));
     }
   }
-  /// Adds -F ∂²x/∂q² of a segment. `slope` is the limit of F/x for a segment without length.
+  /// Adds -F ∂²x/∂q² of one segment to the derivatives of the forces; x is its length and F the tension.
+  /// `slope` is the limit of F/x for a segment without length.
   void add_curvature(const Segment<T>& at, const T& F, const T& slope) const noexcept {
     const T string = at.length == T(0) ? slope : F / at.length;
     for (const Column& j : columns_.all()) {
@@ -134,7 +138,8 @@ template <class T, class Add> class DifferentiateSpring {
              T(0));
     }
   }
-  /// Adds -∂F/∂q ∂x/∂q and -∂F/∂v ∂x/∂q.
+  /// Adds -(∂F/∂q) ∂x/∂q and -(∂F/∂v) ∂x/∂q to the derivatives of the forces, for a spring with the
+  /// coordinate x and the tension F.
   void add_by_coordinate(const Tension<T>& F) const noexcept {
     for (int m = 0; m < columns_.n_velocities; ++m) {
       const int j = columns_.velocities[m];

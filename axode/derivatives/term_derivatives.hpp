@@ -3,8 +3,9 @@
 #include "axode/recursion/loads.hpp"
 
 /// Derivatives of the terms of the equations of motion M(q) a + C(q, v) v + g(q) = τ + Q(q, v), each term on
-/// its own: nv × nv numbers, [component, direction]. No allocation; O(n d), and the time to write the zeros.
-/// Directions and loads are those of inverse_dynamics_derivatives().
+/// its own. A matrix has nv × nv numbers, [component, direction]. No allocation; O(n d) on paths of d
+/// velocities, and the time to write the zeros. Directions and loads are those of
+/// inverse_dynamics_derivatives().
 namespace axode {
 
 /// Computes ∂g/∂q of the gravity forces g(q).
@@ -12,10 +13,11 @@ template <class T>
 void gravity_derivatives(const Model& model, Workspace<T>& workspace, Numbers<T> q,
                          std::type_identity_t<std::span<T>> dq);
 
-/// Receives ∂/∂q and ∂/∂v of a vector. They must not overlap.
+/// Receives the derivatives of a vector (or number) by q and by v. They must not overlap.
 template <class T> struct StateDerivatives { std::span<T> q, v; };
 
-/// Computes the derivatives of C(q, v) v by q and v.
+/// Computes the derivatives of the Coriolis and centrifugal forces C(q, v) v by q and v, nv × nv numbers
+/// each.
 template <class T>
 void coriolis_derivatives(const Model& model, Workspace<T>& workspace, Numbers<T> q, Numbers<T> v,
                           const std::type_identity_t<StateDerivatives<T>>& d);

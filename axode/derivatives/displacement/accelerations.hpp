@@ -6,10 +6,12 @@
 
 namespace axode {
 
-/// Computes the accelerations at given forces, and afterwards M⁻¹ X for matrices X of nv columns. It uses the
-/// fast articulated bodies, or the hybrid representation if joints are coupled or M may be singular.
+/// Computes accelerations by forward dynamics, and then M⁻¹ X for matrices X of nv columns. It uses the fast
+/// kernel of articulated bodies or, if joints are coupled or M may be singular, the recursion in hybrid
+/// representation.
 template <class T> struct AccelerationsAndColumns {
-  /// The largest number of velocities for which products with M⁻¹ are faster than articulated bodies.
+  /// The largest number of velocities for which products with M⁻¹ are used instead of articulated bodies,
+  /// because they are faster.
   static constexpr int most_velocities = 100;
   FastForwardDynamics<T> fast;
   using Bodies = typename FastForwardDynamics<T>::Bodies;
@@ -42,9 +44,9 @@ template <class T> struct AccelerationsAndColumns {
       for (std::ptrdiff_t r = 0; r < nv; ++r) matrix[r * nv + c] = x[r];
     }
   }
-  /// Replaces X by M⁻¹ X for a matrix X that has entries only for pairs of velocities on one path, given M⁻¹.
-  /// Products of M⁻¹ with the few entries of a column are faster than articulated bodies except on large
-  /// trees.
+  /// Replaces X by M⁻¹ X, given M⁻¹, for a matrix X that has non-zero entries only for pairs of velocities on
+  /// one path. Products of M⁻¹ with the few entries of a column are faster than articulated bodies except on
+  /// large trees.
   void solve(const Tree<T>& tree, const T* M_inverse, T* matrix) noexcept {
     if (!is_fast || tree->nv > most_velocities) return solve(tree, matrix);
     using L = Lanes<T>;
@@ -58,8 +60,8 @@ template <class T> struct AccelerationsAndColumns {
         rows[n] = r;
         u[n++] = L::load(columns_of + r * nv, nv - first);
       }
-      for (int r = 0; r < nv; r += 4) {  // four rows of the result at once, so that their sums do not wait
-                                         // for each other
+      for (int r = 0; r < nv; r += 4) {  // four rows of the result at once, so that no sum waits
+                                         // for another one
         const int row[]{r, std::min(r + 1, nv - 1), std::min(r + 2, nv - 1), std::min(r + 3, nv - 1)};
         typename L::Number sum[4]{T(0), T(0), T(0), T(0)};
         for (int k = 0; k < n; ++k) {

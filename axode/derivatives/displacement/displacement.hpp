@@ -2,20 +2,23 @@
 #include "axode/lie/inertia.hpp"
 #include "axode/lie/mat3.hpp"
 
-/// Derivatives of body wrenches when a subtree is displaced along a screw J: J is the joint screw of a
-/// velocity, or a unit screw at B_i for a geometric parameter, or any screw for a base. All quantities are
-/// spatial: they are in inertial axes and about one point O for each tree.
+/// Derivatives of body wrenches when a subtree is displaced along a screw J. J is the joint screw of a
+/// velocity, a unit screw for a geometric parameter, or any screw for a base. All quantities are spatial:
+/// they are in inertial axes and about one point O for each tree.
 ///
-/// In a frame that is displaced with the subtree only the motion of its base changes, by the velocity ψ' and
-/// the acceleration ψ''. This changes the wrench of a body of inertia M, twist V and momentum M V by M ψ'' +
-/// B ψ', where B X = M' X - ad_Xᵀ M V is the Coriolis force of M for the pair of velocities V and X.
+/// In a frame that is displaced with the subtree, only the motion of the base of the subtree changes: by the
+/// velocity ψ' and the acceleration ψ'', see CarriedScrew. This changes the wrench of a body with the inertia
+/// M and the twist V by M ψ'' + B ψ', where B X = M' X - ad_Xᵀ M V is the Coriolis force for the pair of
+/// velocities V and X.
 namespace axode {
 
-/// An element of se(3) in inertial axes: a twist, its rate, a screw and its rates.
+/// A six-vector of se(3) in inertial axes about O, which may be a twist, the rate of a twist, a screw or the
+/// rate of a screw.
 template <class T> using Motion6 = Twist<Spatial, T>;
 
-/// The first two time derivatives ψ' and ψ'' of a screw J that is fixed to a body with the twist V_p and its
-/// rate V'_p. See (D1.4) of docs/derivations.
+/// The first two time derivatives of a screw that coincides with J now and is fixed to a body with the twist
+/// V_p and the rate V'_p: `first` is ψ' = [V_p, J], and `second` is ψ'' = [V'_p, J] + [V_p, ψ']. See (D1.4)
+/// of docs/derivations.
 template <class T> struct CarriedScrew {
   Motion6<T> first, second;
 
@@ -24,9 +27,9 @@ template <class T> struct CarriedScrew {
 };
 
 /// The Coriolis inertia B = 2 [[D, 0], [-p~, 0]] of rigid bodies, each with its own twist. It has 12 numbers,
-/// which can be summed over bodies. With the position r and the velocity r' of the mass, D = tr(E) 1 - E, E =
-/// ∫ r' rᵀ dm and p = ∫ r' dm: B X = 2 ∫ (r × (w × r'); w × r') dm. See (D1.9) to (D1.12) of
-/// docs/derivations.
+/// which can be summed over bodies. For mass elements dm with the position r and the velocity r', let E = ∫
+/// r' rᵀ dm; then D = tr(E) 1 - E, p = ∫ r' dm, and B X = 2 ∫ (r × (w × r'); w × r') dm for a twist X = (w;
+/// v). See (D1.9) to (D1.12) of docs/derivations.
 template <class T> struct CoriolisInertia {
   Mat3<T> D;
   Vec3<T> p;
@@ -42,11 +45,12 @@ template <class T> struct CoriolisInertia {
     const Vec3<T> w = T(2) * X.w;
     return {D * w, cross(w, p)};
   }
-  /// The moment of the wrench Bᵀ X, whose force is 0.
+  /// The moment of the wrench Bᵀ X. The force of this wrench is 0.
   constexpr Vec3<T> transposed_times(const Motion6<T>& X) const {
     return T(2) * (transposed_times_(X.w) + cross(p, X.v));
   }
-  /// The derivative of B along a displacement J of the bodies. See (D2.10) of docs/derivations.
+  /// The derivative of B when the bodies are displaced along J together with their velocities r'. See (D2.10)
+  /// of docs/derivations.
   constexpr CoriolisInertia along(const Motion6<T>& J) const {
     const Vec3<T>& e = J.w;
     const T pv = dot(p, J.v);  // D' = e~ D - D e~ + p·v 1 - p vᵀ

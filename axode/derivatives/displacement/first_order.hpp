@@ -8,9 +8,9 @@
 
 namespace axode {
 
-/// Computes ∂τ/∂q, ∂τ/∂v and ∂τ/∂a of inverse dynamics. Every joint screw is multiplied with all columns of
-/// its subtree. For each pair of a screw and a column, the entries of all three matrices take 67 products and
-/// sums. See (D1.17) of docs/derivations.
+/// Computes ∂τ/∂q, ∂τ/∂v and ∂τ/∂a of inverse dynamics. A column is one joint screw, and every screw is
+/// multiplied with all columns of its subtree. The entries of all three matrices take 67 products and sums
+/// for each pair of a screw and a column. See (D1.17) of docs/derivations.
 template <class T> struct FirstOrder {
   using L = Lanes<T>;
   using Number = typename L::Number;
@@ -20,7 +20,7 @@ template <class T> struct FirstOrder {
   Arrays<T> effect;  ///< the ScrewEffects of each column
   Arrays<T> line;    ///< products of one screw with the columns of its subtree
   BodyPoses<T> inertial;
-  LoadStiffness<T>* N;  ///< load stiffness of the wrenches on each body, after compose() on its subtree
+  LoadStiffness<T>* N;  ///< load stiffness of each body; after compose() that of its subtree
   Arrays<T> NtS;        ///< Nᵀ S of each column
   T* own;
 
@@ -46,7 +46,8 @@ template <class T> struct FirstOrder {
       if (!loads.wrenches.empty()) load(tree, q, loads.wrenches);
     compose(*tree.operator->(), !loads.wrenches.empty());
   }
-  /// Computes the ScrewEffects of all columns from the bodies, whose motion and loads have been set.
+  /// Computes the ScrewEffects of all columns from the motion and loads of the bodies, which must be in
+  /// `screws`. `loaded` says whether there are loads.
   void compose(const Topology& topology, bool loaded) noexcept {
     screws.compose(topology);
     for (int c = 0; c < topology.n_screws; c += L::width) {
@@ -57,7 +58,7 @@ template <class T> struct FirstOrder {
     if (loaded) stiffen(topology);
   }
 
-  /// Computes the forces τ of the state. The result may share the memory of v or a.
+  /// Computes the forces τ of inverse dynamics at the state of run(). `tau` may share the memory of v or a.
   template <class Real>
   void project(const Tree<Real>& tree, const T* v, const T* a, bool joint_losses, T* tau) const noexcept {
     joint_terms(tree, v, a, joint_losses, own);
@@ -70,7 +71,7 @@ template <class T> struct FirstOrder {
     }
   }
 
-  /// Writes the matrices, nv × nv numbers each, [component, direction].
+  /// Writes the matrices ∂τ/∂q, ∂τ/∂v and ∂τ/∂a, nv × nv numbers each, [component, direction].
   template <class Real>
   void write(const Tree<Real>& tree, const Loads<T>& loads, T* dq, T* dv, T* da) noexcept {
     const std::ptrdiff_t nv = tree->nv;
@@ -106,8 +107,9 @@ template <class T> struct FirstOrder {
     }
   }
 
-  /// Calls by_q(component, direction, part of ∂τ/∂q), and by_v in the same way with ∂τ/∂v, entry by entry. An
-  /// entry of a velocity that several joints share comes in several parts, which add up.
+  /// Calls by_q(component, direction, part of the entry) for every entry of ∂τ/∂q that can differ from 0, and
+  /// by_v with the same arguments for ∂τ/∂v. An entry of a velocity that several joints share comes in
+  /// several parts, which add up.
   template <class Real, class ByQ, class ByV>
   void each_entry(const Tree<Real>& tree, const Loads<T>& loads, const ByQ& by_q, const ByV& by_v) noexcept {
     for (int i = 1; i <= tree->n; ++i)
@@ -119,8 +121,8 @@ template <class T> struct FirstOrder {
       for (std::ptrdiff_t c = 0; c < tree->nv; ++c) by_v(c, c, T(tree.damping[static_cast<std::size_t>(c)]));
   }
 
-  /// Calls f(given wrench, body, point, moment, force) for each wrench on a moving body; the vectors are in
-  /// inertial axes, and the point is relative to O.
+  /// Calls f(given wrench, body, point, moment, force) for each load on a moving body. The vectors are in
+  /// inertial axes, and the point is relative to O, the origin of the root of the body.
   template <class F>
   void each_load(const Tree<T>& tree, std::span<const AppliedWrench<T>> wrenches, const F& f) const noexcept {
     for (const AppliedWrench<T>& given : wrenches) {
@@ -141,11 +143,12 @@ template <class T> struct FirstOrder {
               });
   }
 
-  /// Offsets of the parts of ScrewEffects.
+  /// Offsets of the members of ScrewEffects in its array of numbers.
   enum Part { S = 0, psi_2 = 6, sigma = 12, U = 18, P = 24, R = 30, psi_1 = 36, t = 39 };
 
  private:
-  /// Multiplies column l with the columns from `begin` on.
+  /// Multiplies column l with the columns from `begin` to `end` - 1 and writes the products of ScrewEffects
+  /// to `line`.
   void multiply(int l, int begin, int end, bool loaded) noexcept {
     const Arrays<T> e = effect, n = NtS, out = line;  // local copies, so that the compiler knows that no
                                                       // result overwrites them
@@ -163,7 +166,8 @@ template <class T> struct FirstOrder {
     }
   }
 
-  /// Calls by_q, by_v and by_a with the entries that follow from column l of body i, after multiply().
+  /// Calls by_q, by_v and by_a as f(component, direction, part of the entry) with the entries that follow
+  /// from column l of body i, after multiply().
   template <class Real, class ByQ, class ByV, class ByA>
   void each_entry_of(const Tree<Real>& tree, int l, int i, const ByQ& by_q, const ByV& by_v,
                      const ByA& by_a) const noexcept {

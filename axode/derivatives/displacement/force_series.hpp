@@ -4,11 +4,13 @@
 
 namespace axode {
 
-/// The forces of a motion as power series in time, to any order, in spatial representation about the origins
-/// of the roots at t = 0, where a wrench is the rate of a momentum. With Π = M V of each body
+/// Computes the drive forces τ of a motion as power series in time, to any order. All quantities are in
+/// spatial representation about the origins of the roots at t = 0, where a wrench is the rate of a momentum.
+/// An index k denotes the coefficient of t^k. With the momentum Π = M V of each body, its wrench W, its joint
+/// screws J and the sum F of the wrenches W over its subtree
 ///   (k + 1) M_{k+1} = Σ_{l<=k} (-ad_Vᵀ M - M ad_V)_{l, k-l}      Π_k = Σ_{l<=k} M_l V_{k-l}
-///   W_k = (k + 1) Π_{k+1} - (gravity)_k - (loads)_k   τ_k = Σ_{l<=k} J_l|F_{k-l},  F = Σ W over its subtree.
-/// Cost O(n k²). See (D3.9) to (D3.11) of docs/derivations.
+///   W_k = (k + 1) Π_{k+1} - (gravity)_k - (loads)_k   τ_k = Σ_{l<=k} J_l|F_{k-l}
+/// It costs O(n k²) up to order k. See (D3.9) to (D3.11) of docs/derivations.
 template <class T> class ForceSeries {
  public:
   /// `order` is the order of the series of τ.
@@ -25,7 +27,7 @@ template <class T> class ForceSeries {
   int order() const { return order_; }
 
   /// Computes τ, τ', ... (order + 1 rows of nv numbers) from q and `rates`, which are v, v', v'', ... (order
-  /// + 2 rows of nv numbers). They must not overlap.
+  /// + 2 rows of nv numbers). `tau` and `rates` must not overlap.
   void run(const Tree<T>& tree, const T* q, const T* rates, const Loads<T>& loads, T* tau) noexcept {
     motion_.run_about_roots(tree, q, rates);
     for (int k = 0; k <= order_; ++k) W(0, k) = {};
@@ -60,7 +62,7 @@ template <class T> class ForceSeries {
  private:
   Wrench<Spatial, T>& W(int i, int k) { return W_[static_cast<std::size_t>(i * stride_ + k)]; }
 
-  /// Sets the wrench of body i to the one that its motion under gravity requires.
+  /// Computes the series of the wrench that the motion of body i under gravity requires.
   void set_inertial(const Tree<T>& tree, int i) noexcept {
     const auto V = [&](int k) {
       const Screw<T>& X = motion_.twist(i)[k];
@@ -79,8 +81,8 @@ template <class T> class ForceSeries {
       W(i, k) = {T(k + 1) * Pi.l - cross(M_[at(k)].h, tree.g), T(k + 1) * Pi.p - weight};
     }
   }
-  /// Subtracts the loads from the wrenches. Whether a load turns with its body is defined by its
-  /// representation.
+  /// Subtracts the loads from the wrenches of their bodies. The representation of a load determines whether
+  /// its moment and force turn with the body.
   void apply(const Tree<T>& tree, const T* q, std::span<const AppliedWrench<T>> wrenches) noexcept {
     for (int i = 1; i <= tree->n; ++i) {
       const int p = tree->parent[i];

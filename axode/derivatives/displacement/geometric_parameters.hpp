@@ -1,9 +1,11 @@
 #pragma once
 #include "axode/model/tree.hpp"
 
-/// Geometric parameters (section 6.2): B_i becomes B_i exp(U π), which displaces the subtree of joint i along
-/// U. U is resolved in the frame that body i has while its joint is at zero: C_i = C_p B_i exp(U π) exp(X_i
-/// q_i).
+/// Geometric parameters π (section 6.2), six for each body i. Let B_i be the pose, relative to the
+/// predecessor p, of the frame that body i has while its joint is at zero, and X_i the screws of the joint.
+/// The parameters change B_i to B_i exp(U π), which displaces the subtree of joint i along U: C_i = C_p B_i
+/// exp(U π) exp(X_i q_i). U is a unit screw, resolved in the frame that body i has while its joint is at
+/// zero.
 namespace axode {
 
 /// The pose of the frame that body i has while its joint is at zero, relative to the present internal frame
@@ -15,8 +17,8 @@ template <class T> SE3<T> frame_at_zero(const Tree<T>& tree, int i, const T* q) 
     return inverse(moved) * tree.frame_offset[i];
   });
 }
-/// Calls f(u, screw) for the six unit screws of a frame with the pose E, angular before linear. The screws
-/// are expressed in the frame relative to which E is given.
+/// Calls f(u, screw) for the six unit screws u = 0 to 5 of a frame with the pose E, angular before linear.
+/// The screws are expressed in the frame relative to which E is given.
 template <class T, class F> void each_unit_screw(const SE3<T>& E, const F& f) noexcept {
   for (int u = 0; u < 6; ++u) {
     const auto one = [&](int k) { return T(u == k); };

@@ -5,8 +5,9 @@
 
 namespace axode {
 
-/// Computes ∂τ/∂π of inverse dynamics for the geometric parameters π. A parameter displaces a subtree as a
-/// joint does, but has no force of its own. See (D1.18) of docs/derivations.
+/// Computes ∂τ/∂π of inverse dynamics with respect to the geometric parameters π, see
+/// geometric_parameters.hpp. A parameter displaces a subtree as a velocity of a joint does, but has no force
+/// of its own. See (D1.18) of docs/derivations.
 template <class T> struct GeometryDerivatives {
   using L = Lanes<T>;
   using Number = typename L::Number;
@@ -16,7 +17,7 @@ template <class T> struct GeometryDerivatives {
 
   explicit GeometryDerivatives(Arena& arena) : state(arena), line(arena, 1, arena.topology().n_screws) {}
 
-  /// Writes ∂τ/∂π, nv × n × 6 numbers, [component, body - 1, screw].
+  /// Writes ∂τ/∂π, nv × n × 6 numbers for n bodies, [component, body - 1, unit screw].
   void run(const Tree<T>& tree, const T* q, const T* v, const T* a, const Loads<T>& loads, T* out) noexcept {
     const bool loaded = !loads.wrenches.empty();
     state.run(tree, q, v, a, loads);
@@ -48,7 +49,8 @@ template <class T> struct GeometryDerivatives {
   }
 
  private:
-  /// Computes U_k|ψ'' + t_k·ω(ψ') + N_kᵀ S_k|J for the columns k from `begin` to `end`, see ScrewEffects.
+  /// Computes U_k|ψ'' + t_k·ω(ψ') + N_kᵀ S_k|J for the columns k from `begin` to `end` - 1, with the factors
+  /// U, t and N of ScrewEffects, and writes them to `line`.
   void multiply(const CarriedScrew<T>& psi, const Motion6<T>& J, int begin, int end, bool loaded) noexcept {
     using Part = typename FirstOrder<T>::Part;
     for (int c = begin; c < end; c += L::width) {
@@ -64,7 +66,8 @@ template <class T> struct GeometryDerivatives {
   }
 };
 
-/// Computes ∂a/∂π of forward dynamics: -M⁻¹ times ∂τ/∂π at the accelerations a.
+/// Computes ∂a/∂π of forward dynamics with respect to the geometric parameters π: -M⁻¹ ∂τ/∂π, with ∂τ/∂π of
+/// inverse dynamics at the accelerations a.
 template <class T> struct ForwardGeometryDerivatives {
   AccelerationsAndColumns<T> forward;
   GeometryDerivatives<T> inverse;

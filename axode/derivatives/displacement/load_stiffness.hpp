@@ -2,12 +2,12 @@
 #include "axode/lie/mat3.hpp"
 #include "axode/lie/twist.hpp"
 
-/// Derivatives of loads. A load is a wrench with constant components in a representation; this determines
-/// whether it turns with the body on which it acts.
+/// Derivatives of loads. The components of a load (a wrench) are constant in its representation, which
+/// determines whether it turns with the body on which it acts.
 namespace axode {
 
-/// The change L(X) W of a load W on a body that is displaced along X, if W is constant in a representation;
-/// both are resolved in the loaded frame. See (D1.14) of docs/derivations.
+/// The change L(X) W of a load W, which is constant in a representation, when its body is displaced along X.
+/// W and X are resolved in the frame on which the load acts. See (D1.14) of docs/derivations.
 template <class T>
 constexpr Wrench<BodyFixed, T> load_change(Representation representation, const Wrench<BodyFixed, T>& W,
                                            const Twist<BodyFixed, T>& X) {
@@ -19,7 +19,8 @@ constexpr Wrench<BodyFixed, T> load_change(Representation representation, const 
   }
   return {};
 }
-/// The gradient of L(X) W | Y with respect to X.
+/// The gradient of the power L(X) W | Y with respect to X, where L(X) W is the change of a load W that
+/// turned() computes.
 template <class T>
 constexpr Wrench<BodyFixed, T> load_change_transposed(Representation representation,
                                                       const Wrench<BodyFixed, T>& W,
@@ -33,14 +34,15 @@ constexpr Wrench<BodyFixed, T> load_change_transposed(Representation representat
   return {};
 }
 
-/// The stiffness matrix N of wrenches that are constant in a representation: if a subtree is displaced along
-/// X, the wrench that balances them changes by N X in a frame that is displaced with it. N = [[A, -b~], [-f~,
-/// 0]], 15 numbers. See (D1.15) of docs/derivations.
+/// The stiffness matrix N of loads (wrenches) that are constant in their representations. If a subtree is
+/// displaced along X, the wrench that balances its loads changes by N X, as seen in a frame that is displaced
+/// with the subtree. N = [[A, -b~], [-f~, 0]] has 15 numbers, which can be summed over loads. See (D1.15) of
+/// docs/derivations.
 template <class T> struct LoadStiffness {
   Mat3<T> A;
   Vec3<T> b, f;
 
-  /// The matrix N of one wrench at the point r, in inertial axes. It is 0 if the wrench is body-fixed.
+  /// The matrix N of one load (m; f) at the point r, all in inertial axes. It is 0 if the load is body-fixed.
   static constexpr LoadStiffness of(Representation representation, const Vec3<T>& r, const Vec3<T>& m,
                                     const Vec3<T>& f) {
     const auto minus = [](const Mat3<T>& X) { return T(-1) * X; };

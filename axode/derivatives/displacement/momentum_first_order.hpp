@@ -4,11 +4,12 @@
 
 namespace axode {
 
-/// Derivatives of momenta, and of p' = Π|[V, S] of the kinetic energy, along a joint screw S. The joint of l
-/// is before that of k; if both are of one joint, the second line holds for any two:
+/// Factors from which the derivatives of the momenta M v, and of the part Π|[V, S] of p', are products, for
+/// each joint screw S; Π is the momentum of its subtree. If the joint of l is before that of k on one path,
 ///   d(Mv)_l/dq_k = S_l|D_k   dp'_l/dq_k = η_l|D_k    dp'_l/dv_k = η_l|U_k
 ///   d(Mv)_k/dq_l = U_k|ψ_l   dp'_k/dq_l = A_k|ψ_l    dp'_k/dv_l = A_k|S_l
-/// See (D5.3) and (D5.4) of docs/derivations.
+/// If l and k belong to one joint, the second line holds for any two. See (D5.3) and (D5.4) of
+/// docs/derivations.
 template <class T> struct MomentumEffects {
   Motion6<T> S, psi,
       eta;  ///< ψ = [V_p, S] with the twist of the predecessor, η = [V, S] with that of the body
@@ -17,7 +18,8 @@ template <class T> struct MomentumEffects {
   static constexpr std::size_t size = 36;
   using Entries = std::array<T, size>;
 
-  /// Computes the quantities for a joint whose subtree has the inertia M and the momentum Π.
+  /// Computes the factors for a joint screw S. M and Pi are the inertia and the momentum of its subtree, V_p
+  /// is the twist of the predecessor and V that of the body.
   static constexpr MomentumEffects of(const Inertia<T>& M, const Wrench<Spatial, T>& Pi, const Motion6<T>& S,
                                       const Motion6<T>& V_p, const Motion6<T>& V) {
     const auto times_M = [&](const Motion6<T>& X) {
@@ -30,8 +32,8 @@ template <class T> struct MomentumEffects {
   }
 };
 
-/// The derivatives of (v, p') of momentum_form() by q and p. With (Mv)_q, F_q and F_v the derivatives of M v
-/// and of p' as functions of q and v:
+/// Computes the derivatives of (v, p') of momentum_form() by q and p. Let (Mv)_q be the derivative of M v by
+/// q, and F_q and F_v those of p' by q and v, all as functions of (q, v). Then
 ///   v_q = -M⁻¹ (Mv)_q, v_p = M⁻¹, p'_q = F_q + F_v v_q, p'_p = F_v M⁻¹.
 /// See (D5.5) of docs/derivations.
 template <class T> struct MomentumFirstOrder {
@@ -52,7 +54,7 @@ template <class T> struct MomentumFirstOrder {
         v(arena.per_velocity<T>()),
         zero(arena.per_velocity<T>()) {}
 
-  /// Writes the matrices, nv × nv numbers each, [component, direction].
+  /// Writes the matrices ∂v/∂q, ∂v/∂p, ∂p'/∂q and ∂p'/∂p, nv × nv numbers each, [component, direction].
   Solvability run(const Tree<T>& tree, const T* q, const T* p, const Loads<T>& loads, T* v_q, T* v_p, T* dp_q,
                   T* dp_p) noexcept {
     const std::ptrdiff_t nv = tree->nv, entries = nv * nv;
@@ -92,8 +94,9 @@ template <class T> struct MomentumFirstOrder {
     return verdict;
   }
 
-  /// Computes (Mv)_q, F_q and F_v of the kinetic energy of the bodies alone, without gravity, loads and
-  /// armatures, nv × nv numbers each, a column for each direction.
+  /// Computes the derivatives (Mv)_q of M v by q, and F_q and F_v of p' by q and v, for the kinetic energy of
+  /// the bodies alone: without gravity, loads and armatures. They are nv × nv numbers each, [component,
+  /// direction].
   void kinetic(const Tree<T>& tree, const T* q, const T* v_given, T* Mv_q, T* F_q, T* F_v) noexcept {
     const std::ptrdiff_t nv = tree->nv;
     std::fill_n(zero, nv, T(0));
@@ -112,8 +115,9 @@ template <class T> struct MomentumFirstOrder {
       for (std::ptrdiff_t c = 0; c < r; ++c) std::swap(matrix[r * n + c], matrix[c * n + r]);
   }
 
-  /// Computes the MomentumEffects of all joint screws. The recursion of `terms` runs with velocities 0 and
-  /// the accelerations v, so that its rates V' and wrenches F are the twists V and momenta Π of the motion.
+  /// Computes the MomentumEffects of all joint screws. The recursion of `terms` runs with velocities 0,
+  /// accelerations v and no gravity, so that its rates V' and wrenches F are equal to the twists V and
+  /// momenta Π of the motion.
   void move(const Tree<T>& tree, const T* q) noexcept {
     MovingScrews<T>& screws = terms.screws;
     screws.run(tree, q, zero, v, {});
@@ -133,10 +137,11 @@ template <class T> struct MomentumFirstOrder {
     }
   }
 
-  /// Offsets of the parts of MomentumEffects.
+  /// Offsets of the members of MomentumEffects in its array of numbers.
   enum Part { S = 0, psi = 6, eta = 12, U = 18, D = 24, A = 30 };
 
-  /// Multiplies column l with the columns from `begin` on.
+  /// Multiplies column l with the columns from `begin` to `end` - 1 and writes the six products of
+  /// MomentumEffects to `line`.
   void multiply(int l, int begin, int end) noexcept {
     Number x[U];
     for (int k = 0; k < U; ++k) x[k] = Number(effect.array(k)[l]);
@@ -150,8 +155,8 @@ template <class T> struct MomentumFirstOrder {
       }
   }
 
-  /// Calls f(component, direction, part of the derivative) for the entries of (Mv)_q, F_q and F_v, each with
-  /// its own function f.
+  /// Calls Mv_by_q, by_q and by_v as f(component, direction, part of the entry) for the entries of (Mv)_q,
+  /// F_q and F_v. An entry of a velocity that several joints share comes in several parts, which add up.
   template <class MvByQ, class ByQ, class ByV>
   void each_entry(const Tree<T>& tree, const MvByQ& Mv_by_q, const ByQ& by_q, const ByV& by_v) noexcept {
     for (int i = 1; i <= tree->n; ++i)

@@ -9,14 +9,15 @@
 
 namespace axode {
 
-/// The quantities on which the change of the wrench of a displaced body depends: inertia M, Coriolis inertia
-/// B and wrench F. They are summed over bodies. See (D1.11) of docs/derivations.
+/// The quantities of a body on which the change of its wrench depends when it is displaced: inertia M,
+/// Coriolis inertia B and wrench F, in inertial axes about O. They can be summed over bodies. See (D1.11) of
+/// docs/derivations.
 template <class T> struct MovingInertia {
   Inertia<T> M;
   CoriolisInertia<T> B;
   Wrench<Spatial, T> F;  ///< M V' + B V / 2 minus the applied wrenches
 
-  static constexpr std::size_t size = 28;  ///< numbers
+  static constexpr std::size_t size = 28;  ///< number of numbers
   using Entries = std::array<T, size>;
 
   static constexpr MovingInertia of(const Inertia<T>& M, const Motion6<T>& V, const Motion6<T>& dV) {
@@ -26,20 +27,22 @@ template <class T> struct MovingInertia {
   }
 };
 
-/// Factors of the derivatives along a joint screw S. The joint of l is before that of k; if both are of one
-/// joint, the second line and M_lk hold for any two:
+/// Factors from which the derivatives of τ are products, for each joint screw S: with the screws S_l and S_k
+/// of the velocities l and k, where the joint of l is before that of k on one path,
 ///   dτ_l/dq_k = S_l|P_k   dτ_l/dv_k = S_l|R_k   M_lk = S_l|U_k
 ///   dτ_k/dq_l = U_k|ψ''_l + t_k·ω(ψ'_l) + N_kᵀS_k|S_l   dτ_k/dv_l = U_k|σ_l + t_k·ω(S_l)
+/// where ω is the angular part. If l and k belong to one joint, the second line and M_lk hold for any two.
 /// See (D1.16) and (D1.17) of docs/derivations.
 template <class T> struct ScrewEffects {
   Motion6<T> S, psi_2, sigma;
   Wrench<Spatial, T> U, P, R;
-  Vec3<T> psi_1, t;  ///< psi_1: the angular part
+  Vec3<T> psi_1, t;  ///< psi_1: angular part of ψ'
 
   static constexpr std::size_t size = 42;
   using Entries = std::array<T, size>;
 
-  /// Computes the effects of a screw S, with V_p and V'_p of the predecessor and V of the body.
+  /// Computes the factors for a joint screw S. `moved` is the sum over the subtree, V_p and dV_p are the
+  /// twist of the predecessor and its rate, and V is the twist of the body.
   static constexpr ScrewEffects of(const MovingInertia<T>& moved, const Motion6<T>& S, const Motion6<T>& V_p,
                                    const Motion6<T>& dV_p, const Motion6<T>& V) {
     const CarriedScrew<T> psi(V_p, dV_p, S);
@@ -59,7 +62,8 @@ template <class T> struct ScrewEffects {
   }
 };
 
-/// Loads a six-vector from the components 0 to 5 of the entries from i on, and stores one in entry i.
+/// load6() loads a six-vector from components 0 to 5 of the entries from i on, one entry in each lane. set6()
+/// stores one six-vector in entry i.
 template <class T> Motion6<typename Lanes<T>::Number> load6(const Arrays<T>& x, int i) {
   return {x.load3(0, i), x.load3(3, i)};
 }
@@ -68,8 +72,8 @@ template <class T> void set6(const Arrays<T>& x, int i, const Motion6<T>& X) {
   x.set3(X.v, 3, i);
 }
 
-/// Sums n arrays with an entry for each body over the subtree of each joint, and copies the sums to the
-/// columns of the joint.
+/// Sums n arrays, which have an entry for each body, over the subtree of each joint. Writes the sums to
+/// `of_columns`, which has an entry for each joint screw.
 template <class T>
 void sum_subtrees(const Topology& topology, int n, const Arrays<T>& of_bodies,
                   const Arrays<T>& of_columns) noexcept {
@@ -91,10 +95,10 @@ void sum_subtrees(const Topology& topology, int n, const Arrays<T>& of_bodies,
   }
 }
 
-/// The joint screws of a moving tree, and the quantities on which displacements along them depend, about the
-/// origins of the roots at this instant. A column is one joint screw; the columns of a subtree are adjacent.
-/// The screw of a coupled joint is for a unit velocity of its leader. It takes about 650 products and sums
-/// for a hinge.
+/// The joint screws of a moving tree, and the quantities on which displacements along them depend, in
+/// inertial axes about the origins of the roots at this instant. A column is one joint screw; the columns of
+/// a subtree are adjacent. The screw of a coupled joint is for a unit velocity of its leader. All members
+/// together take about 650 products and sums for a hinge.
 template <class T> struct MovingScrews {
   using L = Lanes<T>;
   using Number = typename L::Number;
@@ -106,7 +110,7 @@ template <class T> struct MovingScrews {
   Arrays<T> C, V, dV;     ///< for each body: its pose (columns of R, then r), its twist, and the rate of its
                           ///< twist with gravity included
   SpatialMotion* moving;  ///< V and dV of each body
-  Arrays<T> moved;        ///< MovingInertia of each body, after compose() of its subtree
+  Arrays<T> moved;        ///< MovingInertia of each body; after compose() that of its subtree
   Arrays<T> S, V_p, dV_p,
       V_i;            ///< for each column: the screw, the twist of the predecessor and its rate, and the
                       ///< twist of the body
@@ -125,7 +129,7 @@ template <class T> struct MovingScrews {
         V_i(arena, 6, arena.topology().n_screws),
         subtree(arena, static_cast<int>(MovingInertia<T>::size), arena.topology().n_screws) {}
 
-  /// Computes motion and inertia of each body, and the joint screws.
+  /// Computes the motion and the MovingInertia of each body, and the joint screws.
   template <class Real>
   void run(const Tree<Real>& tree, const T* q, const T* v, const T* a, const Vec3<T>& g) noexcept {
     moving[0] = {{}, {{}, -g}};
@@ -157,40 +161,41 @@ template <class T> struct MovingScrews {
     }
   }
 
-  /// Applies a wrench on body i, about O.
+  /// Applies an external wrench W (in inertial axes about O) on body i, before compose().
   void load(int i, const Wrench<Spatial, T>& W) const noexcept {
     moved.set3(moved.get3(22, i) - W.m, 22, i);
     moved.set3(moved.get3(25, i) - W.f, 25, i);
   }
 
-  /// Sums inertias and wrenches over the subtrees.
+  /// Sums MovingInertia over the subtree of each joint.
   void compose(const Topology& topology) noexcept {
     sum_subtrees(topology, static_cast<int>(MovingInertia<T>::size), moved, subtree);
   }
-  /// The wrench that the joint of body i transmits, after compose().
+  /// The wrench that the joint of body i transmits to the body, after compose().
   Wrench<Spatial, T> transmitted(int i) const { return {moved.get3(22, i), moved.get3(25, i)}; }
 
-  /// The ScrewEffects of the columns from c on, one in each lane, after compose().
+  /// The ScrewEffects of the columns from c on, one column in each lane, after compose().
   ScrewEffects<Number> effects(int c) const {
     return ScrewEffects<Number>::of(subtree_of_columns(c), load6(S, c), load6(V_p, c), load6(dV_p, c),
                                     load6(V_i, c));
   }
-  /// MovingInertia of the bodies from i on, before compose().
+  /// MovingInertia of the bodies from i on, one body in each lane, before compose().
   MovingInertia<Number> bodies(int i) const { return several(moved, i); }
-  /// MovingInertia of the subtrees of the columns from c on, and of column c, after compose().
+  /// MovingInertia of the subtrees of the columns from c on, one column in each lane, after compose().
+  /// subtree_of_column() returns that of column c alone.
   MovingInertia<Number> subtree_of_columns(int c) const { return several(subtree, c); }
   MovingInertia<T> subtree_of_column(int c) const {
     typename MovingInertia<T>::Entries numbers;
     for (std::size_t k = 0; k < numbers.size(); ++k) numbers[k] = subtree.array(static_cast<int>(k))[c];
     return std::bit_cast<MovingInertia<T>>(numbers);
   }
-  /// The pose of body i, about the origin of its root.
+  /// The pose of body i in inertial axes, relative to the origin of its root.
   SE3<T> pose(int i) const { return {{C.get3(0, i), C.get3(3, i), C.get3(6, i)}, C.get3(9, i)}; }
   Motion6<T> screw(int c) const { return {S.get3(0, c), S.get3(3, c)}; }
 
  private:
-  /// Stores the column c with the screw S, and adds its parts S v and S a + [V_p, S v] to the motion of the
-  /// body. For a joint with several screws, the sum of the brackets equals [V_i, S v].
+  /// Stores the column c with the screw S_c, and adds its parts v S_c and a S_c + v [V_p, S_c] to the motion
+  /// of the body. For a joint with several screws S, the sum of the brackets equals [V_i, S v].
   void add(int c, const Motion6<T>& S_c, const SpatialMotion& p, const T& v, const T& a,
            SpatialMotion& next) noexcept {
     set6(S, c, S_c);

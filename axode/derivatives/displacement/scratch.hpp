@@ -10,7 +10,7 @@
 #include "axode/derivatives/second_order/second_order_recursions.hpp"
 #include "axode/kinematics/path.hpp"
 
-/// Scratch memory of the functions of this floor in addition to that of the kernels.
+/// Scratch memory of the functions in axode/derivatives, in addition to that of their kernels.
 namespace axode {
 
 template <class T> struct ForwardJvp {
@@ -21,8 +21,9 @@ template <class T> struct ForwardJvp {
   explicit ForwardJvp(Arena& arena)
       : forward(arena), jvp(arena), zero(arena.per_velocity<T>()), x(arena.per_velocity<T>()) {}
 
-  /// Computes x = M⁻¹ (δτ - ∂τ/∂q δq - ∂τ/∂v δv) with the derivatives of inverse dynamics at the
-  /// accelerations. See (D1.24) of docs/derivations.
+  /// Computes the change x = M⁻¹ (δτ - ∂τ/∂q δq - ∂τ/∂v δv) of the accelerations of forward dynamics along
+  /// (dq, dv, dtau). The derivatives of inverse dynamics are taken at these accelerations. See (D1.24) of
+  /// docs/derivations.
   Solvability run(const Tree<T>& tree, const T* q, const T* v, const T* tau, const T* dq, const T* dv,
                   const T* dtau, const Loads<T>& loads) noexcept {
     const Solvability verdict = forward.run(tree, q, v, tau, loads);
@@ -47,8 +48,9 @@ template <class T> struct ForwardVjp {
     if (verdict.ok()) compute_gradient(tree, q, v, w, loads);
     return verdict;
   }
-  /// Computes, after forward.run(), the gradient of -μ·τ of inverse dynamics at the accelerations, with μ =
-  /// M⁻¹ w.
+  /// Computes the gradient by q and v of -μ·τ of inverse dynamics at the accelerations of forward.run(), with
+  /// μ = M⁻¹ w. It is the gradient of w·a of forward dynamics by q and v; that by τ is μ. Requires
+  /// forward.run().
   void compute_gradient(const Tree<T>& tree, const T* q, const T* v, const T* w,
                         const Loads<T>& loads) noexcept {
     std::copy_n(w, tree->nv, mu);
@@ -58,14 +60,15 @@ template <class T> struct ForwardVjp {
   }
 };
 
-/// The derivatives of one term of the equations of motion, with all other terms zero.
+/// Computes the derivatives of one term of the equations of motion by setting all other terms to 0.
 template <class T> struct TermDerivatives {
   FirstOrder<T> state;
   T* zero;
 
   explicit TermDerivatives(Arena& arena) : state(arena), zero(arena.per_velocity<T>()) {}
 
-  /// Computes the derivatives at the velocities v, or at rest. ∂/∂v is skipped if its output is null.
+  /// Computes the derivatives with loads and gravity g at the velocities v, or at rest if v is null. A
+  /// matrix, dq or dv, that is null is skipped.
   void run(const Tree<T>& tree, const T* q, const T* v, const Loads<T>& loads, const Vec3<T>& g, T* dq,
            T* dv) noexcept {
     std::fill_n(zero, tree->nv, T(0));
@@ -87,11 +90,11 @@ template <class T> struct EnergyGradient {
   explicit EnergyGradient(Arena& arena) : vjp(arena), zero(arena.per_velocity<T>()) {}
 };
 
-/// The joint screws of the bodies on the path to a place, in the frame of the place, beginning with the last
-/// body.
+/// The joint screws of the bodies on the path from a place (a frame, or a point in it) to the ground, in the
+/// frame of the place, beginning with the last body.
 template <class T> struct CarryingScrews {
   struct Column {
-    int j, c;  ///< body and velocity
+    int j, c;  ///< indices of body and velocity
     Twist<BodyFixed, T> J;
   };
   Column* column;
@@ -105,17 +108,19 @@ template <class T> struct CarryingScrews {
   }
 };
 
-/// The columns of both ends of a spring or of one segment of its path, up to the body where these meet, and
-/// the derivatives of the coordinate of the spring and of its rate by the velocities on the paths.
+/// The columns (joint screws) that move the ends of a spring, or of one segment of its path, relative to each
+/// other. They are those of the bodies from each end up to the body at which the paths of both ends meet. In
+/// addition, the derivatives of the coordinate of the spring and of its rate by the positions of these
+/// joints.
 template <class T> struct SpringColumns {
   struct Column {
-    int end, body, c;  ///< the end, body and velocity
+    int end, body, c;  ///< index of the end, of the body and of the velocity
     Screw<T> X;
   };
   Column* column;
   int count = 0;
   T *by_q, *rate_by_q;
-  int* velocities;  ///< velocities on the paths, each once
+  int* velocities;  ///< indices of velocities on the paths, each once
   int n_velocities = 0;
 
   explicit SpringColumns(Arena& arena)
@@ -132,7 +137,8 @@ template <class T> struct SpringColumns {
     count = n_velocities = 0;
     std::fill_n(listed_, nv_, char(0));
   }
-  /// Adds to the derivatives by the position of velocity c.
+  /// Adds x and dx to the derivatives of the coordinate and of its rate by the position that belongs to
+  /// velocity c.
   void add(int c, const T& x, const T& dx) noexcept {
     if (!listed_[c]) {
       listed_[c] = 1;
@@ -148,7 +154,7 @@ template <class T> struct SpringColumns {
   int nv_;
 };
 
-/// Memory for the Hessian of each component of the accelerations.
+/// Memory for the Hessians of the components of the accelerations, which are computed one after the other.
 template <class T> struct HessiansOfAccelerations {
   ForwardSecondOrder<T> one;
   T* w;

@@ -6,9 +6,10 @@
 
 namespace axode {
 
-/// Adds -ad_v of every joint to the diagonal of a matrix, whose rows have `width` numbers. Column k of a
-/// joint is [S e_k, S v] in the coordinates of the joint. The columns of S are unit vectors wherever the
-/// bracket is not 0.
+/// Adds -ad_v of every joint to its diagonal block of a matrix, whose rows have `width` numbers. ad_v is the
+/// bracket with the velocities v of the joint in its subgroup: with the joint screws S, column k of ad_v is
+/// [S v, S e_k] in the coordinates of the joint. The coordinates are found by products with the columns of S,
+/// because these are unit vectors if the bracket is not 0.
 template <class T> void subtract_ad(const Tree<T>& tree, const T* v, std::ptrdiff_t width, T* rows) {
   each_joint(tree, [&](const auto& joint, int i, bool coupled) {
     if (coupled) return;

@@ -3,11 +3,13 @@
 
 namespace axode {
 
-/// Computes the gradient of λ·τ of inverse dynamics with respect to (q, v, a) by two sweeps. The adjoint of
-/// the wrench of a body is the twist Λ that it would have if the joints moved with λ. Sums are over the
-/// subtree of a joint with the screw S; V and V' are those of the predecessor, and all quantities are in the
-/// axes of the body:
-///   A = Σ M Λ, H = Σ Bᵀ Λ (a pure moment), n = Σ Nᵀ Λ, F the transmitted wrench:
+/// Computes the gradient of λ·τ of inverse dynamics with respect to (q, v, a) by two sweeps. Λ is the twist
+/// that a body would have if the joints moved with the velocities λ; it is the adjoint of the wrench of the
+/// body. In the following, S is a screw of joint i, sums are over the subtree of joint i, Λ, V and V' are
+/// those of the predecessor p unless they are inside a sum, and all quantities are in the axes of the body.
+/// With the inertia M, the Coriolis inertia B and the load stiffness N of each body, and the wrench F that
+/// the joint transmits,
+///   A = Σ M Λ, H = Σ Bᵀ Λ (a wrench without force), n = Σ Nᵀ Λ
 ///   g = ad_Λᵀ F + ad_Vᵀ (H + ad_Vᵀ A) + ad_V'ᵀ A + n
 ///   ∂/∂q = S|g, ∂/∂v = S|(H + ad_{V_p + V_i}ᵀ A), ∂/∂a = S|A
 /// It takes about 380 products and sums for a hinge. See (D1.21) to (D1.23) of docs/derivations.
@@ -17,9 +19,9 @@ template <class G, class T> struct InverseDynamicsGradient {
   using Spread = typename G::Spread;
   using Matrix = typename G::Matrix;
   struct Motion {
-    Vector w, v;    ///< twists V
-    Vector dw, dv;  ///< rates V', gravity included
-    Vector Lw, Lv;  ///< adjoint twists Λ
+    Vector w, v;    ///< twist V
+    Vector dw, dv;  ///< rate V' of the twist, gravity included
+    Vector Lw, Lv;  ///< adjoint twist Λ
   };
   struct Body {
     Matrix R;
@@ -95,8 +97,8 @@ template <class G, class T> struct InverseDynamicsGradient {
     }
   }
 
-  /// Applies a load W on body i. n is the gradient of L(X) W | Λ by X for the representation in which the
-  /// load is constant.
+  /// Applies a load W on body i. n is the gradient of the power L(X) W | Λ with respect to a displacement X
+  /// of the body, see turned_transposed().
   void load(int i, const Wrench<BodyFixed, T>& W, const Wrench<BodyFixed, T>& n) noexcept {
     body[i].m -= Vector(W.m);
     body[i].f -= Vector(W.f);
@@ -104,7 +106,8 @@ template <class G, class T> struct InverseDynamicsGradient {
     body[i].n_f -= Vector(n.f);
   }
 
-  /// Adds the contributions of a body to the gradients.
+  /// The backward sweep, after forward() and load(): adds the contributions of all bodies to the gradients by
+  /// q, v and a.
   template <class S>
   void backward(const Tree<S>& tree, const T* v, const T* a, const T* lambda, T* by_q, T* by_v,
                 T* by_a) noexcept {
@@ -145,8 +148,9 @@ template <class G, class T> struct InverseDynamicsGradient {
   }
   bool loaded = false;  ///< whether there are loads, so that n is not 0
 
-  /// The wrench g of the subtree of joint i, after backward(): the gradient with respect to a displacement
-  /// that comes before the joint. V_J is the twist of the joint.
+  /// The wrench g of the subtree of joint i, after backward(): the power g|X on a screw X is the derivative
+  /// of λ·τ along a displacement X of the subtree that comes before the joint. V_J is the twist S v of the
+  /// joint.
   template <class S>
   Wrench<BodyFixed, T> by_displacement(const Tree<S>& tree, int i, const Twist<BodyFixed, T>& V_J, const T* a,
                                        const T* lambda) const noexcept {

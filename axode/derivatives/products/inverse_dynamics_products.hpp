@@ -17,7 +17,8 @@ template <class T> struct InverseDynamicsJvp {
   explicit InverseDynamicsJvp(Arena& arena)
       : tangent(arena), C(arena), eta(arena.per_body<Twist<BodyFixed, T>>()), out(arena.per_velocity<T>()) {}
 
-  /// The result may share the memory of an argument.
+  /// Computes δτ (nv) at the state (q, v, a) along the direction (dq, dv, da). `dtau` may share the memory of
+  /// an argument.
   template <class Real>
   void run(const Tree<Real>& tree, const T* q, const T* v, const T* a, const T* dq, const T* dv, const T* da,
            const Loads<T>& loads, T* dtau) noexcept {
@@ -49,7 +50,7 @@ template <class T> struct InverseDynamicsJvp {
   }
 };
 
-/// Computes the gradient of λ·τ of inverse dynamics.
+/// Computes the gradient of λ·τ of inverse dynamics with respect to q, v and a, loads included.
 template <class T> struct InverseDynamicsVjp {
   InverseDynamicsGradient<typename FastGeometry<T>::type, T> gradient;
   BodyPoses<T> C;
@@ -83,7 +84,7 @@ template <class T> struct InverseDynamicsVjp {
   }
 
   /// Calls f(i, u, derivative) with the derivatives of λ·τ with respect to the geometric parameters of all
-  /// bodies, after run().
+  /// bodies: for body i and unit screw u, see geometric_parameters.hpp. Requires run().
   template <class F>
   void each_parameter(const Tree<T>& tree, const T* q, const T* v, const T* a, const T* lambda,
                       const F& f) const noexcept {

@@ -3,20 +3,20 @@
 #include "axode/recursion/loads.hpp"
 #include "axode/recursion/solvability.hpp"
 
-/// Products of the derivatives of dynamics with vectors, without the matrices: O(n), no allocation.
-/// Directions and gradients have nv entries; directions of q are those of q ⊕ ε dq. Loads act as in
+/// Products of the derivative matrices of inverse and forward dynamics with vectors, without the matrices:
+/// O(n), no allocation. Vectors have nv entries. A direction dq displaces q to q ⊕ ε dq. Loads act as in
 /// inverse_dynamics_derivatives().
 namespace axode {
 
-/// Computes δτ = ∂τ/∂q dq + ∂τ/∂v dv + ∂τ/∂a da of inverse dynamics. It takes about two and a half times as
-/// long as inverse dynamics. See (D1.20) of docs/derivations.
+/// Computes δτ = ∂τ/∂q dq + ∂τ/∂v dv + ∂τ/∂a da of inverse dynamics at (q, v, a). It takes about two and a
+/// half times as long as inverse dynamics. See (D1.20) of docs/derivations.
 template <class T>
 void inverse_dynamics_jvp(const Model& model, Workspace<T>& workspace, Numbers<T> q, Numbers<T> v,
                           Numbers<T> a, Numbers<T> dq, Numbers<T> dv, Numbers<T> da,
                           std::type_identity_t<std::span<T>> dtau,
                           const std::type_identity_t<Loads<T>>& loads = {});
 
-/// Receives the gradients of w·τ, nv entries each. They must not overlap.
+/// Receives the gradients of w·τ by q, v and a, nv entries each. They must not overlap.
 template <class T> struct InverseDynamicsGradients { std::span<T> q, v, a; };
 /// Computes the gradient of w·τ of inverse dynamics: wᵀ times the three matrices ∂τ/∂q, ∂τ/∂v and ∂τ/∂a. See
 /// (D1.22) of docs/derivations.
@@ -26,15 +26,15 @@ void inverse_dynamics_vjp(const Model& model, Workspace<T>& workspace, Numbers<T
                           const std::type_identity_t<InverseDynamicsGradients<T>>& gradient,
                           const std::type_identity_t<Loads<T>>& loads = {});
 
-/// Computes δa = ∂a/∂q dq + ∂a/∂v dv + ∂a/∂τ dtau of forward dynamics. NaN if the status is not ok(). See
-/// (D1.24) of docs/derivations.
+/// Computes δa = ∂a/∂q dq + ∂a/∂v dv + ∂a/∂τ dtau of forward dynamics at (q, v, τ). The result is NaN if the
+/// status is not ok(). See (D1.24) of docs/derivations.
 template <class T>
 Solvability forward_dynamics_jvp(const Model& model, Workspace<T>& workspace, Numbers<T> q, Numbers<T> v,
                                  Numbers<T> tau, Numbers<T> dq, Numbers<T> dv, Numbers<T> dtau,
                                  std::type_identity_t<std::span<T>> da,
                                  const std::type_identity_t<Loads<T>>& loads = {});
 
-/// Receives the gradients of w·a, nv entries each. They must not overlap.
+/// Receives the gradients of w·a by q, v and τ, nv entries each. They must not overlap.
 template <class T> struct ForwardDynamicsGradients { std::span<T> q, v, tau; };
 /// Computes the gradient of w·a of forward dynamics with respect to q, v and τ. It is NaN if the status is
 /// not ok(). See (D1.24) of docs/derivations.

@@ -7,15 +7,17 @@
 #include "axode/fast/inverse_dynamics.hpp"
 #include "axode/table/functions.hpp"
 
-/// Kernels of rows of the table, written once for states in SIMD lanes and for tapes. A kernel takes all its
-/// memory in its constructor; run(tree, given, out) writes the results of the row consecutively. Loads and
-/// losses are ignored.
+/// Kernels of functions in the table of functions (axode/table/functions.hpp), of which each row is one
+/// function. They are written once for states in SIMD lanes and for tapes, the recordings from which code is
+/// generated. A kernel takes all its memory in its constructor. run(tree, x, out) reads the inputs x of the
+/// row and writes its results one after the other. Loads and losses are ignored.
 ///
 /// By is the algorithm for accelerations, on the scalar By::T:
 ///   accelerate(tree, q, v, tau, a) a = M⁻¹ (τ - h); prepares for the functions below
 ///   solve_one(tree, x)             x := M⁻¹ x
 ///   solve(tree, X)                 X := M⁻¹ X for a matrix of nv columns, row by row
 ///   inverse(tree, X)               X := M⁻¹
+/// where h are the bias forces.
 namespace axode::catalog {
 
 template <Id id, class By> struct RowKernel;
@@ -88,7 +90,8 @@ template <class By> struct RowKernel<Id("forward_dynamics"), By> {
     by.accelerate(tree, x[Input::q], x[Input::v], x[Input::tau], a);
   }
 };
-/// Computes ∂a/∂x = -M⁻¹ ∂τ/∂x for x = q and v, at the accelerations of the state, and M⁻¹.
+/// Computes ∂a/∂q, ∂a/∂v and ∂a/∂τ of forward dynamics: ∂a/∂x = -M⁻¹ ∂τ/∂x for x = q and v, with ∂τ/∂x of
+/// inverse dynamics at the accelerations a, and ∂a/∂τ = M⁻¹.
 template <class By> struct RowKernel<Id("forward_dynamics_derivatives"), By> {
   using T = typename By::T;
   RowKernel<Id("inverse_dynamics_derivatives"), By> inverse;
@@ -105,8 +108,8 @@ template <class By> struct RowKernel<Id("forward_dynamics_derivatives"), By> {
     by.inverse(tree, out + 2 * entries);
   }
 };
-/// Computes da from M da = dτ - dID(q, v, a)[dq, dv, 0], where dID is the directional derivative of inverse
-/// dynamics.
+/// Computes the change da of the accelerations from M da = dτ - dID(q, v, a)[dq, dv, 0], where dID(q, v,
+/// a)[·] is the derivative of inverse dynamics along a direction.
 template <class By> struct RowKernel<Id("forward_dynamics_jvp"), By> {
   using T = typename By::T;
   InverseDynamicsJvp<T> jvp;
@@ -122,8 +125,8 @@ template <class By> struct RowKernel<Id("forward_dynamics_jvp"), By> {
     by.solve_one(tree, da);
   }
 };
-/// Computes the gradients of w·a. The gradient by τ is μ = M⁻¹ w; those by q and v are the gradients of
-/// -μ·ID(q, v, a), where ID is inverse dynamics.
+/// Computes the gradients of w·a of forward dynamics. The gradient by τ is μ = M⁻¹ w; those by q and v are
+/// the gradients of -μ·ID(q, v, a), where ID is inverse dynamics at the accelerations a.
 template <class By> struct RowKernel<Id("forward_dynamics_vjp"), By> {
   using T = typename By::T;
   InverseDynamicsVjp<T> vjp;

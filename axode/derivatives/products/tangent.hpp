@@ -3,8 +3,9 @@
 
 namespace axode {
 
-/// Inverse dynamics and its derivative along one direction (δq, δv, δa): the tangent of the recursion on
-/// classical accelerations. For a hinge, with x' = Rᵀ x, δ(x') = (δx)' + x' × e_z δq. It takes about 340
+/// Computes inverse dynamics and its derivative δτ along one direction (δq, δv, δa): the derivative of the
+/// recursion of FastInverseDynamics on classical accelerations. For a vector x of the predecessor and x' = Rᵀ
+/// x in the axes of the body, δ(x') = Rᵀ δx + x' × e_z δq if the joint is a hinge. It takes about 340
 /// products and sums for a hinge. See (D1.20) of docs/derivations.
 template <class G, class T> struct InverseDynamicsTangent {
   using Vector = typename G::Vector;
@@ -104,7 +105,7 @@ template <class G, class T> struct InverseDynamicsTangent {
     }
   }
 
-  /// Applies a load W on body i, and its change along the direction.
+  /// Applies a load W on body i; dW is the change of the load along the direction.
   void load(int i, const Wrench<BodyFixed, T>& W, const Wrench<BodyFixed, T>& dW) noexcept {
     body[i].m -= Vector(W.m);
     body[i].f -= Vector(W.f);
@@ -112,7 +113,7 @@ template <class G, class T> struct InverseDynamicsTangent {
     body[i].tangent_f -= Vector(dW.f);
   }
 
-  /// Adds the contributions of a body to δτ.
+  /// The backward sweep, after forward() and load(): adds the contributions of all bodies to dtau (nv).
   template <class S> void backward(const Tree<S>& tree, const T* dq, T* dtau) noexcept {
     for (int i = tree->n; i > 0; --i) {
       const Body& b = body[i];

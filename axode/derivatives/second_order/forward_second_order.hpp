@@ -4,11 +4,12 @@
 
 namespace axode {
 
-/// Computes the second derivatives of w·a of forward dynamics in four blocks qq, qv, vv and tauq. With a(q,
-/// v, τ), μ = -M⁻¹ w, the blocks H of μ·τ at these accelerations, from `second`, and Q = H_aq:
+/// Computes the second derivatives of w·a of forward dynamics in the four blocks qq, qv, vv and, in H.aq,
+/// tauq. `second` must have been run with the weights μ = -M⁻¹ w at the accelerations a. With the second
+/// derivatives H_qq, H_qv, H_vv and Q = H_aq of μ·τ of inverse dynamics, which it provides,
 ///   tauq = M⁻¹ Q    qq = H_qq + P + Pᵀ, P = -tauqᵀ ∂τ/∂q    qv = H_qv - tauqᵀ ∂τ/∂v    vv = H_vv.
-/// No matrix except the results is stored: products with ∂τ/∂q and ∂τ/∂v are added entry by entry. solve(x)
-/// computes x := M⁻¹ x for nv columns. See (D2.9) of docs/derivations.
+/// No matrix except the results is stored: products with ∂τ/∂q and ∂τ/∂v are added entry by entry. solve(X)
+/// computes X := M⁻¹ X for a matrix X of nv columns. See (D2.9) of docs/derivations.
 template <class T, class Real, class Solve>
 void accelerations_from(SecondOrder<T>& second, const Tree<Real>& tree, const Loads<T>& loads,
                         const HessianBlocks<T>& H, const Solve& solve) noexcept {
@@ -18,7 +19,7 @@ void accelerations_from(SecondOrder<T>& second, const Tree<Real>& tree, const Lo
   for (T* const block : {H.qq, H.qv, H.vv, H.aq}) std::fill_n(block, nv * nv, T(0));
   second.add_to(topology, loaded, {nullptr, nullptr, nullptr, H.aq});
   solve(H.aq);
-  // Adds Pᵀ and (Qᵀ ∂a/∂v)ᵀ, whose rows are sums of rows of tauq.
+  // Adds Pᵀ to qq and the transpose of -tauqᵀ ∂τ/∂v to qv; their rows are sums of rows of tauq.
   const auto subtract = [&](T* block, std::ptrdiff_t direction, std::ptrdiff_t component, const T& x) {
     const T* const from = H.aq + component * nv;
     T* const to = block + direction * nv;
@@ -36,7 +37,8 @@ void accelerations_from(SecondOrder<T>& second, const Tree<Real>& tree, const Lo
   second.add_to(topology, loaded, {H.qq, H.qv, H.vv, nullptr});
 }
 
-/// Computes the second derivatives at q, v and τ.
+/// Computes the second derivatives of w·a of forward dynamics at a state (q, v) with forces τ, for given
+/// weights w.
 template <class T> struct ForwardSecondOrder {
   AccelerationsAndColumns<T> forward;
   SecondOrder<T> second;

@@ -3,30 +3,31 @@
 #include "axode/recursion/loads.hpp"
 #include "axode/recursion/solvability.hpp"
 
-/// Second derivatives contracted with weights w, as in optimal control, without a tensor.
+/// Second derivatives of weighted sums with weights w, as optimal control needs them, without a tensor.
 ///
-/// Entry [k][l] of a block is the derivative along direction k, the outer one, of that along l. For a joint
-/// with several velocities, the displacement k of q comes first, q ⊕ ε_k e_k ⊕ ε_l e_l. There qq has an
-/// antisymmetric part, which is the derivative along the bracket [e_k, e_l]; elsewhere qq is symmetric. Each
-/// block has nv × nv numbers, row by row. Results must not overlap.
+/// A block has nv × nv numbers, row by row. Its entry [k][l] is the derivative along direction k, the outer
+/// one, of the derivative along direction l, the inner one. For a joint with several velocities, the
+/// displacement k of q comes before l: q ⊕ ε_k e_k ⊕ ε_l e_l. Within such a joint, qq[k][l] - qq[l][k] is the
+/// derivative along the bracket [e_k, e_l]; all other entries of qq are symmetric. Results must not overlap.
 namespace axode {
 
-/// Receives the second derivatives of Σ_i w_i τ_i of inverse dynamics along (q, q), (q, v), (v, v) and (a,
-/// q). Those along (v, a) and (a, a) vanish.
+/// Receives the second derivatives of Σ_i w_i τ_i of inverse dynamics along the pairs of directions (q, q),
+/// (q, v), (v, v) and (a, q). Those along (v, a) and (a, a) are 0.
 template <class T> struct InverseDynamicsHessian { std::span<T> qq, qv, vv, aq; };
-/// Computes the second derivatives of Σ_i w_i τ_i at a state. O(n d), no allocation; less than twice
-/// inverse_dynamics_derivatives(). See (D2.8) of docs/derivations.
+/// Computes the second derivatives of Σ_i w_i τ_i of inverse dynamics at (q, v, a). O(n d) on paths of d
+/// velocities, no allocation; takes less than twice as long as inverse_dynamics_derivatives(). See (D2.8) of
+/// docs/derivations.
 template <class T>
 void inverse_dynamics_hessian(const Model& model, Workspace<T>& workspace, Numbers<T> q, Numbers<T> v,
                               Numbers<T> a, Numbers<T> w,
                               const std::type_identity_t<InverseDynamicsHessian<T>>& hessian,
                               const std::type_identity_t<Loads<T>>& loads = {});
 
-/// Receives the second derivatives of Σ_i w_i a_i of forward dynamics along (q, q), (q, v), (v, v) and (τ,
-/// q). All others vanish.
+/// Receives the second derivatives of Σ_i w_i a_i of forward dynamics along the pairs of directions (q, q),
+/// (q, v), (v, v) and (τ, q). Those along (τ, v) and (τ, τ) are 0.
 template <class T> struct ForwardDynamicsHessian { std::span<T> qq, qv, vv, tauq; };
-/// Computes the second derivatives of Σ_i w_i a_i at a state. O(n² d), no allocation. They are NaN if the
-/// status is not ok(). See (D2.9) of docs/derivations.
+/// Computes the second derivatives of Σ_i w_i a_i of forward dynamics at (q, v, τ). O(n² d) on paths of d
+/// velocities, no allocation. The results are NaN if the status is not ok(). See (D2.9) of docs/derivations.
 template <class T>
 Solvability forward_dynamics_hessian(const Model& model, Workspace<T>& workspace, Numbers<T> q, Numbers<T> v,
                                      Numbers<T> tau, Numbers<T> w,

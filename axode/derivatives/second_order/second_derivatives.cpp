@@ -32,7 +32,7 @@ Solvability forward_dynamics_second_derivatives(
   T* const w = hessians.w;
   const std::ptrdiff_t entries = static_cast<std::ptrdiff_t>(nv) * nv;
   Solvability verdict;
-  for (int i = 0; i < nv; ++i) {  // row i of each tensor: the Hessian of a_i
+  for (int i = 0; i < nv; ++i) {  // part i of each tensor is the Hessian of a_i
     for (int c = 0; c < nv; ++c) w[c] = T(c == i);
     const auto row = [&](std::size_t k) { return tensors[k].data() + i * entries; };
     const Solvability found = hessians.one.run(model.tree<T>(), q.data(), v.data(), tau.data(), w, {},

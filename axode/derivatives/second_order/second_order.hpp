@@ -4,9 +4,11 @@
 
 namespace axode {
 
-/// The quantities on which the change of the gradient of λ·τ depends when the tree is displaced, with Λ as in
-/// InverseDynamicsGradient: A = M Λ, H = Bᵀ Λ (a pure moment) and the Coriolis inertia of Λ instead of V,
-/// whose p is the force of A. They are summed over bodies. See (D1.21) and (D2.2) of docs/derivations.
+/// The quantities of a body on which the change of the gradient of λ·τ depends when the tree is displaced. Λ
+/// is the twist that the body would have if the joints moved with the velocities λ. M and B are the inertia
+/// and the Coriolis inertia of the body. A = M Λ; H = Bᵀ Λ, a wrench without force; and D with the force p of
+/// A is the Coriolis inertia for the twist Λ instead of V. All of them can be summed over bodies. See (D1.21)
+/// and (D2.2) of docs/derivations.
 template <class T> struct VirtualMomentum {
   Wrench<Spatial, T> A;
   Vec3<T> H;
@@ -22,19 +24,21 @@ template <class T> struct VirtualMomentum {
   constexpr CoriolisInertia<T> B() const { return {D, A.f}; }
 };
 
-/// Factors of the second derivatives by columns, in addition to ScrewEffects. With l before k:
+/// Factors from which the second derivatives of λ·τ are products, for each joint screw S, in addition to
+/// those of ScrewEffects (ψ', ψ'', σ, U, P, R). If the joint of l is before that of k on one path,
 ///   qq_lk = χ_l|P_k + ψ''_l|Y_k + ψ'_l|X_k + S_l|Q_k   qv_lk = χ_l|R_k + ψ'_l|Z_k, qv_kl = σ_l|Y_k + S_l|X_k
 ///   vv_lk = S_l|Z_k                                    aq_kl = χ_l|U_k,            aq_lk = S_l|Y_k
 /// See (D2.7) and (D2.8) of docs/derivations.
 template <class T> struct ScrewCurvature {
   Motion6<T> chi, psi_1;
   Wrench<Spatial, T> X, Y, Z, Q;
-  Wrench<Spatial, T> AS;  ///< hat(A) S
+  Wrench<Spatial, T> AS;  ///< hat(A) S = -ad_Sᵀ A
 
   static constexpr std::size_t size = 42;
   using Entries = std::array<T, size>;
 
-  /// Computes the factors for the screw S; Lambda_p is the adjoint twist Λ of the predecessor.
+  /// Computes the factors for a joint screw S, except Q, which is 0 without loads. `moved` and `momentum` are
+  /// sums over the subtree, V_p is the twist of the predecessor, and Lambda_p is its adjoint twist Λ.
   static constexpr ScrewCurvature of(const MovingInertia<T>& moved, const VirtualMomentum<T>& momentum,
                                      const Motion6<T>& S, const Motion6<T>& V_p, const Motion6<T>& Lambda_p) {
     const Motion6<T> chi = ad(Lambda_p, S), psi_1 = ad(V_p, S);
@@ -47,12 +51,13 @@ template <class T> struct ScrewCurvature {
   }
 };
 
-/// Receives the blocks of a Hessian, nv × nv each, [outer derivative][inner derivative]. qq is symmetric
-/// except within joints of several velocities, where the outer displacement comes first.
+/// Receives the blocks of a Hessian, nv × nv numbers each, [outer derivative][inner derivative]. The block qq
+/// is symmetric, except within joints of several velocities, where the outer displacement comes first.
 template <class T> struct HessianBlocks { T *qq, *qv, *vv, *aq; };
 
-/// The second partial derivatives of λ·τ of inverse dynamics, in O(n d): about 400 products and sums for a
-/// hinge, and 114 for each pair of a joint and a joint before it on its path.
+/// Computes the second partial derivatives of λ·τ of inverse dynamics in O(n d) on paths of d velocities:
+/// about 400 products and sums for a hinge, and 114 for each pair of a joint and a joint before it on its
+/// path.
 template <class T> struct SecondOrder {
   using L = Lanes<T>;
   using Number = typename L::Number;
@@ -65,7 +70,7 @@ template <class T> struct SecondOrder {
   Arrays<T> Lambda_p, momentum, curvature;  ///< for each column: Λ of the predecessor, VirtualMomentum of the
                                             ///< subtree, and ScrewCurvature
   Arrays<T> line;
-  TwistToWrench<Spatial, T>* K;  ///< second derivatives of the power of the loads on Λ
+  TwistToWrench<Spatial, T>* K;  ///< minus the second derivatives of the power of the loads on Λ
 
   explicit SecondOrder(Arena& arena)
       : first(arena),
@@ -93,7 +98,7 @@ template <class T> struct SecondOrder {
     first.compose(topology, loaded);
     compose(topology, loaded);
   }
-  /// Adds the second derivatives to the blocks of H; a block that is null is skipped.
+  /// Adds the second derivatives to the blocks of H, after run(). A block that is null is skipped.
   void add_to(const Topology& topology, bool loaded, const HessianBlocks<T>& H) noexcept {
     const std::ptrdiff_t nv = topology.nv;
     const auto add = [&](T* block, std::ptrdiff_t outer, std::ptrdiff_t inner, const T& x) {
@@ -126,7 +131,7 @@ template <class T> struct SecondOrder {
   using Part = typename FirstOrder<T>::Part;
   enum CurvaturePart { chi = 0, psi_1 = 6, X = 12, Y = 18, Z = 24, Q = 30, AS = 36 };
 
-  /// Computes Λ and the virtual momentum of each body.
+  /// Computes the adjoint twist Λ and the VirtualMomentum of each body.
   void compute_adjoint_twists(const Topology& topology, const T* lambda) noexcept {
     Lambda[0] = {};
     set6(Lambdas, 0, Lambda[0]);
@@ -146,7 +151,8 @@ template <class T> struct SecondOrder {
         L::store(numbers[k], momenta.array(static_cast<int>(k)) + i);
     }
   }
-  /// Adds -Λ|L(·)L(·)W of the loads to K: the outer displacement from the left, the inner from the right.
+  /// Adds -Λ|L(X) L(Y) W of each load W to the matrix K of its body, where X is the outer and Y the inner
+  /// displacement; see turned() for L.
   [[gnu::noinline]] void add_load_hessian(const Tree<T>& tree,
                                           std::span<const AppliedWrench<T>> wrenches) noexcept {
     for (int i = 0; i <= tree->n; ++i) K[i] = {};
@@ -193,14 +199,15 @@ template <class T> struct SecondOrder {
       }
   }
 
-  /// The term S_l|hat(A) S_k, which is subtracted for two columns of one joint: within a joint, one bracket
-  /// less occurs.
+  /// The term S_l|hat(A) S_k, with hat(A) X = -ad_Xᵀ A. It is subtracted from vv for two columns of one
+  /// joint, because the velocity of one changes σ of the other by one bracket less.
   T own_bracket(int l, int k) const {
     T sum(0);
     for (int c = 0; c < 6; ++c) sum += curvature.array(AS + c)[k] * first.screws.S.array(c)[l];
     return sum;
   }
-  /// Multiplies column l with the columns from `begin` on.
+  /// Multiplies column l with the columns from `begin` to `end` - 1 and writes the products of ScrewCurvature
+  /// to `line`.
   void multiply(int l, int begin, int end, bool loaded) noexcept {
     const Arrays<T> e = first.effect, d = curvature,
                     out = line;  // local copies, so that the compiler knows that no result overwrites them

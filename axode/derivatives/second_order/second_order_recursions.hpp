@@ -4,16 +4,16 @@
 #include "axode/recursion/inverse_dynamics.hpp"
 
 /// Computes τ, τ' and τ'' of a motion by the Newton-Euler recursion, differentiated twice (section 6.3).
-/// `rates` are the rows v, a, jerk and snap of nv numbers; the results are three rows of forces. O(n).
-/// ForceSeries computes the derivatives of any order, as power series in spatial representation.
+/// `rates` are the rows v, a, jerk and snap of nv numbers each. The results are three rows of nv forces.
+/// O(n). ForceSeries computes the derivatives of any order, as power series in spatial representation.
 namespace axode {
 
-/// A load and its first two time derivatives in the frame of its body: W' = L(V) W. See (D3.4) of
-/// docs/derivations.
+/// A load W and its first two time derivatives in the frame of its body: W' = L(V) W, with L of turned(). See
+/// (D3.4) of docs/derivations.
 template <class T> struct LoadRates {
   Wrench<BodyFixed, T> W[3];
 
-  /// Computes the rates of the load `on` a body with the twist V and its rate V'.
+  /// Computes the load `on` and its derivatives for a body with the twist V and its rate dV.
   LoadRates(const ResolvedLoad<T>& on, const Twist<BodyFixed, T>& V, const Twist<BodyFixed, T>& dV) {
     const Twist<BodyFixed, T> V_f = on.there(V), dV_f = on.there(dV);
     const auto L = [&](const Twist<BodyFixed, T>& X, const Wrench<BodyFixed, T>& F) {
@@ -26,7 +26,8 @@ template <class T> struct LoadRates {
   }
 };
 
-/// Computes the forces of armatures and losses, and their first two time derivatives, into the rows of tau.
+/// Computes the joint forces of armatures and losses and their first two time derivatives, and writes them to
+/// the three rows of tau.
 template <class T> void drive_rates(const Tree<T>& tree, const T* rates, bool joint_losses, T* tau) noexcept {
   const int nv = tree->nv;
   joint_terms(tree, rates, rates + nv, joint_losses, tau);
@@ -38,8 +39,8 @@ template <class T> void drive_rates(const Tree<T>& tree, const T* rates, bool jo
 
 template <class Rep, class T> struct SecondOrderRecursion;
 
-/// The recursion in body-fixed twists: with S = X v the twist of a joint, Ad the inverse transformation to
-/// the body and U_k the k-th derivative of Ad V_p,
+/// The recursion in body-fixed twists. Let S = X v be the twist of a joint, Ad the inverse transformation
+/// from the predecessor to the body, and U_k the k-th time derivative of U = Ad V_p; then
 ///   (Ad)' = -ad_S Ad,  V = U + S,  V' = U_1 + S',  ...;  (Adᵀ)' = -Adᵀ ad_Sᵀ.
 /// See (D3.1) to (D3.5) of docs/derivations.
 template <class T> struct SecondOrderRecursion<BodyFixed, T> {
@@ -120,9 +121,10 @@ template <class T> struct SecondOrderRecursion<BodyFixed, T> {
   }
 };
 
-/// The recursion in hybrid twists. The axes are inertial, so that derivatives of components are those of
-/// vectors. d is the origin of a body relative to that of its predecessor, d' = v - v_p; vectors fixed to a
-/// body rotate with it. See (D3.6) to (D3.8) of docs/derivations.
+/// The recursion in hybrid twists. The axes are inertial, so that the derivatives of components are those of
+/// vectors. Let d be the position of the origin of a body relative to that of its predecessor; then d' = v -
+/// v_p with the velocities v and v_p of the origins. Vectors that are fixed to a body rotate with it. See
+/// (D3.6) to (D3.8) of docs/derivations.
 template <class T> struct SecondOrderRecursion<Hybrid, T> {
   using V6 = Twist<Hybrid, T>;
   using W6 = Wrench<Hybrid, T>;
@@ -145,7 +147,7 @@ template <class T> struct SecondOrderRecursion<Hybrid, T> {
       Body& b = body[i];
       const SE3<T> C = joint_pose(tree, i, q);
       b.R = p.R * C.R;
-      V6 J[4];  // J times v, a, jerk, snap
+      V6 J[4];  // products of J with v, a, jerk and snap
       for (int k = 0; k < 4; ++k) {
         const auto X = any_joint_twist(tree, i, rates + static_cast<std::ptrdiff_t>(k) * nv);
         J[k] = {b.R * X.w, b.R * X.v};

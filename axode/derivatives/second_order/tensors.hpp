@@ -3,18 +3,21 @@
 
 namespace axode {
 
-/// Receives the second partial derivatives of nv results, nv × nv × nv each, [component][outer
+/// Receives the second partial derivatives of nv results, nv × nv × nv numbers each, [component][outer
 /// derivative][inner derivative].
 template <class T> struct SecondDerivatives { T *qq, *qv, *vv, *aq; };
 
-/// The second partial derivatives of inverse dynamics. The derivatives by three columns on one path are
-/// computed from the last of the three, d. With hat(W) X = -ad_Xᵀ W, B_S = B[M; S_d] and B_ψ = B[M; ψ'_d] +
-/// (change of B along S_d) of the subtree of d, the entries of all orders of l, j and d are sums of
+/// Computes the second partial derivatives of all components of inverse dynamics. An entry belongs to three
+/// columns (joint screws) on one path and is computed from the last of them, d; l and j are the other two, in
+/// any order. S, ψ', ψ'', σ, U, t, P and R are those of ScrewEffects; U, t, P and R are of column d. Let
+/// hat(W) X = -ad_Xᵀ W, let B[M; X] be the Coriolis inertia for the inertia M of the subtree of d and the
+/// twist X, B_S = B[M; S_d], and B_ψ = B[M; ψ'_d] plus the change of the Coriolis inertia of the subtree
+/// along S_d. Then all entries are sums of
 ///   u = -S_j|hat(U) S_l     b = S_j|B_S S_l     f = S_j|B_S ψ'_l    r = S_j|hat(R) S_l    p = S_j|hat(P) S_l
 ///   g = S_j|(B_S σ_l - hat(U) σ_l + B_ψ S_l)          h = -S_j|(hat(U) σ_l + hat(t) S_l) - ψ'_j|B_S S_l
 ///   G = S_j|(B_S ψ''_l - hat(U) ψ''_l + B_ψ ψ'_l)     H = -S_j|(hat(U) ψ''_l + hat(t) ψ'_l) - ψ'_j|B_S ψ'_l
-/// O(n d²) and nv³ zeros: about 400 products and sums for two columns, and 100 for three in each order of l
-/// and j. See (D2.10) to (D2.15) of docs/derivations.
+/// It takes O(n d²) on paths of d velocities, and the time to write nv³ zeros: about 400 products and sums
+/// for two columns, and 100 for three in each order of l and j. See (D2.10) to (D2.15) of docs/derivations.
 template <class T> struct SecondOrderTensors {
   using L = Lanes<T>;
   using Number = typename L::Number;
@@ -73,7 +76,8 @@ template <class T> struct SecondOrderTensors {
 
  private:
   using Part = typename FirstOrder<T>::Part;
-  /// The last column of three, its velocity, and where the columns of its joint begin and end on its path.
+  /// The last of three columns: its index, its velocity, and where the columns of its joint begin and end on
+  /// its path.
   struct Last {
     int c;
     std::ptrdiff_t v;
@@ -99,8 +103,8 @@ template <class T> struct SecondOrderTensors {
     store(CoriolisInertia<Number>::of(moved.M, S), B_S);
     store(of_psi, B_psi);
   }
-  /// Appends the columns of body i to those of the path of its predecessor, and returns the index after the
-  /// last of them.
+  /// Appends the columns of body i to those of the path of its predecessor. Returns the index after the last
+  /// of them.
   int extend_path(const Topology& topology, int i) noexcept {
     const int p = topology.parent[i];
     int e = begin[i] = p == 0 ? 0 : begin[p] + topology.first_screw[p + 1] - topology.first_screw[p];
@@ -149,8 +153,8 @@ template <class T> struct SecondOrderTensors {
       store(-U_psi - Wrench<Spatial, Number>{cross(psi.w, t), {}}, for_H);
     }
   }
-  /// Multiplies the wrenches that belong to the last column d with column j of its path. The joint of j has
-  /// the columns from begin_j to end_j - 1.
+  /// Multiplies the wrenches of the last column d with column j of its path, and writes the products to
+  /// `line`. The joint of column j has the columns from begin_j to end_j - 1.
   void multiply(int j, const Last& d, int begin_j, int end_j) noexcept {
     Number S[6], psi[6];
     for (int k = 0; k < 6; ++k) S[k] = Number(path_S.array(k)[j]), psi[k] = Number(path_psi.array(k)[j]);
@@ -178,7 +182,8 @@ template <class T> struct SecondOrderTensors {
         store(L::load(out.array(G) + c) + product(S, PS, c), G, c);
       }
   }
-  /// Adds the products to row d, and, if the joint of j is before that of d, to row j.
+  /// Adds the products to the entries of component d and, if the joint of column j is before that of d, to
+  /// those of component j.
   void put(std::ptrdiff_t nv, int j, const Last& d, int begin_j, int end_j,
            const SecondDerivatives<T>& out) noexcept {
     const std::ptrdiff_t v_j = velocity[j];
@@ -214,9 +219,10 @@ template <class T> struct SecondOrderTensors {
       out.aq[ld] += x(b, l) + x(u, l);
     }
   }
-  /// The screw of column l of the path.
+  /// The joint screw of column l of the path.
   Motion6<T> screw(int l) const { return {path_S.get3(0, l), path_S.get3(3, l)}; }
-  /// Subtracts the terms by which columns of one joint differ: within a joint, one bracket less occurs.
+  /// Subtracts from vv the terms that occur once less for two columns l and d of one joint: the velocity of
+  /// one column changes σ of the other by one bracket less.
   void put_brackets(std::ptrdiff_t nv, const Last& d, T* vv) noexcept {
     const Inertia<T> M = first.screws.subtree_of_column(d.c).M;
     for (int l = d.begin; l < d.end; ++l) {
