@@ -13,10 +13,12 @@ namespace axode {
 
 namespace {
 
-/// Rounding errors relative to the magnitude of what is compared.
+/// Tolerance for rounding errors, relative to the magnitude of the forces that are compared.
 constexpr double rounding = 1e-13;
-/// A regularisation of joints that stick, relative to their compliance, because loops may leave the
-/// distribution of their forces open. A second pass removes its effect on accelerations.
+/// A regularisation of the equations of sticking joints, relative to their compliance, because in loops the
+/// distribution of the sticking forces may be indeterminate. Two passes of iterative refinement remove its
+/// effect on the accelerations. In the test of uniqueness, a pivot below this part of the compliance counts
+/// as 0.
 constexpr double regularisation = 1e-12;
 
 }  // namespace
@@ -32,8 +34,8 @@ double ResistingForces::bound(Eigen::Index i, int direction) const {
   return joints_[at(i)].friction + part_lost(i, direction, F_i < 0 ? -1 : 1) * std::abs(F_i);
 }
 
-/// Whether (D9.12) is violated, and by which joint: the one with the largest part of its compliance on the
-/// diagonal.
+/// Checks (D9.12), the condition for a unique solution. Returns -1 if it holds, or else the index of the
+/// joint for which the negative diagonal term of (D9.12) is largest relative to the compliance of the joint.
 int ResistingForces::not_unique(const Matrix& Phi) const {
   std::vector<Eigen::Index> rows;  // joints that stick in the worst case come first
   std::vector<double> diagonal;
@@ -64,7 +66,7 @@ int ResistingForces::not_unique(const Matrix& Phi) const {
     const bool sticks = diagonal[at(i)] == 0;
     if (!(B(i, i) > regularisation * joints_[at(rows[at(i)])].compliance)) {
       if (!sticks) return culprit;
-      continue;  // the joints before it hold it already
+      continue;  // the joints before this one hold it already
     }
     for (Eigen::Index r = i + 1; r < k; ++r) {
       const double factor = B(r, i) / B(i, i);
@@ -74,9 +76,10 @@ int ResistingForces::not_unique(const Matrix& Phi) const {
   return -1;
 }
 
-/// Begins with a problem and its solution: joints at rest stick without a friction force, and gears that move
-/// drive. The magnitudes differ from joint to joint, so that a path through a symmetric mechanism meets the
-/// boundaries of its pieces one by one.
+/// Sets the data, the pieces and the solution of a problem that can be solved by hand: joints at rest stick
+/// without a friction force, and the drives of moving joints drive their gears. The magnitudes of the forces
+/// differ from joint to joint, so that the path through a symmetric mechanism meets the boundaries of its
+/// pieces one by one.
 void ResistingForces::start(const Matrix& Phi, const Vector& a_0) {
   const Eigen::Index k = Phi.rows();
   x_ = a_ = Vector::Zero(k);
@@ -93,7 +96,9 @@ void ResistingForces::start(const Matrix& Phi, const Vector& a_0) {
   start_a_0_ = -Phi * x_;
 }
 
-/// Solves the linear equations of the present pieces (D9.10) for x.
+/// Solves the linear equations (D9.10) for the friction forces x, with every joint in its current piece. The
+/// rows of sticking joints are regularised by `little` or, if it is 0, by an amount whose effect is removed
+/// by refinement.
 ResistingForces::Vector ResistingForces::solve(const Matrix& Phi, const Vector& a_0, const Vector& tau,
                                                double little) const {
   const Eigen::Index k = Phi.rows();
@@ -141,9 +146,10 @@ std::vector<ResistingForces::Boundary> ResistingForces::boundaries(Eigen::Index 
   return all;
 }
 
-/// Follows the path from the problem of start() to that with a_0 and tau, and writes its solution to x_. The
-/// forces of sticking joints are regularised by `little`. Returns false if the path does not end, as where
-/// such forces are indeterminate.
+/// Follows the path from the problem of start() to the problem with the data `a_0` and `tau`, and writes the
+/// solution of the latter to x_. The forces of sticking joints are regularised by `little`. Returns false if
+/// the path does not end after a limited number of pieces, for example because forces of sticking joints are
+/// indeterminate.
 bool ResistingForces::follow(const Matrix& Phi, const Vector& a_0, const Vector& tau, double little) {
   const Eigen::Index k = Phi.rows();
   tau_ = tau;

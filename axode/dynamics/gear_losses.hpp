@@ -10,46 +10,55 @@
 
 namespace axode {
 
-/// A velocity whose friction force x depends on the accelerations: its gear loses a part of the force that it
-/// transmits, or dry friction or the gear may hold it at rest.
+/// A joint velocity whose friction force x depends on the accelerations, because its gear loses a part of the
+/// force that it transmits, or because dry friction or the gear may hold the joint at rest.
 struct ResistingJoint {
-  double drive = 0;     ///< τ, the drive force less damping and, in a sliding joint, less dry friction
+  double drive = 0;     ///< τ: drive force minus damping and, if the joint moves, minus dry friction
   double friction = 0;  ///< bound of the dry friction of a joint at rest; 0 if the joint moves
-  double rotor = 0, loss = 0, loss_back = 0;  ///< as in Gear; 0 if there is no gear
-  int direction = 0;                          ///< of the motion, 1 or -1; 0 at rest
-  double compliance = 0;  ///< acceleration that a unit force causes in the tree without loops
+  double rotor = 0, loss = 0, loss_back = 0;  ///< the members of Gear; 0 if the joint has no gear
+  int direction = 0;                          ///< sign of the velocity, 1 or -1; 0 at rest
+  double compliance = 0;  ///< scale for accelerations: that of the joint for a unit force on the joint
 };
 
-/// The friction forces x of resisting joints and their accelerations a = a_0 + Φ x, by (D9.10) and (D9.11). F
-/// = τ - I a + x is the force that a gear transmits. The equations are linear as long as every F keeps its
-/// sign and every joint at rest either sticks or slides in one direction. A path leads from a problem whose
-/// solution is known to the given one, through one such piece after the other (Katzenelson). It ends if the
-/// solution is unique for all forces, which is checked by (D9.12). The forces of joints that stick in loops
-/// may be indeterminate; the path is followed with regularised forces then.
+/// Computes the friction forces x of k resisting joints and the accelerations a = a_0 + Φ x of these joints
+/// by (D9.10) and (D9.11). a_0 are the accelerations for x = 0, and Φ = ∂a/∂τ is k × k. A gear with armature
+/// I transmits the force F = τ - I a + x. The equations for x are linear in pieces: a piece ends where a
+/// force F changes its sign, or where a joint at rest changes between sticking and sliding in one direction.
+///
+/// The solution is found by the method of Katzenelson. It starts at another problem, whose solution is known,
+/// changes the data of this problem along a straight line to those of the given problem, and follows the
+/// solution from one linear piece to the next. The path ends if the solution is unique for all forces, which
+/// is checked by (D9.12). In loops the forces of sticking joints may be indeterminate; the path is then
+/// followed with regularised forces.
 class ResistingForces {
  public:
   using Matrix = Eigen::MatrixXd;
   using Vector = Eigen::VectorXd;
 
-  /// Computes x and a. `Phi` is ∂a/∂τ of these joints, symmetric. Returns -1 or, if there is no unique
-  /// solution, the index of a joint whose gear locks itself too strongly. O(k³) for each piece on the path.
+  /// Computes the friction forces x() and the accelerations a() of the k joints. `Phi` = ∂a/∂τ of these
+  /// joints is k × k and symmetric, and `a_0` are their accelerations without friction forces. Returns -1 or,
+  /// if the solution is not unique, the index of a joint whose gear locks itself too strongly. O(k³) for each
+  /// linear piece on the path.
   int find(const Matrix& Phi, const Vector& a_0, std::span<const ResistingJoint> joints);
 
   const Vector& x() const { return x_; }
   const Vector& a() const { return a_; }
   bool sticks(Eigen::Index i) const { return pieces_[at(i)].slide == 0; }
-  /// The force F that the gear of a joint transmits.
+  /// The force F that the gear of joint i transmits.
   double transmitted(Eigen::Index i) const { return F(i, x_, a_, tau_); }
-  /// The friction force that opposes joint i if it slides, or begins to slide, in a direction.
+  /// The magnitude of the friction force on joint i if it slides, or begins to slide, in `direction` (1 or
+  /// -1): its dry friction plus the loss of its gear.
   double bound(Eigen::Index i, int direction) const;
 
  private:
-  /// The piece of a joint: whether it slides and where to, and the sign of F.
+  /// The linear piece of a joint: `slide` is its direction of sliding (1 or -1; 0 if it sticks), and `sign`
+  /// is the sign of the force F that its gear transmits.
   struct Piece {
     int slide, sign;
     bool operator==(const Piece&) const = default;
   };
-  /// A boundary of a piece: the value, which is positive inside, and the piece on its other side.
+  /// A boundary of the linear piece of a joint: `value` is positive inside the piece, and `beyond` is the
+  /// piece on the other side.
   struct Boundary {
     double value;
     Piece beyond;
@@ -59,7 +68,8 @@ class ResistingForces {
   double F(Eigen::Index i, const Vector& x, const Vector& a, const Vector& tau) const {
     return tau[i] - joints_[at(i)].rotor * a[i] + x[i];
   }
-  /// The part of |F| that is lost if the joint moves in a direction and F has a sign.
+  /// The part of the transmitted force |F| that the gear of joint i loses if the joint moves in `direction`
+  /// and F has the sign `sign` (both 1 or -1).
   double part_lost(Eigen::Index i, int direction, int sign) const {
     return direction == sign ? joints_[at(i)].loss : joints_[at(i)].loss_back;
   }
@@ -75,19 +85,23 @@ class ResistingForces {
   Vector x_, a_, tau_, start_a_0_;
 };
 
-/// The gears of joints that move, in forward dynamics. Joints at rest have no loss there: like that of dry
-/// friction, their loss depends on how they came to rest, and simulations determine it.
+/// The gears with losses whose joints move, for forward dynamics. Gears of joints at rest lose nothing there:
+/// like dry friction, the loss of a joint at rest depends on how it came to rest, and only simulations
+/// determine it.
 class MovingGears {
  public:
-  /// `tau` are the drive forces, without springs; the losses by damping and dry friction are subtracted from
-  /// them. Throws std::invalid_argument if the model has springs, because `tau` could contain their forces,
-  /// which do not pass through gears.
+  /// Selects the gears of moving joints and stores their drive forces `tau` (nv) minus damping and dry
+  /// friction. `tau` must not contain forces of springs. Throws std::invalid_argument if the model has gears
+  /// with losses and springs, because `tau` could contain the forces of the springs, which do not pass
+  /// through gears.
   template <class T> MovingGears(const Model& model, NumberSpan<T> v, NumberSpan<T> tau);
 
-  /// The velocities of the gears.
+  /// The indices of the joint velocities of the k selected gears.
   std::span<const int> velocities() const { return velocities_; }
-  /// Adds the forces of the gears to `tau`. `a` (nv) are the accelerations without these forces, and the rows
-  /// of `responses`, k × nv, are the accelerations that a unit force on each of velocities() causes.
+  /// Adds the friction forces of the k gears to `tau` (nv). `a` (nv) are the accelerations without these
+  /// forces. Row i of `responses` (k × nv) has the accelerations that a unit force on velocities()[i] causes.
+  /// If a gear locks itself too strongly (D9.12), the returned Solvability names its body, and `tau` remains
+  /// unchanged.
   template <class T>
   Solvability add_forces(const Model& model, std::span<const T> a, std::span<const T> responses,
                          std::span<T> tau);
@@ -97,10 +111,12 @@ class MovingGears {
   std::vector<ResistingJoint> joints_;
 };
 
-/// Computes accelerations `a` with the losses of moving gears: those without these losses come first, then
-/// those under the forces of the gears (D9.10). q, v and tau may share memory with `a`. accelerate(q, v, tau)
-/// computes `a`, and respond(q, velocities, responses) writes the accelerations that a unit force on each of
-/// these velocities causes, one row after the other. Throws as MovingGears.
+/// Computes accelerations `a` with the losses of the gears of moving joints (D9.10). It first computes the
+/// accelerations without these losses and, if there are such gears, computes them again with the friction
+/// forces of the gears added to `tau`. accelerate(q, v, tau) must compute `a` and return a Solvability.
+/// respond(q, velocities, responses) must write one row of nv accelerations for each given velocity, those
+/// that a unit force on this velocity causes. q, v and tau may share memory with `a`. Throws
+/// std::invalid_argument if the model has gears with losses and springs.
 template <class T, class Accelerate, class Respond>
 Solvability accelerate_with_gears(const Model& model, NumberSpan<T> q, NumberSpan<T> v, NumberSpan<T> tau,
                                   std::span<T> a, const Accelerate& accelerate, const Respond& respond) {
@@ -117,25 +133,26 @@ Solvability accelerate_with_gears(const Model& model, NumberSpan<T> q, NumberSpa
   return accelerate(q_t.data(), v_t.data(), forces.data());
 }
 
-/// The forces that the gears lose in inverse dynamics, where the motion (v, a) is given. A joint at rest has
-/// no loss.
+/// The forces that gears lose in inverse dynamics, where velocities v and accelerations a are given. The gear
+/// of a joint at rest loses nothing.
 template <class T> class GearLosses {
  public:
-  /// Reads v and a, so that they may share memory with the forces afterwards.
+  /// Reads v and a (nv each). Their memory may be overwritten afterwards, for example by the forces of add().
   GearLosses(const Model& model, NumberSpan<T> v, NumberSpan<T> a);
-  /// Adds the losses to drive forces, which contain the forces against armatures, damping and dry friction,
-  /// but none of springs (D9.9).
+  /// Adds the losses of the gears to the drive forces `tau` (nv) by (D9.9). `tau` must contain the forces
+  /// against armatures, damping and dry friction, and no forces of springs.
   void add(std::span<T> tau) const;
 
  private:
   struct Moving {
     Gear gear;
-    T direction, own;  ///< `own` is the force on armature, damping and dry friction
+    T direction, own;  ///< sign of the velocity; force against armature, damping and dry friction
   };
   std::vector<Moving> moving_;
 };
 
-/// Throws std::invalid_argument if the model has springs and gears with losses.
+/// Throws std::invalid_argument if the model has springs and gears with losses. The message names `function`
+/// and ends with the advice `instead`.
 void refuse_springs_with_gears(const char* function, const char* instead, const Model& model);
 
 }  // namespace axode

@@ -17,15 +17,16 @@ namespace axode {
 ///
 /// T needs + - * /, sqrt, sin, cos, `<`, `>`, select and a conversion from double; forward dynamics compares
 /// the values of numbers only, not their derivatives. The recursions run in the representation Rep, on which
-/// results do not depend. All functions except mass_matrix are O(n). They allocate nothing, and throw
+/// results do not depend. All functions except mass_matrix() are O(n). They allocate nothing, and throw
 /// std::invalid_argument for an argument of a wrong size. The caller must make sure that quaternions in q
-/// have norm 1. The dynamics of a mechanism with loops are refused, and springs are left out.
+/// have norm 1. Inverse and forward dynamics throw std::invalid_argument for a mechanism with loops, and for
+/// losses of gears if loads.joint_losses is set. They do not include the forces of springs.
 template <class T, RecursionRepresentation Rep = Hybrid> class GenericDynamics {
  public:
   explicit GenericDynamics(const Model& model) : GenericDynamics(model, cast<T>(model.tree<double>())) {}
-  /// Takes `tree` instead of the tree of the model, for derivatives by inertias, armatures or gravity. To
-  /// make such a tree, change the TreeNumbers of cast<T>(model.tree<double>()) and construct a Tree from
-  /// them.
+  /// Takes `tree` instead of the tree of the model, for derivatives with respect to inertias, armatures or
+  /// gravity. To make a tree with such numbers, change the TreeNumbers of cast<T>(model.tree<double>()) and
+  /// construct a Tree from them.
   GenericDynamics(const Model& model, Tree<T> tree)
       : model_(model),
         tree_(std::move(tree)),
@@ -35,8 +36,8 @@ template <class T, RecursionRepresentation Rep = Hybrid> class GenericDynamics {
 
   const Tree<T>& tree() const { return tree_; }
 
-  /// Computes q ⊕ dv (nq numbers): the configuration after every joint has moved along its left-trivialised
-  /// direction dv (nv numbers).
+  /// Writes q ⊕ dv (nq numbers) to `moved`: the configuration after every joint has moved from q along its
+  /// left-trivialised direction dv (nv numbers).
   void integrate(std::span<const T> q, std::span<const T> dv, std::span<T> moved) const {
     check("q", q, model_.nq(), "nq");
     check("dv", dv, model_.nv(), "nv");
@@ -48,7 +49,8 @@ template <class T, RecursionRepresentation Rep = Hybrid> class GenericDynamics {
         });
   }
 
-  /// The drive forces τ (nv; N m and N) for accelerations a (nv), see inverse_dynamics().
+  /// Computes the drive forces τ (nv; N m and N) for accelerations a (nv) by the recursive Newton-Euler
+  /// algorithm, as axode::inverse_dynamics() does.
   void inverse_dynamics(std::span<const T> q, std::span<const T> v, std::span<const T> a, std::span<T> tau,
                         const Loads<T>& loads = {}) {
     check_counts("inverse_dynamics");
@@ -59,8 +61,9 @@ template <class T, RecursionRepresentation Rep = Hybrid> class GenericDynamics {
     inverse_->project(tree_, v.data(), a.data(), loads.joint_losses, tau.data());
   }
 
-  /// The accelerations a (nv; rad/s², m/s²) for drive forces τ (nv), see forward_dynamics(). It fails if the
-  /// mass matrix, with its values alone, is singular.
+  /// Computes the accelerations a (nv; rad/s² and m/s²) for drive forces τ (nv) by the articulated-body
+  /// algorithm, as axode::forward_dynamics() does. The returned Solvability says whether the mass matrix is
+  /// singular, judged by the values of its entries without their derivatives.
   Solvability forward_dynamics(std::span<const T> q, std::span<const T> v, std::span<const T> tau,
                                std::span<T> a, const Loads<T>& loads = {}) {
     check_counts("forward_dynamics");

@@ -16,8 +16,9 @@ template <class Rep, class T> struct BiasForces {
 
   explicit BiasForces(Arena& arena) : recursion(arena), zero(arena.per_velocity<T>()) {}
 
-  /// Computes the bias forces at the velocities v under gravity g and loads; joint losses are those at the
-  /// velocities v_losses. If v is null, the system is at rest.
+  /// Writes the bias forces at velocities v under gravity g and the loads to `tau` (nv). If v is null, the
+  /// velocities are 0. If loads.joint_losses is set, damping and friction are those at the velocities
+  /// v_losses; if v_losses is null, they are 0.
   void run(const Tree<T>& tree, const T* q, const T* v, const T* v_losses, const Loads<T>& loads,
            const Vec3<T>& g, T* tau) noexcept {
     for (int c = 0; c < tree->nv; ++c) zero[c] = T(0);
@@ -26,7 +27,7 @@ template <class Rep, class T> struct BiasForces {
   }
 };
 
-/// Scratch memory for the response of a frame to impulses.
+/// Scratch memory for the response M⁻¹ Jᵀ of a frame with the Jacobian J to impulses.
 template <class Rep, class T> struct FrameResponse {
   ArticulatedBodies<Rep, T> bodies;
   Twist<Rep, T>*J, *Y;
@@ -39,7 +40,8 @@ template <class Rep, class T> struct FrameResponse {
         x(arena.per_velocity<T>()) {}
 };
 
-/// Momenta of a moving tree.
+/// Scratch memory for momenta of a tree with velocities v: joint screws and inertias in spatial
+/// representation, twists of the bodies and momenta of their subtrees, and one number for each velocity.
 template <class T> struct MovingMass {
   SpatialTree<T> spatial;
   SubtreeMomenta<T> momenta;
@@ -52,7 +54,8 @@ template <class T> struct MovingMass {
   }
 };
 
-/// Memory for the state as (q, V): velocities of the joints, then accelerations of all bodies.
+/// Scratch memory for the equations of motion in the state (q, V), where V are the twists of all bodies: the
+/// velocities and accelerations of the joints, and from them the accelerations of all bodies.
 template <class Rep, class T> struct StateForm {
   BodyPoses<T> C;
   Twist<Spatial, T>* V_s;
@@ -69,7 +72,7 @@ template <class Rep, class T> struct StateForm {
         a(arena.per_velocity<T>()) {}
 };
 
-/// Poses and motion of a tree.
+/// Scratch memory for the poses and the body-fixed motion of all bodies.
 template <class T> struct PosesAndMotion {
   BodyPoses<T> C;
   TreeMotion<BodyFixed, T> motion;
@@ -77,7 +80,8 @@ template <class T> struct PosesAndMotion {
   explicit PosesAndMotion(Arena& arena) : C(arena), motion(arena) {}
 };
 
-/// Memory for a Coriolis matrix.
+/// Scratch memory for a Coriolis matrix C = Jᵀ (M J' + B J): joint screws and inertias in spatial
+/// representation, and for each body its twist and the 6×6 matrix B.
 template <class T> struct CoriolisBodies {
   SpatialTree<T> spatial;
   Twist<Spatial, T>* V;

@@ -6,11 +6,11 @@
 #include "axode/lie/six.hpp"
 #include "axode/model/model.hpp"
 
-/// The force laws of springs, dampers and stops, for forces and their derivatives.
+/// Forces of springs, dampers and joint stops, with the derivatives of these forces.
 namespace axode {
 
-/// The force of the spring and the stops on a joint of one velocity, the derivatives of this force by
-/// position and velocity, and the energy.
+/// The force f of the spring and the stops on a joint of one velocity, the derivatives of f by the position p
+/// and the velocity dp of the joint, and the energy of spring and stops.
 template <class T> struct ElasticForce { T f, by_p, by_dp, energy; };
 template <class T> ElasticForce<T> elastic_force(const Dof& dof, const T& p, const T& dp) noexcept {
   const T k = T(dof.stiffness), x = p - T(dof.rest);
@@ -28,8 +28,9 @@ template <class T> ElasticForce<T> elastic_force(const Dof& dof, const T& p, con
   return out;
 }
 
-/// The spring of a joint of several velocities at x = log(q): the force K x, and the rates x' = dexp_{-x}⁻¹
-/// e_k that belong to the velocities of the joint.
+/// The spring of a joint with several velocities, at the logarithm x = log(q) of the motion from its drawn
+/// pose. `Kx` is the product of the stiffnesses K and x, and dx[k] = dexp_{-x}⁻¹ e_k is the rate of x for a
+/// unit of velocity k.
 template <class Joint, class T> struct ElasticLogarithm {
   using Entries = std::array<T, Joint::nv>;
   Entries x, Kx;
@@ -43,7 +44,7 @@ template <class Joint, class T> struct ElasticLogarithm {
     for (int k = 0; k < joint.nv; ++k) dx[k] = components(dexp_inv(minus_X_, joint.column(k)));
   }
   T force(int k) const { return -product(Kx, dx[k]); }
-  /// The derivative of force k along velocity j.
+  /// The derivative of force(k) when the joint moves along velocity j; `dof` has the stiffnesses.
   T by_q(const std::vector<Dof>& dof, int k, int j) const {
     Entries K_dx;
     for (int l = 0; l < joint_.nv; ++l) K_dx[l] = T(dof[l].stiffness) * dx[j][l];
@@ -70,8 +71,9 @@ template <class T> int meeting_of(const Tree<T>& tree, const std::array<Place<T>
   return common_predecessor(tree, tree->frame_body[place[0].frame], tree->frame_body[place[1].frame]);
 }
 
-/// A straight segment of a path. It is expressed in the internal frame of the body where the paths from both
-/// ends to the ground meet, so that no digits are lost far from the inertial origin.
+/// A straight segment of the path of a spring, between two places. It is expressed in the internal frame of
+/// the body `meeting`, where the paths from both ends to the ground meet, so that no digits are lost far from
+/// the inertial origin.
 template <class T> struct Segment {
   std::array<Place<T>, 2> place;
   int meeting;
@@ -81,8 +83,9 @@ template <class T> struct Segment {
   Vec3<T> u;      ///< r/‖r‖, or 0
   T rate{};       ///< rate of the length
 
-  /// Calls columns(end, joint, velocity, column) for each column on the paths from the ends to the meeting
-  /// body. Without v, which may be nullptr, the rates are 0.
+  /// Computes the segment. Calls columns(end, joint, velocity, X) with each column X of the body-fixed
+  /// Jacobian of an end (0 or 1), for the joints between this end and the meeting body. v may be nullptr; the
+  /// rates are 0 then.
   template <class F>
   Segment(const Spring::Path::Point* ends, const Tree<T>& tree, const T* q, const T* v,
           const F& columns) noexcept
@@ -110,7 +113,7 @@ template <class T> struct Segment {
   static Place<T> place_of(const Spring::Path::Point& p) { return {p.frame, cast<T>(p.point)}; }
 };
 
-/// Calls f with each segment of a path.
+/// Calls f(segment) for each Segment of the path of a spring.
 template <class T, class F>
 void each_segment(const Spring::Path& path, const Tree<T>& tree, const T* q, const T* v,
                   const F& f) noexcept {
@@ -118,7 +121,7 @@ void each_segment(const Spring::Path& path, const Tree<T>& tree, const T* q, con
     f(Segment<T>(&path.points[k - 1], tree, q, v, [](std::size_t, int, int, const auto&) {}));
 }
 
-/// The coordinate of a spring and its rate.
+/// The coordinate x of a spring (m or rad) and its rate dx.
 template <class T> struct SpringCoordinate { T x, dx; };
 
 template <class T>
@@ -144,15 +147,16 @@ SpringCoordinate<T> coordinate_of(const Spring::JointSum& joints, const Tree<T>&
 }
 
 /// The pose D of the second frame of a spring relative to the first one, and the twist V of the second frame
-/// against the first one, in the axes and about the origin of the second one.
+/// relative to the first one, in the axes and about the origin of the second frame.
 template <class T> struct RelativePose {
   std::array<Place<T>, 2> place;
   int meeting;
   SE3<T> D;
   Screw<T> V;
 
-  /// Calls columns(end, joint, velocity, column) for each column on the paths from the ends to the body where
-  /// they meet; the columns are in the axes of their ends. Without v, which may be nullptr, V is 0.
+  /// Computes D and V. Calls columns(end, joint, velocity, X) with each column X of the body-fixed Jacobian
+  /// of an end (0 or 1), for the joints between this end and the body where the paths from both ends to the
+  /// ground meet. v may be nullptr; V is 0 then.
   template <class F>
   RelativePose(const std::array<Spring::End, 2>& ends, const Tree<T>& tree, const T* q, const T* v,
                const F& columns) noexcept
@@ -175,8 +179,9 @@ template <class T> struct RelativePose {
   static Place<T> place_of(const Spring::End& end) { return {end.frame, cast<T>(end.pose)}; }
 };
 
-/// The wrench of a spring on its second frame, (moment; force) in the axes and about the origin of that
-/// frame. With K = -∂W/∂η for D → D exp(η) and C = -∂W/∂V it also has the derivatives.
+/// The wrench W = (moment; force) of a spring on its second frame, in the axes and about the origin of this
+/// frame. If its derivatives are computed, K = -∂W/∂η for displacements D → D exp(η) of the relative pose D
+/// of the two frames, and C = -∂W/∂V for their relative twist V.
 template <class T> struct SpringWrench {
   using Matrix = std::array<std::array<T, 6>, 6>;
   Six<T> W{};
@@ -200,8 +205,8 @@ template <class T> Screw<T> unit_screw(std::size_t k) {
   return {{e[0], e[1], e[2]}, {e[3], e[4], e[5]}};
 }
 
-/// The angle about z of a rotation (D16.8), from -π to π, its gradient g along displacements of the
-/// rotation on the right, and the derivatives of g.
+/// The angle about z of a rotation R (D16.8), from -π to π, its gradient g for displacements R → R exp(η),
+/// and the derivatives of g.
 template <class T> struct TwistAngle {
   T angle;
   Vec3<T> g;
@@ -210,7 +215,7 @@ template <class T> struct TwistAngle {
     angle = T(2) * atan2(a_.z, a_.w);
     g = (T(1) / square_) * numerator();
   }
-  /// The derivative of g along η.
+  /// The derivative of the gradient g when the rotation is displaced along η, R → R exp(η).
   Vec3<T> gradient_along(const Vec3<T>& eta) const {
     const Vec3<T> v{a_.x, a_.y, a_.z}, e{T(0), T(0), T(1)};
     const T dw = T(-0.5) * dot(v, eta);
@@ -228,7 +233,8 @@ template <class T> struct TwistAngle {
   T square_;
 };
 
-/// The wrench of a torsion spring, with its derivatives if they are asked for (D16.9).
+/// The wrench of a torsion spring on its second frame and, if `with_derivatives`, the derivatives K and C
+/// (D16.9). `at` has the relative pose and twist of the two frames.
 template <class T>
 SpringWrench<T> wrench_of(const Spring::Torsion&, const ForceLaw& law, const RelativePose<T>& at,
                           bool with_derivatives) noexcept {
@@ -251,7 +257,8 @@ SpringWrench<T> wrench_of(const Spring::Torsion&, const ForceLaw& law, const Rel
   return out;
 }
 
-/// The wrench of a bushing, with its derivatives if they are asked for (D16.10, D16.11).
+/// The wrench of a bushing on its second frame and, if `with_derivatives`, the derivatives K and C (D16.10,
+/// D16.11). `at` has the relative pose and twist of the two frames.
 template <class T>
 SpringWrench<T> wrench_of(const Spring::Bushing& bushing, const ForceLaw&, const RelativePose<T>& at,
                           bool with_derivatives) noexcept {
@@ -285,8 +292,9 @@ SpringWrench<T> wrench_of(const Spring::Bushing& bushing, const ForceLaw&, const
   return out;
 }
 
-/// The wrench on the first frame of a spring that has the wrench W on its second frame: the reaction to W, in
-/// the axes and about the origin of the first frame. D is the pose of the second frame relative to the first.
+/// The wrench of a spring on its first frame, which is the reaction to its wrench W on the second frame. W is
+/// in the axes and about the origin of the second frame, the result in those of the first frame. D is the
+/// pose of the second frame relative to the first.
 template <class T> Six<T> reaction(const SE3<T>& D, const Six<T>& W) noexcept {
   const Vec3<T> m = D.R * Vec3<T>{W[0], W[1], W[2]}, f = D.R * Vec3<T>{W[3], W[4], W[5]};
   return six(-(m + cross(D.r, f)), -f);

@@ -12,7 +12,7 @@ namespace {
 
 constexpr auto no_columns = [](std::size_t, int, int, const auto&) {};
 
-/// Adds the forces of one spring of a description to τ.
+/// Adds the generalised forces of one spring element of a model to τ.
 template <class T> struct AddForces {
   const Tree<T>& tree;
   const ForceLaw& law;
@@ -53,7 +53,7 @@ SE3<T> pose_of(const Geometry& between, const Tree<T>& tree, const T* q) noexcep
   return RelativePose<T>(between.ends, tree, q, nullptr, no_columns).D;
 }
 
-/// The coordinate of one spring of a description; 0 for a bushing, which has none.
+/// The coordinate of one spring element of a model; 0 for a bushing, which has none.
 template <class T> struct Coordinate {
   const Tree<T>& tree;
   const T* q;
@@ -67,7 +67,7 @@ template <class T> struct Coordinate {
   }
 };
 
-/// The energy of one spring of a description.
+/// The energy of one spring element of a model.
 template <class T> struct Energy {
   const Tree<T>& tree;
   const ForceLaw& law;
@@ -150,7 +150,7 @@ T spring_coordinate(const Model& model, Workspace<T>& workspace, int k, Numbers<
     check_size("gradient", gradient.size(), static_cast<std::size_t>(model.nv()), "nv");
     check_separate("gradient", gradient, "q", static_cast<std::span<const T>>(q));
     std::ranges::fill(gradient, T(0));
-    // The force of a spring whose tension is 1 is the gradient with the opposite sign.
+    // A spring with the constant tension -1 has the generalised force ∂x/∂q.
     const ForceLaw unit{.curve = PolynomialCurve{{-1}}};
     std::visit(AddForces<T>{tree, unit, q.data(), nullptr, gradient.data()}, spring.geometry);
   }

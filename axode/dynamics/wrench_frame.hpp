@@ -4,7 +4,8 @@
 
 namespace axode {
 
-/// Pose, in the internal frame of body i, of the frame in which the wrench of joint i is given.
+/// The pose, in the internal frame of body i, of the frame in which the wrench of joint i is given: the frame
+/// of body i, moved to the point `at`.
 template <class T> SE3<T> wrench_frame(const Model& model, int i, WrenchPoint at) {
   const SE3<T>& body = model.tree<T>().frame_offset[i];
   return at == WrenchPoint::body ? body : body * SE3<T>{{}, cast<T>(model.body(i).S_self.r)};

@@ -25,7 +25,7 @@ template <class Rep> MatrixXd jacobian(const Model& model, std::span<const doubl
   return system.A * system.X;
 }
 
-/// The 6×6 inertia matrix, in representation Rep, of a body with pose C.
+/// The 6×6 inertia matrix in representation Rep of a body with pose C and inertia M in its own frame.
 template <class Rep> Matrix6<double> inertia_matrix(const SE3<>& C, const Inertia<>& M) {
   if constexpr (std::same_as<Rep, Spatial>) return to_eigen(transform(C, M));
   if constexpr (std::same_as<Rep, Hybrid>) return to_eigen(transform(C.R, M));
@@ -58,7 +58,8 @@ VectorXd applied_wrenches(const Model& model, const std::vector<SE3<>>& C, const
   return W;
 }
 
-/// The armature forces and, if joint_losses is set, the losses of the joints.
+/// The generalised forces (nv) against armatures at accelerations a and, if loads.joint_losses is set,
+/// against damping and friction at velocities v.
 VectorXd joint_forces(const Model& model, std::span<const double> v, std::span<const double> a,
                       const Loads<double>& loads) {
   const Tree<double>& tree = model.tree<double>();
@@ -79,7 +80,7 @@ void check(const Model& model, std::span<const double> q, std::span<const double
   check_loads(model, loads);
 }
 
-/// Calls f(i, V_i, V'_i) for every body.
+/// Calls f(i, V, V') for every body i with its twist V and twist rate V' in representation Rep.
 template <class Rep, class F>
 void each_motion(const Model& model, std::span<const double> q, std::span<const double> v,
                  std::span<const double> a, F&& f) {
@@ -157,7 +158,7 @@ MatrixXd coriolis_matrix(const Model& model, std::span<const double> q, std::spa
   const auto [A, D, X] = system_matrices<BodyFixed>(model, q);
   const MatrixXd M = inertia_matrix<BodyFixed>(model, q), J = A * X;
   const SystemMatrix b = b_matrix(model, system_twist<BodyFixed>(model, q, v));
-  const SystemMatrix a = a_matrix(model, v) * D;  // = a where joints have one degree of freedom: a X = 0
+  const SystemMatrix a = a_matrix(model, v) * D;  // = a if all joints have one degree of freedom: a X = 0
   MatrixXd C = M * A * a;
   C += b.transpose() * M;
   if (form != CoriolisForm::paper) C -= M * b;

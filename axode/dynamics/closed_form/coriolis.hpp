@@ -3,25 +3,26 @@
 
 namespace axode {
 
-/// The forms of the matrix C(q, v). In each of them, C v is the Coriolis vector.
+/// The forms of the Coriolis matrix C(q, v). In each of them, C v is the Coriolis vector.
 enum class CoriolisForm {
   paper,    ///< the paper's C = -Jᵀ (M A a + bᵀ M) J (eq. CMat); M' - 2C is not skew
   skew,     ///< C' = -Jᵀ (M A a + bᵀ M - M b) J: M' - 2C is skew
-  spatial,  ///< Jᵀ (M J' - ad_Vᵀ M J) in spatial twists; the same matrix as C'
-  /// C_ij = Σ Γ_ijk v_k; M' - 2C is skew. On multi-DOF joints Γ is the Levi-Civita connection of M.
+  spatial,  ///< Jᵀ (M J' - ad_Vᵀ M J) in spatial twists; equal to the form `skew`
+  /// C_ij = Σ_k Γ_ijk v_k; M' - 2C is skew. With multi-DOF joints Γ is the Levi-Civita connection of M.
   christoffel
 };
-/// The Coriolis matrix C(q, v) in one of its forms, nv × nv entries, row by row. O(n d) for depth d, and
-/// O(nv²) to clear the matrix.
+/// The Coriolis matrix C(q, v) in one of its forms, nv × nv entries, row by row. O(n d) for a tree of depth
+/// d, and O(nv²) to clear the matrix.
 template <class T>
 void coriolis_matrix(const Model& model, Workspace<T>& workspace, Numbers<T> q, Numbers<T> v,
                      CoriolisForm form, std::type_identity_t<std::span<T>> C);
 
-/// Christoffel symbols of the first kind, Γ_ijk at [(i nv + j) nv + k], nv³ entries, from joint screws and
-/// composite inertias (eq. Gamma with erratum 25): 2 Γ_ijk = J_kᵀ M^c [J_i, J_j] + J_jᵀ M^c [J_i, J_k] + J_iᵀ
-/// M^c [J_s, J_r] where s is the inner and r the outer one of j and k, and M^c is the composite inertia of
-/// the subtree of the outermost of the three. They are symmetric in j, k except for velocities of one
-/// multi-DOF joint, where Γ_ijk - Γ_ikj belongs to [S_k, S_j]. O(n d²), and O(nv³) to clear the result.
+/// Christoffel symbols of the first kind, Γ_ijk at [(i nv + j) nv + k], nv³ entries, from joint screws J and
+/// composite inertias (eq. Gamma with erratum 25):
+///   2 Γ_ijk = J_kᵀ M^c [J_i, J_j] + J_jᵀ M^c [J_i, J_k] + J_iᵀ M^c [J_s, J_r],
+/// where s is the inner and r the outer one of j and k, and M^c is the composite inertia of the subtree of
+/// the outermost of i, j and k. Γ_ijk = Γ_ikj, except if j and k are velocities of one multi-DOF joint: then
+/// Γ_ijk - Γ_ikj = J_iᵀ M^c [J_k, J_j]. O(n d²) for a tree of depth d, and O(nv³) to clear the result.
 template <class T>
 void christoffel(const Model& model, Workspace<T>& workspace, Numbers<T> q,
                  std::type_identity_t<std::span<T>> Gamma);

@@ -6,16 +6,18 @@
 /// damping, friction and loads are not included.
 namespace axode {
 
-/// The regressor Y of the drive forces, Y π = M a + C v + g: nv × 10 n_bodies entries, row by row. O(n d),
-/// and the time to clear Y.
+/// The regressor Y of the drive forces: Y π = M a + C v + g for the inertial parameters π of all bodies. Y
+/// has nv × 10 n_bodies entries, row by row. O(n d) for a tree of depth d, and the time to clear Y.
 template <class T>
 void regressor(const Model& model, Workspace<T>& workspace, Numbers<T> q, Numbers<T> v, Numbers<T> a,
                std::type_identity_t<std::span<T>> Y);
-/// The row y for which y π is the kinetic energy of the bodies, J; 10 n_bodies entries, O(n).
+/// The row y for which y π is the kinetic energy (J) of the bodies with the inertial parameters π. y has 10
+/// n_bodies entries, O(n).
 template <class T>
 void kinetic_energy_regressor(const Model& model, Workspace<T>& workspace, Numbers<T> q, Numbers<T> v,
                               std::type_identity_t<std::span<T>> y);
-/// The row y for which y π is the potential energy of gravity, J; 10 n_bodies entries, O(n).
+/// The row y for which y π is the potential energy (J) of the bodies with the inertial parameters π under
+/// gravity. y has 10 n_bodies entries, O(n).
 template <class T>
 void potential_energy_regressor(const Model& model, Workspace<T>& workspace, Numbers<T> q,
                                 std::type_identity_t<std::span<T>> y);

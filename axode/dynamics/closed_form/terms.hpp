@@ -3,11 +3,11 @@
 #include "axode/kinematics/arguments.hpp"
 #include "axode/recursion/loads.hpp"
 
-/// The terms of M(q) a + C(q, v) v + g(q) = τ + Q, each computed by a function of its own. Each result has nv
-/// entries; O(n).
+/// The terms of the equations of motion M(q) a + C(q, v) v + g(q) = τ + Q, where Q are the generalised forces
+/// of the loads. Each term is computed by a function of its own. Each result has nv entries; O(n).
 namespace axode {
 
-/// C(q, v) v: the drive forces of the motion without gravity, loads and accelerations.
+/// The Coriolis vector C(q, v) v: the drive forces at velocities v without gravity, loads and accelerations.
 template <RecursionChoice Rep = Fast, class T>
 void coriolis_vector(const Model& model, Workspace<T>& workspace, Numbers<T> q, Numbers<T> v,
                      std::type_identity_t<std::span<T>> Cv);
@@ -15,7 +15,8 @@ void coriolis_vector(const Model& model, Workspace<T>& workspace, Numbers<T> q, 
 template <RecursionChoice Rep = Fast, class T>
 void gravity_torques(const Model& model, Workspace<T>& workspace, Numbers<T> q,
                      std::type_identity_t<std::span<T>> g);
-/// Q = Σ Jᵀ W: the generalised forces of the loads, with damping and friction if loads.joint_losses is set.
+/// Q = Σ Jᵀ W: the generalised forces of the wrenches W in `loads`, and of damping and friction at velocities
+/// v if loads.joint_losses is set.
 template <RecursionChoice Rep = Fast, class T>
 void generalized_loads(const Model& model, Workspace<T>& workspace, Numbers<T> q, Numbers<T> v,
                        const std::type_identity_t<Loads<T>>& loads, std::type_identity_t<std::span<T>> Q);

@@ -7,18 +7,20 @@
 
 namespace axode {
 
-/// The factors of M = LᵀDL. L is lower triangular with a unit diagonal; as in M, only entries of velocities
-/// on one path are non-zero. The constructor allocates the memory. See (D4.7) and (D4.8) of docs/derivations.
+/// The factors of a mass matrix M = LᵀDL. L is lower triangular with a unit diagonal, and D is diagonal. In M
+/// and in L, only entries of velocities on one path to the ground are non-zero. The constructor allocates the
+/// memory. See (D4.7) and (D4.8) of docs/derivations.
 template <class T = double> class MassMatrixFactor {
  public:
   explicit MassMatrixFactor(const Model& model);
-  /// Factorises M. O(n d²), and O(nv²) to check its entries. If the mass matrix is singular, the factors must
-  /// not be used. Throws std::invalid_argument for a wrong size, an M that is not symmetric, and a non-zero
-  /// entry of velocities on different paths.
+  /// Factorises a mass matrix M (nv × nv, row by row). O(n d²) for a tree of depth d, and O(nv²) to check the
+  /// entries of M. If M is singular, the returned Solvability says so, and the factors must not be used.
+  /// Throws std::invalid_argument for a wrong size, an M that is not symmetric, and a non-zero entry of
+  /// velocities on different paths.
   Solvability factorize(std::type_identity_t<std::span<const T>> M);
-  /// Replaces x by M⁻¹ x, O(n d).
+  /// Replaces x (nv numbers) by M⁻¹ x, after factorize(). O(n d) for a tree of depth d.
   void solve(std::type_identity_t<std::span<T>> x) const;
-  /// Computes M⁻¹, nv × nv entries, O(n² d).
+  /// Computes M⁻¹, nv × nv entries, after factorize(). O(n² d) for a tree of depth d.
   void inverse(std::type_identity_t<std::span<T>> M_inverse) const;
   /// Entry (c, p) of L.
   T L(int c, int p) const { return c == p ? T(1) : c < p ? T(0) : H_[at(c, p)]; }
@@ -33,7 +35,7 @@ template <class T = double> class MassMatrixFactor {
 
   Model model_;
   int nv_;
-  std::vector<T> H_, inertia_scale_;  ///< the factors, and the inertia scale of each velocity
+  std::vector<T> H_, inertia_scale_;  ///< D and L in one matrix; size of the inertia of each velocity
 };
 
 }  // namespace axode

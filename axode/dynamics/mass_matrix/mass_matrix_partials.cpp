@@ -23,8 +23,8 @@ void mass_matrix_partials(const Model& model, Workspace<T>& workspace, Numbers<T
     dM[(c * nv + a) * nv + b] += x;
     dM[(c * nv + b) * nv + a] += x;
   };
-  // Either b_j < b_k are on the path of b_i, or b_j <= b_i are on the path of b_k. Quantities that are
-  // displaced with k as a whole do not change.
+  // ∂M_ij/∂q_k is non-zero if bodies b_j < b_k are on the path of b_i, or if b_j <= b_i are on the path of
+  // b_k. Quantities that velocity k displaces as a whole do not change.
   for (int b_i = 1; b_i <= tree->n; ++b_i)
     s.each_screw(b_i, [&](int i, const Twist<Spatial, T>& J_i) {
       const Momentum<Spatial, T> Pi = s.M[b_i] * J_i;

@@ -5,14 +5,16 @@
 namespace axode {
 
 /// The partial derivatives ∂M_ij/∂q_k at [(k nv + i) nv + j], nv³ entries; armatures are constant. With the
-/// joint screws J and the composite inertias M^c, ∂_k M_ij = [J_j, J_k]ᵀ M_i^c J_i for j < k <= i and [J_j,
-/// J_k]ᵀ M_k^c J_i + J_jᵀ M_k^c [J_i, J_k] for j <= i < k. O(n d²), and O(nv³) to clear the result. The
-/// direction of a multi-DOF joint's velocity k is q ⊕ e_k ε.
+/// joint screws J and the composite inertias M^c of the subtrees of the joints,
+///   ∂_k M_ij = [J_j, J_k]ᵀ M_i^c J_i                              for j < k <= i,
+///   ∂_k M_ij = [J_j, J_k]ᵀ M_k^c J_i + J_jᵀ M_k^c [J_i, J_k]     for j <= i < k.
+/// O(n d²) for a tree of depth d, and O(nv³) to clear the result. For velocity k of a multi-DOF joint, ∂/∂q_k
+/// is the derivative along q ⊕ e_k ε.
 template <class T>
 void mass_matrix_partials(const Model& model, Workspace<T>& workspace, Numbers<T> q,
                           std::type_identity_t<std::span<T>> dM);
-/// The partial derivatives ∂(M⁻¹)/∂q_k = -M⁻¹ ∂_k M M⁻¹, nv³ entries, that of entry (i, j) at [(k nv + i) nv
-/// + j]; O(n⁴). Allocates. If M is singular, the result is NaN.
+/// The partial derivatives ∂(M⁻¹)/∂q_k = -M⁻¹ ∂_k M M⁻¹, nv³ entries; ∂(M⁻¹)_ij/∂q_k is at [(k nv + i) nv +
+/// j]. O(n⁴). Allocates. If M is singular, the returned Solvability says so, and the result is NaN.
 template <class T>
 Solvability inverse_mass_matrix_partials(const Model& model, Workspace<T>& workspace, Numbers<T> q,
                                          std::type_identity_t<std::span<T>> dM_inverse);

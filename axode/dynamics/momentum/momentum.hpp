@@ -5,17 +5,19 @@
 /// Momenta of joints, of bodies and of the whole system.
 namespace axode {
 
-/// The generalised momenta p = M v = ∂T/∂v, armature included: p_i = J_iᵀ Π_i^A with the momentum of the
-/// subtree of body i. nv entries, O(n).
+/// The generalised momenta p = M v = ∂T/∂v: p_i = J_iᵀ Π_i^A plus the momentum of the armature, where J_i is
+/// the joint screw and Π_i^A the momentum of the subtree of body i. p has nv entries, O(n).
 template <class T>
 void momenta(const Model& model, Workspace<T>& workspace, Numbers<T> q, Numbers<T> v,
              std::type_identity_t<std::span<T>> p);
 
-/// The velocities v = M⁻¹ p for given momenta, O(n). v has nv entries; if M is singular, it is NaN.
+/// The velocities v = M⁻¹ p for given generalised momenta p, O(n). v has nv entries. If M is singular, the
+/// returned Solvability says so, and v is NaN.
 template <class T>
 Solvability from_momenta(const Model& model, Workspace<T>& workspace, Numbers<T> q, Numbers<T> p,
                          std::type_identity_t<std::span<T>> v);
-/// The momentum Σ Π_i^s of the whole system about the inertial origin, O(n). Armatures do not contribute.
+/// The momentum of the whole system about the inertial origin, the sum Σ Π_i^s over all bodies, O(n).
+/// Armatures do not contribute.
 template <class T>
 Momentum<Spatial, T> spatial_momentum(const Model& model, Workspace<T>& workspace, Numbers<T> q,
                                       Numbers<T> v);
