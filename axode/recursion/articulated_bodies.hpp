@@ -4,22 +4,24 @@
 
 namespace axode {
 
-/// The articulated-body algorithm, which solves M x = b in O(n).
+/// The articulated-body algorithm, which solves M x = b for the mass matrix M in O(n).
 ///
 /// M^A is the articulated inertia of a body, with the joints of its subtree free. From the leaves to the
 /// roots each screw S of joint i, which contributes S v to the twist of the body, is eliminated:
-///   U = M^A S,  D = Sᵀ U + armature,  M^A -= U Uᵀ / D;     at the end of a joint M_p^A += up M^A.
-/// The velocities of a joint with several degrees of freedom are eliminated one after the other, as in a
-/// chain of joints through massless bodies.
+///   U = M^A S,  D = Sᵀ U + armature,  M^A -= U Uᵀ / D.
+/// After the last screw of a joint, M^A is moved to the predecessor p and added there: M_p^A += up M^A. The
+/// velocities of a joint with several degrees of freedom are eliminated one after the other, as in a chain of
+/// joints through massless bodies.
 ///
 /// A pivot D is a difference of larger numbers and carries their rounding errors. F estimates how large these
-/// numbers are: it starts from the sizes of the inertias and is updated by the same eliminations as M, so
+/// numbers are: it starts from the sizes of the inertias and is updated by the same eliminations as M^A, so
 /// that D is compared with Sᵀ F S + armature.
 ///
 /// Coupled joints share a velocity. Such a velocity enters at each of these joints and is eliminated at the
-/// body where their paths meet. On the paths to that body (Topology::Ties) it adds a column to the inertia:
-/// the wrench U_c and the forces D_cd that a unit of the velocity causes. Hence the cost of coupled joints is
-/// that of their ties. See (D4.2) to (D4.11) of docs/derivations.
+/// body where their paths meet. On the paths to that body it adds a column to the inertia, called a tie
+/// (Topology::Ties): the wrench U_c that a unit of velocity c causes, and the forces D_cd on the other ties d
+/// of the body. Hence the cost of coupled joints grows with the number of their ties. See (D4.2) to (D4.11)
+/// of docs/derivations.
 template <class Rep, class T> struct ArticulatedBodies {
   BodyLinks<Rep, T> links;
   Inertia<T>* M_body;  ///< rigid inertia of each body, as Link::inertia() returns it
@@ -28,12 +30,12 @@ template <class Rep, class T> struct ArticulatedBodies {
   Twist<Rep, T>* S;
   Wrench<Rep, T>* U;
   T* D;
-  // The following members are for ties.
+  // The following members are for ties, the columns of velocities that coupled joints share.
   Wrench<Rep, T>* U_tie;
   T* D_tie;      ///< k × k for each group of k ties
   T* scale_tie;  ///< magnitude of the numbers from which the diagonal of D_tie is computed
   T* D_screw;    ///< D between each screw and the ties of its body; body i begins at ties.of_screws[i]
-  // The following members are for a solution.
+  // The following members are for the solution of M x = b.
   Wrench<Rep, T>* W;
   Twist<Rep, T>* X;
   T *u, *u_tie;
@@ -55,40 +57,42 @@ template <class Rep, class T> struct ArticulatedBodies {
         u(arena.per_screw<T>()),
         u_tie(arena.per_tie<T>()) {}
 
-  /// Factorises M at q. `armature` has one entry for each velocity. O(n).
+  /// Factorises the mass matrix at q. `armature` has one entry for each velocity. O(n).
   template <TreeOf<T> AnyTree>
   Solvability factorize(const AnyTree& tree, const T* q, const T* armature) noexcept {
     links.run(tree, q);
     return factorize(tree, armature);
   }
-  /// Factorises M at the configuration for which `links` were computed.
+  /// Factorises the mass matrix at the configuration for which `links` were computed.
   template <TreeOf<T> AnyTree> Solvability factorize(const AnyTree& tree, const T* armature) noexcept {
     put_screws_and_inertias(tree);
     return eliminate_joints(tree, armature);
   }
-  /// Factorises M at the configuration for which `links` were computed; check.add() is called with each pivot
-  /// and the magnitude of the numbers from which it was computed.
+  /// Factorises the mass matrix at the configuration for which `links` were computed. Calls check.add(c, D,
+  /// scale) for each velocity c with its pivot D; scale() returns the magnitude of the numbers from which D
+  /// was computed.
   template <TreeOf<T> AnyTree, class Check>
   void factorize(const AnyTree& tree, const T* armature, Check& check) noexcept {
     put_screws_and_inertias(tree);
     eliminate_joints(tree, armature, check);
   }
-  /// Computes the screws S and the rigid inertias `M_body` at the configuration for which `links` were
+  /// Computes the joint screws S and the rigid inertias `M_body` at the configuration for which `links` were
   /// computed.
   template <TreeOf<T> AnyTree> void put_screws_and_inertias(const AnyTree& tree) noexcept {
     joint_columns(tree, links.link, S);
     for (int i = 1; i <= tree->n; ++i) M_body[i] = links.link[i].inertia(tree.M[i]);
   }
-  /// Factorises M of which `links`, S and `M_body` are given. Rounding errors of pivots are estimated only
-  /// where a pivot is small, or where velocities are shared.
+  /// Factorises the mass matrix from `links`, S and `M_body`. Rounding errors of pivots are estimated only if
+  /// a pivot is small, or if the tree has coupled joints.
   template <TreeOf<T> AnyTree> Solvability eliminate_joints(const AnyTree& tree, const T* armature) noexcept {
     if (tree->coupled_bodies.empty() && eliminate_fast(tree, armature)) return {};
     PivotCheck<T> check;
     eliminate_joints(tree, armature, check);
     return check.verdict(*tree.operator->());
   }
-  /// Factorises M of which `links`, S and `M_body` are given, and estimates the rounding error of every
-  /// pivot.
+  /// Factorises the mass matrix from `links`, S and `M_body`, and estimates the rounding error of every
+  /// pivot. Calls check.add(c, D, scale) for each velocity c with its pivot D; scale() returns the magnitude
+  /// of the numbers from which D was computed.
   template <TreeOf<T> AnyTree, class Check>
   void eliminate_joints(const AnyTree& tree, const T* armature, Check& check) noexcept {
     const Topology::Ties& ties = tree->ties;
@@ -134,9 +138,10 @@ template <class Rep, class T> struct ArticulatedBodies {
     backward_sweep(tree, x);
     forward_sweep(tree, x);
   }
-  /// Replaces the drive forces x by accelerations, after factorize(). Body i needs the wrench W[i] to keep
-  /// its twist, and `bias` has the terms of V'_i = down V'_p + S a + bias_i that do not depend on a; entry 0
-  /// is the acceleration of the ground. O(n).
+  /// Replaces the drive forces x by the joint accelerations a, after factorize(). Before the call W[i] must
+  /// be the wrench that body i needs to keep its twist, minus the applied wrenches. `bias` has the terms of
+  /// V'_i = down V'_p + S a + bias_i that do not depend on a; bias[0] is the acceleration of the ground. A
+  /// null pointer stands for bias 0. O(n).
   template <TreeOf<T> AnyTree>
   void accelerate(const AnyTree& tree, const TwistRate<Rep, T>* bias, T* x) noexcept {
     W[0] = {};
@@ -154,8 +159,8 @@ template <class Rep, class T> struct ArticulatedBodies {
     for (int i = tree->n; i > 0; --i) backward_step(tree, i, x);
     backward_step_at_ground(tree, x);
   }
-  /// The step of the backward sweep at body i. The steps of all other bodies of its subtree come before; they
-  /// have added their wrenches to W[i]. `bias` is that of accelerate(), if there is one.
+  /// The step of the backward sweep at body i. It must follow the steps of all other bodies in the subtree of
+  /// body i, which add their wrenches to W[i]. `bias` is the argument of accelerate(), or null.
   template <TreeOf<T> AnyTree>
   void backward_step(const AnyTree& tree, int i, const T* x,
                      const TwistRate<Rep, T>* bias = nullptr) noexcept {
@@ -186,11 +191,13 @@ template <class Rep, class T> struct ArticulatedBodies {
       if (ties.up[t] >= 0) u_tie[ties.up[t]] += u_tie[t];
     W[tree->parent[i]] += links.link[i].up(W[i]);
   }
-  /// The last step of the backward sweep: the shared velocities that are eliminated at the ground.
+  /// The last step of the backward sweep, for the velocities of coupled joints whose paths meet only at the
+  /// ground.
   template <TreeOf<T> AnyTree> void backward_step_at_ground(const AnyTree& tree, const T* x) noexcept {
     for (int t = tree->ties.begin[0]; t < tree->ties.begin[1]; ++t) backward_step_of_tie(tree, 0, t, x);
   }
-  /// Calls f(c, u_c, D_c) for each velocity c that is eliminated at body i, or at the ground if i = 0.
+  /// Calls f(c, u_c, D_c) for each velocity c that is eliminated at body i, or at the ground if i = 0, with
+  /// its pivot D_c and the number u_c of the last backward_sweep().
   template <TreeOf<T> AnyTree, class F> void each_pivot(const AnyTree& tree, int i, F&& f) const {
     const Topology::Ties& ties = tree->ties;
     if (i > 0 && ties.own[i] < 0)
@@ -200,8 +207,8 @@ template <class Rep, class T> struct ArticulatedBodies {
       if (ties.up[t] < 0) f(ties.velocity[t], u_tie[t], row(ties, t)[t]);
   }
 
-  /// The forward sweep of a solution, from the roots to the leaves: x = L⁻¹ D⁻¹ u. `bias` is that of
-  /// accelerate(), if there is one.
+  /// The forward sweep of a solution, from the roots to the leaves: x = L⁻¹ D⁻¹ u for the factors of M = Lᵀ D
+  /// L. `bias` is the argument of accelerate(), or null.
   template <TreeOf<T> AnyTree>
   void forward_sweep(const AnyTree& tree, T* x, const TwistRate<Rep, T>* bias = nullptr) noexcept {
     const Topology::Ties& ties = tree->ties;
@@ -230,8 +237,9 @@ template <class Rep, class T> struct ArticulatedBodies {
   }
 
  private:
-  /// Factorises M for trees without ties, without the magnitudes F by which rounding errors of pivots are
-  /// judged. Returns false if a pivot is so small that M may be singular; the factors are then incomplete.
+  /// Factorises the mass matrix of a tree without coupled joints, without the magnitudes F by which rounding
+  /// errors of pivots are judged. Returns false if a pivot is so small that the mass matrix may be singular;
+  /// the factors are then incomplete.
   template <TreeOf<T> AnyTree> bool eliminate_fast(const AnyTree& tree, const T* armature) noexcept {
     M[0] = {};
     for (int i = 1; i <= tree->n; ++i) M[i] = articulated(links.link[i], M_body[i]);
@@ -247,12 +255,12 @@ template <class Rep, class T> struct ArticulatedBodies {
     }
     return true;
   }
-  /// Sets the forces on the ties to 0 before a backward sweep.
+  /// Sets the forces u_tie on the ties to 0 before a backward sweep.
   template <class AnyTree> void clear_ties(const AnyTree& tree) noexcept {
     for (int t = 0; t < tree->ties.begin[tree->n + 1]; ++t) u_tie[t] = T(0);
   }
-  /// When a tie of a body is eliminated: before the screws of the joint of the body; after these have
-  /// entered, as the joint itself shares the velocity; or later, at a predecessor.
+  /// When a tie of a body, the column of a shared velocity, is eliminated: before the screws of the body's
+  /// joint; after them, if this joint is one of those that share the velocity; or later, at a predecessor.
   enum Turn { before, after, later };
   static Turn turn(const Topology::Ties& ties, int i, int t) {
     return ties.up[t] >= 0 ? later : t == ties.own[i] ? after : before;
@@ -261,7 +269,7 @@ template <class Rep, class T> struct ArticulatedBodies {
   static bool own_tie_ends(const Topology::Ties& ties, int i) {
     return ties.own[i] >= 0 && ties.up[ties.own[i]] < 0;
   }
-  /// Whether tie o of body i is eliminated after tie t.
+  /// Whether tie o of body i is eliminated after tie t of this body.
   static bool waits(const Topology::Ties& ties, int i, int o, int t) {
     const Turn of_o = turn(ties, i, o), of_t = turn(ties, i, t);
     return of_o > of_t || (of_o == of_t && o > t);
@@ -273,12 +281,14 @@ template <class Rep, class T> struct ArticulatedBodies {
     return D_screw + ties.of_screws[i] + (s - tree->first_screw[i]) * (ties.begin[i + 1] - ties.begin[i]) -
            ties.begin[i];
   }
-  /// Row t of the D of its group. The pointer is indexed by the number of a tie in Topology::Ties.
+  /// Row t of the matrix D between the ties of one group (see Topology::Ties). The pointer is indexed by the
+  /// number of a tie in Topology::Ties.
   T* row(const Topology::Ties& ties, int t) const noexcept {
     return D_tie + ties.row[t] - ties.group_begin[t];
   }
 
-  /// Adds screw s of the joint of body i to the column of the velocity that the joint shares.
+  /// Adds screw s of the joint of body i, which is coupled, to the tie of the velocity that this joint
+  /// shares.
   template <class AnyTree> void enter(const AnyTree& tree, int i, int s) noexcept {
     const Topology::Ties& ties = tree->ties;
     const int own = ties.own[i];
@@ -337,7 +347,8 @@ template <class Rep, class T> struct ArticulatedBodies {
         if (waits(ties, i, o, t)) row(ties, r)[o] -= k * D_t[o];
     }
   }
-  /// Adds the ties of body i that are not eliminated there to those of the predecessor.
+  /// Adds the ties of body i that are not eliminated there to the ties of the predecessor for the same
+  /// velocities.
   template <class AnyTree> void pass_ties_to_parent(const AnyTree& tree, int i) noexcept {
     const Topology::Ties& ties = tree->ties;
     for (int t = ties.begin[i]; t < ties.begin[i + 1]; ++t) {

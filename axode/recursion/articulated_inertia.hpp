@@ -21,8 +21,8 @@ template <class Rep, class T>
 constexpr Wrench<Rep, T> operator*(const ArticulatedInertia<Rep, T>& M, const Twist<Rep, T>& V) {
   return {M.A * V.w + M.B * V.v, transposed_times(M.B, V.w) + M.L * V.v};
 }
-/// Replaces M by M - U Uᵀ / D, the inertia after the elimination of a screw S, with U = M S and the pivot D.
-/// See (D4.5) of docs/derivations.
+/// Replaces M by M - U Uᵀ / D, the articulated inertia after the elimination of a joint screw S with U = M S
+/// and the pivot D. See (D4.5) of docs/derivations.
 template <class Rep, class T>
 constexpr void eliminate(ArticulatedInertia<Rep, T>& M, const Wrench<Rep, T>& U, const T& D) {
   const T d = T(-1) / D;
@@ -31,15 +31,16 @@ constexpr void eliminate(ArticulatedInertia<Rep, T>& M, const Wrench<Rep, T>& U,
   M.L = M.L + d * square(U.f);
 }
 
-/// The magnitude of the numbers of an inertia in every direction: tr Θ for rotations and m for translations.
+/// The magnitude of the entries of a rigid inertia M, as the same number in every direction: tr Θ for
+/// rotations and m for translations.
 template <class Rep, class T> constexpr ArticulatedInertia<Rep, T> size_of(const Inertia<T>& M) {
   const T t = trace(M.Theta), o(0);
   return {{t, t, t, o, o, o}, {}, {M.m, M.m, M.m, o, o, o}};
 }
-/// Updates the magnitudes F for the elimination of a screw S: F becomes its congruence with V -> V - (Uᵀ V /
-/// D) S, plus the magnitude of the U Uᵀ / D that is subtracted from M. G = F S, and f is Sᵀ G plus the
-/// magnitude of inertias that move with S but are not part of this body, such as the armature. See (D4.9) of
-/// docs/derivations.
+/// Updates the magnitudes F of the numbers in an articulated inertia M for the elimination of a joint screw S
+/// with U = M S and the pivot D. F becomes its congruence with V -> V - (Uᵀ V / D) S, plus the magnitude of
+/// the U Uᵀ / D that is subtracted from M. G = F S, and f is Sᵀ G plus the magnitude of inertias that move
+/// with S but are not part of M, such as the armature. See (D4.9) of docs/derivations.
 template <class Rep, class T>
 constexpr void update_scale(ArticulatedInertia<Rep, T>& F, const Wrench<Rep, T>& G, const T& f,
                             const Wrench<Rep, T>& U, const T& D) {
@@ -50,8 +51,8 @@ constexpr void update_scale(ArticulatedInertia<Rep, T>& F, const Wrench<Rep, T>&
   F.L = F.L + plus_transpose(outer_product(Y.f, U.f)) + Sym3<T>{l, l, l, o, o, o};
 }
 
-/// The congruence of M with Ad_r: the inertia about another point, in the same axes; r is the vector from
-/// that point to the point of M.
+/// The congruence of M with Ad_r: the articulated inertia about another point, in the same axes. r is the
+/// vector from that point to the point about which M is given.
 template <class Rep, class T>
 constexpr ArticulatedInertia<Rep, T> transform(const Vec3<T>& r, const ArticulatedInertia<Rep, T>& M) {
   const ScrewOperationScope<T> scope(ScrewOperation::tensor_translation);

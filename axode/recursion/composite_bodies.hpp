@@ -3,9 +3,10 @@
 
 namespace axode {
 
-/// The composite-body algorithm, which computes the mass matrix. With M_i^c = M_i + Σ_children up M_c^c, the
-/// impulse F = M_i^c S of the subtree of joint i is transformed from body to body down to the root. At each
-/// joint j on this path M_cj = F | S_j.
+/// The composite-body algorithm, which computes the mass matrix. The composite inertia of the subtree of body
+/// i is M_i plus the sum of `up` of the composite inertias of its children. For each screw S of joint i, the
+/// impulse F that gives this subtree the twist S is transformed from body to body down to the root. At each
+/// joint j on this path, F | S_j is the entry of the mass matrix for the velocities of S and S_j.
 template <class Rep, class T> struct CompositeBodies {
   BodyLinks<Rep, T> links;
   Inertia<T>* M;

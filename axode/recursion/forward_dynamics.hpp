@@ -4,9 +4,10 @@
 
 namespace axode {
 
-/// Forward dynamics in one representation, by the articulated-body algorithm in three passes: the motion at
-/// a = 0 with the wrenches that keep it, the elimination of the joints from the leaves to the roots, and the
-/// accelerations from the roots to the leaves. See (D4.14) of docs/derivations.
+/// Forward dynamics in one representation, by the articulated-body algorithm in three passes: the motion for
+/// joint accelerations a = 0 with the wrenches that the bodies need for it, the elimination of the joints
+/// from the leaves to the roots, and the accelerations from the roots to the leaves. See (D4.14) of
+/// docs/derivations.
 template <class Rep, class T> struct ForwardDynamicsRecursion {
   ArticulatedBodies<Rep, T> bodies;
   Twist<Rep, T>* V;
@@ -23,8 +24,9 @@ template <class Rep, class T> struct ForwardDynamicsRecursion {
         W_app(arena.per_body<Wrench<BodyFixed, T>>()),
         x(arena.per_velocity<T>()) {}
 
-  /// Writes the accelerations to `a`, which may share the memory of an argument. If M is not positive
-  /// definite or a number is not finite, the result says so; if M is singular, all of `a` is NaN. O(n).
+  /// Writes the accelerations to `a`, which may share the memory of an argument. If the mass matrix is not
+  /// positive definite or a number is not finite, the result says so; if the mass matrix is singular, all of
+  /// `a` is NaN. O(n).
   template <TreeOf<T> AnyTree>
   Solvability run(const AnyTree& tree, const T* q, const T* v, const T* tau, const Loads<T>& loads,
                   T* a) noexcept {
@@ -47,7 +49,7 @@ template <class Rep, class T> struct ForwardDynamicsRecursion {
   }
 
  private:
-  /// Computes the twists, the bias accelerations and the wrenches that keep the twists.
+  /// Computes V, `bias` and, in bodies.W, the wrench that each body needs to keep its twist.
   template <class AnyTree> void put_motion(const AnyTree& tree, const T* v) noexcept {
     V[0] = {};
     bias[0] = {{}, -tree.g};

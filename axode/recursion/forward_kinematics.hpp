@@ -5,7 +5,8 @@
 
 namespace axode {
 
-/// The contributions of the joints to the recursions: C_{p,i} = B exp(S q), S v and S a, in the joint frames.
+/// The contributions of the joints to the recursions, with the screws S of joint i: the pose C_{p,i} = B
+/// exp(S q) of body i relative to its predecessor p, and S v and S a in the frame of joint i.
 template <class T> struct JointMotion {
   SE3<T>* C_pi;
   Twist<BodyFixed, T>* Sv;
@@ -17,7 +18,8 @@ template <class T> struct JointMotion {
         Sa(arena.per_body<TwistRate<BodyFixed, T>>()) {}
 };
 
-/// Computes C_{p,i} of every joint at q (eq. relConf). A coupled joint takes q from its leader.
+/// Computes the pose C_{p,i} of every body i relative to its predecessor p at q (eq. relConf). The coordinate
+/// of a coupled joint is computed from that of its leader.
 template <class T, TreeOf<T> AnyTree>
 void joint_poses(const AnyTree& tree, const T* q, SE3<T>* C_pi) noexcept {
   each_joint(tree, [&](const auto& joint, int i, bool coupled) {
@@ -27,7 +29,7 @@ void joint_poses(const AnyTree& tree, const T* q, SE3<T>* C_pi) noexcept {
   });
 }
 
-/// Computes S x of every joint, for velocities or accelerations x.
+/// Computes the joint motion S x of every joint, in the joint frame, for velocities or accelerations x (nv).
 template <class Motion, class T, TreeOf<T> AnyTree>
 void joint_screws(const AnyTree& tree, const T* x, Motion* Sx) noexcept {
   each_joint(tree, [&](const auto& joint, int i, bool coupled) {
@@ -38,7 +40,7 @@ void joint_screws(const AnyTree& tree, const T* x, Motion* Sx) noexcept {
   });
 }
 
-/// Computes C_{p,i}, S v and S a of every joint.
+/// Computes the relative pose C_{p,i} and the joint motions S v and S a of every joint.
 template <class T, TreeOf<T> AnyTree>
 void joint_motion(const AnyTree& tree, const T* q, const T* v, const T* a,
                   const JointMotion<T>& out) noexcept {
@@ -47,8 +49,8 @@ void joint_motion(const AnyTree& tree, const T* q, const T* v, const T* a,
   joint_screws(tree, a, out.Sa);
 }
 
-/// Poses of the internal frames of all bodies, C_i = C_p C_{p,i} (eqs. POEX, aVbRec2), couplings included. It
-/// takes 36 products and 33 sums for each body.
+/// Poses of the internal frames of all bodies in the inertial frame, C_i = C_p C_{p,i} with the predecessor p
+/// of body i (eqs. POEX, aVbRec2), coupled joints included. It takes 36 products and 33 sums for each body.
 template <class T> struct BodyPoses {
   SE3<T>* C;
 
@@ -60,7 +62,7 @@ template <class T> struct BodyPoses {
     joint_poses(tree, q, C);
     run(tree, C);
   }
-  /// Computes the poses from those of the joints, C_pi, which may be the memory of the results.
+  /// Computes the poses from the relative poses C_pi of the joints. C_pi may be the array C of the results.
   template <TreeOf<T> AnyTree> void run(const AnyTree& tree, const SE3<T>* C_pi) noexcept {
     C[0] = {};
     for (int i = 1; i <= tree->n; ++i) C[i] = C[tree->parent[i]] * C_pi[i];
@@ -69,7 +71,7 @@ template <class T> struct BodyPoses {
   SE3<T>& operator[](int i) { return C[i]; }
 };
 
-/// Calls f(i) for every body that hangs on the ground.
+/// Calls f(i) for every root body: every body whose predecessor is the ground.
 template <class F> void each_root(const Topology& topology, F&& f) {
   for (int i = 1; i <= topology.n; i = topology.subtree_end[i]) f(i);
 }
@@ -84,7 +86,8 @@ template <class T> void move_to_roots(const Topology& topology, SE3<T>* C_pi, Ve
   });
 }
 
-/// The links of all bodies at a configuration, about the origins of their root bodies.
+/// The Link of every body at a configuration: what this body contributes to a recursion in Rep. The origin of
+/// the root body of each subtree is used as the inertial origin.
 template <class Rep, class T> struct BodyLinks {
   SE3<T>* C_pi;
   Vec3<T>* origin;  ///< positions of the root bodies in the inertial frame
@@ -100,7 +103,8 @@ template <class Rep, class T> struct BodyLinks {
     joint_poses(tree, q, C_pi);
     return run(tree);
   }
-  /// Computes the links from the poses C_pi of the joints, and moves those of the root bodies to `origin`.
+  /// Computes the links from the relative poses C_pi of the joints. The positions of the root bodies are
+  /// moved from C_pi to `origin`.
   template <TreeOf<T> AnyTree> Link<Rep, T>* run(const AnyTree& tree) noexcept {
     move_to_roots(*tree.operator->(), C_pi, origin);
     link[0] = Link<Rep, T>::root();
@@ -109,7 +113,8 @@ template <class Rep, class T> struct BodyLinks {
   }
 };
 
-/// The screws of all joints in Rep. The screw of a coupled joint is for a unit velocity of its leader.
+/// Writes the screws of all joints in representation Rep to S. The screw of a coupled joint is that for a
+/// unit velocity of its leader.
 template <class Rep, class T, TreeOf<T> AnyTree>
 void joint_columns(const AnyTree& tree, const Link<Rep, T>* link, Twist<Rep, T>* S) noexcept {
   each_joint(tree, [&](const auto& joint, int i, bool) {
@@ -136,7 +141,8 @@ template <class Rep, class T> struct BodyMotion {
 /// dVhRec2):
 ///   V_i  = down V_p  + S v
 ///   V'_i = down V'_p + S a + bias(V_p, V_i, S v)
-/// dV_0 is the acceleration of the ground: 0, or (0, -g) to include gravity.
+/// with `down` and `bias` of the Link of body i, whose predecessor is p. V'_0 is the acceleration of the
+/// ground: 0, or (0, -g) to include gravity.
 template <class Rep, class T, TreeOf<T> AnyTree>
 void forward_recursion(const AnyTree& tree, const JointMotion<T>& joints, const Vec3<T>& ground_acceleration,
                        const BodyMotion<Rep, T>& out) noexcept {

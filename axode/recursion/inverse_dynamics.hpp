@@ -4,8 +4,8 @@
 
 namespace axode {
 
-/// One applied wrench W in the axes of the loaded frame and about its origin, with the body to which this
-/// frame belongs and the pose `offset` of the frame in the internal frame of the body.
+/// One applied wrench W in the axes of the loaded frame and about its origin, with the `body` to which the
+/// loaded frame belongs and the pose `offset` of the loaded frame in the internal frame of this body.
 template <class T> struct ResolvedLoad {
   int body;
   SE3<T> offset;
@@ -53,8 +53,8 @@ template <class T, TreeOf<T> AnyTree> T joint_loss(const AnyTree& tree, int c, c
   return tree.damping[c] * v_c + tree.friction[c] * sign;
 }
 
-/// The generalised forces of the joints themselves (nv): those of the armatures and, if joint_losses is set,
-/// those against damping and friction.
+/// Writes to `own` (nv) the generalised forces against the armatures and, if joint_losses is set, against
+/// damping and friction of the joints.
 template <class T, TreeOf<T> AnyTree>
 void joint_terms(const AnyTree& tree, const T* v, const T* a, bool joint_losses, T* own) noexcept {
   for (int c = 0; c < tree->nv; ++c) own[c] = tree.armature[c] * a[c];
@@ -79,15 +79,17 @@ template <class Rep, class T> struct InverseDynamicsRecursion {
         W_app(arena.per_body<Wrench<BodyFixed, T>>()),
         own(arena.per_velocity<T>()) {}
 
-  /// The forward sweep computes poses, twists and accelerations, with gravity as V'_0 = (0, -g). The backward
-  /// sweep, from the leaves to the roots, computes the joint wrenches (eqs. aWbRec, bWsRec, bWhRec with
-  /// erratum 22):
+  /// Computes the joint wrenches W. The forward sweep computes poses, twists and accelerations, with gravity
+  /// as the acceleration V'_0 = (0, -g) of the ground. The backward sweep, from the leaves to the roots,
+  /// computes the joint wrenches (eqs. aWbRec, bWsRec, bWhRec with erratum 22):
   ///   W_i = Σ_children up W_c + M_i V'_i + (velocity terms) - W_i^app
+  /// where W_i^app is the sum of the wrenches applied to body i.
   template <TreeOf<T> AnyTree>
   void run(const AnyTree& tree, const T* q, const T* v, const T* a, const Loads<T>& loads) noexcept {
     run(tree, q, v, a, loads, tree.g);
   }
-  /// Runs the forward and the backward sweep with the gravity g (m/s²) instead of that of the tree.
+  /// Computes the joint wrenches W as the overload without g does, but with the gravity g (m/s²) instead of
+  /// that of the tree.
   template <TreeOf<T> AnyTree>
   void run(const AnyTree& tree, const T* q, const T* v, const T* a, const Loads<T>& loads,
            const Vec3<T>& g) noexcept {
@@ -105,9 +107,9 @@ template <class Rep, class T> struct InverseDynamicsRecursion {
     for (int i = tree->n; i > 0; --i) W[tree->parent[i]] += link[i].up(W[i]);
   }
 
-  /// Computes τ = Sᵀ W of every joint (eqs. bWbRec, cWsRec, cWhRec), plus the force of its armature and, if
-  /// joint_losses is set, the forces against damping and friction. The force of a coupled joint, times its
-  /// ratio, is added to that of its leader. τ may share the memory of v or a.
+  /// Computes the generalised forces τ = Sᵀ W of every joint with the screws S (eqs. bWbRec, cWsRec, cWhRec),
+  /// plus the forces against armatures and, if joint_losses is set, against damping and friction. The force
+  /// of a coupled joint, times its ratio, is added to that of its leader. τ may share the memory of v or a.
   template <TreeOf<T> AnyTree>
   void project(const AnyTree& tree, const T* v, const T* a, bool joint_losses, T* tau) const noexcept {
     joint_terms(tree, v, a, joint_losses, own);

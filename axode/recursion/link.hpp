@@ -7,9 +7,9 @@
 ///
 ///                body-fixed  spatial       hybrid                   mixed
 ///  push, pull    identity    Ad_C          Ad_R                     diag(I, R)       body-fixed <-> Rep
-///  down          Ad_{C_ip}   identity      Ad_{r_ip}                block of the two twist of p -> at i
-///  up            Ad_{C_ip}ᵀ  identity      Ad_{r_ip}ᵀ               its transpose    wrench of i -> at p
-///  bias          ad_V (S v)  ad_V (S v)    ad_{r'_ip} V_p + ad_ω Sv by definition    V'_i - down(V'_p) - S a
+///  down          Ad_{C_ip}   identity      Ad_{r_ip}                see Link<Mixed>  twist of p -> at i
+///  up            Ad_{C_ip}ᵀ  identity      Ad_{r_ip}ᵀ               transpose of down wrench of i -> at p
+///  bias          ad_V (S v)  ad_V (S v)    ad_{r'_ip} V_p + ad_ω Sv see Link<Mixed>  V'_i - down(V'_p) - S a
 ///  inertia       M           Ad_C⁻ᵀMAd_C⁻¹ Ad_R⁻ᵀMAd_R⁻¹            M, see impulse   inertia of body i
 ///  newton_euler  eq. NEb     eq. NEs       eq. NEh                  eq. NEcmixed     wrench on body i
 ///
@@ -20,7 +20,7 @@ namespace axode {
 
 template <class Rep, class T> struct Link;
 
-/// V^b = Ad_{C_ip} V_p^b + X v (eq. VbRec).
+/// Link in body-fixed representation: V_i^b = Ad_{C_ip} V_p^b + X v with the joint screw X (eq. VbRec).
 template <class T> struct Link<BodyFixed, T> {
   SE3<T> C_pi;
 
@@ -46,7 +46,7 @@ template <class T> struct Link<BodyFixed, T> {
     return transform(C_pi.r,
                      ArticulatedInertia<BodyFixed, T>{rotate(R, M.A), (R * M.B) * Rt, rotate(R, M.L)});
   }
-  /// The bias [V_i, X v] (eqs. crecVbi, cVbRec2).
+  /// The bias [V_i, X v] of V'_i, where X v is the joint motion (eqs. crecVbi, cVbRec2).
   constexpr TwistRate<BodyFixed, T> bias(const Twist<BodyFixed, T>&, const Twist<BodyFixed, T>& V,
                                          const Twist<BodyFixed, T>& Sv) const {
     const Twist<BodyFixed, T> X = ad(V, Sv);
@@ -60,7 +60,7 @@ template <class T> struct Link<BodyFixed, T> {
   }
 };
 
-/// V^s = V_p^s + J^s v (eqs. Vsrec, Vsirec).
+/// Link in spatial representation: V_i^s = V_p^s + J^s v with the joint screw J^s (eqs. Vsrec, Vsirec).
 template <class T> struct Link<Spatial, T> {
   SE3<T> C;
 
@@ -70,7 +70,7 @@ template <class T> struct Link<Spatial, T> {
 
   template <class Screwlike> constexpr Screwlike down(const Screwlike& V_p) const { return V_p; }
   template <class Anything> constexpr const Anything& up(const Anything& W) const { return W; }
-  /// The bias [V_i, J v] (eqs. timeDerJs, Visdotrec).
+  /// The bias [V_i, J v] of V'_i, where J v is the joint motion (eqs. timeDerJs, Visdotrec).
   constexpr TwistRate<Spatial, T> bias(const Twist<Spatial, T>&, const Twist<Spatial, T>& V,
                                        const Twist<Spatial, T>& Sv) const {
     const Twist<Spatial, T> X = ad(V, Sv);
@@ -86,7 +86,8 @@ template <class T> struct Link<Spatial, T> {
   }
 };
 
-/// V^h = Ad_{r_ip} V_p^h + Ad_R X v (eq. VhRec); r_pi is the vector from p to i in inertial axes.
+/// Link in hybrid representation: V_i^h = Ad_{r_ip} V_p^h + Ad_R X v with the body-fixed joint screw X
+/// (eq. VhRec). r_pi is the vector from the origin of p to that of i in inertial axes, and r_ip = -r_pi.
 template <class T> struct Link<Hybrid, T> {
   SO3<T> R;
   Vec3<T> r_pi;
@@ -109,7 +110,8 @@ template <class T> struct Link<Hybrid, T> {
   constexpr ArticulatedInertia<Hybrid, T> up(const ArticulatedInertia<Hybrid, T>& M) const {
     return transform(r_pi, M);
   }
-  /// The bias ad_{r'_ip} V_p + ad_ω (X v) with r'_ip = r'_p - r'_i (eqs. recVhdot1, dVhRec2).
+  /// The bias ad_{r'_ip} V_p + ad_ω (X v) of V'_i with r'_ip = r'_p - r'_i, where X v is the joint motion in
+  /// inertial axes (eqs. recVhdot1, dVhRec2).
   constexpr TwistRate<Hybrid, T> bias(const Twist<Hybrid, T>& V_p, const Twist<Hybrid, T>& V,
                                       const Twist<Hybrid, T>& Sv) const {
     ScrewOperationScope<T>{ScrewOperation::bracket};
@@ -126,7 +128,8 @@ template <class T> struct Link<Hybrid, T> {
   }
 };
 
-/// V^m = (ω^b, r'): the angular part of body-fixed, the linear part of hybrid twists.
+/// Link in mixed representation: V^m = (ω^b, r') has the angular part of body-fixed and the linear part of
+/// hybrid twists.
 template <class T> struct Link<Mixed, T> {
   SE3<T> C_pi;
   SO3<T> R_p, R;
@@ -146,7 +149,8 @@ template <class T> struct Link<Mixed, T> {
     return {C_pi.R * W.m + cross(C_pi.r, transpose(R_p) * W.f), W.f};
   }
   constexpr Inertia<T> up(const Inertia<T>& M) const { return transform(C_pi, M); }
-  /// The inertia moved to the predecessor. The congruence is computed in the axes of the predecessor.
+  /// The inertia M, moved to the origin of the predecessor. The congruence is computed in the axes of the
+  /// predecessor.
   constexpr ArticulatedInertia<Mixed, T> up(const ArticulatedInertia<Mixed, T>& M) const {
     const ScrewOperationScope<T> scope(ScrewOperation::tensor_transformation);
     const SO3<T> Rt_p = transpose(R_p);
@@ -154,15 +158,16 @@ template <class T> struct Link<Mixed, T> {
         C_pi.r, ArticulatedInertia<Mixed, T>{rotate(C_pi.R, M.A), (C_pi.R * M.B) * R_p, rotate(Rt_p, M.L)});
     return {M_p.A, M_p.B * Rt_p, M.L};
   }
-  /// The hybrid bias with the angular part in body axes, which is ω_i × (S v) because (Rᵀ)' ω^s = -ω × ω = 0.
+  /// The bias of V'_i: that of hybrid twists with the angular part in body axes. The angular part is ω_i × (S
+  /// v), because (Rᵀ)' ω^s = -ω × ω = 0.
   constexpr TwistRate<Mixed, T> bias(const Twist<Mixed, T>& V_p, const Twist<Mixed, T>& V,
                                      const Twist<Mixed, T>& Sv) const {
     ScrewOperationScope<T>{ScrewOperation::bracket};
     ScrewOperationScope<T>{ScrewOperation::bracket};
     return {cross(V.w, Sv.w), cross(V_p.v - V.v, R_p * V_p.w) + cross(R * V.w, Sv.v)};
   }
-  /// The mixed inertia matrix has blocks in different axes. The inertia in body axes represents it, see
-  /// impulse().
+  /// The inertia in body axes. It represents the mixed inertia matrix, whose blocks are in different axes;
+  /// see impulse().
   template <class InertiaOfBody> constexpr Inertia<T> inertia(const InertiaOfBody& M) const { return M; }
   template <class InertiaOfBody>
   constexpr Wrench<Mixed, T> newton_euler(const InertiaOfBody& M, const Twist<Mixed, T>& V,
@@ -171,7 +176,8 @@ template <class T> struct Link<Mixed, T> {
   }
 };
 
-/// Converts a body-fixed joint screw (eqs. bVsRec, bVhRec2), or its rate with the link at rest, to Rep.
+/// Converts a body-fixed joint screw (eqs. bVsRec, bVhRec2), or the rate of one while the link is at rest, to
+/// Rep.
 template <template <class, class> class V, class Rep, class T>
   requires Motion<V>
 constexpr V<Rep, T> push(const Link<Rep, T>& link, const V<BodyFixed, T>& X) {
@@ -189,7 +195,7 @@ constexpr Wrench<BodyFixed, T> pull(const Link<Rep, T>& link, const Wrench<Rep, 
   return change<BodyFixed>(link.body_pose(), W);
 }
 
-/// The impulse M V that gives a body at rest the twist V. M is the inertia as Link::inertia() returns it.
+/// The impulse M V that gives a body at rest the twist V. M is the inertia that Link::inertia() returns.
 template <class Rep, class T>
 constexpr Wrench<Rep, T> impulse(const Link<Rep, T>& link, const Inertia<T>& M, const Twist<Rep, T>& V) {
   if constexpr (std::same_as<Rep, Mixed>) {
@@ -201,7 +207,7 @@ constexpr Wrench<Rep, T> impulse(const Link<Rep, T>& link, const Inertia<T>& M, 
   }
 }
 
-/// The wrench that keeps the twist V of a body. M is the inertia as Link::inertia() returns it.
+/// The wrench that a body needs to keep its twist V. M is the inertia that Link::inertia() returns.
 template <class Rep, class T>
 constexpr Wrench<Rep, T> velocity_wrench(const Link<Rep, T>& link, const Inertia<T>& M,
                                          const Twist<Rep, T>& V) {
@@ -211,7 +217,7 @@ constexpr Wrench<Rep, T> velocity_wrench(const Link<Rep, T>& link, const Inertia
     return velocity_wrench(M, V);
 }
 
-/// The inertia matrix of a rigid body in Rep. M is the inertia as Link::inertia() returns it.
+/// The inertia matrix of a rigid body in Rep. M is the inertia that Link::inertia() returns.
 template <class Rep, class T>
 constexpr ArticulatedInertia<Rep, T> articulated(const Link<Rep, T>& link, const Inertia<T>& M) {
   const Mat3<T> h = skew_matrix(M.h);

@@ -7,9 +7,9 @@
 
 namespace axode {
 
-/// The rate of a momentum Π whose components in Rep are constant while the body moves with the twist V:
-/// -ad_Vᵀ Π. In hybrid twists the components are those about the origin of the body in inertial axes, in
-/// mixed twists the moment is in the axes of the body and the force in inertial axes.
+/// The rate -ad_Vᵀ Π, in representation Rep, of a momentum Π that moves with a body of the twist V as if it
+/// were fixed to it. In hybrid twists Π and V are about the origin of the body in inertial axes; in mixed
+/// twists the angular parts are in the axes of the body and the linear parts in inertial axes.
 template <class Rep, class T>
 constexpr Wrench<Rep, T> convected(const Link<Rep, T>& link, const Twist<Rep, T>& V,
                                    const Wrench<Rep, T>& Pi) {
@@ -20,8 +20,8 @@ constexpr Wrench<Rep, T> convected(const Link<Rep, T>& link, const Twist<Rep, T>
     return {cross(V.w, Pi.m) + cross(V.v, Pi.f), cross(V.w, Pi.f)};
 }
 
-/// The wrench of the acceleration g on a body, in Rep; g is in body axes for body-fixed twists, and in
-/// inertial axes for all others. M is the inertia as Link::inertia() returns it.
+/// The wrench of gravity g on a body, in Rep. g is in body axes for body-fixed twists, and in inertial axes
+/// for all others. M is the inertia that Link::inertia() returns.
 template <class Rep, class T>
 constexpr Wrench<Rep, T> gravity_wrench(const Link<Rep, T>& link, const Inertia<T>& M, const Vec3<T>& g) {
   if constexpr (std::same_as<Rep, Mixed>)
@@ -30,11 +30,12 @@ constexpr Wrench<Rep, T> gravity_wrench(const Link<Rep, T>& link, const Inertia<
     return {cross(M.h, g), M.m * g};
 }
 
-/// The rates of the state (q, p) in one representation: v = M⁻¹ p by the articulated bodies, whose forward
-/// sweep gives the twists V as well, and
-///   p' = τ + S|(W^c + ad_Vᵀ Π^c),
-/// where W^c and Π^c are the wrench on and the momentum of the subtree of each joint. Subtrees are summed up
-/// from the leaves to the roots by Link::up. See momentum_form(), and (D5.1) and (D5.9) of docs/derivations.
+/// The rates of the state (q, p) in one representation: v = M⁻¹ p by the articulated-body algorithm, whose
+/// forward sweep gives the twists V as well, and
+///   p' = τ + S|(W^c + ad_Vᵀ Π^c)
+/// for each joint screw S, where W^c is the wrench of gravity and loads on the subtree of the joint and Π^c
+/// is the momentum of this subtree. Subtrees are summed up from the leaves to the roots by Link::up. See
+/// momentum_form(), and (D5.1) and (D5.9) of docs/derivations.
 template <class Rep, class T> struct MomentumForm {
   ArticulatedBodies<Rep, T> bodies;
   Wrench<Rep, T>* Pi;  ///< momentum of each subtree, l and p
@@ -54,8 +55,8 @@ template <class Rep, class T> struct MomentumForm {
         velocity(arena.per_velocity<T>()),
         force(arena.per_velocity<T>()) {}
 
-  /// Writes v and p' (nv numbers each), which may share the memory of arguments. If M is singular, both are
-  /// NaN. O(n).
+  /// Writes v and p' (nv numbers each), which may share the memory of arguments. If the mass matrix is
+  /// singular, both are NaN. O(n).
   template <TreeOf<T> AnyTree>
   Solvability run(const AnyTree& tree, const T* q, const T* p, const T* tau, const Loads<T>& loads, T* v,
                   T* dp) noexcept {
@@ -81,7 +82,8 @@ template <class Rep, class T> struct MomentumForm {
   }
 
  private:
-  /// Adds S|(W^c + ad_Vᵀ Π^c) to the forces; bodies.X has the twists V.
+  /// Adds S|(W^c + ad_Vᵀ Π^c) to `force` for every joint screw S, with the wrench W^c on the subtree of the
+  /// joint and its momentum Π^c. The twists V are in bodies.X.
   template <class AnyTree> void add_body_forces(const AnyTree& tree, bool has_wrenches) noexcept {
     const auto& link = bodies.links.link;
     g[0] = tree.g;
@@ -105,11 +107,12 @@ template <class Rep, class T> struct MomentumForm {
   }
 };
 
-/// The rates of the state (q, Π) with the spatial momenta Π_i of all bodies, by substitution in the block
-/// triangular matrix J^s of eq. PEs: a sweep with (J^s)ᵀ from the leaves to the roots, and a sweep with J^s
-/// from the roots to the leaves. The velocities solve the second line, projected by (J^s)ᵀ, and the rates the
-/// first line. Without armatures both lines have the same articulated inertias, which are computed once. See
-/// (D5.8), (D5.10) and (D5.11) of docs/derivations.
+/// The rates of the state (q, Π) with the spatial momenta Π_i of all bodies, by eq. PEs:
+///   (J^s)ᵀ (Π' - W_app) = τ,    M_i^s J_i^s v = Π_i^s.
+/// Both equations are solved by substitution in the block triangular matrix J^s: a sweep with (J^s)ᵀ from the
+/// leaves to the roots, and a sweep with J^s from the roots to the leaves. The velocities solve the second
+/// equation, projected by (J^s)ᵀ, and the rates Π' the first one. Without armatures both equations have the
+/// same articulated inertias, which are computed once. See (D5.8), (D5.10) and (D5.11) of docs/derivations.
 template <class T> struct SpatialMomentumForm {
   ArticulatedBodies<Spatial, T> bodies;
   Wrench<Spatial, T>* W;
@@ -127,8 +130,9 @@ template <class T> struct SpatialMomentumForm {
         velocity(arena.per_velocity<T>()),
         x(arena.per_velocity<T>()) {}
 
-  /// Writes v (nv numbers) and Π' (n wrenches), which may share the memory of arguments. If M is singular,
-  /// Π' is NaN, and v is NaN if M without armatures is singular. O(n).
+  /// Writes v (nv numbers) and Π' (n wrenches), which may share the memory of arguments. If the mass matrix
+  /// without armatures is singular, v and Π' are NaN. If only the second elimination, with armatures, fails
+  /// or a number is not finite, Π' is NaN. O(n).
   Solvability run(const Tree<T>& tree, const T* q, const Momentum<Spatial, T>* Pi, const T* tau,
                   const Loads<T>& loads, T* v, Wrench<Spatial, T>* dPi) noexcept {
     joint_poses(tree, q, bodies.links.C_pi);
@@ -158,8 +162,8 @@ template <class T> struct SpatialMomentumForm {
   }
 
  private:
-  /// Solves the second line: (JᵀMJ) v = JᵀΠ, without armatures, because these have no part in the momenta of
-  /// the bodies. bodies.X receives the twists J v.
+  /// Solves (JᵀMJ) v = JᵀΠ for the joint velocities v. Armatures are left out, because they have no part in
+  /// the momenta of the bodies. bodies.X receives the twists J v.
   Solvability put_velocities(const Tree<T>& tree, const Momentum<Spatial, T>* Pi) noexcept {
     for (int c = 0; c < tree->nv; ++c) velocity[c] = x[c] = T(0);
     const Solvability verdict = bodies.eliminate_joints(tree, x);
@@ -171,8 +175,8 @@ template <class T> struct SpatialMomentumForm {
     return solved(verdict, tree->nv, velocity);
   }
 
-  /// Solves the first line, Jᵀ (Π' - W_app) = τ with Π' = M V' - ad_Vᵀ M V. W receives -ad_Vᵀ M V, and
-  /// bodies.X receives V' less the acceleration of gravity.
+  /// Solves Jᵀ (Π' - W_app) = τ with Π' = M V' - ad_Vᵀ M V for the joint accelerations. W receives -ad_Vᵀ M
+  /// V, and bodies.X receives V' minus the acceleration of gravity (0, g).
   Solvability put_accelerations(const Tree<T>& tree, bool has_wrenches) noexcept {
     bias[0] = {{}, T(-1) * tree.g};
     bodies.X[0] = {};

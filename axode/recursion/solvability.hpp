@@ -14,20 +14,21 @@
 namespace axode {
 
 /// Whether accelerations (or velocities) could be computed from forces (or momenta). The mass matrix must be
-/// positive definite; it is singular if a joint moves no mass, or if every motion of a joint that moves mass
-/// can also be made by other joints. The operational-space inertia of a frame moreover exists only if the
-/// frame can move in all six directions.
+/// positive definite. It is singular if some motion of the joints moves no mass: that of a joint without
+/// mass, or that of several joints whose motions cancel for all bodies with mass. The operational-space
+/// inertia of a frame moreover exists only if the frame can move in all six directions.
 struct [[nodiscard]] Solvability {
   int singular_body = 0;    ///< the body of the joint with the first pivot that counts as 0, or 0
   bool not_finite = false;  ///< whether an argument is NaN or infinite, or a result overflowed
-  int directions = 6;       ///< number of independent directions in which the frame can move
-  /// The body of a joint whose gear locks itself so strongly that there are no or several accelerations, or
-  /// 0; see (D9.12).
+  int directions = 6;       ///< operational-space inertia: directions in which the frame can move
+  /// The body of a joint whose gear locks itself so strongly that there are no or several accelerations; 0 if
+  /// there is none. See (D9.12).
   int locked_body = 0;
   bool ok() const { return singular_body == 0 && !not_finite && directions == 6 && locked_body == 0; }
   bool operator==(const Solvability&) const = default;
 };
-/// One sentence for the user: the reason, the joint in question and a remedy.
+/// One sentence for the user: whether the mass matrix is positive definite or else the reason, the joint in
+/// question and a remedy.
 std::string to_string(const Model& model, const Solvability& solvability);
 
 /// The body whose joint has velocity c. If coupled joints share the velocity, it is the body of their leader.
@@ -37,10 +38,11 @@ inline int body_of_velocity(const Topology& topology, int c) noexcept {
   return i;
 }
 
-/// Relative pivot threshold of the fast kernels. If a pivot is less than this part of the inertia scale of
-/// its velocity at q = 0, the mass matrix may be singular and a kernel that tracks rounding errors takes
-/// over. The threshold is a third of the digits, so that after two such pivots in a row some digits remain
-/// for the next one. (In other configurations the inertia may be larger than at q = 0.)
+/// Relative pivot threshold of the fast kernels. Let the inertia scale of a velocity be the magnitude of the
+/// inertia that the velocity moves at q = 0 (Tree::inertia_scale). If the pivot of a velocity is less than
+/// this part of its inertia scale, the mass matrix may be singular, and a kernel that tracks rounding errors
+/// takes over. The threshold is a third of the digits, so that after two such pivots in a row some digits
+/// remain for the next one. (In other configurations the inertia may be larger than at q = 0.)
 template <class T>
 inline constexpr auto pivot_threshold =
     std::conditional_t<std::floating_point<T>, T, double>(unit_roundoff<T> > 1e-10 ? 4e-3 : 1e-6);
@@ -49,9 +51,9 @@ inline constexpr auto pivot_threshold =
 /// docs/derivations.
 template <class T> class PivotCheck {
  public:
-  /// Checks the pivot of velocity c: the inertia that remains after the elimination of other velocities from
-  /// numbers of the magnitude scale(). The pivot counts as 0 if it may be a rounding error of these numbers.
-  /// Only the first such pivot is stored.
+  /// Checks the pivot of velocity c: the inertia that remains after the elimination of other velocities. It
+  /// was computed from numbers of the magnitude scale() and counts as 0 if it may be a rounding error of
+  /// these numbers. Only the first pivot that counts as 0 is stored.
   template <class Scale> void add(int c, const T& pivot, const Scale& scale) {
     if (singular_velocity_ >= 0 || T(16 * unit_roundoff<T>) * scale() < pivot) return;
     singular_velocity_ = c;
@@ -68,8 +70,8 @@ template <class T> class PivotCheck {
   bool not_finite_ = false;
 };
 
-/// Whether n numbers are all finite, by the sum of x - x, which is 0 or NaN. Four sums of registers run side
-/// by side, because each addition to one sum waits for the one before.
+/// Whether the n numbers x are all finite, by the sum of x - x, which is 0 or NaN. Four sums of registers are
+/// computed side by side, because each addition to one sum has to wait for the addition before.
 template <std::floating_point T> bool all_finite(std::ptrdiff_t n, const T* x) {
   using Several = Batch<T, native_lanes<T>>;
   constexpr std::ptrdiff_t lanes = native_lanes<T>;
@@ -89,8 +91,8 @@ template <std::floating_point T> bool all_finite(std::ptrdiff_t n, const T* x) {
   return rest == T(0);
 }
 
-/// Adds to the verdict of an elimination whether its n results are finite (for floating-point T). If the
-/// elimination failed, all results are set to NaN.
+/// Returns the verdict of an elimination, completed by whether its n results are finite (for floating-point
+/// T). If the elimination failed, all results are set to NaN.
 template <class T> Solvability solved(Solvability verdict, std::ptrdiff_t n, T* results) {
   if (!verdict.ok()) {
     for (std::ptrdiff_t k = 0; k < n; ++k) results[k] = T(std::numeric_limits<double>::quiet_NaN());
@@ -99,8 +101,8 @@ template <class T> Solvability solved(Solvability verdict, std::ptrdiff_t n, T* 
   }
   return verdict;
 }
-/// Adds to the verdict of an elimination whether several arrays of results are finite; if there are several
-/// failures, the first one is returned.
+/// Returns the verdict of an elimination, completed by whether several arrays of results are finite. If the
+/// elimination failed, all results are set to NaN.
 template <class T> Solvability solved(Solvability verdict, std::initializer_list<std::span<T>> results) {
   Solvability all = verdict;
   for (const std::span<T>& x : results)

@@ -2,15 +2,17 @@
 #include "axode/model/tree.hpp"
 #include "axode/recursion/solvability.hpp"
 
-/// The factorisation M = LᵀDL without fill-in (Featherstone), in the memory of M: D is on the diagonal, and L
-/// is below it. Row c has entries in the columns parent(c), parent(parent(c)), ...
+/// The factorisation M = LᵀDL of a mass matrix without fill-in (Featherstone), in the memory of M: D is on
+/// the diagonal, and L is below it. Row c has entries in the columns parent(c), parent(parent(c)), ..., where
+/// parent is Topology::velocity_parent.
 namespace axode {
 
-/// Factorises M = LᵀDL in place. `inertia_scale` is the magnitude of the inertia of each velocity, against
-/// which rounding in its pivot is compared. A pivot is D_c = zᵀ M z, where z_c = 1 and z_k are the responses
-/// of the later velocities, on which no forces act. Hence the rounding errors of D_c are compared with (Σ
-/// |z_k| √scale_k)². If `check` evaluates this magnitude, it costs another O(n d²) for a tree of depth d, and
-/// z is stored above the diagonal of H. See (D4.7) and (D4.8) of docs/derivations.
+/// Factorises the mass matrix H = M = LᵀDL in place (nv × nv, row by row). Calls check.add(c, D_c, scale) for
+/// the pivot D_c of each velocity c, where scale() computes the magnitude of the numbers from which D_c
+/// results. `inertia_scale` is the magnitude of the inertia of each velocity. A pivot is D_c = zᵀ M z, where
+/// z_c = 1 and z_k are the responses of the later velocities, on which no forces act. Hence scale() is (Σ
+/// |z_k| √inertia_scale_k)². If `check` calls scale() for all pivots, this costs another O(n d²) for a tree
+/// of depth d. z is stored above the diagonal of H. See (D4.7) and (D4.8) of docs/derivations.
 template <class T, class Check>
 void factorize(const Tree<T>& tree, const T* inertia_scale, T* H, Check& check) noexcept {
   const int nv = tree->nv;
@@ -39,7 +41,7 @@ void factorize(const Tree<T>& tree, const T* inertia_scale, T* H, Check& check) 
   }
 }
 
-/// Replaces x by (LᵀDL)⁻¹ x.
+/// Replaces x (nv numbers) by (LᵀDL)⁻¹ x, with the factors that factorize() has left in H.
 template <class T> void solve(const Tree<T>& tree, const T* H, T* x) noexcept {
   const int nv = tree->nv;
   const std::vector<int>& parent = tree->velocity_parent;

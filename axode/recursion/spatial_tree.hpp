@@ -4,8 +4,8 @@
 
 namespace axode {
 
-/// Replaces x[i] of each body by the sum over the subtree of body i. Nothing is added to x[0], so that bodies
-/// of different roots are never summed.
+/// Replaces x[i] of each body by the sum over the subtree of body i. Nothing is added to x[0], so that the
+/// subtrees of different root bodies are never summed.
 template <class X> void sum_subtrees(const Topology& topology, X* x) noexcept {
   for (int i = topology.n; i > 0; --i)
     if (topology.parent[i] > 0) x[topology.parent[i]] += x[i];
@@ -13,8 +13,8 @@ template <class X> void sum_subtrees(const Topology& topology, X* x) noexcept {
 
 /// The quantities from which every formula on joint screws in spatial representation starts: J_i^s of all
 /// joints and the composite inertia M_i^c of the subtree of each joint. Such a formula combines only bodies
-/// of one root. Therefore all quantities are about the origin O of the root body at this instant, in inertial
-/// axes, and no digits are lost if the mechanism is far from the inertial origin.
+/// in the subtree of one root body. Therefore all quantities are about the origin O of the root body at this
+/// instant, in inertial axes, and no digits are lost if the mechanism is far from the inertial origin.
 template <class T> struct SpatialTree {
   const Topology* topology = nullptr;
   BodyLinks<Spatial, T> links;
@@ -75,7 +75,8 @@ template <class T> struct SpatialTree {
   }
 };
 
-/// Twists of all bodies and momenta Π_i^A of their subtrees, about the origins O of a SpatialTree.
+/// Spatial twists of all bodies and momenta Π_i^A of their subtrees, each about the origin of the root body
+/// at this instant, as in SpatialTree.
 template <class T> struct SubtreeMomenta {
   Twist<Spatial, T>* V;
   Momentum<Spatial, T>* Pi;
