@@ -1,13 +1,13 @@
 #pragma once
 #include "axode/lie/se3.hpp"
 
-/// Cayley's map on SO(3) and SE(3), its right-trivialised differential, and their derivatives (D14 of
-/// docs/derivations). They are rational and without branches. The angle of a rotation is 2 atan(‖w‖/2), so
-/// that half a turn is at infinity.
+/// Cayley's map on SO(3) and SE(3), its right-trivialised differential, and the derivatives of this
+/// differential (D14 of docs/derivations). The maps are rational and need no series for small angles. The
+/// angle of a rotation is 2 atan(‖w‖/2), so that half a turn is at infinity.
 ///
 /// Two maps on SE(3) have this name. cay(X) is (1 - X̂/2)⁻¹ (1 + X̂/2) of the 4×4 matrix X̂. cay_of_ad(X) is
-/// the pose C with Ad_C = (1 - ad_X/2)⁻¹ (1 + ad_X/2). Their rotations are equal, and their positions differ
-/// if X has a linear part along its angular part.
+/// the pose C with Ad_C = (1 - ad_X/2)⁻¹ (1 + ad_X/2). The rotations of cay(X) and cay_of_ad(X) are equal,
+/// and their positions differ if X has a linear part along its angular part.
 namespace axode {
 
 /// σ = 1/(1 + ‖w‖²/4), with which all of Cayley's maps are polynomials.
@@ -15,11 +15,11 @@ template <class T> constexpr T cayley_factor(const Vec3<T>& w) { return T(1) / (
 
 // -------------------------------------------------------------------------------------------- SO(3)
 
-/// (1 - w̃/2)⁻¹ z = σ (z + w × z/2 + (w·z) w/4) (D14.2).
+/// (1 - w̃/2)⁻¹ z = σ (z + w × z/2 + (w·z) w/4) with σ = 1/(1 + ‖w‖²/4) (D14.2).
 template <class T> constexpr Vec3<T> cayley_solve(const Vec3<T>& w, const Vec3<T>& z) {
   return cayley_factor(w) * (z + T(0.5) * cross(w, z) + (T(0.25) * dot(w, z)) * w);
 }
-/// cay: so(3) → SO(3), (1 - w̃/2)⁻¹ (1 + w̃/2) = 1 + σ (w̃ + w̃²/2) (D14.3).
+/// cay: so(3) → SO(3), (1 - w̃/2)⁻¹ (1 + w̃/2) = 1 + σ (w̃ + w̃²/2) with σ = 1/(1 + ‖w‖²/4) (D14.3).
 template <class T> constexpr SO3<T> cay_SO3(const Vec3<T>& w) {
   const T sigma = cayley_factor(w);
   const auto column = [&](const Vec3<T>& e) {
@@ -28,7 +28,7 @@ template <class T> constexpr SO3<T> cay_SO3(const Vec3<T>& w) {
   };
   return {column({T(1), T(0), T(0)}), column({T(0), T(1), T(0)}), column({T(0), T(0), T(1)})};
 }
-/// cay: so(3) → unit quaternions.
+/// cay: so(3) → unit quaternions: the quaternion of the rotation cay_SO3(w).
 template <class T> constexpr Quaternion<T> cay_quaternion(const Vec3<T>& w) {
   const T half = T(0.5) / sqrt(T(1) + T(0.25) * dot(w, w));
   return {half * w.x, half * w.y, half * w.z, T(2) * half};
@@ -39,7 +39,8 @@ template <class T> constexpr Vec3<T> cay_inv_SO3(const SO3<T>& R) {
   const Quaternion<T> a = quaternion(R);
   return (T(2) / a.w) * Vec3<T>{a.x, a.y, a.z};
 }
-/// dcay_w z = σ (z + w × z/2): ω^s = dcay_w w' for R = cay w (D14.4).
+/// dcay_w z = σ (z + w × z/2) with σ = 1/(1 + ‖w‖²/4), the right-trivialised differential of cay_SO3: ω^s =
+/// dcay_w w' for R = cay w (D14.4).
 template <class T> constexpr Vec3<T> dcay(const Vec3<T>& w, const Vec3<T>& z) {
   return cayley_factor(w) * (z + T(0.5) * cross(w, z));
 }
@@ -66,7 +67,8 @@ template <class T> constexpr Screw<T> cay_inv(const SE3<T>& C) {
   const Vec3<T> w = cay_inv_SO3(C.R);
   return {w, C.r - T(0.5) * cross(w, C.r)};
 }
-/// log(cay(X)), the canonical coordinates of the same pose, from its quaternion and with their accuracy.
+/// log(cay(X)), the exponential coordinates of the pose cay(X). They are computed from the quaternion of the
+/// rotation, with the accuracy of log_quaternion().
 template <class T> constexpr Screw<T> log_cay(const Screw<T>& X) {
   const Vec3<T> w = log_quaternion(cay_quaternion(X.w));
   return {w, dexp_inv(w, cayley_solve(X.w, X.v))};
@@ -100,28 +102,30 @@ template <class T> constexpr Screw<T> ddcay_inv(const Screw<T>& X, const Screw<T
   return {T(-0.5) * bracket.w + T(0.25) * (u_z * X.w + w_z * U.w),
           T(-0.5) * bracket.v + T(0.25) * (u_z * X.v + w_z * U.v - (dot(U.w, X.v) + dot(X.w, U.v)) * Z.w)};
 }
-/// dcay_Xᵀ W for coordinates W = (moment; force) of a wrench or momentum (D14.7). dcay is not a function of
-/// ad_X, so that this is not dcay_{-X} with the halves of W exchanged, as it would be with dexp.
+/// dcay_Xᵀ W for coordinates W = (moment; force) of a wrench or momentum (D14.7). dexp_X is a function of
+/// ad_X; therefore dexp_Xᵀ is dexp_{-X} between exchanges of the halves of its argument and of its result.
+/// dcay_X is not a function of ad_X, and no such relation holds for dcay_Xᵀ.
 template <class T> constexpr Screw<T> dcay_transpose(const Screw<T>& X, const Screw<T>& W) {
   return {dcay(-X.w, W.w - T(0.5) * cross(X.v, W.v)), cayley_solve(-X.w, W.v)};
 }
 
 // ------------------------------------------------------------------------------------- SE(3), of ad
 
-/// The pose C with Ad_C = (1 - ad_X/2)⁻¹ (1 + ad_X/2): the rotation cay_SO3(w) and the position dcay_w v, as
-/// exp has exp_SO3(w) and dexp_w v (D14.8).
+/// The pose C with Ad_C = (1 - ad_X/2)⁻¹ (1 + ad_X/2) (D14.8). For X = (w; v) its rotation is cay_SO3(w) and
+/// its position dcay_w v; likewise the rotation of exp(X) is exp_SO3(w) and its position dexp_w v.
 template <class T> constexpr SE3<T> cay_of_ad(const Screw<T>& X) { return {cay_SO3(X.w), dcay(X.w, X.v)}; }
 /// The X with cay_of_ad(X) = C. It is infinite or not a number for half a turn.
 template <class T> constexpr Screw<T> cay_of_ad_inv(const SE3<T>& C) {
   const Vec3<T> w = cay_inv_SO3(C.R);
   return {w, dcay_inv(w, C.r)};
 }
-/// The right-trivialised differential of cay_of_ad: dcay of SO(3) and, in the coupling block, its derivative
-/// along the linear part of X.
+/// The right-trivialised differential of cay_of_ad at X, applied to Z. Its diagonal blocks are dcay of SO(3),
+/// and its coupling block is the derivative of dcay along the linear part of X.
 template <class T> constexpr Screw<T> dcay_of_ad(const Screw<T>& X, const Screw<T>& Z) {
   return {dcay(X.w, Z.w), dcay(X.w, Z.v) + ddcay(X.w, X.v, Z.w)};
 }
-/// The inverse of dcay_of_ad; ad of its value is (1 - ad_X/2) ad_Z (1 + ad_X/2).
+/// The inverse of dcay_of_ad at X, applied to Z. The result Y satisfies ad_Y = (1 - ad_X/2) ad_Z (1 +
+/// ad_X/2).
 template <class T> constexpr Screw<T> dcay_inv_of_ad(const Screw<T>& X, const Screw<T>& Z) {
   return {dcay_inv(X.w, Z.w), dcay_inv(X.w, Z.v) + ddcay_inv(X.w, X.v, Z.w)};
 }

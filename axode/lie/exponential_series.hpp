@@ -6,21 +6,24 @@
 
 /// The coefficient functions of exp, dexp and dexp⁻¹, accurate at every angle.
 ///
-/// On so(3) each of the three is P_ξ = I + β(s) ξ̃ + γ(s) ξ̃² with s = ‖ξ‖². On se(3) the angular blocks are
-/// P_ξ and the coupling block is the derivative of P_ξ along the linear part (principle of transference), so
-/// that the directional derivatives on se(3) need β and γ up to their second derivative in s.
+/// On so(3) each of exp, dexp and dexp⁻¹ is an operator P_ξ = I + β(s) ξ̃ + γ(s) ξ̃² with s = ‖ξ‖². On se(3)
+/// the angular blocks of dexp and dexp⁻¹ are P_ξ, and the coupling block is the derivative of P_ξ along the
+/// linear part (principle of transference), so that the directional derivatives on se(3) need β and γ up to
+/// their second derivative in s.
 namespace axode {
 
-/// I + β ξ̃ + γ ξ̃² with the derivatives of β and γ with respect to s = ‖ξ‖².
+/// An operator P_ξ = I + β(s) ξ̃ + γ(s) ξ̃² on so(3) with s = ‖ξ‖²: beta[k] and gamma[k] are the k-th
+/// derivatives of β and γ with respect to s.
 template <class T> struct ScrewOperator { std::array<T, 3> beta, gamma; };
 
-/// Computes P_ξ z.
+/// Computes P_ξ z for the operator P_ξ = I + β(s) ξ̃ + γ(s) ξ̃² with s = ‖ξ‖².
 template <class T> constexpr Vec3<T> apply(const ScrewOperator<T>& P, const Vec3<T>& xi, const Vec3<T>& z) {
   const Vec3<T> xi_z = cross(xi, z);
   return z + P.beta[0] * xi_z + P.gamma[0] * cross(xi, xi_z);
 }
 
-/// Computes D_η P_ξ z, the first derivative of P_ξ z when ξ moves along η.
+/// Computes D_η P_ξ z for the operator P_ξ = I + β(s) ξ̃ + γ(s) ξ̃² with s = ‖ξ‖²: the first derivative of
+/// P_ξ z when ξ moves along η.
 template <class T>
 constexpr Vec3<T> apply(const ScrewOperator<T>& P, const Vec3<T>& xi, const Vec3<T>& eta, const Vec3<T>& z) {
   const T ds = T(2) * dot(xi, eta);
@@ -29,7 +32,8 @@ constexpr Vec3<T> apply(const ScrewOperator<T>& P, const Vec3<T>& xi, const Vec3
          ds * (P.beta[1] * xi_z + P.gamma[1] * cross(xi, xi_z));
 }
 
-/// Computes D_ζ D_η P_ξ z, the second derivative of P_ξ z when ξ moves along η and ζ.
+/// Computes D_ζ D_η P_ξ z for the operator P_ξ = I + β(s) ξ̃ + γ(s) ξ̃² with s = ‖ξ‖²: the second derivative
+/// of P_ξ z when ξ moves along η and ζ.
 template <class T>
 constexpr Vec3<T> apply(const ScrewOperator<T>& P, const Vec3<T>& xi, const Vec3<T>& eta, const Vec3<T>& zeta,
                         const Vec3<T>& z) {
@@ -45,13 +49,14 @@ constexpr Vec3<T> apply(const ScrewOperator<T>& P, const Vec3<T>& xi, const Vec3
 
 namespace series {
 
-/// Below s = 1 the closed forms of the derivatives cancel, and power series in s are used.
+/// For s = θ² below this radius the closed forms of the coefficients and their derivatives lose digits by
+/// cancellation, and power series in s are used.
 inline constexpr double radius = 1.0;
 inline constexpr std::size_t terms = 15;
 using Coefficients = std::array<double, terms>;
 
-/// The coefficients of Σ_k (-1)^k s^k / (2k + m)!: sin θ/θ for m = 1, (1 - cos θ)/θ² for m = 2, (θ - sin
-/// θ)/θ³ for m = 3.
+/// The coefficients of Σ_k (-1)^k s^k / (2k + m)! with s = θ², which is sin θ/θ for m = 1, (1 - cos θ)/θ² for
+/// m = 2 and (θ - sin θ)/θ³ for m = 3.
 constexpr Coefficients alternating_factorials(int m) {
   Coefficients c{};
   double term = 1.0;
@@ -64,8 +69,8 @@ constexpr Coefficients alternating_factorials(int m) {
   return c;
 }
 
-/// The coefficients of (1 - θ/2 cot(θ/2))/θ² = Σ_k 2 ζ(2k + 2)/(2π)^(2k + 2) s^k, in Bernoulli's numbers
-/// |B_{2k+2}|/(2k + 2)!.
+/// The coefficients of (1 - θ/2 cot(θ/2))/θ² = Σ_k 2 ζ(2k + 2)/(2π)^(2k + 2) s^k with s = θ². They are
+/// |B_{2k+2}|/(2k + 2)! with Bernoulli's numbers B.
 inline constexpr Coefficients cotangent = {
     8.33333333333333333333e-2,  1.38888888888888888889e-3,  3.30687830687830687831e-5,
     8.26719576719576719577e-7,  2.08767569878680989792e-8,  5.28419013868749318485e-10,
@@ -83,7 +88,7 @@ constexpr Coefficients arcsine() {
   return c;
 }
 
-/// The coefficients of the derivative with respect to s.
+/// The coefficients of the derivative of a power series in s with respect to s.
 constexpr Coefficients derivative(const Coefficients& c) {
   Coefficients d{};
   for (std::size_t k = 0; k + 1 < terms; ++k) d[k] = static_cast<double>(k + 1) * c[k + 1];
@@ -111,8 +116,8 @@ template <class T> constexpr T sum(const Coefficients& coefficients, const T& s)
 
 }  // namespace series
 
-/// f(s), f'(s), f''(s) for the four functions a = sin θ/θ, b = (1 - cos θ)/θ², c = (θ - sin θ)/θ³ and
-/// g = (1 - θ/2 cot(θ/2))/θ² of s = θ².
+/// The values f(s), f'(s), f''(s) of four functions of s = θ²: a = sin θ/θ, b = (1 - cos θ)/θ², c = (θ - sin
+/// θ)/θ³ and g = (1 - θ/2 cot(θ/2))/θ².
 template <class T> struct ExponentialCoefficients {
   std::array<T, 3> a, b, c, g;
 
@@ -142,17 +147,17 @@ template <class T> struct ExponentialCoefficients {
   }
 };
 
-/// exp_ξ = I + (sin θ/θ) ξ̃ + ((1 - cos θ)/θ²) ξ̃².
+/// exp_ξ = I + (sin θ/θ) ξ̃ + ((1 - cos θ)/θ²) ξ̃² for s = θ² = ‖ξ‖².
 template <class T> constexpr ScrewOperator<T> exp_operator(const T& s) {
   const ExponentialCoefficients<T> k(s);
   return {k.a, k.b};
 }
-/// dexp_ξ = I + ((1 - cos θ)/θ²) ξ̃ + ((θ - sin θ)/θ³) ξ̃².
+/// dexp_ξ = I + ((1 - cos θ)/θ²) ξ̃ + ((θ - sin θ)/θ³) ξ̃² for s = θ² = ‖ξ‖².
 template <class T> constexpr ScrewOperator<T> dexp_operator(const T& s) {
   const ExponentialCoefficients<T> k(s);
   return {k.b, k.c};
 }
-/// dexp_ξ⁻¹ = I - ξ̃/2 + ((1 - θ/2 cot(θ/2))/θ²) ξ̃².
+/// dexp_ξ⁻¹ = I - ξ̃/2 + ((1 - θ/2 cot(θ/2))/θ²) ξ̃² for s = θ² = ‖ξ‖².
 template <class T> constexpr ScrewOperator<T> dexp_inv_operator(const T& s) {
   const ExponentialCoefficients<T> k(s);
   return {{T(-0.5), T(0), T(0)}, k.g};

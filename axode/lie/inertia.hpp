@@ -43,7 +43,8 @@ template <class T> constexpr Inertia<T> transform(const Vec3<T>& r, const Inerti
   const ScrewOperationScope<T> scope(ScrewOperation::tensor_translation);
   return {M.m, M.h + M.m * r, M.Theta + parallel_axis_tensor(M.h + (T(0.5) * M.m) * r, r)};
 }
-/// Ad_S⁻ᵀ M Ad_S⁻¹: the inertia in the frame in which S is the pose of the frame of M (eqs. Ms, Mb).
+/// Ad_S⁻ᵀ M Ad_S⁻¹: the inertia in another frame, relative to which the frame of M has the pose S (eqs. Ms,
+/// Mb).
 template <class T> constexpr Inertia<T> transform(const SE3<T>& S, const Inertia<T>& M) {
   const ScrewOperationScope<T> scope(ScrewOperation::tensor_transformation);
   return transform(S.r, transform(S.R, M));
@@ -62,18 +63,21 @@ template <class T> constexpr CentralInertia<T> transform(const SO3<T>& R, const 
   const ScrewOperationScope<T> scope(ScrewOperation::tensor_rotation);
   return {M.m, rotate(R, M.Theta)};
 }
-/// Ad_r⁻ᵀ M Ad_r⁻¹ of a central inertia: the inertia about a point from which the centre of mass is at r.
+/// Ad_r⁻ᵀ M Ad_r⁻¹ of a central inertia: the inertia about another point, in the same axes; r is the vector
+/// from that point to the centre of mass.
 template <class T> constexpr Inertia<T> transform(const Vec3<T>& r, const CentralInertia<T>& M) {
   const ScrewOperationScope<T> scope(ScrewOperation::tensor_translation);
   return {M.m, M.m * r, M.Theta + parallel_axis_tensor((T(0.5) * M.m) * r, r)};
 }
-/// Ad_S⁻ᵀ M Ad_S⁻¹ of a central inertia: the inertia in the frame in which S is the pose of the frame of M.
+/// Ad_S⁻ᵀ M Ad_S⁻¹ of a central inertia: the inertia in another frame, relative to which the frame of M has
+/// the pose S.
 template <class T> constexpr Inertia<T> transform(const SE3<T>& S, const CentralInertia<T>& M) {
   const ScrewOperationScope<T> scope(ScrewOperation::tensor_transformation);
   return transform(S.r, transform(S.R, M));
 }
 
-/// Π = M V for any representation in which M is the inertia matrix (body-fixed, spatial, hybrid, (j, k)).
+/// The momentum Π = M V in a representation in which [[Θ, h̃], [-h̃, m I]] is the inertia matrix: body-fixed,
+/// spatial, hybrid, or measured and resolved in two frames (j, k). In mixed twists it is not.
 template <class Rep, class T>
 constexpr Momentum<Rep, T> operator*(const Inertia<T>& M, const Twist<Rep, T>& V) {
   static_assert(!std::same_as<Rep, Mixed>, "the mixed inertia matrix has blocks in different axes");
@@ -112,10 +116,10 @@ struct EigenvalueRange {
 };
 EigenvalueRange eigenvalue_range(const Sym3<double>& A);
 
-/// Measures whether a mass distribution can have this inertia: the smallest eigenvalue of Binet's tensor
-/// about the centre of mass, divided by the largest principal moment. If the result is >= 0, such a density
-/// exists. If all principal moments are positive, the result is at least -0.5. A negative eigenvalue within
-/// the rounding of Θ counts as 0. The mass must be positive.
+/// Measures whether a mass distribution can have the inertia M. Returns the smallest eigenvalue of Binet's
+/// tensor about the centre of mass, divided by the largest principal moment. If the result is >= 0, there is
+/// a mass distribution with this inertia. If all principal moments are positive, the result is at least -0.5.
+/// A negative eigenvalue within the rounding of Θ counts as 0. The mass must be positive.
 double realisability(const Inertia<double>& M);
 
 }  // namespace axode

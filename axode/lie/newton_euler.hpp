@@ -7,27 +7,31 @@
 /// body; if its origin is the centre of mass, the first moment h of M is 0.
 namespace axode {
 
-/// The wrench that a body needs to keep its twist V, the terms of the equations without V': -ad_Vᵀ M V.
+/// The wrench that a body needs to keep its body-fixed or spatial twist V: the terms -ad_Vᵀ M V of the
+/// Newton-Euler equations, which do not depend on V'.
 template <AtFrameOrigin Rep, class T>
 constexpr Wrench<Rep, T> velocity_wrench(const Inertia<T>& M, const Twist<Rep, T>& V) {
   return coad(V, M * V);
 }
-/// In hybrid twists it is ad_ω M^h (ω; 0).
+/// The wrench that a body needs to keep its hybrid twist V: ad_ω M (ω; 0), with the inertia M about the
+/// origin of the body in inertial axes.
 template <class T>
 constexpr Wrench<Hybrid, T> velocity_wrench(const Inertia<T>& M, const Twist<Hybrid, T>& V) {
   const ScrewOperationScope<T> scope(ScrewOperation::bracket);
   const Momentum<Hybrid, T> Pi = M * Twist<Hybrid, T>{V.w, {}};
   return {cross(V.w, Pi.l), cross(V.w, Pi.p)};
 }
-/// In mixed twists M is in the body frame, and R is the rotation of the body frame.
+/// The wrench that a body needs to keep its mixed twist V. M is the inertia in the body frame, and R is the
+/// rotation of the body frame.
 template <class T>
 constexpr Wrench<Mixed, T> velocity_wrench(const Inertia<T>& M, const SO3<T>& R, const Twist<Mixed, T>& V) {
   const ScrewOperationScope<T> scope(ScrewOperation::bracket);
   return {cross(V.w, M.Theta * V.w), R * cross(V.w, cross(V.w, M.h))};
 }
 
-/// W = M V' - ad_Vᵀ M V (eqs. NEs, NEb, NEb0), with M in the same frame as V; and W^h = M^h V'^h + ad_ω M^h
-/// (ω; 0) (eqs. NEh, NEh0), with M^h = Ad_R⁻ᵀ M^b Ad_R⁻¹.
+/// The Newton-Euler equations. In body-fixed and spatial twists W = M V' - ad_Vᵀ M V (eqs. NEs, NEb, NEb0),
+/// with M in the frame of V. In hybrid twists W^h = M^h V'^h + ad_ω M^h (ω; 0) (eqs. NEh, NEh0), with the
+/// inertia M^h = Ad_R⁻ᵀ M^b Ad_R⁻¹ in inertial axes.
 template <class Rep, class T>
   requires(AtFrameOrigin<Rep> || std::same_as<Rep, Hybrid>)
 constexpr Wrench<Rep, T> newton_euler(const Inertia<T>& M, const Twist<Rep, T>& V,
@@ -45,9 +49,9 @@ constexpr Wrench<Mixed, T> newton_euler(const Inertia<T>& M, const SO3<T>& R, co
           M.m * dV.v + R * (cross(dV.w, M.h) + cross(V.w, cross(V.w, M.h)))};
 }
 
-/// The Newton-Euler equations about the centre of mass (eqs. NEb0, NEhCOM, NEhCOM2, NEcmixed): Euler's
-/// equation for the moment has no linear motion in it, and Newton's equation for the force has no inertia
-/// tensor.
+/// The Newton-Euler equations about the centre of mass (eqs. NEb0, NEhCOM, NEhCOM2, NEcmixed). Euler's
+/// equation for the moment does not contain the linear motion, and Newton's equation for the force does not
+/// contain the inertia tensor.
 template <class T>
 constexpr Wrench<BodyFixed, T> newton_euler(const CentralInertia<T>& M, const Twist<BodyFixed, T>& V,
                                             const TwistRate<BodyFixed, T>& dV) {
@@ -67,9 +71,10 @@ constexpr Wrench<Mixed, T> newton_euler(const CentralInertia<T>& M, const SO3<T>
   return {M.Theta * dV.w + cross(V.w, M.Theta * V.w), M.m * dV.v};
 }
 
-/// The Newton-Euler equations measured at F_j and resolved in F_k (eqs. NEij, NE (j,k) with erratum 19):
-/// W = M (V' + (ad_{V_j} + ad_{ω_k - ω_j}) V) - ad_Vᵀ M V, with M = ^kM_i^j. They depend on the motion of F_j
-/// and F_k only by the velocity of the origin of F_j and the angular velocity of F_k.
+/// The Newton-Euler equations measured at F_j and resolved in F_k (eqs. NEij, NE (j,k) with erratum 19): W =
+/// M (V' + (ad_{V_j} + ad_{ω_k - ω_j}) V) - ad_Vᵀ M V, with the inertia M = ^kM_i^j about the origin of F_j
+/// in the axes of F_k. Of the motion of F_j and F_k the equations need only the velocity of the origin of F_j
+/// and the angular velocity of F_k.
 template <class T>
 constexpr Wrench<InFrames, T> newton_euler(const Inertia<T>& M, const FramePair<T>& jk,
                                            const Twist<InFrames, T>& V, const TwistRate<InFrames, T>& dV) {
@@ -101,8 +106,8 @@ constexpr Wrench<Rep, T> wrench(const SE3<T>& C, const Inertia<T>& M, const Twis
   else
     return newton_euler(M, C.R, V, dV);
 }
-/// The resultant wrench on a body from its twist and rate measured at F_j and resolved in F_k. The body has
-/// the pose C, and M is its inertia in the body frame.
+/// The resultant wrench on a body from its twist V and the rate V', measured at F_j and resolved in F_k. The
+/// body has the pose C, and M is its inertia in the body frame.
 template <class T>
 constexpr Wrench<InFrames, T> wrench(const SE3<T>& C, const Inertia<T>& M, const FramePair<T>& jk,
                                      const Twist<InFrames, T>& V, const TwistRate<InFrames, T>& dV) {
@@ -117,7 +122,8 @@ template <class T> constexpr Sym3<T> inverse(const Sym3<T>& A) {
           i * xz, i * (A.xy * A.xz - A.xx * A.yz)};
 }
 
-/// V' = M⁻¹ W, solved about the centre of mass. The mass must not be 0, and Θ_c must not be singular.
+/// The twist rate V' = M⁻¹ W, solved about the centre of mass. The mass must not be 0, and the rotational
+/// inertia about the centre of mass must not be singular.
 template <class Rep, class T>
 constexpr TwistRate<Rep, T> solve(const Inertia<T>& M, const Wrench<Rep, T>& W) {
   static_assert(!std::same_as<Rep, Mixed>, "the mixed inertia matrix has blocks in different axes");
@@ -133,7 +139,8 @@ constexpr TwistRate<Rep, T> acceleration(const SE3<T>& C, const Inertia<T>& M, c
   const Twist<BodyFixed, T> V_b = change<BodyFixed>(C, V);
   return change<Rep>(C, V_b, solve(M, change<BodyFixed>(C, W) - coad(V_b, M * V_b)));
 }
-/// The rate V' of a twist that is measured at F_j and resolved in F_k, as is the resultant wrench W.
+/// The rate V' of the twist V of a body under the resultant wrench W, all measured at F_j and resolved in
+/// F_k. The body has the pose C, and M is its inertia in the body frame.
 template <class T>
 constexpr TwistRate<InFrames, T> acceleration(const SE3<T>& C, const Inertia<T>& M, const FramePair<T>& jk,
                                               const Twist<InFrames, T>& V, const Wrench<InFrames, T>& W) {

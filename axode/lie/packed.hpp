@@ -3,8 +3,8 @@
 #include "axode/lie/mat3.hpp"
 
 /// Three-vectors in one SIMD register of four lanes, of which the last is 0. For one state of one mechanism
-/// this is the fastest layout. A kernel is written once for Packed<T> and Plain<T>, two geometries whose
-/// members have the same names.
+/// this is the fastest layout. A kernel is a template on its geometry: Packed<T>, or Plain<T> with three
+/// separate numbers. The members of both have the same names.
 namespace axode {
 
 namespace packed {

@@ -6,7 +6,7 @@ namespace axode {
 /// A unit quaternion. The order is x y z w everywhere (vector part first); q and -q are the same rotation.
 template <class T = double> struct Quaternion { T x{0}, y{0}, z{0}, w{1}; };
 
-/// The rotation of a composed with the rotation of b (b first).
+/// The quaternion of the product of two rotations: first b, then a.
 template <class T> constexpr Quaternion<T> operator*(const Quaternion<T>& a, const Quaternion<T>& b) {
   return {a.w * b.x + a.x * b.w + a.y * b.z - a.z * b.y, a.w * b.y - a.x * b.z + a.y * b.w + a.z * b.x,
           a.w * b.z + a.x * b.y - a.y * b.x + a.z * b.w, a.w * b.w - a.x * b.x - a.y * b.y - a.z * b.z};
@@ -24,7 +24,7 @@ constexpr Quaternion<T> select(bool condition, const Quaternion<T>& a, const Qua
           select(condition, a.w, b.w)};
 }
 
-/// The rotation matrix of a unit quaternion; nothing is normalised.
+/// The rotation matrix of a unit quaternion. The quaternion is not normalised before.
 template <class T> constexpr SO3<T> rotation(const Quaternion<T>& a) {
   const T x2 = a.x + a.x, y2 = a.y + a.y, z2 = a.z + a.z;
   const T xx = a.x * x2, yy = a.y * y2, zz = a.z * z2, xy = a.x * y2, xz = a.x * z2, yz = a.y * z2;

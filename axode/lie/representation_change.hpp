@@ -5,10 +5,10 @@
 /// representation To (eqs. VhVb, VsVb, Vmbhs). Every change passes through the body-fixed representation.
 namespace axode {
 
-/// Frames j and k for ^kV^j, measured at the origin of F_j and resolved in F_k, with their motion. All
-/// vectors are resolved in the inertial frame. ^kV^j is the spatial twist if both frames are the inertial
-/// frame, the body-fixed twist if both are the body frame, and the hybrid twist if F_j is the body frame and
-/// F_k the inertial frame.
+/// Two frames F_j and F_k and their motion, for twists ^kV^j, which are measured at the origin of F_j and
+/// resolved in the axes of F_k. All vectors of this struct are resolved in the inertial frame. ^kV^j is the
+/// spatial twist if both frames are the inertial frame, the body-fixed twist if both are the body frame, and
+/// the hybrid twist if F_j is the body frame and F_k the inertial frame.
 template <class T = double> struct FramePair {
   Vec3<T> r_j;   ///< position of the origin of F_j, m
   Vec3<T> dr_j;  ///< velocity of the origin of F_j, m/s
@@ -190,8 +190,8 @@ template <class T> constexpr Twist<InFrames, T> change(const FramePair<T>& jk, c
 template <class T> constexpr Twist<Spatial, T> change(const FramePair<T>& jk, const Twist<InFrames, T>& V) {
   return twist<Spatial>(Ad(jk.pose(), Screw<T>{V.w, V.v}));
 }
-/// The rate of ^kV_i^j from the spatial twist V and its rate; it includes the motion of F_j and F_k
-/// (erratum 19).
+/// The rate of the twist ^kV_i^j, measured at F_j and resolved in F_k, from the spatial twist V and its rate.
+/// It includes the effect of the motion of F_j and F_k (erratum 19).
 template <class T>
 constexpr TwistRate<InFrames, T> change(const FramePair<T>& jk, const Twist<Spatial, T>& V,
                                         const TwistRate<Spatial, T>& dV) {

@@ -22,7 +22,8 @@ template <class T> constexpr PlueckerLine<T> pluecker(const ScrewAxis<T>& axis) 
   return {axis.e, cross(axis.p, axis.e)};
 }
 
-/// Screw coordinates of an axis: the magnitude times (e; p × e + h e), or times (0; e) for an infinite pitch.
+/// Screw coordinates of a screw axis: its magnitude times (e; p × e + h e), or times (0; e) for an infinite
+/// pitch.
 template <class T> constexpr Screw<T> screw(const ScrewAxis<T>& a) {
   const bool finite = a.h < std::numeric_limits<T>::infinity();
   const T h = select(finite, a.h, T(0));
@@ -34,8 +35,9 @@ template <class T> constexpr Screw<T> screw(const Vec3<T>& e, const Vec3<T>& p, 
   return {e, cross(p, e) + h * e};
 }
 
-/// Direction, point, pitch and magnitude of a screw. The point is the one of the axis that is nearest to the
-/// origin; the magnitude is ‖w‖, or ‖v‖ if w = 0. The zero screw has magnitude 0 and direction 0.
+/// Direction, point, pitch and magnitude of a screw X = (w; v). The point is the point of the axis that is
+/// nearest to the origin; the magnitude is ‖w‖, or ‖v‖ if w = 0. The zero screw has magnitude 0 and direction
+/// 0.
 template <class T> constexpr ScrewAxis<T> screw_axis(const Screw<T>& X) {
   const T w2 = dot(X.w, X.w);
   if (w2 > T(0)) {
@@ -46,8 +48,8 @@ template <class T> constexpr ScrewAxis<T> screw_axis(const Screw<T>& X) {
   const Vec3<T> e = v > T(0) ? (T(1) / v) * X.v : Vec3<T>{};
   return {e, Vec3<T>{}, std::numeric_limits<T>::infinity(), v};
 }
-/// The instantaneous screw axis of a motion. It is in the body frame for a body-fixed twist and in the
-/// inertial frame for a spatial twist.
+/// The instantaneous screw axis of a body with the twist V. It is in the body frame for a body-fixed twist
+/// and in the inertial frame for a spatial twist.
 template <AtFrameOrigin Rep, class T> constexpr ScrewAxis<T> screw_axis(const Twist<Rep, T>& V) {
   return screw_axis(Screw<T>{V.w, V.v});
 }

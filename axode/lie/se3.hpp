@@ -12,8 +12,8 @@ template <class T = double> struct SE3 {
   Vec3<T> r;
 };
 
-/// The composition A B: if B is the pose of a frame relative to the frame that A poses, A B is relative to
-/// the reference frame of A.
+/// The composition A B of two poses: if B is the pose of a frame F relative to the frame that A poses, A B is
+/// the pose of F relative to the reference frame of A.
 template <class T> constexpr SE3<T> operator*(const SE3<T>& A, const SE3<T>& B) {
   return {A.R * B.R, A.r + A.R * B.r};
 }
@@ -78,12 +78,13 @@ template <class T> constexpr Screw<T> log(const SE3<T>& C) {
   return {w, dexp_inv(w, C.r)};
 }
 
-/// P_X Z on se(3): the angular blocks are P_ξ, and the coupling block is the derivative of P_ξ along the
-/// linear part of X.
+/// Computes P_X Z on se(3) for an operator P_ξ = I + β ξ̃ + γ ξ̃² on so(3). The angular blocks of P_X are P_ξ
+/// with the angular part ξ of X, and the coupling block is the derivative of P_ξ along the linear part of X.
 template <class T> constexpr Screw<T> apply(const ScrewOperator<T>& P, const Screw<T>& X, const Screw<T>& Z) {
   return {apply(P, X.w, Z.w), apply(P, X.w, Z.v) + apply(P, X.w, X.v, Z.w)};
 }
-/// D_U P_X Z on se(3), the derivative when X moves along U.
+/// Computes D_U P_X Z on se(3), the derivative of P_X Z when X moves along U, for an operator P_ξ = I + β ξ̃
+/// + γ ξ̃² on so(3) that is extended to se(3) by the principle of transference.
 template <class T>
 constexpr Screw<T> apply(const ScrewOperator<T>& P, const Screw<T>& X, const Screw<T>& U, const Screw<T>& Z) {
   return {apply(P, X.w, U.w, Z.w),

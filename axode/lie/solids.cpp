@@ -69,7 +69,8 @@ Moments moments(std::span<const Vec3<>> vertices, std::span<const std::array<int
   return sum;
 }
 
-/// The moments about the first vertex of a mesh, after all checks of mesh_volume().
+/// The moments about the first vertex of a mesh. Throws std::invalid_argument if a vertex is not finite, if
+/// the mesh is not closed, or if its volume is not positive.
 Moments checked_moments(std::span<const Vec3<>> vertices, std::span<const std::array<int, 3>> faces) {
   check_closed(vertices, faces);
   const Moments sum = moments(vertices, faces, vertices.empty() ? Vec3<>{} : vertices[0]);

@@ -49,7 +49,8 @@ template <class F> constexpr decltype(auto) with_representation(Representation r
   return f(Mixed{});
 }
 
-/// Representations in which twists are screw coordinates with respect to one frame.
+/// The representations in which twists are screw coordinates with respect to one frame: BodyFixed and
+/// Spatial.
 template <class Rep>
 concept AtFrameOrigin = std::same_as<Rep, BodyFixed> || std::same_as<Rep, Spatial>;
 
@@ -82,7 +83,8 @@ template <> inline constexpr bool is_screw_kind<TwistRate> = true;
 template <> inline constexpr bool is_screw_kind<Wrench> = true;
 template <> inline constexpr bool is_screw_kind<Momentum> = true;
 
-/// Twists and twist rates. The same map transforms both if the two frames are at rest relative to each other.
+/// The kinds of motion: Twist and TwistRate. The same map transforms both from one frame to another if the
+/// two frames are at rest relative to each other.
 template <template <class, class> class Kind>
 concept Motion = is_screw_kind<Kind> && requires(Kind<BodyFixed, double> x) {
   x.w, x.v;
@@ -103,7 +105,7 @@ constexpr Kind<Rep, T> operator-(const Kind<Rep, T>& x, const Kind<Rep, T>& y) {
   return {x1 - y1, x2 - y2};
 }
 
-/// Always false: the condition of the assertions below, by which the sum of quantities in different
+/// Always false. It is the condition of static assertions by which the sum of quantities in different
 /// representations, or of a twist and a wrench, does not compile.
 template <class...> inline constexpr bool addable = false;
 template <template <class, class> class Kind, class Rep, class Other, class T>
@@ -167,44 +169,46 @@ template <class Rep, class T> constexpr T operator|(const Momentum<Rep, T>& Pi, 
   return dot(Pi.l, V.w) + dot(Pi.p, V.v);
 }
 
-/// The screw coordinates of a twist, in representations whose twists are screw coordinates.
+/// The screw coordinates of a body-fixed or spatial twist.
 template <AtFrameOrigin Rep, class T> constexpr Screw<T> screw(const Twist<Rep, T>& V) { return {V.w, V.v}; }
-/// The twist with the screw coordinates X.
+/// The body-fixed or spatial twist with the screw coordinates X.
 template <AtFrameOrigin Rep, class T> constexpr Twist<Rep, T> twist(const Screw<T>& X) { return {X.w, X.v}; }
 
-/// ad_V1 V2 = [V1, V2] (eq. ScrewProd).
+/// The Lie bracket ad_V1 V2 = [V1, V2] of two twists in one representation (eq. ScrewProd).
 template <AtFrameOrigin Rep, class T>
 constexpr Twist<Rep, T> ad(const Twist<Rep, T>& V1, const Twist<Rep, T>& V2) {
   return twist<Rep>(ad(screw(V1), screw(V2)));
 }
-/// The wrench -ad_Vᵀ Π, the rate of a momentum that moves with the twist V.
+/// The wrench -ad_Vᵀ Π: the rate of a momentum Π that moves with a body of the twist V.
 template <AtFrameOrigin Rep, class T>
 constexpr Wrench<Rep, T> coad(const Twist<Rep, T>& V, const Momentum<Rep, T>& Pi) {
   const ScrewOperationScope<T> scope(ScrewOperation::bracket);
   return {cross(V.w, Pi.l) + cross(V.v, Pi.p), cross(V.w, Pi.p)};
 }
-/// The wrench -ad_Xᵀ W, the counterpart of ad for wrenches.
+/// The wrench -ad_Xᵀ W: the counterpart of the Lie bracket ad_X for wrenches.
 template <AtFrameOrigin Rep, class T>
 constexpr Wrench<Rep, T> coad(const Twist<Rep, T>& X, const Wrench<Rep, T>& W) {
   const ScrewOperationScope<T> scope(ScrewOperation::bracket);
   return {cross(X.w, W.m) + cross(X.v, W.f), cross(X.w, W.f)};
 }
 
-/// V^s = Ad_C V^b (eq. VsVb).
+/// The spatial twist V^s = Ad_C V^b of a body with pose C from its body-fixed twist (eq. VsVb).
 template <class T> constexpr Twist<Spatial, T> Ad(const SE3<T>& C, const Twist<BodyFixed, T>& V) {
   return twist<Spatial>(Ad(C, screw(V)));
 }
-/// V^b = Ad_C⁻¹ V^s (eq. VsVb).
+/// The body-fixed twist V^b = Ad_C⁻¹ V^s of a body with pose C from its spatial twist (eq. VsVb).
 template <class T> constexpr Twist<BodyFixed, T> Ad_inv(const SE3<T>& C, const Twist<Spatial, T>& V) {
   return twist<BodyFixed>(Ad_inv(C, screw(V)));
 }
-/// W^s = Ad_C⁻ᵀ W^b: the wrench about the inertial origin from that about the origin of the body frame.
+/// W^s = Ad_C⁻ᵀ W^b: the wrench about the inertial origin from the wrench W^b about the origin of a body
+/// frame with pose C.
 template <class T> constexpr Wrench<Spatial, T> coAd(const SE3<T>& C, const Wrench<BodyFixed, T>& W) {
   const ScrewOperationScope<T> scope(ScrewOperation::transformation);
   const Vec3<T> f = C.R * W.f;
   return {C.R * W.m + cross(C.r, f), f};
 }
-/// W^b = Ad_Cᵀ W^s: the wrench about the origin of the body frame from that about the inertial origin.
+/// W^b = Ad_Cᵀ W^s: the wrench about the origin of a body frame with pose C from the wrench W^s about the
+/// inertial origin.
 template <class T> constexpr Wrench<BodyFixed, T> coAd_inv(const SE3<T>& C, const Wrench<Spatial, T>& W) {
   const ScrewOperationScope<T> scope(ScrewOperation::transformation);
   const SO3<T> Rt = transpose(C.R);
