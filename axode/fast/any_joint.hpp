@@ -1,11 +1,12 @@
 #pragma once
 #include "axode/model/tree.hpp"
 
-/// Joints other than hinges in the fast kernels. Each of them is computed by itself, in its own frame, by
-/// functions that are not inlined.
+/// Functions of one joint for the fast kernels, which call them for joints other than hinges. Each computes
+/// in the frame of the joint, and none is inlined.
 namespace axode {
 
-/// The relative pose C_{p,i} of joint i, which may be of any kind.
+/// The pose C_{p,i} of the internal frame of body i relative to that of its predecessor p. Joint i may be of
+/// any kind.
 template <class T, class S>
 [[gnu::noinline]] SE3<T> any_joint_pose(const Tree<S>& tree, int i, const T* q) noexcept {
   return with_subgroup(tree->kind[i], T(tree.pitch[i]), [&](const auto& joint) {
@@ -13,7 +14,8 @@ template <class T, class S>
     return joint.pose(cast<T>(tree.B[i]), tree->coupled[i] ? &own : q + tree->iq[i]);
   });
 }
-/// The motion S x of joint i, for velocities or accelerations x of all joints.
+/// The motion S x of joint i in the joint frame, for velocities or accelerations x (nv) of all joints. S are
+/// the screws of the joint, which may be of any kind.
 template <class T, class S>
 [[gnu::noinline]] Twist<BodyFixed, T> any_joint_twist(const Tree<S>& tree, int i, const T* x) noexcept {
   return with_subgroup(tree->kind[i], T(tree.pitch[i]), [&](const auto& joint) {
@@ -22,7 +24,8 @@ template <class T, class S>
     return joint.twist(tree->coupled[i] ? &own : x_i);
   });
 }
-/// Adds Sᵀ W of joint i to the forces of its velocities.
+/// Adds Sᵀ W to the entries of `tau` (nv) for the velocities of joint i, with the joint screws S and the
+/// wrench W in the joint frame.
 template <class T, class S>
 [[gnu::noinline]] void project_on_any_joint(const Tree<S>& tree, int i, const Wrench<BodyFixed, T>& W,
                                             T* tau) noexcept {

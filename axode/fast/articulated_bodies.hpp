@@ -10,12 +10,11 @@
 namespace axode {
 
 /// The articulated-body algorithm for trees without coupled joints, in inertial axes about the origins of the
-/// bodies, where the screw of a hinge is (n; 0). Bias forces are computed from the classical accelerations
-/// for zero joint accelerations.
+/// bodies. The screw of a hinge with axis n is (n; 0). Bias forces are those of zero joint accelerations.
 ///
-/// The elimination of a hinge gives the predecessor the inertia M' = Ad_rᵀ M Ad_r - K Ûᵀ with U = M S,
-/// D = Sᵀ U + armature, Û = Ad_rᵀ U, K = Û / D, so that the division and the congruence depend on M alone.
-/// The velocities of a joint with several degrees of freedom are eliminated one after the other.
+/// The elimination of a hinge at the vector r from the predecessor's origin adds Ad_rᵀ M Ad_r - K Ûᵀ to the
+/// predecessor's inertia, with U = M S, D = Sᵀ U + armature, Û = Ad_rᵀ U and K = Û / D. Thus the division and
+/// the congruence depend on M alone. Velocities of one joint are eliminated one after the other.
 template <class G, class T> struct FastArticulatedBodies {
   using Number = typename G::Number;
   using Vector = typename G::Vector;
@@ -32,20 +31,20 @@ template <class G, class T> struct FastArticulatedBodies {
     Vector m, f;  ///< bias wrench
     Tensor Theta;
   };
-  /// The sum of the inertias and wrenches of the children of a body, except for the next body.
+  /// The sum of the inertias and wrenches that the children of a body i, except body i + 1, pass to it.
   struct ChildSum {
     Articulated M;
     Vector m, f;
   };
-  /// The motion of a body for zero joint accelerations: ω, ω' and r'', also as factors of cross products.
+  /// ω, ω' and r'' of a body for zero joint accelerations, ω and ω' also as factors of cross products.
   /// accelerate() uses w and a for the part of the acceleration that is due to joint accelerations.
   struct Motion {
     Vector w, dw, a;
     Factor w_, dw_;
   };
-  /// An eliminated joint screw S = (w; v). K = U/D with U = M S is the wrench on the predecessor for a unit
-  /// joint force; for a hinge it is about the predecessor's origin, and (w; v) is not stored. u is D⁻¹ times
-  /// the joint force that remains after the bias wrench.
+  /// An eliminated joint screw S = (w; v) with U = M S and the pivot D. K = U/D is the wrench on the
+  /// predecessor for a unit joint force; for a hinge it is about the predecessor's origin, and (w; v) is not
+  /// stored. u is D⁻¹ times the joint force that remains after the bias wrench.
   struct Pivot {
     Vector K_m, K_f, w, v;
     Number D_inv, u;
@@ -56,7 +55,7 @@ template <class G, class T> struct FastArticulatedBodies {
   ChildSum* child_sum;    ///< contributions of children, for bodies with `branches`
   Pivot* pivot;           ///< one for each joint screw
   std::array<T, 6>* S_K;  ///< S_k | K_l of each joint screw k with later screws l of its joint
-  /// Whether M may be singular. factorize() sets it and does not reset it.
+  /// Whether the mass matrix may be singular. factorize() sets it and does not reset it.
   decltype(T() < T()) maybe_singular{};
 
   explicit FastArticulatedBodies(Arena& arena)
@@ -80,8 +79,8 @@ template <class G, class T> struct FastArticulatedBodies {
   void update_kinematics_and_bias(const Tree<S>& tree, const T* q, const T* v, Motion* motion) noexcept {
     update_kinematics_and_bias(tree, q, v, motion, [](int, const Matrix&, const Motion&, const Vector&) {});
   }
-  /// Does what update_kinematics_and_bias() does, and in addition calls put(i, R, motion, u) for every body,
-  /// where u is the velocity of its origin minus that of the origin of its predecessor.
+  /// Computes axes, origins, inertias and bias wrenches of all bodies, and calls put(i, R, motion, u) for
+  /// every body i, where u is the velocity of its origin minus that of the origin of its predecessor.
   template <class S, class Put>
   [[gnu::always_inline]] void update_kinematics_and_bias(const Tree<S>& tree, const T* q, const T* v,
                                                          Motion* motion, Put&& put) noexcept {
@@ -124,8 +123,7 @@ template <class G, class T> struct FastArticulatedBodies {
   /// Eliminates all joints, from the leaves to the roots, after one of the update_kinematics functions.
   template <class S> void factorize(const Tree<S>& tree) noexcept { sweep<false>(tree, nullptr); }
   /// Eliminates all joints after update_kinematics_and_bias() and computes u of every joint from the forces τ
-  /// minus the bias forces. The bias wrenches of the bodies may be changed before, for example by applied
-  /// wrenches.
+  /// minus the bias forces. Before the call, applied wrenches may be subtracted from the bias wrenches.
   template <class S> void factorize(const Tree<S>& tree, const T* tau) noexcept { sweep<true>(tree, tau); }
 
   /// The forward sweep after factorize(tree, tau), from the roots on: the accelerations a of all joints.
@@ -206,8 +204,8 @@ template <class G, class T> struct FastArticulatedBodies {
     Vec3<Several> m, f;
   };
   /// Computes M⁻¹ (nv × nv) after factorize(), several columns at once. Entries above the diagonal are
-  /// computed, and those below are copied from them. W has one entry for each body and u one for each joint
-  /// screw.
+  /// computed, and those below are copied from them. W (one entry for each body) and u (one for each joint
+  /// screw) are scratch memory.
   template <class S> void inverse(const Tree<S>& tree, Columns* W, Several* u, T* out) noexcept {
     const std::ptrdiff_t nv = tree->nv;
     couple(tree);
@@ -221,7 +219,7 @@ template <class G, class T> struct FastArticulatedBodies {
     }
     mirror(tree->nv, out);
   }
-  /// Replaces x by M⁻¹ x for a matrix x (nv × nv, row by row) after factorize(), several columns at once.
+  /// Replaces x (nv × nv, row by row) by M⁻¹ x after factorize(), several columns at once. See inverse().
   template <class S> void solve(const Tree<S>& tree, Columns* W, Several* u, T* x) noexcept {
     const std::ptrdiff_t nv = tree->nv;
     couple(tree);
@@ -234,8 +232,7 @@ template <class G, class T> struct FastArticulatedBodies {
   }
 
  private:
-  /// The backward sweep: it eliminates the joints and, if `forces`, computes u of every joint from the forces
-  /// τ.
+  /// The backward sweep: it eliminates the joints and, if `forces`, computes u of every joint from `tau`.
   template <bool forces, class S> void sweep(const Tree<S>& tree, const T* tau) noexcept {
     Articulated M{};
     Vector m{}, f{};
@@ -353,9 +350,9 @@ template <class G, class T> struct FastArticulatedBodies {
       if (tree->branches[i]) W[i] = X;
     }
   }
-  /// The backward step for the n screws of a joint from screw s on. It computes first the force of F on each
-  /// screw, then the coupling between the screws by S_K, so that no screw waits for an update of F. If the
-  /// joint hangs on the ground, F is not updated.
+  /// The backward step for the n screws of a joint from screw s on; F are the wrenches of the subtree. It
+  /// computes first the force of F on each screw, then the coupling between the screws by S_K, so that no
+  /// screw waits for an update of F. If the joint hangs on the ground, F is not updated.
   template <int n, class RightSide>
   [[gnu::always_inline]] void pass_to_parent(std::integral_constant<int, n>, int s,
                                              const RightSide& right_side, Several* u, bool on_a_body,
@@ -372,7 +369,7 @@ template <class G, class T> struct FastArticulatedBodies {
       unrolled<n>([&](auto k) { F.m += g[k] * vector(c[k].K_m), F.f += g[k] * vector(c[k].K_f); });
   }
   /// The forward step for the n screws of a joint from screw s on: a_k = free(k) minus K_k | X and minus the
-  /// coupling between the screws by S_K. If the joint hangs on the ground, X is 0.
+  /// coupling between the screws by S_K. X is the motion of the predecessor, 0 for the ground.
   template <int n, class Free, class Put>
   [[gnu::always_inline]] void set_in_motion(std::integral_constant<int, n>, int s, const Free& free,
                                             const Put& put, bool on_a_body, Columns& X) const noexcept {
@@ -450,13 +447,13 @@ template <class G, class T> struct FastArticulatedBodies {
     return articulated(body[i].Theta, body[i].h, constants<G, T>(tree, i).m);
   }
 
-  /// The pivot threshold of joint screw s. If the pivot is not larger, M may be singular, and a kernel that
-  /// tracks rounding errors takes over.
+  /// The pivot threshold of joint screw s. If the pivot is not larger, the mass matrix may be singular, and a
+  /// kernel that tracks rounding errors takes over.
   template <class S> static T floor_of(const Tree<S>& tree, int s) noexcept {
     return T(pivot_threshold<S> * tree.inertia_scale[s]);
   }
-  /// Eliminates the hinge of body i. M becomes the contribution to the inertia of the predecessor, about the
-  /// origin of the predecessor.
+  /// Eliminates the hinge of body i. M, the articulated inertia of body i, becomes the contribution to the
+  /// inertia of the predecessor, about the origin of the predecessor.
   template <class S>
   [[gnu::always_inline]] Pivot& eliminate_hinge(const Tree<S>& tree, int i, const S* armature,
                                                 Articulated& M) noexcept {
@@ -474,7 +471,7 @@ template <class G, class T> struct FastArticulatedBodies {
     c.D_inv = D_inv;
     return c;
   }
-  /// Eliminates the screws of joint i, which may be of any kind. M changes as in eliminate_hinge().
+  /// Eliminates the screws of joint i, of any kind. M becomes its contribution to the predecessor's inertia.
   template <class S>
   [[gnu::noinline]] void eliminate_screws(const Tree<S>& tree, int i, const S* armature,
                                           Articulated& M) noexcept {

@@ -6,17 +6,18 @@
 
 namespace axode {
 
-/// The composite-body algorithm for trees without coupled joints. Composite inertias are about the origins of
-/// the bodies in inertial axes. Screws S and impulses F are then written about the origin of the root body,
-/// where M_ij = S_i | F_j. As the velocities of a subtree are consecutive, a row of M is a product of one
-/// screw and consecutive entries of F.
+/// The composite-body algorithm for the mass matrix M of trees without coupled joints. Composite inertias are
+/// about the origins of the bodies in inertial axes. The joint screws S and the impulses F, which give the
+/// subtrees of the joints the twists S, are then written about the origin of the root body, where M_ij = S_i
+/// | F_j. As the velocities of a subtree are consecutive, a row of M is a product of one screw and
+/// consecutive entries of F.
 template <class T> struct FastCompositeBodies {
   using L = Lanes<T>;
   using Number = typename L::Number;
   FastPoses<T> poses;
-  Arrays<T> C;     ///< columns of R (0 to 8), r from the root (9 to 11)
+  Arrays<T> C;     ///< columns of R (0 to 8), vector from the root body to the body (9 to 11)
   Arrays<T> M;     ///< h (0 to 2), Theta (3 to 8), m (9)
-  Arrays<T> S, F;  ///< screws and impulses about the root
+  Arrays<T> S, F;  ///< joint screws and impulses about the origin of the root body
 
   explicit FastCompositeBodies(Arena& arena)
       : poses(arena),
@@ -54,7 +55,8 @@ template <class T> struct FastCompositeBodies {
     }
   }
 
-  /// Writes M, nv × nv: M_ij = S_i | F_j for i <= j if velocity i moves j, and the mirror image.
+  /// Writes the mass matrix M, nv × nv, armatures included. For i <= j, M_ij = S_i | F_j if velocity i moves
+  /// the joint of velocity j, and 0 otherwise; the entries below the diagonal are equal to those above.
   template <class Real> void write(const Tree<Real>& tree, T* out) const noexcept {
     const std::ptrdiff_t nv = tree->nv;
     if constexpr (L::width == 1) {
@@ -75,7 +77,8 @@ template <class T> struct FastCompositeBodies {
     for (int i = 0; i < tree->nv; ++i) out[i * nv + i] += T(tree.armature[i]);
   }
 
-  /// Writes only the entries M_ij for which velocity j moves i or is i.
+  /// Writes only the entries M_ij of the mass matrix for which j = i, or for which velocity j moves the joint
+  /// of velocity i. Armatures are included.
   template <class Real> void write_paths(const Tree<Real>& tree, T* out) const noexcept {
     static_assert(L::width == 1);
     const Arrays<T> several = S;
@@ -88,8 +91,10 @@ template <class T> struct FastCompositeBodies {
   }
 
  private:
-  /// Writes the block of rows i, ... and columns j >= i, ... of M and its mirror image. The blocks in later
-  /// rows, and those in later columns of these rows, must be written before: see store_row().
+  /// Writes the block of M with rows i, i + 1, ... and columns j, j + 1, ... (j >= i), and its mirror image
+  /// below the diagonal. The blocks in later rows, and those in later columns of the same rows, must be
+  /// written before, because lanes beyond the end of a row spill into the start of the next row: see
+  /// store_row().
   template <class Real> void write_block(const Tree<Real>& tree, int i, int j, T* out) const noexcept {
     const Arrays<T> one = S;
     const int nv = tree->nv;
@@ -127,7 +132,8 @@ template <class T> struct FastCompositeBodies {
     return numbers;
   }();
 
-  /// Adds M_i, about the predecessor's origin, to M_p, from the leaves to the roots.
+  /// Computes the composite inertias M_i of all subtrees. From the leaves to the roots, M_i of body i is
+  /// moved to the origin of its predecessor p and added to M_p.
   template <class Real> void compose(const Tree<Real>& tree) noexcept {
     Inertia<T> carried{};
     for (int i = tree->n; i > 0; --i) {
@@ -179,7 +185,7 @@ template <class T> struct FastCompositeBodies {
       }
     });
   }
-  /// The six components of entry r, each in all lanes.
+  /// The six components of entry r of the arrays `from`, each repeated in all lanes.
   struct Six {
     Number x[6];
     Six(const Arrays<T>& from, int r) {

@@ -7,7 +7,8 @@ namespace axode {
 /// which may be different ones for different quantities.
 struct Fast {};
 
-/// The choices for algorithms whose results do not depend on the representation: one of the four, or Fast.
+/// The choices for algorithms whose results do not depend on the representation: one of the four
+/// representations BodyFixed, Spatial, Hybrid and Mixed, or Fast.
 template <class Rep>
 concept RecursionChoice = RecursionRepresentation<Rep> || std::same_as<Rep, Fast>;
 

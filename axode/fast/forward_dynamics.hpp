@@ -27,8 +27,9 @@ template <class T> struct FastForwardDynamics {
     bodies.accelerate(tree, motion, a);
     return true;
   }
-  /// Forward dynamics without the last sweep, accelerate(); put() is called as in
-  /// update_kinematics_and_bias(). Returns false if joints are coupled or the mass matrix may be singular.
+  /// The first two sweeps of forward dynamics, without accelerate(). Calls put() for every body as
+  /// FastArticulatedBodies::update_kinematics_and_bias() does. Returns false if joints are coupled or the
+  /// mass matrix may be singular.
   template <class Put>
   [[gnu::always_inline]] bool prepare(const Tree<T>& tree, const T* q, const T* v, const T* tau,
                                       const Loads<T>& loads, Put&& put) noexcept {

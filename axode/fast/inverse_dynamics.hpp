@@ -6,8 +6,9 @@
 namespace axode {
 
 /// The recursive Newton-Euler algorithm on the classical accelerations r'' of the bodies' origins, in the
-/// axes of the internal frames. It does not need linear velocities: with R, r of C_{p,i} and
-/// (ω_J; v_J) = S v, (α_J; a_J) = S a,
+/// axes of the internal frames. It does not need linear velocities. With the rotation R and the vector r of
+/// the pose C_{p,i} of body i relative to its predecessor p, and with (ω_J; v_J) = S v, (α_J; a_J) = S a for
+/// the joint screws S,
 ///   ω_i = Rᵀ ω_p + ω_J,   ω'_i = Rᵀ ω'_p + Rᵀ ω_p × ω_J + α_J,
 ///   r''_i = Rᵀ (r''_p + ω'_p × r + ω_p × (ω_p × r)) + (Rᵀ ω_p + ω_i) × v_J + a_J.
 /// It takes about 150 products and sums per hinge.
@@ -16,8 +17,8 @@ template <class G, class T> struct FastInverseDynamics {
   using Factor = typename G::Factor;
   using Spread = typename G::Spread;
   using Matrix = typename G::Matrix;
-  /// ω, ω' and r'' of a body. ω and ω' are also stored in the forms that cross products and products with
-  /// matrices need.
+  /// Angular velocity ω, angular acceleration ω' and acceleration r'' of the origin of a body. ω and ω' are
+  /// also stored in the forms that cross products and products with matrices need.
   struct Motion {
     Vector w, dw, a;
     Spread w_each, dw_each;
@@ -43,14 +44,14 @@ template <class G, class T> struct FastInverseDynamics {
   explicit FastInverseDynamics(Arena& arena)
       : angles(arena), motion(arena.per_body<Motion>()), body(arena.per_body<Body>()) {}
 
-  /// The forward sweep: the resultant wrench on every body by the Newton-Euler equations, with gravity g as
-  /// the acceleration -g of the ground.
+  /// The forward sweep. It computes the resultant wrench on every body by the Newton-Euler equations, with
+  /// gravity g as the acceleration -g of the ground.
   template <class S>
   void forward(const Tree<S>& tree, const T* q, const T* v, const T* a, const Vec3<T>& g) noexcept {
     forward(tree, q, v, a, g, [](int, const Motion&, const Vector&) {});
   }
-  /// Does what forward() does, and in addition calls put(i, motion, v_J) for every body,
-  /// where v_J is the linear part of its joint's motion S v.
+  /// The forward sweep for the resultant wrenches on all bodies. It also calls put(i, motion, v_J) for every
+  /// body i, where v_J is the linear part of the joint motion S v.
   template <class S, class Put>
   [[gnu::always_inline]] void forward(const Tree<S>& tree, const T* q, const T* v, const T* a,
                                       const Vec3<T>& g, Put&& put) noexcept {
@@ -95,8 +96,8 @@ template <class G, class T> struct FastInverseDynamics {
     }
   }
 
-  /// The backward sweep, from the leaves to the roots: the wrench W that every joint transmits. Sᵀ W is added
-  /// to tau.
+  /// The backward sweep, from the leaves to the roots. It computes the wrench W that every joint transmits,
+  /// and adds the forces Sᵀ W on the joint screws S to `tau` (nv).
   template <class S> void backward(const Tree<S>& tree, T* tau) noexcept {
     Vector m{}, f{};  // wrench from body i + 1, if body i is its predecessor
     for (int i = tree->n; i > 0; --i) {
@@ -136,7 +137,8 @@ template <class T> struct InverseDynamicsRecursion<Fast, T> {
            const Vec3<T>& g) noexcept {
     run(tree, q, v, a, loads, g, [](int, const auto&, const auto&) {});
   }
-  /// Does what run() does, and calls put() as FastInverseDynamics::forward() does.
+  /// Computes the wrenches on all bodies under gravity g and the loads. Calls put(i, motion, v_J) for every
+  /// body as FastInverseDynamics::forward() does.
   template <class Put>
   [[gnu::always_inline]] void run(const Tree<T>& tree, const T* q, const T* v, const T* a,
                                   const Loads<T>& loads, const Vec3<T>& g, Put&& put) noexcept {
@@ -153,7 +155,8 @@ template <class T> struct InverseDynamicsRecursion<Fast, T> {
       fast.body[i].f -= W_app[i].f;
     }
   }
-  /// Writes the generalised forces τ, which may share the memory of v or a.
+  /// Writes the generalised forces τ (nv) after run(): those of the transmitted wrenches, of armatures and,
+  /// if joint_losses is set, of damping and friction. τ may share the memory of v or a.
   void project(const Tree<T>& tree, const T* v, const T* a, bool joint_losses, T* tau) noexcept {
     joint_terms(tree, v, a, joint_losses, own);
     for (int c = 0; c < tree->nv; ++c) tau[c] = own[c];

@@ -3,10 +3,10 @@
 
 namespace axode {
 
-/// M⁻¹ from M = LᵀDL for states in SIMD lanes. On trees with short paths this takes fewer operations than
-/// articulated bodies, and few digits are lost. L has an entry L_ci only if velocity i moves c along, and
-/// X = L⁻ᵀ has the transposed pattern; M⁻¹_ij = Σ_k X_ki X_kj / D_k, summed over the velocities k that move
-/// both i and j. O(n d²) for a tree of depth d.
+/// The inverse mass matrix M⁻¹ from M = LᵀDL, for states in SIMD lanes. On trees with short paths this takes
+/// fewer operations than articulated bodies, and few digits are lost. L has an entry L_ci only if velocity i
+/// moves the joint of velocity c, and X = L⁻ᵀ has the transposed pattern. M⁻¹_ij = Σ_k X_ki X_kj / D_k,
+/// summed over the velocities k that move both i and j. O(n d²) for a tree of depth d.
 template <class T> struct FastInverseMassMatrix {
   static constexpr int longest_path = 16;
   static constexpr int most_velocities = 64;
@@ -27,15 +27,16 @@ template <class T> struct FastInverseMassMatrix {
         D_inv(arena.per_velocity<T>()),
         x(arena.per_velocity<T>()) {}
 
-  /// Replaces M (nv × nv) by M⁻¹. Only the entries M_ij are read for which velocity j moves i or is i.
+  /// Replaces M (nv × nv) by M⁻¹. Only entries M_ij are read for which j = i, or for which velocity j moves
+  /// the joint of velocity i.
   template <class S> void run(const Tree<S>& tree, T* M) noexcept {
     factorize(tree, M);
     multiply(tree, M);
   }
 
  private:
-  /// Computes the pivots D_i and the rows of X = L⁻ᵀ, from the last row to the first. For row i it first
-  /// computes x_c = -L_ci for the velocities c that i moves.
+  /// Computes the pivots D_i of M = LᵀDL and the rows of X = L⁻ᵀ, from the last row to the first. For row i
+  /// it first computes x_c = -L_ci for the velocities c whose joints velocity i moves.
   template <class S> void factorize(const Tree<S>& tree, T* M) noexcept {
     const std::ptrdiff_t nv = tree->nv;
     const int* const parent = tree->velocity_parent.data();
@@ -61,7 +62,8 @@ template <class T> struct FastInverseMassMatrix {
       }
     }
   }
-  /// Computes M⁻¹_ij = Σ_k X_ki X_kj / D_k for j >= i, and the other entries by symmetry.
+  /// Computes M⁻¹_ij = Σ_k X_ki X_kj / D_k for j >= i, and the other entries by symmetry. X and the pivots D
+  /// are those of factorize().
   template <class S> void multiply(const Tree<S>& tree, T* out) const noexcept {
     const std::ptrdiff_t nv = tree->nv;
     const int* const parent = tree->velocity_parent.data();

@@ -5,9 +5,10 @@
 
 namespace axode {
 
-/// The Jacobians of any number of places at one configuration. Poses of the bodies and screws of the joints
-/// are computed once. For each place with position r_f, only the columns along its path are computed: with a
-/// screw (ω; v) about the origin r of its body, in inertial axes,
+/// The Jacobians of any number of places (frames on bodies) at one configuration. Poses of the bodies and
+/// screws of the joints are computed once. For each place with position r_f, only the columns of the joints
+/// on its path to the ground are computed: with a joint screw (ω; v) in inertial axes about the origin r of
+/// the body of the joint,
 ///   J_c^h = (ω; v + ω × (r_f - r)).
 /// A column takes 15 products and sums, in body-fixed representation 30 more. Positions are relative to the
 /// root body, so that no digits are lost far from the inertial origin; only spatial columns are about the
@@ -44,7 +45,7 @@ template <class T, class G = typename FastGeometry<T>::type> struct FastJacobian
     poses.template run<std::same_as<Rep, Spatial> ? From::inertial_frame : From::root>(tree, q, keep);
   }
 
-  /// Writes J, nv columns, of the place with pose F in the internal frame of body i.
+  /// Writes the Jacobian J in Rep, nv columns, of the place with pose F in the internal frame of body i.
   template <class Rep>
   void write(const Tree<T>& tree, int i, const SE3<T>& F, Twist<Rep, T>* J) const noexcept {
     const ScrewInRep<Rep> in_rep(body[i], F);
@@ -72,7 +73,7 @@ template <class T, class G = typename FastGeometry<T>::type> struct FastJacobian
       }
     });
   }
-  /// Changes joint screws to columns of the Jacobian of one place in Rep.
+  /// Converts joint screws to columns of the Jacobian of one place in Rep.
   template <class Rep> struct ScrewInRep {
     Vector r{};
     Matrix Rt;
@@ -92,8 +93,8 @@ template <class T, class G = typename FastGeometry<T>::type> struct FastJacobian
         return {X.w, v};
     }
   };
-  /// Writes J for a tree with coupled joints. The screws of several joints may belong to one velocity; they
-  /// are added.
+  /// Writes the Jacobian J of one place for a tree with coupled joints. The screws of several joints may
+  /// belong to one velocity; they are added up.
   template <class Rep>
   [[gnu::noinline]] void add_up(const Tree<T>& tree, int i, const ScrewInRep<Rep>& in_rep,
                                 Twist<Rep, T>* J) const noexcept {

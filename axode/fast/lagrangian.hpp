@@ -5,13 +5,15 @@
 
 namespace axode {
 
-/// Computes the partial derivatives of the Lagrangian T - U: p = M v and f = ∂(T - U)/∂q at constant v (both
-/// left-trivialised). The forces of the loads are added to f. Everything is in the axes of the internal
-/// frames. Let (ω'; v') be the twist of the predecessor about the origin of the body, and (l; p) and (m; f)
-/// the momentum and the wrench of gravity and loads of the subtree of a joint. Then the entries of this joint
-/// are
-///   p = Sᵀ (l; p),   f = Sᵀ (m + l × ω' + p × v'; f + p × ω'),
-/// where f is the force in p' = f + ad_vᵀ p. It takes about 110 products and sums per hinge.
+/// Computes the partial derivatives of the Lagrangian T - U: the momenta p = M v and f = ∂(T - U)/∂q at
+/// constant v (both left-trivialised). The generalised forces of the loads are added to f. Without drive
+/// forces, p' = f + ad_vᵀ p. Everything is in the axes of the internal frames of the bodies.
+///
+/// Let (ω_p; v_p) be the twist of the predecessor about the origin of the body of a joint, and (l; p) and (m;
+/// f) the momentum and the wrench of gravity and loads of the subtree of the joint. Then the entries for the
+/// joint with the screws S are
+///   Sᵀ (l; p) in p,   Sᵀ (m + l × ω_p + p × v_p; f + p × ω_p) in f.
+/// It takes about 110 products and sums per hinge.
 template <class T> struct FastLagrangian {
   using G = typename FastGeometry<T>::type;
   using Vector = typename G::Vector;

@@ -7,9 +7,9 @@
 
 namespace axode {
 
-/// The lanes of a sweep over bodies that do not depend on each other. If T is one number, several bodies are
-/// computed at once in SIMD lanes; if T has lanes of its own, one body at a time. Numbers are stored in
-/// arrays, one for each component.
+/// The SIMD lanes of a sweep in which no body depends on another one. If T is double or float, `width` bodies
+/// are computed at once, one in each lane; if T has lanes of its own, as a Batch has, one body is computed at
+/// a time. Numbers are stored in arrays, one for each component.
 template <class T> struct Lanes {
   using Number = T;
   static constexpr int width = 1;
@@ -23,14 +23,14 @@ template <std::floating_point T> struct Lanes<T> {
   static constexpr int width = static_cast<int>(native_lanes<double>);
   static Number load(const T* p) { return Number::load(p); }
   static void store(const Number& x, T* p) { x.store(p); }
-  /// Loads at most `room` numbers; the other lanes are 0.
+  /// Loads the first `room` numbers from p on, at most `width`; the other lanes are 0.
   static Number load(const T* p, int room) {
     if (room >= width) return load(p);
     T entries[width] = {};
     for (int l = 0; l < room; ++l) entries[l] = p[l];
     return load(entries);
   }
-  /// Stores at most `room` numbers.
+  /// Stores the first `room` lanes from p on, at most `width`.
   static void store(const Number& x, T* p, int room) {
     if (room >= width) [[likely]]
       store(x, p);
@@ -54,7 +54,7 @@ template <class Number, class T, class Vector> Vec3<Number> spread(const Vector&
 }
 
 /// Arrays of numbers, one for each component of the entries: component k of entry i is array(k)[i]. A
-/// register may be loaded from any entry on, as each array has room for the lanes beyond its last entry.
+/// register may be loaded from any entry on, because each array has room for the lanes beyond its last entry.
 template <class T> struct Arrays {
   T* data;
   std::ptrdiff_t stride;
@@ -91,7 +91,8 @@ template <class T> struct Arrays {
     p[stride] = a.y;
     p[2 * stride] = a.z;
   }
-  /// The sum of the products of n numbers with components k, k + 1, ... of entries i, i + 1, ...
+  /// The sum of x[m] times component k + m over m = 0 to n - 1, for entry i in the first lane, entry i + 1 in
+  /// the second, and so on.
   template <int n> Number product(const Number* x, int k, int i) const {
     const T* const p = array(k) + i;
     Number sum = x[0] * L::load(p);

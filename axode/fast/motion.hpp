@@ -3,14 +3,15 @@
 
 namespace axode {
 
-/// Placeholder for a rate that is not computed. It is empty, so that nothing is copied for it.
+/// Placeholder for a rate that is not computed. It is empty, so that nothing is stored or copied for it.
 struct NoRate {};
 template <class Rep, class T, bool rates>
 using MotionResult = std::conditional_t<rates, TwistRate<Rep, T>, Twist<Rep, T>>;
 
-/// Motion of all bodies in inertial axes, for all representations but the body-fixed one: ω and the velocity
-/// r' of the origins and, if `rates`, ω' and the classical accelerations r''. With d from the predecessor's
-/// origin to that of the body, and (ω_J; v_J) = S v, (α_J; a_J) = S a in inertial axes,
+/// Motion of all bodies in inertial axes, for all representations except BodyFixed: the angular velocities ω
+/// and the velocities r' of the origins and, if `rates`, ω' and the classical accelerations r''. With the
+/// vector d from the origin of the predecessor p to that of body i, and with (ω_J; v_J) = S v, (α_J; a_J) = S
+/// a in inertial axes for the joint screws S,
 ///   ω_i = ω_p + ω_J,   r'_i = r'_p + ω_p × d + v_J,
 ///   ω'_i = ω'_p + ω_p × ω_J + α_J,   r''_i = r''_p + ω'_p × d + ω_p × (ω_p × d) + (ω_p + ω_i) × v_J + a_J.
 /// It takes 69 products and sums for a hinge, 114 with rates.
@@ -97,8 +98,8 @@ template <class T, bool rates, class G = typename FastGeometry<T>::type> struct 
     if constexpr (std::same_as<Rep, Mixed>) angular = transposed<G, T>(R, F.R) * Spread(angular);
     return {angular, linear};
   }
-  /// Changes the motion x of a body with angular velocity w to that of another frame on this body, whose
-  /// origin is at to.r from the origin of x and whose rotation is to.R.
+  /// Changes the motion x of a frame that moves with angular velocity w to the motion of another frame that
+  /// is fixed to it, whose origin is at the vector to.r from the origin of x and whose rotation is to.R.
   static void carry(Body& x, const Factor& w, const Placed<G>& to) noexcept {
     const Factor d(to.r);
     const Vector w_d = cross(w, d);
@@ -109,7 +110,8 @@ template <class T, bool rates, class G = typename FastGeometry<T>::type> struct 
   }
 };
 
-/// Body-fixed twists of all bodies, (ω_i; v_i) = Ad_{C_ip} (ω_p; v_p) + S v, and if `rates`
+/// Body-fixed twists of all bodies, (ω_i; v_i) = Ad_{C_ip} (ω_p; v_p) + S v with the predecessor p and the
+/// joint screws S of body i and, if `rates`, their rates
 ///   V'_i = Ad_{C_ip} V'_p + S a + ad_V (S v).
 /// It takes 61 products and sums for a hinge, 111 with rates.
 template <class T, bool rates, class G = typename FastGeometry<T>::type> struct FastBodyFixedMotion {
@@ -179,7 +181,8 @@ template <class T, bool rates, class G = typename FastGeometry<T>::type> struct 
   }
 
  private:
-  /// The motion of a body, in axes rotated by R relative to its own and about the point at r from its origin.
+  /// The twist and its rate of a body in another body-fixed frame, whose axes are rotated by R relative to
+  /// those of `from` (Rt is Rᵀ) and whose origin is at r.
   static Body seen(const Body& from, const Matrix& Rt, const Factor& r) noexcept {
     const auto of = [&](const Vector& w, const Vector& v) { return Rt * Spread(v + cross(Factor(w), r)); };
     Body out{Rt * Spread(from.w), of(from.w, from.v), from.dw, from.dv};
@@ -191,7 +194,7 @@ template <class T, bool rates, class G = typename FastGeometry<T>::type> struct 
   }
 };
 
-/// The kernel that computes motion in Rep fastest.
+/// The kernel that computes the motion of all bodies fastest in representation Rep.
 template <class Rep, class T, bool rates, class G = typename FastGeometry<T>::type>
 using FastMotionIn = std::conditional_t<std::same_as<Rep, BodyFixed>, FastBodyFixedMotion<T, rates, G>,
                                         FastMotion<T, rates, G>>;

@@ -3,12 +3,12 @@
 #include "axode/recursion/articulated_inertia.hpp"
 
 /// The articulated inertia in registers of four lanes, and the steps of the articulated-body algorithm for
-/// this type and for ArticulatedInertia. Both are symmetric matrices [[A, B], [Bᵀ, L]] in inertial axes about
-/// the origin of a body.
+/// PackedArticulatedInertia and for ArticulatedInertia. Both types are symmetric matrices [[A, B], [Bᵀ, L]]
+/// in inertial axes about the origin of a body.
 namespace axode {
 
-/// All four blocks, stored by their columns. This takes more numbers than the symmetric form, but fewer
-/// instructions.
+/// An articulated inertia [[A, B], [Bᵀ, L]] with all four blocks, stored by their columns. This takes more
+/// numbers than three blocks would, but fewer instructions.
 template <class T> struct PackedArticulatedInertia {
   using Vector = packed::Vector<T>;
   using Spread = packed::Spread<T>;
@@ -47,7 +47,7 @@ template <class T> Matrix<T> rotate(const Matrix<T>& R, const Sym3<T>& A) {
 
 }  // namespace packed
 
-/// The matrix of a rigid body with rotational inertia Theta, first moment h and mass m.
+/// The inertia matrix of a rigid body with rotational inertia Theta, first moment h and mass m.
 template <class T>
 PackedArticulatedInertia<T> articulated(const packed::Matrix<T>& Theta, const packed::Vector<T>& h, T m) {
   using V = packed::Vector<T>;
@@ -64,7 +64,7 @@ ArticulatedInertia<Hybrid, T> articulated(const Sym3<T>& Theta, const Vec3<T>& h
   return {Theta, skew_matrix(h), identity_tensor(m)};
 }
 
-/// M (n; 0): the pair (moment, force) for the unit vector n.
+/// The product M (n; 0) for the unit vector n, as a pair (moment, force).
 template <class T> auto about_axis(const PackedArticulatedInertia<T>& M, const packed::Vector<T>& n) {
   const packed::Spread<T> s(n);
   return std::pair(M.A * s, M.Bt * s);
@@ -72,7 +72,7 @@ template <class T> auto about_axis(const PackedArticulatedInertia<T>& M, const p
 template <class T> auto about_axis(const ArticulatedInertia<Hybrid, T>& M, const Vec3<T>& n) {
   return std::pair(M.A * n, transposed_times(M.B, n));
 }
-/// M (w; v): the pair (moment, force).
+/// The product M (w; v) of an articulated inertia and a twist, as a pair (moment, force).
 template <class T>
 auto along_twist(const PackedArticulatedInertia<T>& M, const packed::Vector<T>& w,
                  const packed::Vector<T>& v) {
@@ -84,7 +84,8 @@ auto along_twist(const ArticulatedInertia<Hybrid, T>& M, const Vec3<T>& w, const
   return std::pair(M.A * w + M.B * v, transposed_times(M.B, w) + M.L * v);
 }
 
-/// Subtracts K Uᵀ with K = U / D from M. The function is always inlined, because M must stay in registers.
+/// Eliminates a joint screw S with U = M S and the pivot D: subtracts K Uᵀ with K = U / D from M. The
+/// function is always inlined, because M must stay in registers.
 template <class T>
 [[gnu::always_inline]] inline void eliminate(PackedArticulatedInertia<T>& M, const packed::Vector<T>& U_m,
                                              const packed::Vector<T>& U_f, const packed::Vector<T>& K_m,
@@ -105,7 +106,8 @@ template <class T>
          M.L.xy - K_f.x * U_f.y, M.L.xz - K_f.x * U_f.z, M.L.yz - K_f.y * U_f.z};
 }
 
-/// The articulated inertia M about another point; r is the vector from that point to the point of M.
+/// The articulated inertia M about another point, in the same axes; r is the vector from that point to the
+/// point about which M is given.
 template <class T>
 [[gnu::always_inline]] inline PackedArticulatedInertia<T> shifted(const PackedArticulatedInertia<T>& M,
                                                                   const packed::Vector<T>& r) {

@@ -2,14 +2,15 @@
 #include "axode/fast/poses.hpp"
 #include "axode/lie/twist.hpp"
 
-/// Storing of the results of fast kernels: packed vectors become consecutive numbers, in as few stores as
-/// these numbers fill registers.
+/// Stores the results of fast kernels: vectors, each in a register of four lanes with one unused, become
+/// consecutive numbers in memory. Several vectors are combined so that each store fills a register if
+/// possible.
 namespace axode {
 
 namespace packed {
 
-/// The vector with the lanes i, j, k and l of two vectors, where 0 to 3 are the lanes of a and 4 to 7 are
-/// those of b.
+/// A vector of four lanes that are selected from the vectors a and b by i, j, k and l, where 0 to 3 are the
+/// lanes of a and 4 to 7 are those of b.
 template <int i, int j, int k, int l, class T> Vector<T> select(const Vector<T>& a, const Vector<T>& b) {
 #if defined(__clang__)
   return Vector<T>(__builtin_shufflevector(a.x, b.x, i, j, k, l));
@@ -19,18 +20,18 @@ template <int i, int j, int k, int l, class T> Vector<T> select(const Vector<T>&
   return Vector<T>(__builtin_shuffle(a.x, b.x, Order{i, j, k, l}));
 #endif
 }
-/// Stores the first n lanes.
+/// Stores the first n lanes of a from `to` on.
 template <int n, class T> void store(const Vector<T>& a, T* to) { __builtin_memcpy(to, &a.x, n * sizeof(T)); }
 
 }  // namespace packed
 
-/// The numbers of which the entries from x on consist, one after the other.
+/// The address of the numbers of which the entries x[0], x[1], ... consist, one after the other.
 template <class T, class Entry> T* numbers(Entry* x) {
   static_assert(sizeof(Entry) % sizeof(T) == 0);
   return reinterpret_cast<T*>(x);
 }
 
-/// Stores the six numbers (a; b) of a twist or twist rate.
+/// Stores the six numbers (a; b) of a twist or twist rate from `to` on.
 template <class T> void store(const packed::Vector<T>& a, const packed::Vector<T>& b, T* to) {
   packed::store<4>(packed::select<0, 1, 2, 4>(a, b), to);
   packed::store<2>(packed::permute<1, 2, 3, 3>(b), to + 4);
@@ -39,7 +40,7 @@ template <class T> void store(const Vec3<T>& a, const Vec3<T>& b, T* to) {
   for (const T& x : {a.x, a.y, a.z, b.x, b.y, b.z}) *to++ = x;
 }
 
-/// Stores a pose.
+/// Stores a pose as twelve consecutive numbers: the columns of R, then r.
 template <class T> void store(const Placed<Packed<T>>& C, SE3<T>* to) {
   T* const at = numbers<T>(to);
   packed::store<4>(packed::select<0, 1, 2, 4>(C.R.x, C.R.y), at);

@@ -5,14 +5,14 @@
 
 namespace axode {
 
-/// The geometry in which one state is computed fastest: packed vectors if T is one number and the processor
-/// has AVX2, plain vectors otherwise.
+/// The geometry (layout of three-vectors) in which one state is computed fastest: packed vectors if T is
+/// double or float and the processor has AVX2, plain vectors otherwise.
 template <class T> struct FastGeometry { using type = Plain<T>; };
 #if defined(__AVX2__)  // Without AVX2 no register holds four numbers, and packing costs more than it gains.
 template <std::floating_point T> struct FastGeometry<T> { using type = Packed<T>; };
 #endif
 
-/// The constants of body i in the geometry G.
+/// The constants of body i (pose of its joint and inertia) in the geometry G.
 template <class G, class T, class S>
 [[gnu::always_inline]] inline decltype(auto) constants(const Tree<S>& tree, int i) {
   if constexpr (std::same_as<G, Packed<S>>)
@@ -21,7 +21,7 @@ template <class G, class T, class S>
     return BodyConstants<G>(cast<T>(tree.B[i]), cast<T>(tree.M[i]));
 }
 
-/// The inertias of the bodies from i on, one in each lane.
+/// The inertias of bodies i, i + 1, ..., one in each lane.
 template <class T, class S>
 [[gnu::always_inline]] inline Inertia<typename Lanes<T>::Number> inertias_in_lanes(const Tree<S>& tree,
                                                                                    int i) {
@@ -37,17 +37,17 @@ template <class T, class S>
           {constant(3), constant(4), constant(5), constant(6), constant(7), constant(8)}};
 }
 
-/// Whether joint i is a hinge with a coordinate of its own, as most joints of machines have.
+/// Whether joint i is a hinge with a coordinate of its own (not coupled), as most joints of machines are.
 template <class S> bool is_hinge(const Tree<S>& tree, int i) { return tree->hinges[i] > 0; }
 
-/// A rotation R and a vector r, in axes that the context names: the rotation of a body and the vector to its
-/// origin from that of its predecessor or from a fixed point.
+/// The rotation R of a body, and the vector r to its origin from that of its predecessor or from a fixed
+/// point, both in axes that the context names.
 template <class G> struct Placed {
   typename G::Matrix R;
   typename G::Vector r;
 };
-/// The rotation of body i, and the vector from the origin of its predecessor to its own, in the axes relative
-/// to which the rotation R_p of the predecessor is given.
+/// The rotation of body i, and the vector from the origin of its predecessor to its own origin. Both are in
+/// the axes in which the rotation R_p of the predecessor is given.
 template <class G, class T, class S>
 [[gnu::always_inline]] inline Placed<G> place(const Tree<S>& tree, int i, const T* q,
                                               const JointAngles<T>& angles,
@@ -68,8 +68,9 @@ template <class G, class T, class S>
 }
 
 /// Computes the poses of the internal frames of all bodies, and calls put(i, (R, r)) with the pose of each
-/// body. r is the position in the inertial frame or, with From::root, relative to the root body of the tree,
-/// whose joint is on the ground. It takes 51 products and sums for a hinge.
+/// body i. r is the position in the inertial frame or, with From::root, relative to the root body of the
+/// subtree that contains body i (the joint of a root body is on the ground). It takes 51 products and sums
+/// for a hinge.
 template <class T, class G = typename FastGeometry<T>::type> struct FastPoses {
   enum class From { inertial_frame, root };
   JointAngles<T> angles;

@@ -6,12 +6,12 @@
 #include "axode/scalar/transpose.hpp"
 
 /// Symmetric matrices of n rows. Only square blocks on and above the diagonal are computed, with the columns
-/// of a block in lanes; they are transposed in registers for the part below.
+/// of a block in lanes. For the part below the diagonal, these blocks are transposed in registers.
 namespace axode {
 
 template <class T> using SquareBlock = std::array<typename Lanes<T>::Number, Lanes<T>::width>;
 
-/// The transposed block.
+/// The transpose of a square block.
 template <class T> [[gnu::always_inline]] inline SquareBlock<T> transposed(const SquareBlock<T>& block) {
   SquareBlock<T> rows;
   unrolled<Lanes<T>::width>([&](auto m) { rows[m] = block[m]; });
@@ -24,13 +24,15 @@ template <class T> int last_block(int n) {
   return (n + Lanes<T>::width - 1) / Lanes<T>::width * Lanes<T>::width - Lanes<T>::width;
 }
 
-/// Stores one register in row i from column j on, or nothing if i >= n. Lanes beyond the end of the row spill
-/// into the rows that follow, so these must be stored afterwards.
+/// Stores one register in row i of a matrix of n rows from column j on, or nothing if i >= n; `to` is the
+/// address of entry (i, j). Lanes beyond the end of the row spill into the rows that follow, so these must be
+/// stored afterwards.
 template <class T>
 [[gnu::always_inline]] inline void store_row(const typename Lanes<T>::Number& x, int i, int j, int n, T* to) {
   if (i < n) Lanes<T>::store(x, to, (n - i) * n - j);
 }
-/// Stores the rows of a block in rows i, ... from column j on, each by store_row().
+/// Stores the rows of a block in rows i, i + 1, ... of M (n × n) from column j on, each by store_row(), in
+/// which lanes beyond the end of a row spill into the next one.
 template <class T>
 [[gnu::always_inline]] inline void store(const SquareBlock<T>& block, int i, int j, int n, T* M) {
   T* const to = M + static_cast<std::ptrdiff_t>(i) * n + j;
@@ -38,7 +40,8 @@ template <class T>
       [&](auto m) { store_row(block[m], i + m, j, n, to + m * static_cast<std::ptrdiff_t>(n)); });
 }
 
-/// Copies the part above the diagonal to the part below, except within the blocks on the diagonal.
+/// Copies the part of M (n × n) above the diagonal to the part below, except within the square blocks on the
+/// diagonal.
 template <class T> void mirror(int n, T* M) noexcept {
   using L = Lanes<T>;
   for (int i = 0; i + L::width < n; i += L::width)
