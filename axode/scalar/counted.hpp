@@ -7,12 +7,13 @@
 
 namespace axode {
 
-/// Counts of operations on numbers, and of the operations on screws that consist of them, by kind.
+/// Counts of arithmetic operations by kind, and counts of the operations on screws (see ScrewOperation) that
+/// consist of them.
 struct Operations {
   long products = 0, sums = 0, divisions = 0, roots = 0, angles = 0;  ///< angles: sin, cos, atan2
   std::array<long, n_screw_operations> screws{};
 
-  /// The number of all operations on numbers; every kind counts as one.
+  /// The number of all counted arithmetic operations; an operation of any kind counts as one.
   long total() const { return products + sums + divisions + roots + angles; }
   long operator[](ScrewOperation kind) const { return screws[static_cast<std::size_t>(kind)]; }
 };
@@ -27,7 +28,7 @@ class Counted {
         : x_(static_cast<double>(value)) {}  // NOLINT(google-explicit-constructor): a constant
     explicit operator double() const { return x_; }
 
-    /// The operations of this thread since this value was last set; assign {} to start a new count.
+    /// The counts of this thread since they were last set; assign {} to start a new count.
     static Operations& count() {
       thread_local Operations operations;
       return operations;

@@ -6,7 +6,7 @@
 
 namespace axode {
 
-/// e to the power of a number that carries derivatives.
+/// The exponential function of a number a that carries derivatives.
 template <class S, std::size_t N> Dual<S, N> exp(const Dual<S, N>& a) {
   using std::exp;
   Dual<S, N> r(exp(a.x));

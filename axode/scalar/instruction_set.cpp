@@ -30,7 +30,8 @@ bool processor_has(std::size_t set) {
 }
 #endif
 
-/// The index of the chosen set, and why AXODE_INSTRUCTION_SET does not choose it, or "".
+/// The index `set` of the chosen instruction set, and in `fault` the reason why the value of
+/// AXODE_INSTRUCTION_SET was not used ("" if it was used or is not set).
 struct Choice {
   std::size_t set = std::size(names) - 1;
   std::string fault;
@@ -51,7 +52,7 @@ Choice choose() {
   return {best.set, message + "it must be " + all_names};
 }
 
-/// The choice, which is made when the library is loaded.
+/// The choice of an instruction set, which is made once, when the library is loaded.
 const Choice& choice() {
   static const Choice chosen = choose();
   return chosen;
@@ -64,8 +65,9 @@ const char* instruction_set() {
   return names[choice().set];
 }
 
-/// Copies the n addresses of the chosen set to `chosen`. The code that cmake/choose_at_load.cmake writes
-/// calls this function when the library is loaded, once for each group of kernels.
+/// Copies the addresses of n functions to `chosen`: those that are compiled for the chosen instruction set.
+/// of_sets[k] has the n addresses for set k. The code that cmake/choose_at_load.cmake writes calls this
+/// function when the library is loaded, once for each group of kernels.
 extern "C" void axode_choose_entries(const void** chosen, const void* const* const* of_sets, std::size_t n) {
   const void* const* const entries = of_sets[choice().set];
   for (std::size_t k = 0; k < n; ++k) chosen[k] = entries[k];

@@ -2,9 +2,10 @@
 
 /// The build compiles kernels for several instruction sets, and the library chooses the code of one set when
 /// it is loaded (see cmake/axode_instruction_sets.cmake). AXODE_ENTRY marks the functions whose code is
-/// chosen: explicit instantiations, and classes whose members are all instantiated. Other functions of these
-/// sources are invisible outside the code of their set. Hence the layout of objects that code on both sides
-/// of an entry uses, and the passing of its arguments, must not depend on the instruction set.
+/// chosen: explicit instantiations, and classes whose members are all instantiated. Other functions in the
+/// same sources are invisible outside the code of their set. If code on both sides of an AXODE_ENTRY function
+/// uses an object, its layout must not depend on the instruction set; neither must the passing of the
+/// arguments of such a function.
 #ifdef AXODE_MARK_ENTRIES
 #define AXODE_ENTRY __attribute__((visibility("protected")))
 #else

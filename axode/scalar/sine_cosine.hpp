@@ -43,7 +43,8 @@ template <class S, class Lanes, std::size_t n> Lanes sum(const double (&c)[n], c
 
 }  // namespace reduced_angle
 
-/// Replaces sine and cosine of the lanes with |x| > reduced_angle::largest by those of the standard library.
+/// Replaces sine and cosine in `result` by those of the standard library, in lanes with |x| >
+/// reduced_angle::largest.
 template <class S, std::size_t N>
 [[gnu::noinline, gnu::cold]] SineCosine<Batch<S, N>> mend(const Batch<S, N>& x,
                                                           SineCosine<Batch<S, N>> result) {
@@ -55,7 +56,7 @@ template <class S, std::size_t N>
   return result;
 }
 
-/// Sine and cosine of all lanes at once.
+/// Computes sine and cosine of all lanes of x at once.
 template <class S, std::size_t N>
 [[gnu::always_inline]] inline SineCosine<Batch<S, N>> sine_cosine(const Batch<S, N>& x) {
   namespace reduced = reduced_angle;
@@ -83,7 +84,7 @@ template <class S, std::size_t N>
 template <class S, std::size_t N> Batch<S, N> sin(const Batch<S, N>& x) { return sine_cosine(x).sine; }
 template <class S, std::size_t N> Batch<S, N> cos(const Batch<S, N>& x) { return sine_cosine(x).cosine; }
 
-/// Sine and cosine of a scalar that has no function for both at once.
+/// Computes sine and cosine of a scalar whose type has no function for both at once.
 template <class T> SineCosine<T> sine_cosine(const T& x) { return {sin(x), cos(x)}; }
 
 /// Number of lanes of one SIMD register of the processor that the code is compiled for.

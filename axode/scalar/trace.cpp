@@ -12,8 +12,8 @@ thread_local Tape* current = nullptr;
 
 using Operation = Tape::Operation;
 
-/// A sum of two factors counts as 0 if it is below this part of the larger one: factors that cancel do not
-/// add up to exactly 0, because constants carry rounding errors.
+/// A sum of two factors counts as 0 if it is below this part of the larger factor: factors that should cancel
+/// do not add up to exactly 0, because constants carry rounding errors.
 constexpr double rounding = 0x1p-50;
 double sum_of_factors(double a, double b) {
   const double sum = a + b;
@@ -55,13 +55,14 @@ const Tape::Node& Tape::at(int node) { return of_this_thread().nodes_[static_cas
 
 Trace Tape::input(int array, int index) { return Trace(1, record({Operation::input, array, index})); }
 
-/// The node whose value is the number a, factor included. A factor other than 1 is recorded as a scaling.
+/// The node on the tape whose value is that of the Trace a, its factor included. A factor other than 1 is
+/// recorded as a scaling.
 int Tape::scaled(const Trace& a) {
   return a.node() != 0 && a.factor() == 1 ? a.node() : record({Operation::scale, a.node(), 0, 0, a.factor()});
 }
 
-/// The product of two nodes. If one is a reciprocal and the other its divisor, or a product with its divisor,
-/// the two cancel.
+/// The product of two nodes. If one of them is a reciprocal 1/d and the other is d or a product with the
+/// factor d, then d cancels.
 Trace Tape::product(int a, int b) {
   for (const auto& [x, y] : {std::pair(a, b), std::pair(b, a)}) {
     if (at(x).operation != Operation::reciprocal) continue;
@@ -74,7 +75,7 @@ Trace Tape::product(int a, int b) {
   return Trace(1, record({Operation::product, std::min(a, b), std::max(a, b)}));
 }
 
-/// The sum of two terms, neither of which is 0. (u + k v) - u is folded to k v.
+/// The sum of two terms, neither of which is 0. A sum of the form (u + k v) - u is folded to k v.
 Trace Tape::sum(const Trace& a, const Trace& b) {
   if (a.node() == b.node()) return Trace(sum_of_factors(a.factor(), b.factor()), a.node());
   for (const auto& [x, y] : {std::pair(a, b), std::pair(b, a)}) {  // (u + k v) - u

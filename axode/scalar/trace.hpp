@@ -17,8 +17,8 @@ class Tape;
 /// folded result is right for all finite numbers, and equal to the result of the operations up to rounding.
 class Trace {
  public:
-  /// A truth value that is not known before the recorded program runs. select takes it as an argument; a
-  /// branch cannot depend on it.
+  /// A truth value that is not known before the recorded program runs. select() takes it as an argument, but
+  /// a C++ branch cannot depend on it. If is_constant(), it is known, and constant() is its value.
   class Condition {
    public:
     Condition() = default;
@@ -43,7 +43,7 @@ class Trace {
         : factor_(static_cast<double>(value)) {}  // NOLINT(google-explicit-constructor): a constant
 
     bool is_constant() const { return node_ == 0; }
-    /// This number is factor() times the value of node(); node 0 is the number 1.
+    /// This Trace is factor() times the value of node number node() on the tape; node 0 is the number 1.
     double factor() const { return factor_; }
     int node() const { return node_; }
 
@@ -109,13 +109,13 @@ class Tape {
   Tape(const Tape&) = delete;
   Tape& operator=(const Tape&) = delete;
 
-  /// An unknown number, entry `index` of array number `array`.
+  /// An unknown number that is an input of the recorded program: entry `index` of input array `array`.
   Trace input(int array, int index);
   /// The recorded operations, in an order in which they can be computed.
   const std::vector<Node>& nodes() const { return nodes_; }
-  /// The number which the node of that index computes.
+  /// The number that the node with this index computes.
   static Trace number(int node) { return Trace(1, node); }
-  /// The condition which the node of that index computes.
+  /// The condition that the node with this index computes.
   static Trace::Condition truth(int node);
 
  private:

@@ -17,15 +17,16 @@ Batch<S, N> pick(const Batch<S, N>& a, const Batch<S, N>& b, std::index_sequence
   return Batch<S, N>(__builtin_shuffle(a.x, b.x, Bits{static_cast<typename Batch<S, N>::Integer>(order)...}));
 #endif
 }
-/// Exchanges each lane l of a for which the bit s of l is set with lane l - s of b. s is a power of 2.
+/// Exchanges lanes of a and b: each lane l of a for which the bit s of l is set is exchanged with lane l - s
+/// of b. s is a power of 2.
 template <std::size_t s, class S, std::size_t N, std::size_t... l>
 void exchange(Batch<S, N>& a, Batch<S, N>& b, std::index_sequence<l...>) {
   const Batch<S, N> low = pick(a, b, std::index_sequence<((l & s) ? N + l - s : l)...>{});
   b = pick(a, b, std::index_sequence<((l & s) ? N + l : l + s)...>{});
   a = low;
 }
-/// Calls f(0), ..., f(n - 1) with compile-time constants and without a loop, so that rows of an array stay in
-/// registers.
+/// Calls f(0), ..., f(n - 1) with compile-time constants and without a loop, so that the entries of an array
+/// can stay in registers.
 template <int n, class F> [[gnu::always_inline]] inline void unrolled(const F& f) {
   [&]<int... m>(std::integer_sequence<int, m...>) __attribute__((always_inline)) {
     (f(std::integral_constant<int, m>{}), ...);
