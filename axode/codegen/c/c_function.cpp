@@ -9,16 +9,16 @@
 namespace axode::codegen {
 namespace {
 
-/// C for one state. All sines and cosines of a stage are computed at once, by one call of a function for n
-/// angles.
+/// Writes C for one state. All sines and cosines of a stage (see Emitter) are computed at once, by one call
+/// of a function for n angles.
 class CEmitter : public Emitter {
  public:
   CEmitter(const Recording& recording, const Precision& precision, std::string sine_cosine)
       : Emitter(recording, precision), sine_cosine_(std::move(sine_cosine)) {}
 
  protected:
-  /// Length of an array for this number of angles. Arrays fill whole registers, so that the compiler needs no
-  /// separate loop for remaining angles.
+  /// Length of the arrays for this number of angles. The arrays fill whole registers, so that the compiler
+  /// needs no separate loop for remaining angles.
   virtual int room(std::size_t angles) const {
     const int n = static_cast<int>(angles);
     return n <= 2 ? 2 : n <= 4 ? 4 : (n + 7) / 8 * 8;
@@ -73,10 +73,11 @@ class CEmitter : public Emitter {
   }
 
   std::string sine_cosine_;
-  int turned_ = 0;  ///< slots that the arrays of sines and cosines have taken so far
+  int turned_ = 0;  ///< slots of the array s that sines and cosines have taken so far
 };
 
-/// C for a state in each lane of a vector, with the types and functions of c_lanes().
+/// Writes C that computes several states at once, one in each lane of a vector, with the types and functions
+/// of c_lanes().
 class LanesEmitter final : public CEmitter {
  public:
   using CEmitter::CEmitter;
@@ -100,7 +101,7 @@ class LanesEmitter final : public CEmitter {
     return "((axode_mask)" + text + ')';
   }
   int room(std::size_t angles) const override { return static_cast<int>(angles); }
-  /// The text of a number in lanes, even if the number is a constant.
+  /// The text of node k as a number with lanes, even if the node is a constant.
   std::string spread(int k) { return is_literal(node(k)) ? "axode_all(" + text(k) + ')' : text(k); }
   std::string expression(const Tape::Node& x) override {
     switch (x.operation) {

@@ -10,18 +10,22 @@ namespace axode::codegen {
 /// Returns `text` with every @KEY@ replaced by its value.
 std::string filled(std::string text, std::initializer_list<std::pair<const char*, std::string>> values);
 
-/// How numbers are written.
+/// The precision of generated code: the type and the literals of its numbers.
 struct Precision {
   bool single;
   const char* type() const { return single ? "float" : "double"; }
-  /// The shortest decimal from which the number is read back.
+  /// The shortest decimal text from which the number is read back exactly (rounded to float if `single`).
   std::string literal(double x) const;
 };
 
-/// `HEAD(const TYPE *AXODE_RESTRICT q, ..., TYPE *AXODE_RESTRICT tauTAIL)`.
+/// The declaration of a function in C, from the names of the arguments and of the result of a recording:
+/// `HEAD(const TYPE *AXODE_RESTRICT q, ..., TYPE *AXODE_RESTRICT tauTAIL)`, where HEAD, TYPE and TAIL are the
+/// arguments `head`, `type` and `tail`.
 std::string c_declaration(const Recording& recording, const std::string& head, const std::string& type,
                           const std::string& tail);
-/// `void NAME(const double *AXODE_RESTRICT q, ..., double *AXODE_RESTRICT tauTAIL)`.
+/// The declaration of the function NAME in C: `void NAME(const double *AXODE_RESTRICT q, ..., double
+/// *AXODE_RESTRICT tauTAIL)`. It returns int if the recording reports singular mass matrices, and has float
+/// in single precision.
 std::string c_signature(const Recording& recording, const std::string& name, const Precision& precision,
                         const std::string& tail = "");
 
@@ -29,14 +33,17 @@ struct Definition {
   std::string text;
   int scratch = 0;  ///< length of the array of numbers that the parts of the function exchange
 };
-/// The definition of a function in C. `sine_cosine` is the name of the function for n angles at once. A long
-/// function is cut into parts, so that compilers take time in proportion to its length. Numbers that one part
-/// computes and a later part uses lie in an array.
+/// Writes the definition of a function in C for one state. `sine_cosine` is the name of the function that
+/// computes sines and cosines of n angles at once. A long function is cut into parts, so that compilers take
+/// time in proportion to its length. Numbers that one part computes and a later part uses are kept in an
+/// array.
 Definition c_definition(const Recording& recording, const std::string& name, const std::string& sine_cosine,
                         const Precision& precision);
-/// The definition for a state in each lane of a vector (types axode_lanes and axode_mask). `_lanes` is added
-/// to the name `sine_cosine`. The function is `static`, returns a mask (the lanes whose mass matrix may be
-/// singular), and its last argument is the array of numbers that its parts exchange.
+/// Writes the definition of a function in C that computes several states at once, one in each lane of a
+/// vector (types axode_lanes and axode_mask, see c_lanes()). It calls the function `sine_cosine` with
+/// `_lanes` added to its name. The function is `static`, returns a mask of the lanes whose mass matrix may be
+/// singular if the recording reports them, and has as last argument the array of numbers that its parts
+/// exchange.
 Definition lanes_definition(const Recording& recording, const std::string& name,
                             const std::string& sine_cosine, const Precision& precision);
 

@@ -6,7 +6,7 @@
 namespace axode::codegen {
 namespace {
 
-/// Writes an `#if` for every width of registers, with text(n) for n lanes.
+/// Writes an `#if` for every possible value n of AXODE_LANES, with text(n) for n lanes.
 std::string for_each_width(const std::function<std::string(int)>& text) {
   std::string all;
   for (const int n : {2, 4, 8, 16})
@@ -28,7 +28,7 @@ std::string repeated(int n, const std::function<std::string(int)>& text) {
 }
 std::string row(int l) { return "r" + std::to_string(l); }
 
-/// C code that transposes n rows of n lanes by n log2 n shuffles: row l becomes lane l of every row.
+/// C code that transposes n rows of n lanes by n log2 n shuffles: lane l of row k becomes lane k of row l.
 std::string transposition(int n) {
   std::string text;
   for (int s = 1; s < n; s *= 2) {
@@ -41,8 +41,9 @@ std::string transposition(int n) {
   }
   return text;
 }
-/// C code that transposes blocks of as many numbers as there are lanes; number k of state l is memory[l * n +
-/// k]. The last block overlaps the one before if the numbers do not fill it.
+/// C code that transposes contiguous states, in blocks of as many numbers as there are lanes; number k of
+/// state l is memory[l * n + k]. The last block overlaps the one before if n is not a multiple of the number
+/// of lanes.
 std::string transposed(int n, const char* load, const char* store, const char* one_by_one) {
   const auto each = [&](const char* statement) {
     return repeated(n, [&](int l) {

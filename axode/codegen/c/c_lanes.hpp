@@ -5,20 +5,21 @@
 
 namespace axode::codegen {
 
-/// Defines the types axode_lanes and axode_mask for AXODE_LANES states at once, at most `lanes`, operations
-/// on them, and the transposition of states to lanes and back. The definitions are empty if a register holds
-/// one number only.
+/// C code that defines the types axode_lanes and axode_mask for AXODE_LANES states at once, operations on
+/// these types, and the transposition of contiguous states to lanes and back. AXODE_LANES is the number of
+/// lanes of a register, but at most `lanes`. The definitions are left out by the preprocessor if it is 1.
 std::string c_lanes(const Precision& precision, int lanes, bool with_math_library);
 
-/// A function that is defined for one state and for lanes.
+/// Describes a generated function that is defined for one state and for several states in lanes.
 struct StatesFunction {
   std::string name;
-  std::vector<int> arguments;  ///< length of each argument
+  std::vector<int> arguments;  ///< length of each argument for one state
   int results, scratch;        ///< number of results, and length of the memory `scratch` of the function for
                                ///< lanes
   bool returns_singularity;
 };
-/// The definitions of NAME_states and NAME_scratch.
+/// Writes the definitions of NAME_states, which computes the function for several states, and of
+/// NAME_scratch, the length of the memory that NAME_states needs.
 std::string c_states(const StatesFunction& function, const Precision& precision, int lanes);
 
 }  // namespace axode::codegen

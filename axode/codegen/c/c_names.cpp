@@ -11,7 +11,7 @@ namespace {
 bool is_letter(char c) { return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || c == '_'; }
 bool is_digit(char c) { return c >= '0' && c <= '9'; }
 
-/// Replaces characters that a C identifier cannot have by underscores. In names for CasADi, no two
+/// Replaces the characters that a C identifier cannot have by underscores. In names for CasADi, no two
 /// underscores are neighbours, and none is first or last.
 std::string identifier(const std::string& name, Abi abi) {
   std::string text;

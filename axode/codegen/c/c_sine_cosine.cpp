@@ -60,8 +60,8 @@ static void @NAME@_lanes(
 }
 #endif
 )";
-/// The compiler vectorises the function for floats: it reduces angles as doubles, of which a register holds
-/// half as many.
+/// In single precision, the lanes are passed to the function for n angles, which the compiler vectorises: it
+/// reduces angles in double precision, and a register holds half as many doubles as floats.
 constexpr const char* turn_one_by_one = R"(#if AXODE_LANES > 1
 static void @NAME@_lanes(
     const axode_lanes *AXODE_RESTRICT angle, axode_lanes *AXODE_RESTRICT sine,

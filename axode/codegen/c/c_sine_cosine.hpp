@@ -5,12 +5,13 @@
 
 namespace axode::codegen {
 
-/// The range of angles for which a function is right.
+/// The range of angles for which a function computes sines and cosines: up to 1e5 rad, or all angles.
 enum class Angles { moderate, all };
-/// The definition of a function that computes sines and cosines of n angles by polynomials, with errors below
-/// 2 ulp up to 1e5 rad. With Angles::all it calls <math.h> for larger ones.
+/// The definition in C of a function that computes sines and cosines of n angles by polynomials, with errors
+/// below 2 ulp up to 1e5 rad. If `angles` is Angles::all, it calls <math.h> for larger angles.
 std::string c_sine_cosine(const std::string& name, const Precision& precision, Angles angles);
-/// The definition of NAME_lanes, which computes sines and cosines of n angles of any size in each lane.
+/// The definition in C of NAME_lanes, which computes sines and cosines of n angles of any size for the states
+/// in all lanes of a vector.
 std::string c_sine_cosine_in_lanes(const std::string& name, const Precision& precision);
 
 }  // namespace axode::codegen

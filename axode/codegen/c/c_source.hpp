@@ -11,22 +11,23 @@
 #include "axode/scalar/counted.hpp"
 #include "axode/table/functions.hpp"
 
-/// C source for one mechanism: functions without loops and branches over its joints, which contain only the
-/// operations that this mechanism needs. The kernels of the library are recorded on Traces and written as C.
+/// C source for one mechanism. The functions contain only the operations that this mechanism needs, without
+/// loops and branches over its joints. They are made by running the kernels of the library on Traces, which
+/// record the operations.
 namespace axode::codegen {
 
-/// A function to generate: a row of the table that can be recorded.
+/// A function to generate: a function of the catalogue that can be recorded (Words::tape).
 struct Function {
   catalog::Id row;
   int frame = 0;                                         ///< the frame of a Jacobian or a pose
   Representation representation = Representation::body;  ///< the representation of a Jacobian
 
   std::string_view name() const { return row.words().name; }
-  /// Whether the function is about one frame.
+  /// Whether the function is about one frame, as poses and Jacobians of frames are.
   bool is_of_a_frame() const { return row.words().takes_input(catalog::Input::place); }
   bool is(catalog::Id id) const { return row == id; }
 };
-/// The names of all functions that can be recorded, in the order of the table.
+/// The names of all functions of the catalogue that can be recorded, in the order of the catalogue.
 inline constexpr auto recorded_functions = [] {
   constexpr auto is_recorded = [](const catalog::Words& row) -> bool { return row.tape; };
   std::array<std::string_view, std::ranges::count_if(catalog::functions_of_state, is_recorded)> names{};
@@ -36,9 +37,9 @@ inline constexpr auto recorded_functions = [] {
   return names;
 }();
 
-/// The caller for which functions are generated; it determines their signatures.
+/// The kind of caller for which functions are generated. It determines the signatures of the functions.
 enum class Abi {
-  plain,   ///< C or C++: the functions have the declarations below
+  plain,   ///< C or C++: see c_source()
   casadi,  ///< CasADi: see casadi_source.hpp
   cuda     ///< threads of a GPU: see cuda_kernel.hpp
 };
@@ -52,7 +53,8 @@ struct Options {
   int states = 1;  ///< number of states that one call of a function of CasADi takes
 };
 
-/// A file in C99 or CUDA that needs nothing but a compiler, and the cost of each of its functions.
+/// The text of a file in C99 or CUDA that needs no other file to be compiled, and the cost of each of its
+/// functions.
 struct Source {
   struct Cost {
     std::string name;
@@ -66,9 +68,9 @@ struct Source {
 /// Whether a name has only ASCII letters, digits and underscores, and does not begin with a digit.
 bool is_identifier(std::string_view name);
 
-/// Generates functions of a model, Each function has the units, frames, coordinates and results of the
-/// library's function of the same name. PREFIX stands for the prefix, NAME for a frame's name as an
-/// identifier and T for double or float:
+/// Generates functions of a model. Each function has the units, frames, coordinates and results of the
+/// library's function of the same name. PREFIX stands for options.prefix or the model's name, NAME for a
+/// frame's name as an identifier, and T for double or float:
 ///
 ///     void PREFIX_inverse_dynamics(const T *q, const T *v, const T *a, T *tau)
 ///     int  PREFIX_forward_dynamics(const T *q, const T *v, const T *tau, T *a)
@@ -85,29 +87,31 @@ bool is_identifier(std::string_view name);
 ///     int  PREFIX_forward_dynamics_derivatives(const T *q, const T *v, const T *tau, T *da)
 ///     int  PREFIX_forward_dynamics_jvp(...), ..._vjp(...), PREFIX_forward_dynamics_hessian(...)
 ///
-/// Derivatives by q, v and a or tau are contiguous, nv x nv or nv numbers each, and so are the blocks of a
-/// Hessian, (q, q), (q, v), (v, v) and (a or tau, q). M and its inverse are nv x nv. C has 12 numbers for
-/// each frame, the columns of R and then r. J is 6 x nv, row by row, angular before linear; a function for
-/// another representation than the body-fixed one has its name at the end, PREFIX_jacobian_NAME_spatial and
-/// so on. The functions of forward dynamics and M_inverse return 0, or 1 if the mass matrix may be singular;
-/// the result is then not to be trusted. Arrays must not overlap. Armature and gravity are those of the
-/// model; joint losses and loads are left out. Results differ from the library's by rounding, for angles up
-/// to 1e5 rad.
+/// The derivatives by q, by v and by a (or tau) follow each other in dtau (or da), nv x nv numbers each, and
+/// in a gradient, nv numbers each. The blocks (q, q), (q, v), (v, v) and (a or tau, q) of a Hessian follow
+/// each other as well. M and its inverse are nv x nv. C has 12 numbers for each frame, the columns of R and
+/// then r. J is 6 x nv, row by row, angular before linear, in the body-fixed representation; the name of a
+/// function for another representation ends with it, as in PREFIX_jacobian_NAME_spatial. The functions of
+/// forward dynamics and of M_inverse return 0, or 1 if the mass matrix may be singular; the result is then
+/// not to be trusted. Arrays must not overlap. Armature and gravity are those of the model; joint losses and
+/// loads are left out. Results differ from the library's by rounding, for angles up to 1e5 rad.
 ///
-/// In CUDA states lie side by side: entry k of state i of n is x[k n + i]. For each function there is a
-/// device function for a thread, whose arguments point to the first entries of its state,
+/// In CUDA several states lie side by side: entry k of state i of n states is x[k n + i]. For each function
+/// there is a device function, which one thread calls with arguments that point to the first entries of its
+/// state,
 ///
 ///     void PREFIX_inverse_dynamics(const T *q, const T *v, const T *a, T *tau, int n)
 ///
-/// and a kernel for n states, a thread for each:
+/// and a kernel for n states, with a thread for each state:
 ///
 ///     void PREFIX_inverse_dynamics_states(const T *q, const T *v, const T *a, T *tau, int n)
 ///
-/// The kernel writes NaN if the function returns 1. Angles may have any size.
+/// The kernel writes NaN for a state if the device function returns 1. Angles may have any size in CUDA.
 ///
-/// Time and memory are proportional to the operations: O(n), O(n²) for matrices, O(n² d) for the Hessian of
-/// forward dynamics. Throws std::invalid_argument for a prefix that is no C identifier, a frame that does not
-/// exist, an empty list of functions, and a function that is in the list twice.
+/// The time and the memory that generated functions take are proportional to their operations: O(n), O(n²)
+/// for matrices, and O(n² d) for the Hessian of forward dynamics of a tree of depth d. Throws
+/// std::invalid_argument for a prefix that is no C identifier, a frame that does not exist, an empty list of
+/// functions, and a function that is in the list twice.
 Source c_source(const Model& model, std::span<const Function> functions, const Options& options = {});
 
 }  // namespace axode::codegen

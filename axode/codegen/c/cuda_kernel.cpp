@@ -6,8 +6,8 @@
 namespace axode::codegen {
 namespace {
 
-/// CUDA for one thread, which computes one of n states that lie side by side in memory. Sines are computed
-/// one by one, and the statements are in the order that needs the fewest registers.
+/// Writes CUDA for one thread, which computes one of n states that lie side by side in memory. Sines are
+/// computed one by one, and the statements are in an order that needs few registers.
 class CudaEmitter final : public Emitter {
  public:
   CudaEmitter(const Recording& recording, const Precision& precision)
@@ -21,7 +21,8 @@ class CudaEmitter final : public Emitter {
   std::string entry(const std::string& array, std::size_t k) const override {
     return "axode_at<" + std::to_string(k) + ">(" + array + ", n)";
   }
-  /// Reads an argument into a constant, at the place where a part first needs it.
+  /// Declares a constant for an entry of an argument where a part of the function first needs it, and returns
+  /// its name.
   std::string read_argument(const Tape::Node& x, std::size_t k) override {
     const std::string& array = recording_.arguments[x.a];
     const std::string name = array + std::to_string(x.b);
@@ -29,11 +30,11 @@ class CudaEmitter final : public Emitter {
     loaded_in_[k] = now_;
     return name;
   }
-  /// Parts of a function on a GPU are long, because the numbers that one part keeps for the next lie in slow
-  /// memory.
+  /// The largest number of statements in a part of a function. Parts are long on a GPU, because the numbers
+  /// that one part keeps for the next one are in slow memory.
   std::size_t longest_part() const override { return 1500; }
   int stages_of_a_turn() const override { return 0; }
-  /// One step computes both the sine and the cosine of an angle.
+  /// Adds the sine or cosine of node k to a step. One step computes both the sine and the cosine of an angle.
   void add_turn(std::size_t k) override {
     const int x = node(k).a;
     if (turn_of_[x] < 0) {
@@ -69,8 +70,8 @@ class CudaEmitter final : public Emitter {
     for (const int s : order_for_few_registers(operands, lasting)) ordered.push_back(steps_[s]);
     steps_ = ordered;
   }
-  /// Writes the constant results, most of which are zeros. Three or more equal neighbours are written by a
-  /// loop.
+  /// Writes the statements for constant results, most of which are zeros. Three or more equal neighbours are
+  /// written by a loop.
   void begin_statements() override {
     const std::vector<Trace>& results = recording_.results;
     std::size_t end = 0;

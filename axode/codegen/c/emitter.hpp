@@ -8,10 +8,11 @@
 
 namespace axode::codegen {
 
-/// Writes the statements of one function in a walk over its tape, in the order in which the numbers were
-/// recorded. Numbers that depend on sines or cosines are written after these: stage k has the statements that
-/// need sines or cosines of stage k - 1. Subclasses define the language, and how sines and cosines are
-/// computed.
+/// Writes the definition of one recorded function in C or CUDA. Its statements are in the order in which the
+/// numbers were recorded, except that stage k has the statements that need sines or cosines of stage k - 1:
+/// all sines and cosines of a stage can then be computed together, by a step that is called a turn.
+/// Subclasses define the language, and may define another order of statements. A long function is cut into
+/// parts, which exchange numbers by the slots of an array.
 class Emitter {
  public:
   using enum Tape::Operation;
@@ -50,10 +51,10 @@ class Emitter {
     std::size_t index;  ///< index of a node, of a turn or of a result, depending on `kind`
     int part = 0;
   };
-  /// Sines and cosines that one step computes.
+  /// A step that computes sines and cosines of some angles.
   struct Turn {
     std::vector<int> angles;
-    std::vector<std::size_t> made = {};  ///< nodes that get a name in this step
+    std::vector<std::size_t> made = {};  ///< nodes of sines and cosines that get a name in this step
   };
   struct Number {
     bool needed = false;
@@ -61,11 +62,12 @@ class Emitter {
                                 ///< compilers can fuse product and sum
     int stage = 0;
     std::string text;               ///< name of its variable, or the expression that computes it
-    int part = -1;                  ///< the part that defines it
+    int part = -1;                  ///< index of the part that defines it
     int last_part = -1, slot = -1;  ///< the last part that uses it, and the slot of the array that keeps it
                                     ///< until then
   };
-  /// One of the functions into which a long function is cut. The last one is the function itself.
+  /// One of the functions into which a long function is cut. The last part is the function itself, which
+  /// calls the others.
   struct Part {
     std::string text;
     std::vector<char> reads;  ///< whether it reads each of the arguments
@@ -79,7 +81,7 @@ class Emitter {
     return c_signature(recording_, name, precision_);
   }
   virtual std::string tail() const { return ""; }
-  /// The statement that declares the array of kept numbers.
+  /// The statement that declares the array of numbers that parts exchange, if the function is cut into parts.
   virtual std::string scratch_array() const {
     return is_cut() ? "  " + type() + " s[" + std::to_string(slots_) + "];\n" : "";
   }
@@ -107,18 +109,19 @@ class Emitter {
       case both: return text(x.a) + " & " + text(x.b);
       case either: return text(x.a) + " | " + text(x.b);
       case negation: return '!' + text(x.a);
-      default: return {};  // its text is known already
+      default: return {};  // the text of the node is known already
     }
   }
 
   // Sines and cosines, and the order of the steps.
-  /// Statements in a part. Compilers take more time for each of them the longer the part is.
+  /// The largest number of statements in a part. The longer a part is, the more time compilers take for each
+  /// of its statements.
   virtual std::size_t longest_part() const { return 500; }
   virtual int stages_of_a_turn() const { return 1; }
-  /// Adds the sine or cosine of node k, which the walk has reached, to a turn.
+  /// Adds the sine or cosine of node k to a turn.
   virtual void add_turn(std::size_t k) = 0;
   virtual void write_turn(std::size_t turn) = 0;
-  /// Number of slots that turns need, in addition to the slots of numbers.
+  /// The number of slots of the array that turns need, in addition to the slots of single numbers.
   virtual int slots_of_turns() const { return 0; }
   virtual void arrange_steps() {}
   virtual void begin_statements() {}
@@ -133,7 +136,7 @@ class Emitter {
     return x.operation == less || x.operation == less_equal || x.operation == both || x.operation == either ||
            x.operation == negation;
   }
-  /// A function of <math.h>.
+  /// The name of a function of <math.h> in the present precision.
   std::string function(const char* name) const { return name + std::string(precision_.single ? "f" : ""); }
   std::string scratch() const { return ", " + type() + " *AXODE_RESTRICT s"; }
 
@@ -149,7 +152,7 @@ class Emitter {
     body() +=
         "  " + kept(x.slot) + " = " + (is_condition(node(k)) ? condition_as_number(x.text) : x.text) + ";\n";
   }
-  /// The text of a number or a condition in an expression that uses it.
+  /// The text of node k, a number or a condition, in an expression that uses it.
   virtual std::string text(int k) {
     const Tape::Node& x = node(k);
     const Number& number = numbers_[k];
@@ -161,18 +164,18 @@ class Emitter {
     if (number.slot < 0 || number.part == now_) return number.text;
     return is_condition(x) ? number_as_condition(kept(number.slot)) : kept(number.slot);
   }
-  /// A node times a factor.
+  /// The text of node k times a factor.
   std::string scaled(double factor, int k) {
     if (k == 0) return precision_.literal(factor);
     return (factor == 1 ? "" : factor == -1 ? "-" : precision_.literal(factor) + " * ") + text(k);
   }
 
-  /// The numbers to which a step gives names.
+  /// The nodes of the numbers to which a step gives names.
   std::vector<std::size_t> made_by(const Step& step) const {
     if (step.kind == Step::define) return {step.index};
     return step.kind == Step::turn ? turns_[step.index].made : std::vector<std::size_t>{};
   }
-  /// Calls use(k) for each named number that a step uses.
+  /// Calls use(k) for the node k of each named number that a step uses.
   template <class Use> void each_use(const Step& step, const Use& use) const {
     if (step.kind == Step::result) return each_named(recording_.results[step.index].node(), use);
     if (step.kind == Step::turn)
@@ -183,11 +186,11 @@ class Emitter {
 
   const Recording& recording_;
   const Precision& precision_;
-  std::vector<Number> numbers_;  ///< by node
+  std::vector<Number> numbers_;  ///< one for each node of the recording
   std::vector<Turn> turns_;
   std::vector<Step> steps_;
   std::vector<Part> parts_;
-  int now_ = 0;  ///< the part that is written
+  int now_ = 0;  ///< index of the part that is being written
   int slots_ = 0;
 
  private:
@@ -234,8 +237,8 @@ class Emitter {
     }
   }
 
-  /// Cuts the steps into parts. Determines for each number the part that defines it, the last part that uses
-  /// it, and the slot that keeps it in between.
+  /// Cuts the list of steps into parts. Determines for each number the part that defines it, the last part
+  /// that uses it, and the slot of the array that keeps it in between.
   void cut() {
     const std::size_t count = std::max(n_parts(), 1),
                       balanced = std::max<std::size_t>((steps_.size() + count - 1) / count, 1);

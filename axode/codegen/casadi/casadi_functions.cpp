@@ -11,7 +11,7 @@ namespace {
 
 using Traces = Composition::Traces;
 
-/// The function f with quaternions divided by their norm.
+/// The function f with the quaternions in its argument q divided by their norm.
 Recording normalised(const Model& model, const Recording& f) {
   const Topology& topology = *model.tree<double>().topology();
   if (topology.quaternion_bodies.empty()) return f;
@@ -28,12 +28,14 @@ Recording normalised(const Model& model, const Recording& f) {
   return on.with(f.result, on(f, x));
 }
 
-/// a(q, v, tau) = M⁻¹ (tau - T(q, v, 0)) and its derivatives. With T at these accelerations, and x for q, v,
-/// tau:
+/// Records the forward dynamics a = M⁻¹ (tau - T(q, v, 0)) and its derivatives, from the inverse dynamics
+/// T(q, v, a) and its derivatives at these accelerations. Indices denote derivatives, x stands for any of q,
+/// v and tau, w are weights of the accelerations, and d² is the Hessian:
 ///
-///     M da = dtau - T_q dq - T_v dv,    mu = M⁻¹ w,    d²(w a) = - mu (T_xx + T_xa a_x + (T_xa a_x)ᵀ);
+///     M da = dtau - T_q dq - T_v dv,    mu = M⁻¹ w,    d²(w a) = - mu (T_xx + T_xa a_x + (T_xa a_x)ᵀ).
 ///
-/// mu T_xa is 0 but for x = q, where mu T_qa a_x = - Kᵀ T_x with K = M⁻¹ (mu T_aq), and Kᵀ for x = tau.
+/// mu T_xa is 0 unless x = q. With K = M⁻¹ (mu T_aq), the term mu T_qa a_x is - Kᵀ T_x for x = q and x = v,
+/// and Kᵀ for x = tau.
 class Accelerations {
  public:
   explicit Accelerations(const Model& model)
@@ -102,8 +104,8 @@ class Accelerations {
   static void subtract(Traces& x, const Traces& y) {
     for (std::size_t k = 0; k < x.size(); ++k) x[k] -= y[k];
   }
-  /// Returns the recording with the fewest operations among those that make(composition, state, solution)
-  /// makes, one for each way to solve with M.
+  /// Calls make(composition, state, solution) for each recorded way to solve with M, and returns the
+  /// resulting recording with the fewest operations.
   template <class Make> Recording shortest(const Make& make) const {
     Recording best;
     for (const Recording& solution : solutions_) {
@@ -113,7 +115,8 @@ class Accelerations {
     }
     return best;
   }
-  /// The derivatives of the accelerations a by q, v and tau, as contiguous columns.
+  /// The derivatives of the accelerations a by q, v and tau, as contiguous columns, one for each entry of
+  /// these.
   Traces by_state(Composition& on, const State& at, const Recording& solution) const {
     Traces columns = on(forces_jacobian_, {at.q, at.v, at.a});
     const std::size_t nv = at.v.size(), moving = at.q.size() + nv;
@@ -128,7 +131,8 @@ class Accelerations {
         columns[(moving + c) * nv + r] = columns[(moving + r) * nv + c];
     return columns;
   }
-  /// The upper triangle of d²(w a), from L = mu T_xx, the columns of T_x and K = M⁻¹ (mu T_aq).
+  /// The upper triangle of the Hessian d²(w a), from L = mu T_xx, the columns of T_x and K = M⁻¹ (mu T_aq),
+  /// see Accelerations.
   Traces curvature(const Traces& L, const Traces& T_x, const std::vector<Traces>& K) const {
     const std::size_t nq = K.size(), nv = static_cast<std::size_t>(model_.nv()), n = nq + 2 * nv,
                       moving = nq + nv;
@@ -155,7 +159,8 @@ class Accelerations {
   std::vector<Recording> solutions_;
 };
 
-/// Removes the results that are always 0. Returns the new index of each result, or -1 for a removed one.
+/// Removes the results that are always 0 from a recording. Returns the new index of each result, or -1 for a
+/// removed one.
 std::vector<int> keep_nonzeros(Recording& recording) {
   std::vector<int> places;
   Traces kept;
@@ -174,7 +179,8 @@ Pattern dense(int rows, int columns) {
   return pattern;
 }
 
-/// A matrix whose entry (r, c) is result number result(r, c), or 0 if that is negative.
+/// The output matrix whose entry (r, c) is result number result(r, c) of a recording, or always 0 if that
+/// number is negative.
 template <class Result>
 CasadiOutput output(std::string name, int rows, int columns, std::size_t recording, const Result& result) {
   CasadiOutput out{std::move(name), {rows, columns}, recording};
@@ -187,7 +193,8 @@ CasadiOutput output(std::string name, int rows, int columns, std::size_t recordi
   return out;
 }
 
-/// The matrices that CasADi gets for the results of a function.
+/// The matrices that CasADi gets for the results of a function. Removes results that are always 0 from the
+/// recording `value`, and appends the constant 1 for the last rows of poses.
 std::vector<CasadiOutput> matrices(const Model& model, const Function& function,
                                    std::span<const std::string> frames, Recording& value) {
   const int nv = model.nv();
@@ -211,7 +218,7 @@ std::vector<CasadiOutput> matrices(const Model& model, const Function& function,
   return {output(value.result, nv, 1, 0, [&](int r, int) { return at(r); })};
 }
 
-/// Brings results into the order of the entries of the matrices.
+/// Brings the results of the recording into the order of the entries of the output matrices.
 void put_in_order(std::vector<CasadiOutput>& outputs, Recording& value) {
   Traces ordered;
   for (CasadiOutput& out : outputs)
@@ -222,7 +229,7 @@ void put_in_order(std::vector<CasadiOutput>& outputs, Recording& value) {
   value.results = std::move(ordered);
 }
 
-/// Makes the exported functions of a family from recordings.
+/// Makes the functions of a CasadiFamily from the recordings of a function and of its derivatives.
 class Family {
  public:
   enum Kind : std::size_t { value, tangent, adjoint, jacobian, hessian };
@@ -254,7 +261,8 @@ class Family {
   }
 
  private:
-  /// Calls use(output, input, block) for each block of the Jacobian; a block is a vector of columns.
+  /// Calls use(output, input, block) for each block of the Jacobian, the derivatives of one output by one
+  /// input. A block is a vector of columns with the indices of results, or -1.
   template <class Use> void each_block(const std::vector<int>& places, const Use& use) const {
     const std::size_t m = recordings_[value].results.size();
     std::size_t row = 0;
@@ -304,8 +312,9 @@ class Family {
     }
     return all;
   }
-  /// The derivatives of the gradients of the weighted results with respect to the inputs, to the outputs, of
-  /// which they are independent, and to the weights, for which they are the transposed Jacobian.
+  /// The derivatives of the gradients of the weighted results with respect to the inputs, the outputs and the
+  /// weights. Those with respect to the outputs are 0, and those with respect to the weights are the
+  /// transposed Jacobian.
   std::vector<CasadiOutput> second_derivatives() {
     Recording& H = recordings_[hessian];
     for (int i = 0; i < n_; ++i)
@@ -345,7 +354,7 @@ class Family {
   int n_ = 0;
 };
 
-/// The derivatives of M from which those of M⁻¹ are computed.
+/// The derivatives of M from which CasadiInverse computes the derivatives of M⁻¹.
 CasadiInverse inverse_of(const Model& model, const CasadiOutput& out) {
   const auto part = [](Recording recording) {
     const std::vector<int> found = keep_nonzeros(recording);

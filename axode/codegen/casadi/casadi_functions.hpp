@@ -7,7 +7,7 @@
 #include "axode/codegen/casadi/casadi_inverse.hpp"
 #include "axode/codegen/tape/recording.hpp"
 
-/// The functions that CasADi calls, and the patterns of their matrices.
+/// The functions that are generated for CasADi, and the sparsity patterns of their matrices.
 namespace axode::codegen {
 
 /// The sparsity pattern of a matrix.
@@ -20,14 +20,15 @@ struct CasadiInput {
   std::string name;
   Pattern pattern;
 };
-/// A matrix whose entries are results of a recording.
+/// A matrix whose entries are results of a recording; `recording` is its index in CasadiFamily.
 struct CasadiOutput {
   std::string name;
   Pattern pattern;
   std::size_t recording = 0;
   std::vector<int> results{};  ///< for each entry of the pattern: the index of the result
 };
-/// A function that CasADi calls. Arguments of its recordings are its inputs of equal names.
+/// A function that CasADi calls. The arguments of the recordings that it needs are the inputs with equal
+/// names.
 struct CasadiFunction {
   std::string name;
   std::vector<CasadiInput> inputs;
@@ -35,8 +36,9 @@ struct CasadiFunction {
   bool is_jacobian = false;  ///< whether matrices of several states are blocks on a diagonal
 };
 /// A function of the state and its derivatives by all arguments, under the names that CasADi looks for: NAME,
-/// fwd1_NAME, adj1_NAME, jac_NAME and jac_adj1_NAME. Each has a recording of its own. The inverse mass matrix
-/// has no jac_adj1_NAME, and the recordings of its derivatives are signatures of loops.
+/// fwd1_NAME, adj1_NAME, jac_NAME and jac_adj1_NAME. Each of them has a recording of its own. The inverse
+/// mass matrix has no jac_adj1_NAME; its derivatives are computed by loops (`inverse`), and their recordings
+/// only describe the arguments and results.
 struct CasadiFamily {
   std::vector<Recording> recordings;
   std::vector<CasadiFunction> functions;
@@ -44,9 +46,9 @@ struct CasadiFamily {
 };
 
 /// Makes the functions for CasADi. In CasADi the nq coordinates are independent numbers; hence quaternions
-/// are divided by their norm. Derivatives of forward dynamics are computed from those of inverse dynamics,
-/// T(q, v, a) = tau, derivatives of the inverse mass matrix from those of M, and all others by
-/// differentiation of recordings. `frames` are the names of frames as identifiers.
+/// are divided by their norm. Derivatives of forward dynamics are computed from derivatives of the inverse
+/// dynamics T(q, v, a) = tau, derivatives of the inverse mass matrix from derivatives of M, and all other
+/// derivatives by differentiation of recordings. `frames` are the names of all frames as identifiers.
 CasadiFamily casadi_family(const Model& model, const Function& function, const std::string& name,
                            std::span<const std::string> frames);
 

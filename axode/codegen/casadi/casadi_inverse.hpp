@@ -9,8 +9,8 @@
 namespace axode::codegen {
 
 /// The first derivatives of A(q) = M⁻¹ for CasADi, computed from derivatives of M and products of matrices in
-/// loops. Without loops the code would be too long for compilers if the mechanism is a humanoid. With weights
-/// W and B = A W A,
+/// loops. Without loops the code for a humanoid would be too long for compilers. With weights W of the
+/// entries of A and B = A W A,
 ///
 ///     dA = - A dM A,    d(W·A) = - B·dM.
 class CasadiInverse {
@@ -18,33 +18,35 @@ class CasadiInverse {
   enum Kind : std::size_t { tangent, adjoint, jacobian };
   static constexpr std::size_t kinds = 3;
 
-  /// A function of M with nv x nv results: its derivative in a direction, its gradient with weights B, or its
-  /// derivatives by each coordinate. Only the entries `places` are results of the recording; the others are
-  /// 0.
+  /// One of three derivatives of the mass matrix M: in a direction (nv x nv numbers), the gradient of B·M by
+  /// q (nq numbers), or by each coordinate q_k (nq times nv x nv numbers). The recording has only the results
+  /// that may not be 0. `places` are their indices among all numbers of the derivative; in a CasadiInverse,
+  /// those of the third derivative are indices within the matrix of one q_k.
   struct Part {
     Recording recording;
     std::vector<int> places;
   };
 
-  /// `entries` are the indices r + nv c of the entries (r, c) that the function for A computes. `weights` is
-  /// the name of their weights.
+  /// `entries` are the indices r + nv c of the entries (r, c) of A that the function for A computes.
+  /// `weights` is the name of the argument with the weights of these entries.
   CasadiInverse(int nq, int nv, std::vector<int> entries, std::string weights,
                 std::array<Part, kinds> masses);
 
   const Recording& of_masses(Kind kind) const { return masses_[kind].recording; }
-  /// A recording with the arguments of a function for A. Its results are 1, or 0 for results that are always
-  /// 0, which the function leaves out.
+  /// A recording that describes the derivative of A of this kind: it has the names of the arguments, and for
+  /// each result the constant 1, or 0 if the result is always 0 and the generated function leaves it out.
   Recording signature(Kind kind) const;
-  /// The operations of a function in addition to those for A.
+  /// The operations that a derivative of A takes in addition to the computation of A.
   Operations operations(Kind kind) const;
-  /// Length of the memory that a function uses after its results.
+  /// Length (in numbers) of the memory that a derivative of A uses after its results.
   std::size_t scratch() const;
-  /// The body of a function in C. `inverse` and `masses` are the names of the functions for A and for the
-  /// part of M; table(numbers) returns the name of a constant array.
+  /// The body in C of the function for a derivative of A. `inverse` and `masses` are the names of the
+  /// functions for A and for the derivative of M. table(numbers) returns the name of a constant array with
+  /// these numbers.
   std::string body(Kind kind, const std::string& prefix, const std::string& inverse,
                    const std::string& masses,
                    const std::function<std::string(const std::vector<int>&)>& table) const;
-  /// Loops that the functions of a file share.
+  /// Functions in C with the loops that all derivatives of A in a file call.
   static std::string loops(const std::string& prefix);
 
  private:

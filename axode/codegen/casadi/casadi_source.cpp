@@ -54,7 +54,8 @@ constexpr const char* foot = R"(#undef AXODE_EXPORT
 #endif
 )";
 
-/// The functions that CasADi calls to inspect a function: its inputs, outputs, patterns and memory.
+/// The definitions of the functions that CasADi calls to inspect the function @F@: its inputs, outputs,
+/// sparsity patterns and memory.
 constexpr const char* questions = R"(AXODE_EXPORT casadi_int @F@_n_in(void) { return @N_IN@; }
 AXODE_EXPORT casadi_int @F@_n_out(void) { return @N_OUT@; }
 AXODE_EXPORT const char *@F@_name_in(casadi_int i) {
@@ -93,9 +94,9 @@ template <class Items, class Word> std::string words(const Items& items, const W
   return text;
 }
 
-/// A pattern in CasADi's format: rows, columns, begins of columns, and the row of each entry; or rows,
-/// columns, 1 for a dense matrix. Matrices of several states stand side by side, or along the diagonal if
-/// they are derivatives by all states.
+/// A sparsity pattern in CasADi's format: rows, columns, begins of columns, and the row of each entry; for a
+/// dense matrix it is rows, columns and 1. The matrices of several states stand side by side, or along the
+/// diagonal (`diagonal`) if they are derivatives by all states.
 std::vector<int> compressed(const Pattern& pattern, int states, bool diagonal) {
   const int down = diagonal ? pattern.rows : 0;
   std::vector<int> numbers{pattern.rows + (states - 1) * down, states * pattern.columns};
@@ -117,7 +118,7 @@ std::vector<int> compressed(const Pattern& pattern, int states, bool diagonal) {
   return numbers;
 }
 
-/// Constant arrays of a file. Equal arrays are defined once.
+/// The constant arrays of a generated file. Equal arrays are defined once.
 class Tables {
  public:
   Tables(const std::string& prefix, const char* type) : prefix_(prefix), type_(type) {}
@@ -134,7 +135,7 @@ class Tables {
   std::map<std::vector<int>, std::string> names_;
 };
 
-/// The text of one file.
+/// Collects the text of one generated file.
 class File {
  public:
   File(const std::string& prefix, int states)
@@ -171,9 +172,9 @@ class File {
                     c_definition(recording, name, sine_cosine(), precision).text + '\n';
     turns_ = turns_ || operations(recording).angles > 0;
   }
-  /// Adds the functions for the derivatives of M⁻¹.
+  /// Adds the functions for the derivatives of M⁻¹, which have loops.
   void add_loops(const CasadiFamily& family) {
-    if (family.recordings[0].results.empty()) return;  // nothing moves
+    if (family.recordings[0].results.empty()) return;  // the model has no velocities
     if (!std::exchange(loops_, true)) definitions_ += CasadiInverse::loops(prefix_);
     for (std::size_t k = 0; k < CasadiInverse::kinds; ++k) {
       const auto kind = static_cast<CasadiInverse::Kind>(k);
@@ -192,7 +193,7 @@ class File {
   std::string sine_cosine() const { return prefix_ + "_sine_cosine"; }
   static std::string numbers_of(const std::string& name) { return name + "_numbers"; }
 
-  /// The recordings that a function needs.
+  /// The indices of the recordings that a function needs.
   static std::vector<std::size_t> used(const CasadiFunction& function) {
     std::vector<std::size_t> all;
     for (const CasadiOutput& out : function.outputs)
@@ -237,7 +238,8 @@ class File {
     for (const std::size_t k : used(function)) text += block(family, function, k);
     return text + "  }\n  return failed;\n}\n";
   }
-  /// The call for one recording, if any of its results is wanted, and the copies of its results.
+  /// The C statements that call the function of one recording if any of its results is wanted, and copy the
+  /// results.
   std::string block(const CasadiFamily& family, const CasadiFunction& function, std::size_t k) {
     const Recording& recording = family.recordings[k];
     std::string wanted, copies, arguments;
@@ -305,7 +307,7 @@ void check(std::span<const Function> functions, const std::string& prefix, const
           " for CasADi, as jac_, fwd1_, adj1_ and jac_adj1_; generate that function instead");
 }
 
-/// Throws if an index into the matrices of all states does not fit into an int.
+/// Throws std::invalid_argument if an index into the matrices of all states does not fit into an int.
 void check_size(const CasadiFamily& family, int states) {
   const std::size_t most = std::numeric_limits<int>::max() / states;
   const auto check = [&](const std::string& function, const auto& port) {

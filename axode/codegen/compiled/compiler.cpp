@@ -28,7 +28,7 @@ bool can_be_run(const std::filesystem::path& file) {
   std::error_code none;
   return std::filesystem::is_regular_file(file, none) && access(file.c_str(), X_OK) == 0;
 }
-/// The path of a program, or an empty text.
+/// The path of a program on the PATH, or an empty text if there is none that can be run.
 std::string found_on_path(const std::string& program) {
   if (program.find('/') != std::string::npos) return can_be_run(program) ? program : "";
   std::istringstream folders(environment("PATH"));
@@ -39,7 +39,7 @@ std::string found_on_path(const std::string& program) {
   return "";
 }
 
-/// A file descriptor that is closed with its owner.
+/// A file descriptor, which is closed by the destructor.
 class Descriptor {
  public:
   explicit Descriptor(int number) : number_(number) {}
@@ -60,7 +60,8 @@ void check(int error, const std::string& what) {
   if (error != 0) throw std::system_error(error, std::generic_category(), what);
 }
 
-/// Starts a program in a process group of its own.
+/// Starts a program in a process group of its own. Its output goes to the descriptor `output`, and its
+/// temporary files into `folder` unless that is empty.
 pid_t spawned(const std::vector<std::string>& command, const std::filesystem::path& folder, int output) {
   std::vector<std::string> variables;
   for (char** variable = environ; *variable != nullptr; ++variable) {
@@ -94,8 +95,9 @@ pid_t spawned(const std::vector<std::string>& command, const std::filesystem::pa
   return process;
 }
 
-/// Exit code of a process, or 128 + n if signal n ended it; empty while it runs. The code is 0 if it is not
-/// available (SIGCHLD is ignored): the files that the process wrote decide then.
+/// The exit code of a process, or 128 + n if signal n ended it; empty while it runs. If the code is not
+/// available, because SIGCHLD is ignored, the result is 0, and the caller has to look at the files that the
+/// process wrote.
 std::optional<int> exit_code(pid_t process, int options) {
   int status = 0;
   pid_t ended = 0;

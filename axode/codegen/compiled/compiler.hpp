@@ -10,18 +10,18 @@
 namespace axode::codegen {
 
 struct Compiler {
-  std::vector<std::string> command;  ///< a program and its first arguments
+  std::vector<std::string> command;  ///< path of the compiler, and its first arguments
   std::string version;               ///< the output of --version
 };
-/// The first of $CC, cc, clang and gcc that can be run. Throws std::runtime_error if none can.
+/// The first of $CC, cc, clang and gcc that can be run. Throws std::runtime_error if none of them can.
 Compiler find_compiler();
 
 struct Finished {
   int code;            ///< exit code, or 128 + n if signal n ended the program
   std::string output;  ///< the first kilobytes of standard output and standard error
 };
-/// Runs a program to its end. Its temporary files go into `folder`, or into the usual folder if that is
-/// empty. If the monitor returns false, the program is killed with all processes that it has started, and the
+/// Runs a program to its end. Its temporary files go into `folder`, or into the usual folder if `folder` is
+/// empty. If the monitor returns false, the program and all processes that it has started are killed, and the
 /// result is empty.
 std::optional<Finished> run_program(const std::vector<std::string>& command,
                                     const std::filesystem::path& folder, const batch::Monitor& monitor = {});

@@ -28,7 +28,8 @@ namespace fs = std::filesystem;
 constexpr std::size_t digits = 32;  // length of a digest; each library in the cache ends with the digest of
                                     // its contents
 
-/// Hash of a text, 128 bits as 32 hexadecimal digits. It is not safe against intended collisions.
+/// The hash of a text, 128 bits as 32 hexadecimal digits. It does not protect against collisions that
+/// somebody intends.
 std::string digest(std::string_view text) {
   std::uint64_t a = 0xcbf29ce484222325U, b = 0x9e3779b97f4a7c15U ^ text.size();
   for (const char c : text) {
@@ -55,7 +56,7 @@ void append(const fs::path& file, const std::string& text, std::ios::openmode mo
   if (!(stream << text) || !stream.flush()) throw std::runtime_error("cannot write " + file.string());
 }
 
-/// The kind of the processor, which decides on the instructions that code may have.
+/// A description of the processor, which decides which instructions compiled code may have.
 std::string processor() {
   std::ifstream stream("/proc/cpuinfo");
   std::string text;
@@ -65,14 +66,15 @@ std::string processor() {
   return text;
 }
 
-/// The folder of the cache; empty if the environment names none.
+/// The folder of the cache of compiled models; empty if the environment names no folder.
 fs::path cache_folder() {
   const char *const base = std::getenv("XDG_CACHE_HOME"), *const home = std::getenv("HOME");
   if (base != nullptr && *base == '/') return fs::path(base) / "axode";
   if (home != nullptr && *home == '/') return fs::path(home) / ".cache" / "axode";
   return {};
 }
-/// Whether only this user can write to a file or folder. Code is loaded only from such places.
+/// Whether a file or folder belongs to this user and only this user can write to it. Code is loaded only from
+/// such files.
 bool is_ours(const fs::path& file) {
   struct stat status {};
   return !file.empty() && lstat(file.c_str(), &status) == 0 && !S_ISLNK(status.st_mode) &&
@@ -86,8 +88,8 @@ bool is_usable(const fs::path& folder) {
   return is_ours(folder) && access(folder.c_str(), W_OK | X_OK) == 0;
 }
 
-/// Ensures that one process at a time compiles under a key. The lock ends with the process, even if that is
-/// killed. If the file system has no locks, several processes may compile under one key.
+/// Ensures that one process at a time compiles the source of a key. The lock ends with the process, even if
+/// the process is killed. If the file system has no locks, several processes may compile under one key.
 class Lock {
  public:
   Lock(const fs::path& folder, const std::string& key)
@@ -116,7 +118,7 @@ class Lock {
   bool is_held_ = false;
 };
 
-/// A new folder that is removed with this object.
+/// A new folder, which the destructor removes.
 class WorkFolder {
  public:
   explicit WorkFolder(const fs::path& in, const std::string& name) {
@@ -136,7 +138,7 @@ class WorkFolder {
  private:
   fs::path path_;
 };
-/// The folder of temporary files. Throws std::runtime_error if $TMPDIR names none.
+/// The folder for temporary files. Throws std::runtime_error if $TMPDIR is not a folder.
 fs::path temporary_folder() {
   std::error_code failed;
   const fs::path folder = fs::temp_directory_path(failed);
@@ -147,9 +149,10 @@ fs::path temporary_folder() {
       std::string(named == nullptr ? "" : named) +
       "\", which is not a folder; set TMPDIR or XDG_CACHE_HOME to a folder that can be written to");
 }
-/// Moves the work folders of ended processes into the folder `work` of this process, which holds `lock` on
-/// `key`, so that they are removed with it. Removal in place may fail: a compiler that outlives its process
-/// still creates files there. After the move it does not find the folder any more.
+/// Moves the work folders of ended processes into `work`, the work folder of this process, with which they
+/// are removed. This process may hold `lock` on `key`. The folders are not removed in place, because this may
+/// fail: a compiler that outlives its process still creates files there. After the move it does not find the
+/// folder any more.
 void collect_abandoned(const fs::path& cache, const fs::path& work, const std::string& key,
                        const Lock& lock) {
   std::error_code failed;

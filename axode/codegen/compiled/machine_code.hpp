@@ -9,26 +9,27 @@
 
 namespace axode::codegen {
 
-/// Compiled C that is loaded into this process as long as a MachineCode refers to it.
+/// Compiled C, which stays loaded in this process as long as a MachineCode refers to it.
 class MachineCode {
  public:
-  /// Compiles a source with these flags, or takes it from the cache. The key of the cache is made of the
-  /// source, the compiler's name and version, the flags and the processor. Throws std::runtime_error if there
-  /// is no compiler or it fails, and CompilationEnded if the monitor, which is called while the compiler
-  /// runs, returns false.
+  /// Compiles a C source with the given flags, or loads the library from the cache if it has been compiled
+  /// before. The key of the cache is made of the source, the compiler's name and version, the flags and the
+  /// processor. The monitor is called while the compiler runs or while another process compiles the same
+  /// source. Throws std::runtime_error if there is no compiler or it fails, and CompilationEnded if the
+  /// monitor returns false.
   MachineCode(const std::string& source, const std::vector<std::string>& flags,
               const batch::Monitor& monitor);
 
-  /// The address of a symbol. Throws std::runtime_error if there is none of that name.
+  /// The address of a symbol of the library. Throws std::runtime_error if there is no symbol of that name.
   void* address(const std::string& name) const;
 
-  /// The path of the shared library, for other programs that load it. If there is no cache, the file is
-  /// removed with the last MachineCode that refers to it.
+  /// The path of the shared library, for other programs that load it. If the cache cannot be used, the file
+  /// is removed with the last MachineCode that refers to it.
   const std::filesystem::path& file() const { return file_; }
 
  private:
   std::filesystem::path file_;
-  std::shared_ptr<void> folder_;  ///< the folder of the library if there is no cache
+  std::shared_ptr<void> folder_;  ///< temporary folder of the library if the cache cannot be used
   std::shared_ptr<void> library_;
 };
 

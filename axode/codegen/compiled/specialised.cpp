@@ -20,13 +20,13 @@ bool same(const Function& a, const Function& b) {
 
 }  // namespace
 
-/// The loaded library and its functions.
+/// The loaded library of compiled code and its functions.
 template <class T> struct Specialised<T>::Code {
   struct Entry {
     Function function;
     const catalog::Function<T>* row;
     void (*call)(long count, const T* const* arguments, T* result, T* scratch, unsigned char* maybe_singular);
-    std::size_t scratch;  ///< length of the memory `scratch` of the function
+    std::size_t scratch;  ///< length (in numbers) of the argument `scratch` of call()
   };
   codegen::MachineCode library;
   std::vector<Entry> entries;
@@ -56,7 +56,8 @@ template <class T> struct Specialised<T>::Code {
   }
 };
 
-/// Calls a compiled function on states, with scratch memory of its own.
+/// Calls a compiled function for several states, with scratch memory of its own. Threads do not share one
+/// Call.
 template <class T> class Specialised<T>::Call {
  public:
   Call(batch::StatesOfRow<T>& states, const typename Code::Entry& entry)

@@ -14,27 +14,29 @@ namespace axode {
 
 struct SpecialisedOptions {
   int lanes = 16;  ///< largest number of states in a register: 1, 2, 4, 8 or 16
-  std::vector<std::string> flags = {"-O3", "-march=native", "-ffp-contract=fast"};  ///< for the compiler
-  batch::Monitor monitor = {};  ///< called while the compiler runs; ends it by returning false
+  std::vector<std::string> flags = {"-O3", "-march=native", "-ffp-contract=fast"};  ///< flags
+  batch::Monitor monitor = {};  ///< called while the compiler runs; if it returns false, this ends
 };
 
-/// The error that the monitor returned false while the compiler ran.
+/// The error that is thrown if the monitor returns false while a model is compiled.
 class CompilationEnded : public std::runtime_error {
  public:
   using std::runtime_error::runtime_error;
 };
 
-/// Functions of one model as machine code. The constructor generates C for the model and compiles it ($CC,
-/// cc, clang or gcc), or takes the code from a cache. T is double or float. Threads may share one object.
+/// Functions of one model as machine code. The constructor generates C for the model and compiles it with
+/// $CC, cc, clang or gcc, or takes the code from a cache. T is double or float. Several threads may share one
+/// object.
 ///
 ///     const Specialised<> fast(arm, {{"inverse_dynamics"}});
 ///     batch::Outcome outcome = batch::run(fast, {"inverse_dynamics"}, {.q = q, .v = v, .a = a}, tau, 4);
 ///
-/// All other functions of the library need no compiler.
+/// All functions of the library without a Specialised need no compiler at run time.
 template <class T = double> class Specialised {
  public:
-  /// Throws std::invalid_argument for arguments that codegen::c_source() refuses and if `lanes` is not 1, 2,
-  /// 4, 8 or 16, and std::runtime_error if there is no compiler or it fails.
+  /// Compiles the given functions. Throws std::invalid_argument for arguments that codegen::c_source()
+  /// refuses, for the function `pose`, and if `lanes` is not 1, 2, 4, 8 or 16, and std::runtime_error if
+  /// there is no compiler or it fails.
   Specialised(const Model& model, std::span<const codegen::Function> functions,
               SpecialisedOptions options = {});
   Specialised(const Model& model, std::initializer_list<codegen::Function> functions,
@@ -44,11 +46,12 @@ template <class T = double> class Specialised {
   const Model& model() const { return model_; }
   bool has(const codegen::Function& function) const;
 
-  /// Implements batch::run() below.
+  /// Implements batch::run() for a Specialised, see there.
   batch::Outcome run(const codegen::Function& function, const catalog::Arguments<T>& given, std::span<T> out,
                      int threads, const batch::Monitor& monitor) const;
 
-  /// The compiled forward dynamics, which rollouts call.
+  /// The compiled forward dynamics, which batch::rollout() calls. Throws std::invalid_argument if the model
+  /// was specialised without forward_dynamics.
   batch::CompiledDynamics<T> compiled_dynamics() const;
 
  private:
@@ -64,8 +67,9 @@ namespace batch {
 /// axode/batch.hpp. Arguments are checked, and threads and the monitor are used, as in batch::run() for a
 /// Model. States whose mass matrix may be singular are computed by the library's own function, which decides.
 /// Results differ from the library's by rounding. The result of a state depends neither on its index nor on
-/// the number of threads, but a single state is computed without lanes and may differ by rounding. Also
-/// throws std::invalid_argument for a function that was not among those of the constructor, and for loads.
+/// the number of threads, but a call for a single state does not use SIMD lanes and may differ by rounding.
+/// Throws std::invalid_argument for wrong arguments, for a function that was not among those of the
+/// constructor, and for loads.
 template <class T>
 Outcome run(const Specialised<T>& model, const codegen::Function& function,
             const catalog::Arguments<std::type_identity_t<T>>& given, std::type_identity_t<std::span<T>> out,
@@ -73,9 +77,10 @@ Outcome run(const Specialised<T>& model, const codegen::Function& function,
   return model.run(function, given, out, threads, monitor);
 }
 
-/// Integrates N motions of a model that was specialised with forward_dynamics, see axode/batch.hpp. Motions
-/// with coupled joints are computed in lanes as well. Springs act; damping and dry friction act with
-/// joint_losses. Steps with friction are computed by the library's own functions.
+/// Integrates N motions of a model that was specialised with forward_dynamics; the arguments are those of
+/// batch::rollout() in axode/batch.hpp. Motions with coupled joints are computed in SIMD lanes as well.
+/// Springs act. If `joint_losses` is set, damping and dry friction act; steps with dry friction are computed
+/// by the library's own functions.
 template <class T>
 Outcome rollout(const Specialised<T>& model, Numbers<T> q, Numbers<T> v, Numbers<T> tau, double step,
                 std::type_identity_t<std::span<T>> q_out, std::type_identity_t<std::span<T>> v_out,
@@ -95,14 +100,16 @@ Outcome rollout(const Specialised<T>& model, Numbers<T> q, Numbers<T> v, const D
 
 }  // namespace batch
 
-/// The cache of specialised models in $XDG_CACHE_HOME/axode, or in ~/.cache/axode.
+/// The cache of compiled models in $XDG_CACHE_HOME/axode, or in ~/.cache/axode: its folder, the number of
+/// models, and their size in bytes.
 struct SpecialisedCache {
   std::string folder;  ///< empty if there is no cache
   std::size_t models = 0;
   std::uintmax_t bytes = 0;
 };
 SpecialisedCache specialised_cache();
-/// Empties the cache, except for models that are being compiled. Loaded models remain usable.
+/// Removes all models from the cache, and the work folders of compilations that have ended. Compilations that
+/// are running are not disturbed, and loaded models remain usable.
 void clear_specialised_cache();
 
 }  // namespace axode

@@ -8,7 +8,7 @@ using Traces = Composition::Traces;
 
 bool is_zero(const Trace& x) { return x.is_constant() && x.factor() == 0; }
 
-/// The derivatives of a node, whose value is y, by its two operands.
+/// The derivatives of the value y of a node by its two operands.
 std::array<Trace, 2> partials(const Tape::Node& node, const Trace& y) {
   const Trace a = Tape::number(node.a), b = Tape::number(node.b);
   switch (node.operation) {

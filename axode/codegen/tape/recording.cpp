@@ -23,10 +23,10 @@ using Traces = Composition::Traces;
 
 template <class Kernel> using OnTape = WithScratch<T, Kernel>;
 
-/// Determines whether the mass matrix may be singular: whether a pivot is small compared with the inertia
-/// scale of its velocity at q = 0. In float, an arm has such a pivot in a sixth of its states. Therefore each
-/// pivot in float is also compared with the rounding of the numbers from which it is computed, as the library
-/// does for such states.
+/// Determines whether the mass matrix may be singular: whether a pivot of its factorisation is small compared
+/// with the inertia of its velocity at q = 0. In float, an arm has such a pivot in a sixth of its states.
+/// Therefore each pivot in float is also compared with the rounding errors of the numbers from which it is
+/// computed, as the library does for such states.
 class SingularityTest {
  public:
   SingularityTest(const Tree<double>& tree, bool single_precision)
@@ -50,7 +50,8 @@ class SingularityTest {
   Trace::Condition has_small_, has_rounding_;
 };
 
-/// A function of a tree while it is recorded.
+/// A function of a tree that is being recorded: its tape, and the constants of the tree as numbers of the
+/// tape.
 struct Traced {
   Composition on;
   Tree<T> constants;
@@ -59,7 +60,7 @@ struct Traced {
   Traced(const Tree<double>& tree, std::string_view name) : constants(cast<T>(tree)), result(name) {}
   Traces argument(std::string_view name, int n) { return on.argument(std::string(name), n); }
   Recording with(Traces results) { return on.with(result, std::move(results)); }
-  /// The recording of results that are wrong if `maybe_singular` is true.
+  /// The recording of these results, which are wrong if `maybe_singular` is true.
   Recording with(Traces results, const Trace::Condition& maybe_singular) {
     if (maybe_singular.is_constant() && maybe_singular.constant())  // a joint moves no mass in any
                                                                     // configuration
@@ -71,8 +72,8 @@ struct Traced {
   }
 };
 
-/// Computes accelerations on a tape, by articulated bodies or by the mass matrix and its sparse factors. Both
-/// are body-fixed, because joint screws are then constant and sparse.
+/// Solves the equations of motion on a tape, by articulated bodies or by the mass matrix and its sparse
+/// factors. Both ways are body-fixed, because joint screws are then constant and sparse.
 template <bool factors> struct Solver {
   using T = Trace;
   using Bodies = std::conditional_t<factors, CompositeBodies<BodyFixed, T>, ArticulatedBodies<BodyFixed, T>>;
@@ -127,8 +128,9 @@ template <bool factors> struct Solver {
       for (std::size_t r = 0; r < nv; ++r) matrix[r * nv + c] = x[r];
     }
   }
-  /// Solves for all unit vectors. The half of the symmetric result that each solution finds first, on its way
-  /// to the leaves, is mirrored, so that the tape drops the operations for the other half.
+  /// Computes the inverse of the mass matrix by solving for all unit vectors. Each solution finds one half of
+  /// the symmetric result first, on its way to the leaves. This half is copied to the other half, so that the
+  /// tape drops the operations for the other half.
   void inverse(const Tree<double>& tree, T* matrix) {
     const std::size_t nv = tree->nv;
     for (std::size_t k = 0; k < nv * nv; ++k) matrix[k] = T(k % (nv + 1) == 0);
@@ -138,14 +140,14 @@ template <bool factors> struct Solver {
   }
 };
 
-/// Whether the factors of the mass matrix are exact to rounding. They are not on long paths, where they lose
-/// digits.
+/// Whether the factors of the mass matrix are exact to rounding. On long paths they are not, because they
+/// lose digits there.
 bool factors_are_exact(const Tree<double>& tree) {
   return tree->depth <= FastInverseMassMatrix<double>::longest_path;
 }
 
-/// Records a row of the table that has a kernel, with one result for each velocity or for each pair of
-/// velocities.
+/// Records a function of the catalogue by its kernel. Each result of the function has one number for each
+/// velocity or for each pair of velocities.
 template <catalog::Id id, class By> Recording record_row(const Tree<double>& tree, bool single_precision) {
   constexpr const catalog::Words& row = id.words();
   Traced traced(tree, row.together);
@@ -167,7 +169,8 @@ template <catalog::Id id, class By> Recording record_row(const Tree<double>& tre
   }
 }
 
-/// Records the mass matrix, body-fixed, because joint screws are then constant and sparse.
+/// Records the mass matrix in the body-fixed representation, because joint screws are then constant and
+/// sparse.
 Recording mass_matrix(const Tree<double>& tree) {
   Traced traced(tree, "M");
   const Traces q = traced.argument("q", tree->nq);
@@ -196,9 +199,8 @@ template <class By> Recording solution(const Tree<double>& tree) {
   return traced.with(std::move(x), by->maybe_singular);
 }
 
-/// The Jacobian of a frame: one column for each velocity. Joint screws are computed on the path from the
-/// frame to the ground if Rep has the axes of the frame, and from the poses of the bodies if Rep has inertial
-/// axes.
+/// The Jacobian of a frame, one column for each velocity. If Rep is BodyFixed, joint screws are computed on
+/// the path from the frame to the ground, otherwise from the poses of the bodies.
 template <class Rep> std::vector<Twist<Rep, T>> columns(Traced& traced, const Traces& q, int frame) {
   const Tree<T>& tree = traced.constants;
   std::vector<Twist<Rep, T>> J(tree->nv);
@@ -236,7 +238,7 @@ Recording jacobian(const Tree<double>& tree, int frame, Representation represent
   return traced.with(std::move(rows));
 }
 
-/// Records the poses of frames `first` to `last`, each as the columns of R, then r.
+/// Records the poses of the frames `first` to `last`, 12 numbers for each: the columns of R, then r.
 Recording poses(const Tree<double>& tree, int first, int last) {
   Traced traced(tree, "C");
   const Traces q = traced.argument("q", tree->nq);
@@ -253,8 +255,8 @@ Recording poses(const Tree<double>& tree, int first, int last) {
 using Articulated = Solver<false>;
 using Factorized = Solver<true>;
 
-/// The function that records a row of the table. A row that solves with M has one for each of the two
-/// solvers.
+/// The functions that record one function of the catalogue with each of the two solvers. by_factors is null
+/// for a function that does not solve with the mass matrix.
 struct Recorder {
   using Of = Recording (*)(const Tree<double>&, bool single_precision);
   Of by_bodies = nullptr, by_factors = nullptr;

@@ -38,7 +38,7 @@ Inertia<> share_of_predecessor(Subgroup kind, const Inertia<>& M) {
   return {};
 }
 
-/// Moves inertias to predecessors, from the leaves to the ground.
+/// Moves the parts share_of_predecessor() of all inertias to the predecessors, from the leaves to the ground.
 void move_inertias(const Topology& topology, TreeNumbers<double>& tree) {
   for (int i = topology.n; i > 0; --i) {
     Inertia<>& M = tree.M[i];
