@@ -8,7 +8,8 @@
 namespace axode {
 namespace {
 
-/// The centre of mass of bodies with poses C.
+/// The centre of mass of all moving bodies, in the frame in which their poses C are given. Throws no_mass()
+/// if they have no mass.
 template <class T> Vec3<T> mass_center(const Model& model, const Tree<T>& tree, const BodyPoses<T>& C) {
   T m(0);
   Vec3<T> h;
@@ -20,8 +21,9 @@ template <class T> Vec3<T> mass_center(const Model& model, const Tree<T>& tree, 
   return (T(1) / m) * h;
 }
 
-/// Computes the poses of all bodies relative to the centre of mass of the whole system, in inertial axes, and
-/// for each joint the inertia of all that it moves, M_i^A = Σ M_l^s over the subtree of i.
+/// Computes at.C, the poses of all bodies relative to the centre of mass of the whole system, in inertial
+/// axes, and at.M, the inertia of the subtree of each body in that frame; at.M[0] is the inertia of all
+/// bodies.
 template <class T> void compose(const Model& model, const Tree<T>& tree, const T* q, SubtreeInertias<T>& at) {
   at.C.run(tree, q);
   const Vec3<T> c = mass_center(model, tree, at.C);

@@ -4,11 +4,12 @@
 #include "axode/kinematics/check_arguments.hpp"
 #include "axode/table/check_counts.hpp"
 
-/// Checks of the arguments of a function of the table, made from its row.
+/// Checks of the arguments of a function of the catalogue, which are derived from its row in the table of
+/// functions.
 namespace axode {
 namespace detail {
 
-/// An argument or a result as it lies in memory.
+/// The memory of an argument or of a result.
 template <class T> struct Piece {
   const std::byte *begin, *end;
   std::size_t size;       ///< number of entries
@@ -26,7 +27,8 @@ template <class T> struct Piece {
   bool overlaps(const Piece& other) const { return begin < other.end && other.begin < end; }
 };
 
-/// The inputs of a row that checked() receives: numbers, then loads. Settings are checked when they are used.
+/// The inputs of a function that checked() receives: first the inputs that are numbers, then the loads. The
+/// other inputs (settings and places) are checked when they are used.
 template <catalog::Id id>
 inline constexpr auto checked_inputs = [] {
   auto inputs = id.words().numbers();
@@ -34,8 +36,9 @@ inline constexpr auto checked_inputs = [] {
   return inputs;
 }();
 
-/// Checks piece k. If it is an input, its size and values are checked; if it is a result, also that it shares
-/// no memory with the pieces before it.
+/// Checks argument or result number k of a call. If it is an input, checks its size and, for q, its values.
+/// If it is a result, checks its size, and that it shares no memory with the results before it nor, if the
+/// row requires this, with the inputs.
 template <catalog::Id id, std::size_t k, class T>
 void check_piece(const Model& model, const Piece<T>* pieces, std::size_t n_loads) {
   constexpr const catalog::Words& row = id.words();
@@ -59,10 +62,11 @@ void check_piece(const Model& model, const Piece<T>* pieces, std::size_t n_loads
 
 }  // namespace detail
 
-/// Returns the memory for one call of a function of the table, after it has compared all arguments with the
-/// row: the model, the workspace, then numbers and loads in the order of the row, then the results. Results
-/// may not share memory with each other, nor with the inputs if the row says so. Throws std::invalid_argument
-/// with the name, the value and the rule. It is inlined into every caller, which saves about 20 ns.
+/// Checks all arguments of a call of a function against its row in the table of functions, and returns the
+/// scratch memory for the call. The arguments are the model, the workspace, then numbers and loads in the
+/// order of the row, then the results. Results may not share memory with each other, nor with the inputs if
+/// the row says so. Throws std::invalid_argument with the name, the value and the rule that is broken. The
+/// function is inlined into every caller, which saves about 20 ns.
 template <catalog::Id id, class T, class... Given>
 [[gnu::always_inline]] inline Arena checked(const Model& model, Workspace<T>& workspace,
                                             const Given&... given) {

@@ -31,7 +31,7 @@ Eigen::Matrix<double, 6, 1> weighted(const PoseTarget& target, const Screw<>& X)
   return vector({target.angular_weight * X.w, target.linear_weight * X.v});
 }
 
-/// A configuration, its distance from the targets, and the body-fixed Jacobians of the places.
+/// A configuration q, its errors with respect to the targets, and the body-fixed Jacobians of the places.
 struct Iterate {
   std::vector<double> q;
   std::vector<Screw<>> X;  ///< log(C⁻¹ C_target) of each target
@@ -43,7 +43,7 @@ struct Iterate {
       : q(model.nq()), X(targets), e(6 * targets), J(6 * targets, model.nv()) {}
 };
 
-/// Runs Levenberg-Marquardt iterations from one start after the other, and owns their memory.
+/// Runs Levenberg-Marquardt iterations from one start after the other, in memory that it owns.
 class Solver {
  public:
   Solver(const Model& model, std::span<const PoseTarget> targets, const InverseKinematicsOptions& options)
@@ -61,7 +61,9 @@ class Solver {
         step_(model.nv()),
         solver_(model.nv()) {}
 
-  /// Improves q until it is solved, stalls, or uses up its iterations.
+  /// Iterates from the start q until the error is within the tolerance (solved), an iteration hardly reduces
+  /// the error (stalled), or the largest number of iterations is reached. Adds the number of iterations to
+  /// `iterations`.
   InverseKinematicsStatus run(std::span<const double> q, int& iterations) {
     std::ranges::copy(q, at_.q.begin());
     evaluate(at_);
@@ -92,11 +94,12 @@ class Solver {
     return at_.residual <= options_.tolerance ? InverseKinematicsStatus::solved
                                               : InverseKinematicsStatus::iteration_limit;
   }
-  /// The last iterate of the last run.
+  /// The iterate at which the last run() ended.
   const Iterate& end() const { return at_; }
 
-  /// Moves a solution towards the posture within the null space of the targets, by (I - J⁺J)(posture ⊖ q),
-  /// and corrects it to the targets again. This is repeated as long as the distance to the posture decreases.
+  /// Moves a solution q towards the posture within the null space of the targets, by (I - J⁺J)(posture ⊖ q),
+  /// and then corrects q to the targets again. This is repeated as long as it decreases the distance from the
+  /// posture; a step that does not is halved.
   void approach_posture(std::vector<double>& q, double& residual, int& iterations) {
     std::vector<double> q_try(q.size());
     double gain = 1, distance = way_to_posture(q).norm();
@@ -123,7 +126,8 @@ class Solver {
   }
 
  private:
-  /// Error and Jacobians at an iterate's q, from one walk along the path of each target.
+  /// Computes the errors and Jacobians of an iterate at its q. For each target this takes one walk from the
+  /// place to the root.
   void evaluate(Iterate& at) const {
     at.J.setZero();
     for (std::size_t t = 0; t < targets_.size(); ++t) {
@@ -140,7 +144,7 @@ class Solver {
     at.residual = at.e.norm();
   }
 
-  /// Computes J = -∂e/∂q.
+  /// Computes J = -∂e/∂q, the negative derivative of the weighted errors e of all targets.
   void linearise() {
     for (std::size_t t = 0; t < targets_.size(); ++t) {
       const Screw<>& X = at_.X[t];
@@ -169,7 +173,7 @@ class Solver {
     }
     return held;
   }
-  /// Writes q ⊕ dv, limited to the position limits, to `out`.
+  /// Writes q ⊕ dv to `out`. Coordinates beyond a position limit are set to this limit.
   void move(const std::vector<double>& q, const Vector& dv, std::vector<double>& out) const {
     for (int i = 1; i <= tree_->n; ++i)
       if (!tree_->coupled[i])

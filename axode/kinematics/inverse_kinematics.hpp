@@ -9,9 +9,9 @@
 
 namespace axode {
 
-/// A target pose of a place. The error is the screw log(C⁻¹ C_target), whose angular part (rad) and linear
-/// part (m) are scaled by the weights. A weight of 0 leaves a part free; with a free orientation the error is
-/// the distance of the origins.
+/// A target pose of a place. With the pose C of the place, the error is the screw log(C⁻¹ C_target), whose
+/// angular part (rad) and linear part (m) are scaled by the weights. A weight of 0 leaves a part free; if the
+/// orientation is free, the error is the distance of the origins.
 struct PoseTarget {
   Place<> place;
   SE3<> pose;
@@ -24,16 +24,17 @@ struct InverseKinematicsOptions {
   int restarts = 40;        ///< largest number of restarts from random configurations within the limits
   std::uint64_t seed = 1;   ///< seed of the restarts
   bool limits = true;       ///< whether joints are kept within their position limits
-  /// Configuration that the joints approach in the null space of the targets.
+  /// Configuration that the joints approach in the null space of the targets; empty if there is none.
   std::span<const double> posture = {};
   std::function<bool()> monitor = {};  ///< called before each start; if it returns false, the search ends
 };
 
 enum class InverseKinematicsStatus {
   solved,  ///< the error is within the tolerance
-  /// Every start ended in a configuration that no small step improves; the targets are probably out of reach.
+  /// Every start ended in a configuration that no small step improves. The targets are probably out of reach.
   stalled,
-  /// Some start still improved when its iterations were used up, or the monitor ended the search.
+  /// The error of some start still decreased when its iterations were used up, or the monitor ended the
+  /// search.
   iteration_limit,
 };
 std::string_view to_string(InverseKinematicsStatus status);
@@ -42,15 +43,16 @@ struct InverseKinematicsResult {
   InverseKinematicsStatus status{};
   std::vector<double> q;  ///< best configuration that was found
   double residual = 0;    ///< norm of the weighted error at q
-  int iterations = 0;     ///< number of iterations over all starts
+  int iterations = 0;     ///< number of iterations of all starts together
   int restarts = 0;
 };
 
-/// The configuration in which places have given poses, by the damped least squares of Levenberg and Marquardt
-/// on SE(3) with the exact derivative -dexp⁻¹ J^b of the error. The search starts at q0; joints at a limit
-/// that they would cross are held there. With a posture the joints move towards it as far as the targets
-/// leave them free. Allocates. Throws std::invalid_argument for wrong sizes, unknown frames, and numbers out
-/// of range.
+/// Computes a configuration in which places have given poses, by the damped least squares of Levenberg and
+/// Marquardt on SE(3) with the exact derivative -dexp⁻¹ J^b of the error. The search starts at q0, and then
+/// at random configurations until the targets are reached. A joint at a limit that it would cross is held
+/// there. If options.posture is given, the joints then move towards it as far as the targets leave them free.
+/// The function allocates memory. It throws std::invalid_argument for wrong sizes, unknown frames, and
+/// numbers out of range.
 [[nodiscard]] InverseKinematicsResult inverse_kinematics(const Model& model,
                                                          std::span<const PoseTarget> targets,
                                                          std::span<const double> q0,

@@ -2,30 +2,30 @@
 #include "axode/kinematics/arguments.hpp"
 #include "axode/kinematics/place.hpp"
 
-/// Jacobians: V = J v. A column belongs to a velocity and is the twist for a unit of this velocity. Dense
-/// results have nv columns; columns of joints that do not move the place are zero. The screw of a coupled
-/// joint is added to the column of its leader.
+/// Jacobians J of places: V = J v is the twist of a place at the velocities v. Each column belongs to one
+/// velocity and is the twist for a unit of this velocity. A dense Jacobian has nv columns; columns of joints
+/// that do not move the place are zero. The screw of a coupled joint is added to the column of its leader.
 namespace axode {
 
-/// The Jacobian J_f of a place (eqs. JbX, JsX, Jh, JhJb). O(path length), and O(nv) to clear the other
-/// columns.
+/// Computes the Jacobian J_f of a place, nv columns (eqs. JbX, JsX, Jh, JhJb). O(path length) to the ground,
+/// and O(nv) to clear the other columns.
 template <RecursionRepresentation Rep = BodyFixed, class T>
 void jacobian(const Model& model, Workspace<T>& workspace, Numbers<T> q,
               const std::type_identity_t<Place<T>>& place, std::type_identity_t<std::span<Twist<Rep, T>>> J);
 
-/// The Jacobians of all frames, one after the other: nv columns for each of n_frames. Poses and joint screws
-/// are computed once, so that it takes a few times as long as `poses`. O(n) and O(path length) for each
-/// frame, and O(nv) to clear the other columns.
+/// The Jacobians of all n_frames frames, one after the other, with nv columns for each frame. Poses and joint
+/// screws are computed once, so that the function takes only a few times as long as poses(). O(n), O(path
+/// length) for each frame, and O(nv) for each frame to clear the other columns.
 template <RecursionRepresentation Rep = BodyFixed, class T>
 void jacobians(const Model& model, Workspace<T>& workspace, Numbers<T> q,
                std::type_identity_t<std::span<Twist<Rep, T>>> J);
-/// The Jacobians of several places, nv columns for each place, in the order of the places.
+/// The Jacobians of several places, with nv columns for each place, in the order of the places.
 template <RecursionRepresentation Rep = BodyFixed, class T>
 void jacobians(const Model& model, Workspace<T>& workspace, Numbers<T> q,
                std::type_identity_t<std::span<const Place<T>>> places,
                std::type_identity_t<std::span<Twist<Rep, T>>> J);
 
-/// The column of a Jacobian that belongs to velocity c.
+/// The column J of a Jacobian that belongs to velocity c.
 template <RecursionRepresentation Rep, class T = double> struct JacobianColumn {
   int c;
   Twist<Rep, T> J;
@@ -38,8 +38,8 @@ std::size_t jacobian_columns(const Model& model, Workspace<T>& workspace, Number
                              const std::type_identity_t<Place<T>>& place,
                              std::type_identity_t<std::span<JacobianColumn<Rep, T>>> columns);
 
-/// The Jacobian of the motion of one place relative to another one, `base`, for an observer at rest in
-/// `base`, which takes the role of the inertial frame for Rep.
+/// The Jacobian of the motion of one place relative to another place, `base`, nv columns. The observer is at
+/// rest in `base`, which replaces the inertial frame in the definition of the representation Rep.
 template <RecursionRepresentation Rep = BodyFixed, class T>
 void relative_jacobian(const Model& model, Workspace<T>& workspace, Numbers<T> q,
                        const std::type_identity_t<Place<T>>& place,

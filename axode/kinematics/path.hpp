@@ -5,7 +5,9 @@
 
 namespace axode {
 
-/// The pose B exp(S q) of the joint frame of body i in the internal frame of its predecessor.
+/// The pose of the joint frame of body i in the internal frame of its predecessor: B exp(S q_i), with the
+/// pose B at q = 0, the joint screw S and the coordinates q_i of the joint. A coupled joint has the
+/// coordinate ratio q + offset with the coordinate q of its leader.
 template <class T> SE3<T> joint_pose(const Tree<T>& tree, int i, const T* q) noexcept {
   return with_joint(tree, i, [&](const auto& joint) {
     const T* q_i = q + tree->iq[i];
@@ -14,9 +16,9 @@ template <class T> SE3<T> joint_pose(const Tree<T>& tree, int i, const T* q) noe
   });
 }
 
-/// Calls f(c, screw) for every joint screw of body i and the index c of its velocity; C is the pose of the
-/// joint frame in the axes of the result. The screw of a coupled joint is scaled by its ratio, so that it
-/// belongs to a unit velocity of its leader.
+/// Calls f(c, screw) for every joint screw of body i and the index c of its velocity. C is the pose of the
+/// joint frame in the frame in which the screws are expressed. The screw of a coupled joint is scaled by its
+/// ratio, so that it belongs to a unit velocity of its leader.
 template <class T, class F> void each_screw(const Tree<T>& tree, int i, const SE3<T>& C, F&& f) noexcept {
   with_joint(tree, i, [&](const auto& joint) {
     for (int k = 0; k < joint.nv; ++k) f(tree->iv[i] + k, tree.ratio[i] * joint.column(C, k));
@@ -57,7 +59,8 @@ SE3<T> each_body_fixed_column(const Tree<T>& tree, const T* q, const Place<T>& p
   return E;
 }
 
-/// The last body that is on the paths to both of two bodies; the ground if there is no other.
+/// The body farthest from the ground that is on the paths from the ground to both body i and body j, or the
+/// ground (0) if there is no such body.
 template <class T> int common_predecessor(const Tree<T>& tree, int i, int j) noexcept {
   while (i != j) {
     int& later = i > j ? i : j;

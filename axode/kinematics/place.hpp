@@ -6,8 +6,8 @@
 
 namespace axode {
 
-/// A place on a mechanism: a frame of the model, by number or by name, or a point or pose in that frame. A
-/// name is looked up at every call and must live as long as the place.
+/// A place on a mechanism: a frame of the model, given by number or by name, or a point or pose in that
+/// frame. A name is looked up at every call and must live as long as the Place.
 template <class T = double> struct Place {
   int frame = 0;
   SE3<T> offset;
@@ -17,7 +17,7 @@ template <class T = double> struct Place {
   constexpr Place(int f, const Vec3<T>& point) : frame(f), offset{{}, point} {}
   constexpr Place(int f, const SE3<T>& pose) : frame(f), offset(pose) {}
   template <std::convertible_to<std::string_view> Name>
-  constexpr Place(const Name& of) : name(of) {}  // NOLINT(google-explicit-constructor): and so is its name
+  constexpr Place(const Name& of) : name(of) {}  // NOLINT(google-explicit-constructor): a name is a place
   constexpr Place(std::string_view of, const Vec3<T>& point) : offset{{}, point}, name(of) {}
   constexpr Place(std::string_view of, const SE3<T>& pose) : offset(pose), name(of) {}
 };

@@ -4,12 +4,13 @@
 
 namespace axode {
 
-/// The pose C_i of every frame in the inertial frame (eqs. POEX, aVbRec2), positions in m. n_frames entries,
-/// O(n).
+/// The pose C_i of every frame in the inertial frame (eqs. POEX, aVbRec2), positions in m. C has n_frames
+/// entries. O(n).
 template <class T>
 void poses(const Model& model, Workspace<T>& workspace, Numbers<T> q,
            std::type_identity_t<std::span<SE3<T>>> C);
-/// Poses of the given places, one entry for each, in their order.
+/// The poses of the given places in the inertial frame, one entry for each place, in the order of the places.
+/// O(n), and constant time for each place.
 template <class T>
 void poses(const Model& model, Workspace<T>& workspace, Numbers<T> q,
            std::type_identity_t<std::span<const Place<T>>> places, std::type_identity_t<std::span<SE3<T>>> C);

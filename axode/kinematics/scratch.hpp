@@ -2,10 +2,10 @@
 #include "axode/fast/packed_store.hpp"
 #include "axode/recursion/forward_kinematics.hpp"
 
-/// Scratch memory of the functions in this folder, in addition to that of the recursions.
+/// Scratch memory of the functions in kinematics/, in addition to the memory of the recursions.
 namespace axode {
 
-/// Poses of all bodies, and of frames that are fixed to them.
+/// Computes the poses of all bodies, and from them the poses of frames that are fixed to the bodies.
 template <class T> struct FramePoses {
   using G = typename FastGeometry<T>::type;
   FastPoses<T> poses;
@@ -25,7 +25,8 @@ template <class T> struct FramePoses {
   }
 };
 
-/// Inertias of bodies and of their subtrees, about the centre of mass of the whole system.
+/// Memory for quantities about the centre of mass of the whole system, in inertial axes: the poses C of all
+/// bodies, the inertias M of their subtrees and the rates dM of these, and the twists V of the bodies.
 template <class T> struct SubtreeInertias {
   BodyPoses<T> C;
   Inertia<T>*M, *dM;

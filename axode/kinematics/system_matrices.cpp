@@ -19,7 +19,8 @@ void add_column(Triplets& triplets, int row, int column, const Screw<>& X) {
 Screw<> unit_screw(int k) {
   return {{double(k == 0), double(k == 1), double(k == 2)}, {double(k == 3), double(k == 4), double(k == 5)}};
 }
-/// Adds the 6×6 matrix of a linear map on screws as the block of row body i and column body j.
+/// Adds the 6×6 matrix of a linear map on screws as the block of block row i and block column j; both are
+/// indices of bodies.
 template <class F> void add_block(Triplets& triplets, int i, int j, F&& map) {
   for (int k = 0; k < 6; ++k) add_column(triplets, 6 * (i - 1), 6 * (j - 1) + k, map(unit_screw(k)));
 }
@@ -37,7 +38,7 @@ template <class Motion> void store(const Motion& V, int i, Eigen::VectorXd& out)
   out.segment<6>(6 * (i - 1)) << V.w.x, V.w.y, V.w.z, V.v.x, V.v.y, V.v.z;
 }
 
-/// Poses of the ground and the bodies in the user's frames.
+/// The poses of the ground and of the body frames that the user placed.
 std::vector<SE3<>> user_poses(const Model& model, std::span<const double> q) {
   Workspace<> workspace(model);
   std::vector<SE3<>> C(model.n_frames());
@@ -45,7 +46,8 @@ std::vector<SE3<>> user_poses(const Model& model, std::span<const double> q) {
   C.resize(model.n_bodies() + 1);
   return C;
 }
-/// The links between the user's frames.
+/// The transformations (Link) from each body to its successors, for the body frames that the user placed;
+/// entry 0 is the ground.
 template <class Rep>
 std::vector<Link<Rep, double>> user_links(const Model& model, std::span<const double> q) {
   const std::vector<SE3<>> C = user_poses(model, q);
@@ -56,7 +58,8 @@ std::vector<Link<Rep, double>> user_links(const Model& model, std::span<const do
   }
   return links;
 }
-/// The index of the velocity that moves screw k of joint i, and the ratio by which it does.
+/// The index of the velocity that moves screw k of joint i, and the rate of the joint for a unit of this
+/// velocity: the ratio of a coupled joint, otherwise 1.
 std::pair<int, double> velocity_of(const Model& model, int i, int k) {
   const Joint& joint = model.joint(i);
   return {joint.iv + k, joint.leader ? joint.leader->ratio : 1.0};

@@ -9,7 +9,7 @@
 namespace axode {
 namespace {
 
-/// nv^(order + 1), or the largest number if it overflows.
+/// The number nv^(order + 1) of columns of the tensor, or the largest std::size_t if this overflows.
 std::size_t tensor_size(std::size_t nv, int order) {
   constexpr std::size_t largest = std::numeric_limits<std::size_t>::max();
   if (nv == 0) return 0;

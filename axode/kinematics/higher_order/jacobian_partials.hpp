@@ -4,8 +4,9 @@
 #include "axode/kinematics/arguments.hpp"
 #include "axode/kinematics/place.hpp"
 
-/// Partial derivatives of Jacobians in the configuration, of any order, in closed form: nested screw
-/// products. All derivatives are along the joints' left-trivialised directions, d/dε of J(q ⊕ ε e_k).
+/// Partial derivatives of Jacobians with respect to the configuration, of any order, in closed form as nested
+/// screw products. All derivatives are along the joints' left-trivialised directions: d/dε of J(q ⊕ ε e_k) at
+/// ε = 0.
 namespace axode {
 
 /// The largest order of jacobian_derivative_along(), whose cost grows exponentially with the order.
@@ -28,10 +29,12 @@ void jacobian_partials(const Model& model, Workspace<T>& workspace, Numbers<T> q
                        std::type_identity_t<std::span<Twist<Rep, T>>> J,
                        const std::function<bool()>& should_continue = {});
 
-/// The tensor of jacobian_partials() contracted with one direction for each derivative, D_uν ... D_u1 J:
-/// `directions` has `order` rows of nv numbers, u1 first. The tensor is never built: O(m 3^order) screw
-/// products, order <= largest_directional_order. If all directions are equal, HigherOrderMotion takes a time
-/// that grows with the square of the order. Allocates.
+/// The directional derivative D_uν ... D_u1 J of the Jacobian of a place, nv columns: the tensor of
+/// jacobian_partials() contracted with one direction for each derivative. `directions` has `order` rows of nv
+/// numbers, the innermost direction u1 first. The tensor is never built: the function takes O(m 3^order)
+/// screw products for m joint screws on the path to the place, and order may be at most
+/// largest_directional_order. If all directions are equal, HigherOrderMotion is faster, with a time that
+/// grows with the square of the order. The function allocates memory.
 template <RecursionRepresentation Rep = BodyFixed, class T>
 void jacobian_derivative_along(const Model& model, Workspace<T>& workspace, Numbers<T> q,
                                const std::type_identity_t<Place<T>>& place, int order, Numbers<T> directions,

@@ -5,11 +5,16 @@
 
 namespace axode {
 
-/// The motion of a tree as power series in time, to any order. In spatial representation one rule holds for
-/// every order: J' = [V_i, J] for the joint screws of body i (eq. timeDerJs) and V_i = V_p + J v (eq.
-/// Vsirec). With coefficients J(t) = Σ J_k t^k this reads
-///   V_{i,k} = V_{p,k} + Σ_{l<=k} J_l v_{k-l}        (k + 1) J_{k+1} = Σ_{l<=k} [V_{i,l}, J_{k-l}].
-/// Every joint screw is one column, whatever the kind of joint. Cost O(n k²).
+/// The motion of a tree as power series in time, to any order. In spatial representation two rules hold for
+/// the spatial twist V_i of body i and the joint screws J of its joint, where p is the predecessor of body i:
+///
+///     J' = [V_i, J] (eq. timeDerJs),    V_i = V_p + J v (eq. Vsirec).
+///
+/// With coefficients J(t) = Σ J_k t^k and so on they read
+///
+///     V_{i,k} = V_{p,k} + Σ_{l<=k} J_l v_{k-l},    (k + 1) J_{k+1} = Σ_{l<=k} [V_{i,l}, J_{k-l}].
+///
+/// Every joint screw is one column, whatever the kind of joint. The cost is O(n k²) for order k.
 template <class T> class MotionSeries {
  public:
   MotionSeries(const Tree<T>& tree, int order)
@@ -22,15 +27,17 @@ template <class T> class MotionSeries {
 
   int order() const { return order_; }
 
-  /// Computes the series of the twists V to `order`, and those of the screws J to order + 1, from q and the
-  /// rates v, v', v'', ... (order + 1 rows of nv numbers).
+  /// Computes the series of all twists V and joint screws J to `order`, from q and from the rates v, v', v'',
+  /// ... (order + 1 rows of nv numbers).
   void run(const Tree<T>& tree, const T* q, const T* rates) noexcept { run<false>(tree, q, rates); }
-  /// Computes the series of run(), but about the origins of the roots at t = 0, in inertial axes.
+  /// Computes the series of run() with another reference point: the twists and screws of a subtree on the
+  /// ground are about the origin of its root body at t = 0 instead of the inertial origin, in inertial axes.
   void run_about_roots(const Tree<T>& tree, const T* q, const T* rates) noexcept {
     run<true>(tree, q, rates);
   }
 
-  /// The coefficients 0 to order of the spatial twist of body i; screw(s) has those of joint screw s.
+  /// twist(i) are the coefficients 0 to `order` of the spatial twist of body i, and screw(s) those of joint
+  /// screw s.
   const Screw<T>* twist(int i) const { return &V_[i * stride_]; }
   const Screw<T>* screw(int s) const { return &J_[s * stride_]; }
   /// The pose of body i's internal frame at t = 0.
@@ -74,7 +81,8 @@ template <class T> class MotionSeries {
   std::vector<T> v_;
 };
 
-/// The pose series of a place: R' = ω̃ R and r' = v^s + ω × r from the spatial twist of its body.
+/// The pose (R, r) of a place as power series in time: R' = ω̃ R and r' = v^s + ω × r with the spatial twist
+/// (ω; v^s) of the body to which the place belongs.
 template <class T> class PoseSeries {
  public:
   explicit PoseSeries(int order) : r_(order + 2), R_(order + 2) {}
@@ -95,12 +103,13 @@ template <class T> class PoseSeries {
       R_[k + 1] = {scale * R.x, scale * R.y, scale * R.z};
     }
   }
-  /// Coefficient k of the axes of the place; origin(k) is that of its origin.
+  /// axes(k) is coefficient k of the rotation R of the place, and origin(k) that of its position r.
   const SO3<T>& axes(int k) const { return R_[k]; }
   const Vec3<T>& origin(int k) const { return r_[k]; }
 
-  /// Coefficient k of a series X of a spatial screw, converted to the representation Rep at the place: the
-  /// hybrid screw is (w; v + w × r), and its parts are in body axes if Rep requires this.
+  /// Coefficient k of the series X of a spatial screw (w; v), converted to the representation Rep at the
+  /// place with position r: the hybrid screw is (w; v + w × r), and a part of it is in the axes of the place
+  /// if Rep requires this.
   template <class Rep> Screw<T> coefficient(const Screw<T>* X, int k) const noexcept {
     if constexpr (std::same_as<Rep, Spatial>) {
       return X[k];

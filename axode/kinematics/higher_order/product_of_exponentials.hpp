@@ -4,12 +4,13 @@
 #include "axode/lie/se3.hpp"
 #include "axode/model/model.hpp"
 
-/// Poses by products of exponentials, the paper's own description of a mechanism, in the frames that the user
-/// placed. The kernels use the joint-aligned frames of Tree instead; both give the same poses.
+/// Poses by products of exponentials, the paper's own description of a mechanism, for the body frames that
+/// the user placed. The kernels use the joint frames of Tree instead; both give the same poses.
 namespace axode {
 
-/// The displacement of the body frame of joint i: exp(X q) if the joint has one screw X, otherwise S_self
-/// C_J(q) S_self⁻¹ with the motion C_J(q) of its joint frame. q has the coordinates of this joint only.
+/// The displacement of the body frame by joint i: exp(X q) if the joint has one screw X, otherwise S_self
+/// C_J(q) S_self⁻¹ with the motion C_J(q) of its joint frame. q has only the coordinates of this joint, or
+/// the coordinate of its leader if it is coupled.
 template <class T> SE3<T> joint_displacement(const Model& model, int i, const T* q) {
   const Joint& joint = model.joint(i);
   if (joint.leader || joint.nv == 1) {

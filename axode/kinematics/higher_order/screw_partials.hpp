@@ -8,7 +8,8 @@
 /// Closed forms of the partial derivatives of the joint screws on the path to one place.
 namespace axode {
 
-/// A joint screw on the path to a place: its joint, the velocity that moves it, and its coordinates.
+/// A joint screw on the path to a place: the index of its joint, the index c of the velocity that moves it,
+/// and its components in three representations.
 template <class T> struct PathScrew {
   int joint;
   int c;
@@ -17,7 +18,7 @@ template <class T> struct PathScrew {
   Screw<T> hybrid;      ///< hybrid screw J_{f,c}^h; its linear part is ∂r/∂q_c of the place
 };
 
-/// The path to a place, from the root outwards.
+/// The joint screws on the path to a place, from the root outwards, and the pose of the place.
 template <class T> struct ScrewPath {
   std::vector<PathScrew<T>> screws;
   SE3<T> C;  ///< pose of the place
@@ -35,17 +36,21 @@ template <class T> struct ScrewPath {
   }
 };
 
-/// The partial derivatives of all screws of a path along multi-indices α of one order ν, where α[0] acts
-/// first; all are indices into path.screws. The chain β of α has its directions from the root outwards, and
-/// among those of one joint the one that acts last comes first. Then ∂_α C = Ĵ_β1 ... Ĵ_βν C with the spatial
-/// screws as 4 × 4 matrices, and the derivatives of the screw a are
+/// The partial derivatives of all screws of a path along the multi-indices α of one order ν. Entries of α are
+/// indices into path.screws, and α[0] acts first. The chain β of α has its directions sorted from the root
+/// outwards; of several directions of one joint, the one that acts last comes first. Then ∂_α C = Ĵ_β1 ...
+/// Ĵ_βν C with the spatial screws as 4 × 4 matrices and the pose C of the place, and the derivatives of the
+/// screw J_a are
+///
 ///   body-fixed  [...[[J_a, J_β1], J_β2]..., J_βν], or 0 unless all of β lie outward of a  (eq. nthorderBody)
 ///   spatial     [J_β1, ...[J_βν, J_a]...], or 0 if one of β lies outward of a or βν is a  (eq. nthorder)
 ///   hybrid      the angular part of the spatial derivative; the linear part is ∂_α ∂_a r,
 ///               w_γ1 × (w_γ2 × ... (w_γν × v_γ(ν+1))),  γ the chain of (a, α1, ..., αν)  (D15.4)
 ///   mixed       the angular part of the body-fixed and the linear part of the hybrid derivative
-/// with w and v of hybrid screws. A column takes at most ν brackets or 2 ν cross products. The constructor
-/// allocates, and the other functions do not. See docs/derivations/jacobian-partials.md.
+///
+/// with w and v of hybrid screws and the position r of the place. A column takes at most ν brackets or 2 ν
+/// cross products. The constructor allocates, and the other functions do not. See
+/// docs/derivations/jacobian-partials.md.
 template <class Rep, class T> class ScrewPartials {
  public:
   ScrewPartials(const ScrewPath<T>& path, int order)
@@ -75,7 +80,7 @@ template <class Rep, class T> class ScrewPartials {
   int joint(int a) const { return screws_[static_cast<std::size_t>(a)].joint; }
   const PathScrew<T>& screw(int a) const { return screws_[static_cast<std::size_t>(a)]; }
 
-  /// Calls f(a, X) with the derivative X of every screw a along alpha_.
+  /// Calls f(a, X) with the derivative X of every screw a along the present multi-index alpha_.
   template <class F> void along(const F& f) {
     sort();
     if constexpr (std::same_as<Rep, BodyFixed>) {
@@ -92,7 +97,8 @@ template <class Rep, class T> class ScrewPartials {
       }
     }
   }
-  /// Sorts alpha_ into the chain.
+  /// Sorts the directions alpha_ into chain_: from the root outwards, and of several directions of one joint
+  /// the one that acts last comes first.
   void sort() {
     std::size_t n = 0;
     for (std::size_t k = alpha_.size(); k-- > 0; ++n) {
@@ -118,32 +124,33 @@ template <class Rep, class T> class ScrewPartials {
     for (std::size_t k = chain_.size(); k-- > 0;) X = ad(screw(chain_[k]).spatial, X);
     return X;
   }
-  /// The angular part of body_fixed().
+  /// The angular part of the derivative body_fixed(a).
   Vec3<T> body_fixed_rotation(int a) const {
     if (!all_outward_of(a)) return {};
     Vec3<T> w = screw(a).body_fixed.w;
     for (const int k : chain_) w = cross(w, screw(k).body_fixed.w);
     return w;
   }
-  /// The angular part of spatial().
+  /// The angular part of the derivative spatial(a).
   Vec3<T> spatial_rotation(int a) const {
     if (!moves_screw(a)) return {};
     return rotated(chain_.size(), screw(a).hybrid.w);
   }
-  /// w_β1 × (w_β2 × ... (w_βn × x)).
+  /// The vector w_β1 × (w_β2 × ... (w_βn × x)) with the first n directions β of the chain.
   Vec3<T> rotated(std::size_t n, Vec3<T> x) const {
     while (n-- > 0) x = cross(screw(chain_[n]).hybrid.w, x);
     return x;
   }
-  /// Computes the derivatives of r along the tails of the chain, (βk, ..., βν).
+  /// Computes the derivatives of the position r of the place along the ends (βk, ..., βν) of the chain, for
+  /// each k.
   void put_tails() {
     for (std::size_t k = chain_.size(); k-- > 0;) {
       const Screw<T>& J = screw(chain_[k]).hybrid;
       tails_[k] = k + 1 == chain_.size() ? J.v : cross(J.w, tails_[k + 1]);
     }
   }
-  /// The linear part of the hybrid derivative, ∂_α ∂_a r, where the first `inward` directions of the chain
-  /// lie before a.
+  /// The linear part ∂_α ∂_a r of the hybrid derivative of screw a. The first `inward` directions of the
+  /// chain come before a on the path from the root.
   Vec3<T> linear(int a, std::size_t inward) const {
     const Screw<T>& J = screw(a).hybrid;
     return rotated(inward, inward == chain_.size() ? J.v : cross(J.w, tails_[inward]));
@@ -151,14 +158,18 @@ template <class Rep, class T> class ScrewPartials {
 
   const std::vector<PathScrew<T>>& screws_;
   std::vector<int> alpha_;      ///< indices of screws; alpha_[0] acts first
-  std::vector<int> chain_;      ///< alpha_ from the root outwards
-  std::vector<Vec3<T>> tails_;  ///< ∂r along (βk, ..., βν), for each k
+  std::vector<int> chain_;      ///< alpha_ sorted from the root outwards, see sort()
+  std::vector<Vec3<T>> tails_;  ///< derivative of r along (βk, ..., βν), for each k
 };
 
-/// Directional derivatives along several directions at once. For a set S of directions X^S means D_S X, the
-/// derivative along all of them, the lowest index innermost. With W_i(u) = Σ J_c u_c over the path to body i,
+/// Derivatives of the joint screws J_c of a path along several directions at once. For a set S of directions,
+/// X^S means D_S X, the derivative along all of them, the lowest index innermost. With W_i(u) = Σ J_c u_c,
+/// summed over the path to body i,
+///
 ///   D_S J_c = Σ_{A ⊆ S∖s} [W_i(u_s)^A, J_c^{S∖s∖A}],  s the lowest index in S,
-/// by the product rule on D_u J_c = [W_i(u), J_c]; r and Rᵀ of the place follow in the same way.
+///
+/// by the product rule on D_u J_c = [W_i(u), J_c]. The position r and the transposed rotation Rᵀ of the place
+/// are differentiated in the same way.
 template <class T> class DirectionalDerivatives {
  public:
   DirectionalDerivatives(const ScrewPath<T>& path, int order, const T* directions, int nv)
@@ -177,7 +188,7 @@ template <class T> class DirectionalDerivatives {
     pose();
   }
 
-  /// The derivative of column c along all directions, in the representation Rep at the place.
+  /// The derivative of screw c of the path along all directions, in the representation Rep at the place.
   template <class Rep> Screw<T> of(int c) const {
     const unsigned S = sets_ - 1;
     if constexpr (std::same_as<Rep, Spatial>) return J(c, S);
@@ -206,8 +217,8 @@ template <class T> class DirectionalDerivatives {
     return v;
   }
 
-  /// Differentiates the screws begin to end - 1 of one joint. Before the call, W_ belongs to the predecessor
-  /// of the joint; after it, to its body.
+  /// Differentiates the screws begin to end - 1 of the path, which belong to one joint. Before the call, W_
+  /// belongs to the predecessor of the joint, and after the call to the body of the joint.
   void body(int begin, int end, const T* directions, int nv) {
     for (int c = begin; c < end; ++c) J_[c * sets_] = path_.screws[c].spatial;
     for (unsigned S = 0; S < sets_; ++S) {
