@@ -6,8 +6,9 @@
 
 namespace axode::batch {
 
-/// Checks that loops are closed at every state. Throws std::invalid_argument if they are not, or if v has
-/// another size. Returns false if the monitor, which is called with 0 finished states, has ended the check.
+/// Checks that the loops of the model are closed at every state (q, v). Throws std::invalid_argument if they
+/// are not, or if v does not have nv numbers for each state. Returns false if the monitor has ended the
+/// check; the monitor is called with 0 finished states.
 bool check_loops(const Model& model, std::span<const double> q, std::span<const double> v, int threads,
                  const Monitor& monitor);
 

@@ -6,7 +6,8 @@
 
 namespace axode::batch {
 
-/// Checks q and the number of threads, and returns the number of states.
+/// Checks q, the coordinates of several states, and the number of threads, and returns the number of states.
+/// Throws std::invalid_argument for a wrong size, a quaternion that is not of unit norm, and threads < 1.
 template <class S> std::size_t check_states(const Model& model, std::span<const S> q, int threads) {
   if (threads < 1)
     throw std::invalid_argument("threads is " + std::to_string(threads) + "; expected 1 or more");

@@ -21,11 +21,11 @@ namespace {
 
 using Span = std::span<const double>;
 
-/// Integrates one motion after the other in the same memory.
+/// Integrates motions with contact, one after the other, in the same memory.
 class ContactMotion {
  public:
-  /// `goes_on` is called in the thread of the motion, in steps that take long as well, and ends the motion if
-  /// it returns false.
+  /// `goes_on` is called in the thread of the motion, also within steps that take long. If it returns false,
+  /// the motion ends.
   ContactMotion(const Model& model, const ContactShapes& shapes, const Drive& drive, bool joint_losses,
                 const std::function<bool()>& goes_on)
       : drive_(drive),
@@ -44,7 +44,8 @@ class ContactMotion {
     run_.restart(q_);
     step_.restart();
   }
-  /// Computes step k of length h. The forces tau act if there is no drive. Returns false if it fails.
+  /// Computes step k of length h from the present state, and writes the new state to q_1 and v_1. The forces
+  /// tau act if there is no drive. Returns false if the step fails.
   bool run(std::size_t k, double h, Span tau, std::span<double> q_1, std::span<double> v_1) {
     tau_ = tau;
     if (step_.run(static_cast<double>(k) * h, h, q_, v_)) return false;
@@ -84,7 +85,7 @@ Outcome run_motions(const Model& model, const ContactShapes& shapes, Span q, Spa
                     const Drive& drive, double step, std::span<double> q_out, std::span<double> v_out,
                     std::span<double> certificates, int threads, const Monitor& monitor, bool joint_losses) {
   if (joint_losses) refuse_gears(model);
-  // Steps of a motion before its thread takes another motion.
+  // The number of steps that a thread computes of one motion before it takes another motion.
   constexpr std::size_t steps_at_once = 64;
   const std::size_t nq = static_cast<std::size_t>(model.nq()), nv = static_cast<std::size_t>(model.nv()),
                     N = nq == 0 ? 0 : q.size() / nq;
@@ -111,7 +112,7 @@ Outcome run_motions(const Model& model, const ContactShapes& shapes, Span q, Spa
     std::ranges::copy(v.subspan(n * nv, nv), v_at(n, 0).begin());
   }
   std::vector<char> failed(N, 0);
-  // The motions advance side by side, and none is complete if the monitor ends the call.
+  // All motions advance together. Therefore none is complete if the monitor ends the call.
   const std::thread::id caller = std::this_thread::get_id();
   MonitorThrottle throttle(monitor, N);
   std::atomic<bool> stopped = false;

@@ -4,24 +4,26 @@
 
 namespace axode::batch {
 
-/// Integrates N motions with contact, K steps of equal length (s) each, see axode::simulate_contact(). tau
-/// has nv K N numbers, which are constant in each step; q_out and v_out receive (K + 1) states for each
-/// motion, beginning with the given one, and `certificates` the certificate of each step, K N numbers, unless
-/// it is empty. If a motion cannot continue, its later states and certificates are NaN. The monitor is asked
-/// before each step of the calling thread. If it ends the call, the count of finished motions is 0.
+/// Integrates N motions with contact, K steps of equal length `step` (s) each, see axode::simulate_contact().
+/// tau has nv K N numbers, which are constant in each step. q_out and v_out receive (K + 1) states for each
+/// motion, beginning with the given initial state. `certificates` receives, for each step of each motion, the
+/// relative residual of the laws of contact (K N numbers, see Trajectory::certificates), unless it is empty.
+/// If a motion cannot continue, its later states and certificates are NaN. The monitor is called in the
+/// calling thread, before and during steps, with 0 finished motions. If it ends the call, Outcome::done is 0.
 ///
-/// The shapes must be those of the model, as `ContactShapes(model, hull_of_mesh)`. With joint_losses damping
-/// and dry friction of joints act. Each thread has memory of a fixed size, which all of its motions use one
-/// after the other; no step allocates, see ContactStep. The results do not depend on the number of threads.
-/// Throws std::invalid_argument for what simulate_contact() refuses and for arrays of another size.
+/// The shapes must be those of the model, as `ContactShapes(model, hull_of_mesh)`. If `joint_losses` is set,
+/// damping and dry friction of joints act. Each thread has memory of a fixed size, which all of its motions
+/// use one after the other; no step allocates, see ContactStep. The results do not depend on the number of
+/// threads. Throws std::invalid_argument for arguments that simulate_contact() refuses and for arrays of a
+/// wrong size.
 Outcome rollout_with_contact(const Model& model, const ContactShapes& shapes, std::span<const double> q,
                              std::span<const double> v, std::span<const double> tau, double step,
                              std::span<double> q_out, std::span<double> v_out,
                              std::span<double> certificates = {}, int threads = 1,
                              const Monitor& monitor = {}, bool joint_losses = false);
 
-/// Integrates N motions with contact of K steps under a drive that all motions share. Each thread has a copy
-/// of the drive. Throws std::invalid_argument if the drive is empty.
+/// Integrates N motions with contact under a drive that all motions share, K steps of length `step` (s) each.
+/// Each thread has a copy of the drive. Throws std::invalid_argument if the drive is empty.
 Outcome rollout_with_contact(const Model& model, const ContactShapes& shapes, std::span<const double> q,
                              std::span<const double> v, const Drive& drive, std::size_t K, double step,
                              std::span<double> q_out, std::span<double> v_out,

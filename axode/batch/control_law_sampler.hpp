@@ -7,16 +7,17 @@
 
 namespace axode::batch {
 
-/// Evaluates a drive of axode/integration/drives.hpp for motions in lanes: the reference and the feedforward
-/// are evaluated once for all motions.
+/// Evaluates a drive of axode/integration/drives.hpp for several motions that are computed at once in SIMD
+/// lanes. The reference and the feedforward are evaluated once for all motions.
 template <class S> class ControlLawSampler {
  public:
   ControlLawSampler(const Model& model, const Drive& drive);
 
-  /// Whether the drive is one of axode/integration/drives.hpp and its feedforward, if it has one, is given by
-  /// samples.
+  /// Whether the drive can be evaluated in this way: it is a SampledDrive, a ProportionalDerivative whose
+  /// feedforward, if there is one, is a SampledDrive, or a ComputedTorque that drives all joints.
   bool known() const { return known_; }
-  /// The law at the stages of steps begin to end - 1. It is valid until the next call.
+  /// The control law, with its reference at all stages of the steps begin to end - 1. It is valid until the
+  /// next call of law().
   const ControlLaw<S>& law(const Tableau& method, double step, std::size_t begin, std::size_t end);
 
  private:
@@ -30,7 +31,7 @@ template <class S> class ControlLawSampler {
   ControlLaw<S> law_{};
 };
 
-/// The time of a stage of step k, as simulate_fixed() computes it.
+/// The time of a stage of step k (s), by the formula that simulate_fixed() uses.
 inline double time_of(const Tableau& method, double step, std::size_t k, std::size_t stage) {
   const double t = static_cast<double>(k) * step;
   return t + method.c[stage] * (static_cast<double>(k + 1) * step - t);

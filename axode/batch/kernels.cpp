@@ -22,7 +22,8 @@ using G = Plain<Number>;
 using ArticulatedBodies = FastArticulatedBodies<G, Number>;
 using catalog::Id, catalog::Input;
 
-/// Computes accelerations in lanes, for the kernels of rows.
+/// Solves the equations of motion of several states at once, one in each SIMD lane, by the articulated-body
+/// algorithm. The kernels of the catalogue call it.
 struct ByBodies {
   using T = Number;
   ArticulatedBodies bodies;
@@ -45,7 +46,8 @@ struct ByBodies {
   void inverse(const Tree<S>& tree, Number* matrix) { bodies.inverse(tree, columns, u, matrix); }
 };
 
-/// The number of results of a row that has one result for each velocity, or one for each pair of velocities.
+/// The number of numbers in all results of a function for one state. Each result has one number for each
+/// velocity, or one for each pair of velocities.
 template <Id id> std::size_t results(const Topology& topology) {
   constexpr std::size_t several = id.words().symbols.size(), axes = id.words().shape.size();
   std::size_t n = several;
@@ -53,7 +55,8 @@ template <Id id> std::size_t results(const Topology& topology) {
   return n;
 }
 
-/// Memory for the arguments and the results of a row in lanes, and the kernel of the row.
+/// Memory for the arguments and the results of a function of the catalogue, with a state in each SIMD lane,
+/// and the kernel of the function.
 template <Id id> struct RowBuffers {
   catalog::Read<Number> given;
   Number* x[catalog::inputs_of_numbers.size()] = {};
@@ -67,7 +70,7 @@ template <Id id> struct RowBuffers {
       given[input] = x[static_cast<std::size_t>(input)] = arena.array<Number>(n);
     });
   }
-  /// Calls f<input>() for the inputs that the row takes.
+  /// Calls f<input>() for each input of the function that consists of numbers.
   template <class F> static void each_input(const F& f) {
     [&]<std::size_t... k>(std::index_sequence<k...>) {
       const auto one = [&]<std::size_t i>() {
@@ -80,7 +83,8 @@ template <Id id> struct RowBuffers {
   }
 };
 
-/// Memory for the coordinates and a matrix in lanes, and the algorithm that computes the matrix.
+/// Memory for the coordinates and for a matrix, with a state in each SIMD lane, and the algorithm that
+/// computes the matrix.
 template <class Algorithm> struct MatrixBuffers {
   Number *q, *out;
   Algorithm by;
@@ -103,7 +107,7 @@ struct PoseBuffers {
       : q(arena.array<Number>(arena.topology().nq)), body(arena.per_body<SE3<Number>>()), poses(arena) {}
 };
 
-/// The size of the memory of a kernel.
+/// The size of the memory of a kernel in bytes.
 template <class Buffers> std::size_t bytes(const Tree<S>& tree) {
   return footprint<Buffers>(*tree.topology());
 }
@@ -208,7 +212,7 @@ unsigned joint_screws(const Tree<S>& tree, Arena arena, const catalog::Read<S>& 
   return 0;
 }
 
-/// Integrates a motion in each lane.
+/// Integrates several motions at once, one in each SIMD lane.
 class Rollout {
  public:
   Rollout(const Tree<S>& tree, const Tableau& method)
@@ -277,7 +281,7 @@ class Rollout {
     for (int c = 0; c < tree_->nv; ++c) at.total[c] = at.tau[c] - Number(tree_.damping[c]) * v[c];
     return at.total;
   }
-  /// Computes accelerations by a function that takes contiguous states.
+  /// Computes the accelerations of all lanes by the compiled function, which takes contiguous states.
   void call(const CompiledCall<S>& of, const Number* q, const Number* v, const Number* tau,
             Number* a) noexcept {
     scatter(q, tree_->nq, of.q);
@@ -289,7 +293,8 @@ class Rollout {
     for (unsigned l = 0; l < lanes; ++l)
       singular_lanes_ |= static_cast<unsigned>(of.maybe_singular[l] != 0) << l;
   }
-  /// Computes the forces τ of a drive from a row of its law.
+  /// Computes the forces τ of a drive, see ControlLaw. `row` has the reference and the feedforward at the
+  /// present stage.
   void drive(const ControlLaw<S>& law, const S* row, const Number* q, const Number* v) noexcept {
     Dynamics& at = *dynamics_;
     const int nq = tree_->nq, nv = tree_->nv;
@@ -315,7 +320,8 @@ class Rollout {
       }
     }
   }
-  /// Copies n numbers of every motion to its lane; the last motion is repeated in the remaining lanes.
+  /// Copies n numbers of every motion, `stride` apart in `in`, to the lane of the motion; the last motion is
+  /// repeated in the remaining lanes.
   static void each(const Motions<S>& of, const S* in, std::ptrdiff_t stride, Number* out, std::ptrdiff_t n) {
     for (std::ptrdiff_t l = 0; l < lanes; ++l)
       for (std::ptrdiff_t c = 0; c < n; ++c) out[c].x[l] = in[std::min(l, of.count - 1) * stride + c];

@@ -8,7 +8,7 @@
 /// Spreads work on many states over cores, and reports progress to a monitor that may end it early.
 namespace axode::batch {
 
-/// Calls a monitor at most every 20 ms. It may be used in the calling thread only.
+/// Calls a monitor at most every 20 ms. Only the calling thread may use it.
 class MonitorThrottle {
  public:
   MonitorThrottle(const Monitor& monitor, std::size_t of) : monitor_(monitor), of_(of) {}
@@ -23,14 +23,14 @@ class MonitorThrottle {
   Clock::time_point last_check_ = Clock::now(), last_call_ = last_check_;
 };
 
-/// Work on `count` states, beginning with `first`.
+/// A function that processes `count` states, beginning with state `first`.
 using Work = std::function<void(std::size_t first, std::size_t count)>;
 
-/// Processes N states in groups of `group` states; the last group may be smaller. There is one task for each
-/// core to be used. Each task takes portions of the groups, one after the other, and has a Work of its own.
-/// The tasks run in the caller's TBB arena, whose threads are awake already. If the monitor returns false,
-/// the call ends after the current groups. Returns n if the first n states are done; some later ones may be
-/// done as well.
+/// Processes N states in groups of `group` states; the last group may be smaller. Each core that is used runs
+/// one task. A task has a Work of its own, made by make_work(), and takes portions of the groups, one after
+/// the other. The tasks run in the caller's TBB arena, whose threads are awake already. If the monitor
+/// returns false, the call ends after the current groups. Returns a number n such that the first n states are
+/// done; some later states may be done as well.
 std::size_t in_portions(std::size_t N, std::size_t group, int threads, const Monitor& monitor,
                         const std::function<Work()>& make_work);
 

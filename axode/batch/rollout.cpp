@@ -30,7 +30,8 @@ namespace {
 
 template <class S> void none(std::span<S> x) { std::ranges::fill(x, std::numeric_limits<S>::quiet_NaN()); }
 
-/// The joint losses of a model, and which of them act: damping, and dry friction or losses of gears.
+/// Whether joint losses act in a motion: `damping` is set if damping acts, and `friction` if dry friction or
+/// losses of gears act, which need steps with stick and slip.
 struct Losses {
   bool damping, friction;
 };
@@ -53,13 +54,15 @@ template <class S> class ScalarRollout {
     if (!model.loops().empty()) loops_ = std::make_shared<ClosedMotion>(model);
   }
 
-  /// Begins at a state with closed loops.
+  /// Begins at a configuration q at which the loops are closed: determines which loop rows are redundant
+  /// there.
   void begin(std::span<const S> q) {
     if constexpr (std::same_as<S, double>)
       if (loops_) loops_->determine_rank(q);
   }
 
-  /// Computes step k. The forces tau act if there is no drive.
+  /// Computes step k from (q, v), and writes the new state to q_1 and v_1. The forces tau act if there is no
+  /// drive. Returns why the step failed, if it did.
   Solvability run(std::size_t k, std::span<const S> q, std::span<const S> v, std::span<const S> tau,
                   double step, std::span<S> q_1, std::span<S> v_1) {
     if constexpr (std::same_as<S, double>)
@@ -100,7 +103,7 @@ template <class S> class ScalarRollout {
   bool loops_open() const { return loops_open_; }
 
  private:
-  /// Computes a step in which joints stick and slide. Returns false if the motion cannot continue.
+  /// Computes a step in which joints may stick and slide. Returns false if the motion cannot continue.
   bool step_with_friction(std::size_t k, std::span<const double> q, std::span<const double> v,
                           std::span<const double> tau, double step, std::span<double> q_1,
                           std::span<double> v_1) {
@@ -140,7 +143,7 @@ template <class S> class ScalarRollout {
       drive_(t, q, v, total_);
     } else {
       const std::vector<double> v_t(v.begin(), v.end()),
-          q_t = normalize(*model_, std::vector<double>(q.begin(), q.end()));  // in more digits
+          q_t = normalize(*model_, std::vector<double>(q.begin(), q.end()));  // exact to double
       std::vector<double> tau(v.size());
       drive_(t, q_t, v_t, tau);
       total_.assign(tau.begin(), tau.end());
@@ -160,7 +163,8 @@ template <class S> class ScalarRollout {
   std::vector<S> a_, total_;
 };
 
-/// Integrates several motions in lanes, for models without springs. Coupled joints need compiled dynamics.
+/// Integrates several motions at once in SIMD lanes, for models without springs and loops. Models with
+/// coupled joints need compiled dynamics.
 template <class S> class LaneRollout {
  public:
   LaneRollout(const Tree<S>& tree, const CompiledDynamics<S>& compiled, const Tableau& method)
@@ -192,13 +196,13 @@ template <class S> class LaneRollout {
   CompiledCall<S> call_{};
 };
 
-/// Integrates motions under given forces or a drive.
+/// Integrates N motions of K steps under given forces or a drive, several at once in SIMD lanes if possible.
 template <class S>
 Outcome run_rollouts(const Model& model, const CompiledDynamics<S>& compiled, std::span<const S> q,
                      std::span<const S> v, std::size_t K, std::span<const S> tau, const Drive& drive,
                      double step, std::span<S> q_out, std::span<S> v_out, const Tableau& method, int threads,
                      const Monitor& monitor, const Losses& losses) {
-  // Steps of a motion between two calls of the monitor. A step with friction takes up to milliseconds.
+  // The number of steps between two calls of the monitor. A step with friction takes up to milliseconds.
   const std::size_t steps_at_once = losses.friction ? 16 : 256;
   const std::size_t nq = model.nq(), nv = model.nv(), N = nq == 0 ? 0 : q.size() / nq;
   check_size("v", v.size(), N * nv, "nv N");
@@ -272,14 +276,16 @@ Outcome run_rollouts(const Model& model, const CompiledDynamics<S>& compiled, st
   return outcome;
 }
 
-/// Loops are checked in double alone, see check_loops().
+/// Throws std::invalid_argument for a model with loops, because rollouts in float do not take loops into
+/// account.
 bool check_loops(const Model& model, std::span<const float>, std::span<const float>, int, const Monitor&) {
   if (model.loops().empty()) return true;
   throw std::invalid_argument("model \"" + model.name() +
                               "\" has loops, which rollouts count in double precision alone");
 }
 
-/// The losses of a model. Throws if it has dry friction or gears with losses, and S is float.
+/// The joint losses of a model that act if `enabled` is set. Throws std::invalid_argument if S is float and
+/// dry friction or losses of gears would act.
 template <class S> Losses losses_of(const Model& model, bool enabled) {
   const bool gears = !model.gears().empty();
   const bool friction = enabled && (gears || std::ranges::any_of(model.tree<double>().friction,

@@ -9,14 +9,15 @@
 
 namespace axode::batch {
 
-/// The checked arguments and the results of a row in N states, with a verdict on each state. If a kernel
-/// reports that a mass matrix may be singular, the library's function for one state computes this state and
-/// decides.
+/// The checked arguments and the results of a function of the catalogue in N states, with a verdict on each
+/// state. If a kernel reports that the mass matrix of a state may be singular, the library's function for one
+/// state computes this state and decides.
 template <class S> class StatesOfRow {
  public:
   enum Verdict : unsigned char { solved, maybe_singular, singular, not_finite };
 
-  /// Throws std::invalid_argument for wrong sizes, threads < 1, and results in the memory of arguments.
+  /// Throws std::invalid_argument for wrong sizes, threads < 1, and results that share memory with an
+  /// argument.
   StatesOfRow(const Model& model, const catalog::Function<S>& row, const catalog::Arguments<S>& given,
               std::span<S> out, int threads)
       : model_(model),
@@ -39,7 +40,7 @@ template <class S> class StatesOfRow {
   const Model& model() const { return model_; }
   const catalog::Function<S>& row() const { return row_; }
   std::size_t count() const { return count_; }
-  /// Length of an argument for one state; size() is that of the result.
+  /// length() is the number of numbers of an argument for one state, and size() that of the result.
   std::size_t length(catalog::Input input) const {
     return static_cast<std::size_t>(input == catalog::Input::q ? model_.nq() : model_.nv());
   }
@@ -52,14 +53,15 @@ template <class S> class StatesOfRow {
   std::span<S> result(std::size_t first, std::size_t states) const {
     return out_.subspan(first * size_, states * size_);
   }
-  /// The verdicts on the states, beginning with `first`; null if the row cannot fail.
+  /// The verdicts on the states, beginning with state `first`; null if the function cannot fail.
   unsigned char* verdicts(std::size_t first) {
     if (!row_.may_fail) return nullptr;
     return verdicts_.empty() ? &only_verdict_ : &verdicts_[first];
   }
 
-  /// Computes the states that may be singular with the library's function for one state, and checks that the
-  /// results of the other states are finite.
+  /// Decides about `states` states, beginning with state `first`. States whose mass matrix may be singular
+  /// are computed with the library's function for one state, and the results of the other states are checked
+  /// to be finite.
   void settle(std::optional<Workspace<S>>& workspace, std::size_t first, std::size_t states) {
     if (!row_.may_fail) return;
     for (std::size_t k = first; k < first + states; ++k) {
@@ -72,7 +74,7 @@ template <class S> class StatesOfRow {
       }
     }
   }
-  /// Calls the library's function for one state.
+  /// Calls the library's function for one state, state k.
   Solvability call_one(Workspace<S>& workspace, std::size_t k) const {
     catalog::Arguments<S> one;
     for (const catalog::Input input : row_.numbers()) catalog::numbers(one, input) = argument(input, k, 1);
@@ -97,7 +99,7 @@ template <class S> class StatesOfRow {
  private:
   static const char* name_of(catalog::Input input) { return catalog::to_string(input).data(); }
   const char* result_name() const { return row_.together.data(); }
-  /// The product that gives the number of entries, such as "3 nv nv N".
+  /// The number of entries of the result as text, such as "3 nv nv N".
   std::string meaning() const {
     const std::size_t several = row_.symbols.size();
     std::string text = several == 1 ? "" : std::to_string(several) + ' ';

@@ -1,23 +1,24 @@
 #pragma once
 #include "axode/scalar/transpose.hpp"
 
-/// Transposes contiguous states to numbers with a state in each lane, and back.
+/// Transposes contiguous states to arrays of SIMD numbers with a state in each lane, and back.
 namespace axode::batch {
 
 template <class S> constexpr int cache_line = static_cast<int>(64 / sizeof(S));
 
-/// Calls f(k) for blocks of N out of n numbers. The last block overlaps the one before unless N divides n.
+/// Calls f(k) for the first index k of each block of N out of n >= N numbers. The last block overlaps the one
+/// before it unless N divides n.
 template <int N, class F> void each_block(std::ptrdiff_t n, const F& f) {
   std::ptrdiff_t k = 0;
   for (; k + N <= n; k += N) f(k);
   if (k < n) f(n - N);
 }
 
-/// Copies in[l * n + k], number k of the state in lane l, to out[k].
+/// Copies in[l * n + k], number k of the state in lane l, to lane l of out[k], for k < n.
 template <class S, std::size_t N> void gather(const S* in, std::ptrdiff_t n, Batch<S, N>* out) {
   constexpr int lanes = static_cast<int>(N);
   for (std::ptrdiff_t k = lanes * n; k < 2 * lanes * n; k += cache_line<S>)
-    __builtin_prefetch(in + k);  // the next states
+    __builtin_prefetch(in + k);  // the states of the next call
   std::array<Batch<S, N>, N> rows;
   if (n >= lanes) {
     each_block<lanes>(n, [&](std::ptrdiff_t k) {
@@ -38,7 +39,7 @@ template <class S, std::size_t N> void gather(const S* in, std::ptrdiff_t n, Bat
   transpose(rows);
   for (int k = 0; k < n; ++k) out[k] = rows[k];
 }
-/// Copies lane l of in[k] to out[l * n + k].
+/// Copies lane l of in[k], number k of the state in lane l, to out[l * n + k], for k < n.
 template <class S, std::size_t N> void scatter(const Batch<S, N>* in, std::ptrdiff_t n, S* out) {
   constexpr int lanes = static_cast<int>(N), ahead = 8 * cache_line<S>;
   std::array<Batch<S, N>, N> rows;
