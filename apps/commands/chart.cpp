@@ -24,13 +24,13 @@ extern char** environ;
 namespace axode::command {
 namespace {
 
-/// Colours that can also be distinguished with a colour vision deficiency. Lines of the second half are
-/// dashed.
+/// Colours that people with a colour vision deficiency can distinguish, too. The lines of a panel beyond the
+/// first four are dashed.
 constexpr std::array<std::string_view, 8> palette{"#4477aa", "#ee7733", "#228833", "#aa3377",
                                                   "#999933", "#33bbee", "#000000", "#cc3311"};
 constexpr std::size_t most_lines = palette.size(), most_points = 2000, longest_name = 60;
-constexpr std::size_t most_dots = 50;  ///< a line with at most this number of points has a dot at each of
-                                       ///< them
+constexpr std::size_t most_dots = 50;  ///< a line with at most this number of points has dots at its
+                                       ///< points
 
 // ----------------------------------------------------------------------------------------------------
 // gnuplot
@@ -64,7 +64,8 @@ class TemporaryFile {
   std::unique_ptr<std::FILE, int (*)(std::FILE*)> file_;
 };
 
-/// The output of gnuplot for a script, which it reads from standard input; empty if gnuplot is not installed.
+/// Runs gnuplot, which reads the script from standard input, and returns its output; empty if gnuplot is not
+/// installed.
 std::optional<Outcome> gnuplot(const std::string& script) {
   TemporaryFile in, out, err;
   in.write(script);
@@ -86,9 +87,9 @@ std::optional<Outcome> gnuplot(const std::string& script) {
 // -----------------------------------------------------------------------------------------------------
 // script
 
-/// A string of gnuplot for any text. All bytes except letters and blanks are written as numbers, digits too,
-/// because gnuplot takes a digit after such a number for a part of it. Control characters become blanks, and
-/// bytes that are not UTF-8 become question marks.
+/// The text as a string literal of gnuplot. All bytes except letters and blanks are written as octal numbers.
+/// Digits are written so, too, because gnuplot would take a digit after such a number for a part of it.
+/// Control characters become blanks, and bytes that are not UTF-8 become question marks.
 std::string literal(const std::string& text) {
   const std::string valid =
       Json::parse(Json(text).dump(-1, ' ', false, Json::error_handler_t::replace)).get<std::string>();
@@ -116,11 +117,11 @@ std::string in_legend(const Curve& curve) { return shortened(curve.name, longest
 
 double range(const Curve& curve) {
   const auto [low, high] = std::ranges::minmax(curve.y);
-  return high / 2 - low / 2;  // in this form the difference cannot overflow
+  return high / 2 - low / 2;  // high - low could overflow
 }
 
-/// The curves of a panel that are drawn. If there are too many lines, they are the lines that change most, in
-/// their original order.
+/// The curves of a panel that are drawn. If a panel has more lines than can be drawn, these are the lines
+/// that change most, in their original order.
 std::vector<const Curve*> chosen(const Panel& panel) {
   std::vector<const Curve*> curves;
   for (const Curve& curve : panel.curves)
@@ -133,8 +134,8 @@ std::vector<const Curve*> chosen(const Panel& panel) {
   return curves;
 }
 
-/// The indices of the points of a line that are drawn. If there are too many points, the line is divided into
-/// equal parts, and the lowest and the highest point of each part are drawn.
+/// The indices of the points of a line that are drawn. If a line has more points than can be drawn, it is
+/// divided into parts of equal length, and the lowest and the highest point of each part are drawn.
 std::vector<std::size_t> thinned(const std::vector<double>& y) {
   std::vector<std::size_t> places;
   const std::size_t parts = y.size() <= most_points ? y.size() : most_points / 2;
@@ -149,8 +150,8 @@ std::vector<std::size_t> thinned(const std::vector<double>& y) {
   return places;
 }
 
-/// A step of 1, 2 or 5 times a power of ten, such that `whole` consists of at most `most` steps; 0 if there
-/// is no such step.
+/// The smallest step of 1, 2 or 5 times a power of ten such that the length `whole` has at most `most` steps;
+/// 0 if `whole` is not positive and finite.
 double round_step(double whole, double most) {
   if (!(whole > 0) || !std::isfinite(whole)) return 0;
   const double power = std::pow(10, std::floor(std::log10(whole / most)));
@@ -159,7 +160,7 @@ double round_step(double whole, double most) {
   return 10 * power;
 }
 
-/// Writes a chart as a script for gnuplot, which draws the picture.
+/// Writes a chart as a script for gnuplot.
 class Script {
  public:
   explicit Script(const Chart& chart) : chart_(chart) {
@@ -217,7 +218,7 @@ class Script {
         x0 / size_[0], (x0 + chart_.width) / size_[0], y0 / size_[1], y1 / size_[1]);
     text_ += fmt::format("set title {} offset 0,-0.5\nset xlabel {}\n", literal(panel.title),
                          literal(panel.x_axis));
-    // A label of gnuplot's own would be moved out of the picture by long numbers beside the axis.
+    // gnuplot's own label of the axis would be moved out of the picture by long numbers beside the axis.
     text_ += fmt::format("set label 2 {} at screen {},{} center rotate by 90\n", literal(panel.y_axis),
                          (x0 - left + 12) / size_[0], (y0 + y1) / 2 / size_[1]);
     text_ += panel.axes_through_zero
@@ -249,7 +250,7 @@ class Script {
     text_ += plots + "\nunset label 1\nunset label 2\n";
   }
 
-  /// Whether names below the panel are too long to stand side by side.
+  /// Whether the names below a panel are too long to stand side by side, so that they are written aslant.
   bool slanted(const Panel& panel) const {
     std::size_t longest = 0;
     for (const auto& [x, name] : panel.x_ticks) longest = std::max(longest, width(name));
@@ -261,7 +262,8 @@ class Script {
     return fmt::format("unset logscale {0}\nset format {0} \"%h\"\n", name);
   }
 
-  /// The distance between two numbers at the vertical axis, so large that each number has room.
+  /// The distance between two numbers at the vertical axis as text. It is so large that the numbers do not
+  /// overlap.
   std::string y_step(const std::vector<const Curve*>& curves) const {
     double low = curves.front()->kind == Curve::bars ? 0 : curves.front()->y.front(), high = low;
     for (const Curve* curve : curves)
@@ -270,8 +272,8 @@ class Script {
     return step > 0 ? fmt::format("{:.9g}", step) : "autofreq";
   }
 
-  /// The number of powers of ten in the range of the curves. A logarithmic axis that ends with its curves has
-  /// numbers at these only.
+  /// The number of powers of ten in the horizontal range of the curves. A logarithmic axis that ends where
+  /// its curves end has numbers at powers of ten only.
   static double powers_of_ten(const std::vector<const Curve*>& curves) {
     double low = curves.front()->x.front(), high = low;
     for (const Curve* curve : curves)
@@ -291,7 +293,7 @@ class Script {
     return "set autoscale xfix\nset offsets 0.5, 0.5, 0, 0\nset yrange [0:*]\n";
   }
 
-  /// The entry of the legend for lines that are not drawn.
+  /// The text of the legend about lines that are not drawn; empty if all lines are drawn.
   std::string note(const Panel& panel) const {
     const auto all = std::ranges::count_if(panel.curves, [](const Curve& curve) { return !curve.y.empty(); });
     const std::size_t drawn = panels_[static_cast<std::size_t>(&panel - chart_.panels.data())].size();
@@ -307,7 +309,8 @@ class Script {
         x / size_[0], y / size_[1], literal(note(chart_.panels[place])));
   }
 
-  /// The legend of the first panel, as wide as the chart. It is drawn as the legend of an empty plot.
+  /// The commands for the legend of the first panel below the chart, as wide as the chart. It is drawn as the
+  /// legend of an empty plot.
   std::string legend_below() const {
     std::string text = fmt::format(
         "set lmargin at screen 0\nset rmargin at screen 1\nset bmargin at screen 0\nset tmargin at screen "

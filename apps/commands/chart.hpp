@@ -17,13 +17,12 @@ struct Curve {
     points,
     bars,
     marks
-  };                      ///< how the curve is drawn; marks are short horizontal lines
-                          ///< across a bar
+  };                      ///< how a curve is drawn; marks are short horizontal lines
+                          ///< across bars
   std::string name = {};  ///< entry in the legend; if empty, there is none
   std::vector<double> x = {}, y = {};
   Kind kind = line;
-  int color = -1;  ///< index in the palette; -1 stands for the index of the curve, and for black if the curve
-                   ///< is marks
+  int color = -1;  ///< index in the palette; -1: index of the curve in its panel, or black for marks
   std::vector<std::string> of = {};  ///< further names by which --columns finds the curve
 };
 
@@ -32,8 +31,8 @@ struct Panel {
   std::vector<Curve> curves = {};
   std::vector<std::pair<double, std::string>> x_ticks = {};  ///< positions and texts that replace the numbers
                                                              ///< of the axis
-  std::optional<std::pair<double, double>> x_range = {};     ///< range of the axis; if empty, that of the
-                                                             ///< curves
+  std::optional<std::pair<double, double>> x_range = {};     ///< range of the axis; if empty, the range
+                                                             ///< of the curves
   bool axes_through_zero = false;
   bool log_x = false, log_y = false;
   double bar_width = 0.85;
@@ -41,23 +40,23 @@ struct Panel {
 };
 
 struct Chart {
-  enum Legend { beside_each, below_all };  ///< below_all shows only the legend of the first panel
+  enum Legend { beside_each, below_all };  ///< below_all: only that of the first panel, below the chart
   std::string title = {};
-  std::vector<Panel> panels = {};  ///< row by row; a panel without curves is left empty
+  std::vector<Panel> panels = {};  ///< row by row; the place of a panel without curves stays empty
   int columns = 1;
   int width = 640, height = 180;  ///< pixels of a panel
   Legend legend = beside_each;
 };
 
-/// The picture that an option names.
+/// The file of a picture that an option of a command names.
 class ChartFile {
  public:
-  /// Checks the file of an option. Throws UsageError if the ending is neither .svg nor .png, InputError if
-  /// gnuplot is missing.
+  /// Checks the file name that is given for an option. Throws UsageError if its ending is neither .svg nor
+  /// .png, and InputError if gnuplot is missing.
   ChartFile(std::string option, std::string file);
 
-  /// Draws the chart. Of a panel with many lines it draws those that change most, and of a long line as many
-  /// points as can be distinguished. Throws InputError if the file cannot be written.
+  /// Draws the chart. If a panel has many lines, only those that change most are drawn; if a line has many
+  /// points, only as many as can be distinguished are drawn. Throws InputError if the file cannot be written.
   void draw(const Chart& chart) const;
 
  private:
@@ -67,13 +66,13 @@ class ChartFile {
 };
 
 void add_plot_option(CLI::App& command, std::string& file);
-/// The option --columns of a command that draws a chart.
+/// Adds the option --columns to a command that draws a chart.
 void add_columns_option(CLI::App& command, std::vector<std::string>& columns);
-/// Keeps the curves that the words of --columns name: all curves of a panel, a curve by its own name or by
-/// another of its names, or one curve of a panel by both names. Without words it keeps all curves. Throws
-/// UsageError if a word names no curve.
+/// Keeps only the curves of a chart that the words of --columns name. A word may name all curves of a panel,
+/// a curve by one of its names, or one curve of a panel by the names of the panel and of the curve. If there
+/// are no words, all curves are kept. Throws UsageError if a word names no curve.
 void keep_columns(Chart& chart, const std::vector<std::string>& columns);
-/// The picture of an option; empty if the option names no file.
+/// The file of a picture that an option names; empty if the option has no value.
 std::optional<ChartFile> chart_file(const std::string& file);
 
 }  // namespace axode::command

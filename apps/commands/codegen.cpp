@@ -57,7 +57,7 @@ states at once, which are the columns of its arguments.
 With --abi cuda the file is CUDA: it has each function for one thread of a GPU, and a kernel NAME_states
 for n states. Entry k of state i is at x[k * n + i]. The kernel writes NaN if the function returns 1.)";
 
-/// The words of an option as pairs of a word and its value.
+/// The words of an option as pairs of a word and its value, which is the index of the word.
 template <class Meaning, std::size_t N> constexpr auto named(const std::array<std::string_view, N>& words) {
   std::array<std::pair<std::string_view, Meaning>, N> pairs{};
   for (std::size_t k = 0; k < N; ++k) pairs[k] = {words[k], static_cast<Meaning>(k)};
@@ -70,7 +70,8 @@ bool has_frame(const Model& model, std::string_view name) {
   return std::ranges::any_of(model.frames(), [&](const Frame& frame) { return frame.name == name; });
 }
 
-/// Reads `pose:FRAME`, `jacobian:FRAME` or `jacobian:FRAME:REP`; the name of a frame may have colons itself.
+/// Reads the function `pose:FRAME`, `jacobian:FRAME` or `jacobian:FRAME:REP` on the command line; the name of
+/// a frame may have colons itself.
 codegen::Function of_a_frame(const Model& model, codegen::Function function, std::string frame) {
   if (frame.empty())
     throw UsageError(function.is("pose")

@@ -38,13 +38,14 @@ a free joint unless the drawing says passive = false.)";
 
 constexpr std::size_t most_warnings = 12;
 
-/// A number of each degree of freedom: its name in JSON, its heading, and the value that is not printed.
+/// A number of each degree of freedom of a joint: its name in JSON, its heading in a table, and the member
+/// that holds it. The number is not printed if it has its default value.
 struct DofField {
   const char* name;
   const char* heading;
   double Dof::*value;
 };
-/// The numbers of springs and stops, which few joints have.
+/// The numbers of joint springs and stops, which few joints have.
 constexpr std::array<DofField, 4> spring_fields{{{"stiffness", "stiffness", &Dof::stiffness},
                                                  {"rest", "rest", &Dof::rest},
                                                  {"stop_stiffness", "stop", &Dof::stop_stiffness},
@@ -57,12 +58,12 @@ constexpr std::array<DofField, 7> dof_fields{{{"lower", "lower", &Dof::lower},
                                               {"friction", "friction", &Dof::friction},
                                               {"armature", "armature", &Dof::armature}}};
 
-/// The joint whose coordinate a term of a coupling is.
+/// The joint whose coordinate is in a term of a coupling.
 const Joint& moved_by(const Model& model, const LoopCoupling::Term& term) {
   return *std::ranges::find_if(model.joints(),
                                [&](const Joint& j) { return !j.leader && j.iv == term.velocity; });
 }
-/// The sum Σ factor q of a coupling as text; the coupling keeps it equal to its offset.
+/// The sum Σ factor q of a coupling as text.
 std::string sum(const Model& model, const LoopCoupling& coupling) {
   std::string text;
   for (const LoopCoupling::Term& term : coupling.terms) {
@@ -75,15 +76,15 @@ std::string sum(const Model& model, const LoopCoupling& coupling) {
 
 bool says_nothing(const Dof& dof, const DofField& field) { return dof.*field.value == Dof{}.*field.value; }
 
-/// The centre of mass with every joint at zero, null for a massless model.
+/// The centre of mass with every joint at zero; null if the model has no mass.
 Json neutral_center_of_mass(const Model& model) {
   if (!(model.total_mass() > 0)) return nullptr;
   Workspace<> workspace(model);
   return to_json(center_of_mass(model, workspace, neutral(model)));
 }
 
-/// Degrees of freedom of a mechanism with loops, at the closed configuration near the neutral one; empty if
-/// the loops cannot be closed.
+/// The number of degrees of freedom of a mechanism with loops, at the closed configuration near the neutral
+/// one; empty if the loops cannot be closed.
 std::optional<int> degrees_of_freedom(const Model& model) {
   const AssemblyResult closed = assemble(model, neutral(model));
   if (closed.status != AssemblyStatus::closed) return std::nullopt;
@@ -92,7 +93,7 @@ std::optional<int> degrees_of_freedom(const Model& model) {
 
 std::ptrdiff_t number_of_drives(const Model& model) { return std::ranges::count(model.loops().driven, 1); }
 
-/// The text `3 degrees of freedom, 9 drives` of a mechanism with loops.
+/// A text about a mechanism with loops, such as `3 degrees of freedom, 9 drives`.
 std::string freedom_and_drives(const Model& model) {
   const std::ptrdiff_t n = number_of_drives(model);
   const std::string drives = fmt::format("{} drive{}", n, n == 1 ? "" : "s");
@@ -121,7 +122,8 @@ std::string_view curve_name(const ForceCurve& curve) {
   return names[curve.index()];
 }
 
-/// The frames that a spring connects, in the order of its path, or the joints on which it acts.
+/// The names of the frames that a spring connects, in the order of its path; empty if the spring acts on
+/// joints.
 std::vector<std::string> places_of(const Model& model, const Spring& spring) {
   std::vector<std::string> names;
   if (const auto* path = std::get_if<Spring::Path>(&spring.geometry))
@@ -133,7 +135,7 @@ std::vector<std::string> places_of(const Model& model, const Spring& spring) {
   return names;
 }
 
-/// Spring k of the drawing.
+/// Spring k of the model as JSON.
 Json as_json(const Model& model, std::size_t k) {
   const Spring& spring = model.springs().elements[k];
   const SpringDescription& described = model.description().springs[k];

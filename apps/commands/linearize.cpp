@@ -63,17 +63,17 @@ The suffix of FILE chooses what --output writes: .json has all results; .csv has
 rows and 3nv columns (fewer with loops) and their names; .npz has A and B: A = numpy.load("AB.npz")["A"].
 --plot draws the poles, which are the eigenvalues of A, and the natural frequencies.)";
 
-constexpr Index most_columns = 8;        ///< largest width of a matrix that is printed
-constexpr std::size_t most_entries = 4;  ///< largest number of entries of a mode shape that are printed
-constexpr double smallest_entry = 0.01;  ///< smallest entry that is printed
+constexpr Index most_columns = 8;        ///< largest nv for which A and B are printed
+constexpr std::size_t most_entries = 4;  ///< largest number of displacements of a mode that are printed
+constexpr double smallest_entry = 0.01;  ///< smallest displacement of a mode that is printed
 
-/// A linear system, and the state of the model at which it was computed.
+/// The linearised equations of motion of a model, and the state at which they were computed.
 struct Linearized {
   Model model;
   State state;
   bool joint_losses;
   std::vector<std::string>
-      velocities;  ///< names of the velocities in A: all, or the independent ones of loops
+      velocities;  ///< names of the velocities in A: of all, or of the independent ones with loops
   RowMajor A, B;
   Modes modes;
 };
@@ -82,7 +82,8 @@ bool is_zero(const std::vector<double>& x) {
   return std::ranges::all_of(x, [](double x_k) { return x_k == 0; });
 }
 
-/// The state that the options describe.
+/// The state that the options describe: read from a file or neutral, held by drive forces (--hold), or moved
+/// to an equilibrium (--equilibrium).
 State found_state(const Model& model, const Options& options) {
   State state = options.state.empty() ? neutral_state(model) : read_state(model, options.state);
   if (options.equilibrium || options.hold) {
@@ -160,7 +161,7 @@ Linearized linearized(const Options& options) {
   return at;
 }
 
-/// The matrix [A B] with the names of its rows and columns.
+/// The matrix [A B] of a linear system, with the names of its rows and columns.
 struct Named {
   Eigen::MatrixXd matrix;
   std::vector<std::string> rows, columns;
@@ -176,7 +177,7 @@ Named named(const Linearized& at) {
   return AB;
 }
 
-/// "stable" if every deviation decays, "unstable" if one grows exponentially, otherwise "marginal".
+/// "stable" if every mode decays, "unstable" if some mode grows exponentially, otherwise "marginal".
 std::string_view stability(const Modes& modes) {
   const auto each = [&](auto condition) { return std::ranges::all_of(modes.all, condition); };
   if (!each([](const Mode& mode) { return mode.eigenvalue.real() <= 0; })) return "unstable";
@@ -233,7 +234,7 @@ std::string heading(const char* name, const std::string& about) {
   return "\n" + in(Ink::heading, name) + ": " + about + "\n";
 }
 
-/// A table of some columns of [A B], from column `first` on.
+/// A table of columns of [A B], one for each heading, beginning with column `first`.
 std::string table_of(const Named& AB, const std::vector<std::string>& headings, Index first) {
   std::vector<std::string> all{""};
   all.insert(all.end(), headings.begin(), headings.end());
@@ -258,8 +259,8 @@ std::string matrix_tables(const Linearized& at) {
          table_of(AB, velocity_names(at.model), rows);
 }
 
-/// The largest displacements of a mode as text. A displacement that is out of phase with the largest one has
-/// its phase angle.
+/// The largest displacements of a mode as text. A displacement that is out of phase with the largest one is
+/// written with its phase angle.
 std::string shape_text(const Mode& mode, const std::vector<std::string>& names) {
   std::vector<std::size_t> order;
   const auto size = [&](std::size_t k) { return std::abs(mode.shape[static_cast<Index>(k)]); };
@@ -312,7 +313,7 @@ std::string verdict(const Linearized& at) {
   return text;
 }
 
-/// A chart of the poles, and of the frequencies of those that oscillate.
+/// A chart of the poles, which are the eigenvalues of A, and of the natural frequencies of oscillating modes.
 Chart chart_of(const Linearized& at) {
   std::array<Curve, 3> poles{
       Curve{.name = "dies out", .color = 0}, {.name = "keeps on", .color = 6}, {.name = "grows", .color = 7}};

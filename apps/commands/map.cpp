@@ -10,7 +10,8 @@
 #include "apps/shell/command_line.hpp"
 #include "apps/shell/commands.hpp"
 
-/// Functions of states in Parquet files. Python computes them; this file has the options and the help.
+/// The command `map`: functions of states in Parquet files. Python computes them; this file has the options
+/// and the help.
 namespace axode::command {
 namespace {
 
@@ -28,7 +29,8 @@ This command runs `python -m axode map`, which needs pyarrow: pip install pyarro
 AXODE_PYTHON, or else the first python3 on PATH, which is the one of an active virtual environment; the
 command that pip installs uses the Python of its own environment.)";
 
-/// The program that Python runs. It removes the working folder from the path on which modules are searched.
+/// The Python program that the command runs. It removes the working folder from the path on which modules are
+/// searched.
 constexpr const char* program = R"(
 import sys
 sys.path[:] = [place for place in sys.path if place]
@@ -40,7 +42,7 @@ except ModuleNotFoundError as error:
 sys.exit(main())
 )";
 
-/// The words of the command line as they were given, in the order of the options.
+/// The words of the command line of `map` as they were given, in the order of the options.
 std::vector<std::string> words_given(const CLI::App& map) {
   std::vector<std::string> words{"map"};
   for (const CLI::Option* option : map.get_options())
@@ -55,7 +57,7 @@ std::vector<std::string> words_given(const CLI::App& map) {
   return words;
 }
 
-/// Replaces this program by Python.
+/// Replaces this process by Python, which runs the program with these words.
 [[noreturn]] void hand_over(std::vector<std::string> words) {
   const char* const named = std::getenv("AXODE_PYTHON");
   std::string python = named != nullptr && *named != '\0' ? named : "python3";

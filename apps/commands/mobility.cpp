@@ -58,7 +58,7 @@ Names names_of(const Names& loops, const std::vector<int>& which) {
 
 double without_rounding(double x) { return std::abs(x) < rounding ? 0 : x; }
 
-/// The numbers without what rounding has left of zeros.
+/// The numbers, of which those that are rounding errors are set to 0.
 std::vector<double> numbers(const Eigen::Ref<const Eigen::VectorXd>& x) {
   std::vector<double> out(x.begin(), x.end());
   for (double& entry : out) entry = without_rounding(entry);
@@ -152,7 +152,8 @@ std::string ranks(const LocalMobility& found) {
   return text;
 }
 
-/// The coordinates of a branch, with what is known of each.
+/// A table of the coordinates of a mechanism on a branch of motions: the tangent or tangents of the branch,
+/// its curvature or the next term of its series, and whether a coordinate is idle or at a dead point.
 std::string coordinates_table(const LocalMobility& found, const MotionBranch& branch) {
   std::vector<std::string> headings{"joint"};
   std::vector<std::vector<double>> columns;

@@ -12,12 +12,12 @@ namespace {
 
 using Matrix = Eigen::MatrixXd;
 
-/// Numbers below these parts of the largest number of the balanced matrix count as 0.
+/// Numbers of the balanced matrix below these fractions of its largest number count as 0.
 constexpr double zero_pivot = 1e-12, zero_part = 1e-10;
 
-/// An estimate of the largest frequency. If its inverse is the unit of time, the parts of A for displacements
-/// and for velocities have numbers of the same size. It is at least 1/s, because a stiffness may be due to
-/// rounding.
+/// An estimate of the largest frequency of the system x' = A x. If the inverse of this frequency is the unit
+/// of time, the parts of A for displacements and for velocities have numbers of the same size. It is at least
+/// 1/s, because a small stiffness may be due to rounding.
 double largest_rate(const Matrix& A) {
   const Eigen::Index nv = A.rows() / 2;
   return std::sqrt(std::max(1.0, A.bottomLeftCorner(nv, nv).lpNorm<Eigen::Infinity>()));
@@ -36,9 +36,9 @@ Matrix null_space(const Matrix& A, double scale) {
   return lu.isInvertible() ? Matrix(A.cols(), 0) : Matrix(lu.kernel());
 }
 
-/// The eigenvalues other than 0, and their eigenvectors. Drifting bodies have a defective eigenvalue 0, which
-/// rounding would scatter. Therefore the null space Q1 is split off, QᵀAQ = [0 X; 0 A2], then the null space
-/// of A2 and so on, until it is empty (Kublanovskaya 1966).
+/// The eigenvalues of A other than 0, and their eigenvectors. Bodies that drift give A a defective eigenvalue
+/// 0, which rounding would scatter. Therefore a basis Q1 of the null space of A is split off, QᵀAQ = [0 X; 0
+/// A2], then the null space of A2 and so on, until the null space is empty (Kublanovskaya 1966).
 Spectrum nonzero_spectrum(const Matrix& A, double scale) {
   if (A.rows() == 0) return {};
   const Matrix kernel = null_space(A, scale);
@@ -63,7 +63,7 @@ Eigen::Index largest_entry(const Eigen::VectorXcd& x) {
   return at;
 }
 
-/// The displacements of an eigenvector, scaled so that the largest is 1.
+/// The displacements in an eigenvector, which are its first half, scaled so that the largest is 1.
 Eigen::VectorXcd shape(const Eigen::VectorXcd& x) {
   const Eigen::VectorXcd displacements = x.head(x.size() / 2);
   return displacements / displacements[largest_entry(displacements)];

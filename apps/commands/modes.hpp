@@ -5,11 +5,11 @@
 
 namespace axode::command {
 
-/// A mode of a linear system, exp(λt) times a shape. Two conjugate eigenvalues are one mode, with the
-/// positive imaginary part. A rigid mode, a displacement that no force opposes, has λ = 0.
+/// A mode of a linear system: exp(λt) times a shape. Two conjugate eigenvalues are one mode, with the
+/// eigenvalue of positive imaginary part. A rigid mode, a displacement that no force opposes, has λ = 0.
 struct Mode {
-  std::complex<double> eigenvalue;  ///< λ, 1/s; parts that rounding may have made are 0
-  Eigen::VectorXcd shape;           ///< displacements, nv or k numbers; the largest is 1
+  std::complex<double> eigenvalue;  ///< λ, 1/s; real and imaginary parts that are rounding errors are 0
+  Eigen::VectorXcd shape;           ///< displacements, half as many as x has entries; the largest is 1
 
   bool rigid() const { return eigenvalue == 0.0; }
   bool oscillates() const { return eigenvalue.imag() > 0; }
@@ -21,11 +21,12 @@ struct Mode {
 };
 
 struct Modes {
-  std::vector<Mode> all;  ///< rigid ones first, then by the size of λ
+  std::vector<Mode> all;  ///< rigid modes, then the others by the magnitude of λ
   int zeros = 0;          ///< multiplicity of the eigenvalue 0
 };
 
-/// The modes of x' = A x, where the first half of x are displacements and the second half velocities.
+/// The modes of the linear system x' = A x. The first half of x are displacements, and the second half are
+/// velocities.
 Modes modes(const Eigen::MatrixXd& A);
 
 }  // namespace axode::command

@@ -3,7 +3,7 @@
 
 namespace axode::command {
 
-/// An overview of the tasks of the command, each with an example and a few words.
+/// An overview of the tasks of `axode`, each with an example and a few words.
 std::string overview();
 
 }  // namespace axode::command

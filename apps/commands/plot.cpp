@@ -14,7 +14,7 @@
 #include "apps/shell/choice.hpp"
 #include "apps/shell/commands.hpp"
 
-/// Charts of tables from any source.
+/// The command `plot`: charts of tables in CSV files.
 namespace axode::command {
 namespace {
 
@@ -48,14 +48,15 @@ struct Logarithmic {
 constexpr std::array<std::pair<std::string_view, Logarithmic>, 3> logarithmic_axes{
     {{"x", {true, false}}, {"y", {false, true}}, {"xy", {true, true}}}};
 
-/// The names of the panel and of the curve in a column heading.
+/// The names of the panel and of the curve that a column heading consists of. They are separated by the first
+/// colon with a blank after it, or by the first blank if there is no such colon.
 std::pair<std::string, std::string> split(const std::string& heading) {
   const std::size_t colon = heading.find(": "), end = colon == std::string::npos ? heading.find(' ') : colon;
   if (end == std::string::npos) return {heading, ""};
   return {heading.substr(0, end), heading.substr(end + (end == colon ? 2 : 1))};
 }
 
-/// Makes the panels of a chart from a table.
+/// Reads a table from a CSV file and makes the panels of a chart.
 class TableReader {
  public:
   TableReader(const std::string& file, bool bars, Logarithmic log, std::size_t most_panels)
@@ -132,7 +133,7 @@ class TableReader {
     return std::isfinite(number) && (!logarithmic || number >= least_on_logarithmic_axes);
   }
 
-  /// Places the bars of each name side by side; together they are 0.8 wide.
+  /// Places the bars that have the same name on the horizontal axis side by side; together they are 0.8 wide.
   static void set_side_by_side(Panel& panel) {
     const auto count = static_cast<double>(panel.curves.size());
     panel.bar_width = 0.8 / count;

@@ -94,7 +94,8 @@ with t, q, v, a, tau and the energy, under names; .npz these as arrays: q = nump
 --plot draws q, v, tau, the forces of contacts and the energies over time, and of these what --columns
 names. Ctrl-C ends the motion; the part computed so far is written.)";
 
-/// The constant drive forces of the state, and the controller of the options.
+/// The drive of a simulation: the constant drive forces of the state and the controller that the options
+/// name.
 Drive drive_of(const Model& model, const State& state, const Options& options) {
   const Drive constant = [&state](double, std::span<const double>, std::span<const double>,
                                   std::span<double> tau) { std::ranges::copy(state.tau, tau.begin()); };
@@ -162,7 +163,8 @@ Trajectory motion_of(const Model& model, const State& state, const Drive& drive,
                           shapes ? &*shapes : nullptr});
 }
 
-/// Refuses words of --columns that name no curve of any motion of the mechanism, before a motion is computed.
+/// Throws UsageError for a word of --columns that names no curve of any motion of the mechanism, before a
+/// motion is computed.
 void check_columns(const Model& model, const Options& options) {
   if (options.columns.empty()) return;
   // A chart of one state that has forces everywhere has all curves.
@@ -188,7 +190,7 @@ void check_columns(const Model& model, const Options& options) {
   keep_columns(chart, options.columns);
 }
 
-/// Whether all joints stay where they are.
+/// Whether no joint moves.
 bool rests(const WrittenMotion& rows) {
   constexpr double still = 1e-9;
   return rows.v.size() > 0 && rows.v.cwiseAbs().maxCoeff() <= still;
@@ -215,7 +217,7 @@ void print(const Trajectory& motion, const WrittenMotion& rows) {
                           "the drawing"));
 }
 
-/// Computes a motion without dynamics, and writes and prints it.
+/// Computes a kinematic motion (without dynamics), writes it to files and prints it.
 void run_kinematic(const Options& options, const Model& model, const State& state,
                    const std::vector<FileFormat>& kinds) {
   constexpr int usual = 100;  // intervals if none are asked for

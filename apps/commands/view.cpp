@@ -42,7 +42,7 @@ Example:
   axode simulate four_bar.toml --until 5 --samples 500 --output run.csv
   axode view four_bar.toml --motion run.csv --output four_bar.html)";
 
-/// The page of the viewer without a scene. It is beside an installed command, or where the build of the
+/// The page of the viewer without a scene. Its file is beside an installed command, or where the build of the
 /// viewer has made it.
 std::string empty_page() {
   if constexpr (std::string_view(AXODE_BUILT_PAGE).empty())
@@ -57,7 +57,7 @@ std::string empty_page() {
                    AXODE_BUILT_PAGE + "; build the target axode_viewer");
 }
 
-/// The name of a temporary file, in a new folder of its own.
+/// Makes a new folder for a temporary file, and returns the path of the file `name` in it.
 std::string temporary_file(const std::string& name) {
   std::error_code failed;
   const std::filesystem::path temporary = std::filesystem::temp_directory_path(failed);
@@ -68,7 +68,7 @@ std::string temporary_file(const std::string& name) {
   return (std::filesystem::path(folder) / name).string();
 }
 
-/// Opens a file with the desktop's program for its type. Returns false if there is none.
+/// Opens a file with the program that the desktop has for files of its type. Returns false if there is none.
 bool open(const std::string& file) {
   posix_spawn_file_actions_t silent;
   posix_spawn_file_actions_init(&silent);

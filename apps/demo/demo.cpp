@@ -26,7 +26,7 @@ namespace {
 constexpr std::array<Representation, 4> all_representations{Representation::body, Representation::spatial,
                                                             Representation::hybrid, Representation::mixed};
 
-/// The folder of the robots: beside an installed command, or in the source tree.
+/// The folder of the robots of the demonstration, which is beside an installed command or in the source tree.
 std::filesystem::path robots_folder() {
   std::error_code unknown;
   const std::filesystem::path program = std::filesystem::read_symlink("/proc/self/exe", unknown);
@@ -41,8 +41,8 @@ std::string short_number(double x) { return x == 0 ? "0" : fmt::format("{:.1e}",
 
 double microseconds(double seconds) { return std::round(1e8 * seconds) / 100; }
 
-/// Results and times of inverse dynamics of one robot at one state, in the four representations and by the
-/// fast path.
+/// The results and the computation times of inverse dynamics of one robot at one state, in the four
+/// representations and by the fast kernels.
 struct RepresentationTimes {
   std::array<std::vector<double>, 5> tau;
   std::array<double, 5> time{};
@@ -62,7 +62,7 @@ struct RepresentationTimes {
       with_representation(all_representations[r], [&](auto rep) { run(r, rep); });
     run(4, Fast{});
   }
-  /// The largest difference of two results in component k.
+  /// The largest difference between two of the results in component k.
   double spread(std::size_t k) const {
     const auto [least, most] = std::minmax({tau[0][k], tau[1][k], tau[2][k], tau[3][k], tau[4][k]});
     return most - least;
@@ -101,7 +101,7 @@ void print_forces(const Model& model, const RepresentationTimes& times) {
              some ? fmt::format(" (the {} largest of {})", most_rows, names.size()) : "", table.text());
 }
 
-/// Prints where the last frame of a model is, which is that of its tool or its last body.
+/// Prints the position of the last frame of a model, which is the frame of its tool or of its last body.
 void print_tip(const Model& model, const State& state) {
   Workspace<> workspace(model);
   std::vector<SE3<>> C(model.n_frames());

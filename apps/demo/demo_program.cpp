@@ -3,7 +3,8 @@
 
 #include "apps/demo/demo.hpp"
 
-/// `axode demo` as a program of its own, which `make demo` builds in a quarter of the time of the command.
+/// The command `axode demo` as a program of its own. `make demo` builds it in a quarter of the time that the
+/// whole command takes.
 int main() {
   try {
     axode::command::show_demo();

@@ -15,7 +15,8 @@ namespace {
 constexpr std::size_t deepest_indent = 24;  // largest number of levels that are drawn as branches
 constexpr std::size_t widest_line = 110;
 
-/// Draws the branches in front of each entry of a tree whose entries come depth-first.
+/// Draws the branches (lines of text) in front of each entry of a tree whose entries come in depth-first
+/// order.
 class Branches {
  public:
   std::string before(std::size_t depth, bool last) {
@@ -26,7 +27,7 @@ class Branches {
     open_.push_back(!last);
     return text;
   }
-  /// The branches in front of a further line of the last entry.
+  /// The branches in front of a further line of text of the last entry.
   std::string under() const { return branches(0) + "  "; }
 
  private:

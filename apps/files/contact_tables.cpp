@@ -14,7 +14,7 @@ const std::string& name(const std::vector<std::string>& shapes, int k) {
   return shapes[static_cast<std::size_t>(k)];
 }
 
-/// The number without what rounding has left of a zero.
+/// The number, or 0 if it is so small that it is a rounding error.
 double rounded(double x) {
   constexpr double rounding = 1e-12;
   return std::abs(x) < rounding ? 0 : x;

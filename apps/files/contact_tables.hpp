@@ -8,17 +8,19 @@
 #include "axode/contact/contact_force.hpp"
 #include "axode/integration/trajectory.hpp"
 
-/// Points of contact and their forces as JSON, as a table and as a chart, for all commands.
+/// Writes points of contact and their forces as JSON, as a table and as a chart, for all commands.
 namespace axode::command {
 
-/// A list with an object for each point. `shapes` has the names of the shapes by their numbers.
+/// A JSON list with an object for each point of contact. `shapes` has the names of the shapes;
+/// ContactForce::a and b are indices into it.
 Json contacts_json(const std::vector<std::string>& shapes, std::span<const ContactForce> contacts);
 
-/// A table with a row for each point: shapes, place, normal, gap, forces and status.
+/// A table with a row for each point of contact: names of the shapes, position, normal, gap, forces and
+/// status.
 std::string contacts_table(const std::vector<std::string>& shapes, std::span<const ContactForce> contacts);
 
-/// Panels with the normal forces and friction forces of each pair of shapes that presses in a motion, at
-/// given times. Empty if no pair does.
+/// Two panels of a chart with the normal forces and the friction forces over the given times, with a curve
+/// for each pair of shapes that presses on each other. Empty if no pair does so at these times.
 std::vector<Panel> contact_panels(const Trajectory& motion, const std::vector<double>& times);
 
 }  // namespace axode::command

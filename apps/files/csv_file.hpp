@@ -5,16 +5,16 @@
 #include <string_view>
 #include <vector>
 
-/// Tables of text with a row in each line and commas between cells. A cell in quotes may contain commas, ends
-/// of lines and doubled quotes.
+/// CSV: tables of text with a row in each line and commas between cells. A cell in quotes may contain commas,
+/// ends of lines and doubled quotes.
 namespace axode::command {
 
-/// Calls a function with each row that is not empty, and with the number of its first line; lines count from
-/// 1.
+/// Calls `row` with the cells of each row that is not empty, and with the number of the first line of the
+/// row; lines count from 1.
 void for_rows_of_csv(std::string_view text,
                      const std::function<void(std::size_t line, const std::vector<std::string>& cells)>& row);
 
-/// The number in a cell, inf and nan included; empty if the cell holds anything else.
+/// The number in a cell, inf and nan included; empty if the cell contains anything else.
 std::optional<double> number_in(std::string_view cell);
 
 /// A text as a quoted cell of CSV.

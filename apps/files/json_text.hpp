@@ -5,17 +5,18 @@
 
 #include "axode/lie/twist.hpp"
 
-/// Quantities as JSON. Numbers read back to the same double; infinite numbers (no limit) are null.
+/// Quantities of mechanics as JSON. Numbers read back to the same double; infinite numbers, which stand for
+/// no limit, are null.
 namespace axode::command {
 
 using Json = nlohmann::ordered_json;
 
 Json to_json(const Vec3<>& a);
-/// The array [xx, yy, zz, xy, xz, yz].
+/// The six numbers of a symmetric tensor as the array [xx, yy, zz, xy, xz, yz].
 Json to_json(const Sym3<>& A);
-/// The four rows of the matrix [[R, r], [0, 1]].
+/// A pose as the four rows of the matrix [[R, r], [0, 1]].
 Json to_json(const SE3<>& C);
-/// An array of six numbers, angular part first.
+/// A twist, twist rate, wrench or momentum as an array of six numbers, angular part first.
 template <template <class, class> class Kind, class Rep>
   requires is_screw_kind<Kind> Json to_json(const Kind<Rep, double>& x) {
     const auto& [a, b] = x;

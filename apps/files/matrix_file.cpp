@@ -62,7 +62,7 @@ std::string as_csv(const Eigen::MatrixXd& matrix, const std::vector<std::string>
 
 namespace {
 
-/// The bytes of an .npy file (format 1.0).
+/// The bytes of an .npy file (format 1.0) with this array.
 std::string as_npy(const NamedArray& array) {
   const Eigen::MatrixXd& matrix = array.numbers;
   constexpr std::size_t before_header = 10, line = 64;  // numbers begin at a multiple of 64 bytes

@@ -5,25 +5,26 @@
 
 namespace axode::command {
 
-/// The format of a file, by its ending.
+/// The formats of output files, by the ending of their names.
 enum class FileFormat { json, csv, npz };
-/// The format of the file of an option. Throws UsageError for an unknown ending.
+/// The format of the file that an option names, by its ending. Throws UsageError for an unknown ending.
 FileFormat file_format(const std::string& file, const char* option = "--output");
 
-/// Comma-separated values: a line with the names of the columns, then for each row its name and its numbers,
-/// which read back to the same doubles.
+/// The matrix as comma-separated values: a line with the names of the columns, then for each row its name and
+/// its numbers, which read back to the same doubles.
 std::string as_csv(const Eigen::MatrixXd& matrix, const std::vector<std::string>& rows,
                    const std::vector<std::string>& columns);
-/// Comma-separated values without names of rows.
+/// The matrix as comma-separated values: a line with the names of the columns, then the numbers of each row,
+/// without names of rows.
 std::string as_csv(const Eigen::MatrixXd& matrix, const std::vector<std::string>& columns);
 
-/// A matrix, or a vector, and its name.
+/// A matrix, or a vector (a matrix of one column), and its name.
 struct NamedArray {
   std::string name;
   Eigen::MatrixXd numbers;
   bool is_vector = false;
 };
-/// The bytes of a file that numpy.load reads: doubles, row by row, not compressed.
+/// The bytes of an .npz file, which numpy.load reads, with these arrays: doubles, row by row, not compressed.
 std::string as_npz(const std::vector<NamedArray>& arrays);
 
 }  // namespace axode::command

@@ -11,30 +11,32 @@ class App;
 
 namespace axode::command {
 
-/// Options for the files of mechanisms, which are the same in all commands.
+/// The options of a command that name the files of mechanisms and say how the files are read. They are the
+/// same in all commands.
 struct ModelOptions {
   std::vector<std::string> files;
   std::string base;
   bool strict = false;
   std::optional<double> floor = {};  ///< height of a floor that the mechanism is put on, m
 
-  /// The value of --base. Throws UsageError for another word.
+  /// The value of the option --base. Throws UsageError if the word is none of its values.
   Base held() const;
   Strictness strictness() const { return strict ? Strictness::strict : Strictness::lenient; }
 };
 
 enum class Files { one, several };
 
-/// Adds the files, by the name that the help gives them, and the options --base and --strict.
+/// Adds the argument for the files, which the help calls `name`, and the options --base and --strict to a
+/// command.
 void add_model_options(CLI::App& command, ModelOptions& options, Files files = Files::one,
                        const char* name = "MODEL");
 
-/// Adds the option --floor, for commands in which shapes touch.
+/// Adds the option --floor to a command in which shapes may touch.
 void add_floor_option(CLI::App& command, ModelOptions& options);
 
 /// Loads the mechanisms of all files, in the order of the files.
 std::vector<Model> load_all(const ModelOptions& options);
-/// Loads the mechanism of the only file.
+/// Loads the mechanism of the file, for a command that takes one file.
 Model load(const ModelOptions& options);
 
 }  // namespace axode::command

@@ -20,7 +20,7 @@
 namespace axode::command {
 namespace {
 
-/// A table of numbers, row by row.
+/// A table of `rows` times `columns` numbers, stored row by row.
 struct Rows {
   std::size_t rows = 0, columns = 0;
   std::vector<double> numbers;
@@ -31,7 +31,8 @@ using Tables = std::map<std::string, Rows, std::less<>>;
 
 // ------------------------------------------------------------------------------------------------------ .csv
 
-/// Collects the columns of these names side by side; the result is empty if the first of them is missing.
+/// Collects the columns `what NAME` of a table for all names, side by side, in out[what]. If the first of
+/// them is missing, nothing is collected.
 void gather(const std::vector<std::string>& headings, const std::vector<std::vector<double>>& lines,
             const std::string& what, const std::vector<std::string>& names, const std::string& file,
             Tables& out) {
@@ -81,7 +82,7 @@ std::string reason_of(const Json::exception& error) {
   return what.substr(what.find("] ") + 2);
 }
 
-/// The points of contact in the JSON of `axode simulate`.
+/// Reads the points of contact in the JSON that `axode simulate` writes.
 void read_contacts(const Json& json, const std::string& file, ShownMotion& motion) {
   if (!json.contains("contacts")) return;
   const auto vector = [](const Json& x) {
@@ -156,7 +157,7 @@ Tables read_json(const std::string& file, ShownMotion& motion) {
 
 // ------------------------------------------------------------------------------------------------------ .npz
 
-/// The value of a key in the header of an .npy file.
+/// The header of an .npy file from the value of a key on; empty if the header does not have the key.
 std::string_view header_value(std::string_view header, std::string_view key) {
   const std::size_t at = header.find(key);
   return at == std::string_view::npos ? "" : header.substr(at + key.size());

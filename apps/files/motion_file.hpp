@@ -5,9 +5,9 @@
 
 namespace axode::command {
 
-/// Reads the motion of a model from a .csv, .json or .npz that `axode simulate --output` has written: t, q,
-/// v, a and tau. a and tau may be missing, and other columns are ignored. Throws InputError with all that
-/// does not fit the model.
+/// Reads a motion of a model from a .csv, .json or .npz file that `axode simulate --output` has written: the
+/// times t and the numbers q, v, a and tau at each time. a and tau may be missing, and other columns are
+/// ignored. Throws InputError if the file does not fit the model.
 ShownMotion read_motion(const Model& model, const std::string& file);
 
 }  // namespace axode::command

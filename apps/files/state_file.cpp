@@ -22,7 +22,7 @@ std::string shown(const Json& value) {
   return text.size() <= 40 ? text : text.substr(0, 37) + "...";
 }
 
-/// Reads a state and collects every fault.
+/// Reads a state from JSON and collects every fault.
 class StateReader {
  public:
   StateReader(const Model& model, std::string source) : model_(model), source_(std::move(source)) {}
@@ -52,7 +52,7 @@ class StateReader {
  private:
   static constexpr std::array<std::string_view, 14> known_keys{
       "q", "v", "a", "jerk", "snap", "tau", "p", "dq", "dv", "da", "dtau", "w", "loads", "targets"};
-  /// The keys whose value is an array or object with a number for each velocity.
+  /// The keys whose value is an array or an object with a number for each velocity.
   static constexpr std::array<std::pair<std::string_view, std::vector<double> State::*>, 11> of_velocities{
       {{"v", &State::v},
        {"a", &State::a},
@@ -70,8 +70,8 @@ class StateReader {
 
   void fault(const std::string& sentence) { faults_.push_back(source_ + ": " + sentence); }
 
-  /// Limits the depth, because deep values need a deep stack. Nothing in a state is nested deeper than the
-  /// rows of a target's pose.
+  /// The largest depth of nested values, because deep values need a deep stack. Nothing in a state is nested
+  /// deeper than the rows of the pose of a target.
   static constexpr int deepest = 16;
 
   Json parse(const std::string& text) {

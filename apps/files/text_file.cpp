@@ -30,7 +30,7 @@ std::string reason(int error) { return std::strerror(error); }
 
 fs::path folder_of(const fs::path& file) { return file.has_parent_path() ? file.parent_path() : "."; }
 
-/// The file to which symbolic links lead; it need not exist. There is none if the file must be written
+/// The file to which the symbolic links of `file` lead; it need not exist. Empty if the file must be written
 /// directly: it is a device or a pipe, or a link of /proc to a file that some process has open.
 std::optional<fs::path> replaceable(fs::path file) {
   constexpr int most_links = 40;  // the limit of Linux
@@ -45,8 +45,9 @@ std::optional<fs::path> replaceable(fs::path file) {
   return file;
 }
 
-/// Blocks the signals that end the program while a file is incomplete, and the signal of a file that grows
-/// beyond the limit of its size, which is reported as an error instead.
+/// Blocks signals while the object exists: those that would end the program while a file is incomplete, and
+/// SIGXFSZ, the signal of a file that grows beyond the limit of its size, which is reported as an error
+/// instead.
 class BlockedSignals {
  public:
   BlockedSignals() {
@@ -70,7 +71,7 @@ class BlockedSignals {
   }
   BlockedSignals(const BlockedSignals&) = delete;
   BlockedSignals& operator=(const BlockedSignals&) = delete;
-  /// Whether a signal has come that will end the program.
+  /// Whether a blocked signal has come that will end the program.
   bool end_is_pending() const {
     sigset_t pending, both;
     sigpending(&pending);
@@ -82,7 +83,8 @@ class BlockedSignals {
   sigset_t ending_{}, before_{};
 };
 
-/// Writes the text. It stops early if `ended` returns true. Returns 0 or the error number of the system.
+/// Writes the text to an open file. Stops early if ended() returns true. Returns 0 or the error number of the
+/// system.
 template <class Ended> int write_all(int descriptor, std::string_view text, const Ended& ended) {
   constexpr std::size_t block = std::size_t{1} << 20;
   while (!text.empty()) {
@@ -102,7 +104,8 @@ void write_directly(const std::string& file, std::string_view text) {
   if (error != 0) refuse(file, reason(error));
 }
 
-/// Gives an open file the owner, the group and the permissions of another one, as far as the user may.
+/// Gives an open file the owner, the group and the permissions of another file, as far as the user is allowed
+/// to.
 void take_permissions(int descriptor, const struct stat& of) {
   [[maybe_unused]] const int owner = fchown(descriptor, of.st_uid, static_cast<gid_t>(-1)),
                              group = fchown(descriptor, static_cast<uid_t>(-1), of.st_gid),

@@ -3,14 +3,14 @@
 
 namespace axode::command {
 
-/// The contents of a file, "-" for standard input. Throws InputError if it cannot be read.
+/// The contents of a file, or of standard input if `file` is "-". Throws InputError if it cannot be read.
 std::string read_text(const std::string& file);
 
 /// Replaces the contents of a file by the text, or leaves the file as it was and throws InputError.
 ///
 /// The text is written to a new file in the same folder, which is then renamed. The permissions of an
-/// existing file are kept, a symbolic link stays and its target is replaced, and a failure or a signal leaves
-/// no other file. A device, a pipe and an open file of a process (/dev/stdout) are written directly.
+/// existing file are kept. A symbolic link stays, and its target is replaced. A failure or a signal leaves no
+/// other file. A device, a pipe and an open file of a process (/dev/stdout) are written directly.
 void write_text(const std::string& file, const std::string& text);
 
 }  // namespace axode::command

@@ -48,8 +48,8 @@ Parameters, which can be changed before the start, are gravity, masses, centres 
 bodies, points of joints, and constants of springs, for example body.BODY.mass. Directional derivatives are
 exact.)";
 
-/// The shared object that becomes the binary of an FMU. It is beside an installed command, or in the build
-/// tree.
+/// The contents of the shared object that becomes the binary of an FMU. Its file is beside an installed
+/// command, or in the build tree.
 std::string binary() {
   if constexpr (std::string_view(AXODE_BUILT_FMU).empty())
     throw InputError(

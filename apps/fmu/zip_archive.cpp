@@ -8,7 +8,8 @@
 namespace axode::command {
 namespace {
 
-/// Throws if a call of libzip has returned null, because there is no memory.
+/// Returns the result of a call of libzip. Throws std::runtime_error if it is null, because there is no
+/// memory.
 template <class T> T* made(T* thing) {
   if (thing == nullptr) throw std::runtime_error("no archive can be written: there is not enough memory");
   return thing;

@@ -29,7 +29,8 @@ Names velocities_of(Subgroup kind) {
   }
 }
 
-/// The components of joints whose directions have these names. Lengths come last.
+/// The numbers of all joints that are not coupled. names_of() returns the names of the numbers of a kind of
+/// joints, of which lengths come last.
 std::vector<Component> components(const Model& model, Names (*names_of)(Subgroup)) {
   std::vector<Component> all;
   for (int i = 1; i <= model.n_bodies(); ++i) {
@@ -53,8 +54,8 @@ std::string unit_name(Component::Kind kind, const std::vector<std::string_view>&
   return kind == Component::quaternion ? "quaternion" : std::string(units[kind == Component::angle ? 0 : 1]);
 }
 
-/// The parts of a list as "N m, N", with what follows the last of them, " per unit of ...", behind each, and
-/// without " for angles" and " for lengths".
+/// The units in a list such as "N m, N". An ending " per unit of ..." of the list is appended to each of
+/// them, and " for angles" and " for lengths" are removed.
 std::vector<std::string> list_of(const std::string& units) {
   const std::size_t end = std::min(units.find(" per unit"), units.size());
   std::vector<std::string> all;
@@ -67,7 +68,8 @@ std::vector<std::string> list_of(const std::string& units) {
   return all;
 }
 
-/// Whether a curve is the linear part of a screw; empty if it is no part of one.
+/// Whether the curve of this name is a component of the linear part of a screw (true) or of its angular part
+/// (false); empty if it is no component of a screw.
 std::optional<bool> linear_part(std::string_view name) {
   constexpr std::array<std::string_view, 8> parts{"w ", "m ", "l ", "w' ", "v ", "f ", "p ", "v' "};
   if (name.size() < 3) return std::nullopt;
@@ -77,7 +79,8 @@ std::optional<bool> linear_part(std::string_view name) {
   return std::nullopt;
 }
 
-/// Takes the name of a velocity from the front of the name of a curve; empty if there is none.
+/// Removes the name of a velocity from the front of the name of a curve, and returns the index of the
+/// velocity; empty if there is none.
 std::optional<std::size_t> take_velocity(std::string_view& name, const std::vector<std::string>& velocities) {
   std::optional<std::size_t> found;
   for (std::size_t k = 0; k < velocities.size(); ++k)

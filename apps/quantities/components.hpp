@@ -7,29 +7,29 @@
 #include "apps/commands/chart.hpp"
 #include "axode/model/model.hpp"
 
-/// Panels of charts in which all curves have one unit.
+/// Makes panels of charts in which all curves have the same unit.
 namespace axode::command {
 
-/// A number of q or v in a chart.
+/// A coordinate or a velocity of a joint that has a curve in a chart.
 struct Component {
   enum Kind { angle, length, quaternion };
-  std::string name;  ///< that of the joint, with its direction if the joint has several numbers
+  std::string name;  ///< name of the joint, and of the direction if it has several numbers
   Kind kind;
-  std::string joint, body;  ///< names by which --columns finds it
+  std::string joint, body;  ///< names by which --columns finds the curve
 };
 
 std::vector<Component> coordinate_components(const Model& model);
 std::vector<Component> velocity_components(const Model& model);
 
-/// Appends a panel for each kind of the components, with a column of numbers for each component. `units` are
-/// those of angles and of lengths.
+/// Appends a panel for each kind of the components, with a curve for each component. The curve of component k
+/// has the numbers in column k over x. `units` are the units of angles and of lengths.
 void add_panels(Chart& chart, const std::string& symbol, const std::vector<Component>& components,
                 const std::vector<std::string_view>& units, const std::vector<double>& x,
                 const Eigen::MatrixXd& columns);
 
-/// Panels of the curves of a quantity, one for each unit. The names of curves are those of `axode eval`:
-/// names of velocities in front, or the part of a twist, wrench or pose at the end. `units` is a list as
-/// "N m, N", the angular unit first.
+/// Panels of the curves of a quantity, one panel for each unit. The unit of a curve follows from its name in
+/// `axode eval`: the names of velocities at the front, or the part of a twist, wrench or pose at the end.
+/// `units` is a list such as "N m, N", with the angular unit first.
 std::vector<Panel> panels_by_unit(const Model& model, const std::string& quantity, const std::string& units,
                                   const std::vector<Curve>& curves);
 

@@ -2,7 +2,7 @@
 #include "axode/contact.hpp"
 #include "axode/view/mesh_hull.hpp"
 
-/// Quantities of collision shapes.
+/// The quantities of `axode eval` about collision shapes.
 namespace axode::command {
 namespace {
 

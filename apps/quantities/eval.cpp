@@ -60,7 +60,7 @@ The JSON is {"model", "nq", "nv", "joints": [...], "results": {name: value}} wit
 of "joints", poses, twists and accelerations keyed by frame, joint_wrenches keyed by joint. Jacobians are
 keyed by frame: six rows of nv entries; their partial derivatives are lists of them, outermost first.)";
 
-/// Functions of a state that `eval` does not offer, each with the place where it is offered.
+/// Functions of a state that `axode eval` does not offer, each with the advice that the error message gives.
 constexpr std::pair<std::string_view, std::string_view> elsewhere[]{
     {"assemble", "ask for \"assembly\", or close the loops of the state by --assemble"},
     {"closure_derivatives",
@@ -186,7 +186,7 @@ std::string heading(const Quantity& quantity, const std::string& label) {
   return "\n" + in(Ink::heading, quantity.name) + ": " + label + "\n";
 }
 
-/// Prints the quantities at one state.
+/// Prints the chosen quantities at one state.
 void run(const Options& options, Format format, const std::vector<Quantity>& chosen, Question& ask) {
   ask.state = options.state.empty() ? neutral_state(ask.model) : read_state(ask.model, options.state);
   assemble(ask.model, options.assembling, ask.state);
@@ -209,7 +209,8 @@ void run(const Options& options, Format format, const std::vector<Quantity>& cho
   print_warnings(ask, options);
 }
 
-/// The smallest and the largest value of each number of a quantity, and the states at which it has them.
+/// A table with the smallest and the largest value of each number of a quantity, and the states at which the
+/// number has them.
 std::string extremes(const std::vector<Curve>& curves, const Sweep& sweep) {
   const std::string at = sweep.timed ? "at t" : "at state";
   Table table({"", "smallest", at, "largest", at});
@@ -221,7 +222,7 @@ std::string extremes(const std::vector<Curve>& curves, const Sweep& sweep) {
   return table.text();
 }
 
-/// Prints the quantities at each state of a sweep.
+/// Prints the chosen quantities at each state of a sequence of states, and draws their chart.
 void run_sweep(const Options& options, Format format, const std::vector<Quantity>& chosen, Question& ask,
                const std::optional<ChartFile>& plot) {
   const Sweep sweep = read_sweep(ask.model, options.state);

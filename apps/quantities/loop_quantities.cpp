@@ -12,7 +12,7 @@
 #include "axode/constraints/independent/independent_equations.hpp"
 #include "axode/constraints/mobility.hpp"
 
-/// Quantities of closed loops.
+/// The quantities of `axode eval` about closed loops.
 namespace axode::command {
 namespace {
 
@@ -22,8 +22,8 @@ std::size_t number_of(const Model& model, Rows kind) {
   return static_cast<std::size_t>(kind == Rows::velocities ? model.loops().rows : model.loops().residuals);
 }
 
-/// The answer with numbers for every row of the loops: one number for each row, or one for each row and
-/// velocity.
+/// An answer with numbers x for every constraint row of the loops: for each row one number for each of
+/// `columns`.
 Answer answer_by_rows(const Question& ask, std::string label, Rows kind, const std::vector<double>& x,
                       const std::vector<std::string>& columns) {
   std::vector<std::string> headings{"loop"};
@@ -45,7 +45,8 @@ Answer answer_by_rows(const Question& ask, std::string label, Rows kind, const s
   return answer;
 }
 
-/// The answer of a matrix with a row for each row of the loops and a column for each velocity.
+/// An answer with a matrix that `write` computes. It has a row for each constraint row of the loops and a
+/// column for each velocity.
 template <class F> Answer matrix_answer(const Question& ask, const char* label, Rows kind, const F& write) {
   LoopWorkspace<> workspace(ask.model);
   std::vector<double> matrix(number_of(ask.model, kind) * ask.state.v.size());

@@ -9,8 +9,8 @@
 #include "axode/kinematics/system_matrices.hpp"
 #include "axode/model/inertial_parameters.hpp"
 
-/// Quantities that are not in the catalogue: those with an order or with targets, the factors of matrices,
-/// and the rates of states whose unknowns are twists or momenta of the bodies.
+/// The quantities of `axode eval` that are not in the catalogue: quantities with an order or with targets,
+/// the factors of matrices, and the rates of states whose unknowns are twists or momenta of the bodies.
 namespace axode::command {
 namespace {
 
@@ -23,7 +23,7 @@ std::string columns_label(const std::string& what, const Question& ask) {
                   "per unit of the velocity");
 }
 
-/// The matrix as JSON: six rows with an entry for each column.
+/// The matrix with these columns of six numbers as JSON: six rows with an entry for each column.
 template <class Column> Json rows_of(std::span<const Column> columns) {
   Json rows = Json::array();
   for (int r = 0; r < 6; ++r) rows.push_back(Json::array());
@@ -33,12 +33,12 @@ template <class Column> Json rows_of(std::span<const Column> columns) {
   }
   return rows;
 }
-/// The motion at the state, up to the given order of twist derivatives.
+/// The motion at the state of the question, with time derivatives of the twists up to the given order.
 HigherOrderMotion<> motion_of(const Question& ask, int order) {
   std::vector<double> rates = ask.state.v;
   for (const std::vector<double>* next : {&ask.state.a, &ask.state.jerk, &ask.state.snap})
     rates.insert(rates.end(), next->begin(), next->end());
-  rates.resize((order + 1) * ask.model.nv());  // derivatives beyond the given ones are 0
+  rates.resize((order + 1) * ask.model.nv());  // derivatives that the state does not give are 0
   HigherOrderMotion<> motion(ask.model, order);
   motion.evaluate(ask.state.q, rates);
   return motion;
@@ -87,8 +87,8 @@ Answer jerk_answer(const Question& ask) { return twist_derivative(ask, "jerk", 2
 Answer snap_answer(const Question& ask) { return twist_derivative(ask, "snap", 3); }
 Answer twist_derivative_answer(const Question& ask) { return twist_derivative(ask, "twist", ask.order); }
 
-/// The tensor as nested lists: an index for each derivative, the outermost first, then six rows of nv
-/// entries.
+/// The tensor of derivatives of the given order as nested lists: one index for each derivative, the outermost
+/// derivative first, then six rows of nv entries.
 template <class Column> Json nested(std::span<const Column> tensor, int order, int nv) {
   if (order == 0) return rows_of(tensor);
   Json list = Json::array();
@@ -189,8 +189,8 @@ Answer mass_matrix_factors_answer(const Question& ask) {
   return answer;
 }
 
-/// The answer for a state with six unknowns for each body: the velocities v, and a rate of type Rate for each
-/// body.
+/// An answer for equations whose unknowns are six numbers of each body (twists or momenta): the velocities v,
+/// and a rate of type Rate for each body.
 template <class Rate>
 Answer body_rates_answer(const Question& ask, std::string label, std::vector<std::string> headings,
                          const char* key, const std::vector<double>& v, const std::vector<Rate>& rates) {

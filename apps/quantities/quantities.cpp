@@ -11,7 +11,8 @@
 #include "axode/model/inertial_parameters.hpp"
 #include "axode/table/check_counts.hpp"
 
-/// Prints the results of each row of the catalogue, numbers of any shape, as JSON and as a table.
+/// The quantities of `axode eval` that are functions of the catalogue. Their results, numbers of any shape,
+/// are written as JSON and as tables.
 namespace axode::command {
 namespace {
 
@@ -42,8 +43,8 @@ std::string rate_axes(Representation representation) {
   }
   return "w' in the frame's own axes; v' = r'' of its origin in inertial axes";
 }
-/// The axes and the reference point of a wrench in words. `whose` names the frame, `own` its own origin, and
-/// `point` the point in inertial axes.
+/// The axes and the reference point of a wrench in words. `whose` is "frame" or "body", `own` describes the
+/// point about which a body-fixed or mixed moment is taken, and `point` the point of a hybrid moment.
 std::string wrench_axes(Representation representation, const char* whose, const char* own,
                         const std::string& point) {
   switch (representation) {
@@ -72,11 +73,11 @@ std::string label_of(const Row& row, const Question& ask) {
                   row.units);
 }
 
-/// The meaning of the entries of an axis of a result.
+/// An axis of a result that is an array, with the names of the entries along it.
 struct Axis {
   std::string_view heading;
   std::vector<std::string> names;
-  bool keyed = false;  ///< whether its entries have names as keys in JSON
+  bool keyed = false;  ///< whether entries have their names as keys in JSON
 };
 Axis axis_of(Extent extent, const Question& ask) {
   const Model& model = ask.model;
@@ -126,14 +127,15 @@ SE3<> pose(Reals x) {
   const auto column = [&](std::size_t k) { return Vec3<>{x[k], x[k + 1], x[k + 2]}; };
   return {{column(0), column(3), column(6)}, column(9)};
 }
-/// The numbers m and Θ of an inertia about the centre of mass, whose first moment is 0.
+/// The mass m and the six numbers of Θ of an inertia about the centre of mass; the first moment, which is 0,
+/// is left out.
 std::vector<double> mass_and_inertia(Reals x) {
   std::vector<double> kept{x[0]};
   kept.insert(kept.end(), x.begin() + 4, x.end());
   return kept;
 }
 
-/// The numbers of an entry that a table shows.
+/// The numbers that a table shows for an entry of a result. A pose is shown as position and quaternion.
 std::vector<double> shown(Entry entry, Reals x) {
   if (entry == Entry::inertia) return mass_and_inertia(x);
   if (entry != Entry::pose) return {x.begin(), x.end()};
@@ -149,7 +151,7 @@ Json json_of(Entry entry, Reals x) {
   return std::vector<double>(x.begin(), x.end());
 }
 
-/// One result of one call, with its axes.
+/// Writes the results of one call of a function of the catalogue. A result is an array with the axes `axes`.
 struct Result {
   const Question& ask;
   const Row& row;
@@ -160,7 +162,8 @@ struct Result {
     for (; axis < axes.size(); ++axis) n *= axes[axis].names.size();
     return n;
   }
-  /// Whether the question excludes this entry of an axis.
+  /// Whether entry k along an axis is left out, because it belongs to a frame that the question does not
+  /// name.
   bool left_out(std::size_t axis, std::size_t k) const {
     return row.shape[axis] == Extent::n_frames && !ask.frames.empty() &&
            std::find(ask.frames.begin(), ask.frames.end(), static_cast<int>(k)) == ask.frames.end();
@@ -193,10 +196,10 @@ struct Result {
     return out;
   }
 
-  /// Whether the result is printed as a matrix of numbers; the function below says whether it is transposed.
+  /// Whether a result is printed as a matrix of numbers; on_its_side() says whether the matrix is transposed.
   bool matrix() const { return row.entry == Entry::number && axes.size() > 1; }
   bool on_its_side() const { return matrix() && row.shape.back() == Extent::n_parameters; }
-  /// Whether several results are printed below each other and not side by side.
+  /// Whether several results of the function are printed below each other and not side by side.
   bool stacked() const { return row.symbols.size() > 1 && (matrix() || row.entry != Entry::number); }
 
   std::vector<std::string> headings() const {
@@ -224,14 +227,14 @@ struct Result {
     return list;
   }
 
-  /// The JSON of one result, or of several results by their symbols.
+  /// The JSON of the results: a single result as it is, or several results with their symbols as keys.
   Json json_of_all(const std::vector<Reals>& results) const {
     if (results.size() == 1) return json(results[0]);
     Json all = Json::object();
     for (std::size_t k = 0; k < results.size(); ++k) all[row.symbols[k]] = json(results[k]);
     return all;
   }
-  /// Adds all results to a table, as many as the row has symbols.
+  /// Adds all results of the call to a table. `before` are the first cells of the first row.
   void tabulate_all(const std::vector<Reals>& results, std::vector<Cell> before, Table& table) const {
     if (!stacked()) return tabulate(results, std::move(before), table);
     for (std::size_t k = 0; k < results.size(); ++k) {
@@ -243,7 +246,8 @@ struct Result {
     }
   }
 
-  /// Adds rows for the numbers of the results, from an axis on.
+  /// Adds rows for the numbers of the results to a table, one level of rows for each axis from `axis` on.
+  /// `before` are the first cells of the first row.
   void tabulate(const std::vector<Reals>& results, std::vector<Cell> before, Table& table,
                 std::size_t axis = 0) const {
     if (on_its_side()) {

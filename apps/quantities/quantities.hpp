@@ -13,13 +13,13 @@
 
 namespace axode::command {
 
-/// A question about a mechanism: the model, its state, and how to answer.
+/// A question of `axode eval` about a mechanism: the model, its state, and options for the answer.
 struct Question {
   Model model;
   State state;
   Representation representation = Representation::body;
   bool joint_losses = false;
-  std::vector<int> frames = {};  ///< the frames of the question; all if empty
+  std::vector<int> frames = {};  ///< frames to which the answer is limited; all if empty
   int relative_to = 0;           ///< the frame of the observer, for relative motion; 0 is the ground
   int order = 1;                 ///< order of derivatives
   CoriolisForm coriolis = CoriolisForm::christoffel;
@@ -28,34 +28,36 @@ struct Question {
   Loads<> loads() const { return {state.loads, joint_losses}; }
 };
 
-/// The answer to a question: a title with units and axes, and the value as JSON and as a table.
+/// The answer to a question: a title with units and axes, and the values as JSON and as a table.
 struct Answer {
   std::string label;
   Json value;
   Table table;
 };
 
-/// A quantity that `axode eval` can compute.
+/// A quantity that `axode eval` can compute: its name, its purpose in a few words, and the function that
+/// answers a question.
 struct Quantity {
   std::string_view name, purpose;
   std::function<Answer(const Question&)> answer;
 };
-/// All quantities in the order of the documentation: functions of the catalogue and other quantities.
+/// All quantities of `axode eval` in the order of the documentation: functions of the catalogue and other
+/// quantities.
 const std::vector<Quantity>& quantities();
-/// Quantities that are not in the catalogue: they take an order or targets, or their results are not only
-/// numbers.
+/// The quantities that are not in the catalogue, because they take an order or targets, or their results are
+/// not only numbers.
 std::vector<Quantity> other_quantities();
-/// Quantities of closed loops.
+/// The quantities about closed loops.
 std::vector<Quantity> loop_quantities();
-/// Quantities of collision shapes.
+/// The quantities about collision shapes.
 std::vector<Quantity> contact_quantities();
 
-/// The frames that the question names, or all but the inertial frame.
+/// The frames that the question names, or all frames but the inertial frame if it names none.
 std::vector<int> frames_of(const Question& ask);
 
-/// The axes and the reference point of the six components of a twist in a representation.
+/// A description of the axes and the reference point of the six components of a twist in a representation.
 std::string twist_axes(Representation representation);
-/// A title with the name of a quantity, its representation and axes, and its units.
+/// The title of an answer, with the name of the quantity, its representation and axes, and its units.
 std::string headline(std::string_view what, Representation representation, const std::string& axes,
                      std::string_view units);
 

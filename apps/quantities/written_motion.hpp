@@ -8,30 +8,31 @@
 #include "axode/dynamics.hpp"
 #include "axode/integration.hpp"
 
-/// The files and the chart of `axode simulate`.
+/// Makes the files and the chart that `axode simulate` writes.
 namespace axode::command {
 
-/// The numbers of a motion that are written, a row for each time.
+/// The numbers of a motion that are written, with a row (or entry) for each time.
 struct WrittenMotion {
   Eigen::VectorXd t, energy, kinetic_energy;
   Eigen::MatrixXd q, v, a, tau;
-  Eigen::MatrixXd motion_forces;  ///< force that each prescribed motion takes
+  Eigen::MatrixXd motion_forces;  ///< force that each prescribed motion needs
   std::vector<std::string> drive_states;
   Eigen::MatrixXd x;  ///< states of the drives
 };
 
 /// Evaluates a motion under a drive and loads at the ends of its steps or, if `samples` is positive, at the
-/// ends of so many equal intervals.
+/// ends of `samples` equal intervals.
 WrittenMotion written_motion(const Trajectory& motion, const Drive& drive, const Loads<>& loads, int samples);
 
-/// All numbers side by side, with the names of the columns.
+/// The numbers of a motion as CSV: a line with the names of the columns, then a row for each time.
 std::string csv_of(const Model& model, const WrittenMotion& rows);
-/// All that is known of a motion, with the names of the method and of the coordinates of its computation.
+/// All that is known of a motion as JSON. `method` and `coordinates` are the names of the integration method
+/// and of the coordinates that it uses.
 Json json_of(const Trajectory& motion, const WrittenMotion& rows, const std::string& method,
              const std::string& coordinates);
-/// The numbers as arrays of NumPy.
+/// The numbers of a motion as the bytes of an .npz file of NumPy.
 std::string npz_of(const WrittenMotion& rows);
-/// The numbers over time, with the contacts of the motion.
+/// A chart of the numbers of a motion over time, with the forces of its contacts.
 Chart chart_of(const Trajectory& motion, const WrittenMotion& rows);
 
 }  // namespace axode::command

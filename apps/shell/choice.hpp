@@ -10,7 +10,7 @@
 #include "axode/lie/twist.hpp"
 #include "axode/model/building/nearest_name.hpp"
 
-/// Words of the command line that stand for a value.
+/// Choices on the command line: words that stand for values.
 namespace axode::command {
 
 enum class Format { table, json };
@@ -27,9 +27,9 @@ inline constexpr std::array<std::pair<std::string_view, CoriolisForm>, 4> coriol
 inline constexpr std::array<std::pair<std::string_view, WrenchPoint>, 2> wrench_points{
     {{"body", WrenchPoint::body}, {"joint", WrenchPoint::joint}}};
 
-/// A hint for an unknown name: `; did you mean "poses"?` for the nearest name, `; it is called "mass_matrix"
-/// here` for a name of other libraries, or `; names that contain it: "kinetic_energy", ...`; empty if there
-/// is no such name.
+/// A hint for an unknown name, to be appended to a message: `; did you mean "poses"?` with the nearest valid
+/// name, `; it is called "mass_matrix" here` for a name that other libraries use, or `; names that contain
+/// it: "kinetic_energy", ...`. It is empty if there is no similar name.
 template <class Range, class NameOf>
 std::string suggestion(std::string_view word, const Range& candidates, NameOf name_of) {
   const std::string_view here = catalog::name_here(word);
@@ -46,7 +46,8 @@ std::string suggestion(std::string_view word, const Range& candidates, NameOf na
   return near.empty() && !holding.empty() ? "; names that contain it: " + holding : near;
 }
 
-/// The sentence `"fre" is none of fixed, free; did you mean "free"?`; `names` are the valid words.
+/// The sentence `"fre" is none of fixed, free; did you mean "free"?` for an unknown word. `candidates` are
+/// the valid words.
 template <class Range, class NameOf>
 std::string none_of(std::string_view word, const Range& candidates, NameOf name_of) {
   std::string sentence = '"' + std::string(word) + "\" is none of ";
@@ -58,7 +59,8 @@ std::string none_of(std::string_view word, const Range& candidates, NameOf name_
   return sentence + suggestion(word, candidates, name_of);
 }
 
-/// The value of a word. Throws Error if there is no such word; `where` is the beginning of the message.
+/// The value that a word stands for. Throws Error if the word is none of the choices; `where` is the
+/// beginning of the message.
 template <class Error = UsageError, class Value, std::size_t N>
 Value choose(const std::string& where, std::string_view word,
              const std::array<std::pair<std::string_view, Value>, N>& choices) {
@@ -67,14 +69,14 @@ Value choose(const std::string& where, std::string_view word,
   throw Error(where + ": " + none_of(word, choices, [](const auto& choice) { return choice.first; }));
 }
 
-/// The valid words in the form that help shows and completion reads: `table|json`.
+/// The valid words of a choice in the form `table|json`, which the help shows and shell completion reads.
 template <class Choices> std::string words(const Choices& choices) {
   std::string all;
   for (const auto& choice : choices) all += (all.empty() ? "" : "|") + std::string(choice.first);
   return all;
 }
 
-/// The word for a value.
+/// The word that stands for a value.
 template <class Value, std::size_t N>
 std::string_view word_for(Value wanted, const std::array<std::pair<std::string_view, Value>, N>& choices) {
   for (const auto& [name, value] : choices)

@@ -7,13 +7,14 @@ class App;
 class Option;
 }  // namespace CLI
 
-/// The parts of the command line, from which completion and the manual page are made.
+/// The commands, arguments and options of the command line, from which shell completion and the manual page
+/// are made.
 namespace axode::command {
 
 std::vector<const CLI::App*> commands(const CLI::App& app);
-/// The arguments of a command that have no dashes.
+/// The positional arguments of a command, which have no dashes.
 std::vector<const CLI::Option*> positionals(const CLI::App& command);
-/// The names of an option with their dashes; empty for a positional one.
+/// The names of an option with their dashes; empty for a positional argument.
 std::vector<std::string> flags(const CLI::Option& option);
 bool takes_value(const CLI::Option& option);
 

@@ -7,7 +7,8 @@ namespace CLI {
 class App;
 }
 
-/// The commands of `axode`. Each adds itself to the command line and sets the exit code when it is run.
+/// The commands of `axode`. Each function adds one command to the command line; the command sets the exit
+/// code when it is run.
 namespace axode::command {
 
 enum ExitCode {
@@ -16,13 +17,13 @@ enum ExitCode {
   wrong_usage = 2,  ///< the command line itself is wrong
 };
 
-/// The error of a command line that is wrong itself.
+/// The error that is thrown if the command line itself is wrong.
 class UsageError : public std::runtime_error {
  public:
   using std::runtime_error::runtime_error;
 };
 
-/// The error of a wrong input, with one sentence for each fault.
+/// The error that is thrown for a wrong input, with one sentence for each fault.
 class InputError : public std::runtime_error {
  public:
   explicit InputError(std::vector<std::string> sentences)
@@ -44,7 +45,7 @@ void add_simulate(CLI::App& app, int& exit_code);
 void add_contacts(CLI::App& app, int& exit_code);
 void add_plot(CLI::App& app, int& exit_code);
 void add_view(CLI::App& app, int& exit_code);
-/// Python replaces this program, and the exit code is Python's.
+/// Adds the command `map`. It has no exit code here, because Python replaces this program.
 void add_map(CLI::App& app);
 void add_codegen(CLI::App& app, int& exit_code);
 void add_fmu(CLI::App& app, int& exit_code);

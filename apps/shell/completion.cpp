@@ -11,7 +11,8 @@
 #include "axode/codegen.hpp"
 #include "axode/integration.hpp"
 
-/// Completion of the words of `axode`: a shell asks the program for each word that is to be completed.
+/// Completion of the words of a command line of `axode` in a shell. The shell calls the program for each word
+/// that is to be completed.
 namespace axode::command {
 namespace {
 
@@ -22,8 +23,9 @@ In ~/.bashrc: source <(axode completion bash). In ~/.zshrc, after compinit: sour
 For fish: axode completion fish > ~/.config/fish/completions/axode.fish. `cmake --install` installs them.
 The scripts call axode with the WORDS of a command line, and axode prints the completions of the last word.)";
 
-/// A shell calls axode with all words after `axode`, the last of which is to be completed. Each line of the
-/// output is a word, a tab and a description; `:files` stands for the names of files.
+/// The scripts for the shells. A shell calls axode with all words after `axode`, the last of which is to be
+/// completed. Each line of the output is a word, a tab and a description; `:files` stands for the names of
+/// files.
 constexpr const char* bash = R"sh(# Completion of axode for bash.
 _axode() {
   mapfile -t COMPREPLY < <(
@@ -66,15 +68,16 @@ complete -c axode -f -a '(__axode)'
 constexpr std::array<std::pair<std::string_view, const char*>, 3> shells{
     {{"bash", bash}, {"zsh", zsh}, {"fish", fish}}};
 
-/// The shell may put one of these in place of the last word of a command line: a name of a file, which the
-/// shell lists itself, or a word, which has a description that may be empty.
+/// The possible completions of the last word of a command line: names of files, which the shell lists itself,
+/// or words, each with a description that may be empty.
 struct Offer {
   bool files = false;
   bool list = false;  ///< whether commas separate several words
   std::vector<std::pair<std::string, std::string>> words = {};
 };
 
-/// Adds what an option takes: a `FILE`, one of some words (`table|json`), or a name that stands for many.
+/// Adds the values that an option takes: a `FILE`, one of some words (`table|json`), or the words of a type
+/// that stands for many, such as METHOD.
 void add_values(Offer& offer, const CLI::Option& option) {
   const std::string type = option.get_type_name();
   const auto add = [&](const auto& all, const auto& name_of) {
@@ -88,7 +91,8 @@ void add_values(Offer& offer, const CLI::Option& option) {
   if (type.find('|') != std::string::npos) add(CLI::detail::split(type, '|'), std::identity());
 }
 
-/// Adds commands and values of positional arguments, or options if there are none or the word is one.
+/// Adds the commands and the values of positional arguments, or the options if there are no such words or if
+/// the word to be completed begins like an option.
 void add_words(Offer& offer, const CLI::App& command, bool is_option, bool with_equals) {
   if (!is_option) {
     for (const CLI::App* sub : commands(command))
@@ -103,7 +107,7 @@ void add_words(Offer& offer, const CLI::App& command, bool is_option, bool with_
     }
 }
 
-/// The completions of the last of the words after `axode`, one in a line.
+/// The completions of the last of `words`, which are the words after `axode`, one in a line.
 std::string completions(const CLI::App& app, std::vector<std::string> words, std::string_view shell) {
   std::string word = words.back(), head;  // `head` is the part of the word that is already complete
   words.pop_back();

@@ -26,7 +26,7 @@ Exit codes:
 Errors go to standard error, one sentence each. Colours are for terminals; NO_COLOR turns them off.
 `axode COMMAND --help` says more about a command.)";
 
-/// The command that the command line names, or the program if it names none.
+/// The command that the command line names, or the program itself if it names none.
 const CLI::App& chosen(const CLI::App& app) {
   const auto commands = app.get_subcommands();
   return commands.empty() ? app : *commands.front();
@@ -37,7 +37,7 @@ std::string full_name(const CLI::App& app) {
   return &command == &app ? app.get_name() : app.get_name() + " " + command.get_name();
 }
 
-/// A sentence about the error in the command line.
+/// A sentence that explains the error in the command line.
 std::string complaint(const CLI::App& app, const CLI::ParseError& error) {
   const CLI::App& command = chosen(app);
   const std::vector<std::string> extras = app.remaining(true);
@@ -60,7 +60,8 @@ std::string complaint(const CLI::App& app, const CLI::ParseError& error) {
          did_you_mean(extras.front(), command.get_options(), long_name);
 }
 
-/// Throws UsageError if a word is given as "". An empty word does not mean that the word is left out.
+/// Throws UsageError if a word of the command line is empty (""), which does not mean that the word is left
+/// out.
 void refuse_empty_words(const CLI::App& command) {
   for (const CLI::Option* option : command.get_options())
     for (const std::string& word : option->results())
@@ -104,7 +105,7 @@ int run(int argc, char** argv) {
     app.parse(argc, argv);
     return exit_code;
   } catch (const CLI::ParseError& error) {
-    if (error.get_exit_code() == 0) return app.exit(error);  // this is how --help and --version end
+    if (error.get_exit_code() == 0) return app.exit(error);  // --help and --version end in this way
     report(full_name(app), complaint(app, error) + fmt::format(" (see {} --help)", full_name(app)));
     return wrong_usage;
   } catch (const UsageError& error) {

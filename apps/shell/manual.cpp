@@ -6,14 +6,14 @@
 #include "apps/shell/command_line.hpp"
 #include "apps/shell/commands.hpp"
 
-/// The manual page of `axode`: the help of the program and of every command.
+/// The manual page of `axode`, which consists of the help of the program and of every command.
 namespace axode::command {
 namespace {
 
 constexpr const char* footer =
     "Example:\n  axode manual\n\nTo read it: axode manual | man -l -. After `cmake --install`: man axode.";
 
-/// The text as lines of roff that are shown with the line breaks and blanks of the text.
+/// The text as roff source that shows it with its line breaks and blanks.
 std::string as_it_stands(const std::string& text) {
   const std::pair<const char*, const char*> replacements[] = {
       {"\\", "\\e"},  {"-", "\\-"},   {"'", "\\(aq"},   {"`", "\\(ga"},

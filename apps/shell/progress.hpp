@@ -3,7 +3,7 @@
 
 namespace axode::command {
 
-/// Catches Ctrl-C while the object exists.
+/// Catches Ctrl-C, which does not end the program while the object exists.
 class Interruptible {
  public:
   Interruptible();
@@ -11,7 +11,7 @@ class Interruptible {
   Interruptible(const Interruptible&) = delete;
   Interruptible& operator=(const Interruptible&) = delete;
 
-  /// Whether Ctrl-C was pressed.
+  /// Whether Ctrl-C was pressed while an Interruptible existed.
   bool interrupted() const;
 
  private:
@@ -26,7 +26,7 @@ class Progress {
   Progress(const Progress&) = delete;
   Progress& operator=(const Progress&) = delete;
 
-  /// Shows how far the simulated time is, s.
+  /// Shows the simulated time t (s) that has been reached.
   void show(double t);
 
  private:

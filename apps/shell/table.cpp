@@ -10,8 +10,8 @@
 namespace axode::command {
 namespace {
 
-/// The format of the numbers of one column: six digits for the largest, without trailing zeros that all
-/// numbers have.
+/// The format of the numbers of one column: six digits for the largest number, without zeros at the end that
+/// all numbers of the column have.
 class NumberStyle {
  public:
   explicit NumberStyle(const std::vector<double>& column) {

@@ -6,7 +6,7 @@
 
 namespace axode::command {
 
-/// A text, or a number that is written with as many decimals as its column needs.
+/// A cell of a table: a text, or a number, which is written with as many decimals as its column needs.
 using Cell = std::variant<std::string, double>;
 
 /// A table for a terminal. Columns of numbers are aligned on the decimal point, with at most six digits for
@@ -16,12 +16,12 @@ class Table {
   explicit Table(std::vector<std::string> headings) : headings_(std::move(headings)) {}
 
   Table& row(std::vector<Cell> cells);
-  /// Draws a line between the rows so far and later rows.
+  /// Draws a line between the rows that the table has now and rows that are added later.
   Table& rule();
   bool empty() const { return rows_.empty(); }
 
-  /// Each number of the table with a name. The name consists of the words before the number in its row, and
-  /// of the heading of its column. A blank word stands for the word in the row above.
+  /// All numbers of the table, each with a name. The name consists of the words before the number in its row,
+  /// and of the heading of its column. A blank word in a row stands for the word in the row above.
   std::vector<std::pair<std::string, double>> numbers() const;
 
   /// The table as text. It consists of lines that end in a newline; the headings come first and are
@@ -37,10 +37,10 @@ class Table {
 /// The number of columns that a text takes on a terminal.
 std::size_t width(std::string_view text);
 
-/// The text with blanks after it, or before it, up to a width.
+/// The text with blanks after it, or before it if `right` is set, so that it has the width `to`.
 std::string padded(const std::string& text, std::size_t to, bool right = false);
 
-/// The number with `digits` significant digits, zero without a sign.
+/// The number as text with `digits` significant digits; zero has no sign.
 std::string significant(double x, int digits = 6);
 
 }  // namespace axode::command

@@ -7,7 +7,8 @@ namespace axode::command {
 
 enum class Ink { heading, faint, good, warning, bad };
 
-/// The text in a colour if the stream is a terminal and NO_COLOR is not set.
+/// The text in the colour for `ink` if the stream is a terminal and NO_COLOR is not set; otherwise the text
+/// as it is.
 std::string in(Ink ink, std::string_view text, std::FILE* stream = stdout);
 
 bool is_terminal(std::FILE* stream);

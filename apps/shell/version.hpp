@@ -3,7 +3,7 @@
 
 namespace axode::command {
 
-/// A line with the version, then details of the build and the processor.
+/// The text that --version prints: a line with the version, then details of the build and the processor.
 std::string version();
 
 }  // namespace axode::command

@@ -6,10 +6,11 @@
 
 namespace axode::command {
 
-/// Measures the time of one call as the median over batches of calls that are long enough for the clock.
+/// Measures the time of one call of a function: the median over batches of calls, each of which is long
+/// enough for the clock.
 class CallTimer {
  public:
-  /// run(n) must make n calls.
+  /// run(n) must call the function n times.
   explicit CallTimer(std::function<void(int)> run) : run_(std::move(run)) {
     run_(1);
     calls_ = std::clamp(static_cast<int>(50e-6 / std::max(seconds(10), 1e-9)), 1, 100000);
@@ -17,7 +18,7 @@ class CallTimer {
   void sample(int batches) {
     for (int k = 0; k < batches; ++k) times_.push_back(seconds(calls_));
   }
-  /// The median of all samples so far, in seconds.
+  /// The median of all samples so far: the time of one call in seconds.
   double median() {
     const auto middle = times_.begin() + std::ssize(times_) / 2;
     std::nth_element(times_.begin(), middle, times_.end());

@@ -4,27 +4,28 @@
 
 #include "axode/model/tree.hpp"
 
-/// A tree in body frames other than the joint frames of Tree, to compare choices of frames. Recursions take
-/// it instead of a Tree; drive forces and mass matrices do not depend on the frames.
+/// A tree in body frames other than the joint frames of Tree, to compare the cost of choices of frames.
+/// Recursions take it instead of a Tree. Drive forces and mass matrices do not depend on the frames.
 namespace axode {
 
 struct UserFrames {};        ///< the user's body frames; joint screws may be any screws
 struct MassCenterFrames {};  ///< frames at the centres of mass, parallel to the joint frames; h = 0
 struct ConstructionFrames {
-};  ///< all at the inertial frame at q = 0: B_i = I, C_i = exp(Y_1 q_1) ... exp(Y_i q_i)
+};  ///< at q = 0 all are the inertial frame: B_i = I, C_i = exp(Y_1 q_1) ... exp(Y_i q_i)
 
 namespace framed {
 
-/// The entries of the three terms of a pose C_0 + sin q C_s + cos q C_c. None of the terms is a pose.
+/// The three terms of a pose C_0 + sin q C_s + cos q C_c. SE3 is only a store for their entries: none of the
+/// terms is a pose.
 template <class T> struct Terms { SE3<T> C_0, C_s, C_c; };
 
-/// The three terms of L exp(e_z q) D for poses L and D.
+/// The three terms of the pose L exp(e_z q) D as a function of q, for poses L and D.
 template <class T> Terms<T> terms(const SE3<T>& L, const SE3<T>& D) {
   const SO3<T> along{{}, {}, L.R.z}, sine{L.R.y, -L.R.x, {}}, cosine{L.R.x, L.R.y, {}};
   return {{along * D.R, L.r + along * D.r}, {sine * D.R, sine * D.r}, {cosine * D.R, cosine * D.r}};
 }
 
-/// A revolute or a helical joint with the screw X = (n; y) in the body frame. The constants contain the
+/// A revolute or helical joint with the screw X = (n; y) in the body frame. Its constants contain the
 /// reference pose.
 template <class T, class Frames, bool helical> struct Turning : subgroup::VectorCoordinates<T, 1> {
   Terms<T> C;
@@ -65,7 +66,7 @@ template <class T, class Frames, bool helical> struct Turning : subgroup::Vector
       return C.C_0.R.*column + (s * (C.C_s.R.*column) + c * (C.C_c.R.*column));
     };
     if constexpr (std::same_as<Frames, ConstructionFrames>) {
-      // C(0) = I leaves R = I + s ñ + (c - 1) (-ñ²), r = s r_s + (c - 1) r_c
+      // As the pose at q = 0 is the identity: R = I + s ñ + (c - 1) (-ñ²), r = s r_s + (c - 1) r_c
       const T k = c - T(1);
       const SO3<T>& P = C.C_c.R;
       const T xx = k * P.x.x, yy = k * P.y.y, zz = k * P.z.z, xy = k * P.x.y, xz = k * P.x.z, yz = k * P.y.z;
@@ -83,10 +84,10 @@ template <class T, class Frames, bool helical> struct Turning : subgroup::Vector
   }
 };
 
-/// A prismatic joint along any axis: C = C_0 + q (0, u).
+/// A prismatic joint along any axis, with the pose C = (R_0, r_0 + q u).
 template <class T, class Frames> struct Sliding : subgroup::VectorCoordinates<T, 1> {
   SE3<T> C_0;
-  Vec3<T> u, e;  ///< the axis in the frame of the predecessor and in that of the body
+  Vec3<T> u, e;  ///< the axis in the frame of the predecessor and in the body frame
 
   Sliding(const SE3<T>& L, const SE3<T>& D, const T& /*pitch*/) : C_0(L * D), u(L.R.z), e(transpose(D.R).z) {}
 
@@ -101,7 +102,8 @@ template <class T, class Frames> struct Sliding : subgroup::VectorCoordinates<T,
   Screw<T> column(int) const { return {{}, e}; }
 };
 
-/// The type of the pose of the body frame in the joint frame: any pose, or a translation.
+/// The type of the pose of the body frame in the joint frame: any pose, or a translation for frames at
+/// centres of mass.
 template <class Frames, class T>
 using Offset = std::conditional_t<std::same_as<Frames, MassCenterFrames>, Vec3<T>, SE3<T>>;
 
@@ -115,7 +117,7 @@ template <class T> Twist<BodyFixed, T> expressed_in(const Vec3<T>& d, const Twis
   return {V.w, V.v + cross(V.w, d)};
 }
 template <class T> Wrench<BodyFixed, T> brought_back(const SE3<T>& D, const Wrench<BodyFixed, T>& W) {
-  const Wrench<Spatial, T> W_joint = coAd(D, W);  // the joint frame replaces the inertial one
+  const Wrench<Spatial, T> W_joint = coAd(D, W);  // the joint frame takes the role of the inertial frame
   return {W_joint.m, W_joint.f};
 }
 template <class T> Wrench<BodyFixed, T> brought_back(const Vec3<T>& d, const Wrench<BodyFixed, T>& W) {
@@ -123,7 +125,8 @@ template <class T> Wrench<BodyFixed, T> brought_back(const Vec3<T>& d, const Wre
   return {W.m + cross(d, W.f), W.f};
 }
 
-/// A joint with several degrees of freedom, conjugated by the offset: L exp(S q) D.
+/// A joint with several degrees of freedom whose body frame has the pose D in its joint frame: its pose is L
+/// exp(S q) D, with the pose L of the joint frame at q = 0 in the frame of the predecessor.
 template <class Joint, class T, class Offset> struct Conjugated {
   static constexpr int nq = Joint::nq, nv = Joint::nv;
   const SE3<T>& L;
@@ -138,9 +141,9 @@ template <class Joint, class T, class Offset> struct Conjugated {
 
 }  // namespace framed
 
-/// The numbers of a tree in other frames. Bodies whose frame is their joint frame keep the joints of the
-/// tree; all others have joints with constant screws that need not be sparse. Numbers that do not depend on
-/// frames are the tree's.
+/// A tree in the body frames Frames. Bodies whose frame is their joint frame keep the joints of the given
+/// tree. All other bodies have joints with constant screws that need not be sparse. Members that do not
+/// depend on the frames refer to the given tree.
 template <class T, class Frames> class FramedTree {
  public:
   static constexpr bool central = std::same_as<Frames, MassCenterFrames>;
@@ -154,13 +157,13 @@ template <class T, class Frames> class FramedTree {
   const std::vector<T>& inertia_scale = tree_.inertia_scale;
   const std::vector<T>&armature = tree_.armature, &damping = tree_.damping, &friction = tree_.friction;
   const Vec3<T>& g = tree_.g;
-  std::vector<SE3<T>> B, frame_offset;  ///< poses in the chosen frames, as are all members below
-  std::vector<InertiaOfBody> M;         ///< n + 1
+  std::vector<SE3<T>> B, frame_offset;  ///< as in Tree, but in the frames Frames, like all members below
+  std::vector<InertiaOfBody> M;         ///< n + 1: inertia of each body
   std::vector<JointGroup> joint_groups;
   std::vector<int> by_kind;
   std::vector<std::ptrdiff_t>
-      at;  ///< of each group: its first joint in revolute, helical or prismatic; -1 for a
-           ///< group of bodies whose frames are their joint frames
+      at;  ///< for each joint group: index of its first joint in revolute, helical or prismatic;
+           ///< -1 if the frames of its bodies are their joint frames
   std::vector<framed::Turning<T, Frames, false>> revolute;
   std::vector<framed::Turning<T, Frames, true>> helical;
   std::vector<framed::Sliding<T, Frames>> prismatic;
@@ -195,13 +198,13 @@ template <class T, class Frames> class FramedTree {
   FramedTree& operator=(const FramedTree&) = delete;
   const Topology* operator->() const { return tree_.operator->(); }
 
-  /// Joints with one velocity that have constants of their own, by their kind in joint frames.
+  /// The list of the joints that have one velocity, constants of their own and the same kind as the argument.
   template <class Tree> static auto& own(Tree& tree, const subgroup::Revolute<T>&) { return tree.revolute; }
   template <class Tree> static auto& own(Tree& tree, const subgroup::Helical<T>&) { return tree.helical; }
   template <class Tree> static auto& own(Tree& tree, const subgroup::Prismatic<T>&) { return tree.prismatic; }
 
  private:
-  /// The poses of the body frames in the joint frames.
+  /// The poses of the body frames Frames in the joint frames.
   static std::vector<SE3<T>> offsets(const Tree<T>& tree) {
     std::vector<SE3<T>> D(static_cast<std::size_t>(tree->n + 1)), C(D);
     for (int i = 1; i <= tree->n; ++i) {
@@ -215,14 +218,15 @@ template <class T, class Frames> class FramedTree {
     }
     return D;
   }
-  /// Whether a joint is the same as in a tree of joint frames.
+  /// Whether a joint of this kind is the same as in a tree of joint frames, if its body frame has the pose D
+  /// in the joint frame.
   static bool keeps_its_joint(Subgroup kind, const SE3<T>& D) {
     const Vec3<T> x = D.R.x - Vec3<T>{T(1), T(0), T(0)}, y = D.R.y - Vec3<T>{T(0), T(1), T(0)};
     const bool at_joint = !(dot(x, x) + dot(y, y) + dot(D.r, D.r) > T(0));
     return at_joint || (central && kind == Subgroup::prismatic);
   }
-  /// Splits each group of joints in two: joints that stay the same, and joints that have constants of their
-  /// own.
+  /// Splits each group of joints into two groups: joints that stay the same, and joints that have constants
+  /// of their own.
   void sort_joints(const std::vector<JointGroup>& before, const std::vector<SE3<T>>& in_joint) {
     joint_groups.clear();
     for (const JointGroup& group : before) {

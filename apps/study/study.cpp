@@ -69,7 +69,7 @@ constexpr std::string_view fast = "fast";
 constexpr std::array<std::string_view, 5> ways_to_compute{"body", "spatial", "hybrid", "mixed", fast};
 constexpr std::array<std::string_view, 4> frame_choices{"joint", "user", "com", "construction"};
 
-/// A representation and a choice of body frames, with which all algorithms are run.
+/// A representation and a choice of body frames, in which all algorithms are run.
 struct Variant {
   std::string_view frames, representation;
   std::unique_ptr<Subject> subject;
@@ -98,7 +98,7 @@ std::vector<Variant> variants_of(const Model& model, const State& state) {
   return variants;
 }
 
-/// A line that a terminal shows during long computations.
+/// Shows a line on the terminal during long computations, if standard error is a terminal.
 void show_progress(std::string_view text) {
   if (!is_terminal(stderr)) return;
   fmt::print(stderr, "\r\033[K{}", text);
@@ -206,8 +206,8 @@ Json as_json(const std::vector<Study>& studies) {
   return out;
 }
 
-/// The position of the bar of an effort: five bars for the joint frames, four for each of the others, with
-/// gaps between.
+/// The horizontal position of the bar of a measured cost: five bars for the joint frames, four for each other
+/// choice of frames, with gaps between the choices.
 double place_of(const Effort& effort) {
   const auto number = [](const auto& names, std::string_view name) {
     return static_cast<int>(std::ranges::find(names, name) - names.begin());

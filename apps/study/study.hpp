@@ -29,30 +29,30 @@ inline constexpr std::array<std::pair<std::string_view, Algorithm>, 6> algorithm
      {"accelerations", Algorithm::accelerations},
      {"momentum_form", Algorithm::momentum_form}}};
 
-/// The frames of the library's own trees; FramedTree has others.
+/// The choice of body frames of the library's own trees. FramedTree has other choices.
 struct JointFrames {};
 
-/// A model, a state, a representation and a choice of body frames, with which every algorithm can run.
+/// A model, a state, a representation and a choice of body frames, with which algorithms can be run.
 /// Algorithms that take drive forces or momenta get the numbers of the accelerations or of the velocities
-/// instead.
+/// instead, as only the cost matters.
 class Subject {
  public:
   virtual ~Subject() = default;
   virtual bool can(Algorithm algorithm) const = 0;
   virtual void run(Algorithm algorithm, int calls) = 0;
-  /// The result of one call of an algorithm, except accelerations; for the momentum form the velocities, then
-  /// the rates of the momenta.
+  /// The result of one call of an algorithm, which must not be `accelerations`. The result of the momentum
+  /// form is the velocities, then the rates of the momenta.
   virtual std::vector<double> results_of(Algorithm algorithm) = 0;
 };
-/// Makes a subject. Rep is BodyFixed, Spatial, Hybrid, Mixed or Fast; for Fast, Frames must be JointFrames,
-/// and there must be no loads.
+/// Makes a Subject. Rep is BodyFixed, Spatial, Hybrid, Mixed or Fast. If Rep is Fast, Frames must be
+/// JointFrames, and the state must not have loads.
 template <class Rep, class Frames>
 std::unique_ptr<Subject> make_subject(const Model& model, const State& state);
-/// The operations of one call of an algorithm that the subject can run.
+/// The number of operations of one call of an algorithm, which the subject must be able to run.
 template <class Rep, class Frames>
 Operations operations(Algorithm algorithm, const Model& model, const State& state);
 
-/// The cost of an algorithm in one variant.
+/// The cost of an algorithm in one representation and one choice of frames.
 struct Effort {
   Algorithm algorithm;
   std::string_view frames, representation;

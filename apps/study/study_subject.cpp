@@ -1,7 +1,7 @@
 // This file is compiled once for each representation, and once for Fast.
 #include "apps/study/study_subject.hpp"
 
-#ifndef AXODE_REP  // as an editor sees it
+#ifndef AXODE_REP  // if an editor parses this file
 #define AXODE_REP BodyFixed
 #endif
 

@@ -26,7 +26,7 @@ template <class T> struct Numbers {
   Loads<T> loads() const { return {.wrenches = wrenches}; }
 };
 
-/// The size of the scratch memory that the algorithms need.
+/// The size in bytes of the scratch memory that the algorithms of the study need.
 template <class T> std::size_t footprint_of_study(const Topology& t) {
   const auto of = [&]<class Rep>(Rep) {
     return footprint<ForwardDynamicsRecursion<Rep, T>, CompositeBodies<Rep, T>, MomentumForm<Rep, T>>(t);
@@ -36,7 +36,7 @@ template <class T> std::size_t footprint_of_study(const Topology& t) {
                              FastInverse<T>, FastCompositeBodies<T>>(t)});
 }
 
-/// Runs an algorithm once, by the recursion in Rep.
+/// Runs an algorithm once, by the recursion in the representation Rep.
 template <class Rep, class T, TreeOf<T> AnyTree>
   requires(!std::same_as<Rep, Fast>)
 void call(Algorithm algorithm, const AnyTree& tree, Workspace<T>& workspace, Numbers<T>& x) {
@@ -72,7 +72,7 @@ void call(Algorithm algorithm, const AnyTree& tree, Workspace<T>& workspace, Num
   }
 }
 
-/// Runs an algorithm once, by the fast kernels.
+/// Runs an algorithm once, by the fast kernels of the library.
 template <std::same_as<Fast> Rep, class T>
 void call(Algorithm algorithm, const Tree<double>& tree, Workspace<T>& workspace, Numbers<T>& x) {
   Arena arena = workspace.arena(*tree.topology());

@@ -25,7 +25,7 @@ Array mass_matrix_of(const BoundModel& m, ArrayLike q, Representation representa
   }));
 }
 
-/// The poses of the ground and of all bodies that f(m, q) computes.
+/// An array of the poses of the ground and of all bodies, which f(m, q) computes.
 Array poses_of_bodies(const BoundModel& m, ArrayLike q, const auto& f) {
   const States state = one_state(m, q);
   check_configuration(*m, state.q());
@@ -35,7 +35,7 @@ Array poses_of_bodies(const BoundModel& m, ArrayLike q, const auto& f) {
   return out.array();
 }
 
-/// f(q, v, a, loads).
+/// The vector f(q, v, a, loads) as an array, after the arguments have been checked.
 template <class F>
 Array equations(const BoundModel& m, ArrayLike q, ArrayLike v, ArrayLike a, LoadList given, bool joint_losses,
                 const F& f) {

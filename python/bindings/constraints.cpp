@@ -48,12 +48,12 @@ namespace {
 
 using namespace nb::literals;
 
-/// f(workspace, k) for every state k.
+/// Calls f(workspace, k) for every state k of a model with loops.
 template <class F> void each_closed(const States& states, const F& f) {
   states.each<LoopWorkspace<>>(loop_cost(states.model()), f);
 }
 
-/// λ at (q, v) under tau.
+/// The multipliers λ of the loops at (q, v) under the drive forces tau.
 std::vector<double> multipliers(const Model& m, LoopWorkspace<>& workspace, std::span<const double> q,
                                 std::span<const double> v, std::span<const double> tau,
                                 const Loads<double>& loads, Solvability& found) {
@@ -141,7 +141,7 @@ nb::object independent_linearization_of(const BoundModel& m, ArrayLike q, ArrayL
   });
   const Shape square{static_cast<int>(found.A.rows()), static_cast<int>(found.A.rows())};
   NewArray A = states.result(square);
-  as_eigen(item(A, 0, square)) = found.A.transpose().reshaped();  // stored row by row
+  as_eigen(item(A, 0, square)) = found.A.transpose().reshaped();  // arrays are stored row by row
   states.refuse({found.solvability}, A);
   return named_tuple("axode.records", "IndependentLinearization", to_list(found.velocities), A.array(),
                      to_array(found.B), to_array(found.N), to_array(found.D));
@@ -160,7 +160,7 @@ Array impact_of(const BoundModel& m, ArrayLike q, ArrayLike v, double restitutio
   return out.array();
 }
 
-/// The result of a function that depends on q only.
+/// An array with the results f(workspace, q, out) for every state, each an item of the given shape.
 template <class F> Array of_q(const BoundModel& m, ArrayLike q, int threads, const Shape& shape, const F& f) {
   const States states(m, q, threads);
   NewArray out = states.result(shape);
@@ -170,7 +170,7 @@ template <class F> Array of_q(const BoundModel& m, ArrayLike q, int threads, con
   return out.array();
 }
 
-/// The state of the joints, from the poses and twists of all frames, or of the ground and the bodies only.
+/// The state of the joints from the poses and twists of all frames, or of the ground and the bodies only.
 nb::object joint_state_of(const BoundModel& m, ArrayLike given_C, ArrayLike given_V,
                           Representation representation, nb::handle near) {
   const Numbers C("C", given_C), V("V", given_V);

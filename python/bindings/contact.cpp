@@ -25,7 +25,7 @@
 #include "python/bindings/support/one_state.hpp"
 #include "python/bindings/support/text.hpp"
 
-/// Collision shapes, their distances, and the sensitivities of motions with contact.
+/// Collision shapes, their distances, and the derivatives of motions with contact.
 namespace axode::python {
 namespace {
 
@@ -60,7 +60,7 @@ nb::list shape_pairs_of(const BoundModel& m) {
   return all;
 }
 
-/// The numbers of the shapes of the named pairs, or of all pairs that may touch.
+/// The indices of the shapes of the named pairs, or of all pairs that may touch if `given` is None.
 std::vector<std::array<int, 2>> pairs_from(const ContactShapes& shapes, nb::handle given) {
   if (given.is_none()) return {shapes.pairs().begin(), shapes.pairs().end()};
   std::map<std::string, int> numbers;

@@ -10,10 +10,12 @@
 
 namespace axode::python {
 
-/// The states that a motion shows, or null for another object. It has the names of the collision shapes.
+/// The states that an axode.Trajectory shows, which also have the names of the collision shapes; null if
+/// `given` is another object.
 const Trajectory* shown_in(nb::handle given);
 
-/// Points of contact as a list of axode.ContactForce. `shapes` has the names of the shapes by their numbers.
+/// Points of contact as a list of axode.ContactForce. `shapes` has the names of the shapes; ContactForce::a
+/// and b are indices into it.
 inline nb::list contact_list(const std::vector<std::string>& shapes, std::span<const ContactForce> contacts) {
   nb::list all;
   for (const ContactForce& x : contacts)

@@ -7,7 +7,7 @@
 #include "python/bindings/support/named_tuple.hpp"
 #include "python/bindings/support/one_state.hpp"
 
-/// Derivatives of dynamics. The types of several results are in axode.records.
+/// Derivatives of dynamics. The types of results that have several parts are in axode.records.
 namespace axode::python {
 
 using namespace nb::literals;

@@ -11,8 +11,8 @@ namespace {
 
 namespace toml = io::toml;
 
-/// Converts dicts, lists, tuples, arrays and numbers of numpy, strings, numbers and truth values to a TOML
-/// document.
+/// Converts Python objects to a TOML document: dicts, lists, tuples, strings, numbers, bools, and arrays and
+/// numbers of numpy.
 class Writer {
  public:
   explicit Writer(toml::Document& document) : document_(document) {}

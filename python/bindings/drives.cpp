@@ -6,7 +6,7 @@
 #include "python/bindings/support/named_tuple.hpp"
 #include "python/bindings/support/one_state.hpp"
 
-/// Drives for simulations. Arguments are documented in axode.drives.
+/// Drives for simulations. The arguments are documented in the Python module axode.drives.
 namespace axode::python {
 
 using namespace nb::literals;
@@ -17,7 +17,7 @@ std::span<const double> span_of(const Numbers& numbers) {
   return {numbers.data(), static_cast<std::size_t>(numbers.size())};
 }
 
-/// The gains that are given: one number, or one for each velocity.
+/// The gains in an argument: one number for all velocities, or one for each velocity.
 Numbers gains(const BoundModel& m, const char* name, ArrayLike given) {
   Numbers numbers(name, given);
   const Shape expected{m->nv()};
@@ -26,7 +26,7 @@ Numbers gains(const BoundModel& m, const char* name, ArrayLike given) {
   return numbers;
 }
 
-/// An argument with a number for each velocity of one state.
+/// The numbers of an argument that has one number for each velocity of one state.
 Numbers one_velocity(const BoundModel& m, const char* name, nb::handle given) {
   Numbers numbers(name, {given.ptr()});
   const Shape expected{m->nv()};
@@ -35,8 +35,8 @@ Numbers one_velocity(const BoundModel& m, const char* name, nb::handle given) {
   return numbers;
 }
 
-/// The reference of a controller: `q` is a trajectory, or a configuration with the velocities v and
-/// accelerations a.
+/// The reference that a controller follows. `q` is an axode.Trajectory, or a configuration with the
+/// velocities v and the accelerations a, which may be None.
 Reference reference(const BoundModel& m, nb::handle q, nb::handle v, nb::handle a) {
   if (const Trajectory* motion = motion_in(q)) {
     for (const auto& [name, given] : {std::pair{"v", v}, {"a", a}})
@@ -92,7 +92,8 @@ Array forces(BoundDrive& drive, double t, ArrayLike q, ArrayLike v) {
   return tau.array();
 }
 
-/// The drives of a mechanism with their states x at a time: given ones, or those with which a motion starts.
+/// The drives of a mechanism with their states x at a time: the given states or, if `given` is None, those
+/// with which a motion starts.
 struct DrivesAt {
   DrivesAt(const Model& m, double t, std::span<const double> q, std::span<const double> v, nb::handle given)
       : drives(m), x(drives.nx()) {
@@ -126,7 +127,7 @@ nb::object linearize_with_drives_of(const BoundModel& m, ArrayLike q, ArrayLike 
   });
   const Shape square{found.A.rows(), found.A.rows()};
   NewArray A = states.result(square);
-  as_eigen(item(A, 0, square)) = found.A.transpose().reshaped();  // stored row by row
+  as_eigen(item(A, 0, square)) = found.A.transpose().reshaped();  // arrays are stored row by row
   states.refuse({found.solvability}, A);
   nb::list inputs;
   for (const std::size_t drive : at.drives.inputs()) inputs.append(to_str(at.drives.name(drive)));

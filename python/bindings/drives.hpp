@@ -8,18 +8,18 @@ namespace axode::python {
 
 namespace nb = nanobind;
 
-/// A drive as Python holds it, with the model for which it was made.
+/// A drive that Python holds, with the model for which it was made.
 struct BoundDrive {
   Model model;
   Drive drive;
 };
 
-/// Throws ValueError if a drive was made for a model of other sizes.
+/// Throws nb::value_error if the drive was made for a model with another nq or nv.
 void check_drive(const BoundModel& m, const BoundDrive& drive);
 
-/// The motion in an axode.Trajectory; null if `given` is anything else.
+/// The motion that an axode.Trajectory holds; null if `given` is another object.
 const Trajectory* motion_in(nb::handle given);
-/// A motion as an axode.Trajectory.
+/// An axode.Trajectory that holds the motion.
 nb::object bound_trajectory(Trajectory motion);
 
 }  // namespace axode::python

@@ -18,7 +18,7 @@ namespace {
 
 using namespace nb::literals;
 
-/// Solves M⁻¹ x for every row of `out`; set(k, row) writes the x of row k. Ctrl-C ends the call.
+/// Replaces every row x of `out` by M⁻¹ x; set(k, row) writes the x of row k before. Ctrl-C ends the call.
 template <class F> Array solved_rows(const MassMatrixFactor<>& factor, NewArray out, const F& set) {
   const std::size_t n = static_cast<std::size_t>(factor.nv()), rows = n == 0 ? 0 : out.all().size() / n;
   LongCall call(true);
@@ -33,7 +33,7 @@ template <class F> Array solved_rows(const MassMatrixFactor<>& factor, NewArray 
   return out.array();
 }
 
-/// Subtracts `forces`, nv numbers for each state, from tau.
+/// Subtracts `forces`, nv numbers for each state, from tau, the drive forces of the states.
 Array without(nb::handle forces, Array tau, const States& states) {
   static_cast<void>(states.velocities("forces", {forces.ptr()}));  // throws if `forces` has a wrong shape
   return {nb::steal(PyNumber_InPlaceSubtract(tau.array.ptr(), forces.ptr()))};
@@ -53,7 +53,7 @@ void add_equations_of_motion(nb::module_& module) {
                             .loads = loads,
                             .joint_losses = joint_losses,
                             .threads = threads};
-        const bool gears = joint_losses && !m->gears().empty();  // through which `forces` do not pass
+        const bool gears = joint_losses && !m->gears().empty();  // `forces` bypass gears
         if (!drives.is_none() || (!forces.is_none() && (gears || !m->loops().empty())))
           return closed_inverse_dynamics(m, all, drives, forces);
         Array tau = f(m, all);
@@ -294,7 +294,7 @@ True
       });
 }
 
-/// The number of a spring that is given by its name or number.
+/// The index of a spring that is given by its name or index.
 int spring_index(const Model& m, nb::handle given) {
   const std::vector<Spring>& springs = m.springs().elements;
   int k = -1;

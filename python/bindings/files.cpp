@@ -25,7 +25,8 @@ std::string drawing_text(const BoundModel& m) {
   write_drawing(m, text);
   return text.str();
 }
-/// The type of a function that writes a model to a file format and returns warnings.
+/// A function that writes a model in a file format and returns a warning for each thing that the format
+/// cannot express.
 using ModelWriter = std::vector<Fault> (*)(const Model&, std::ostream&, Strictness);
 std::string written(ModelWriter write, const BoundModel& m, bool strict) {
   std::ostringstream text;
@@ -36,7 +37,7 @@ std::string written(ModelWriter write, const BoundModel& m, bool strict) {
 std::string urdf_text(const BoundModel& m, bool strict) { return written(write_urdf, m, strict); }
 std::string mjcf_text(const BoundModel& m, bool strict) { return written(write_mjcf, m, strict); }
 
-/// The files of an FMU with their names, see axode.fmi.export().
+/// The files of an FMU as pairs of name and contents, see axode.fmi.export().
 nb::list fmu_files(const BoundModel& m, nb::handle version, const nb::list& kinds, bool joint_losses,
                    const std::vector<std::string>& frames, const std::vector<std::string>& loads,
                    const nb::bytes& binary) {
@@ -56,7 +57,7 @@ nb::list fmu_files(const BoundModel& m, nb::handle version, const nb::list& kind
   return files;
 }
 
-/// The warnings that readers in Python give as (element, message), as faults of a file.
+/// The warnings that readers written in Python give, pairs (element, message), as faults of a file.
 std::vector<Fault> warnings_of(const nb::list& given, const std::string& file) {
   std::vector<Fault> warnings;
   for (const nb::handle each : given)

@@ -23,20 +23,20 @@
 #include "python/bindings/support/named_tuple.hpp"
 #include "python/bindings/support/one_state.hpp"
 
-/// Motion in time. Arguments are prepared and documented in axode.simulation.
+/// Motion in time. Arguments are prepared and documented in the Python module axode.simulation.
 namespace axode::python {
 
 using namespace nb::literals;
 
 namespace {
 
-/// Calls a Python function f(t, q, v).
+/// Calls a Python function f(t, q, v) with arrays and returns its result.
 nb::object call_back(const nb::callable& f, double t, std::span<const double> q, std::span<const double> v) {
   return f(t, to_array(q), to_array(v));
 }
 
-/// Calls f(k) for every k from 0 to count - 1. Ctrl-C ends the call; other Python threads run meanwhile,
-/// unless f calls back into Python.
+/// Calls f(k) for every k from 0 to count - 1. Ctrl-C ends the call. If count > 20, other Python threads run
+/// meanwhile, unless f calls back into Python.
 template <class F> void each_of(std::size_t count, const F& f, bool calls_back = false) {
   LongCall call(!calls_back && count > 20);
   const batch::Monitor monitor = call.monitor();
@@ -45,13 +45,15 @@ template <class F> void each_of(std::size_t count, const F& f, bool calls_back =
   call.end();
 }
 
-/// A motion, and the states of it that were asked for: the ends of its steps, or states at given times.
+/// A motion, and the states of it that the caller asked for: states at given times (`samples`) or, if there
+/// are none, those at the ends of the steps.
 struct BoundTrajectory {
   Trajectory motion;
   std::optional<Trajectory> samples;
 
   const Trajectory& shown() const { return samples ? *samples : motion; }
-  /// Interpolates the states at the given times, as far as these are not after the end of the motion.
+  /// Interpolates the states of the motion at the given times, as far as these are not after the end of the
+  /// motion.
   void sample(std::span<const double> times, const Drive& drive, bool calls_back) {
     const Model& model = motion.model();
     std::vector<double> q(static_cast<std::size_t>(model.nq())), v(static_cast<std::size_t>(model.nv()));
@@ -78,7 +80,8 @@ struct BoundTrajectory {
   }
 };
 
-/// A member of Trajectory that returns numbers row by row, nv or nq in each row.
+/// A member function of Trajectory that returns numbers row by row, for example nv or nq numbers for each
+/// time.
 using RowsOf = std::span<const double> (Trajectory::*)() const;
 Array rows(const BoundTrajectory& of, RowsOf which, int width) {
   const Trajectory& shown = of.shown();
@@ -87,8 +90,8 @@ Array rows(const BoundTrajectory& of, RowsOf which, int width) {
   return out.array();
 }
 Array rows(const BoundTrajectory& of, RowsOf which) { return rows(of, which, of.motion.model().nv()); }
-/// Calls f(workspace, q, v, numbers) for every state of a motion. f writes the numbers of the state, an array
-/// of this shape.
+/// Calls f(workspace, q, v, numbers) for every state that a motion shows, and returns an array of the
+/// results. f writes the result for the state, an item of this shape, to `numbers`.
 template <class F> Array of_states(const BoundTrajectory& of, const Shape& shape, const F& f) {
   const Trajectory& shown = of.shown();
   NewArray out(shape.times(static_cast<nb::ssize_t>(shown.size())));
@@ -105,7 +108,7 @@ Array energies(const BoundTrajectory& of) {
   });
 }
 
-/// The points of contact at each time.
+/// The points of contact at each time, as a list of lists.
 nb::list contacts_of(const BoundTrajectory& of) {
   const Trajectory& shown = of.shown();
   nb::list all;
@@ -114,7 +117,7 @@ nb::list contacts_of(const BoundTrajectory& of) {
   return all;
 }
 
-/// The sum of the forces of contacts on a collision shape or, if no shape has this name, on a body.
+/// The sum of the contact forces on a collision shape or, if no shape has this name, on a body, at each time.
 Array contact_forces_on(const BoundTrajectory& of, const std::string& name) {
   const Trajectory& shown = of.shown();
   const std::vector<std::string>& shapes = of.motion.contact_shapes;
@@ -147,8 +150,7 @@ std::vector<std::string> drive_states(const BoundTrajectory& of) {
   return {of.motion.drive_states().begin(), of.motion.drive_states().end()};
 }
 
-/// The motion as a DataFrame of pandas, with a row for each time and a named column for each number of a
-/// state.
+/// The motion as a pandas DataFrame, with a row for each time and a named column for each number of a state.
 nb::object as_data_frame(const BoundTrajectory& of) {
   const Model& m = of.motion.model();
   nb::dict columns;
@@ -167,7 +169,7 @@ nb::object as_data_frame(const BoundTrajectory& of) {
   return pandas.attr("DataFrame")(columns, "index"_a = times);
 }
 
-/// The value in a table that belongs to a word.
+/// The value that belongs to a word in a table of words and values.
 template <class Value, std::size_t N>
 const Value& chosen(const char* argument, nb::handle given,
                     const std::array<std::pair<std::string_view, Value>, N>& table) {

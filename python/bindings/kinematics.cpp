@@ -16,7 +16,7 @@ namespace {
 
 using namespace nb::literals;
 
-/// A matrix of six rows with a column for each of n screws, which f writes.
+/// An array with a matrix of six rows for each state, whose n columns are screws that f writes.
 template <class... Arguments> Array columns_of(const Arguments&... arguments) {
   return map_states(arguments...).transposed();
 }
@@ -61,7 +61,7 @@ Array jacobians_of(const BoundModel& m, ArrayLike q, nb::handle frames, Represen
 Array jacobian_partials_of(const BoundModel& m, ArrayLike q, FrameName frame, Representation representation,
                            int order, ArrayLike offset, int threads) {
   const Place<> at = place(m, frame, offset);
-  constexpr int largest = Shape::most - 3;  // an axis for each derivative, and those of states and columns
+  constexpr int largest = Shape::most - 3;  // three axes are those of states, rows and columns
   if (order < 0 || order > largest)
     throw nb::value_error(("order is " + std::to_string(order) + "; expected 0 to " +
                            std::to_string(largest) + ", as an array has at most " +
@@ -105,8 +105,8 @@ Array jacobian_derivative_along_of(const BoundModel& m, ArrayLike q, FrameName f
   });
 }
 
-/// Evaluates the motion of higher order at every state and calls f(motion, out); `out` has an entry for each
-/// order.
+/// Evaluates a HigherOrderMotion at every state and calls f(motion, order, out) for every order; `out`
+/// receives the item of this state and order.
 template <class F>
 NewArray each_motion(const States& states, const Rows& rates, const Shape& item_shape, const F& f) {
   const Model& m = states.model();

@@ -31,14 +31,14 @@ template <class Range> std::vector<std::string> names(const Range& named) {
   return found;
 }
 
-/// The name in an argument. Throws nb::value_error if the argument is not a str.
+/// The name that is given for an argument. Throws nb::value_error if it is not a str.
 std::string name_in(const char* argument, nb::handle given) {
   if (!nb::isinstance<nb::str>(given))
     throw nb::value_error((std::string(argument) + " is " + shown(given) + "; expected a name").c_str());
   return text_of(given);
 }
 
-/// A joint as Python holds it, with its model, from which the names of its indices follow.
+/// A joint that Python holds, with its model, from which the names of its indices follow.
 struct BoundJoint {
   const BoundModel* model;
   int i;
@@ -50,7 +50,7 @@ struct BoundBody {
   const Body& operator*() const { return (*model)->body(i); }
 };
 
-/// One number of each degree of freedom of a joint.
+/// An array with one number of each degree of freedom of a joint.
 template <double Dof::*number> Array of_each_dof(const BoundJoint& joint) {
   NewArray out({static_cast<nb::ssize_t>((*joint).dof.size())});
   double* to = out.data();
@@ -77,7 +77,7 @@ std::string indices(int first, int n) {
   return n == 1 ? std::to_string(first) : std::to_string(first) + ":" + std::to_string(first + n);
 }
 
-/// A line for each joint: its kind, its coordinates, the body it moves and that body's predecessor.
+/// A line of text for each joint: kind, indices of q and v, the body that it moves, and its predecessor.
 std::string table(const BoundModel& model) {
   std::vector<std::array<std::string, 6>> rows{{"joint", "kind", "q", "v", "body", "on"}};
   for (int i = 1; i <= model->n_bodies(); ++i) {
@@ -368,7 +368,7 @@ True
 )");
 }
 
-/// The lists of tables that a drawing consists of, and the table of its initial state, which may be None.
+/// The lists of tables of a drawing, and the table of its initial state (or None), as Python objects.
 struct Tables {
   nb::handle bodies, frames, springs, loops, couplings, motions, drives, state;
 };

@@ -12,8 +12,8 @@ namespace {
 
 using namespace nb::literals;
 
-/// Computes the two results of a function. If a state cannot be solved, the SingularError contains the first
-/// one.
+/// Computes the two results of a function for every state: f(workspace, k, first, second) writes items of the
+/// shapes `first` and `second`. If a state cannot be solved, the SingularError contains the first result.
 template <class F>
 std::tuple<Array, Array> each_pair(const States& states, const Shape& first, const Shape& second,
                                    const F& f) {

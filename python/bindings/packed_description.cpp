@@ -7,7 +7,7 @@
 namespace axode::python {
 namespace {
 
-// The members of each struct. Packing and unpacking are derived from these lists.
+// The members of each struct of a description. Packing and unpacking are derived from these lists.
 template <class D, class T>
 concept Like = std::same_as<std::remove_const_t<D>, T>;
 

@@ -13,7 +13,7 @@ using namespace nb::literals;
 
 Array dense(const SystemMatrix& matrix) { return to_array(Eigen::MatrixXd(matrix)); }
 
-/// The twists or twist rates of all bodies in an argument, stacked in one vector.
+/// The numbers of an argument that has the twists or twist rates of all bodies, stacked in one vector.
 Eigen::VectorXd stacked(const Model& model, const char* name, ArrayLike given) {
   const Numbers numbers(name, given);
   const Shape expected{6 * model.n_bodies()};

@@ -12,14 +12,14 @@
 #include "python/bindings/support/one_state.hpp"
 #include "python/bindings/support/text.hpp"
 
-/// Pages for a browser. Arguments are prepared and documented in axode.viewer.
+/// Pages for a browser. Arguments are prepared and documented in the Python module axode.viewer.
 namespace axode::python {
 
 using namespace nb::literals;
 
 namespace {
 
-/// A point of contact from the 17 numbers that a page has of it.
+/// A point of contact from the 17 numbers by which a page describes it.
 ContactForce contact_from(const double* x) {
   const auto vector = [&](int k) { return Vec3<>{x[k], x[k + 1], x[k + 2]}; };
   return {.a = static_cast<int>(x[0]),
@@ -33,8 +33,8 @@ ContactForce contact_from(const double* x) {
           .branch = static_cast<LawBranch>(static_cast<int>(x[16]))};
 }
 
-/// Sets the contacts of a motion from those of a Trajectory, or from a tuple (names of the shapes, points at
-/// each time) that axode.viewer has read from a file.
+/// Sets the contacts of a motion. They are given by an axode.Trajectory, or by a tuple (names of the shapes,
+/// points at each time) that axode.viewer has read from a file.
 void set_contacts(nb::handle given, ShownMotion& motion) {
   if (const Trajectory* shown = shown_in(given)) {
     if (shown->contact_shapes.empty()) return;
@@ -54,7 +54,8 @@ void set_contacts(nb::handle given, ShownMotion& motion) {
   }
 }
 
-/// The motion in a tuple (t, q, v, a, tau, contacts), of which a, tau and contacts may be None.
+/// The motion that Python gives as a tuple (t, q, v, a, tau, contacts), of which a, tau and contacts may be
+/// None.
 ShownMotion motion_from(const BoundModel& m, const nb::tuple& given) {
   const auto rows = [&](std::size_t k, const char* name, int width) {
     if (given[k].is_none()) return std::vector<double>{};

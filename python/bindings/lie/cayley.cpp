@@ -6,9 +6,10 @@
 namespace axode::python {
 namespace {
 
-/// Throws nb::value_error for half a turn, at which the coordinates are infinite or only rounding.
+/// Throws nb::value_error if R turns by half a turn, at which the Cayley coordinates are infinite or only
+/// rounding errors.
 void check_less_than_half_a_turn(const char* argument, const SO3<>& R) {
-  constexpr double rounding = 1e-15;  // of the cosine of half the angle
+  constexpr double rounding = 1e-15;  // rounding error of the cosine of half the angle
   if (quaternion(R).w > rounding) return;
   throw nb::value_error((argument + std::string(" turns by half a turn, which Cayley's map reaches only at "
                                                 "infinity; expected less, or use log"))

@@ -33,7 +33,7 @@ Array exchange_halves_of(ArrayLike x, int axis) {
   if (at < 0 || at >= numbers.axes() || numbers.length(at) != 6)
     numbers.wrong_shape("with 6 entries along axis " + std::to_string(axis));
   NewArray out(first_axes(numbers, numbers.axes()));
-  nb::ssize_t half = 3;  // number of numbers in each half
+  nb::ssize_t half = 3;  // numbers in each half
   for (int behind = at + 1; behind < numbers.axes(); ++behind) half *= numbers.length(behind);
   const double* from = numbers.data();
   for (nb::ssize_t k = 0; k < numbers.size(); k += 2 * half) {

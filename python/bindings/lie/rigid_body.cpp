@@ -7,14 +7,14 @@
 namespace axode::python {
 namespace {
 
-/// The representation of an argument, and below that of a result.
+/// The representation of an argument (Source) and that of a result (Target).
 struct Source {
   Representation representation;
 };
 struct Target {
   Representation representation;
 };
-/// A pair of frames F_j and F_k, annotated in Python as FramePair.
+/// A pair of frames F_j and F_k as Python gives it. It is annotated in Python as FramePair.
 struct PairOfFrames {
   PyObject* given = nullptr;
 };
@@ -266,8 +266,8 @@ Array acceleration_of(ArrayLike C, ArrayLike M, ArrayLike V, ArrayLike W, Repres
 
 // -------------------------------------------------------------------------- measured at F_j, resolved in F_k
 
-/// Calls f(jk, x, ...) for every item. A pair of frames is given as (r_j, dr_j, R_k, w_k), and each of these
-/// arrays may have further axes in front.
+/// Calls f(jk, x, ...) for every item of the given arrays. The pair of frames jk is given in Python as a
+/// tuple (r_j, dr_j, R_k, w_k), each entry of which may be an array with further axes in front.
 template <class F, class... T> Array in_frames(PairOfFrames jk, const F& f, const Given<T>&... given) {
   const nb::handle pair(jk.given);
   if (!PyTuple_Check(jk.given) || nb::len(pair) != 4)
@@ -375,7 +375,7 @@ array([ 0.,  0.,  1.,  0., 10.,  0.])
 
 // --------------------------------------------------------------------------------- changes of representation
 
-/// Calls f(From{}, To{}) with the types of the two representations.
+/// Calls f(From{}, To{}) with the types of the representations of source and target.
 template <class F> Screw<> with_both(const Source& source, const Target& target, const F& f) {
   return with_representation(source.representation, [&](auto from) {
     return with_representation(target.representation, [&](auto to) { return as_screw(f(from, to)); });

@@ -25,8 +25,8 @@ using namespace nb::literals;
                             .c_str());
 }
 
-/// Reads a function to generate: a word, or a tuple of the word jacobian, a frame and its representation.
-/// `where` names it in messages.
+/// Reads a function to generate: a name, or a tuple ("jacobian", frame), ("jacobian", frame, representation)
+/// or ("pose", frame). `where` is the name of the argument in messages.
 codegen::Function function_from(const Model& model, const std::string& where, nb::handle given) {
   const bool is_tuple = PyTuple_Check(given.ptr());
   if (!is_tuple && !nb::isinstance<nb::str>(given)) wrong_function(where, given);
@@ -60,7 +60,7 @@ nb::object c_source_of(const BoundModel& m, nb::handle functions, const std::str
   return named_tuple("axode.codegen", "Source", source.text, costs);
 }
 
-/// The external functions of CasADi in a shared library, and the code that this keeps loaded.
+/// A shared library with external functions of CasADi. The library stays loaded as long as the object exists.
 struct CasadiLibrary {
   std::string name;
   codegen::MachineCode code;

@@ -16,8 +16,8 @@
 #include "python/bindings/support/xla_ffi.hpp"
 
 /// Functions of the state, and motions, as XLA calls them for axode.jax: from any thread, and without Python.
-/// All arguments have the same leading axes, which count states. Numbers are float64 or float32; the latter
-/// are converted to float64 for the computation.
+/// All arguments of a call have the same leading axes, which count states. Numbers are float64 or float32;
+/// float32 numbers are converted to float64 for the computation.
 namespace axode::python {
 
 using namespace nb::literals;
@@ -26,7 +26,7 @@ namespace {
 
 constexpr double nan = std::numeric_limits<double>::quiet_NaN();
 
-/// The mechanism without loops, couplings and motions.
+/// A copy of the mechanism without loops, couplings and prescribed motions.
 Model tree_of(const Model& model) {
   if (model.loops().empty() && model.motions().empty()) return model;
   Description tree = model.description();
@@ -36,8 +36,9 @@ Model tree_of(const Model& model) {
   return ModelBuilder(std::move(tree)).build();
 }
 
-/// The models to which compiled programs refer, by a key that is made of the contents of the model. They are
-/// trees: axode.jax refuses a function that depends on more before it makes a program.
+/// The models that compiled programs use, by a key that is made of the contents of the model. They are trees
+/// without couplings and prescribed motions: axode.jax refuses a function that depends on loops, couplings or
+/// motions before it makes a program.
 class Mechanisms {
  public:
   void add(const std::string& key, const Model& model) {
@@ -71,7 +72,7 @@ Mechanisms& mechanisms() {
   return all;
 }
 
-/// An array of a call. It has an item, a number of numbers, for each state.
+/// An array that XLA passes in a call. It has an item of several numbers for each state.
 struct Operand {
   const xla::Buffer& buffer;
   std::size_t states = 1, item = 1;
@@ -84,7 +85,7 @@ struct Operand {
   std::size_t size() const { return states * item; }
 };
 
-/// The numbers of an argument as doubles. They are converted if they are float32.
+/// The numbers of an argument as doubles. float32 numbers are converted.
 class Doubles {
  public:
   explicit Doubles(const Operand& operand) {
@@ -106,7 +107,7 @@ class Doubles {
   std::span<const double> numbers_;
 };
 
-/// The memory for a result. deliver() converts its numbers if the result is float32.
+/// The memory for a result, as doubles. deliver() converts the numbers if the result is float32.
 class Answer {
  public:
   explicit Answer(const Operand& result) : result_(result) {
@@ -130,7 +131,7 @@ class Answer {
   std::span<double> numbers_;
 };
 
-/// The arguments, results and attributes with which XLA calls a function.
+/// A call from XLA: its arguments, results and attributes.
 class Call {
  public:
   explicit Call(const xla::CallFrame& frame) : frame_(frame) {}
@@ -188,7 +189,7 @@ class Call {
 };
 
 /// The part that all calls have in common: the model, the number of states, and the normalisation of
-/// quaternions.
+/// quaternions in q.
 class StatesOf {
  public:
   StatesOf(const Call& call, const Operand& q)
@@ -206,9 +207,9 @@ class StatesOf {
                    std::to_string(operand.item) + " numbers; expected " + std::to_string(count_) + " times " +
                    std::to_string(item));
   }
-  /// Scales quaternions to norm 1. Throws std::invalid_argument if a norm differs from 1 by more than the
-  /// tolerance. A state whose quaternion is NaN is computed with the identity instead, and deliver() sets its
-  /// results to NaN.
+  /// Scales the quaternions in q to norm 1. Throws std::invalid_argument if a norm differs from 1 by more
+  /// than the tolerance. A state with a NaN in a quaternion is computed with the identity instead, and
+  /// deliver() sets its results to NaN.
   void normalize(Doubles& q, double tolerance) {
     if (model_.topology().quaternion_bodies.empty()) return;
     std::vector<double> numbers(q.all().begin(), q.all().end());
@@ -232,7 +233,7 @@ class StatesOf {
       }
     q.own(std::move(numbers));
   }
-  /// Sets the results of states with a NaN in a quaternion to NaN, and delivers the answer.
+  /// Sets the results of states with a NaN in a quaternion to NaN, and delivers the results to XLA.
   void deliver(const Answer& answer) const {
     for (const std::size_t k : undefined_) std::ranges::fill(answer[k], nan);
     answer.deliver();
@@ -260,7 +261,7 @@ void one_by_one(const Model& model, std::size_t count, int threads,
 
 using Inputs = std::vector<std::pair<catalog::Input, Doubles>>;
 
-/// Computes a function in the states first to first + count - 1.
+/// Computes a function of the catalogue in the states first to first + count - 1.
 void evaluate(const catalog::Function<double>& row, const Model& model, const Inputs& inputs,
               std::size_t states, std::size_t first, std::size_t count, bool losses, int threads,
               const Answer& answer) {
@@ -379,10 +380,10 @@ xla::Error* error(const xla::CallFrame& frame, xla::ErrorCode code, const char* 
   return frame.api->new_error(&made);
 }
 
-/// A function that XLA calls: it calls f and converts exceptions to errors of XLA. XLA may ask for the
-/// version of its interface instead. The answer is the older of two versions: the one that XLA states, if it
-/// does, and the one that this file is written for. The parts that are used here have not changed since the
-/// first version.
+/// A function that XLA calls. It calls f and converts exceptions to errors of XLA. XLA may also call it only
+/// to ask for the version of the interface. The answer is the older one of two versions: the version that XLA
+/// states, if it states one, and the version that this file is written for. The parts of the interface that
+/// are used here have not changed since its first version.
 template <void (*f)(const Call&)> xla::Error* handler(xla::CallFrame* frame) {
   if (frame->sized.extensions != nullptr) {
     const auto* const asked = static_cast<const xla::MetadataRequest*>(frame->sized.extensions);
@@ -407,9 +408,9 @@ template <void (*f)(const Call&)> xla::Error* handler(xla::CallFrame* frame) {
 
 nb::capsule capsule(xla::Handler* of) { return nb::capsule(reinterpret_cast<void*>(of)); }
 
-/// The structure of a model. For each joint screw it has the body that the screw moves, the index of its
-/// velocity and the ratio by which the velocity moves it; for each body its predecessor, and for each frame
-/// its body.
+/// The structure of a model as a dict. For each joint screw it has the body that the screw moves, the index
+/// of its velocity and the ratio by which this velocity moves it; for each body its predecessor, and for each
+/// frame its body.
 nb::dict structure(const BoundModel& m) {
   nb::list bodies, velocities, ratios, parents, frames;
   for (int i = 1; i <= m->n_bodies(); ++i) {

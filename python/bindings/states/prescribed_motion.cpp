@@ -13,7 +13,7 @@
 #include "python/bindings/support/one_state.hpp"
 #include "python/bindings/support/text.hpp"
 
-/// Prescribed motions; functions of time are Python's.
+/// Prescribed motions. Their functions of time may be Python functions.
 namespace axode::python {
 
 using namespace nb::literals;
@@ -59,7 +59,7 @@ nb::object dynamics_of(const BoundModel& m, double t, ArrayLike q, ArrayLike v, 
                      to_array(found.motion_forces));
 }
 
-/// Numbers as rows of a given width.
+/// An array of `count` rows of `width` numbers each.
 Array rows_of(const std::vector<double>& all, int width, std::size_t count) {
   NewArray out({static_cast<nb::ssize_t>(count), width});
   std::ranges::copy(all, out.all().begin());
@@ -74,7 +74,7 @@ nb::object kinematic_motion_of(const BoundModel& m, ArrayLike times, nb::handle 
     return std::vector<double>(states.q(0).begin(), states.q(0).end());
   }();
   const std::vector<PrescribedMotion> more = motions_from(motions);
-  LongCall call(more.empty());  // functions of Python need the interpreter's lock
+  LongCall call(more.empty());  // Python functions need the interpreter's lock
   const batch::Monitor monitor = call.monitor();
   batch::MonitorThrottle throttle(monitor, 0);
   const KinematicMotion found = kinematic_motion(*m, start, {at.data(), static_cast<std::size_t>(at.size())},

@@ -9,7 +9,8 @@ namespace axode::python {
 
 namespace nb = nanobind;
 
-/// The motions of a dict from joints and rods to functions of time that return s, s', s'' and perhaps s'''.
+/// Prescribed motions from a dict with names of joints and rods as keys and functions of time as values. A
+/// function returns s, s', s'' and, optionally, s'''.
 std::vector<PrescribedMotion> motions_from(nb::handle given);
 
 }  // namespace axode::python

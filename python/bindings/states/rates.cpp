@@ -8,15 +8,16 @@
 #include "python/bindings/support/bindings.hpp"
 #include "python/bindings/support/conversions.hpp"
 
-/// Motions with their time derivatives of any order: the velocities that follow from those of a twist, and
-/// drive forces.
+/// Motions with time derivatives of any order: the rates of joint velocities that follow from the rates of a
+/// twist, and the rates of drive forces.
 namespace axode::python {
 
 using namespace nb::literals;
 
 namespace {
 
-/// A motion: q, and v and its derivatives, which are arguments one by one.
+/// A motion of several states: q, and the velocities v and their time derivatives. Each derivative is an
+/// argument of its own in Python.
 struct MotionInTime {
   MotionInTime(const States& of, std::initializer_list<Named> first, nb::args more) : states(of) {
     for (const Named& rate : first) rates.push_back(states.velocities(rate.name, rate.given));
@@ -26,20 +27,20 @@ struct MotionInTime {
       rates.push_back(states.velocities(name.c_str(), {given.ptr()}));
     }
   }
-  /// The rows v, v', ... of state k.
+  /// The velocities v and their derivatives v', v'', ... of state k, one after the other.
   std::vector<double> operator[](std::size_t k) const {
     std::vector<double> rows;
     for (const Items& rate : rates) rows.insert(rows.end(), rate[k].begin(), rate[k].end());
     return rows;
   }
-  /// The number of derivatives of forces that follow.
+  /// The number of results: the forces and their time derivatives that follow from the given rates.
   int orders() const { return static_cast<int>(rates.size()) - 1; }
 
   const States& states;
   std::vector<Items> rates;
 };
 
-/// A tuple of the rows of every state's result.
+/// A tuple with one array for each row k of the results; the array has the row k of every state.
 nb::object in_parts(const NewArray& out, int parts) {
   nb::list all;
   for (int k = 0; k < parts; ++k) all.append(nb::cast(out.part(k, 1)));

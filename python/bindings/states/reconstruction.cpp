@@ -6,7 +6,7 @@
 #include "python/bindings/support/choice.hpp"
 #include "python/bindings/support/conversions.hpp"
 
-/// Poses from twists. Arguments are prepared and documented in axode.simulation.
+/// Poses from twists. Arguments are prepared and documented in the Python module axode.simulation.
 namespace axode::python {
 
 using namespace nb::literals;
@@ -20,7 +20,7 @@ Reconstruction reconstruction(nb::handle method) {
   return static_cast<Reconstruction>(choose("method", method, words));
 }
 
-/// Times at which a method of reconstruction reads the twist, as parts of a step.
+/// The times at which a method of reconstruction reads the twist, as fractions of a step.
 std::vector<double> stage_times(int order, nb::handle method) {
   if (reconstruction(method) != Reconstruction::magnus) return runge_kutta(order).c;
   if (order != 4) throw nb::value_error("order: Magnus' method is of order 4");

@@ -13,7 +13,7 @@
 #include "python/bindings/support/conversions.hpp"
 #include "python/bindings/support/one_state.hpp"
 
-/// Motions that drives follow. Profiles are documented in axode.drives.
+/// Motions that drives follow. Profiles are documented in the Python module axode.drives.
 namespace axode::python {
 
 using namespace nb::literals;
@@ -24,14 +24,14 @@ std::span<const double> all_of(const Numbers& numbers) {
   return {numbers.data(), static_cast<std::size_t>(numbers.size())};
 }
 
-/// The times of a trajectory.
+/// The times of a trajectory, which must be an array with one axis.
 Numbers sample_times(ArrayLike t) {
   Numbers times("t", t);
   if (times.axes() != 1) times.wrong_shape("(K,)");
   return times;
 }
 
-/// A row of numbers for each time, or nothing.
+/// The numbers of an argument that has a row of `width` numbers for each time; empty if the argument is None.
 std::vector<double> rows_at(const Numbers& times, const char* name, nb::handle given, int width,
                             const char* meaning) {
   if (given.is_none()) return {};
@@ -63,7 +63,8 @@ nb::object from_functions(const BoundModel& m, ArrayLike t, nb::handle motions, 
   return bound_trajectory(trajectory_from_functions(*m, all_of(times), motions_from(motions), rest));
 }
 
-/// Limits of velocities or their derivatives: one number, or one for each velocity.
+/// The limits of velocities or of their derivatives in an argument: one number for all velocities, or one for
+/// each velocity; empty if the argument is None.
 std::vector<double> limits_of(const Model& m, const char* name, nb::handle given) {
   if (given.is_none()) return {};
   const Numbers limits(name, {given.ptr()}, Infinities::allowed);
@@ -88,7 +89,8 @@ StraightPath path_between(const BoundModel& m, ArrayLike start, ArrayLike goal) 
   return {*m, from.q(0), to.q(0)};
 }
 
-/// Calls function(t) for the distances, their first and their second derivatives, a list of each.
+/// A trajectory that follows a straight path. function(t) returns the distances along the path and their
+/// first and second derivatives, as a list of each.
 nb::object follow(const StraightPath& of, const std::vector<double>& jumps, double duration,
                   const nb::callable& function) {
   return bound_trajectory(of.follow(jumps, duration, [&](double t, int, std::span<MotionValue> distances) {

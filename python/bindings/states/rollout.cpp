@@ -14,14 +14,16 @@
 #include "python/bindings/support/bindings.hpp"
 #include "python/bindings/support/conversions.hpp"
 
-/// Motions of many states in steps of one length. Arguments are prepared and documented in axode.simulation.
+/// Motions from many initial states in steps of equal length. Arguments are prepared and documented in the
+/// Python module axode.simulation.
 namespace axode::python {
 
 using namespace nb::literals;
 
 namespace {
 
-/// The K steps of all motions: their length, and the forces or the drive under which they move.
+/// The K steps of all motions: the initial velocities, the length of a step (s), and the forces tau or the
+/// drive that act.
 struct Steps {
   std::span<const double> v, tau;
   const Drive* drive;
@@ -39,7 +41,8 @@ batch::Outcome roll(const M& model, const Steps& steps, int threads, std::span<c
   return batch::rollout<S>(model, q, v, tau, steps.length, q_out, v_out, runge_kutta(4), threads, monitor,
                            steps.joint_losses);
 }
-/// Computes the motions by the model, or by code that was compiled for it, in the precision of that code.
+/// Computes the motions with the functions of the library or, if `compiled` is not null, with code that was
+/// compiled for the model, in the precision of that code.
 batch::Outcome roll(const States& states, const BoundSpecialised* compiled, const Steps& steps,
                     std::span<double> q_out, std::span<double> v_out, const batch::Monitor& monitor) {
   const auto in_double = [&](const auto& model) {
@@ -58,7 +61,7 @@ batch::Outcome roll(const States& states, const BoundSpecialised* compiled, cons
   return outcome;
 }
 
-/// The motions that could not continue.
+/// The indices of the motions that could not continue.
 std::vector<std::size_t> ended(const States& states, const NewArray& v, const Shape& shape) {
   std::vector<std::size_t> found;
   for (std::size_t n = 0; n < states.count(); ++n)
@@ -92,7 +95,7 @@ std::tuple<Array, Array> motions_of(const States& states, const BoundSpecialised
   return {q, v};
 }
 
-/// The drive forces of K steps.
+/// The drive forces of all motions in an argument: nv numbers for each of K steps.
 struct Forces {
   Numbers tau;
   nb::ssize_t K = 0;
@@ -127,7 +130,8 @@ std::tuple<Array, Array> driven_rollout_of(const BoundModel& m, ArrayLike q, Arr
   return motions_of(states, compiled, {velocities.all(), {}, &drive.drive, K, step, joint_losses});
 }
 
-/// Why motion n ended, from a simulation of the step that could not be computed: ": ..."; empty if it can be.
+/// The reason why motion n ended, as text that begins with ": ". It is found by a simulation of the step that
+/// could not be computed; the text is empty if this simulation succeeds.
 std::string reason_of_end(const States& states, const ContactShapes& shapes, const Steps& steps,
                           std::size_t n, std::span<const double> q, std::span<const double> v) {
   const std::size_t K = static_cast<std::size_t>(steps.K), nq = static_cast<std::size_t>(states.model().nq()),

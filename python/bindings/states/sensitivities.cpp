@@ -7,15 +7,15 @@
 #include "python/bindings/support/bindings.hpp"
 #include "python/bindings/support/named_tuple.hpp"
 
-/// Sensitivities of the motions that axode.rollout computes.
+/// Derivatives of the motions that axode.rollout computes.
 namespace axode::python {
 
 using namespace nb::literals;
 
 namespace {
 
-/// The arguments that are common to all functions: the initial states, drive forces and loads of several
-/// motions.
+/// The arguments that are common to all functions of this file: the initial states and the drive forces of
+/// several motions, and the length of a step.
 struct Motions {
   const BoundModel& m;
   States states;
@@ -34,7 +34,7 @@ struct Motions {
   }
   nb::ssize_t K() const { return tau.count(); }
   nb::ssize_t nv() const { return m->nv(); }
-  /// An argument with nv numbers for each state of a motion, or for each step.
+  /// An argument with `count` rows of nv numbers for each motion, one row for each state or for each step.
   Items rows(const char* name, ArrayLike given, nb::ssize_t count) const {
     return states.items(name, given, {count, nv()}, "nv numbers in each row");
   }

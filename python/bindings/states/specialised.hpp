@@ -6,7 +6,7 @@
 
 namespace axode::python {
 
-/// A Specialised as Python holds it, with the model for which it was compiled.
+/// A Specialised that Python holds, with the model for which it was compiled.
 class BoundSpecialised {
  public:
   using Any = std::variant<Specialised<double>, Specialised<float>>;
@@ -17,7 +17,7 @@ class BoundSpecialised {
   const BoundModel& model() const { return *nb::inst_ptr<BoundModel>(model_); }
   const Any& functions() const { return functions_; }
   bool is_single() const { return functions_.index() == 1; }
-  /// Throws nb::value_error unless the function was compiled.
+  /// Throws nb::value_error unless the function is among the compiled ones.
   void check(const codegen::Function& wanted) const;
 
  private:

@@ -14,7 +14,7 @@ using catalog::Entry;
 using catalog::Extent;
 using catalog::Input;
 
-/// The shape of an entry as an array of numpy.
+/// The axes that an entry of a result has in an array of numpy.
 Shape axes_of(Entry entry) {
   switch (entry) {
     case Entry::number: return {};
@@ -34,8 +34,8 @@ double cost_of(catalog::Cost cost, const Model& model) {
   return cubic_cost(model);
 }
 
-/// Expands entries that are matrices in numpy. They lie packed at the front of `numbers`; each is moved to
-/// its place and expanded by f, the last entry first.
+/// Expands entries that are matrices in numpy from `packed` to `unpacked` numbers. The packed entries lie at
+/// the front of `numbers`. Beginning with the last one, each is moved to its place, where f expands it.
 template <int packed, int unpacked, class F> void unpack(std::span<double> numbers, const F& f) {
   for (std::size_t k = numbers.size() / unpacked; k-- > 0;) {
     std::array<double, packed> x;

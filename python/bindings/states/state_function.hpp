@@ -11,13 +11,13 @@
 
 namespace axode::python {
 
-/// A function of N states that is called instead of the library's own, such as a compiled one. The arguments
-/// of the states are contiguous.
+/// A function for N states, such as a compiled one, that is called instead of the function of the library.
+/// The arguments of the states are contiguous.
 using Instead = std::function<batch::Outcome(const catalog::Arguments<double>&, std::span<double> out,
                                              const batch::Monitor&)>;
 
-/// The arguments that a function of the state may receive from Python. Those that a function does not take
-/// keep their default values.
+/// The arguments that a function of the state may receive from Python. Arguments that the function does not
+/// take keep their default values.
 struct Arguments {
   ArrayLike q, v = {}, a = {}, tau = {}, p = {};
   ArrayLike dq = {}, dv = {}, da = {}, dtau = {}, w = {};
@@ -31,7 +31,8 @@ struct Arguments {
   const Instead* instead = nullptr;
 };
 
-/// An argument with numbers of a state, and the input of the function to which it belongs.
+/// A member of Arguments that has numbers of a state, and the input of a function of the catalogue to which
+/// it belongs.
 struct ArgumentOfState {
   catalog::Input input;
   ArrayLike Arguments::*argument;
@@ -47,18 +48,22 @@ constexpr ArrayLike Arguments::*argument_of(catalog::Input input) {
 }
 inline const char* name_of(catalog::Input input) { return to_string(input).data(); }
 
-/// A function of the catalogue for one state or N states. It runs in SIMD lanes if the row has them.
+/// A function of the catalogue for one state or for N states. If the function has a kernel for several states
+/// (Words::lanes), N states are computed in SIMD lanes.
 class StateFunction {
  public:
   explicit StateFunction(const char* name);
-  /// Calls the function. Throws nb::value_error for a wrong argument. Throws SingularError for states that
-  /// cannot be solved, and NotFiniteError for states whose numbers overflow; both contain the result.
+  /// Calls the function and returns its result. Throws nb::value_error for a wrong argument, SingularError if
+  /// states cannot be solved, and NotFiniteError if numbers of states overflow; these two errors contain the
+  /// result.
   Array operator()(const BoundModel& m, const Arguments& given) const;
-  /// Calls the function, and returns the entries as rows even if they are the columns of a matrix.
+  /// Calls the function, and returns the entries of its result as rows even if they are the columns of a
+  /// matrix.
   Array in_rows(const BoundModel& m, const Arguments& given) const;
-  /// Calls a function that has two results.
+  /// Calls the function, which must have two results, and returns both.
   std::tuple<Array, Array> both(const BoundModel& m, const Arguments& given) const;
-  /// Calls the function, and returns its result, or several results in a named tuple, see record_of().
+  /// Calls the function, and returns its result as an array, or several results as a named tuple of the type
+  /// that record_of() names.
   nb::object all(const BoundModel& m, const Arguments& given) const;
 
  private:
@@ -71,18 +76,20 @@ class StateFunction {
   std::vector<ArgumentOfState> takes_;  ///< the arguments that the function takes in addition to q
 };
 
-/// The name of the type in axode.records that holds the results of a row; empty for a row with one result.
+/// The name of the type in axode.records that holds the results of a function; empty for a function with one
+/// result.
 std::string record_of(const catalog::Words& row);
 
-/// The signature of a function for Python: `def name(self, arguments, options) -> result`, where the result
-/// is an array or a type of axode.records.
+/// The signature of a function of the catalogue for Python: `def name(self, arguments, options) -> result`,
+/// where the result is an array or a type of axode.records.
 std::string signature(const catalog::Words& row, const char* self, const std::string& options);
 
-/// The docstring with one more line before its example, which says which parts of a mechanism the function
-/// counts.
+/// The docstring of a function with one more line before its example. The line says which parts of a
+/// mechanism (such as loops) the function takes into account.
 std::string documented(const char* name, std::string doc);
 
-/// One parameter type for each number of an index sequence, which may be empty.
+/// The type Parameter for each number of an index sequence: Each<Parameter, n>... repeats it, possibly 0
+/// times.
 template <class Parameter, std::size_t> using Each = Parameter;
 template <std::size_t> auto argument(const char* name) { return nb::arg(name); }
 template <std::size_t, class Value> auto argument(const char* name, Value&& value) {
@@ -90,7 +97,8 @@ template <std::size_t, class Value> auto argument(const char* name, Value&& valu
 }
 template <std::size_t n> using Times = std::make_index_sequence<n>;
 
-/// Defines functions in Python from their rows of the table, which have the arguments, options and results.
+/// Defines functions in Python from their rows of the catalogue, which have the arguments, options and
+/// results.
 class StateFunctions {
  public:
   explicit StateFunctions(nb::module_& module) : module_(module) {}

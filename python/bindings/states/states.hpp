@@ -17,13 +17,15 @@
 
 namespace axode::python {
 
-/// The approximate cost of one state in microseconds. It decides whether a call lets other threads run.
+/// The following functions return the approximate cost of a computation for one state in microseconds. It
+/// decides whether a call lets other threads run.
 double linear_cost(const Model& model);     ///< cost of O(n): a recursion
 double quadratic_cost(const Model& model);  ///< cost of O(n²): a matrix
 double cubic_cost(const Model& model);      ///< cost of O(n³): a tensor
 double loop_cost(const Model& model);       ///< cost of O(n² + m³): a system with m rows of loops
 
-/// One argument of a function of the state: an item, or N items.
+/// The numbers of an argument of a function of the state: one item for all states, or an item for each of N
+/// states.
 class Items {
  public:
   Items(Numbers numbers, bool many, nb::ssize_t item_size)
@@ -38,12 +40,12 @@ class Items {
   nb::ssize_t size_, step_;
 };
 
-/// The states with which a function is called: one of shape (nq,), or N of shape (N, nq). The class also runs
-/// over the states.
+/// The states with which a function is called from Python: one state, an array of shape (nq,), or N states,
+/// an array of shape (N, nq). The class also calls a function for every state.
 class States {
  public:
-  /// Checks the states. Throws nb::value_error for a wrong shape, numbers that are not finite, and threads <
-  /// 1.
+  /// Reads and checks the states. Throws nb::value_error for a wrong shape, numbers that are not finite, and
+  /// threads < 1.
   States(const BoundModel& model, ArrayLike q, int threads, const char* name = "q");
 
   const Model& model() const { return bound_; }
@@ -53,27 +55,29 @@ class States {
   std::span<const double> q(std::size_t k) const { return q_[k]; }
   std::span<const double> q() const { return q_.all(); }
 
-  /// Another argument of the call: one item for all states, or one for each. `meaning` describes its shape in
-  /// messages.
+  /// Another argument of the call: one item if the call has one state of shape (nq,), otherwise an item for
+  /// each of the N states. `meaning` describes the item in messages.
   Items items(const char* name, ArrayLike given, const Shape& item, const char* meaning) const;
-  /// Another argument with nq numbers for each state.
+  /// Another argument of the call with nq numbers for each state.
   Items configurations(const char* name, ArrayLike given) const;
-  /// Another argument with nv numbers for each state.
+  /// Another argument of the call with nv numbers for each state.
   Items velocities(const char* name, ArrayLike given) const;
 
-  /// A new array for the results: one item for one state, N items for N states.
+  /// A new array for the results of the call: one item if the call has one state of shape (nq,), otherwise N
+  /// items.
   NewArray result(const Shape& item) const {
     return NewArray(many_ ? item.times(static_cast<nb::ssize_t>(count_)) : item);
   }
 
-  /// Calls f(workspace, k) for every state k. If this takes more than 20 µs, other Python threads run
-  /// meanwhile, and Ctrl-C ends the call.
+  /// Calls f(workspace, k) for every state k, where `microseconds` is the cost of one state. If all states
+  /// take more than 20 µs, or if threads > 1, other Python threads run meanwhile, and Ctrl-C ends the call.
   template <class W = Workspace<>, class F> void each(double microseconds, const F& f) const {
     if (threads_ > 1 || takes_long(microseconds)) return on_cores<W>(f);
     const BoundModel::Lease<W> workspace(bound_);
     for (std::size_t k = 0; k < count_; ++k) run(k, [&] { f(*workspace, k); });
   }
-  /// Calls f() for state k. If there are several states, messages of errors name this one.
+  /// Calls f(), which computes state k. If there are several states, the message of a std::invalid_argument
+  /// names this state.
   template <class F> void run(std::size_t k, const F& f) const {
     if (!many_) return f();
     try {
@@ -82,13 +86,14 @@ class States {
       throw std::invalid_argument("state " + std::to_string(k) + ": " + error.what());
     }
   }
-  /// Calls f() while other Python threads run.
+  /// Calls f(). If the call takes more than 20 µs, other Python threads run meanwhile.
   template <class F> auto released(double microseconds, const F& f) const {
     std::optional<nb::gil_scoped_release> released;
     if (takes_long(microseconds)) released.emplace();
     return f();
   }
-  /// Calls f(monitor) once for all states, while other Python threads run. The monitor notices Ctrl-C.
+  /// Calls f(monitor) once for all states. If this takes more than 20 µs, other Python threads run meanwhile.
+  /// The monitor notices Ctrl-C.
   template <class F> auto unlocked(double microseconds, const F& f) const {
     LongCall call(takes_long(microseconds));
     const auto outcome = f(call.monitor());
@@ -115,13 +120,13 @@ class States {
     });
   }
 
-  /// Throws SingularError or NotFiniteError, with the result, if some states could not be solved or have
-  /// results that are not finite. `found` has an entry for each state; if it is empty, `otherwise` says what
-  /// is wrong.
+  /// Throws SingularError or NotFiniteError, which contain the result, if some states could not be solved or
+  /// have results that are not finite. `found` has an entry for each state, or is empty. `otherwise` says
+  /// what is wrong with states whose results are not finite although `found` has no error for them.
   void refuse(const std::vector<Solvability>& found, NewArray& result,
               const Solvability& otherwise = {.not_finite = true}) const;
-  /// Throws an error of axode.errors about some states, with the result. The sentence is about the first of
-  /// them; if the call has several states, the message names it.
+  /// Throws an error of axode.errors about the states `refused`; the error contains the result. `sentence` is
+  /// about the first of these states. If the call has several states, the message names it.
   [[noreturn]] void raise(const char* error, const std::string& sentence,
                           const std::vector<std::size_t>& refused, NewArray& result) const;
 
@@ -145,7 +150,7 @@ class States {
   Items q_;
 };
 
-/// An argument with some rows of nv numbers for each state.
+/// An argument with several rows of nv numbers for each state.
 class Rows {
  public:
   Rows(const States& states, const char* name, ArrayLike given, const char* meaning);
@@ -157,7 +162,7 @@ class Rows {
   Items items_;
 };
 
-/// Checks that an argument is a dict with these keys, of which the needed ones must be there. Throws
+/// Checks that an argument is a dict that has no other keys than `keys` and has the keys `needed`. Throws
 /// nb::value_error or nb::key_error, which name the argument.
 template <std::size_t N>
 nb::dict entries_of(nb::handle given, const std::string& where, const std::array<std::string_view, N>& keys,
@@ -171,14 +176,14 @@ nb::dict entries_of(nb::handle given, const std::string& where, const std::array
   return entries;
 }
 
-/// The part of a result that belongs to state k.
+/// The part of a result `out` that belongs to state k: an item of the given shape.
 inline std::span<double> item(const NewArray& out, std::size_t k, const Shape& shape) {
   const std::size_t size = static_cast<std::size_t>(shape.size());
   return {out.data() + k * size, size};
 }
 
-/// Calls f(workspace, k, out) for every state k, where `out` is the result of this state. If f can fail, it
-/// returns a Solvability.
+/// Calls f(workspace, k, out) for every state k, and returns an array of the results. f writes the result of
+/// the state, an item of this shape, to `out`. If f can fail, it returns a Solvability.
 template <class F>
 NewArray each_item(const States& states, double microseconds, const Shape& shape, const F& f) {
   NewArray out = states.result(shape);
@@ -196,12 +201,13 @@ NewArray each_item(const States& states, double microseconds, const Shape& shape
   return out;
 }
 
-/// An argument with nv numbers for each state, and the name of the argument.
+/// An argument that has nv numbers for each state, and the name of the argument.
 struct Named {
   const char* name;
   ArrayLike given;
 };
-/// Calls f(workspace, q, v, ..., out) for every state; v, ... are the named arguments.
+/// Calls f(workspace, q, x, ..., out) for every state, where x, ... are the numbers of the arguments `more`
+/// for the state, and returns an array of the results.
 template <class F, class... More>
 NewArray map_states(const BoundModel& model, int threads, double microseconds, const Shape& shape,
                     ArrayLike q, const F& f, const More&... more) {
@@ -220,7 +226,7 @@ NewArray map_states(const BoundModel& model, int threads, double microseconds, c
 struct LoadList {
   PyObject* given = nullptr;
 };
-/// Wrenches on frames, each the same in all states or with one for each state.
+/// Wrenches on frames. Each wrench is either the same in all states or given for each state.
 class AppliedLoads {
  public:
   AppliedLoads(const States& states, LoadList given, bool joint_losses);

@@ -25,7 +25,7 @@ using namespace nb::literals;
 
 namespace {
 
-/// A task space as Python holds it, with a TaskSpace for each thread that has used it at the same time.
+/// A task space that Python holds. It has as many TaskSpace objects as threads have used it at the same time.
 class BoundTaskSpace {
  public:
   BoundTaskSpace(const BoundModel& m, const States& at, std::string platform)
@@ -34,7 +34,7 @@ class BoundTaskSpace {
   }
 
   const BoundModel& model() const { return model_; }
-  /// A TaskSpace, which nobody else has until the result is destroyed.
+  /// Returns a TaskSpace that no other thread uses until the returned pointer is destroyed.
   std::shared_ptr<TaskSpace> take() {
     std::unique_ptr<TaskSpace> space;
     {
@@ -52,8 +52,8 @@ class BoundTaskSpace {
   }
   int freedom() { return take()->freedom(); }
 
-  /// Calls f(space, k) for every state k. f returns a verdict; SingularError or NotFiniteError, with the
-  /// result, if one is not ok().
+  /// Calls f(space, k) for every state k, and returns `result`, to which f writes. f returns a verdict. If
+  /// some verdict is not ok(), throws SingularError or NotFiniteError, which contain the result.
   template <class F> Array each(const States& states, NewArray result, const F& f) {
     std::vector<TaskVerdict> found(states.count());
     states.unlocked(cost(), [&](const batch::Monitor& monitor) {
@@ -75,7 +75,7 @@ class BoundTaskSpace {
     states.raise(first.kind == TaskVerdict::Kind::not_finite ? "NotFiniteError" : "SingularError",
                  to_string(*take(), first), refused, result);
   }
-  double cost() const { return 0.3 * model_->nv(); }  // µs
+  double cost() const { return 0.3 * model_->nv(); }  // in µs
 
  private:
   std::unique_ptr<TaskSpace> make() const { return std::make_unique<TaskSpace>(*model_, q_, platform_); }
@@ -87,7 +87,7 @@ class BoundTaskSpace {
   std::vector<std::unique_ptr<TaskSpace>> idle_;
 };
 
-/// An argument with a number for each task velocity.
+/// An argument that has a number for each task velocity of every state.
 Items of_task(BoundTaskSpace& space, const States& states, const char* name, ArrayLike given) {
   return states.items(name, given, {space.freedom()}, "a number for each task velocity");
 }

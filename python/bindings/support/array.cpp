@@ -22,7 +22,7 @@ std::string shape_text_of(const nb::ssize_t* lengths, int axes) {
 
 PyArrayObject* as_array(PyObject* object) { return reinterpret_cast<PyArrayObject*>(object); }
 
-/// The argument as an array of doubles in C order.
+/// Converts an argument to an array of doubles in C order.
 nb::object converted(const std::string& name, PyObject* given) {
   if (PyArray_Check(given) && nb::hasattr(given, "mask") &&
       PyObject_IsTrue(nb::handle(given).attr("mask").attr("any")().ptr()) == 1)
@@ -30,7 +30,7 @@ nb::object converted(const std::string& name, PyObject* given) {
   nb::object array = nb::steal(PyArray_FromAny(given, nullptr, 0, 0, 0, nullptr));
   if (!array.is_valid()) {
     nb::python_error error;
-    if (!error.matches(PyExc_Exception)) throw error;  // exceptions such as KeyboardInterrupt
+    if (!error.matches(PyExc_Exception)) throw error;  // not an Exception: e.g. KeyboardInterrupt
     nb::raise_from(error, PyExc_ValueError, "%s: expected numbers in rows of equal length, got %s",
                    name.c_str(), type_of(given).c_str());
   }

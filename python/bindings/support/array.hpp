@@ -6,8 +6,8 @@
 #include <span>
 #include <string>
 
-/// Arrays of numpy. The headers of numpy are included in array.cpp only. Arrays are read without a copy if
-/// their layout allows it.
+/// Arrays of numpy. The headers of numpy are included in array.cpp only. Arrays that Python passes are read
+/// without a copy if their layout allows it.
 namespace axode::python {
 
 namespace nb = nanobind;
@@ -32,7 +32,7 @@ struct Shape {
 struct ArrayLike {
   PyObject* given = nullptr;
 };
-/// A result, annotated in Python as an array of float64.
+/// A result for Python, annotated there as an array of float64.
 struct Array {
   nb::object array;
 };
@@ -40,8 +40,9 @@ struct Array {
 /// Whether numbers may be infinite, as some limits and pitches are. NaN is never allowed.
 enum class Infinities { refused, allowed };
 
-/// The numbers of an argument as doubles in C order: those of the array itself if it has this layout,
-/// otherwise a copy. Throws nb::value_error, which names the argument, for anything but finite real numbers.
+/// The numbers of an argument as doubles in C order. If the argument is an array with this layout, its memory
+/// is used, otherwise a copy. Throws nb::value_error, which names the argument, for anything but real numbers
+/// that are finite (or infinite, if Infinities allow it).
 class Numbers {
  public:
   Numbers(std::string name, ArrayLike given, Infinities infinities = Infinities::refused);
@@ -53,7 +54,7 @@ class Numbers {
   std::string shape_text() const;
   /// Whether the last axes of the array have the shape of an item.
   bool ends_with(const Shape& item) const;
-  /// Throws the nb::value_error of a wrong shape; `expected` says which shapes are right.
+  /// Throws nb::value_error for an argument of a wrong shape; `expected` says which shapes are right.
   [[noreturn]] void wrong_shape(const std::string& expected) const;
 
  private:
@@ -68,7 +69,7 @@ class Numbers {
 /// Whether there is neither an infinity nor a NaN among the numbers.
 bool all_finite(std::span<const double> numbers);
 
-/// One finite number. Throws nb::value_error that names the argument for anything else.
+/// One finite number in an argument. Throws nb::value_error, which names the argument, for anything else.
 double number(const std::string& name, nb::handle given);
 
 /// A new array of doubles in C order. Its entries are not set.
@@ -77,11 +78,12 @@ class NewArray {
   explicit NewArray(const Shape& shape);
   double* data() const { return data_; }
   std::span<double> all() const { return {data_, static_cast<std::size_t>(size_)}; }
-  Array array();  ///< the array; if it has no axes, a number
-  /// The array with its last two axes exchanged: numbers that were written column by column become a matrix.
+  Array array();  ///< the array, or a number if it has no axes
+  /// The array with its last two axes exchanged, so that numbers that were written column by column become a
+  /// matrix.
   Array transposed();
-  /// Entry k along the axis before the last `axes` axes, as a new array. It is transposed if its entries are
-  /// columns.
+  /// Entry k along the axis that comes before the last `axes` axes, as a new array. It is transposed if its
+  /// entries are columns of a matrix (`columns`).
   Array part(nb::ssize_t k, int axes, bool columns = false) const;
 
  private:

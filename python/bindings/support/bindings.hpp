@@ -1,7 +1,8 @@
 #pragma once
 #include <nanobind/nanobind.h>
 
-/// The functions by which each file of this folder adds to the module, in the order of the library's floors.
+/// The functions by which the files of python/bindings add to the module, one for each file, in the order of
+/// the folders of the library.
 namespace axode::python {
 
 void add_lie(nanobind::module_& lie);

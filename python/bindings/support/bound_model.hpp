@@ -12,7 +12,7 @@
 
 namespace axode::python {
 
-/// A Model as Python holds it, with as many workspaces as threads have used it at the same time. A caller
+/// A Model that Python holds. It has as many workspaces as threads have used it at the same time. A caller
 /// that takes or returns a workspace must hold the interpreter's lock.
 class BoundModel {
  public:
@@ -54,12 +54,12 @@ class BoundModel {
 /// A frame given by its name or its number, annotated in Python as `str | int`.
 struct FrameName {
   PyObject* given = nullptr;
-  /// The number of the frame. Throws nb::key_error for an unknown name, nb::value_error for an unknown number
-  /// or another type.
+  /// The index of the frame. Throws nb::key_error for an unknown name, and nb::value_error for an unknown
+  /// number or another type.
   int in(const Model& model, const char* argument = "frame") const;
 };
 
-/// The place that is a frame, or a point (3,) or pose (4, 4) given in this frame.
+/// The place that is a frame, if `offset` is None, or a point (3,) or pose (4, 4) given in this frame.
 Place<> place(const Model& model, FrameName frame, ArrayLike offset, const char* argument = "frame");
 
 }  // namespace axode::python

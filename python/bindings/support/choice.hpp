@@ -15,13 +15,13 @@
 #include "axode/model/building/nearest_name.hpp"
 #include "python/bindings/support/text.hpp"
 
-/// Arguments that are one of a few words, annotated in Python as typing.Literal. Another word, or something
-/// that is not a word, causes a ValueError.
+/// Arguments whose value is one of a few words, annotated in Python as typing.Literal. Anything else causes a
+/// ValueError.
 namespace axode::python {
 
 namespace nb = nanobind;
 
-/// The index of a word among the allowed ones. Throws an error if it is not one of them.
+/// The index of a word among the allowed words. Throws an error if it is none of them.
 template <std::size_t N>
 std::size_t choose(const std::string& argument, nb::handle given,
                    const std::array<std::string_view, N>& words,
@@ -45,7 +45,7 @@ std::size_t choose(const std::string& argument, nb::handle given,
   throw error(sentence.c_str());
 }
 
-/// The recursion that is to run: in a representation, or, if there is none, by the fast kernels.
+/// The recursion that is to be run: in a representation or, if there is none, by the fast kernels.
 struct Algorithm {
   std::optional<Representation> representation;
 };

@@ -20,10 +20,10 @@ template <class Screwlike> void write_screw(const Screwlike& X, double* to) {
 }
 void write(const SE3<>& C, double* to);
 
-/// The distance of a matrix from a rotation; infinite if the products overflow.
+/// The deviation of a matrix from a rotation; infinite if products of its entries overflow.
 double rotation_error(const SO3<>& R);
-/// A pose from 16 numbers, row by row. Throws nb::value_error, which names the argument, if the rotation is
-/// not exact to 1e-6 or if the last row is not (0, 0, 0, 1).
+/// A pose from 16 numbers, the 4 × 4 matrix row by row. Throws nb::value_error, which names the argument, if
+/// the rotation is not exact to 1e-6 or if the last row is not (0, 0, 0, 1).
 SE3<> pose_from(const std::string& argument, const double* matrix);
 inline Vec3<> vector_from(const double* x) { return {x[0], x[1], x[2]}; }
 
@@ -50,7 +50,7 @@ inline void put(const std::vector<double>& numbers, std::span<double> out) {
   std::copy(numbers.begin(), numbers.end(), out.begin());
 }
 
-/// Numbers as a span of screws: each screw consists of six consecutive numbers.
+/// A span of numbers as a span of screws: each screw consists of six consecutive numbers.
 template <class Screwlike> std::span<Screwlike> screws(std::span<double> numbers) {
   static_assert(sizeof(Screwlike) == 6 * sizeof(double));
   return {reinterpret_cast<Screwlike*>(numbers.data()), numbers.size() / 6};

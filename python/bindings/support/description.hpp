@@ -8,21 +8,21 @@ namespace axode::python {
 
 namespace nb = nanobind;
 
-/// Every field of a description as nested tuples, for pickle. unpacked() is the inverse.
+/// All fields of a description as nested tuples, for pickle. unpacked() is the inverse of this function.
 nb::tuple packed(const Description& description);
 Description unpacked(nb::handle tuple);
 
-/// The strictness for the argument `strict` of Python.
+/// The strictness that the argument `strict` of a Python function stands for.
 inline Strictness strictness(bool strict) { return strict ? Strictness::strict : Strictness::lenient; }
 
 /// Builds a mechanism from a dict with the keys of the drawing format (docs/drawing-format.md). Throws
 /// ModelError with every fault, and nb::type_error for objects that a drawing cannot contain. The dict may
-/// come from a file of another format, with warnings of its reader.
+/// have been made from the file `file` of another format, whose reader has given warnings.
 Model from_dict(const nb::dict& drawing, Base base, Strictness strictness, const std::string& file = "",
                 const std::vector<Fault>& warnings = {});
 nb::dict to_dict(const Model& model);
-/// A joint from a dict with the keys of a drawing, with axis and point in the frame to which it is attached;
-/// a fixed joint if `joint` is None.
+/// A joint from a dict with the keys of a joint in a drawing, whose axis and point are in the frame to which
+/// the joint is attached. If `joint` is None, the result is a fixed joint.
 JointDescription joint_of(nb::handle joint);
 
 }  // namespace axode::python

@@ -7,11 +7,12 @@
 
 namespace axode::python {
 
-/// A call that may take long. Other Python threads run meanwhile, and the monitor notices Ctrl-C.
+/// A call from Python that may take long. Other Python threads may run meanwhile, and the monitor notices
+/// Ctrl-C.
 class LongCall {
  public:
-  /// `release` says whether the interpreter's lock is released. Short calls keep it, because releasing it
-  /// would take as long.
+  /// `release` says whether the interpreter's lock is released, so that other Python threads run. Short calls
+  /// keep the lock, because releasing it would take as long as the call.
   explicit LongCall(bool release) : released_(release ? PyEval_SaveThread() : nullptr) {}
   ~LongCall() { take_lock(); }
   LongCall(const LongCall&) = delete;
@@ -24,8 +25,8 @@ class LongCall {
       return !interrupted_;
     };
   }
-  /// Must be called when the work is done or was ended. Throws nb::python_error, for example
-  /// KeyboardInterrupt, if the call was interrupted.
+  /// Ends the call. It must be called when the work is done or was ended early. Throws nb::python_error, for
+  /// example KeyboardInterrupt, if the call was interrupted.
   void end() {
     take_lock();
     if (interrupted_) throw nanobind::python_error();

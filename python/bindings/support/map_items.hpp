@@ -7,17 +7,17 @@
 #include "python/bindings/support/conversions.hpp"
 #include "python/bindings/support/long_call.hpp"
 
-/// Functions of single items, such as a screw (6,), extended to arrays of items with any axes in front, (...,
+/// Extends functions of single items, such as a screw (6,), to arrays of items with any axes in front, (...,
 /// 6).
 namespace axode::python {
 
-/// The shape of an item in an array, and how it is read and written. Reading throws nb::value_error, which
-/// names the argument, for numbers that are not such an item.
+/// The shape of an item of type T in an array, and how an item is read and written. Reading throws
+/// nb::value_error, which names the argument, for numbers that are not an item of this type.
 template <class T> struct Item;
 template <class T> inline constexpr Infinities infinities_of = Infinities::refused;
 
-/// Throws nb::value_error unless the matrix equals, to 1e-6 of its largest entry, the matrix of the item that
-/// was read from it.
+/// Throws nb::value_error unless `matrix`, from which an item was read, equals the matrix that the item has,
+/// to 1e-6 of its largest entry.
 void check_structure(const char* argument, const char* expected,
                      const Eigen::Ref<const Eigen::MatrixXd>& given,
                      const Eigen::Ref<const Eigen::MatrixXd>& made);
@@ -44,7 +44,7 @@ template <> struct Item<SE3<>> {
   static SE3<> read(const char* argument, const double* from) { return pose_from(argument, from); }
   static void write(const SE3<>& C, double* to) { python::write(C, to); }
 };
-/// Vectors and matrices of Eigen, row by row. Only the shape is checked.
+/// Items that are vectors and matrices of Eigen, row by row. Only the shape is checked.
 template <int Rows, int Cols> struct Item<Eigen::Matrix<double, Rows, Cols>> {
   using Matrix = Eigen::Matrix<double, Rows, Cols>;
   static inline const Shape shape = Cols == 1 ? Shape{Rows} : Shape{Rows, Cols};
@@ -59,7 +59,7 @@ template <int Rows, int Cols> struct Item<Eigen::Matrix<double, Rows, Cols>> {
       for (int j = 0; j < Cols; ++j) to[i * Cols + j] = A(i, j);
   }
 };
-/// An item that is a matrix in numpy.
+/// An item that is a matrix of Rows × Cols numbers in numpy.
 template <class T, int Rows, int Cols> struct MatrixItem {
   using Matrix = Item<Eigen::Matrix<double, Rows, Cols>>;
   static inline const Shape shape = Matrix::shape;
@@ -97,18 +97,18 @@ template <> struct Item<Quaternion<>> : MatrixItem<Quaternion<>, 4, 1> {
   }
 };
 
-/// An argument of a function of items.
+/// An argument of a function of items, with its name.
 template <class T> struct Given {
   using Array = ArrayLike;
   const char* name;
   ArrayLike array;
 };
 
-/// The lengths of the first `axes` axes. Throws nb::value_error if a Shape cannot hold these axes together
-/// with those of an item.
+/// The shape that has the first `axes` axes of an argument. Throws nb::value_error if a Shape cannot hold
+/// these axes together with those of an item.
 Shape first_axes(const Numbers& numbers, int axes);
 
-/// The numbers of an argument of a function of items.
+/// The numbers of one argument of a function that is called for arrays of items.
 class Operand {
  public:
   /// Reads an argument. Throws nb::value_error if its last axes do not have the shape of an item.
@@ -125,15 +125,16 @@ class Operand {
   nb::ssize_t step_ = 0;
 };
 
-/// The axes in front of the items, which must be the same in all operands that have such axes. Throws
-/// nb::value_error if they are not.
+/// The common leading axes of the operands, which come before those of an item. Throws nb::value_error if two
+/// operands have different leading axes; an operand without leading axes fits all others.
 Shape common_leading(std::span<const Operand> operands);
-/// The shape of the axes `leading`, followed by those of an item.
+/// The shape that has the axes `leading`, followed by the axes of an item.
 Shape with_item(const Shape& leading, const Shape& item);
-/// Throws the error of an item again, with the index of the item in the message.
+/// Throws the error of an item again, with the index of the item added to the message.
 [[noreturn]] void rethrow_with_place(const nb::builtin_exception& error, const Shape& leading, nb::ssize_t k);
 
-/// The results of a function of items: an array, or one for each entry of a tuple.
+/// The results of a function of items for all items: an array, or one array for each entry of a tuple if f
+/// returns a tuple.
 template <class T> class Results {
  public:
   explicit Results(const Shape& leading) : array_(with_item(leading, Item<T>::shape)) {}
@@ -160,8 +161,8 @@ template <class... T> class Results<std::tuple<T...>> {
   std::tuple<Results<T>...> results_;
 };
 
-/// Calls f for every item. If there are many items, other Python threads run meanwhile, and Ctrl-C ends the
-/// call.
+/// Calls f for every item of the given arrays and returns the results as arrays. If there are many items,
+/// other Python threads run meanwhile, and Ctrl-C ends the call.
 template <class F, class... T> auto map_items(const F& f, const Given<T>&... given) {
   const std::array operands{Operand(given.name, given.array, Item<T>::shape, infinities_of<T>)...};
   const Shape leading = common_leading(operands);
@@ -183,7 +184,7 @@ template <class F, class... T> auto map_items(const F& f, const Given<T>&... giv
   return results.take();
 }
 
-/// The function f of items as a function of arrays of items.
+/// A function of arrays of items that calls f for every item.
 template <class F, class... T> struct OfArrays {
   F f;
   std::array<const char*, sizeof...(T)> arguments;
@@ -194,7 +195,7 @@ template <class F, class... T> struct OfArrays {
     return std::apply([&](const Given<T>&... each) { return map_items(f, each...); }, given);
   }
 };
-/// Adds the function f, for arrays of items, to a module.
+/// Adds the function f, extended to arrays of items, to a module.
 template <class... T, class F>
 void add(nb::module_& module, const char* name, const std::array<const char*, sizeof...(T)>& arguments,
          const F& f, const char* documentation) {

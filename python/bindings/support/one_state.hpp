@@ -3,8 +3,8 @@
 
 namespace axode::python {
 
-/// The state for a function that takes one state only. Throws nb::value_error for several states, as for any
-/// wrong shape.
+/// The state in an argument of a function that takes one state only. Throws nb::value_error for several
+/// states and for any other wrong shape.
 inline States one_state(const BoundModel& model, ArrayLike q, const char* name = "q") {
   const Numbers numbers(name, q);
   const Shape expected{model->nq()};

@@ -5,18 +5,18 @@
 #include "axode/model/building/fault.hpp"
 #include "python/bindings/support/array.hpp"
 
-/// The exceptions of axode/errors.py.
+/// Throws the exceptions of axode/errors.py.
 namespace axode::python {
 
 nb::object fault_object(const Fault& fault);
 nb::list fault_list(std::span<const Fault> faults);
 
-/// Throws an error of axode.errors about states, with a sentence, the numbers of the states, and the result
-/// as far as there is one.
+/// Throws an error of axode.errors about states, with a sentence, the indices of the states, and the result
+/// as far as it was computed.
 [[noreturn]] void raise_of_states(const char* error, const std::string& sentence,
                                   const std::vector<std::size_t>& states, Array result);
 
-/// Throws an AssemblyError with the best configuration that was found.
+/// Throws an axode.AssemblyError that contains the best configuration q that was found and its residual.
 [[noreturn]] void raise_of_assembly(const std::string& sentence, Array q, double residual);
 
 /// Registers the translation of exceptions: the library's ModelError becomes axode.ModelError, and

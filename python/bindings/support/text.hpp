@@ -4,13 +4,14 @@
 #include <string>
 #include <string_view>
 
-/// Conversions of texts. A str of Python may contain characters that have no UTF-8, and a string of C++ bytes
-/// that are not UTF-8.
+/// Conversions of texts between Python and C++. A Python str may contain characters that cannot be encoded in
+/// UTF-8, and a C++ string may contain bytes that are not UTF-8.
 namespace axode::python {
 
 namespace nb = nanobind;
 
-/// The UTF-8 of a str. Throws Python's UnicodeEncodeError, which is a ValueError, if the str has none.
+/// The text of a Python str in UTF-8. Throws Python's UnicodeEncodeError, which is a ValueError, if the str
+/// cannot be encoded.
 inline std::string text_of(nb::handle string) {
   Py_ssize_t size = 0;
   const char* text = PyUnicode_AsUTF8AndSize(string.ptr(), &size);
@@ -18,13 +19,13 @@ inline std::string text_of(nb::handle string) {
   return {text, static_cast<std::size_t>(size)};
 }
 
-/// The str of a UTF-8 text. Bytes that are not UTF-8 are shown by their numbers.
+/// The Python str of a UTF-8 text. Bytes that are not UTF-8 are shown by their numbers.
 inline nb::str to_str(std::string_view text) {
   return nb::steal<nb::str>(
       PyUnicode_DecodeUTF8(text.data(), static_cast<Py_ssize_t>(text.size()), "backslashreplace"));
 }
 
-/// The name of the type of something, for a message: `list`, `numpy.ndarray`.
+/// The name of the type of a Python object, for a message, such as `list` or `numpy.ndarray`.
 inline std::string type_of(nb::handle value) {
   const std::string module = text_of(nb::str(value.type().attr("__module__")));
   return (module == "builtins" ? "" : module + ".") + text_of(value.type().attr("__qualname__"));

@@ -6,28 +6,28 @@
 #include "python/bindings/support/bindings.hpp"
 #include "python/bindings/support/text.hpp"
 
-/// If arguments do not fit a function, the message of nanobind describes the valid ones by types of C++. This
-/// file replaces that message by a sentence that Python code composes.
+/// If arguments do not fit a function, the message of nanobind describes the valid arguments by C++ types.
+/// This file replaces that message by a sentence that Python code composes.
 namespace axode::python {
 namespace {
 
-/// The beginning of nanobind's function objects (nb_func in its nb_internals.h): each has a field with the
-/// function that a call runs. Python knows where this field is, but does not tell a module that is built for
-/// all later versions.
+/// The beginning of nanobind's function objects (nb_func in its nb_internals.h). Each of them has a field
+/// with the C function that a call runs (vectorcall). Python knows where this field is, but its stable
+/// interface does not tell an extension module.
 static_assert(NB_VERSION_MAJOR == 3);
 struct Function {
   PyVarObject head;
   vectorcallfunc call;
 };
 
-/// The original contents of the field. There are only a few different ones, which depend on the number and
-/// kind of arguments.
+/// The original contents of that field in the function objects, the C functions that calls run. There are
+/// only a few different ones, which depend on the number and kind of arguments.
 std::array<vectorcallfunc, 8> nanobind_calls{};
 /// The Python function that composes a sentence: (function, arguments, keyword arguments) -> str or None.
 nb::handle explanation;
 
-/// If the present error is nanobind's error for arguments that do not fit, replaces it by a TypeError with
-/// the sentence that `explanation` returns.
+/// If the present Python error is nanobind's error for arguments that do not fit, replaces it by a TypeError
+/// with the sentence that `explanation` returns.
 void explain(PyObject* function, PyObject* const* given, std::size_t count, PyObject* keywords) {
   nb::python_error error;
   try {
@@ -50,8 +50,9 @@ void explain(PyObject* function, PyObject* const* given, std::size_t count, PyOb
   error.restore();
 }
 
-/// The highest two bits of a number of arguments are flags. By one Python says that the place in front of the
-/// arguments may be used, and by the other nanobind says that the object is being constructed.
+/// A mask for the highest two bits of the number of arguments, which are flags. By one of them Python says
+/// that the array element before the arguments may be overwritten, and by the other one nanobind says that
+/// the object is being constructed.
 constexpr std::size_t flags = ~(std::numeric_limits<std::size_t>::max() >> 2);
 
 template <std::size_t k>
@@ -66,8 +67,8 @@ constexpr auto calls = []<std::size_t... k>(std::index_sequence<k...>) {
 }
 (std::make_index_sequence<nanobind_calls.size()>());
 
-/// Arranges that `asked` composes the message if a function of nanobind is called with arguments that do not
-/// fit.
+/// Makes the Python function `asked` compose the message whenever a nanobind function is called with
+/// arguments that do not fit.
 void explain_wrong_calls(nb::handle function, nb::handle asked) {
   Function& of = *reinterpret_cast<Function*>(function.ptr());
 #ifndef Py_LIMITED_API

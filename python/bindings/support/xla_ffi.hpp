@@ -2,9 +2,9 @@
 #include <cstddef>
 #include <cstdint>
 
-/// The part of XLA's foreign function interface (FFI) that is used here: the structs in memory by which XLA
-/// calls a function and receives its answer. It is a published interface in C with numbered versions, whose
-/// structs contain their own sizes (xla/ffi/api/c_api.h of jaxlib). It is written down here so that the
+/// The part of XLA's foreign function interface (FFI) that python/bindings uses: the structs in memory by
+/// which XLA calls a function and receives its answer. It is a published C interface with numbered versions,
+/// whose structs contain their own sizes (xla/ffi/api/c_api.h of jaxlib). It is repeated here so that the
 /// package can be built without jaxlib; tests/bridges/jax compares this file with that header, member by
 /// member.
 namespace axode::xla {
@@ -14,7 +14,7 @@ inline constexpr int major_version = 0, minor_version = 3;  ///< version of the 
 inline constexpr int first_minor_version = 1;               ///< first minor version that has all of these
                                                             ///< structs
 
-/// The beginning of every struct.
+/// The beginning of every struct of the interface.
 struct Sized {
   std::size_t struct_size;
   void* extensions;
@@ -33,7 +33,7 @@ struct NewError {
   ErrorCode code;
 };
 
-/// The table of XLA's own functions. Errors are made by one of them.
+/// The table of XLA's own functions, one of which makes errors.
 struct Api {
   Sized sized;
   Version version;
@@ -42,7 +42,7 @@ struct Api {
 };
 
 enum class Type : std::int32_t { boolean = 1, int64 = 5, float32 = 11, float64 = 12 };
-/// An array, stored row by row.
+/// An array of an argument or a result, stored row by row.
 struct Buffer {
   Sized sized;
   Type type;
@@ -85,8 +85,8 @@ struct CallFrame {
   Attributes attributes;
 };
 
-/// The structs of a call that only asks for the version of this file; `extensions` of the call points to a
-/// MetadataRequest.
+/// The structs of a call that only asks for the version of the interface; `extensions` of the call then
+/// points to a MetadataRequest.
 struct Metadata {
   std::size_t struct_size;
   Version version;
