@@ -13,16 +13,16 @@
 #include "axode/recursion/solvability.hpp"
 #include "axode/table/check_counts.hpp"
 
-/// The functions of a state as rows of a table: a row has the arguments and the result of a function, and
-/// pointers by which it is called. The command and the Python package are made from these rows, and the tests
-/// of laws run over them.
+/// The catalogue: a table with a row for each function of a state. A row describes the arguments and the
+/// result of the function and has pointers by which it is called. The command line and the Python package are
+/// made from these rows, and tests of the laws of mechanics run over them.
 namespace axode::catalog {
 
-/// All arguments that a function can have. A function reads only those of its row.
+/// All arguments that a function of the catalogue can have. A function reads only the arguments of its row.
 template <class T> struct Arguments {
   std::span<const T> q, v, a, tau, p;
-  std::span<const T> dq = {}, dv = {}, da = {}, dtau = {};  ///< direction of a derivative
-  std::span<const T> w = {};                                ///< weights of the entries of a result
+  std::span<const T> dq = {}, dv = {}, da = {}, dtau = {};  ///< direction of a directional derivative
+  std::span<const T> w = {};                                ///< weights of the results (gradients, Hessians)
   Loads<T> loads = {};
   Place<T> place = 0, base = 0;
   CoriolisForm form = CoriolisForm::christoffel;
@@ -51,32 +51,33 @@ template <class T> const std::span<const T>& numbers(const Arguments<T>& given, 
   return given.*member_of<T>(input);
 }
 
-/// The numbers of which the entries consist, one after the other, as a span on the memory of the entries.
+/// The numbers of which entries such as screws or poses consist, one after the other, as a span on the memory
+/// of the entries.
 template <class T, class E> std::span<T> as_numbers(std::span<E> entries) {
   static_assert(sizeof(E) % sizeof(T) == 0);
   return {reinterpret_cast<T*>(entries.data()), entries.size() * (sizeof(E) / sizeof(T))};
 }
 
-/// A row of the table of functions with the C++ function that computes it.
+/// A row of the catalogue together with the C++ function that computes it.
 template <class T> struct Function : Words {
-  /// Calls the function; `out` receives size() numbers.
+  /// Calls the function for one state; `out` receives size() numbers.
   Solvability (*call)(const Model&, Workspace<T>&, const Arguments<T>&, std::span<T> out);
-  /// Calls the function for a mechanism with loops; null unless the row counts loops.
+  /// Calls the function for a mechanism with loops; null unless the function takes loops into account.
   Solvability (*call_with_loops)(const Model&, LoopWorkspace<T>&, const Arguments<T>&, std::span<T> out);
 
-  /// The number of numbers in the result.
+  /// The number of numbers in the result if n_loads wrenches act.
   std::size_t size(const Model& model, std::size_t n_loads) const;
 };
 
 /// All functions, in the order of the documentation. Functions with a representation give results in Rep or
-/// run the recursion in Rep; all others have the same row for every Rep. For Fast, functions without a fast
-/// recursion are left out.
+/// run their recursion in Rep; all other functions have the same row for every Rep. If Rep is Fast, functions
+/// without a fast recursion are left out.
 template <RecursionChoice Rep, class T = double> std::span<const Function<T>> functions();
 /// The row of a function, or nullptr if no function has this name.
 template <RecursionChoice Rep, class T = double> const Function<T>* find(std::string_view name);
 
-/// The name of a function that has another name in other libraries (`crba` is `mass_matrix`) or had another
-/// name in earlier versions; empty if there is none.
+/// The name in this library of a function that is called `theirs` in other libraries (`crba` is `mass_matrix`
+/// here) or was called so in earlier versions; empty if there is no such function.
 std::string_view name_here(std::string_view theirs);
 
 }  // namespace axode::catalog

@@ -2,4 +2,5 @@
 #include "axode/codegen/c/c_source.hpp"
 #include "axode/codegen/compiled/specialised.hpp"
 
-/// Code for one mechanism: its C source, and functions compiled from it at run time.
+/// Code for one mechanism: functions of the mechanism as C source, and as machine code that is compiled at
+/// run time.

@@ -18,5 +18,6 @@
 #include "axode/constraints/mobility.hpp"
 #include "axode/constraints/prescribed/prescribed_motion.hpp"
 
-/// Closed loops: rows and residuals of loop joints, dynamics, assembly, mobility, small motions; prescribed
-/// motions and equilibria, also of trees; parallel manipulators in task space.
+/// Mechanisms with closed loops: the rows and residuals of loop joints, dynamics, assembly, mobility, small
+/// motions and parallel manipulators in task space. Prescribed motions and equilibria are also possible for
+/// trees.

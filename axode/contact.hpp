@@ -7,4 +7,5 @@
 #include "axode/contact/distances.hpp"
 #include "axode/contact/floor.hpp"
 
-/// Contact: collision shapes, the points where they touch, forces at rest, distances.
+/// Contact: collision shapes, the points at which they touch, contact forces at rest, and distances of
+/// shapes.

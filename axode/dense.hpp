@@ -5,21 +5,21 @@
 #include "axode/eigen.hpp"
 #include "axode/kinematics.hpp"
 
-/// Results of functions of a state, returned as Eigen matrices and vectors. Arguments, units, errors and
-/// costs are those of the functions that write into spans; each call allocates its result.
+/// Functions of a state that return Eigen matrices and vectors. Arguments, units, errors and costs are those
+/// of the functions of equal names that write into spans; each call allocates its result.
 namespace axode {
 
 template <class T> using Matrix6X = Eigen::Matrix<T, 6, Eigen::Dynamic>;
 
 namespace detail {
 
-/// The columns of a matrix as a span of twists, on the memory of the matrix.
+/// The columns of a 6 × n matrix as a span of n twists, which shares the memory of the matrix.
 template <class Rep, class T> std::span<Twist<Rep, T>> twists_of(Matrix6X<T>& matrix) {
   static_assert(sizeof(Twist<Rep, T>) == 6 * sizeof(T));
   return {reinterpret_cast<Twist<Rep, T>*>(matrix.data()), static_cast<std::size_t>(matrix.cols())};
 }
 
-/// Calls f(span) for the entries of a rows × cols matrix, row by row.
+/// Returns a rows × cols matrix that f fills: f(span) is called with a span on the entries, row by row.
 template <class T, class F> Eigen::MatrixX<T> row_by_row(Eigen::Index rows, Eigen::Index cols, const F& f) {
   Eigen::Matrix<T, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor> matrix(rows, cols);
   f(std::span<T>(matrix.data(), static_cast<std::size_t>(matrix.size())));
@@ -28,7 +28,8 @@ template <class T, class F> Eigen::MatrixX<T> row_by_row(Eigen::Index rows, Eige
 
 }  // namespace detail
 
-/// J of a place, 6 × nv: J v are the six components of its twist, angular part first.
+/// The Jacobian J of a place, 6 × nv: J v are the six components of the twist of the place, angular part
+/// first.
 template <RecursionRepresentation Rep = BodyFixed, class T>
 Matrix6X<T> jacobian(const Model& model, Workspace<T>& workspace, Numbers<T> q,
                      const std::type_identity_t<Place<T>>& place) {
@@ -36,7 +37,7 @@ Matrix6X<T> jacobian(const Model& model, Workspace<T>& workspace, Numbers<T> q,
   jacobian<Rep>(model, workspace, q, place, detail::twists_of<Rep>(J));
   return J;
 }
-/// The Jacobians of several places, one below the other: 6 k × nv.
+/// The Jacobians of k places, one below the other: 6 k × nv.
 template <RecursionRepresentation Rep = BodyFixed, class T>
 Eigen::MatrixX<T> jacobians(const Model& model, Workspace<T>& workspace, Numbers<T> q,
                             std::type_identity_t<std::span<const Place<T>>> places) {
@@ -48,7 +49,8 @@ Eigen::MatrixX<T> jacobians(const Model& model, Workspace<T>& workspace, Numbers
     all.template middleRows<6>(6 * k) = side_by_side.middleCols(k * nv, nv);
   return all;
 }
-/// The Jacobian of a place for an observer in `base`, 6 × nv.
+/// The Jacobian of the motion of a place relative to another place `base`, for an observer at rest in `base`:
+/// 6 × nv.
 template <RecursionRepresentation Rep = BodyFixed, class T>
 Matrix6X<T> relative_jacobian(const Model& model, Workspace<T>& workspace, Numbers<T> q,
                               const std::type_identity_t<Place<T>>& place,

@@ -12,4 +12,4 @@
 #include "axode/derivatives/spring_derivatives.hpp"
 #include "axode/derivatives/term_derivatives.hpp"
 
-/// Derivatives of dynamics: in state, time, geometry and inertia (section 6).
+/// Derivatives of the dynamics with respect to the state, time, geometry and inertia (section 6).

@@ -4,5 +4,5 @@
 #include "axode/drives/elastic_feed_forward.hpp"
 #include "axode/drives/linearization.hpp"
 
-/// Drives with states of their own: motors, controllers, friction with bristles and cylinders, which act in
-/// simulations; and feed-forward for motors with springs to their joints.
+/// Drives with states of their own, which act in simulations: motors, controllers, friction with bristles,
+/// and hydraulic cylinders. Also the feed-forward for motors that are connected to their joints by springs.

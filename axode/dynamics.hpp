@@ -18,6 +18,7 @@
 #include "axode/dynamics/springs.hpp"
 #include "axode/kinematics.hpp"
 
-/// Forces from motion, and motion from forces. The conventions are those of axode/kinematics.hpp. T is the
-/// scalar of the workspace, and Rep is the representation in which the recursion runs. If the results do not
-/// depend on Rep, its default is Fast, the choice that takes the least time.
+/// Forces from motion (inverse dynamics), and motion from forces (forward dynamics). The conventions are
+/// those of axode/kinematics.hpp. T is the scalar of the workspace, and Rep is the representation in which
+/// the recursion runs. If the results of a function do not depend on Rep, its default is Fast, the choice
+/// that takes the least time.

@@ -7,9 +7,9 @@
 
 #include "axode/lie.hpp"
 
-/// Conversion of the quantities of this library to vectors and matrices of Eigen, and back. Six-vectors have
-/// the angular part first; separate functions convert to the order of other libraries, the linear part first.
-/// Nothing is normalised or projected.
+/// Conversion of the quantities of this library to vectors and matrices of Eigen, and back. Vectors of six
+/// numbers have the angular part first; separate functions convert to the order of other libraries, which
+/// have the linear part first. Nothing is normalised or projected.
 namespace axode {
 
 template <class T> using Vector6 = Eigen::Matrix<T, 6, 1>;
@@ -17,11 +17,11 @@ template <class T> using Matrix6 = Eigen::Matrix<T, 6, 6>;
 
 // ------------------------------------------------------------------------------------ skew matrices
 
-/// ã, the matrix of b -> a × b.
+/// The skew matrix ã of a vector a: ã b = a × b.
 template <class T> Eigen::Matrix3<T> skew(const Vec3<T>& a) {
   return Eigen::Matrix3<T>{{T(0), -a.z, a.y}, {a.z, T(0), -a.x}, {-a.y, a.x, T(0)}};
 }
-/// X̂, the 4×4 matrix [[w̃, v], [0, 0]] of a screw.
+/// The 4×4 matrix X̂ = [[w̃, v], [0, 0]] of a screw X = (w; v).
 template <class T> Eigen::Matrix4<T> hat(const Screw<T>& X) {
   return Eigen::Matrix4<T>{{T(0), -X.w.z, X.w.y, X.v.x},
                            {X.w.z, T(0), -X.w.x, X.v.y},
@@ -38,9 +38,9 @@ template <class T> Eigen::Matrix3<T> to_eigen(const Sym3<T>& A) {
 template <class T> Eigen::Matrix3<T> to_eigen(const SO3<T>& R) {
   return Eigen::Matrix3<T>{{R.x.x, R.y.x, R.z.x}, {R.x.y, R.y.y, R.z.y}, {R.x.z, R.y.z, R.z.z}};
 }
-/// The components x y z w, as in Eigen::Quaternion::coeffs().
+/// The components of a quaternion in the order x y z w, as in Eigen::Quaternion::coeffs().
 template <class T> Eigen::Vector4<T> to_eigen(const Quaternion<T>& a) { return {a.x, a.y, a.z, a.w}; }
-/// The 4×4 matrix [[R, r], [0, 1]].
+/// The 4×4 matrix [[R, r], [0, 1]] of a pose.
 template <class T> Eigen::Matrix4<T> to_eigen(const SE3<T>& C) {
   Eigen::Matrix4<T> matrix = Eigen::Matrix4<T>::Identity();
   matrix.template topLeftCorner<3, 3>() = to_eigen(C.R);
@@ -50,13 +50,13 @@ template <class T> Eigen::Matrix4<T> to_eigen(const SE3<T>& C) {
 template <class T> Vector6<T> to_eigen(const Screw<T>& X) {
   return Vector6<T>{X.w.x, X.w.y, X.w.z, X.v.x, X.v.y, X.v.z};
 }
-/// A twist, twist rate, wrench or momentum, angular part first.
+/// The six components of a twist, twist rate, wrench or momentum, angular part first.
 template <template <class, class> class Kind, class Rep, class T>
   requires is_screw_kind<Kind> Vector6<T> to_eigen(const Kind<Rep, T>& x) {
     const auto& [a, b] = x;
     return Vector6<T>{a.x, a.y, a.z, b.x, b.y, b.z};
   }
-/// M = [[Θ, h̃], [-h̃, m I]] (eq. Mb).
+/// The 6×6 matrix M = [[Θ, h̃], [-h̃, m I]] of an inertia (eq. Mb).
 template <class T> Matrix6<T> to_eigen(const Inertia<T>& M) {
   Matrix6<T> matrix;
   matrix << to_eigen(M.Theta), skew(M.h), -skew(M.h), M.m * Eigen::Matrix3<T>::Identity();
@@ -67,8 +67,9 @@ template <class T> Matrix6<T> to_eigen(const Inertia<T>& M) {
 
 namespace detail {
 
-/// The matrix as an expression of fixed shape. A wrong shape does not compile; if the sizes of the matrix are
-/// known only at run time, it throws std::invalid_argument.
+/// The matrix as one of Rows × Cols numbers; Cols may be Eigen::Dynamic. A matrix type of another shape does
+/// not compile. If the sizes are known only at run time and are wrong, the function throws
+/// std::invalid_argument.
 template <int Rows, int Cols, class Derived>
 Eigen::Matrix<typename Derived::Scalar, Rows, Cols> shaped(const Eigen::MatrixBase<Derived>& matrix) {
   constexpr auto fits = [](int size, int wanted) {
@@ -134,19 +135,19 @@ template <class T> struct FromEigen<Inertia<T>> {
 
 }  // namespace detail
 
-/// The quantity in an Eigen vector or matrix, e.g. from_eigen<SE3<double>>(matrix). Only the shape is
-/// checked. Of a symmetric matrix and of an inertia, the entries above the diagonal are read and those below
-/// it are ignored; of a pose, the last row is ignored.
+/// The quantity of type Result in an Eigen vector or matrix, e.g. from_eigen<SE3<double>>(matrix). Only the
+/// shape is checked. The entries below the diagonal of a symmetric matrix or of an inertia are ignored, and
+/// so is the last row of a pose.
 template <class Result, class Derived> Result from_eigen(const Eigen::MatrixBase<Derived>& matrix) {
   using From = detail::FromEigen<Result>;
   return From::read(detail::shaped<From::rows, From::cols>(matrix));
 }
-/// The vector a of a skew matrix ã.
+/// The vector a whose skew matrix ã is given. Only three entries of the matrix are read.
 template <class Derived> Vec3<typename Derived::Scalar> from_skew(const Eigen::MatrixBase<Derived>& matrix) {
   const auto A = detail::shaped<3, 3>(matrix);
   return {A(2, 1), A(0, 2), A(1, 0)};
 }
-/// The screw X of a matrix X̂.
+/// The screw X whose 4×4 matrix X̂ is given, see hat(). Only six entries of the matrix are read.
 template <class Derived> Screw<typename Derived::Scalar> from_hat(const Eigen::MatrixBase<Derived>& matrix) {
   const auto A = detail::shaped<4, 4>(matrix);
   return {{A(2, 1), A(0, 2), A(1, 0)}, {A(0, 3), A(1, 3), A(2, 3)}};
@@ -160,7 +161,7 @@ concept ContiguousVector =
     bool(Derived::IsVectorAtCompileTime) &&
     bool(Derived::Flags& Eigen::DirectAccessBit) && Derived::InnerStrideAtCompileTime == 1;
 
-/// The entries of an Eigen vector as a span, for reading or for writing.
+/// The entries of an Eigen vector as a span on its memory, for reading or for writing.
 template <ContiguousVector Derived>
 std::span<const typename Derived::Scalar> as_span(const Eigen::MatrixBase<Derived>& vector) {
   return {vector.derived().data(), static_cast<std::size_t>(vector.size())};
@@ -169,9 +170,9 @@ template <ContiguousVector Derived>
 std::span<typename Derived::Scalar> as_span(Eigen::MatrixBase<Derived>& vector) {
   return {vector.derived().data(), static_cast<std::size_t>(vector.size())};
 }
-/// The entries of an Eigen matrix in the order in which it stores them: column by column, unless its type
-/// says RowMajor. Matrices with a column for each state fit axode/batch.hpp; matrices that are results of
-/// this library are stored row by row.
+/// The entries of an Eigen matrix as a span, in the order in which the matrix stores them: column by column,
+/// unless its type says RowMajor. A matrix with a column for each state fits the functions of
+/// axode/batch.hpp. Results of this library that are matrices are stored row by row.
 template <class Derived>
   requires(!Derived::IsVectorAtCompileTime)
 std::span<const typename Derived::Scalar> as_span(const Eigen::PlainObjectBase<Derived>& matrix) {
@@ -182,7 +183,7 @@ template <class Derived>
 std::span<typename Derived::Scalar> as_span(Eigen::PlainObjectBase<Derived>& matrix) {
   return {matrix.data(), static_cast<std::size_t>(matrix.size())};
 }
-/// A span as an Eigen vector; nothing is copied.
+/// The numbers of a span as an Eigen vector on the same memory; nothing is copied.
 template <class T, std::size_t Extent>
 Eigen::Map<const Eigen::VectorX<T>> as_eigen(std::span<const T, Extent> entries) {
   return {entries.data(), static_cast<Eigen::Index>(entries.size())};
@@ -195,32 +196,33 @@ Eigen::Map<Eigen::VectorX<T>> as_eigen(std::span<T, Extent> entries) {
 
 // ------------------------------------------------------------------------ orders of other libraries
 
-/// The rows of a 6×n matrix (a vector, a Jacobian) with its angular and its linear half exchanged; its own
-/// inverse.
+/// A 6×n matrix (a vector, a Jacobian) whose first three rows, the angular half, are exchanged with its last
+/// three rows, the linear half. The function is its own inverse.
 template <class Derived> auto exchange_halves(const Eigen::MatrixBase<Derived>& matrix) {
   auto exchanged = detail::shaped<6, Derived::ColsAtCompileTime>(matrix);
   exchanged << matrix.template bottomRows<3>(), matrix.template topRows<3>();
   return exchanged;
 }
-/// The six components of a screw with the linear part before the angular one, the order of Pinocchio and of
-/// ROS messages.
+/// The six components of a screw with the linear part before the angular one. This is the order of Pinocchio
+/// and of ROS messages.
 template <class T> Vector6<T> linear_first(const Screw<T>& X) { return exchange_halves(to_eigen(X)); }
 template <template <class, class> class Kind, class Rep, class T>
   requires is_screw_kind<Kind> Vector6<T> linear_first(const Kind<Rep, T>& x) {
     return exchange_halves(to_eigen(x));
   }
-/// [[m I, -h̃], [h̃, Θ]], the inertia matrix for twists with the linear part first.
+/// The inertia matrix [[m I, -h̃], [h̃, Θ]] for twists with the linear part first.
 template <class T> Matrix6<T> linear_first(const Inertia<T>& M) {
   return exchange_halves(exchange_halves(to_eigen(M)).transpose());
 }
-/// A screw, twist, twist rate, wrench or momentum from its components with the linear part first.
+/// The screw, twist, twist rate, wrench or momentum (type Result) with these six components, linear part
+/// first.
 template <class Result, class Derived>
 Result from_linear_first(const Eigen::MatrixBase<Derived>& components) {
   return from_eigen<Result>(exchange_halves(detail::shaped<6, 1>(components)));
 }
-/// The components w x y z, the order of MuJoCo.
+/// The components of a quaternion in the order w x y z of MuJoCo.
 template <class T> Eigen::Vector4<T> scalar_first(const Quaternion<T>& a) { return {a.w, a.x, a.y, a.z}; }
-/// A quaternion from its components in the order w x y z.
+/// The quaternion with these components, which are in the order w x y z.
 template <class Derived>
 Quaternion<typename Derived::Scalar> from_scalar_first(const Eigen::MatrixBase<Derived>& components) {
   const auto a = detail::shaped<4, 1>(components);
@@ -229,38 +231,39 @@ Quaternion<typename Derived::Scalar> from_scalar_first(const Eigen::MatrixBase<D
 
 // --------------------------------------------------------------------------- matrices of linear maps
 
-/// The 3×3 matrix of a linear map on vectors, from its action.
+/// The 3×3 matrix of a linear map f on vectors; its columns are f of the unit vectors.
 template <class T = double, class Map> Eigen::Matrix3<T> matrix3(const Map& f) {
   Eigen::Matrix3<T> matrix;
   matrix << to_eigen(f(Vec3<T>{T(1), T(0), T(0)})), to_eigen(f(Vec3<T>{T(0), T(1), T(0)})),
       to_eigen(f(Vec3<T>{T(0), T(0), T(1)}));
   return matrix;
 }
-/// The 6×6 matrix of a linear map on screws, from its action.
+/// The 6×6 matrix of a linear map f on screws; its columns are f of the unit screws.
 template <class T = double, class Map> Matrix6<T> matrix6(const Map& f) {
   Matrix6<T> matrix;
   for (int k = 0; k < 6; ++k) matrix.col(k) = to_eigen(f(from_eigen<Screw<T>>(Vector6<T>::Unit(k))));
   return matrix;
 }
 
-/// Ad_C = [[R, 0], [r̃ R, R]] (eq. Ad).
+/// The 6×6 matrix Ad_C = [[R, 0], [r̃ R, R]] of a pose C = (R, r) (eq. Ad).
 template <class T> Matrix6<T> Ad_matrix(const SE3<T>& C) {
   return matrix6<T>([&](const Screw<T>& Z) { return Ad(C, Z); });
 }
-/// Ad_R = diag(R, R) (eq. AdRr).
+/// The 6×6 matrix Ad_R = diag(R, R) of a rotation R (eq. AdRr).
 template <class T> Matrix6<T> Ad_matrix(const SO3<T>& R) {
   return matrix6<T>([&](const Screw<T>& Z) { return Ad(R, Z); });
 }
-/// Ad_r = [[I, 0], [r̃, I]] (eq. AdRr).
+/// The 6×6 matrix Ad_r = [[I, 0], [r̃, I]] of a translation r (eq. AdRr).
 template <class T> Matrix6<T> Ad_matrix(const Vec3<T>& r) {
   return matrix6<T>([&](const Screw<T>& Z) { return Ad(r, Z); });
 }
-/// ad_X = [[w̃, 0], [ṽ, w̃]] (eq. adse3).
+/// The 6×6 matrix ad_X = [[w̃, 0], [ṽ, w̃]] of a screw X = (w; v) (eq. adse3).
 template <class T> Matrix6<T> ad_matrix(const Screw<T>& X) {
   return matrix6<T>([&](const Screw<T>& Z) { return ad(X, Z); });
 }
 
-/// dexp on SO(3) and on SE(3), its inverse, and their derivatives when the argument moves along η or U.
+/// The following functions return the matrices of dexp on SO(3) (3×3) and SE(3) (6×6), of its inverse dexp⁻¹,
+/// and of the derivatives of dexp and dexp⁻¹ when their argument ξ or X moves along η or U.
 template <class T> Eigen::Matrix3<T> dexp_matrix(const Vec3<T>& xi) {
   return matrix3<T>([&](const Vec3<T>& z) { return dexp(xi, z); });
 }

@@ -10,31 +10,33 @@
 /// Reading and writing mechanisms: drawings (docs/drawing-format.md) and the formats of docs/formats.md.
 namespace axode {
 
-/// The joint between the base of a mechanism and the ground, which may differ from that in the file.
+/// The joint between the base of a mechanism and the ground, which may be chosen differently from that in the
+/// file.
 enum class Base {
-  /// As the file says. The root link of a URDF is fixed to the ground; a link of an SDF file to which no
-  /// joint leads is free.
+  /// The joint is as the file says. The root link of a URDF is fixed to the ground; a link of an SDF file to
+  /// which no joint leads is free.
   as_described,
-  /// Every body that hangs on the ground by a free joint is fixed where it is drawn.
+  /// Every body that is connected to the ground by a free joint is fixed where it is drawn.
   fixed,
   /// The one body that is fixed to the ground gets a free joint `free_base`. Nothing changes if no body is
-  /// fixed and a body is free already.
+  /// fixed to the ground and some body is free already.
   free,
 };
 
-/// Reads and builds the mechanism of a file. The format follows from the ending of the name: `.toml` is a
-/// drawing, `.urdf` a URDF, `.sdf` and `.world` SDFormat. Any other file is read by its root element, or as a
-/// drawing if it is not XML. Throws ModelError with every fault of the file; warnings are in
-/// Model::warnings().
+/// Reads the mechanism in a file and builds its Model. The format follows from the ending of the name:
+/// `.toml` is a drawing, `.urdf` a URDF, `.sdf` and `.world` SDFormat. Any other file is read by its root
+/// element if it is XML, otherwise as a drawing. Throws ModelError with every fault of the file; warnings are
+/// in Model::warnings().
 ///
-/// A lenient reader of any format accepts these defects with a warning: an inertia that no mass distribution
-/// has, limits that are crossed (they are removed), and a joint that follows one which does not exist (it
-/// moves on its own); in a URDF also a wrong scale of a mesh and an element that is repeated word for word.
+/// If `strictness` is lenient, the reader of any format accepts the following defects with a warning: an
+/// inertia that no mass distribution has, a lower limit above the upper one (both are removed), and a coupled
+/// joint whose leader does not exist (it moves on its own). In a URDF it also accepts a wrong scale of a mesh
+/// and an element that is repeated word for word.
 Model load(const std::filesystem::path& file, Base base = Base::as_described,
            Strictness strictness = Strictness::lenient);
 
-/// All errors and warnings of load() for a file, sorted by line. Nothing is thrown for a bad file; a file
-/// that cannot be read is a fault as well.
+/// All errors and warnings that load() finds in a file, sorted by line. Nothing is thrown for a wrong file; a
+/// file that cannot be read is reported as a fault as well.
 std::vector<Fault> check(const std::filesystem::path& file, Base base = Base::as_described,
                          Strictness strictness = Strictness::lenient);
 
@@ -43,12 +45,16 @@ std::vector<Fault> check(const std::filesystem::path& file, Base base = Base::as
 /// finds.
 Description read_drawing_text(std::string_view text, const std::string& file_name,
                               Strictness strictness = Strictness::lenient);
-/// Reads the text of a URDF, like read_drawing_text(). Loops are closed by elements `loop_joint` with name
-/// and type. Such an element holds the elements `link1` and `link2`, each with the attributes link, xyz and
-/// rpy of a frame whose z is the axis of the joint.
+/// Reads the text of a URDF into a description, which is not yet built. Warnings are in
+/// Description::warnings. `file_name` is used in messages. Throws ModelError with every fault that the reader
+/// finds. Loops are closed by elements `loop_joint` with name and type, an extension of URDF. A loop_joint
+/// holds the elements `link1` and `link2`, each with the attributes link, xyz and rpy of a frame whose z is
+/// the axis of the joint.
 Description read_urdf_text(std::string_view text, const std::string& file_name,
                            Strictness strictness = Strictness::lenient);
-/// Reads the text of an SDF file, like read_drawing_text().
+/// Reads the text of an SDF file into a description, which is not yet built. Warnings are in
+/// Description::warnings. `file_name` is used in messages. Throws ModelError with every fault that the reader
+/// finds.
 Description read_sdf_text(std::string_view text, const std::string& file_name,
                           Strictness strictness = Strictness::lenient);
 

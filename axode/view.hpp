@@ -3,4 +3,5 @@
 #include "axode/view/mesh_hull.hpp"
 #include "axode/view/scene.hpp"
 
-/// Pages for a browser that show mechanisms and their motions; files of meshes, and their hulls for contacts.
+/// Pages for a browser that show mechanisms and their motions; reading of mesh files, and convex hulls of
+/// meshes for contacts.
