@@ -208,6 +208,11 @@ void print(const Trajectory& motion, const WrittenMotion& rows) {
       "off the start\n",
       significant(motion.t().back()), motion.steps, motion.evaluations, significant(rows.energy[0]),
       significant(rows.energy[end]), significant((rows.energy.array() - rows.energy[0]).abs().maxCoeff(), 2));
+  if (motion.uncontrolled > 0)
+    fmt::print("{}\n",
+               in(Ink::warning, fmt::format("branches of the motion meet on its way: the errors of {} steps "
+                                            "there are not controlled by --rtol and --atol",
+                                            motion.uncontrolled)));
   if (!motion.certificates.empty())
     fmt::print("largest certificate of contact {}\n", significant(std::ranges::max(motion.certificates), 2));
   if (rests(rows))

@@ -76,9 +76,12 @@ class Trajectory {
   [[deprecated("use pop_back()")]] void take_back() { pop_back(); }
 
   std::size_t steps = 0, rejected = 0;  ///< steps that were taken, and attempts that were rejected
-  std::size_t evaluations = 0;          ///< number of evaluations of accelerations
-  bool complete = true;                 ///< whether the motion reached its end, or a terminal event
-  std::string stop_reason;              ///< why the motion ended early, in a sentence; or empty
+  /// Number of adaptive steps that were taken although their error estimate was above the tolerance, because
+  /// branches of the motion meet there, so that rows of the loops are nearly redundant
+  std::size_t uncontrolled = 0;
+  std::size_t evaluations = 0;  ///< number of evaluations of accelerations
+  bool complete = true;         ///< whether the motion reached its end, or a terminal event
+  std::string stop_reason;      ///< why the motion ended early, in a sentence; or empty
   /// An event of the options, by its index, and the time at which it occurred.
   struct EventOccurrence {
     std::size_t event;

@@ -370,6 +370,10 @@ Motions for drives to follow are made by `from_samples`, `from_functions` and th
           "rejected", [](const BoundTrajectory& x) { return x.motion.rejected; },
           "Number of steps that were rejected and repeated.")
       .def_prop_ro(
+          "uncontrolled", [](const BoundTrajectory& x) { return x.motion.uncontrolled; },
+          "Number of steps of \"dopri5\" whose errors rtol and atol do not control, because branches of the "
+          "motion meet there.")
+      .def_prop_ro(
           "evaluations", [](const BoundTrajectory& x) { return x.motion.evaluations; }, "Of accelerations.")
       .def_prop_ro(
           "certificates", [](const BoundTrajectory& x) { return to_array(x.motion.certificates); },

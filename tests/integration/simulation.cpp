@@ -305,7 +305,16 @@ TEST(Simulation, PassesWhereBranchesMeetAsWellAsItsToleranceSays) {
     ASSERT_TRUE(motion.complete) << motion.stop_reason;
     EXPECT_LT(energy_error(motion), 2e-7);
     EXPECT_LT(motion.steps, 1100U);
+    EXPECT_GT(motion.uncontrolled, 0U);
   }
+}
+
+TEST(Simulation, ControlsTheErrorsOfStepsWhereNoBranchesMeet) {
+  const Model model = load(AXODE_SOURCE_DIR "/examples/robots/four_bar.toml");
+  const AssemblyResult at = assemble(model, neutral(model), Numbers{});
+  const Trajectory motion = simulate(model, at.q, at.v, 1);
+  ASSERT_TRUE(motion.complete) << motion.stop_reason;
+  EXPECT_EQ(motion.uncontrolled, 0U);
 }
 
 /// A model with a body of 1 kg that slides along an axis.

@@ -164,6 +164,7 @@ template <class Run> void take_adapted_steps(Run& run, double until, const Toler
       h *= std::isfinite(error) ? std::max(0.2, 0.9 * std::pow(error, -0.2)) : 0.1;
       continue;
     }
+    if (!(error <= 1)) ++run.trajectory.uncontrolled;
     if (Failure failure = run.take_up_to(t_1, end, attempt)) return run.stop(failure);
     passing = weakest < 1 ? passing + 1 : 0;
     if (passes) continue;
