@@ -44,7 +44,8 @@ test-one: deps ## Build and run the tests whose names begin with T, e.g. make te
 test-bridges: python build/venv/tests ## Test all that joins axode with other packages, each bridge in build/bridges/NAME; PyTorch is large
 	@python3 tools/run_all_tests.py --bridges --jobs $(JOBS)
 
-nightly: deps build/venv/tests ## What takes hours: Clang, sanitizers on everything, threads, many trees, fuzzing, validation, benchmarks
+nightly: build/venv/tests ## What takes hours: Clang, sanitizers on everything, threads, many trees, fuzzing, validation, benchmarks
+	@tools/install_dependencies.sh nightly
 	@python3 tools/run_all_tests.py --nightly --jobs $(JOBS)
 
 bench: python build/venv/tests ## Measure every function beside its peers, with GCC, with Clang, as installed and from Python; redraws docs/performance.svg

@@ -1,6 +1,8 @@
 #!/bin/sh
 # Installs the Debian 12 packages with which axode is built and tested, as far as they are missing.
 # Does nothing, and needs no network, when all are there. Uses sudo only when not root.
+#   tools/install_dependencies.sh            what building and testing needs
+#   tools/install_dependencies.sh nightly    with emulated processors and the compiler for AArch64
 set -eu
 
 packages="
@@ -16,13 +18,21 @@ if ! command -v dpkg-query >/dev/null; then
   exit 0
 fi
 
+if [ "${1:-}" = nightly ]; then
+  dpkg --print-foreign-architectures | grep -qx arm64 || $(test "$(id -u)" -eq 0 || echo sudo) dpkg --add-architecture arm64
+  packages="$packages qemu-user g++-aarch64-linux-gnu"
+  for library in libtbb-dev libtinyxml2-dev libfmt-dev libzip-dev libqhull-dev libgtest-dev libgmock-dev; do
+    packages="$packages $library:arm64"
+  done
+fi
+
 # The viewer and its tests need these programs. If they come from another source, Debian's packages are not
 # installed, because they may be in conflict with those.
 command -v npm >/dev/null || packages="$packages nodejs npm"
 command -v "${CHROMIUM:-chromium}" >/dev/null || packages="$packages chromium"
 
 installed=$(dpkg-query --show --showformat '${binary:Package} ${db:Status-Status}\n' |
-  sed -n 's/^\([^: ]*\)[^ ]* installed$/\1/p')
+  sed -n 's/^\([^: ]*\):arm64 installed$/\1:arm64/p; s/^\([^: ]*\)[^ ]* installed$/\1/p')
 missing=$(printf '%s\n' $packages | grep -vxF "$installed" || true)
 if [ -z "$missing" ]; then
   echo "dependencies: all $(printf '%s\n' $packages | wc -l) packages are installed"

@@ -48,6 +48,10 @@ NIGHTLY = {
                    environment={"AXODE_RANDOM_TREES": "100000"}),
 }
 FUZZ_SECONDS = 600
+#: Processors of qemu-user without newer instructions, and the set that axode must choose on them.
+PROCESSORS = {"qemu64": "x86-64", "Haswell": "x86-64-v3"}
+#: Laws that take a minute under qemu-user.
+EMULATED_LAWS = "*EveryFunction*:*InverseOfInverseDynamics*"
 # Numbers of a complete run; far from these a part of the tests is missing.
 LEAST_PASSED, MOST_SKIPPED = 7000, 200
 SLOWEST = 30
@@ -315,6 +319,29 @@ def check_tests(jobs, costs):
         sys.executable, f"tools/{tool}.py", "--jobs", str(jobs))) else "failed" for tool in ("ledger_coverage", "mutants")}
 
 
+def emulate(jobs, costs):
+    """Outcomes on emulated processors: every function answers on x86-64 ones that lack newer instructions, and on AArch64."""
+    outcomes = {}
+
+    def laws(emulator, folder):
+        return run(*emulator, f"{folder}/tests/test_laws", f"--gtest_filter={EMULATED_LAWS}", "--gtest_brief=1",
+                   environment={"AXODE_RANDOM_TREES": "1"})
+
+    def chooses(emulator, instructions):
+        version = subprocess.run([*emulator, "build/release/axode", "--version"], cwd=SOURCE, capture_output=True, text=True)
+        return instructions in version.stdout.split()
+
+    if build("release", jobs, costs, ["--target", "axode_command", "test_laws"]):
+        for processor, instructions in PROCESSORS.items():
+            emulator = ["qemu-x86_64", "-cpu", processor]
+            outcomes[processor] = costs.measure("emulated", processor, lambda: chooses(emulator, instructions) and laws(
+                emulator, "build/release"))
+    if build("aarch64", jobs, costs):
+        outcomes["aarch64"] = costs.measure("emulated", "aarch64", lambda: laws(["qemu-aarch64"], "build/aarch64"))
+    names = [*PROCESSORS, "aarch64"]
+    return {name: "passed" if outcomes.get(name) else "failed" for name in names}
+
+
 def validate(costs):
     """Published motions, and motions in closed form, are computed within their bounds."""
     passed = costs.measure("validation", "build", lambda: run("make", "python")) and all(
@@ -350,6 +377,7 @@ def main():
         runs["docs"] = lambda: build_site(jobs, costs)
         runs["lint"] = lambda: lint(jobs, costs)
         runs["coverage"] = lambda: check_tests(jobs, costs)
+        runs["emulated"] = lambda: emulate(jobs, costs)
         runs["validation"] = lambda: validate(costs)
         runs["bench"] = lambda: measure_speed(jobs, costs)
     elif not arguments.bridges:
