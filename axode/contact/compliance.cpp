@@ -7,7 +7,7 @@
 namespace axode {
 namespace {
 
-/// The elastic part k dⁿ of the mean force, and its derivative by the depth at the end.
+/// The elastic part k dⁿ of the mean force, and its derivatives by the depths at both ends.
 MeanForce mean_elastic_force(const Compliance& it, double gap_before, double gap_after) noexcept {
   const double k = it.stiffness, n = it.exponent;
   const double before = std::max(-gap_before, 0.0), after = std::max(-gap_after, 0.0);
@@ -23,15 +23,17 @@ MeanForce mean_elastic_force(const Compliance& it, double gap_before, double gap
     for (std::size_t i = 0; i < points.size(); ++i) {
       const double d = before + points[i] * closing, force = k * std::pow(d, n);
       mean.force += weights[i] * force;
-      mean.slope += weights[i] * points[i] * n * force / d;
+      const double slope = weights[i] * n * force / d;
+      mean.slope += points[i] * slope;
+      mean.slope_before += (1 - points[i]) * slope;
     }
     return mean;
   }
   if (before == 0 && after == 0) return {};
-  const double force = k * std::pow(after, n);
-  const double energy = force * after - k * std::pow(before, n + 1);
+  const double force = k * std::pow(after, n), force_before = k * std::pow(before, n);
+  const double energy = force * after - force_before * before;
   const double mean = energy / (n + 1) / closing;
-  return {mean, (force - mean) / closing};
+  return {mean, (force - mean) / closing, (mean - force_before) / closing};
 }
 
 }  // namespace
@@ -54,7 +56,8 @@ MeanForce mean_force(const Compliance& compliance, double gap_before, double gap
   const MeanForce elastic = mean_elastic_force(compliance, gap_before, gap_after);
   const double c = compliance.damping / h, factor = 1 + c * (gap_before - gap_after);
   if (!(factor > 0)) return {};
-  return {elastic.force * factor, elastic.slope * factor + elastic.force * c};
+  return {elastic.force * factor, elastic.slope * factor + elastic.force * c,
+          elastic.slope_before * factor - elastic.force * c};
 }
 
 }  // namespace axode

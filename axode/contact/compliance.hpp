@@ -20,8 +20,9 @@ Compliance in_series(const Compliance& a, const Compliance& b) noexcept;
 
 /// The mean normal force of a step.
 struct MeanForce {
-  double force = 0;  ///< N
-  double slope = 0;  ///< minus its derivative by the gap at the end of the step, N/m
+  double force = 0;         ///< N
+  double slope = 0;         ///< minus its derivative by the gap at the end of the step, N/m
+  double slope_before = 0;  ///< minus its derivative by the gap at the start of the step, N/m
 };
 
 /// Computes the mean normal force of a step of length h (s) between two gaps (m). Without damping its work is

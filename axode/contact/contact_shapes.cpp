@@ -179,12 +179,6 @@ SurfacePair ContactShapes::surface(int i, int j) const {
           compliance ? 0 : std::max(a.restitution, b.restitution), compliance};
 }
 
-int ContactShapes::compliant_shape() const {
-  const auto found = std::ranges::find_if(
-      data_->shapes, [](const ContactShape& shape) { return shape.surface.stiffness.has_value(); });
-  return found == data_->shapes.end() ? -1 : static_cast<int>(found - data_->shapes.begin());
-}
-
 int ContactShapes::contact_rows() const {
   int rows = 3;
   for (const ContactShape& shape : data_->shapes) {

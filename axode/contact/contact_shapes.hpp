@@ -71,9 +71,6 @@ class ContactShapes {
   /// series.
   SurfacePair surface(int i, int j) const;
 
-  /// The index of a shape with a stiffness, or -1 if all are rigid.
-  int compliant_shape() const;
-
   /// The number of rows of each contact: 3 (normal and sliding friction), 4 if a shape has drilling friction,
   /// or 6 if a shape has rolling friction.
   int contact_rows() const;

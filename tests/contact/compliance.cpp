@@ -1,6 +1,5 @@
 #include "axode/contact/compliance.hpp"
 
-#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -8,7 +7,6 @@
 
 #include "axode/contact/contacts_at_rest.hpp"
 #include "axode/dynamics/momentum/energy.hpp"
-#include "axode/integration/contact_sensitivities.hpp"
 #include "axode/integration/momenta/simulate_contact.hpp"
 #include "tests/contact/scene.hpp"
 
@@ -256,14 +254,6 @@ TEST(CompliantContact, RefusesWhatItCannotDo) {
       message([&] { static_cast<void>(ContactShapes(other)); }),
       "shape \"floor\" has the exponent 1 of its stiffness, and shape \"ball shape 1\", which it may touch, "
       "1.5; compliant shapes that touch need the same exponent");
-  const Model model = Scene(soft).add("ball", ShapeKind::sphere, 0.1, {}).build();
-  std::vector<double> q = at({0, 0, 0.1}), tau(6);
-  EXPECT_THAT(
-      message([&] {
-        static_cast<void>(contact_rollout_derivatives(model, ContactShapes(model), q, std::vector<double>(6),
-                                                      tau, 1e-3, {}));
-      }),
-      testing::StartsWith("shape \"floor\" has a stiffness, and derivatives of motions with contact"));
 }
 
 }  // namespace

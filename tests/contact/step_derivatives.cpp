@@ -272,6 +272,40 @@ INSTANTIATE_TEST_SUITE_P(
     [](const auto& it) { return it.param.name; });
 
 /// The last state of a motion of some steps under constant forces, and its derivative by them.
+/// Bodies on a compliant floor that begin or end to touch in the step, or touch all the time, and stick or slide.
+TEST(StepDerivatives, OfCompliantContactsAgreeWithDifferences) {
+  for (const double friction : {0.0, 0.3, 5.0})
+    for (const double gap : {-1e-3, -2e-4, 1e-3})
+      for (const double speed : {-0.5, 0.5}) {
+        SCOPED_TRACE(std::to_string(friction) + " " + std::to_string(gap) + " " + std::to_string(speed));
+        for (const ShapeKind kind : {ShapeKind::sphere, ShapeKind::box}) {
+          Bodies bodies(friction);
+          bodies.description.shapes.front().contact.stiffness = 1e5;
+          bodies.description.shapes.front().contact.damping = 0.3;
+          const Model model = bodies.add(shape_of(kind, {0.1, 0.12, 0.14}, friction)).build();
+          const std::vector<double> q = lowered(model, posed({0.2, 0.1, -0.1}, {0.1, 0.2, 1}), gap);
+          const std::vector<double> v =
+              moving(q, {0.3, -0.2, 0.4},
+                     Vec3<>{0.4, 0.2, -0.1} + (speed - dot(Vec3<>{0.4, 0.2, -0.1}, up())) * up());
+          expect_derivatives(model, {q, v, push, 2e-3}, 1e-6, 1e-5);
+        }
+      }
+}
+
+TEST(StepDerivatives, OfTwoCompliantBodiesAgreeWithDifferences) {
+  Bodies bodies(0.4);
+  ShapeDescription soft = shape_of(ShapeKind::sphere, {0.1, 0, 0}, 0.4);
+  soft.contact.stiffness = 1e5;
+  soft.contact.damping = 0.2;
+  const Model model = bodies.add(soft).add(soft).build();
+  std::vector<double> q = posed({0.2, 0.1, -0.1}, {0, 0, 1});
+  for (const double x : posed({-0.3, 0.2, 0.1}, {0.05, 0.03, 1.1905})) q.push_back(x);
+  const std::vector<double> v{0.3, 0.2, -0.1, 0.1, 0.2, 0.3, -0.2, 0.1, 0.3, 0, 0.1, -0.4};
+  std::vector<double> tau = push;
+  tau.insert(tau.end(), push.rbegin(), push.rend());
+  expect_derivatives(model, {q, v, tau, 2e-3}, 1e-6, 1e-5);
+}
+
 TEST(StepDerivatives, OfAWholeMotionAreProductsOfThoseOfItsSteps) {
   Bodies bodies(0.3);
   bodies.add(shape_of(ShapeKind::box, {0.2, 0.3, 0.25}, 0.3, 0.3));

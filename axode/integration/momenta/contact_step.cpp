@@ -434,6 +434,7 @@ void ContactStep::keep_start(double h, const Vector& q_0, const Vector& v_0, dou
 void ContactStep::keep_end(double bounciness) {
   if (!keep_parts) return;
   kept.back().end = end_.contacts;
+  for (Contact& contact : kept.back().end) contact.normal_impulse.reset();  // the derivative knows its law
   kept.back().lambda_end = end_.lambda;
   kept.back().bounciness = bounciness;
 }

@@ -152,11 +152,20 @@ bool ContactStepDerivative::take_start_velocities(const ContactPart& part, const
   for (std::size_t c = 0; c < part.start.size(); ++c) {
     const Eigen::Index row = static_cast<Eigen::Index>(c) * width;
     const bool found = end.found[c] != 0;
-    const double overlap = part.overlaps[c] ? part.start[c].gap : 0;
-    u[row] = ((found ? end.jets[c].gap : part.start[c].gap + h * middle.u[row]) - overlap) / h;
+    const double gap = found ? end.jets[c].gap : part.start[c].gap + h * middle.u[row];
     du.row(row) = found ? end.changes[c].gap : start.rows.changes[c].gap + h * middle.du.row(row);
-    if (part.overlaps[c]) du.row(row) -= start.rows.changes[c].gap;
-    du.row(row) /= h;
+    if (part.start[c].surface.compliance && part.lambda_start[index(row)] > 0) {
+      const MeanForce mean = mean_force(part.start[c].surface.compliance, part.start[c].gap, gap, h);
+      const double C = system_.problem().squared_scales()[index(row)];
+      u[row] = 0;
+      du.row(row) = C * h / 2 *
+                    (mean.slope * du.row(row) + mean.slope_before * Matrix(start.rows.changes[c].gap)).eval();
+      du(row, start.k + row) += C;
+    } else {
+      u[row] = (gap - (part.overlaps[c] ? part.start[c].gap : 0)) / h;
+      if (part.overlaps[c]) du.row(row) -= start.rows.changes[c].gap;
+      du.row(row) /= h;
+    }
     for (int i = 1; i < width; ++i) {
       u[row + i] = middle.u[row + i];
       du.row(row + i) = middle.du.row(row + i);
@@ -211,6 +220,7 @@ bool ContactStepDerivative::run(const ContactPart& part, Matrix& dq, Matrix& dv,
   Flight flight = fly(part, start);
   if (!take_slip(part, start, flight, middle)) return false;
   const Eigen::Index k = dq.cols(), m = start.first.lambda.size();
+  Matrix dlambda = Matrix::Zero(m, k);
   if (m > 0) {
     Vector u;
     Matrix du;
@@ -223,12 +233,13 @@ bool ContactStepDerivative::run(const ContactPart& part, Matrix& dq, Matrix& dv,
         system_.problem(), part.lambda_start.data(), scaled.data(), du.rightCols(m), du.leftCols(k),
         mass_norm(start.momenta.M, start.v_a), mass_norm(start.momenta.M, dv_a));
     note(law);
+    dlambda = law.multipliers;
     for (Matrix* x : {&flight.dq_1, &flight.dp_1, &middle.du, &start.du}) follow(*x, law.multipliers);
     for (FrameChanges& x : middle.rows.daxes) follow(x, law.multipliers);
     for (Base& base : bases_) follow(base.du, law.multipliers);
   }
   dq = flight.dq_1;
-  if (!impulses_at_end(part, start, middle, flight.dp_1, directions.friction, dq, dv)) return false;
+  if (!impulses_at_end(part, start, middle, dlambda, flight.dp_1, directions.friction, dq, dv)) return false;
   return part.apart.empty() || move_apart(part, dq);
 }
 

@@ -163,8 +163,8 @@ class ContactStepDerivative {
   bool take_slip(const ContactPart& part, const Start& start, const Flight& flight, Slip& out);
   bool take_start_velocities(const ContactPart& part, const Start& start, const Flight& flight,
                              const Slip& middle, Vector& u, Matrix& du);
-  bool impulses_at_end(const ContactPart& part, const Start& start, const Slip& middle, const Matrix& dp,
-                       const Matrix& friction, Matrix& dq, Matrix& dv);
+  bool impulses_at_end(const ContactPart& part, const Start& start, const Slip& middle, const Matrix& dlambda,
+                       const Matrix& dp, const Matrix& friction, Matrix& dq, Matrix& dv);
   bool move_apart(const ContactPart& part, Matrix& dq);
   void note(const LawDerivative& law) {
     unique = unique && law.unique;

@@ -26,8 +26,8 @@ int place_of(const std::vector<Contact>& contacts, std::uint64_t key) {
 /// Differentiates the impulses at the end of a part (D11.22): computes dv after them from the changes dq and
 /// dp before.
 bool ContactStepDerivative::impulses_at_end(const ContactPart& part, const Start& start, const Slip& middle,
-                                            const Matrix& dp, const Matrix& friction, Matrix& dq,
-                                            Matrix& dv) {
+                                            const Matrix& dlambda, const Matrix& dp, const Matrix& friction,
+                                            Matrix& dq, Matrix& dv) {
   const Vector& q_1 = part.q_1;
   const Eigen::Index m = static_cast<Eigen::Index>(part.lambda_end.size()), nv = dq.rows(), k = dq.cols();
   const int width = system_.contact_rows();
@@ -101,6 +101,17 @@ bool ContactStepDerivative::impulses_at_end(const ContactPart& part, const Start
   }
   Matrix G(m, m);
   system_.problem().delassus(G);
+  for (std::size_t c = 0; c < part.end.size(); ++c) {
+    if (!part.end[c].surface.compliance) continue;
+    // The normal impulse is that of the start: C (λ_1N - λ_0N) is the velocity of its row.
+    const Eigen::Index row = static_cast<Eigen::Index>(c) * width,
+                       row_0 = static_cast<Eigen::Index>(place_of(part.start, part.end[c].key)) * width;
+    const double C = system_.problem().squared_scales()[index(row)];
+    G.row(row).setZero();
+    G(row, row) = C;
+    u[row] = 0;
+    du.row(row) = -C * dlambda.row(row_0);
+  }
   const Vector scaled = last.c.cwiseProduct(u);
   const LawDerivative law =
       differentiate_law(system_.problem(), part.lambda_end.data(), scaled.data(), G, last.c.asDiagonal() * du,
