@@ -14,8 +14,9 @@ class DriveSignal {
  public:
   /// Constructs the input that is always 0.
   DriveSignal() : values_{0} {}
-  /// Constructs the input from a description without faults, which contains a function of time or steps.
-  /// Before the first and after the last time of the description, the input has its value at that time.
+  /// Constructs the input from a description, which must have been checked and contains a function of time or
+  /// steps. Before the first and after the last time of the description, the input has its value at that
+  /// time.
   explicit DriveSignal(const DriveInput& description);
   /// Constructs the input from a continuous function of the time t (s).
   explicit DriveSignal(std::function<double(double t)> function) : function_(std::move(function)) {}

@@ -31,9 +31,9 @@ template <class T> struct DriveResponse {
 };
 
 /// The law of a drive: its states, and their rates, the force, the energy and the powers as functions of a
-/// DrivePoint. These functions are smooth while the statuses of the law are constant. A status is a small
-/// integer that selects a branch of the law, such as the sign of a velocity or whether a limit is reached.
-/// Several threads may call all member functions at once.
+/// DrivePoint (x, u, l, w and t of (D17.1)). These functions are smooth while the statuses of the law are
+/// constant. A status is a small integer that selects a branch of the law, such as the sign of a velocity or
+/// whether a limit is reached. Several threads may call all member functions at once.
 class DriveLaw {
  public:
   using Dual = axode::Dual<double, 1>;
@@ -42,8 +42,8 @@ class DriveLaw {
   virtual ~DriveLaw() = default;
 
   virtual std::vector<DriveState> states() const = 0;
-  /// Writes the values x of the states at the start of a motion. `at` has the time, the input, the coordinate
-  /// and the rate there; its x is not set yet.
+  /// Writes the values x of the states at the start of a motion. `at` has the time, the input, and the
+  /// coordinate and rate of the port there; its x is not set yet.
   virtual void start(const DrivePoint<double>& at, std::span<double> x) const = 0;
   /// Evaluates the rates, the force, the energy and the powers at a point and for given statuses, in double
   /// or in dual numbers with the derivative along one direction.
@@ -56,8 +56,8 @@ class DriveLaw {
   virtual std::size_t n_statuses() const { return 0; }
   /// Chooses all statuses that belong to a point, at the start of a motion or for a given state.
   virtual void choose(const DrivePoint<double>&, Statuses) const {}
-  /// The margin of status k at a point for given statuses: a smooth function that is not negative while the
-  /// status may remain as it is.
+  /// The margin of status k at a point for given statuses: how far the status is from having to change, a
+  /// smooth function that becomes negative when it must.
   virtual double margin(std::size_t, const DrivePoint<double>&, std::span<const int>) const noexcept {
     return 1;
   }
@@ -106,8 +106,8 @@ template <class Law> class DriveLawOf final : public DriveLaw {
   Law law_;
 };
 
-/// Relative distance by which a quantity passes a limit before the status that belongs to the limit changes,
-/// so that rounding errors do not change the status back.
+/// A quantity must pass a limit by this part of the limit before its status changes, so that rounding errors
+/// do not change the status back.
 inline constexpr double past_limit = 1e-12;
 
 /// The status of a quantity that is limited to ±limit: 0 while the quantity is inside, and otherwise the sign

@@ -46,10 +46,11 @@ void DrivePort::update(const Tree<double>& tree, std::span<const double> q, std:
   }
 }
 
-/// Let r be the vector from one end of the line to the other and u = r/|r|. A unit of velocity k moves r by
-/// r_k and turns the end that it moves by w_k, so that E_k = u·r_k. Along the direction of velocity j, r
-/// changes by r_j. If the joints of j and k move the same end, r_k changes by w_j × r_k or, if joint j is
-/// farther from the ground than joint k, by w_k × r_j; otherwise r_k is constant.
+/// The row E gives the rate E v of the length of the line. Let r be the vector from one end of the line to
+/// the other and u = r/|r|. A unit of velocity k changes r by r_k and turns the body at the end that it moves
+/// by w_k, so that the entry k of E is u·r_k. Along the direction of velocity j, r changes by r_j. If
+/// velocities j and k move the same end, r_k changes by w_j × r_k or, if the joint of velocity j is farther
+/// from the ground than that of k, by w_k × r_j; otherwise r_k is constant.
 void DrivePort::add_row_derivatives(const Tree<double>& tree, std::span<const double> q, double factor,
                                     std::span<double> out) const {
   if (!along_line_) return;

@@ -27,13 +27,13 @@ class DrivePort {
   void update(const Tree<double>& tree, std::span<const double> q, std::span<const double> v);
   double l() const { return l_; }
   double w() const { return w_; }
-  /// The row E with l' = E v at the last update(): pairs of the index of a velocity and an entry. Entries
-  /// with the same index are to be added.
+  /// The row E with l' = E v at the last update(), as pairs of the index of a velocity and an entry. Entries
+  /// of the same velocity are to be added.
   std::span<const std::pair<int, double>> row() const { return row_; }
 
-  /// Adds `factor` times the derivatives of the entries of the row E, by q along the left-trivialised
-  /// direction of each velocity, to out (nv × nv), [entry of E, direction] (D17.3). Nothing is added unless
-  /// the port is a line, because a sum of joint coordinates has a constant row.
+  /// Adds `factor` times the derivatives of the row E to out (nv × nv) (D17.3): out[i, j] is the derivative
+  /// of entry i of E by q along the left-trivialised direction of velocity j. Nothing is added unless the
+  /// port is a line, because a sum of joint coordinates has a constant row.
   void add_row_derivatives(const Tree<double>& tree, std::span<const double> q, double factor,
                            std::span<double> out) const;
 
@@ -48,8 +48,8 @@ class DrivePort {
   bool along_line_ = false;
   double l_ = 0, w_ = 0;
   std::vector<std::pair<int, double>> row_;
-  /// For each entry of the row E of a line: the end that the velocity of this entry moves (0 or 1), and the
-  /// velocity of this end if the former is 1, in the axes of the body at this end.
+  /// For each entry of the row E of a line: the end of the line (0 or 1) that the velocity of this entry
+  /// moves, and how fast it moves this end if it is 1, as a vector in the axes of the body at this end.
   std::vector<std::pair<std::size_t, Vec3<>>> columns_;
 };
 

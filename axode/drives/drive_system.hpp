@@ -62,7 +62,7 @@ class DriveSystem {
   /// (nv numbers), and writes the rates x' to dx (nx() numbers).
   void evaluate(double t, Span q, Span v, Span x, std::span<double> tau, std::span<double> dx);
   /// Adds to tau (nv numbers) the forces of those drives that act along lines between two points, as the last
-  /// evaluation has found them. They are contained in the tau of evaluate() already.
+  /// evaluation has found them. evaluate() adds them as well.
   void add_line_forces(std::span<double> tau) const;
   DriveEnergy energy(double t, Span q, Span v, Span x);
   /// Computes the derivatives of the drive forces and of the rates at constant statuses. Allocates.
@@ -74,12 +74,13 @@ class DriveSystem {
   /// The first time after t at which the input of a drive or one of its derivatives jumps, so that a step of
   /// an integration should end there; infinite if there is none.
   double next_jump(double t) const;
-  /// The least of the margins of all statuses at a time and state, see DriveLaw::margin(); infinite if there
-  /// are no statuses. A step of an integration must end where it becomes negative.
+  /// The least margin of all statuses at a time and state, which becomes negative when a status must change,
+  /// see DriveLaw::margin(); infinite if there are no statuses. A step of an integration must end where it
+  /// becomes negative.
   double least_margin(double t, Span q, Span v, Span x);
   /// Prepares the drives for the next step of a motion, which begins at time t and state (q, v, x). Inputs
-  /// that jump at t take their values after the jump. Statuses with negative margins change, and states in x
-  /// may jump with them. Returns whether an input or a status has changed.
+  /// that jump at t take their values after the jump. Statuses whose margin is negative change, and states in
+  /// x may jump with them. Returns whether an input or a status has changed.
   bool switch_at(double t, Span q, Span v, std::span<double> x);
 
  private:

@@ -47,11 +47,12 @@ class ElasticFeedForward {
   /// for a model with loops.
   void evaluate(std::span<const double> q, std::span<const double> rates, MotorMotion& motors,
                 const Loads<double>& loads = {});
-  /// Computes positions, velocities and forces of the motors of a parallel manipulator from a closed
-  /// configuration q and the task velocities with three derivatives, V, V', V'' and V''' (`rates`, 4
-  /// freedom() numbers, row by row); see inverse_dynamics_rates() of a TaskSpace. If the verdict is not ok(),
-  /// the entries of all drives are NaN. Allocates; O(limbs). Throws std::invalid_argument for wrong sizes,
-  /// for results that overlap arguments and for a space whose model does not have nv velocities.
+  /// Computes positions, velocities and forces of the motors of a parallel manipulator from a configuration q
+  /// with closed loops and the task velocities with three derivatives, V, V', V'' and V''' (`rates`, four
+  /// rows of freedom() numbers of the task space); see inverse_dynamics_rates() of a TaskSpace. If the result
+  /// is not ok(), the entries of all drives are NaN. Allocates; O(m) for m limbs. Throws
+  /// std::invalid_argument for wrong sizes, for results that overlap arguments and for a space whose model
+  /// does not have nv velocities.
   [[nodiscard]] TaskVerdict evaluate(TaskSpace& space, std::span<const double> q,
                                      std::span<const double> rates, MotorMotion& motors,
                                      const Loads<double>& loads = {});

@@ -19,10 +19,11 @@ struct DriveLinearization {
 };
 
 /// Computes the linear system z' = A z + B δu of DriveLinearization at a time t (s) and state (q, v, x) by
-/// (D17.4). The statuses of the drives are chosen for this state and constant in the derivatives. Springs,
-/// dampers and stops of the model and the loads act; units are SI. Allocates; O(nv³ + nv² nx + nx²). If the
-/// status is not ok(), A and B contain NaN. Throws std::invalid_argument for wrong sizes, for
-/// q, v or x that are not finite, and for mechanisms with loops or prescribed motions.
+/// (D17.4). The statuses of the drives, which select branches of their laws, are chosen for this state and
+/// constant in the derivatives. Springs, dampers and stops of the model and the loads act; units are SI.
+/// Allocates; O(nv³ + nv² nx + nx²). If the status is not ok(), A and B contain NaN. Throws
+/// std::invalid_argument for wrong sizes, for q, v or x that are not finite, and for mechanisms with loops or
+/// prescribed motions.
 DriveLinearization linearize_with_drives(const Model& model, DriveSystem& drives, double t,
                                          std::span<const double> q, std::span<const double> v,
                                          std::span<const double> x, const Loads<double>& loads = {});
@@ -38,10 +39,11 @@ struct DriveEquilibrium {
 
 /// Finds a state of rest near (q, x) for the inputs that the drives have at time t, by Newton's method with
 /// exact derivatives and decreasing residuals. If the equations are singular, as with oil that is trapped in
-/// a cylinder or with an integrator, each step is the least one, so that the result is near the start. The
-/// statuses of the drives are chosen again for each iterate. Springs of the model act. If the residual stays
-/// above 1e-9, `found` is false and the best iterate is returned. Allocates. Throws std::invalid_argument for
-/// wrong sizes, for q or x that are not finite, and for mechanisms with loops or prescribed motions.
+/// a cylinder or with an integrator, each step is the one of least norm, so that the result is near the
+/// start. The statuses of the drives are chosen again for each iterate. Springs of the model act. If the
+/// residual stays above 1e-9, `found` is false and the best iterate is returned. Allocates. Throws
+/// std::invalid_argument for wrong sizes, for q or x that are not finite, and for mechanisms with loops or
+/// prescribed motions.
 DriveEquilibrium equilibrium_with_drives(const Model& model, DriveSystem& drives, double t,
                                          std::span<const double> q, std::span<const double> x);
 

@@ -6,7 +6,7 @@
 
 namespace axode {
 
-/// Makes the law of a drive from its description, which must be without faults. Parameters that are not given
+/// Makes the law of a drive from its description, which must have been checked. Parameters that are not given
 /// have the standard values of the kind of drive.
 std::shared_ptr<const DriveLaw> make_law(const DriveDescription& drive);
 

@@ -14,19 +14,20 @@
 namespace axode::fmi {
 namespace {
 
-/// Model exchange asks for an event if the state is farther than usual_drift from a state with closed loops
-/// (rad, m, rad/s and m/s). If the master has a tolerance, it is used instead, but not below least_drift.
+/// An FMU for model exchange asks the master (the importing program) for an event, in which loops are closed
+/// again, if the state is farther than usual_drift from a state with closed loops (rad, m, rad/s and m/s). If
+/// the master has given a tolerance, it is used instead, but not below least_drift.
 constexpr double usual_drift = 1e-8, least_drift = 1e-10;
-/// For mechanisms without loops, model exchange asks for an event if projecting the state to quaternions of
-/// unit norm changes it by more than this number.
+/// For mechanisms without loops, an FMU for model exchange asks for an event if making the quaternions of the
+/// state of unit norm changes it by more than this number.
 constexpr double usual_norm_error = 1e-6;
-/// The event indicator of the drives is their least margin plus this part of the largest margin so far. When
-/// the indicator is 0, the margin is negative by more than the master's error in the time of the event, so
-/// that a discrete status of a drive changes there.
+/// The event indicator of the drives is their least margin, which becomes negative when a discrete status of
+/// a drive must change, plus this part of the largest margin so far. When the indicator is 0, the margin is
+/// then negative in spite of the master's error in the time of the event, so that the status changes there.
 constexpr double indicator_shift = 1e-9;
 
-/// The treatment of properties of mechanisms by FMUs. Contact, hard stops and dry friction are not in these
-/// tables; check_supported() looks for them itself.
+/// Which properties of mechanisms FMUs of each kind take into account, and which they refuse. Contact, hard
+/// stops and dry friction are not in these tables; check_supported() looks for them itself.
 constexpr catalog::Counts of_co_simulation{.loops = catalog::counted,
                                            .passive_joints = catalog::counted,
                                            .springs = catalog::counted,
@@ -398,8 +399,8 @@ Eigen::RowVectorXd Instance::row(const Variable& it, const Eigen::MatrixXd& all)
   refuse(it, "is no unknown of a derivative: unknowns are rates, outputs and gaps of stops");
 }
 
-/// The column of the known variable in the Jacobian of the equations of motion; empty for a parameter. Throws
-/// std::invalid_argument if the variable cannot be a known of a derivative.
+/// The column of a variable in the Jacobian of the equations of motion; empty for a parameter. Throws
+/// std::invalid_argument if no derivatives by the variable are provided.
 std::optional<Eigen::Index> Instance::column(const Variable& known) const {
   const std::size_t nq = at_.q.size(), nv = at_.v.size(), nx = at_.x.size();
   const auto at = [](std::size_t k) { return static_cast<Eigen::Index>(k); };

@@ -30,8 +30,8 @@ class Instance {
   /// steps, which is `step` here.
   enum class Mode { instantiated, initialization, event, continuous_time, step, terminated };
 
-  /// Reads the drawing of the mechanism and the settings from the texts of these resources, and resets the
-  /// instance.
+  /// Reads the drawing of the mechanism and the settings of the export from the texts of these resource
+  /// files, and resets the instance.
   Instance(Kind kind, std::string_view drawing, std::string_view settings);
   Instance(const Instance&) = default;
   Instance& operator=(const Instance&) = delete;
@@ -61,8 +61,8 @@ class Instance {
   void get_rates(std::span<double> rates);
   void get_indicators(std::span<double> indicators);
   void get_nominals(std::span<double> nominals) const;
-  /// Whether event mode must follow the step that the master has completed: a discrete status of a drive must
-  /// change, or the loops have opened or quaternions have left unit norm by more than a tolerance.
+  /// Whether the master must enter event mode after the step that it has completed: a discrete status of a
+  /// drive must change, or the loops have opened or quaternions have left unit norm by more than a tolerance.
   bool needs_event();
   struct Event {
     bool states_changed = false;
@@ -94,8 +94,8 @@ class Instance {
   const std::vector<double>& poses();
   double indicator(std::size_t k);
   double gap(const Stop& stop) const;
-  /// Returns the least margin of the drives, and updates margin_scale_. Without an indicator of drives it is
-  /// 1.
+  /// Returns the least margin of the drives, which becomes negative when a discrete status must change, and
+  /// updates margin_scale_, the largest magnitude so far. Returns 1 if no event indicator belongs to drives.
   double observe_margin();
   /// The Jacobian of the unknowns (rows) by the knowns (columns).
   Eigen::MatrixXd jacobian(References unknowns, References knowns);

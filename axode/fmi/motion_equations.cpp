@@ -23,8 +23,8 @@ namespace {
 
 using Span = std::span<const double>;
 
-/// Calls f(subgroup, iq, iv) for every joint with coordinates of its own: with its subgroup on the scalar T
-/// and the indices of its first coordinate and its first velocity.
+/// Calls f(subgroup, iq, iv) for every joint with coordinates of its own: with its subgroup of SE(3), for
+/// numbers of the type T, and the indices of its first coordinate and its first velocity.
 template <class T, class F> void each_subgroup(const Model& model, const F& f) {
   for (const Joint& joint : model.joints())
     if (!joint.leader)

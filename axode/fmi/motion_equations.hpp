@@ -20,9 +20,9 @@ class NoRates : public std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
-/// A time t (s), a state (q, v, x) of a mechanism with the states x of its drives, drive forces tau (nv), and
-/// wrenches on frames. A wrench has six numbers: moment and force about the origin of the frame, in inertial
-/// axes.
+/// The arguments of the equations of motion: a time t (s), a state (q, v, x) of a mechanism with the states x
+/// of its drives, drive forces tau (nv), and wrenches on frames. A wrench has six numbers: moment and force
+/// about the origin of the frame, in inertial axes.
 struct Point {
   double t = 0;
   std::vector<double> q, v, x, tau, wrenches = {};
@@ -39,8 +39,8 @@ struct Rates {
 /// x are the states of the drives, with loops, prescribed motions, springs and drives. q need not have
 /// quaternions of unit norm: every function of q normalises the quaternions first, so that their norm is
 /// constant along solutions. The states of a mechanism with loops are those of its spanning tree. The
-/// accelerations keep A v constant for the rows A of the loops, and close() removes the residuals that an
-/// integration has accumulated.
+/// accelerations keep A v constant, with the Jacobian A of the loops, and close() removes the residuals that
+/// an integration has accumulated.
 class MotionEquations {
  public:
   using Span = std::span<const double>;
@@ -53,16 +53,16 @@ class MotionEquations {
   void act_by(const DriveSystem& drives) { drives_ = drives; }
 
   /// Corrects q and v: quaternions get unit norm, loops are closed, and prescribed motions are followed at
-  /// the time of the point. Then chooses the discrete statuses of the drives. Throws std::runtime_error if
-  /// the loops cannot be closed.
+  /// the time in `at`. Then chooses the discrete statuses of the drives. Throws std::runtime_error if the
+  /// loops cannot be closed.
   void start(Point& at);
   Rates rates(const Point& at);
   /// Projects q and v onto closed loops and followed motions, with quaternions of unit norm. Returns whether
   /// the loops could be closed.
   [[nodiscard]] bool close(Point& at);
 
-  /// Gives inputs of drives that jump at the time of the point the values after the jump, and changes the
-  /// discrete statuses of drives whose margin is negative. This may change x, the states of the drives.
+  /// If an input of a drive jumps at the time in `at`, the input gets its value after the jump. Discrete
+  /// statuses of drives that must change do so, which may change x, the states of the drives.
   void switch_drives(Point& at);
   double next_jump(double t) const;
   /// The least margin of the drives, which becomes negative when a discrete status must change; 1 if they
@@ -80,8 +80,8 @@ class MotionEquations {
 
  private:
   using RowMajor = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
-  /// The derivatives of the accelerations by q along the group, v, tau and the states x of the drives, with
-  /// springs and drives, and the derivatives of the drives.
+  /// The derivatives of the accelerations under springs and drives by q (along left-trivialised directions),
+  /// v, tau and the states x of the drives, and the derivatives of drive forces and x'.
   struct Derivatives {
     RowMajor a_q, a_v, a_tau;
     Eigen::MatrixXd a_x;
@@ -96,8 +96,9 @@ class MotionEquations {
   /// null.
   std::vector<double> force_sum(const Point& at, Span q, std::vector<double>* dx);
   Derivatives derivatives(const Point& at, Span q);
-  /// For each unit vector of `raw`, the coordinates before normalisation, computes the change of q along the
-  /// group (`displacement`, nv × nq) and that of the normalised coordinates (`normalization`, nq × nq).
+  /// Computes derivatives by the entries of `raw`, the coordinates before normalisation: those of the
+  /// normalised coordinates q (`normalization`, nq × nq), and the displacement of q along the group
+  /// (`displacement`, nv × nq).
   void seeds(Span raw, Span q, Eigen::MatrixXd& displacement, Eigen::MatrixXd& normalization) const;
   Eigen::MatrixXd rates_by_coordinates(Span q, Span v) const;
 

@@ -60,8 +60,8 @@ void SteppedMotion::set_forces(Span tau, std::vector<AppliedWrench<>> loads) {
   check();
 }
 
-/// Copies the forces of this motion to the memory from which the run reads them. Copies of a motion share
-/// this memory.
+/// Copies the forces of this motion to the memory from which the integration reads them and which all copies
+/// of a motion share.
 void SteppedMotion::act() {
   fixed_->tau = tau_;
   fixed_->loads = loads_;

@@ -39,8 +39,8 @@ class SteppedMotion {
   Span dx() { return {run_.drives().dx.data(), run_.drives().size()}; }
 
  private:
-  /// The data to which the run has references: the model, the options and the forces. Copies of a motion
-  /// share them.
+  /// The data to which the integration has references: the model, the options and the forces. Copies of a
+  /// motion share them.
   struct Fixed {
     Model model;
     SimulationOptions options = {};

@@ -9,10 +9,10 @@
 namespace axode {
 
 /// The configurations of a tree as a Lie group, the product of the subgroups of the joints. Integration
-/// schemes use joints only through this class. Elements x, y of the algebra have nv numbers T in the
-/// left-trivialised directions of the joints; S is the scalar of the tree. For joints of one velocity
-/// brackets vanish and ⊕ is +. Arguments are vectors of any kind, or pointers to their first numbers; results
-/// may share the memory of arguments. O(n).
+/// schemes use joints only through this class. Elements x, y of its Lie algebra have nv numbers of the type
+/// T, along the left-trivialised directions of the joints; the numbers of the tree have the type S. For
+/// joints of one velocity brackets vanish and ⊕ is +. Arguments are vectors of any kind, or pointers to their
+/// first numbers; results may share the memory of arguments. O(n).
 ///
 /// q ⊕ x is q exp x, or q cay x with LocalCoordinates::cayley. The maps of velocities, accelerations and
 /// momenta are the derivatives of the chosen ⊕; the comments on the members write them for exp.
@@ -145,8 +145,8 @@ template <class T, class S = T> class ConfigurationGroup {
           for (int k = group.begin; k < group.end; ++k) f(joint, tree()->by_kind[k]);
         });
   }
-  /// Computes the screw S x of a joint with the screws S of its velocities. put() is the inverse: it writes
-  /// the x of a screw S x.
+  /// Computes the screw S x of a joint from its velocities x, which have the unit screws S. put() is the
+  /// inverse: it writes x from the screw S x.
   template <class Joint> static Screw<T> screw(const Joint& joint, const T* x) noexcept {
     const Twist<BodyFixed, T> X = joint.twist(x);
     return {X.w, X.v};
@@ -155,8 +155,9 @@ template <class T, class S = T> class ConfigurationGroup {
     const auto x = joint.project(Wrench<BodyFixed, T>{X.w, X.v});
     for (int k = 0; k < joint.nv; ++k) out[k] = x[static_cast<std::size_t>(k)];
   }
-  /// Writes to out the entries of the screw f(S x, S y) for every joint of several velocities with the screws
-  /// S. For joints of one velocity the result is `plain`, or 0 if `plain` is null.
+  /// For every joint of several velocities, computes the screw Z = f(S x, S y) from the unit screws S of its
+  /// velocities, and writes to out the z with S z = Z. For joints of one velocity writes the entries of
+  /// `plain`, or 0 if `plain` is null.
   template <class F>
   void each_block(const T* x, const T* y, T* out, const F& f, const T* plain = nullptr) const noexcept {
     each_own_joint([&]<class Joint>(const Joint& joint, int i) {
@@ -168,10 +169,10 @@ template <class T, class S = T> class ConfigurationGroup {
       }
     });
   }
-  /// Writes to out the momentum that f computes from S x and p for every joint of several velocities. A
-  /// momentum whose moment and force are exchanged (Klein form) transforms like a screw, but with the inverse
-  /// map; f receives and returns momenta in this form. For joints of one velocity the result is `plain`, or 0
-  /// if `plain` is null.
+  /// For every joint of several velocities, writes to out the momentum that f computes from the screw S x and
+  /// the momentum p. f receives and returns momenta with angular and linear part exchanged (Klein form): such
+  /// a momentum transforms like a screw, but with the inverse map. For joints of one velocity writes the
+  /// entries of `plain`, or 0 if `plain` is null.
   template <class F>
   void each_dual_block(const T* x, const T* p, T* out, const F& f, const T* plain = nullptr) const noexcept {
     each_block(

@@ -48,9 +48,9 @@ class TangentContactSteps {
   TangentContactSteps(const TangentContactSteps&) = delete;
   TangentContactSteps& operator=(const TangentContactSteps&) = delete;
 
-  /// Takes a step under tau, and replaces the changes dq, dv of the state (nv ×
-  /// k for k directions) by those at the end of the step. Returns false if the
-  /// step or its derivative failed; then `result` has the reason.
+  /// Takes a step under the drive forces tau, and replaces the changes dq, dv of the state (nv × k for k
+  /// directions) by those at the end of the step. Returns false if the step or its derivative failed; then
+  /// `result` has the reason.
   bool run(Span tau, Matrix& dq, Matrix& dv, const ContactDirections& directions) {
     const double t = step_ * static_cast<double>(count_++);
     result.failure = run_.interruption(t);
@@ -94,9 +94,9 @@ ContactSensitivity finished(const ContactSensitivity& result,
   return result;
 }
 
-/// Unit changes along all directions: those of q, v and τ (nv each), and after
-/// them those of the friction, the restitution and the thickness of all shapes.
-/// A matrix has a column for each direction.
+/// Unit changes of all quantities by which a step is differentiated: of q, v and τ (nv each), and then of the
+/// friction of each shape, the restitution of each, and the thickness of a layer on each. Every matrix has a
+/// column for each of these directions.
 struct AllDirections {
   Matrix dq, dv;
   ContactDirections others;

@@ -6,22 +6,18 @@
 #include "axode/integration/sensitivities.hpp"
 #include "axode/integration/trajectory.hpp"
 
-/// Sensitivities of motions with contact, which are computed as by
-/// simulate_contact() in steps of one length, under drive forces that are
-/// constant in each step. They are the exact derivatives of the numerical
-/// method, by implicit differentiation of the equations of a step at their
-/// solution (D11.19 to D11.23): which contacts touch, stick, slide and bounce
-/// does not change along a displacement. Displacements and gradients of q are
-/// left-trivialised, along q ⊕ ε dq. Damping and dry friction of joints,
-/// springs, hard stops and closed loops act. A gap of 0 is differentiated as an
-/// open gap, so that the derivative is that along displacements which open it.
+/// Sensitivities of motions with contact, which are computed as by simulate_contact() in steps of one length,
+/// under drive forces that are constant in each step. They are the exact derivatives of the numerical method,
+/// by implicit differentiation of the equations of a step at their solution (D11.19 to D11.23): which
+/// contacts touch, stick, slide and bounce is taken as unchanged by a small displacement. Displacements and
+/// gradients of q are left-trivialised, along q ⊕ ε dq. Damping and dry friction of joints, springs, hard
+/// stops and closed loops act. At a gap of 0, the derivative is that along displacements which open the gap.
 ///
-/// Throws std::invalid_argument for wrong sizes, a state that is not finite or
-/// quaternions that are not of unit norm, step <= 0, shapes of another model,
-/// prescribed motions, drives with states, couplings with play, and results
-/// that share memory with arguments. Contact points need closed forms: planes
-/// with anything, spheres, capsules, boxes on faces, and boxes with spheres. If
-/// a contact point has no closed form, or a step fails,
+/// Throws std::invalid_argument for wrong sizes, a state that is not finite or quaternions that are not of
+/// unit norm, step <= 0, shapes of another model or with a stiffness, prescribed motions, drives with states,
+/// couplings with play, and results that share memory with arguments. The points of a contact must have a
+/// formula that can be differentiated, as they have for planes with any shape, spheres, capsules, boxes on
+/// faces, and boxes with spheres. If a contact point has no such formula, or a step fails,
 /// ContactSensitivity::failure says so, and all results are NaN.
 namespace axode {
 
@@ -41,16 +37,14 @@ struct [[nodiscard]] ContactSensitivity {
   bool ok() const { return !failure; }
 };
 
-/// Receives the states of a motion of K steps, K + 1 rows of nq and of nv
-/// numbers, and derivatives of the state at the end of each step, row by row: A
-/// (2nv × 2nv) by the state at its start and B (2nv × nv) by τ. The first nv
-/// rows, and columns of A, are those of q, and the last nv those of v. C (2nv ×
-/// 3 n for n shapes, or empty) has the derivatives by the surfaces of the
-/// shapes: n columns by the friction of each shape, n columns by the
-/// restitution of each, and n columns by the thickness of a layer on each (m),
-/// which is the radius of a sphere or capsule and the height of a plane. If the
-/// friction of a pair of shapes is 0, its derivatives are given as 0, because
-/// it is the square root of a product and has none. The spans must not overlap.
+/// Receives the states of a motion of K steps, K + 1 rows of nq and of nv numbers, and derivatives of the
+/// state at the end of each step, row by row: A (2nv × 2nv) by the state at the start of the step and B (2nv
+/// × nv) by the drive forces τ. The first nv rows, and columns of A, are those of q, and the last nv those of
+/// v. C (2nv × 3 n for n shapes, or empty) has the derivatives by the surfaces of the shapes: n columns by
+/// the friction of each shape, n columns by the restitution of each, and n columns by the thickness of a
+/// layer on each (m), which is the radius of a sphere or capsule and the height of a plane. If the friction
+/// of a pair of shapes is 0, its derivatives are given as 0, because it is the square root of a product and
+/// has none. The spans must not overlap.
 struct ContactRolloutDerivatives {
   std::span<double> q, v, A, B, C = {};
 };
@@ -75,11 +69,10 @@ ContactSensitivity contact_rollout_jvp(const Model& model, const ContactShapes& 
                                        std::span<double> dq_out, std::span<double> dv_out,
                                        const Monitor& monitor = {});
 
-/// Computes the gradients of the sum of w_q·δq + w_v·δv over all K + 1 states
-/// of a motion of K steps with contact, with respect to its initial state and
-/// drive forces; gradient.geometry must be empty. w_q and w_v have K + 1 rows
-/// of nv weights. The derivatives of all steps are stored, 6 K nv² numbers.
-/// Allocates.
+/// Backward differentiation of a motion of K steps with contact: from the gradients w_q and w_v of an
+/// objective by the q and v of each of the K + 1 states (K + 1 rows of nv numbers), computes its gradients by
+/// the initial state and the drive forces; gradient.geometry must be empty. The derivatives of all steps are
+/// stored, 6 K nv² numbers. Allocates.
 ContactSensitivity contact_rollout_vjp(const Model& model, const ContactShapes& shapes,
                                        std::span<const double> q, std::span<const double> v,
                                        std::span<const double> tau, double step, std::span<const double> w_q,

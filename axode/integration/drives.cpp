@@ -147,9 +147,9 @@ void ComputedTorque::operator()(double t, Span q, Span v, std::span<double> tau)
 }
 
 /// The accelerations depend on the drive forces u by a = a₀ + R u, where column k of R is the response to a
-/// unit force of drive k. If B selects the driven velocities and w are the accelerations that they should
-/// have, u satisfies B a₀ + B R u = B w. If there is no such u, the least-squares solution is independent of
-/// units and masses, because the symmetric matrix B R is scaled by its diagonal.
+/// unit force of drive k. With the matrix B that selects the driven velocities, and the accelerations w that
+/// these should have, u solves B a₀ + B R u = B w. If there is no solution, u is the least-squares solution;
+/// it does not depend on units and masses, because the symmetric matrix B R is scaled by its diagonal.
 bool ComputedTorque::make_possible(Span q, Span v) {
   std::vector<int> drives;
   for (int c = 0; c < model_.nv(); ++c)

@@ -9,8 +9,9 @@
 #include "axode/integration/trajectory.hpp"
 #include "axode/model/workspace.hpp"
 
-/// Drives without states, for SimulationOptions::drive and batch::rollout. A drive is called with a time t
-/// (s) and a state (q, v), and writes the drive forces tau (nv numbers; N m or N).
+/// Drives without states of their own, for SimulationOptions::drive and batch::rollout. Such a drive is a
+/// function: it is called with a time t (s) and a state (q, v), and writes the drive forces tau (nv numbers;
+/// N m or N).
 namespace axode {
 
 using Drive = std::function<void(double t, std::span<const double> q, std::span<const double> v,
@@ -72,8 +73,8 @@ class Tracking {
 
  protected:
   Tracking(const Model& model, const Gains& gains, Reference reference);
-  /// Evaluates the reference at a time t (s), and computes in x_ the deviation x of q from the reference q_d,
-  /// which is defined by q ⊕ x = q_d.
+  /// Evaluates the reference at a time t (s), and stores in x_ the deviation of q from the reference
+  /// configuration q_d: the x with q ⊕ x = q_d.
   void find(double t, std::span<const double> q);
 
   Model model_;
@@ -85,9 +86,9 @@ class Tracking {
 };
 
 /// A proportional-derivative controller: τ = kp x + kd (v_d - v) + feedforward. The deviation x from the
-/// reference q_d is defined by q ⊕ x = q_d on the group of configurations, where rotations take the shorter
-/// way round; v_d are the velocities of the reference, and `feedforward` is a drive, or empty. kp is in N
-/// m/rad or N/m, kd in N m s/rad or N s/m. `clip` limits τ to the effort limits of the joints. Throws
+/// reference configuration q_d is defined by q ⊕ x = q_d on the group of configurations, where rotations take
+/// the shorter way round; v_d are the velocities of the reference, and `feedforward` is a drive, or empty. kp
+/// is in N m/rad or N/m, kd in N m s/rad or N s/m. `clip` limits τ to the effort limits of the joints. Throws
 /// std::invalid_argument if gains are negative or not finite, or if their number is not 1 or nv.
 class ProportionalDerivative : public Tracking {
  public:
@@ -104,17 +105,17 @@ class ProportionalDerivative : public Tracking {
 };
 
 /// A computed-torque controller: τ = ID(q, v, a_d + kd (v_d - v) + kp x) minus the spring forces of the
-/// model, where ID is inverse dynamics, q_d, v_d and a_d are the reference, and the deviation x is defined by
-/// q ⊕ x = q_d. Hence small deviations obey x'' + kd x' + kp x = 0. kp is in 1/s², kd in 1/s. Loads and joint
-/// losses are not compensated. Throws std::invalid_argument if gains are negative or not finite, or if their
-/// number is not 1 or nv.
+/// model, where ID is inverse dynamics, q_d, v_d and a_d are the reference, and the deviation x from q_d is
+/// defined by q ⊕ x = q_d. Hence small deviations obey x'' + kd x' + kp x = 0. kp is in 1/s², kd in 1/s.
+/// Loads and joint losses are not compensated. Throws std::invalid_argument if gains are negative or not
+/// finite, or if their number is not 1 or nv.
 ///
 /// In a mechanism with loops or passive joints, passive joints have no force, and the control law defines
 /// accelerations of the driven joints only. If the drives cannot produce these accelerations, the nearest
-/// ones that they can produce are used instead: the difference of each acceleration is measured by the
-/// acceleration that a unit force of its drive causes. τ is the inverse dynamics with loops at the
-/// accelerations that are used, or NaN if the mass matrix is singular. For such a mechanism each call
-/// allocates and takes O(nv³ + nv d²) for d drives.
+/// ones that they can produce are used instead; in this distance, each acceleration counts relative to that
+/// which a unit force of its drive causes. τ is the inverse dynamics with loops at the accelerations that are
+/// used, or NaN if the mass matrix is singular. For such a mechanism each call allocates and takes O(nv³ + nv
+/// d²) for d drives.
 class ComputedTorque : public Tracking {
  public:
   ComputedTorque(const Model& model, const Gains& gains, Reference reference);
@@ -123,8 +124,9 @@ class ComputedTorque : public Tracking {
   bool drives_all() const { return !loops_; }
 
  private:
-  /// Replaces the accelerations x_ that the control law defines by accelerations of all joints that the
-  /// drives can produce. Returns false if the mass matrix is singular or a result is not finite.
+  /// Replaces the accelerations x_, which the control law defines for the driven joints, by the nearest
+  /// accelerations of all joints that the drives can produce. Returns false if the mass matrix is singular or
+  /// a result is not finite.
   bool make_possible(std::span<const double> q, std::span<const double> v);
 
   Workspace<> workspace_;

@@ -11,11 +11,12 @@
 /// explicit method on the group of configurations, under drive forces that are constant in each step. They
 /// are the exact derivatives of the numerical method, computed from those of forward dynamics. Displacements
 /// and gradients of q are left-trivialised, along q ⊕ ε dq. Loads and losses act as in
-/// forward_dynamics_derivatives(), springs, dampers and stops as in simulate_fixed(); with springs a stage
-/// costs O(n²). Throws std::invalid_argument for wrong sizes, quaternions that are not of unit norm, a load
-/// on a frame that does not exist, step <= 0, a faulty tableau, results that share memory with arguments, and
-/// mechanisms with loops, prescribed motions, drives with states or couplings with play. If the returned
-/// status is not ok(), because accelerations could not be computed or are not finite, all results are NaN.
+/// forward_dynamics_derivatives(), springs, dampers and stops as in simulate_fixed(); with springs a stage of
+/// the method costs O(n²). Throws std::invalid_argument for wrong sizes, quaternions that are not of unit
+/// norm, a load on a frame that does not exist, step <= 0, a faulty tableau, results that share memory with
+/// arguments, and mechanisms with loops, prescribed motions, drives with states or couplings with play. If
+/// the returned status is not ok(), because accelerations could not be computed or are not finite, all
+/// results are NaN.
 namespace axode {
 
 /// Receives the state (q, v) at the end of a step, and its derivatives A by the state at the start (2nv ×
@@ -25,8 +26,8 @@ struct StepDerivatives {
   std::span<double> q, v, A, B;
 };
 /// Computes one step of length `step` (s) from the state (q, v) under the drive forces tau, and its
-/// derivatives. Each stage takes O(n²) and products of nv × nv matrices with matrices of 3nv columns;
-/// allocates.
+/// derivatives. Each stage of the method takes O(n²) and products of nv × nv matrices with matrices of 3nv
+/// columns; allocates.
 Solvability step_derivatives(const Model& model, Workspace<double>& workspace, std::span<const double> q,
                              std::span<const double> v, std::span<const double> tau, double step,
                              const StepDerivatives& end, const Loads<double>& loads = {},
@@ -54,10 +55,10 @@ Solvability rollout_jvp(const Model& model, std::span<const double> q, std::span
 struct RolloutGradients {
   std::span<double> q, v, tau, geometry = {};
 };
-/// Computes the gradients of the sum of w_q·δq + w_v·δv over all K + 1 states of a motion of K steps, with
-/// respect to its initial state, drive forces and geometric parameters. w_q and w_v have K + 1 rows of nv
-/// weights. O(n) for each step, without matrices. The states are stored; the stages are computed again in the
-/// backward pass.
+/// Backward differentiation of a motion of K steps: from the gradients w_q and w_v of an objective by the q
+/// and v of each of the K + 1 states (K + 1 rows of nv numbers), computes its gradients by the initial state,
+/// the drive forces and the geometric parameters. O(n) for each step, without matrices. The states are
+/// stored; the stages of the Runge-Kutta steps are computed again in the backward pass.
 Solvability rollout_vjp(const Model& model, std::span<const double> q, std::span<const double> v,
                         std::span<const double> tau, double step, std::span<const double> w_q,
                         std::span<const double> w_v, const RolloutGradients& gradient,

@@ -91,10 +91,10 @@ Trajectory simulate_fixed(const Model& model, std::span<const double> q, std::sp
 ///
 /// In relative coordinates `stabilized` must be true. In absolute coordinates joints and loops are imposed on
 /// positions (index 3) or, if `stabilized` is true, on positions and velocities (index 2, after Gear, Gupta
-/// and Leimkuhler); rolling contacts are imposed on velocities in both cases. Newton's matrix in absolute
-/// coordinates has M and, of the derivatives of springs, dampers and drives, only those of each joint force
-/// by the coordinate and velocity of the same joint; stiff springs that connect several joints may need short
-/// steps.
+/// and Leimkuhler); rolling contacts are imposed on velocities in both cases. In absolute coordinates
+/// Newton's matrix contains, of the derivatives of springs, dampers and drives, only those of each joint
+/// force by the coordinate and velocity of the same joint; stiff springs that connect several joints may need
+/// short steps.
 Trajectory simulate_stiff(const Model& model, std::span<const double> q, std::span<const double> v,
                           double until, double step, double spectral_radius = 0.8,
                           const SimulationOptions& options = {}, bool stabilized = true);
@@ -123,26 +123,27 @@ Trajectory simulate_half_explicit(const Model& model, std::span<const double> q,
 /// and Li's), see (D8.5) of docs/derivations. The method is symmetric, and symplectic if forces have a
 /// potential, so that energy errors stay bounded; damping and drives enter by d'Alembert's principle. A
 /// floating base moves relative to its centre of mass, whose motion is exact, and its momentum is a state.
-/// Hence the spatial momentum Π^s of a floating base with its subtree or, under gravity, the angular momentum
-/// L_c about its centre of mass and its linear momentum P, are exact to rounding. Loops are closed in
-/// positions and velocities by impulses at both ends of a step (D8.7). The method is implicit; a step that
-/// does not converge ends the motion. Throws std::invalid_argument for a wrong size, a quaternion that is not
-/// of unit norm, a number that is not finite, until < 0 or step <= 0, for other orders, and for events, dry
-/// friction, elastic stops, rolling contacts, belts and absolute coordinates. (Armatures of joints with
-/// several velocities have momenta that do not turn with the joint; here they are treated as forces. This
-/// preserves the order and the momenta, but then the method is not symplectic.)
+/// Hence the spatial momentum of a floating base with its subtree or, under gravity, its angular momentum
+/// about its centre of mass and its linear momentum, are exact to rounding. Impulses at both ends of a step
+/// close the loops in positions and velocities (D8.7). The method is implicit; a step that does not converge
+/// ends the motion. Throws std::invalid_argument for a wrong size, a quaternion that is not of unit norm, a
+/// number that is not finite, until < 0 or step <= 0, for other orders, and for events, dry friction, elastic
+/// stops, rolling contacts, belts and absolute coordinates. (Armatures of joints with several velocities have
+/// momenta that do not turn with the joint; here they are treated as forces. This preserves the order and the
+/// momenta, but then the method is not symplectic.)
 Trajectory simulate_symplectic(const Model& model, std::span<const double> q, std::span<const double> v,
                                double until, double step, int order = 2,
                                const SimulationOptions& options = {});
 
 /// Integrates a motion with contact between the collision shapes of the model and of the ground, and with
 /// hard stops. If joint_losses is set, joints have damping and dry friction. Loops are closed at the ends of
-/// steps. Contact obeys Signorini's condition and Coulomb's law exactly, see ContactLaw, and the trajectory
-/// has a certificate for each step. The step has impulses at both of its ends, with the midpoint rule for the
-/// free motion in between (D11.12). It is of second order while no contact begins or ends, and of first order
-/// through impacts. Momenta of floating bases are exact to rounding. Throws std::invalid_argument for a wrong
-/// size, a quaternion that is not of unit norm, a number that is not finite, until < 0 or step <= 0, for
-/// absolute coordinates, and for shapes of which ContactShapes cannot be made, such as a mesh without a hull.
+/// steps. Contact obeys Signorini's condition and Coulomb's law, see ContactLaw; for each step, the
+/// trajectory has a number that says how exactly, Trajectory::certificates. The step has impulses at both of
+/// its ends, with the midpoint rule for the free motion in between (D11.12). It is of second order while no
+/// contact begins or ends, and of first order through impacts. Momenta of floating bases are exact to
+/// rounding. Throws std::invalid_argument for a wrong size, a quaternion that is not of unit norm, a number
+/// that is not finite, until < 0 or step <= 0, for absolute coordinates, and for collision shapes that
+/// contact cannot use, such as a mesh without a convex hull.
 Trajectory simulate_contact(const Model& model, std::span<const double> q, std::span<const double> v,
                             double until, double step, const SimulationOptions& options = {});
 
@@ -163,9 +164,9 @@ Trajectory simulate_momenta(const Model& model, std::span<const double> q, std::
 struct Tolerances {
   double relative = 1e-8, absolute = 1e-10;
   double first_step = 0;  ///< s; if 0, it is chosen automatically
-  /// The longest step, s. If it is 0, the longest step is a fiftieth of the whole time if
-  /// SimulationOptions::drive or prescribed motions act, because a longer step could pass over a short action
-  /// of theirs unnoticed; otherwise the length of steps is not limited.
+  /// The longest step, s. If it is 0, the limit is a fiftieth of the whole time if SimulationOptions::drive
+  /// or prescribed motions act, because a longer step could pass over a short action of theirs unnoticed, and
+  /// in simulate_contact(); otherwise there is no limit.
   double largest_step = 0;
 };
 /// Throws std::invalid_argument if a number is negative or not finite, or if both tolerances are 0.
@@ -180,10 +181,10 @@ void check_tolerances(const Tolerances& tolerances);
 Trajectory simulate(const Model& model, std::span<const double> q, std::span<const double> v, double until,
                     const Tolerances& tolerances = {}, const SimulationOptions& options = {});
 
-/// Integrates with contact as the function of the same name does, in steps that are adapted to tolerances: the
-/// two halves of each step must agree with the whole step as simulate() measures errors, and are taken. A
-/// step through an impact, or in which something begins to stick or to slide, is as short as this needs, but
-/// at least 1e-9 of the motion.
+/// Integrates with contact as the function of the same name does, in steps that are adapted to tolerances.
+/// Each step is computed as a whole and in two halves, which must agree within the tolerances, in the sense
+/// of simulate(); the halves are then taken. A step through an impact, or in which something begins to stick
+/// or to slide, becomes as short as this needs, but not shorter than 1e-9 of the motion.
 Trajectory simulate_contact(const Model& model, std::span<const double> q, std::span<const double> v,
                             double until, const Tolerances& tolerances,
                             const SimulationOptions& options = {});

@@ -4,9 +4,9 @@
 
 namespace axode {
 
-/// The coefficients of an explicit Runge-Kutta method: stage i has the weights a[i] (i numbers) of the stages
-/// before it and the time c[i] in units of the step, and the whole step has the weights b. `error`, unless it
-/// is empty, is b minus the weights of an embedded method.
+/// The coefficients of an explicit Runge-Kutta method (its Butcher tableau): a[i] has the weights of the i
+/// stages before stage i, c[i] is the time of stage i in units of the step, and b has the weights of all
+/// stages. `error`, unless it is empty, is b minus the weights of an embedded method.
 struct Tableau {
   int order = 1;
   std::vector<std::vector<double>> a;

@@ -10,8 +10,8 @@
 
 namespace axode {
 
-/// The reason why a motion ends early, and the time at which it does. As a condition it is false if there is
-/// no failure.
+/// The reason why a motion ends early, and the time at which it does. It converts to false if there is no
+/// failure.
 struct [[nodiscard]] Failure {
   double t = 0;
   std::string why = {};
@@ -37,8 +37,8 @@ class Trajectory {
   std::span<const double> v(std::size_t k) const { return std::span(v_).subspan(k * nv(), nv()); }
   std::span<const double> a(std::size_t k) const { return std::span(a_).subspan(k * nv(), nv()); }
 
-  /// The states x of the drives and their rates x', rows of nx() numbers for each time, and the names of the
-  /// states. They are empty if no drive has states. Units are those of DriveState.
+  /// The states x of the drives and their rates x', one row of nx() numbers for each time, and the names of
+  /// the states. They are empty if no drive has states. Units are those of DriveState.
   std::span<const double> x() const { return x_; }
   std::span<const double> x(std::size_t k) const { return std::span(x_).subspan(k * nx(), nx()); }
   std::span<const double> dx(std::size_t k) const { return std::span(dx_).subspan(k * nx(), nx()); }
@@ -51,12 +51,12 @@ class Trajectory {
   /// std::invalid_argument for a time outside the trajectory and for a wrong size.
   void drive_states_at(double time, std::span<double> x) const;
 
-  /// Interpolates q, v and, unless it is empty, a at a time t (s) on the group: in the step from t_k, q =
-  /// (q_k ⊕ (t - t_k) z) ⊕ x(t). z is the mean velocity of the step for joints of several velocities, and 0
-  /// for the others. x(t) is the quintic with the q, v and a of the step at both ends. A body may turn by any
-  /// angle in a step if z times the length h of the step is right within half a turn. The errors are of order
-  /// h⁶ in q, h⁵ in v and h⁴ in a. Throws std::invalid_argument for a time outside the trajectory and for a
-  /// wrong size.
+  /// Interpolates q, v and, unless it is empty, a at a time t (s) on the group: in the step that starts at
+  /// t_k, q = (q_k ⊕ (t - t_k) z) ⊕ x(t). z is an estimate of the mean velocity of the step for joints of
+  /// several velocities, and 0 for the others. x(t) is the quintic for which q, v and a are right at both
+  /// ends of the step, whose length is h. A body may turn by any angle in a step if the error of h z is less
+  /// than half a turn. The errors are of order h⁶ in q, h⁵ in v and h⁴ in a. Throws std::invalid_argument for
+  /// a time outside the trajectory and for a wrong size.
   void at(double time, std::span<double> q, std::span<double> v, std::span<double> a = {}) const;
 
   /// Appends the state at the end of a step: the time t (s), q, v, a and the drive forces tau, and the states
@@ -64,10 +64,10 @@ class Trajectory {
   void append(double t, std::span<const double> q, std::span<const double> v, std::span<const double> a,
               std::span<const double> tau, std::span<const double> x = {}, std::span<const double> dx = {});
 
-  /// Records a jump at the last end of a step: v, a, x and dx are the values just after it, which v(k), a(k),
-  /// x(k) and dx(k) return from now on. The step before the jump is interpolated with the former v, a and dx,
-  /// but with the new x, which may differ from the former x by rounding alone. An empty x or dx is left
-  /// unchanged.
+  /// Records a jump at the last end of a step: v, a, x and dx are the values just after the jump, which v(k),
+  /// a(k), x(k) and dx(k) of this time return from now on. The step before the jump is interpolated with the
+  /// former v, a and dx, but with the new x, which may differ from the former x by rounding alone. An empty x
+  /// or dx is left unchanged.
   void jump(std::span<const double> v, std::span<const double> a, std::span<const double> x = {},
             std::span<const double> dx = {});
 
@@ -103,15 +103,15 @@ class Trajectory {
   std::vector<PlayEvent> play_events;  ///< in the order of time
 
   /// In absolute coordinates, a number for each end of a step: the largest residual of the constraints by
-  /// joints and loops in positions (rad, m), and that in velocities (rad/s, m/s). The coordinates and
-  /// velocities of the joints do not contain these deviations.
+  /// joints and loops in positions (rad, m), and that in velocities (rad/s, m/s). These deviations cannot be
+  /// seen in the coordinates and velocities of the joints.
   std::vector<double> position_residuals, velocity_residuals;
   /// In absolute coordinates, a number for each end of a step: the kinetic energy of all bodies plus their
   /// potential energy of gravity, J.
   std::vector<double> body_energies;
 
-  /// For each step of a motion with contact: the residual of the laws of contact as a part of the motion, see
-  /// certificate(). Rounding is about 1e-12.
+  /// For each step of a motion with contact, a number that says how exactly the laws of contact hold: the
+  /// residual of these laws as a part of the motion, see certificate(). Rounding is about 1e-12.
   std::vector<double> certificates;
   /// In a motion with contact: the names of the collision shapes. The shape numbers of contacts are indices
   /// of this list.
@@ -136,8 +136,9 @@ class Trajectory {
   };
   std::span<const double> v_before(std::size_t k) const;
   std::span<const double> a_before(std::size_t k) const;
-  /// The step in which a time (s) lies: the index k of the state at its start, or of the last state. Throws
-  /// std::invalid_argument for a time outside the trajectory.
+  /// The index of the step in which a time (s) lies: the index k of the state at the start of the step, or of
+  /// the last state if the time is that of the last state. Throws std::invalid_argument for a time outside
+  /// the trajectory.
   std::size_t step_at(double time) const;
 
   Model model_;

@@ -49,8 +49,8 @@ constexpr Vec3<T> apply(const ScrewOperator<T>& P, const Vec3<T>& xi, const Vec3
 
 namespace series {
 
-/// For s = θ² below this radius the closed forms of the coefficients and their derivatives lose digits by
-/// cancellation, and power series in s are used.
+/// For s = θ² below this number, with the angle θ, the closed forms of the coefficients and their derivatives
+/// lose digits by cancellation, and power series in s are used.
 inline constexpr double radius = 1.0;
 inline constexpr std::size_t terms = 15;
 using Coefficients = std::array<double, terms>;

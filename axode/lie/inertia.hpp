@@ -116,7 +116,7 @@ struct EigenvalueRange {
 };
 EigenvalueRange eigenvalue_range(const Sym3<double>& A);
 
-/// Measures whether a mass distribution can have the inertia M. Returns the smallest eigenvalue of Binet's
+/// Measures whether any mass distribution can have the inertia M. Returns the smallest eigenvalue of Binet's
 /// tensor about the centre of mass, divided by the largest principal moment. If the result is >= 0, there is
 /// a mass distribution with this inertia. If all principal moments are positive, the result is at least -0.5.
 /// A negative eigenvalue within the rounding of Θ counts as 0. The mass must be positive.

@@ -2,9 +2,10 @@
 #include "axode/lie/inertia.hpp"
 #include "axode/lie/representation_change.hpp"
 
-/// The Newton-Euler equations of one rigid body, in every representation: the resultant wrench W that gives a
-/// body with inertia M and twist V the acceleration V'. The body frame may be any frame that moves with the
-/// body; if its origin is the centre of mass, the first moment h of M is 0.
+/// The Newton-Euler equations of one rigid body, for body-fixed, spatial, hybrid and mixed twists and for
+/// twists in two frames: the resultant wrench W that gives a body with inertia M and twist V the acceleration
+/// V'. The body frame may be any frame that moves with the body; if its origin is the centre of mass, the
+/// first moment h of M is 0.
 namespace axode {
 
 /// The wrench that a body needs to keep its body-fixed or spatial twist V: the terms -ad_Vᵀ M V of the
@@ -13,8 +14,8 @@ template <AtFrameOrigin Rep, class T>
 constexpr Wrench<Rep, T> velocity_wrench(const Inertia<T>& M, const Twist<Rep, T>& V) {
   return coad(V, M * V);
 }
-/// The wrench that a body needs to keep its hybrid twist V: ad_ω M (ω; 0), with the inertia M about the
-/// origin of the body in inertial axes.
+/// The wrench that a body needs to keep its hybrid twist V: ad_ω M (ω; 0), with the angular velocity ω and
+/// the inertia M about the origin of the body frame in inertial axes.
 template <class T>
 constexpr Wrench<Hybrid, T> velocity_wrench(const Inertia<T>& M, const Twist<Hybrid, T>& V) {
   const ScrewOperationScope<T> scope(ScrewOperation::bracket);
@@ -31,7 +32,7 @@ constexpr Wrench<Mixed, T> velocity_wrench(const Inertia<T>& M, const SO3<T>& R,
 
 /// The Newton-Euler equations. In body-fixed and spatial twists W = M V' - ad_Vᵀ M V (eqs. NEs, NEb, NEb0),
 /// with M in the frame of V. In hybrid twists W^h = M^h V'^h + ad_ω M^h (ω; 0) (eqs. NEh, NEh0), with the
-/// inertia M^h = Ad_R⁻ᵀ M^b Ad_R⁻¹ in inertial axes.
+/// angular velocity ω and the inertia M^h = Ad_R⁻ᵀ M^b Ad_R⁻¹ in inertial axes.
 template <class Rep, class T>
   requires(AtFrameOrigin<Rep> || std::same_as<Rep, Hybrid>)
 constexpr Wrench<Rep, T> newton_euler(const Inertia<T>& M, const Twist<Rep, T>& V,
@@ -71,10 +72,11 @@ constexpr Wrench<Mixed, T> newton_euler(const CentralInertia<T>& M, const SO3<T>
   return {M.Theta * dV.w + cross(V.w, M.Theta * V.w), M.m * dV.v};
 }
 
-/// The Newton-Euler equations measured at F_j and resolved in F_k (eqs. NEij, NE (j,k) with erratum 19): W =
-/// M (V' + (ad_{V_j} + ad_{ω_k - ω_j}) V) - ad_Vᵀ M V, with the inertia M = ^kM_i^j about the origin of F_j
-/// in the axes of F_k. Of the motion of F_j and F_k the equations need only the velocity of the origin of F_j
-/// and the angular velocity of F_k.
+/// The Newton-Euler equations for twists that are measured at the origin of a frame F_j and resolved in the
+/// axes of a frame F_k (eqs. NEij, NE (j,k) with erratum 19): W = M (V' + (ad_{V_j} + ad_{ω_k - ω_j}) V) -
+/// ad_Vᵀ M V, with the inertia M = ^kM_i^j about the origin of F_j in the axes of F_k, the twist V_j of F_j,
+/// and the angular velocities ω_j and ω_k of the frames. Of the motion of the frames the equations need only
+/// the velocity of the origin of F_j and the angular velocity of F_k.
 template <class T>
 constexpr Wrench<InFrames, T> newton_euler(const Inertia<T>& M, const FramePair<T>& jk,
                                            const Twist<InFrames, T>& V, const TwistRate<InFrames, T>& dV) {
@@ -85,7 +87,7 @@ constexpr Wrench<InFrames, T> newton_euler(const Inertia<T>& M, const FramePair<
          Wrench<InFrames, T>{cross(V.w, Pi.l) + cross(V.v, Pi.p), cross(V.w, Pi.p)};
 }
 
-/// ^kM_i^j: the inertia of a body with pose C, measured at the origin of F_j and resolved in F_k
+/// ^kM_i^j: the inertia of a body with pose C, about the origin of a frame F_j and in the axes of a frame F_k
 /// (erratum 20). M is the inertia in the body frame.
 template <class T>
 constexpr Inertia<T> inertia_in_frames(const FramePair<T>& jk, const SE3<T>& C, const Inertia<T>& M) {
@@ -106,8 +108,8 @@ constexpr Wrench<Rep, T> wrench(const SE3<T>& C, const Inertia<T>& M, const Twis
   else
     return newton_euler(M, C.R, V, dV);
 }
-/// The resultant wrench on a body from its twist V and the rate V', measured at F_j and resolved in F_k. The
-/// body has the pose C, and M is its inertia in the body frame.
+/// The resultant wrench on a body from its twist V and the rate V', all measured at the origin of a frame F_j
+/// and resolved in the axes of a frame F_k. The body has the pose C, and M is its inertia in the body frame.
 template <class T>
 constexpr Wrench<InFrames, T> wrench(const SE3<T>& C, const Inertia<T>& M, const FramePair<T>& jk,
                                      const Twist<InFrames, T>& V, const TwistRate<InFrames, T>& dV) {
@@ -122,7 +124,8 @@ template <class T> constexpr Sym3<T> inverse(const Sym3<T>& A) {
           i * xz, i * (A.xy * A.xz - A.xx * A.yz)};
 }
 
-/// The twist rate V' = M⁻¹ W, solved about the centre of mass. The mass must not be 0, and the rotational
+/// The twist rate M⁻¹ W, computed about the centre of mass: the rate V' of a body with inertia M under the
+/// wrench W from which the terms without V' have been subtracted. The mass must not be 0, and the rotational
 /// inertia about the centre of mass must not be singular.
 template <class Rep, class T>
 constexpr TwistRate<Rep, T> solve(const Inertia<T>& M, const Wrench<Rep, T>& W) {
@@ -139,8 +142,9 @@ constexpr TwistRate<Rep, T> acceleration(const SE3<T>& C, const Inertia<T>& M, c
   const Twist<BodyFixed, T> V_b = change<BodyFixed>(C, V);
   return change<Rep>(C, V_b, solve(M, change<BodyFixed>(C, W) - coad(V_b, M * V_b)));
 }
-/// The rate V' of the twist V of a body under the resultant wrench W, all measured at F_j and resolved in
-/// F_k. The body has the pose C, and M is its inertia in the body frame.
+/// The rate V' of the twist V of a body under the resultant wrench W, all measured at the origin of a frame
+/// F_j and resolved in the axes of a frame F_k. The body has the pose C, and M is its inertia in the body
+/// frame.
 template <class T>
 constexpr TwistRate<InFrames, T> acceleration(const SE3<T>& C, const Inertia<T>& M, const FramePair<T>& jk,
                                               const Twist<InFrames, T>& V, const Wrench<InFrames, T>& W) {

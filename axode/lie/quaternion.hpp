@@ -34,8 +34,8 @@ template <class T> constexpr SO3<T> rotation(const Quaternion<T>& a) {
           {xz + wy, yz - wx, T(1) - xx - yy}};
 }
 
-/// The unit quaternion of a rotation matrix with w >= 0, computed from its largest component
-/// (Shepperd 1978).
+/// The unit quaternion with w >= 0 of a rotation matrix. Its largest component is computed first, and the
+/// others from that one (Shepperd 1978).
 template <class T> constexpr Quaternion<T> quaternion(const SO3<T>& R) {
   const T xx = R.x.x, yy = R.y.y, zz = R.z.z;
   const T wx = R.y.z - R.z.y, wy = R.z.x - R.x.z, wz = R.x.y - R.y.x;  // 4wx, 4wy, 4wz

@@ -190,8 +190,9 @@ template <class T> constexpr Twist<InFrames, T> change(const FramePair<T>& jk, c
 template <class T> constexpr Twist<Spatial, T> change(const FramePair<T>& jk, const Twist<InFrames, T>& V) {
   return twist<Spatial>(Ad(jk.pose(), Screw<T>{V.w, V.v}));
 }
-/// The rate of the twist ^kV_i^j, measured at F_j and resolved in F_k, from the spatial twist V and its rate.
-/// It includes the effect of the motion of F_j and F_k (erratum 19).
+/// The rate of the twist ^kV_i^j of a body, measured at the origin of F_j and resolved in the axes of F_k,
+/// from its spatial twist V and the rate of V. It includes the effect of the motion of F_j and F_k (erratum
+/// 19).
 template <class T>
 constexpr TwistRate<InFrames, T> change(const FramePair<T>& jk, const Twist<Spatial, T>& V,
                                         const TwistRate<Spatial, T>& dV) {

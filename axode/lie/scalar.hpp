@@ -3,8 +3,8 @@
 #include <concepts>
 #include <limits>
 
-/// The kernels of this library are written for any scalar T closed under + - * /, sqrt, sin, cos, atan2 and
-/// select. double and float are such scalars; axode/scalar/ has more.
+/// The kernels of this library are written for any type of numbers T closed under + - * /, sqrt, sin, cos,
+/// atan2 and select. double and float are such types; axode/scalar/ has more.
 namespace axode {
 
 using std::abs;

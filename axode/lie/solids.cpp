@@ -45,8 +45,8 @@ void check_closed(std::span<const Vec3<>> vertices, std::span<const std::array<i
   }
 }
 
-/// Volume, first and second moments about a point of the solid that a closed mesh encloses. They are sums
-/// over the tetrahedra that this point forms with the faces.
+/// The volume of the solid that a closed mesh encloses, and its first and second moments about a given point.
+/// They are sums over the tetrahedra that this point forms with the faces.
 struct Moments {
   double volume = 0;
   Vec3<> first;
@@ -69,8 +69,8 @@ Moments moments(std::span<const Vec3<>> vertices, std::span<const std::array<int
   return sum;
 }
 
-/// The moments about the first vertex of a mesh. Throws std::invalid_argument if a vertex is not finite, if
-/// the mesh is not closed, or if its volume is not positive.
+/// The moments about the first vertex of a mesh. Throws std::invalid_argument as check_closed() does, and if
+/// the volume is not positive.
 Moments checked_moments(std::span<const Vec3<>> vertices, std::span<const std::array<int, 3>> faces) {
   check_closed(vertices, faces);
   const Moments sum = moments(vertices, faces, vertices.empty() ? Vec3<>{} : vertices[0]);

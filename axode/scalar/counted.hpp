@@ -7,8 +7,8 @@
 
 namespace axode {
 
-/// Counts of arithmetic operations by kind, and counts of the operations on screws (see ScrewOperation) that
-/// consist of them.
+/// Counts of arithmetic operations by kind, and counts of operations on whole screws and inertias (see
+/// ScrewOperation), which consist of the former.
 struct Operations {
   long products = 0, sums = 0, divisions = 0, roots = 0, angles = 0;  ///< angles: sin, cos, atan2
   std::array<long, n_screw_operations> screws{};

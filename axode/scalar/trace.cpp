@@ -12,8 +12,9 @@ thread_local Tape* current = nullptr;
 
 using Operation = Tape::Operation;
 
-/// A sum of two factors counts as 0 if it is below this part of the larger factor: factors that should cancel
-/// do not add up to exactly 0, because constants carry rounding errors.
+/// A Trace is a constant factor times a number on the tape. A sum of two such factors counts as 0 if it is at
+/// most this part of the larger one: factors that should cancel may not add up to exactly 0, because
+/// constants carry rounding errors.
 constexpr double rounding = 0x1p-50;
 double sum_of_factors(double a, double b) {
   const double sum = a + b;
@@ -61,8 +62,8 @@ int Tape::scaled(const Trace& a) {
   return a.node() != 0 && a.factor() == 1 ? a.node() : record({Operation::scale, a.node(), 0, 0, a.factor()});
 }
 
-/// The product of two nodes. If one of them is a reciprocal 1/d and the other is d or a product with the
-/// factor d, then d cancels.
+/// The product of two nodes (recorded operations). If one of them is a reciprocal 1/d and the other is d or a
+/// product with the factor d, then d cancels.
 Trace Tape::product(int a, int b) {
   for (const auto& [x, y] : {std::pair(a, b), std::pair(b, a)}) {
     if (at(x).operation != Operation::reciprocal) continue;

@@ -17,8 +17,9 @@ class Tape;
 /// folded result is right for all finite numbers, and equal to the result of the operations up to rounding.
 class Trace {
  public:
-  /// A truth value that is not known before the recorded program runs. select() takes it as an argument, but
-  /// a C++ branch cannot depend on it. If is_constant(), it is known, and constant() is its value.
+  /// The result of a comparison of Traces. If is_constant(), it does not depend on the inputs, and constant()
+  /// is its value. Otherwise it is not known until the recorded program runs; select() takes it as an
+  /// argument, but a C++ branch cannot depend on it.
   class Condition {
    public:
     Condition() = default;

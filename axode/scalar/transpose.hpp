@@ -6,8 +6,8 @@
 
 namespace axode {
 
-/// Shuffles two batches: lane l of the result is lane order[l] of a, or lane order[l] - N of b if
-/// order[l] >= N.
+/// Takes N of the 2 N lanes of two batches: lane l of the result is lane order[l] of a, or lane order[l] - N
+/// of b if order[l] >= N.
 template <class S, std::size_t N, std::size_t... order>
 Batch<S, N> pick(const Batch<S, N>& a, const Batch<S, N>& b, std::index_sequence<order...>) {
 #if defined(__clang__)

@@ -32,21 +32,21 @@ struct HydraulicCylinder {
     x[2] = at.u;
   }
 
-  /// The root φ(p) = p/(p² + p_smooth²)^(1/4) of a pressure difference p: about √|p| with the sign of p, and
-  /// smooth at p = 0.
+  /// φ(p) = p/(p² + p_smooth²)^(1/4), to which the flow through a valve at the pressure difference p is
+  /// proportional: about √|p| with the sign of p, but smooth at p = 0.
   template <class T> T root(const T& p) const {
     using std::sqrt;
     return p / sqrt(sqrt(p * p + T(p_smooth * p_smooth)));
   }
-  /// The power Π(p) = β (exp(p/β) - 1) that a unit of flow carries at the pressure p: the pressure itself,
-  /// and the energy of the compressed oil (D17.17).
+  /// The power Π(p) = β (exp(p/β) - 1) that a unit of flow carries at the pressure p, with the bulk modulus β
+  /// of the oil: the pressure itself, and the energy of the compressed oil (D17.17).
   template <class T> T power_per_flow(const T& p) const {
     using std::exp;
     return T(beta) * (exp(p * T(1 / beta)) - T(1));
   }
 
-  /// The rate of the pressure in a chamber for a unit of flow into it, β/volume (Pa/m³); NaN if the chamber
-  /// has no volume.
+  /// The rate of the pressure in a chamber for a unit of flow into it: the bulk modulus β of the oil over the
+  /// volume (Pa/m³); NaN if the chamber has no volume.
   template <class T> T stiffness(const T& volume) const {
     return volume > T(0) ? T(beta) / volume : T(std::numeric_limits<double>::quiet_NaN());
   }

@@ -21,8 +21,8 @@ namespace axode::fmi {
 /// The status that an interface function returns to the master, with the numbers of the FMI standard.
 enum Status : int { ok, warning, discard, error, fatal };
 
-/// An instance with its log function. The pointer that a master receives as its instance points to a
-/// Component.
+/// An instance of an FMU with the log function of the master, the importing program. The pointer that a
+/// master receives as its instance points to a Component.
 struct Component {
   std::unique_ptr<Instance> instance;
   std::function<void(Status, const char*)> log;
@@ -48,8 +48,8 @@ template <class F> Status guarded(void* component, const F& f) noexcept {
     return failed(its, error, fault.what());
   }
 }
-/// Returns the status of a function of the standard that mechanisms do not support: `error`, with a message
-/// in the log.
+/// Returns the status of a function of the FMI standard that FMUs of mechanisms do not support: `error`, with
+/// a message in the log.
 inline Status unsupported(void* component, const char* function) noexcept {
   return guarded(component,
                  [&](Instance&) { throw std::runtime_error(std::string(function) + " is not supported"); });
@@ -69,8 +69,8 @@ inline std::string contents(const std::filesystem::path& file) {
   return {std::istreambuf_iterator<char>(in), {}};
 }
 
-/// Makes an instance from the files in the folder `resources`. If the token is not that of these files, or if
-/// the instance cannot be made, logs the reason and returns null.
+/// Makes an instance from the files in the folder `resources`. If `token` is not the hash of these files, or
+/// if the instance cannot be made, logs the reason and returns null.
 inline void* make_component(Kind kind, const char* token, const std::filesystem::path& resources,
                             std::function<void(Status, const char*)> log) noexcept {
   Component made{nullptr, std::move(log)};

@@ -6,8 +6,8 @@
 
 namespace axode {
 
-/// A step of ContactStep, or a part of a step that was repeated in several parts: its states, its impulses
-/// and its decisions, from which ContactStepDerivative computes the derivative.
+/// A step with contact, or one part of a step that was repeated in several parts: what ContactStepDerivative
+/// needs for its derivative, which are the states, the impulses, and which contacts slide and bounce.
 struct ContactPart {
   using Vector = Eigen::VectorXd;
   /// The distance of a joint from a stop (rad or m) up to which the stop counts as closed at the end of a

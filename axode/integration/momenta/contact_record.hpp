@@ -21,9 +21,10 @@ class ContactRecord {
   /// Sets the points of contact at the end of the step, or of a part of it, to `found`. A point that has
   /// received an impulse and is not in `found` stays where it was.
   void locate(std::span<const Contact> found);
-  /// Adds the impulses of contacts, whose rows are the first blocks of `problem` in the order of `contacts`;
-  /// `lambda` are the multipliers of all rows, see add_impulse(). The branch of a contact (stick or slide) is
-  /// that of its last impulse, which the velocities u of the rows decide, compared with the norm of all
+  /// Adds the impulses of `contacts`, which are the first blocks of `problem`, in the same order. `lambda`
+  /// are the multipliers of all rows of the problem, see add_impulse(), and u the velocities along its rows
+  /// after the impulses. The last impulse of a contact decides whether it counts as sticking or sliding: it
+  /// sticks if its sliding velocity is a rounding error compared with velocity_norm, the norm of all
   /// velocities.
   void add(const VelocityProblem& problem, std::span<const Contact> contacts, const double* lambda,
            const double* u, double velocity_norm);

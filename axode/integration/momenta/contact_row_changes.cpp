@@ -1,7 +1,7 @@
 #include "axode/integration/momenta/contact_step_derivative.hpp"
 
-/// The functions of ContactStepDerivative for the rows of impulses of contacts and loops, and their changes
-/// along directions.
+/// The functions of ContactStepDerivative for the rows of the Jacobian by which contacts and loops act, and
+/// for the changes of these rows along directions.
 namespace axode {
 namespace {
 

@@ -15,8 +15,8 @@
 
 namespace axode {
 
-/// Changes of drive forces and of the surfaces of shapes along k directions, a
-/// column for each direction. `tau` has nv rows. The other matrices have a row
+/// The directions along which a step with contact is differentiated: changes of drive forces and of the
+/// surfaces of shapes, a column for each of k directions. `tau` has nv rows. The other matrices have a row
 /// for each of the ContactShapes, or are empty if surfaces do not change.
 struct ContactDirections {
   Eigen::MatrixXd tau;          ///< drive forces, nv × k
@@ -26,10 +26,9 @@ struct ContactDirections {
                                 ///< sphere, height of a plane
 };
 
-/// The derivative of a step with contact by implicit differentiation of its
-/// equations at their solution (D11.19 to D11.23), along k directions that are
-/// propagated together. Which contacts touch, stick, slide or bounce does not
-/// change along the directions. An object is the scratch memory of one thread.
+/// The derivative of a step with contact by implicit differentiation of its equations at their solution
+/// (D11.19 to D11.23), along k directions that are propagated together. Which contacts touch, stick, slide or
+/// bounce is taken as unchanged along the directions. An object is the scratch memory of one thread.
 class ContactStepDerivative {
  public:
   using Vector = Eigen::VectorXd;
@@ -39,12 +38,11 @@ class ContactStepDerivative {
   /// of joints acted in the step. Allocates.
   ContactStepDerivative(const Model& model, const ContactShapes& shapes, bool dry_friction, bool damping);
 
-  /// Replaces the changes dq, dv (nv × k) of the state at the start of a part
-  /// of a step by the changes at its end, along directions in which drive
-  /// forces and surfaces may also change. dq is left-trivialised. Returns false
-  /// if the points of a contact have no closed form; then why() says which.
-  /// Allocates. It takes O(n k + nv² k + rows³) for the rows of contacts,
-  /// stops, dry joints and loops.
+  /// Replaces the changes dq, dv (nv × k) of the state at the start of a part of a step by the changes at its
+  /// end, along directions in which drive forces and surfaces may also change. dq is left-trivialised.
+  /// Returns false if the points of a contact have no formula that can be differentiated; then why() says
+  /// which. Allocates. It takes O(n k + nv² k + m³) for m scalar constraints by contacts, stops, dry joints
+  /// and loops.
   bool run(const ContactPart& part, Matrix& dq, Matrix& dv, const ContactDirections& directions);
 
   const std::string& why() const { return why_; }
@@ -54,9 +52,8 @@ class ContactStepDerivative {
   bool unique = true, at_kink = false;
 
  private:
-  /// The momenta M v and the forces ∂L/∂q of the kinetic energy L, at a state
-  /// (q, v): M, its factor, and the derivatives of M v by q and of ∂L/∂q by q
-  /// and v (nv × nv each).
+  /// At a state (q, v): the mass matrix M, its factor, the derivative Mv_q of the momenta M v by q, and the
+  /// derivatives F_q and F_v of F = ∂L/∂q by q and v, with the kinetic energy L (nv × nv each).
   struct Momenta {
     Matrix M, Mv_q, F_q, F_v;
     Eigen::LLT<Matrix> factor;
@@ -72,9 +69,9 @@ class ContactStepDerivative {
     Vec3<> u;
     Eigen::Matrix3Xd du;
   };
-  /// The rows of the contacts in one configuration and how they change: for
-  /// each contact its ContactJet, whether it was found there, its changes, its
-  /// axes and the changes of its axes.
+  /// The contacts in one configuration and how they change along the directions. For each contact: its point,
+  /// normal and gap with their derivatives (ContactJet), whether it was found in this configuration, its
+  /// changes, its axes, and the changes of its axes.
   struct Rows {
     std::vector<ContactJet> jets = {};
     std::vector<char> found = {};
@@ -82,16 +79,17 @@ class ContactStepDerivative {
     std::vector<ContactFrame> axes = {};
     std::vector<FrameChanges> daxes = {};
   };
-  /// The rows J (rows × nv) of the impulses at one end of a part, their factors
-  /// c and their multipliers. Impulses are Jᵀ physical().
+  /// The impulses at one end of a part of a step: the Jacobian J of the constraints, whose rows belong to
+  /// contacts, stops, dry joints and loops; a factor c for each row, by which its multiplier is scaled; and
+  /// the multipliers. The joint impulses are Jᵀ physical().
   struct Impulses {
     Matrix J;
     Vector c, lambda;  ///< λ in scaled rows
     Vector physical() const { return c.cwiseProduct(lambda); }
   };
 
-  /// The start of a part of a step. Changes have k columns along the
-  /// directions, and then one for each multiplier.
+  /// The start of a part of a step. Matrices of changes have k columns along the directions, and then one
+  /// along each multiplier of the impulses at the start.
   struct Start {
     Eigen::Index k = 0;
     Matrix dq, dv, dtau, friction;
@@ -119,13 +117,12 @@ class ContactStepDerivative {
   /// the sum of their squared norms.
   static double mass_norm(const Matrix& M, const Matrix& x);
   void take_momenta(const Vector& q, const Vector& v, Momenta& out);
-  /// Finds the ContactJets of contacts at the poses of motion_, and how the
-  /// contacts change along its directions. `margin` is the gap up to which a
-  /// contact is found. Returns false if a contact has no closed form.
+  /// Finds the points, normals and gaps of contacts at the poses of motion_, and how they change along its
+  /// directions. `margin` is the gap up to which a contact is found. Returns false if a contact has no
+  /// formula that can be differentiated.
   bool find(const std::vector<Contact>& contacts, double margin, Rows& out);
-  /// Changes of the factors c of the rows of contacts (rows × k), if the
-  /// coefficients of sliding friction of the shapes change by `friction`. c is
-  /// the coefficient of friction in friction rows.
+  /// Changes (rows × k) of the factors c by which the multipliers are scaled, if the coefficients of sliding
+  /// friction of the shapes change by `friction`. For a row of friction, c is the coefficient of friction.
   Matrix coefficient_changes(const std::vector<Contact>& contacts, Eigen::Index rows,
                              const Matrix& friction) const;
   /// Changes of the restitution of a contact (1 × k) by those of its shapes.
@@ -133,17 +130,17 @@ class ContactStepDerivative {
   void set_axes(const std::vector<Contact>& contacts, Rows& out);
   Impulses set_rows(const Vector& q, const std::vector<Contact>& contacts, double h, double stop_margin,
                     const std::vector<double>& lambda);
-  /// Changes of the impulses Jᵀ λ (nv × k) for constant λ, which `physical`
-  /// has.
+  /// Changes (nv × k) of the joint impulses Jᵀ λ along the directions for constant multipliers λ =
+  /// `physical`; J is the Jacobian of the constraints.
   Matrix impulse_changes(const Vector& q, const Rows& rows, const Vector& physical, const Matrix& dq);
-  /// Changes of the row velocities J x (rows × k) for constant velocities x,
-  /// and J x in `u`. motion_ must have run at (q, x).
+  /// Changes (rows × k) of J x along the directions for constant velocities x, with the Jacobian J of the
+  /// constraints; writes J x to `u`. motion_ must have run at (q, x).
   Matrix velocity_changes(const Vector& q, const Vector& x, const Rows& rows, const Matrix& dq, Vector& u);
   void begin_bases(const ContactPart& part, const Vector& v_a, const Matrix& M, const Matrix& dq,
                    const Matrix& dp);
-  /// Changes of the velocities of loop rows (loop rows × k) that the step
-  /// predicts in the linear problem at its start. They determine the impulses
-  /// of those rows that have no residual, as rolling contacts have.
+  /// Changes (loop rows × k) of the velocities along the rows of the loops that the linear problem at the
+  /// start of the step predicts. They determine the impulses of rolling contacts, whose rows have no residual
+  /// in positions.
   Matrix rolling_changes(const ContactPart& part, const Rows& start, const Impulses& first, const Matrix& dp,
                          const Matrix& dq, const Matrix& dv);
   Matrix Ad_transpose(const Vector& y, Matrix x) const;

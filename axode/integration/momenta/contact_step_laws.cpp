@@ -10,8 +10,9 @@ std::size_t index(Eigen::Index k) { return static_cast<std::size_t>(k); }
 
 }  // namespace
 
-/// Gives each compliant contact at the start the compliance of a tangent to its mean force, as a function of
-/// the gap at the end of the last free motion (D11.26).
+/// Linearises the forces of compliant contacts at the start of the step. The mean force of a contact over the
+/// step is a function of its gap at the end of the step; the compliance of its tangent is taken at the gap
+/// after the last free motion (D11.26).
 void ContactStep::set_compliances(double h) {
   // A softer contact converges as quickly with a compliance of this many times that of the masses.
   constexpr double softest = 1e3;
@@ -77,8 +78,8 @@ void ContactStep::set_r_of_start(double h, bool choose) {
     if (problem.moves(k)) set(k, openings_[k - first] / h - (system.has_residual(k) ? u[k] : 0));
 }
 
-/// The largest displacement by which a contact that changes its sliding by half or more may be off its law: it
-/// begins to stick at an unknown time within the step.
+/// The largest displacement (m) by which the end of the step may be wrong because a contact, which must have
+/// changed its sliding velocity by at least half, began to stick at an unknown time within the step.
 double ContactStep::unresolved_slip(double h) const {
   double most = 0;
   const VelocityProblem& problem = start_.system.problem();

@@ -64,8 +64,8 @@ Matrix ContactStepDerivative::turn_of(const Vector& y, const Vector& p, bool Ad)
   return by_y;
 }
 
-/// Sets up the floating bases of a part: the linear momentum of a base gives the velocity u of its moving
-/// frame, and the change of the momentum that of u.
+/// Sets up the floating bases of a part of a step: computes the velocity u of the moving frame of each base
+/// from its linear momentum, and the change of u from that of the momentum.
 void ContactStepDerivative::begin_bases(const ContactPart& part, const Vector& v_a, const Matrix& M,
                                         const Matrix& dq, const Matrix& dp) {
   bases_.clear();
@@ -93,8 +93,8 @@ Vector ContactStepDerivative::frame_velocity(double t) const {
   return e;
 }
 
-/// Adds to dq the changes of the positions of the moving frames at `time` after the start, times of_place,
-/// and to dv those of their velocities, times of_velocity.
+/// Adds the changes of the moving frames at `time` after the start of the part: those of their positions,
+/// multiplied by of_place, to dq, and those of their velocities, multiplied by of_velocity, to dv.
 void ContactStepDerivative::add_frame_changes(double time, double of_place, double of_velocity,
                                               const Matrix& dq_moving, Matrix* dq, Matrix* dv) const {
   const Vector e = frame_velocity(time);
@@ -127,9 +127,10 @@ Matrix ContactStepDerivative::rolling_changes(const ContactPart& part, const Row
   return du.bottomRows(model_.loops().rows);
 }
 
-/// Computes the derivatives f_q and f_v of the forces f = F - ad_vᵀ M v + ... in the middle, with F = ∂L/∂q
-/// of the kinetic energy, by position and velocity in the moving frames. Adds to df their changes with the
-/// moving frames.
+/// Computes, in the middle of a part of a step, the derivatives f_q and f_v by q and v of the forces that
+/// change the momenta relative to the moving frames: ∂T/∂q - ad_vᵀ M v of the kinetic energy T, and the
+/// forces of gravity, springs and damping. Adds to df the changes of the spring forces by the motion of the
+/// frames.
 void ContactStepDerivative::take_forces(const ContactPart& part, const Momenta& at_m, const Vector& v_m,
                                         Matrix& f_q, Matrix& f_v, Matrix& df) {
   const double h = part.h;

@@ -62,9 +62,10 @@ class ContactMotion {
     return std::move(run_.trajectory);
   }
 
-  /// Takes two halves of a step if they agree with the whole step, and a shorter step otherwise. A step that
-  /// is shorter than a part `least` of the motion is taken in any case: where two solutions of the law lie
-  /// next to each other, the halves may find another one than the whole.
+  /// Integrates in adaptive steps: computes each step as a whole and in two halves, and takes the halves if
+  /// both agree; otherwise tries a shorter step. A step that is not longer than `least` times the whole
+  /// motion is taken in any case: where the laws of contact have two solutions close together, the halves may
+  /// find another one than the whole step.
   Trajectory within(const Tolerances& tolerances) {
     constexpr double first = 1e-3, least = 1e-9, order = 3;
     const double longest = tolerances.largest_step > 0 ? tolerances.largest_step : until_ / 50;
@@ -128,8 +129,9 @@ class ContactMotion {
     run_.trajectory.set_contacts(step.forces);
     return {};
   }
-  /// The root mean square of the differences between a whole step and its halves, as multiples of the
-  /// tolerances, or a slip that the halves do not resolve if it is larger: both may agree on it.
+  /// The error of a step as a multiple of the tolerances: the root mean square of the differences between the
+  /// whole step and its halves or, if it is larger, `unresolved`, an error by slip on which whole and halves
+  /// may agree.
   double difference(const Computed& whole, const Computed& halves, double unresolved,
                     const Tolerances& tolerances) {
     const auto nv = static_cast<std::size_t>(whole.v.size());

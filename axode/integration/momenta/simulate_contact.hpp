@@ -4,9 +4,9 @@
 
 namespace axode {
 
-/// Simulates a motion as simulate_contact() of simulation.hpp does, but with given collision shapes, for
-/// example with hulls of meshes: `ContactShapes(model, hull_of_mesh)`. The shapes must be those of the model,
-/// otherwise std::invalid_argument is thrown.
+/// Simulates a motion with contact as simulate_contact() of simulation.hpp does, but with given collision
+/// shapes, for example convex hulls of meshes: `ContactShapes(model, hull_of_mesh)`. The shapes must be those
+/// of the model, otherwise std::invalid_argument is thrown.
 Trajectory simulate_contact(const Model& model, const ContactShapes& shapes, std::span<const double> q,
                             std::span<const double> v, double until, double step,
                             const SimulationOptions& options = {});

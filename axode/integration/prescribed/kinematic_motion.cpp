@@ -23,8 +23,8 @@ constexpr double converged = 1e-13;
 constexpr int most_iterations = 12;
 /// The longest displacement of a joint in one step, rad or m.
 constexpr double longest = 0.5;
-/// The ratio to a predicted displacement up to which Newton's method may correct it; a larger correction
-/// would lead to another branch of configurations.
+/// Newton's method may correct a predicted displacement by at most this part of it; a larger correction would
+/// lead to another branch of configurations.
 constexpr double most_corrected = 0.2;
 /// The shortest step in time, relative to the whole time.
 constexpr double shortest = 1e-11;
@@ -101,9 +101,9 @@ class KinematicSolver {
   /// The number of velocities that loops and motions leave undetermined, at the last differentiate().
   Eigen::Index freedom() const { return freedom_; }
 
-  /// Moves `at` to a later time t, in as many steps as needed. `whole` is the duration of the whole motion.
-  /// Returns false if the monitor ends the motion or if t cannot be reached; `at` is then the last instant
-  /// that was reached.
+  /// Advances the state `at` to a later time t, in as many steps as needed. `whole` is the duration of the
+  /// whole motion. `monitor`, a function of the caller, is called before every step. Returns false if it
+  /// returns false or if t cannot be reached; `at` is then the last state that was reached.
   bool go(double t, double whole, const std::function<bool()>& monitor, Instant& at) {
     double h = t - at.t;
     while (at.t < t) {

@@ -18,16 +18,16 @@ struct KinematicMotion {
   std::string stop_reason;            ///< why the motion ended early, in a sentence; or empty
 };
 
-/// Computes the motion of a mechanism whose mobility is used up by prescribed motions: those of the model and
-/// those in `motions`. Positions are computed by Newton's method, and velocities, accelerations and jerks
-/// from one factorisation of the rows of loops and motions (D12.5). The motion begins near q at the first of
-/// the times (s), which increase, and remains on the branch of configurations on which it begins. If the
-/// motions cannot be followed to the last time, the result ends at the last state that was reached and
-/// contains the reason. Masses, springs and forces have no effect. Throws std::invalid_argument if q is not
-/// near a configuration that closes the loops and follows the motions, if the motions leave a velocity of the
-/// mechanism undetermined, for q or times that are not finite, and for times that do not increase. The
-/// monitor is called before every step; if it returns false, the result ends there. Allocates; O(m nv²) for
-/// each time with m rows.
+/// Computes the motion of a mechanism whose degrees of freedom are all determined by prescribed motions:
+/// those of the model and those in `motions`. Positions are computed by Newton's method, and velocities,
+/// accelerations and jerks from one factorisation of the Jacobian of loops and motions (D12.5). The motion
+/// begins near q at the first of the times (s), which increase, and remains on the branch of configurations
+/// on which it begins. If the motions cannot be followed to the last time, the result ends at the last state
+/// that was reached and contains the reason. Masses, springs and forces have no effect. Throws
+/// std::invalid_argument if q is not near a configuration that closes the loops and follows the motions, if
+/// the motions leave a velocity of the mechanism undetermined, for q or times that are not finite, and for
+/// times that do not increase. The function `monitor` is called before every step; if it returns false, the
+/// result ends there. Allocates; O(m nv²) for each time with m rows of this Jacobian.
 KinematicMotion kinematic_motion(const Model& model, std::span<const double> q, std::span<const double> times,
                                  std::span<const PrescribedMotion> motions = {},
                                  const std::function<bool()>& monitor = {});

@@ -5,7 +5,7 @@
 #include "axode/model/model.hpp"
 
 /// Checks of the numbers that describe drives and references. They throw std::invalid_argument with the name
-/// of the argument, the value and the rule.
+/// of the argument, its value and the rule that it violates.
 namespace axode {
 
 /// Throws unless all numbers of x are finite.

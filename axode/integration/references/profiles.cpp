@@ -13,12 +13,12 @@ namespace {
 using Span = std::span<const double>;
 using Vector = std::vector<double>;
 
-/// The least value of Trapezoid::ramp, so that the two jumps of the acceleration are not taken as one jump
-/// with the start or the end.
+/// The least value of Trapezoid::ramp. With a smaller one, the jumps of the acceleration would be taken as
+/// one with the start and the end of the motion.
 constexpr double shortest_ramp = 10 * StraightPath::resolution;
 
-/// A profile s from 0 to 1 in u = t / duration: constant acceleration until u = ramp, constant velocity, and
-/// constant deceleration from u = 1 - ramp on.
+/// A trapezoidal velocity profile: s rises from 0 to 1 as a function of u = t / duration, with constant
+/// acceleration until u = ramp, constant velocity, and constant deceleration from u = 1 - ramp on.
 struct Trapezoid {
   double duration;    ///< the shortest time within the limits, s
   double ramp = 0.5;  ///< ratio of the time of acceleration to the whole time

@@ -5,10 +5,10 @@
 
 /// Motions from rest at a configuration `start` to rest at a configuration `goal`, within limits of
 /// velocities and accelerations, for controllers to follow. Every joint moves along its geodesic: q = start ⊕
-/// s X with X = goal ⊖ start, v = s' X and a = s'' X, where rotations take the shorter way round. Each joint
-/// has a function s of time from 0 to 1, its profile. All joints start and arrive together. The duration is
-/// the shortest one in which every joint alone can move by a profile of the kind; profiles of faster joints
-/// are stretched in time.
+/// s X, v = s' X and a = s'' X, where X is the displacement from start to goal, start ⊕ X = goal, and
+/// rotations take the shorter way round. Each joint has its profile, a function s of time that rises from 0
+/// to 1. All joints start and arrive together. The duration is the shortest one in which every joint alone
+/// can move by a profile of the kind; profiles of faster joints are stretched in time.
 ///
 /// The trajectory begins at t = 0 and is exact at all times; it has states where accelerations jump, and
 /// about fifty more. If start and goal are equal, it has one state. Coupled joints follow their leaders, and
@@ -27,8 +27,8 @@ struct ProfileLimits {
 };
 
 /// Computes a motion with the profile s = 10 u³ - 15 u⁴ + 6 u⁵ in u = t / T with the duration T:
-/// accelerations are continuous. s' T is at most 15/8, and |s''| T² is at most 10/√3 (Biagiotti and
-/// Melchiorri, Trajectory Planning for Automatic Machines and Robots, section 2.1).
+/// accelerations are continuous. The largest s' is 15/(8 T), and the largest |s''| is 10/(√3 T²) (Biagiotti
+/// and Melchiorri, Trajectory Planning for Automatic Machines and Robots, section 2.1).
 Trajectory quintic_profile(const Model& model, std::span<const double> start, std::span<const double> goal,
                            const ProfileLimits& limits);
 

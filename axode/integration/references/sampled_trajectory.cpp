@@ -80,9 +80,10 @@ void Samples::differentiate_by_splines() {
   }
 }
 
-/// Computes v and a of the joints of several velocities from polynomials through neighbouring samples. With q
-/// = (q_k ⊕ (t - t_k) z) ⊕ x(t), x(t_k) = 0 and the mean velocity z of a step beside sample k, they are v = z
-/// + x' and a = x'' - [x', z] at sample k.
+/// Computes v and a of the joints of several velocities from polynomials through neighbouring samples. Near
+/// sample k the motion is q = (q_k ⊕ (t - t_k) z) ⊕ x(t), where z is the mean velocity between two
+/// neighbouring samples and x(t) a polynomial with x(t_k) = 0. Hence v = z + x' and a = x'' - [x', z] at
+/// sample k.
 void Samples::differentiate_on_group() {
   const ConfigurationGroup<double> group(model.tree<double>());
   if (group.commutes()) return;

@@ -11,13 +11,13 @@ namespace axode {
 /// Computes the motion through samples at K times t (s), two or more. q has a row of nq numbers for each
 /// time, v and a have a row of nv numbers for each time or are empty.
 ///
-/// If v is empty, a joint of one velocity follows the spline of degree 5 through its samples, as a motion of
-/// the kind `samples` does; its angle counts whole turns. At each sample of a spherical, planar or free
-/// joint, v and a are those of the polynomial of degree 5 through six neighbouring samples, in exponential
-/// coordinates relative to a motion with the mean velocity of one step; the joint turns by less than half a
-/// turn between two samples. If only a is empty, a is the derivative of the splines of degree 5 through v.
-/// Trajectory::at() interpolates, and its v and a are the derivatives of its q. The errors are of order h⁶ in
-/// q, h⁵ in v and h⁴ in a for samples at distances h. O(K n).
+/// If v is empty, a joint of one velocity follows the spline of degree 5 through its samples, as a prescribed
+/// motion of the kind `samples` does; whole turns of its angle count. At each sample of a spherical, planar
+/// or free joint, v and a are those of the polynomial of degree 5 through six neighbouring samples, in
+/// exponential coordinates relative to a motion with the mean velocity of one step; the joint turns by less
+/// than half a turn between two samples. If only a is empty, a is the derivative of the splines of degree 5
+/// through v. Trajectory::at() interpolates, and its v and a are the derivatives of its q. The errors are of
+/// order h⁶ in q, h⁵ in v and h⁴ in a for samples at distances h. O(K n).
 ///
 /// Quaternions are normalised. Throws std::invalid_argument for fewer than two times, times that do not
 /// increase, wrong sizes, a without v, numbers that are not finite, and quaternions that are not of unit

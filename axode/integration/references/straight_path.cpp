@@ -34,8 +34,8 @@ void check_within_limits(const Model& model, Span goal) {
 /// The number of steps of a trajectory without jumps.
 constexpr double fewest_steps = 50;
 
-/// The times of the states of a trajectory: the start, the jumps and the end, and equal steps between them,
-/// so that the whole duration has at least fewest_steps steps.
+/// The times of the states of a trajectory: the start, the times of jumps and the end, with equal steps in
+/// each interval between them; the whole duration has at least fewest_steps steps.
 Vector times_with(Vector jumps, double duration) {
   jumps.push_back(duration);
   std::ranges::sort(jumps);

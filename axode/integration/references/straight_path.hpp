@@ -9,9 +9,10 @@
 namespace axode {
 
 /// The path from a configuration `start` to a configuration `goal` on which every joint moves along its
-/// geodesic on the group: q = start ⊕ s X, with X = goal ⊖ start and a function s of time for each joint,
-/// from 0 to 1. Then v = s' X and a = s'' X, because the velocity of exp(s X) is s' X. The length of the path
-/// of a joint is its largest |X_c|, and the distance that the joint has gone is s times this length.
+/// geodesic on the group: q = start ⊕ s X, where X is the displacement with start ⊕ X = goal, and each joint
+/// has a function s of time that rises from 0 to 1. Then v = s' X and a = s'' X, because the velocity of
+/// exp(s X) is s' X. The length of the path of a joint is the largest magnitude of its entries of X, and the
+/// distance that the joint has gone is s times this length.
 class StraightPath {
  public:
   /// A joint that moves along the path.
@@ -29,19 +30,20 @@ class StraightPath {
   /// The joints whose start and goal differ.
   std::span<const Joint> joints() const { return joints_; }
 
-  /// For each of joints(), the largest value of a time derivative of its distance (the first, second or third
-  /// one) that keeps limits on the same derivative of the coordinates. `given` has one limit for each
-  /// velocity, or one for all: rad or m, per s, s² or s³. Throws std::invalid_argument unless the limits are
-  /// positive and finite; `name` is their name in the message.
+  /// Converts limits on velocities, on accelerations or on jerks to limits on the same time derivative of the
+  /// distance along the path, one for each of joints(). `given` has one limit for each velocity, or one for
+  /// all, in rad or m per s, s² or s³. Throws std::invalid_argument unless the limits are positive and
+  /// finite; `name` is their name in the message.
   std::vector<double> limits(const char* name, std::span<const double> given) const;
-  /// For each of joints(), the largest velocity along the path that keeps velocity limits. `given` has one
-  /// limit for each velocity, or one for all (rad/s or m/s), which may be infinite. If it is empty, the
+  /// Converts velocity limits to limits on the velocity along the path, one for each of joints(). `given` has
+  /// one limit for each velocity, or one for all (rad/s or m/s), which may be infinite. If it is empty, the
   /// limits of the model count, and must be above 0 for a joint that moves. Throws std::invalid_argument for
   /// limits that are not positive.
   std::vector<double> velocity_limits(std::span<const double> given) const;
 
-  /// A function that writes the distance of each of joints() at a time from 0 to the duration, with its first
-  /// two derivatives. `side` is -1 for the values before a jump at this time, and 1 for those after it.
+  /// A function that writes the distance that each of joints() has gone along its path at a time from 0 to
+  /// the duration, with its first two derivatives. `side` is -1 for the values before a jump at this time,
+  /// and 1 for those after it.
   using Profile = std::function<void(double t, int side, std::span<MotionValue> distances)>;
   /// Computes the trajectory whose joints have the distances that `profile` writes. It has a state at each of
   /// `jumps`, the times at which a second or third derivative jumps, and at least fifty steps. Between the

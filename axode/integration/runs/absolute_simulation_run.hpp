@@ -12,8 +12,9 @@
 
 namespace axode {
 
-/// A motion that is integrated in absolute coordinates: q, v and a are those of the bodies, see
-/// AbsoluteSystem. The trajectory contains the coordinates, velocities and accelerations of the joints.
+/// A motion that is integrated in absolute coordinates: q are the poses of the bodies, and v and a their
+/// velocities and accelerations, see AbsoluteSystem. The trajectory contains the coordinates, velocities and
+/// accelerations of the joints.
 class AbsoluteSimulationRun {
  public:
   using Vector = std::vector<double>;
@@ -54,8 +55,8 @@ class AbsoluteSimulationRun {
   double step_end(double t_1) const { return run_.step_end(t_1); }
   void stop(const Failure& failure) { run_.stop(failure); }
   const EnergyNorm& norm() const { return norm_; }
-  /// The magnitude of the terms from which velocities are computed in a step of length h, see SimulationRun;
-  /// v_t are the velocities of the bodies.
+  /// The magnitude of the terms from which velocities are computed in a step of length h, against which
+  /// rounding errors are measured, see SimulationRun. v_t are the velocities of the bodies.
   double velocity_scale(const Vector& v_t, double h) const {
     return std::max(norm_.of_velocities(as_eigen(v_t)), run_.velocity_scale(h));
   }
@@ -63,8 +64,9 @@ class AbsoluteSimulationRun {
   // The schemes in absolute coordinates call the functions factorize() to take_closed().
   Failure factorize(double t, Span q_t) { return checked(t, bodies_.factorize(q_t)); }
   Failure factorize_with_rank(double t, Span q_t) { return checked(t, bodies_.factorize_with_rank(q_t)); }
-  /// Factorises the system at q_t with the resistance of springs, dampers and drives: the forces by which
-  /// they react to a change x of accelerations, if this changes q by c_x x and v by c_v x.
+  /// Factorises the mass matrix and the constraints at q_t. Springs, dampers and drives act like added
+  /// inertia: if accelerations change by x in an implicit step, q changes by c_x x and v by c_v x, and their
+  /// forces change.
   Failure factorize(double t, Span q_t, Span v_t, double c_x, double c_v) {
     bodies_.to_joint_state(q_t, v_t, q_joints_, v_joints_);
     if (Failure failure = run_.joint_resistance(t, q_joints_, v_joints_, c_x, c_v, resistance_))
@@ -96,8 +98,8 @@ class AbsoluteSimulationRun {
     return finite(x_) ? Failure{} : Failure{t, "accelerations are not finite"};
   }
   /// Projects q_1 and v_1 at time t so that joints and loops are closed, by the displacement and the impulses
-  /// that are least in the norm of the mass matrix. Factorises the system at the result. Fails if the
-  /// residual of positions stays above 1e-6.
+  /// that are least in the norm of the mass matrix. Factorises the mass matrix and the constraints at the
+  /// result. Fails if the residual of positions stays above 1e-6.
   Failure close(double t, Vector& q_1, Vector& v_1) {
     constexpr double closed = 1e-13, tolerable = 1e-6;
     double before = position_error(q_1);
@@ -120,7 +122,7 @@ class AbsoluteSimulationRun {
     return {};
   }
   /// Projects the state at the end of a step and appends it to the trajectory. The dry friction of a joint
-  /// with the limit f is a force -f sign(v); the step is not divided where it jumps.
+  /// with the limit f is a force -f sign(v); a step does not end where this force jumps.
   Failure take_up_to(double t_1, const StepEnd& end, const Attempt&) {
     Vector q_1(end.q.begin(), end.q.end()), v_1(end.v.begin(), end.v.end());
     if (Failure failure = close(t_1, q_1, v_1)) return failure;
@@ -158,8 +160,8 @@ class AbsoluteSimulationRun {
     }
     return inertia;
   }
-  /// Computes in x_ the displacement or change of velocities, by impulses of joints and loops, that removes
-  /// the residuals in rows_.
+  /// Computes in x_ the displacement, or the change of velocities, that removes the residuals in rows_ of the
+  /// constraints, in the directions of constraint forces.
   void project() {
     as_eigen(rows_) *= -1;
     f_.assign(static_cast<std::size_t>(bodies_.nv()), 0.0);

@@ -67,8 +67,9 @@ void DriveStates::begin_implicit_step(double h, double rho) {
 
 void DriveStates::accept_implicit_step() { mean_0_ = old_mean_ + c_x_ * dx; }
 
-/// Solves x = base + κ f(x, q, v) for the states at the end of an implicit step by Newton's method; errors
-/// are relative to the nominal values of the states.
+/// Computes the states x of the drives at the end of an implicit step by Newton's method: x = base + κ x'(x,
+/// q, v), where base and κ are constants of the step. Errors are relative to the nominal values of the
+/// states.
 void DriveStates::solve_states(double t, Span q, Span v) {
   constexpr int most = 20;
   const auto n = static_cast<Eigen::Index>(size());

@@ -32,13 +32,14 @@ class DriveStates {
   void start(Span q, Span v, Span given);
   /// Sets the states with which forces are evaluated from now on, and ends an implicit step.
   void act_at(Span x_t);
-  /// Begins an implicit step of generalised-α over h (D17.6). Until act_at(), the states in every evaluation
-  /// of forces at (q, v) are those that the drives would have if the step ended with this q and v.
+  /// Begins an implicit step of length h of the generalised-α method (D17.6). Until act_at(), the states in
+  /// every evaluation of forces at (q, v) are those that the drives would have if the step ended with this q
+  /// and v.
   void begin_implicit_step(double h, double spectral_radius);
   /// The states in the last evaluation of forces.
   Span states() const { return {x_t_.data(), size()}; }
-  /// accept_implicit_step() keeps the mean rates of the step for the next one. restart() replaces them by the
-  /// present rates, after a jump.
+  /// accept_implicit_step() keeps the mean rates of the states that generalised-α has used in the step for
+  /// the next step. restart() replaces them by the present rates, after a jump.
   void accept_implicit_step();
   void restart() { mean_0_ = dx; }
   /// Adds to by_q and by_v the derivatives of the drive forces by q and v, nv × nv each, at the last
@@ -48,7 +49,7 @@ class DriveStates {
   /// rates().
   void add_forces(double t, Span q, Span v, std::span<double> tau);
   /// Adds to tau (nv numbers) the forces of those drives that act along lines between two points, as the last
-  /// evaluation has found them; they are contained in the tau of add_forces() already.
+  /// evaluation has found them. add_forces() adds them as well.
   void add_line_forces(std::span<double> tau) const { system_.add_line_forces(tau); }
   /// The rates of the states in the last evaluation of forces.
   Span rates() const { return {dx_t_.data(), size()}; }
@@ -57,8 +58,8 @@ class DriveStates {
 
   double next_jump(double t) const { return system_.next_jump(t); }
   double least_margin(double t, Span q, Span v, Span x_t) { return system_.least_margin(t, q, v, x_t); }
-  /// Calls DriveSystem::switch_at() with the present states: inputs and statuses change that must change at
-  /// time t. Returns whether one did.
+  /// Changes the inputs and statuses of drives that must change at time t in the present states, see
+  /// DriveSystem::switch_at(). Returns whether one did.
   bool switch_at(double t, Span q, Span v);
 
   Vector x, dx;  ///< present states and their rates

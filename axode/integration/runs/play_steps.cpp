@@ -12,7 +12,7 @@ namespace {
 
 constexpr int upper = 1, lower = -1;
 
-/// The place of the minimum of a cubic in a step, as a fraction of the step from 0 to 1. g_0 and g_1 are the
+/// The time of the minimum of a cubic in a step, as a fraction of the step from 0 to 1. g_0 and g_1 are the
 /// values of the cubic at both ends of the step, and d_0 and d_1 its rates times the length of the step.
 double part_of_least(double g_0, double d_0, double g_1, double d_1) {
   const double c2 = 3 * (g_1 - g_0) - 2 * d_0 - d_1, c3 = 2 * (g_0 - g_1) + d_0 + d_1;
@@ -62,9 +62,8 @@ void SimulationRun::engage_plays() {
   loops_->determine_rank(as_span(q));
 }
 
-/// Computes a reserve of each play at a state, which is positive until the play changes and negative
-/// afterwards. The reserve of a free play is its gap, and that of a play at an end is the force with which
-/// the end pushes.
+/// Computes for each play, at a state, a number that becomes negative when the play must change, its reserve:
+/// the gap of a free play to the nearer end, and the force with which the end pushes for a play at an end.
 Failure SimulationRun::reserves(double t, const StepEnd& end, std::vector<double>& out) {
   out.resize(plays_.size());
   if (plays_.any_at_an_end()) {
@@ -78,8 +77,8 @@ Failure SimulationRun::reserves(double t, const StepEnd& end, std::vector<double
   return {};
 }
 
-/// The time in a step at which the gap of a free play becomes negative although it is positive at both
-/// ends, as far as a cubic shows it; t_1 if there is none.
+/// The time in a step at which the gap between a free play and an end is negative although it is positive at
+/// both ends of the step; t_1 if there is none. The gap in the step is taken as a cubic.
 double SimulationRun::time_of_dip(double t_1, const StepEnd& end) const {
   const double h = t_1 - now();
   for (std::size_t k = 0; k < plays_.size(); ++k)
@@ -99,7 +98,8 @@ double SimulationRun::time_of_dip(double t_1, const StepEnd& end) const {
 }
 
 /// Shortens a step at whose end some play has changed, so that it ends just after the change: t_1 and `end`
-/// change. `reserve` has the reserves at the end of the step, before and after the call.
+/// receive the new end of the step. `reserve` has the result of reserves() at the end of the step, before and
+/// after the call.
 Failure SimulationRun::find_change(double& t_1, StepEnd& end, const Attempt& attempt,
                                    std::vector<double>& reserve) {
   const double t_0 = now(), resolution = std::max(1e-13 * (t_1 - t_0), 1e-15 * t_1);
@@ -170,8 +170,8 @@ Failure SimulationRun::take_up_to_play(double t_1, StepEnd& end, const Attempt& 
   return change_plays(reserve);
 }
 
-/// Lets the plays with a negative reserve change: a free play that moves outwards meets its end, and a play
-/// at an end becomes free.
+/// Lets the plays whose number in `reserve` is negative change: a free play that moves outwards meets its
+/// end, and a play at an end becomes free.
 Failure SimulationRun::change_plays(const std::vector<double>& reserve) {
   std::vector<std::size_t> reaching;  // a play that leaves its end now does not meet it again
   bool released = false;

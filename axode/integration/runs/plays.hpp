@@ -25,17 +25,17 @@ class Plays {
   void set_side(std::size_t k, int side) { side_[k] = side; }
   bool any_at_an_end() const;
 
-  /// The model in which every coupling whose play is at an end has no play there. Its coordinates are those
-  /// of the model with play. It is built when a combination of ends occurs first.
+  /// The model for the present ends of all plays: a coupling whose play is at an end is one without play that
+  /// holds there. Its coordinates are those of the model with play. Each such model is built when its
+  /// combination of ends first occurs.
   const Model& engaged();
 
-  /// deflection() is δ = Σ factor q - offset of play k, its distance from the middle of the play; rate() is
-  /// δ'.
+  /// deflection() is the signed distance δ = Σ factor q - offset of play k from its middle; rate() is δ'.
   double deflection(std::size_t k, Span q) const;
   double rate(std::size_t k, Span v) const;
   double half(std::size_t k) const { return plays()[k].play / 2; }
-  /// The restitution of an impact of play k on its end at a speed: 0 if the speed is below the threshold of
-  /// the mechanism.
+  /// The coefficient of restitution if play k meets its end at the given speed: 0 if the speed is below the
+  /// mechanism's threshold for impacts.
   double restitution(std::size_t k, double speed) const;
   /// The rounding error of the gap between play k and one of its ends; smaller gaps count as 0.
   double gap_resolution(std::size_t k, Span q) const;

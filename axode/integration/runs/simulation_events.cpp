@@ -20,8 +20,8 @@ double SimulationRun::value_at(const Event& event, double t) const {
 }
 
 /// Divides the last step, which begins at time `before`, into parts in which no body turns by much more than
-/// a quarter turn, and returns the number of parts. In a longer part the value of an event that depends on an
-/// attitude could change its sign twice unnoticed.
+/// a quarter turn, and returns the number of parts. In a longer part the function of an event that depends on
+/// an attitude could change its sign twice unnoticed.
 int SimulationRun::parts_by_rotation(double before) {
   const double h = now() - before;
   const std::size_t k = trajectory.size() - 1;

@@ -24,12 +24,12 @@ struct StepEnd {
   Eigen::VectorXd q, v, a = {}, x = {}, dx = {};
 };
 /// A function that computes the state at the end of a step from the present time to t_1. It must call
-/// begin_step(), or check_sticking(), which does.
+/// begin_step(), or check_sticking(), which calls begin_step().
 using Attempt = std::function<Failure(double t_1, StepEnd& end)>;
 
-/// A motion that is being integrated in joint coordinates, as far as all schemes share it. It has the
-/// trajectory so far and the present state, computes accelerations, and handles events, dry friction, drives
-/// with states and couplings with play.
+/// The part of an integration in joint coordinates that all schemes share. It has the trajectory so far and
+/// the present state, computes accelerations, and handles events, dry friction, drives with states and
+/// couplings with play.
 class SimulationRun {
  public:
   using Vector = Eigen::VectorXd;
@@ -40,9 +40,9 @@ class SimulationRun {
   /// Computes the accelerations a_t at time t and state (q_t, v_t) under springs, drives, loads and friction.
   Failure accelerate(double t, Span q_t, Span v_t, std::span<double> a_t);
 
-  /// Computes the residual r (nv numbers), which is 0 if a_t is the acceleration: r = ID(q, v, a) - τ by
-  /// inverse dynamics or, with loops, r = a - FD(q, v, τ) by forward dynamics. Its entries of sticking
-  /// velocities are those of a.
+  /// Computes the residual r (nv numbers) of the equations of motion, which is 0 if a_t are the
+  /// accelerations: r = ID(q, v, a) - τ by inverse dynamics or, with loops, r = a - FD(q, v, τ) by forward
+  /// dynamics. The entries of r for velocities that stick by dry friction are those of a.
   Failure residual(double t, const Vector& q_t, const Vector& v_t, const Vector& a_t, Vector& r);
   double size_of_residual(const Vector& r) const {
     return loops_ ? norm_.of_velocities(r) : norm_.of_forces(r);
@@ -52,14 +52,16 @@ class SimulationRun {
   void residual_derivatives(const Vector& q_t, const Vector& v_t, const Vector& a_t,
                             const InverseDynamicsDerivatives<double>& dr);
   bool is_driven() const { return static_cast<bool>(options_.drive); }
-  /// The contribution of SimulationOptions::drive to residual() with the opposite sign: τ or, with loops,
-  /// (∂a/∂τ) τ with ∂a/∂τ from the last residual_derivatives(). Entries of sticking velocities are 0.
+  /// The contribution of SimulationOptions::drive to residual() with the opposite sign: its forces τ or, with
+  /// loops, (∂a/∂τ) τ with ∂a/∂τ from the last residual_derivatives(). Entries for velocities that stick by
+  /// dry friction are 0.
   Span drive(double t, const Vector& q_t, const Vector& v_t);
 
   const EnergyNorm& norm() const { return norm_; }
-  /// The magnitude of the terms from which velocities are computed in a step of length h, against which their
-  /// changes are compared. The terms are the velocities themselves, the changes by gravity and by the joint
-  /// forces of the last evaluation, and a lower bound for a mechanism at rest.
+  /// The magnitude of the terms from which velocities are computed in a step of length h: changes of
+  /// velocities that are small compared with it are rounding errors. The terms are the velocities themselves,
+  /// the changes by gravity and by the joint forces of the last evaluation, and a lower bound for a mechanism
+  /// at rest.
   double velocity_scale(const Vector& v_t, double h) const {
     return std::max(norm_.of_velocities(v_t), velocity_scale(h));
   }
@@ -70,8 +72,9 @@ class SimulationRun {
   double place_resolution(double h) const { return 1e-15 * places_ / std::abs(h); }
 
   /// Takes the step to t_1, or to an earlier time: that at which a joint comes to rest or begins to slide
-  /// under dry friction, a status of a drive changes, or a play reaches or leaves one of its ends. The last
-  /// attempt must be the one at t_1 under the present directions of friction, statuses and plays.
+  /// under dry friction, a status of a drive changes, or a play reaches or leaves one of its ends. Before the
+  /// call, `attempt` must have computed `end` at t_1, under the present directions of friction, statuses and
+  /// plays.
   Failure take_up_to(double t_1, StepEnd& end, const Attempt& attempt);
   /// Prepares an attempt at a step: resets the violation of dry friction and weakest_row().
   void begin_step();
@@ -81,11 +84,11 @@ class SimulationRun {
   /// there.
   bool accelerations_jumped() const { return accelerations_jumped_; }
   /// Computes the accelerations at the end of a step if joints stick, so that DryFriction::violation() says
-  /// whether friction can hold them. It is for schemes that have not computed accelerations there.
+  /// whether friction can hold them. For schemes that do not compute accelerations there.
   Failure check_sticking(double t, const StepEnd& end);
 
-  /// Accepts the state at the end of a step, and appends it to the trajectory. Loops are closed again, which
-  /// changes the state a little. Accelerations are computed if the scheme has not computed them.
+  /// Accepts the state at the end of a step, and appends it to the trajectory. Projects the state so that
+  /// loops are closed again. Accelerations are computed if the scheme has not computed them.
   Failure take(double t, const StepEnd& end);
   /// Appends the state at the end of a step to the trajectory without projection, for schemes that keep loops
   /// closed themselves.
@@ -100,8 +103,8 @@ class SimulationRun {
   Failure forces_changed();
   bool done() const { return trajectory.size() == 0 || ended_ || !trajectory.complete || now() >= until_; }
   double now() const { return trajectory.t().back(); }
-  /// The time at which a step that would end at t_1 has to end, because motions or inputs of drives jump
-  /// there.
+  /// The time at which a step that would end at t_1 has to end, because a prescribed motion or an input of a
+  /// drive jumps there.
   double step_end(double t_1) const {
     const double t = std::min(t_1, drives_.next_jump(now()));
     return loops_ ? std::min(t, loops_->motions().next_jump(now())) : t;
@@ -115,10 +118,10 @@ class SimulationRun {
   /// Computes the joint forces tau (nv numbers) at a time and state: the sum of drive forces, spring forces
   /// and, if there is dry friction, losses.
   Failure joint_forces(double t, Span q_t, Span v_t, Span& tau);
-  /// Computes the resistance of springs, dampers and SimulationOptions::drive to a change of accelerations,
-  /// one number for each velocity, which acts like an added inertia. In the implicit step for which it is
-  /// computed, a change x of an acceleration changes the coordinate by c_x x and the velocity by c_v x.
-  /// Derivatives of the drive are difference quotients, and negative entries are set to 0.
+  /// Computes the inertia that springs, dampers and SimulationOptions::drive seem to add in an implicit step,
+  /// one number for each velocity: if an acceleration changes by x, the coordinate changes by c_x x and the
+  /// velocity by c_v x, and their forces oppose this change. Derivatives of the drive are difference
+  /// quotients, and negative entries are set to 0.
   Failure joint_resistance(double t, Span q_t, Span v_t, double c_x, double c_v, std::vector<double>& out);
   Loads<double> loads() const { return {loads_, options_.joint_losses && !friction_.active()}; }
 

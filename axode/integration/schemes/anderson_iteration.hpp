@@ -36,15 +36,14 @@ class AndersonIteration {
     Eigen::Ref<const Vector> dx;
   };
 
-  /// Takes the norm in which the first part of x is measured. This part must consist of velocities or
+  /// `norm` is the norm in which update() measures the first part of x, which must consist of velocities or
   /// accelerations.
   explicit AndersonIteration(const EnergyNorm& norm) : norm_(&norm) {}
 
-  /// Takes a step of the iteration: replaces the parts of x, for which dx has been computed, by the next x.
-  /// The iteration has converged if the first part of dx is a rounding error compared with `size`. If dx does
-  /// not halve within four steps, the iteration has also converged, to the x with the least dx, provided that
-  /// this dx is small and that is_rounding() returns true, by which the caller says that the terms of dx are
-  /// rounding errors.
+  /// Takes a step of the iteration: x and dx are given in parts, and the next x replaces x. The iteration has
+  /// converged if the first part of dx is a rounding error compared with `size`. If dx does not halve within
+  /// four steps, the iteration has also converged, to the x with the least dx, provided that this dx is small
+  /// and that is_rounding(), a function of the caller, returns true because dx consists of rounding errors.
   template <class F> Status update(double size, std::initializer_list<Part> parts, const F& is_rounding) {
     constexpr double rounding = 2e-14, noisy = 1e-10, ill_conditioned = 1e-7;
     constexpr int most = 60, patience = 4;

@@ -10,7 +10,7 @@
 namespace axode {
 
 /// A step of the midpoint rule between two impulses of the loops, one at each end of the step (D8.7). With
-/// the residuals r(q) of the loops, their rows R, r' = R v, and multipliers λ,
+/// the residuals r(q) of the loops, their Jacobian R, r' = R v, multipliers λ, and the step length h,
 ///   p_0⁺ = p_0 + h/2 R(q_0)ᵀ λ,   (q_1, p_1⁻) = midpoint step of (q_0, p_0⁺),   r(q_1) = 0.
 /// After the step the System projects p_1 = p_1⁻ + R(q_1)ᵀ μ so that R M⁻¹ p_1 = 0. With this projection the
 /// step is symmetric, of second order, and symplectic on the closed configurations if the midpoint rule is.

@@ -9,20 +9,22 @@
 namespace axode {
 
 /// A step of generalised-α under constraints, on a group with constant mass matrix M (Arnold, Brüls). Φ are
-/// the residuals of joints and loops, B their rows and λ multipliers. With the averages of AlphaMeans,
+/// the residuals of joints and loops, B is their Jacobian, λ are the multipliers, and f the forces. With â, β
+/// and c of AlphaMeans, which gives v_1 and x for a_1, and q_1 = q_0 ⊕ x, the equations of the step are
 ///   M a_1 = f(q_1, v_1) + ad_{v_1}ᵀ M v_1 + B_1ᵀ λ,   Φ(q_1) = 0                    (index 3)
 /// or, stabilised to index 2, with multipliers η of positions, also B_1 v_1 = 0:
 ///   x = h v_0 + h² ((1/2 - β) â_0 + β â_1 + β c M⁻¹ Bᵀ η).
-/// Nonholonomic rows N, which have no residual, are imposed as N v_1 = 0 in both forms, and also on the
-/// displacement by η. Newton's matrix has M, B and the resistance of the joints (springs, dampers, drives) at
-/// the predicted end of the step; M in the term c M⁻¹ Bᵀ η also contains this resistance. A System has the
-/// functions that Rattle requires, and factorize(t, q, v, c_x, c_v), which takes the resistance into account.
+/// Nonholonomic constraints with the Jacobian N, which have no residual, are imposed as N v_1 = 0 in both
+/// forms, and also on the displacement by η. Newton's matrix consists of M and B at the predicted end of the
+/// step, where M contains the added inertia by which springs, dampers and drives resist a change of a_1, also
+/// in the term c M⁻¹ Bᵀ η. A System has the functions that Rattle requires, and factorize(t, q, v, c_x, c_v),
+/// which takes this added inertia into account.
 template <class System> class ConstrainedAlpha {
  public:
   using Vector = std::vector<double>;
 
-  /// Starts at the state (q_0, v_0) with the acceleration a_0 and multipliers lambda_0, at which the system
-  /// must have been factorised with its rank.
+  /// Starts at the state (q_0, v_0) with the acceleration a_0 and multipliers lambda_0, at which
+  /// factorize_with_rank() of the system must have been called.
   ConstrainedAlpha(System& system, double spectral_radius, bool stabilized, const Vector& q_0,
                    const Vector& v_0, const Vector& a_0, const Vector& lambda_0)
       : q(q_0),
@@ -85,8 +87,8 @@ template <class System> class ConstrainedAlpha {
   Vector q, v, lambda;
 
  private:
-  /// Computes q, v and the mean acceleration at the end of the step for the acceleration a_1_ and the
-  /// displacement moved_ by η.
+  /// Computes q, v and the mean acceleration at the end of the step from the acceleration a_1_ and from
+  /// moved_, M⁻¹ Bᵀ η in the equation for x.
   void end_with(double h) {
     v_1_.resize(v.size());
     Eigen::Map<Eigen::VectorXd> v_1 = as_eigen(v_1_);

@@ -26,8 +26,7 @@ class EnergyNorm {
 
   double of_velocities(const Argument& v) const { return length(root_.cwiseProduct(v)); }
   double of_forces(const Argument& p) const { return length(inverse_root_.cwiseProduct(p)); }
-  /// The norm of the displacement in which each rotation is one radian, and each length is that of the
-  /// coordinate in q.
+  /// The norm of q as a displacement: each angle counts as one radian, and each length is that in q.
   double of_places(const Tree<double>& tree, const Argument& q) const {
     double squares = 0;
     for (int i = 1; i <= tree->n; ++i) {
@@ -43,7 +42,7 @@ class EnergyNorm {
   }
   /// The weights √m_c of the velocities.
   const Vector& weights() const { return root_; }
-  /// The value that velocity c must have, if all others are 0, for the norm to be `size`. For a velocity
+  /// The value of velocity c for which the norm is `size` if all other velocities are 0. For a velocity
   /// without inertia it is the value for the velocity with the largest inertia.
   double alone(Eigen::Index c, double size) const {
     return size / (root_[c] > 0 ? root_[c] : root_.maxCoeff());

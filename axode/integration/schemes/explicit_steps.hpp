@@ -22,7 +22,7 @@ template <class Run, class Take> void each_step(Run& run, double until, double s
 }
 
 /// Advances the motion to t_1, in several steps if friction, drives or plays change in between, or if a
-/// motion or an input jumps. after() is called after each of these steps.
+/// motion or an input jumps. `attempt` computes a step, and after() is called after each step.
 template <class Run, class After>
 Failure take_until(Run& run, double t_1, StepEnd& end, const Attempt& attempt, const After& after) {
   while (run.now() < t_1 && !run.done()) {
@@ -87,12 +87,12 @@ inline constexpr const char* jumps =
     "without bound; use a method of fixed steps (rk4), and give dry friction as a joint property that "
     "joint_losses counts";
 
-/// In configurations where branches of a motion meet, rows of the loops are redundant, and near such a
-/// configuration they are nearly so. The accelerations there are those of a mechanism with more degrees of
-/// freedom. The error estimate then shows a jump that the motion does not have, and shorter steps do not
-/// help. Hence up to `most_passing` consecutive steps with nearly redundant rows keep the step length and
-/// ignore their error estimate. An attempt with a row weaker than `too_weak` is repeated up to
-/// `most_shortened` times, each time with a step that is shorter by the factor `shortened`.
+/// In configurations where branches of a motion meet, rows of the Jacobian of the loops are linearly
+/// dependent, and near such a configuration they are nearly so. The accelerations there are those of a
+/// mechanism with more degrees of freedom. The error estimate then shows a jump that the motion does not
+/// have, and shorter steps do not help. Hence up to `most_passing` consecutive steps with nearly dependent
+/// rows keep the step length and ignore their error estimate. An attempt with weakest_row() below `too_weak`
+/// is repeated up to `most_shortened` times, each time with a step that is shorter by the factor `shortened`.
 inline constexpr int most_passing = 20, most_shortened = 6;
 inline constexpr double too_weak = 1e-6, shortened = 0.85;
 

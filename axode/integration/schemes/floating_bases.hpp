@@ -9,13 +9,13 @@
 
 namespace axode {
 
-/// Floating bases are the root bodies on a free joint without armature, damping and friction that no loop
-/// connects to a body outside their subtrees, each with its subtree. The spatial momentum Π^s of a subtree
-/// replaces the joint momentum p of its base as a state y. It is taken in a moving frame, which does not
-/// rotate and falls with the gravity g, so that gravity vanishes there. If no wrench is applied, the frame
-/// also moves with the velocity u of the centre of mass at t = 0: then the linear momentum is 0 and the
-/// centre of mass is constant. Hence every scheme gives the linear momentum, and the angular momentum about
-/// the centre of mass, of a subtree without applied wrenches to rounding.
+/// The floating bases of a mechanism for schemes on (q, p): the root bodies on a free joint without armature,
+/// damping and friction whose subtrees no loop connects to other bodies. The state y of a floating base is
+/// the spatial momentum Π^s of its subtree, instead of the momentum p of its joint. It is taken in a moving
+/// frame, which does not rotate and falls with the gravity g, so that gravity vanishes there. If no wrench is
+/// applied, the frame also moves with the velocity that the centre of mass has at the start: then the linear
+/// momentum is 0 and the centre of mass is constant. Hence every scheme keeps the linear momentum, and the
+/// angular momentum about the centre of mass, of a subtree without applied wrenches exact to rounding.
 class FloatingBases {
  public:
   FloatingBases(const Model& model, const double* q, const double* v, bool wrenches)
@@ -66,7 +66,7 @@ class FloatingBases {
   void from_moving_frame(double t, double* q, double* v) const { add(1, t, q, v); }
 
   // In the functions begin() to restore_centers(), q, p and y are relative to the moving frames.
-  /// Replaces the joint momenta p of the floating bases, which y contains, by the states y: their spatial
+  /// Converts the states of the floating bases in y from joint momenta p, which y must contain, to spatial
   /// momenta.
   void begin(const double* q, double* y) const {
     for (const Root& root : roots_) {
@@ -78,8 +78,8 @@ class FloatingBases {
   void to_momenta(const double* q, const double* y, double* p) const {
     for (const Root& root : roots_) write(root, coAd_inv(pose(root, q), read<Spatial>(root, y)), p);
   }
-  /// Computes the rates y' of the floating bases from f = p' - ad_vᵀ p. They are 0 unless a load or drive
-  /// acts on the bases (`pushed`).
+  /// Computes the rates y' of the states of the floating bases from f = p' - ad_vᵀ p with their joint momenta
+  /// p. They are 0 unless a load or drive acts on the bases (`pushed`).
   void rates(const double* q, bool pushed, const double* f, double* dy) {
     for (Root& root : roots_) {
       write(root, pushed ? coAd(pose(root, q), read<BodyFixed>(root, f)) : Wrench<Spatial>{}, dy);
@@ -93,8 +93,8 @@ class FloatingBases {
     for (const Root& root : roots_)
       for (int c = first(root); c < first(root) + 6; ++c) y[c] += h * f[c];
   }
-  /// Moves the floating bases so that those centres of mass that rest in their moving frames have their exact
-  /// positions again.
+  /// Moves the floating bases whose centres of mass rest in their moving frames so that rounding errors of
+  /// these centres vanish.
   void restore_centers(double* q) {
     if (std::ranges::none_of(roots_, &Root::constant)) return;
     kernel_->run(*tree_, q);

@@ -18,8 +18,8 @@ class GroupDerivatives {
   using Matrix = Eigen::MatrixXd;  ///< matrix with a row for each velocity
   using Block = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::ColMajor, 6, 6>;
 
-  /// The four maps of one joint of several velocities, or a range of consecutive joints of one velocity,
-  /// which needs no matrices.
+  /// The four maps of one joint of several velocities, or a range of consecutive joints of one velocity, for
+  /// which no matrices are stored.
   struct Joints {
     int body;  ///< 0 for a range of joints of one velocity
     Eigen::Index first, n;
@@ -51,8 +51,8 @@ class GroupDerivatives {
         });
   }
 
-  /// add() adds map z to out, and add_transposed() adds mapᵀ z, for all joints. z and out have nv rows, and a
-  /// column for each direction or weight.
+  /// add() adds to out the product of one of the four maps with z, for all joints, and add_transposed() that
+  /// of its transpose. z and out have nv rows, and one or more columns.
   void add(Block Joints::*map, const Matrix& z, Matrix& out) const {
     add_to(map, z, out, [](const Block& block) -> const Block& { return block; });
   }

@@ -11,8 +11,8 @@
 namespace axode {
 
 /// A step of the half-explicit method of third order (Brasey, Hairer) on a group with constant mass matrix M,
-/// in the form of Munthe-Kaas. Stage i has the configuration q_i = q_0 ⊕ θ_i, the velocity V_i and the rows
-/// B_i of joints and loops:
+/// in the form of Munthe-Kaas. With the coefficients a_ij of the method, stage i has the configuration q_i =
+/// q_0 ⊕ θ_i, the velocity V_i, the Jacobian B_i of joints and loops, and multipliers λ_i:
 ///   M L_i = f(q_i, V_i) + ad_{V_i}ᵀ M V_i + B_iᵀ λ_i with the λ_i for which B_{i+1} V_{i+1} = 0,
 ///   θ_{i+1} = h Σ a_ij K_j,  V_{i+1} = v_0 + h Σ a_ij L_j,  K_i = dexp⁻¹_{-θ_i} V_i.
 /// Velocities satisfy the constraints. Positions leave them by O(h⁴) in a step if a step in the group is not

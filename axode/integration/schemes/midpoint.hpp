@@ -10,7 +10,8 @@
 
 namespace axode {
 
-/// One step of the midpoint rule on the group for (q, p) (D8.5): with y = h v / 2 and q_m = q_0 ⊕ y,
+/// One step of the midpoint rule on the group for (q, p) (D8.5): with the forces f, the time t_m and the
+/// velocity v in the middle, y = h v / 2 and q_m = q_0 ⊕ y,
 ///   p⁻ = Ad_{exp y}ᵀ p_0,   p⁺ = p⁻ + h f(t_m, q_m, v),   M(q_m) v = dexp_yᵀ (p_0 + p⁺) / 2,
 ///   q_1 = q_m ⊕ y,        p_1 = Ad_{exp y}ᵀ p⁺.
 /// The step is symmetric and of second order, and symplectic if f = ∂L/∂q, because it follows from the

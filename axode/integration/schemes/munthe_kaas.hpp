@@ -9,8 +9,8 @@
 namespace axode {
 
 /// One step of an explicit Runge-Kutta-Munthe-Kaas method on (q, y), with q on its group and y the velocities
-/// v or the momenta, for states of numbers T and a tree of numbers S. With the coefficients a_ij and c_i of a
-/// Tableau,
+/// v or the momenta. The states have numbers of the type T, the tree of the type S. With the coefficients
+/// a_ij and c_i of a Tableau,
 ///   θ_i = h Σ a_ij K_j,  Y_i = y + h Σ a_ij L_j,
 ///   (V_i, L_i) = (v, y')(t + c_i h, q ⊕ θ_i, Y_i),  K_i = dexp⁻¹_{-θ_i} V_i,
 /// or K_i = dcay⁻¹_{-θ_i} V_i in Cayley coordinates. y may have more numbers than q has velocities; these are

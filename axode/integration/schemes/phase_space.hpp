@@ -10,8 +10,8 @@
 
 namespace axode {
 
-/// The Hamiltonian form of a model for integration schemes on (q, p) with the momenta p = M v. All functions
-/// are O(n), except solve() if joints are coupled.
+/// The equations of motion of a model in Hamilton's form, for integration schemes on (q, p) with the momenta
+/// p = M v. All functions are O(n), except solve() if joints are coupled.
 class PhaseSpace {
  public:
   explicit PhaseSpace(const Model& model)
