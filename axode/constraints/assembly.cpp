@@ -19,7 +19,7 @@ using Vector = Eigen::VectorXd;
 using Matrix = Eigen::MatrixXd;
 
 /// The search of assemble() for a closed configuration. Residuals and steps have no unit: lengths are divided
-/// by the size of the loops, so that neither the iterates nor the result depend on the unit of length.
+/// by the size of the loops, see size(), so that the result does not depend on the unit of length.
 class Assembly {
  public:
   /// Searches in the model of `motions`, in which every prescribed motion is a loop, see MotionRows.
@@ -94,8 +94,8 @@ class Assembly {
     return -R.transpose() * S.ldlt().solve(r);
   }
   /// The damped step that closes the loops to first order. No entry of it is larger than 0.5, that is half a
-  /// radian or half the size of the loops. The constant part of the damping prevents that redundant rows
-  /// contribute to the step.
+  /// radian or half the size of the loops. The constant part of the damping keeps redundant loop equations
+  /// from contributing to the step.
   static Vector step(const Matrix& R, const Vector& r, double damping) {
     const Vector x = least(R, r, damping * r.norm() + 1e-12 * R.squaredNorm());
     const double largest = x.cwiseAbs().maxCoeff();
@@ -110,8 +110,9 @@ class Assembly {
     system_.residual(q.data(), r.data());
     return r.cwiseQuotient(unit_of_residual_);
   }
-  /// The unit of each row of a level: the size of the loops for a row whose wrench has a force, 1 for a row
-  /// whose wrench is a couple, and the unit of the first term for a coupling.
+  /// The unit of each loop equation at the position or the velocity level: the size of the loops (m) if the
+  /// constraint wrench has a force, 1 if it is a couple, and for a coupling of joints the unit of its first
+  /// term.
   Vector units_of_rows(ConstraintLevel level) {
     system_.make_rows(level);
     Vector units = Vector::Ones(system_.size(level));
@@ -136,8 +137,8 @@ class Assembly {
     const LoopCoupling::Term& first = coupling.terms.front();
     return std::abs(first.factor) * unit_of_velocity_[first.velocity];
   }
-  /// The matrix R (position level) or A (velocity level) without units, at the present kinematics. Columns of
-  /// held velocities are 0.
+  /// The Jacobian of the residual (position level) or of the loop equations for velocities (velocity level)
+  /// at the present kinematics, made free of units. Columns of velocities that the caller holds fixed are 0.
   Matrix rows(ConstraintLevel level) {
     LoopSystem<double>::RowByRow R(system_.size(level), model_.nv());
     system_.make_rows(level);
@@ -162,9 +163,10 @@ class Assembly {
     }
     return true;
   }
-  /// The size of the loops at the present kinematics, which must be those of the drawing. It is the largest
-  /// distance of a body on the loops from the origin of its root body, or of an end of a loop from the origin
-  /// of the body that has the end. It is 1 m if all these distances are 0.
+  /// The size of the loops, by which lengths are divided. The kinematics must be those of the neutral
+  /// configuration. It is the largest distance of a body on the loops from its root body (the body of its
+  /// branch that is joined to the ground), or of the frame of a loop joint from the origin of its body; it is
+  /// 1 m if all these distances are 0.
   double size() const {
     double largest = 0;
     for (const LoopPath& path : system_.table().paths) {
@@ -183,9 +185,10 @@ class Assembly {
                                       : largest_term(model_.loops().couplings[k - table.joints.size()]));
     return 4 * std::numeric_limits<double>::epsilon() * sum;
   }
-  /// The largest term in the residual of a loop, without units: a coordinate, the distance of a body from the
-  /// origin of its root body, the distance of the root body from the inertial origin, or the largest distance
-  /// from a root times an angle. For a coupling it is the offset or a product of a factor and a coordinate.
+  /// The size, without units, of the largest number from which the residual of a loop is computed: a
+  /// coordinate, the distance of a body from its root body (the body of its branch that is joined to the
+  /// ground), that of the root body from the inertial origin, or the largest distance from a root body times
+  /// an angle. For a coupling of joints it is the offset or a product of a factor and a coordinate.
   double largest_term(const LoopCoupling& coupling) const {
     double largest = std::abs(coupling.offset);
     for (const LoopCoupling::Term& term : coupling.terms)

@@ -5,20 +5,22 @@
 
 namespace axode {
 
-/// Results of forward_dynamics_derivatives() with loops: ∂a/∂q, ∂a/∂v and ∂a/∂τ (nv × nv each), and the
-/// derivatives of the multipliers λ by q, v and τ (loops().rows × nv each, may be empty). All matrices are
-/// stored row by row, [component, direction].
+/// Results of forward_dynamics_derivatives() with loops: the derivatives of the accelerations by q, v and τ
+/// (nv × nv each), and those of the multipliers λ of the loops (loops().rows × nv each, may be empty). All
+/// matrices are stored row by row; a row belongs to a component of the result, a column to a direction of q,
+/// v or τ.
 template <class T> struct ClosedDynamicsDerivatives {
   std::span<T> a_q, a_v, a_tau;
   std::span<T> lambda_q = {}, lambda_v = {}, lambda_tau = {};
 };
 
-/// Computes the first derivatives of forward dynamics with loops, by differentiating M a + h - Aᵀ λ = τ, A a
-/// + γ = 0 with the rows of A that are independent at q (D7.15). The multipliers of the other rows are 0. If
-/// rows are redundant by geometry (Bricard's mechanism), accelerations jump as the loops open: then only
-/// derivatives along velocities v with A v = 0 are meaningful. Directions of q are those of q ⊕ ε e_k.
-/// Springs are ignored. Allocates; O((nv + m)³) for m rows of A. Throws std::invalid_argument for wrong sizes
-/// and for a model with prescribed motions.
+/// Computes the first derivatives of forward dynamics with loops, M a + h - Aᵀ λ = τ with A a + γ = 0, where
+/// M and h are the mass matrix and the bias forces of the spanning tree, and A v = 0 are the loop equations
+/// with multipliers λ. Only those equations are used that are independent at q (D7.15); the multipliers of
+/// the others are 0. If equations are redundant by geometry (Bricard's mechanism), accelerations jump as the
+/// loops open: then only derivatives along velocities v with A v = 0 are meaningful. Directions of q are
+/// those of q ⊕ ε e_k with unit vectors e_k. Springs are ignored. Allocates; O((nv + m)³) for m loop
+/// equations. Throws std::invalid_argument for wrong sizes and for a model with prescribed motions.
 template <class T>
 Solvability forward_dynamics_derivatives(const Model& model, LoopWorkspace<T>& workspace, Numbers<T> q,
                                          Numbers<T> v, Numbers<T> tau,

@@ -30,8 +30,9 @@ template <class T> class Multipliers {
   std::vector<T> own_;
 };
 
-/// Computes the forces M a + h (nv) of the spanning tree. Afterwards the system has the kinematics and the
-/// motion of (q, v, a). Throws std::invalid_argument for wrong sizes and loads.
+/// Computes the forces M a + h (nv) that the spanning tree needs for the accelerations a, with its mass
+/// matrix M and bias forces h. Afterwards `system` has the kinematics and the motion of (q, v, a). Throws
+/// std::invalid_argument for wrong sizes and loads.
 template <class T>
 Eigen::VectorX<T> tree_forces(LoopSystem<T>& system, Numbers<T> q, Numbers<T> v, Numbers<T> a,
                               const Loads<T>& loads) {
@@ -41,8 +42,9 @@ Eigen::VectorX<T> tree_forces(LoopSystem<T>& system, Numbers<T> q, Numbers<T> v,
   system.force(q.data(), v.data(), a.data(), loads, need.data());
   return need;
 }
-/// Computes the forces M a + h (nv) of the spanning tree. Throws std::invalid_argument, in double precision,
-/// if the accelerations do not keep the loops closed.
+/// Computes the forces M a + h (nv) that the spanning tree needs for the accelerations a, with its mass
+/// matrix M and bias forces h. Throws std::invalid_argument, in double precision, if a does not keep the
+/// loops closed.
 template <class T>
 Eigen::VectorX<T> closed_forces(LoopSystem<T>& system, Numbers<T> q, Numbers<T> v, Numbers<T> a,
                                 const Loads<T>& loads) {
@@ -53,9 +55,9 @@ Eigen::VectorX<T> closed_forces(LoopSystem<T>& system, Numbers<T> q, Numbers<T> 
   return need;
 }
 
-/// The least drive forces at the velocities whose indices are in `drives` that, together with forces Aᵀ λ of
-/// the loops, have the effect of the forces `need` on the tree (D7.10). The constructor uses the present
-/// kinematics of the system and computes its rows A.
+/// The least drive forces that, together with the constraint forces of the loops, have the effect of the
+/// forces `need` on the spanning tree (D7.10). `drives` are the indices of the velocities with drives. The
+/// constructor uses the present kinematics of `system`.
 template <class T> struct DriveForces {
   using Vector = Eigen::VectorX<T>;
   using Matrix = Eigen::MatrixX<T>;
@@ -101,8 +103,9 @@ void check_gears_driven(const Model& model, const Loads<T>& loads, std::span<con
                                   "set joint_losses to false");
 }
 
-/// Computes the wrenches that the joints transmit under the multipliers `lambda`, in the representation Rep
-/// at the point `at` of each body. Must be called after force() and make_rows() of the system.
+/// Computes the wrenches that the joints transmit for the multipliers `lambda` of the loops, in the
+/// representation Rep at the point `at` of each body. LoopSystem::force() and make_rows() must have been
+/// called.
 template <class Rep, class T>
 void write_joint_wrenches(const Model& model, LoopSystem<T>& system, Numbers<T> lambda, WrenchPoint at,
                           std::span<Wrench<Rep, T>> W) {

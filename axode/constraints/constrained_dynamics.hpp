@@ -4,36 +4,39 @@
 #include "axode/recursion/solvability.hpp"
 
 /// Dynamics of mechanisms with loops: M a + h - Aᵀ λ = τ with A a + γ = 0. M and the bias forces h are those
-/// of the spanning tree; A are the rows of the loops and λ their multipliers.
+/// of the spanning tree; A is the Jacobian of the loop equations (A v = 0), λ are their multipliers, and γ is
+/// the part of (A v)' without accelerations.
 ///
-/// Rows of loops may be redundant, by the kinds of the loop joints (a planar four-bar in space) or by
+/// Loop equations may be redundant, by the kinds of the loop joints (a planar four-bar in space) or by
 /// geometry (Bricard's mechanism). The accelerations are unique nevertheless. If many multipliers are
-/// possible, those with the least Σ d² λ² are computed, where d² is the diagonal entry of A M⁻¹ Aᵀ for a row
-/// or a lower bound of it (D7.7). See docs/derivations/loop-dynamics.md.
+/// possible, those with the least Σ d² λ² are computed, where d² is the diagonal entry of A M⁻¹ Aᵀ for an
+/// equation, or a lower limit if that is larger (D7.7). See docs/derivations/loop-dynamics.md.
 namespace axode {
 
-/// Computes accelerations a (nv) from drive forces τ, and the multipliers λ (loops().rows numbers, N m and N)
-/// unless `lambda` is empty. q and v should be closed, see assemble(): their residuals are not corrected.
-/// Springs act only if their forces are added to τ. O(n + m d + m² d + m³) for m rows on paths of d joints.
-/// The returned Solvability is not ok() if the mass matrix of the tree is singular; a and λ are NaN then.
-/// Throws std::invalid_argument for wrong sizes and for a model with prescribed motions.
+/// Computes the accelerations a (nv) of a mechanism with loops from drive forces τ and, unless `lambda` is
+/// empty, the multipliers λ of the loop equations (loops().rows numbers, N m and N). q and v should close the
+/// loops, see assemble(): their residuals are not corrected. Springs act only if their forces are added to τ.
+/// O(n + m d + m² d + m³) for n bodies and m loop equations on paths of d joints. The returned Solvability is
+/// not ok() if the mass matrix of the spanning tree is singular; a and λ are NaN then. Throws
+/// std::invalid_argument for wrong sizes and for a model with prescribed motions.
 template <class T>
 Solvability forward_dynamics(const Model& model, LoopWorkspace<T>& workspace, Numbers<T> q, Numbers<T> v,
                              Numbers<T> tau, std::type_identity_t<std::span<T>> a,
                              std::type_identity_t<std::span<T>> lambda = {},
                              const std::type_identity_t<Loads<T>>& loads = {});
 
-/// Computes drive forces τ (nv) that produce the accelerations a, with drives at the velocities whose indices
-/// are in `drives` or, if this is empty, at the velocities of all joints that are not passive. If there are
-/// more drives than the mechanism needs, τ is the least one (D7.10). The multipliers λ are written unless
-/// `lambda` is empty. `forces` (nv, may be empty) are forces that act in addition, such as spring_forces().
-/// Returns the part of the required forces, by norm, that no drive can produce: 0 to rounding if the drives
-/// can produce a. Throws std::invalid_argument for wrong sizes and, in double precision, if a does not keep
-/// the loops closed.
+/// Computes drive forces τ (nv) that produce the accelerations a of a mechanism with loops. `drives` are the
+/// indices of the velocities with drives; if it is empty, all joints that are not passive have drives. If
+/// there are more drives than the mechanism needs, τ is the least one (D7.10). The multipliers λ of the loop
+/// equations are written unless `lambda` is empty. `forces` (nv, may be empty) are forces that act in
+/// addition, such as spring_forces(). Returns the norm of the forces that no drive can produce, divided by
+/// that of all required forces: 0 to rounding if the drives can produce a. Throws std::invalid_argument for
+/// wrong sizes and, in double precision, if a does not keep the loops closed.
 ///
-/// The forces are found limb by limb, see docs/derivations/constraint-embedding.md: O(limbs) for limbs of
-/// bounded size, without allocating. If some motion has no drive, if λ is wanted and not unique, or near
-/// singularities, a general method is used instead, which allocates and costs O(nv³).
+/// The forces are found limb by limb, where a limb is one of the chains that carry a platform, see
+/// docs/derivations/constraint-embedding.md: O(limbs) for limbs of bounded size, without allocating. If some
+/// motion has no drive, if λ is wanted and not unique, or near singularities, a general method is used
+/// instead, which allocates and costs O(nv³).
 template <class T>
 [[nodiscard]] T inverse_dynamics(const Model& model, LoopWorkspace<T>& workspace, Numbers<T> q, Numbers<T> v,
                                  Numbers<T> a, std::type_identity_t<std::span<T>> tau,
@@ -42,28 +45,28 @@ template <class T>
                                  const std::type_identity_t<Loads<T>>& loads = {},
                                  std::type_identity_t<Numbers<T>> forces = {});
 
-/// Computes the wrench that each joint of the tree transmits from the predecessor to the body, all six
-/// components: drive and reaction. The accelerations a and multipliers λ (loops().rows) must belong to one
-/// result of forward_dynamics() or inverse_dynamics(). W has n_bodies entries. W[i - 1] belongs to joint i,
-/// in the representation Rep of the frame of body i, with this frame moved to the point `at` without turning
-/// it; Spatial wrenches are about the inertial origin. The method is a Newton-Euler recursion in which the
-/// wrenches W λ of the loops are applied to the bodies. Sᵀ W is the drive force minus the forces of armature
-/// and losses; it is 0 in passive joints, and joints in a coupling also transmit the force of the coupling.
-/// Springs are ignored, as in inverse_dynamics(). O(n + m) for m rows of loops. Throws std::invalid_argument
-/// for wrong sizes.
+/// Computes the wrench that each joint of the spanning tree transmits from the predecessor to the body, all
+/// six components: drive and reaction. The accelerations a and the multipliers λ of the loops (loops().rows)
+/// must belong to one result of forward_dynamics() or inverse_dynamics(). W[i - 1] belongs to joint i, in the
+/// representation Rep of the frame of body i, with this frame moved to the point `at` without turning it;
+/// Spatial wrenches are about the inertial origin. The method is a Newton-Euler recursion with the constraint
+/// wrenches of the loops as loads on the bodies. The component of W along a joint is the drive force minus
+/// the forces of armature and losses; it is 0 in passive joints, and joints in a coupling also transmit the
+/// force of the coupling. Springs are ignored, as in inverse_dynamics(). O(n + m) for m loop equations.
+/// Throws std::invalid_argument for wrong sizes.
 template <RecursionRepresentation Rep = BodyFixed, class T>
 void joint_wrenches(const Model& model, LoopWorkspace<T>& workspace, Numbers<T> q, Numbers<T> v, Numbers<T> a,
                     std::type_identity_t<Numbers<T>> lambda,
                     std::type_identity_t<std::span<Wrench<Rep, T>>> W,
                     const std::type_identity_t<Loads<T>>& loads = {}, WrenchPoint at = WrenchPoint::body);
 
-/// Computes the wrenches of all joints for accelerations a, with the drive forces and multipliers that
-/// inverse_dynamics() would find for these accelerations and drives. W has n_bodies entries, in the
-/// representation Rep at the point `at`, as in the overload that is given the multipliers. If loops are
-/// redundant, the share of each loop is indeterminate for rigid bodies; the wrenches are those of the least
-/// multipliers. Returns the part of the required forces, by norm, that no drive can produce. Throws
-/// std::invalid_argument for wrong sizes and, in double precision, if a does not keep the loops closed.
-/// Allocates; O(nv³).
+/// Computes the wrenches that all joints of a mechanism with loops transmit at accelerations a, with the
+/// drive forces and multipliers that inverse_dynamics() would find for these accelerations and drives. W has
+/// n_bodies entries, in the representation Rep at the point `at`, as in the overload that is given the
+/// multipliers. If loop equations are redundant, the share of each loop is indeterminate for rigid bodies;
+/// the wrenches are those of the least multipliers. Returns the norm of the forces that no drive can produce,
+/// divided by that of all required forces. Throws std::invalid_argument for wrong sizes and, in double
+/// precision, if a does not keep the loops closed. Allocates; O(nv³).
 template <RecursionRepresentation Rep = BodyFixed, class T>
 [[nodiscard]] T joint_wrenches(const Model& model, LoopWorkspace<T>& workspace, Numbers<T> q, Numbers<T> v,
                                Numbers<T> a, std::type_identity_t<std::span<Wrench<Rep, T>>> W,
@@ -71,18 +74,20 @@ template <RecursionRepresentation Rep = BodyFixed, class T>
                                const std::type_identity_t<Loads<T>>& loads = {},
                                WrenchPoint at = WrenchPoint::body);
 
-/// Computes the velocities v⁺ (nv) after an impact that closes the loops, A v⁺ = -e A v with the coefficient
-/// of restitution e from 0 to 1, and the impulses of the rows (loops().rows; N m s and N s) unless `impulses`
-/// is empty. The kinetic energy decreases by (1 - e²)/2 (A v)ᵀ (A M⁻¹ Aᵀ)⁺ A v. v⁺ may share the memory of v.
-/// See (D7.12). Throws std::invalid_argument for wrong sizes and for a restitution that is not from 0 to 1.
+/// Computes the velocities v⁺ (nv) after an impact that closes the loops, A v⁺ = -e A v with the Jacobian A
+/// of the loop equations and the coefficient of restitution e from 0 to 1. Also computes the impulses of the
+/// loop equations (loops().rows; N m s and N s) unless `impulses` is empty. The kinetic energy decreases by
+/// (1 - e²)/2 (A v)ᵀ (A M⁻¹ Aᵀ)⁺ A v with the mass matrix M of the spanning tree. v⁺ may share the memory of
+/// v. See (D7.12). Throws std::invalid_argument for wrong sizes and for a restitution that is not from 0 to
+/// 1.
 template <class T>
 Solvability impact(const Model& model, LoopWorkspace<T>& workspace, Numbers<T> q, Numbers<T> v, T restitution,
                    std::type_identity_t<std::span<T>> v_after,
                    std::type_identity_t<std::span<T>> impulses = {});
 
-/// Computes the wrench W λ that each loop joint exerts on its second body for multipliers λ (loops().rows),
-/// in the representation Rep of the frame of that body. W has one entry for each of loops().all; entries of
-/// couplings are 0.
+/// Computes the wrench that each loop joint exerts on its second body for the multipliers λ of the loop
+/// equations (loops().rows), in the representation Rep of the frame of that body. W has one entry for each of
+/// loops().all; entries of couplings of joints are 0.
 template <RecursionRepresentation Rep = BodyFixed, class T>
 void loop_wrenches(const Model& model, LoopWorkspace<T>& workspace, Numbers<T> q, Numbers<T> lambda,
                    std::type_identity_t<std::span<Wrench<Rep, T>>> W);

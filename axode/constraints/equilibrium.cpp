@@ -32,8 +32,8 @@ namespace {
 using Matrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
 using Vector = Eigen::VectorXd;
 
-/// A configuration q with its unbalanced forces r and the derivative ∂r/∂q. If there are loops, r and ∂r/∂q
-/// are projected on an orthonormal basis N of the velocities that the loops allow; otherwise N is empty.
+/// A configuration q with its unbalanced forces r and their derivative by q. If there are loops, both are
+/// projected on an orthonormal basis N of the velocities that the loops allow; otherwise N is empty.
 struct Iterate {
   std::vector<double> q;
   Vector r;
@@ -78,8 +78,9 @@ class Statics {
   }
 
  private:
-  /// Subtracts the forces Aᵀ λ of the loops from the unbalanced forces r, with the least-squares multipliers
-  /// λ, and projects the rest and its derivative on the basis N of the velocities that the loops allow.
+  /// Subtracts from the unbalanced forces the constraint forces of the loops that reduce them most (least
+  /// squares), and projects the remainder and its derivative on an orthonormal basis N of the velocities that
+  /// the loops allow.
   void close(Iterate& at) {
     const Eigen::Index nv = model_.nv(), m = model_.loops().rows;
     Vector lambda(m), forces(nv);
@@ -104,8 +105,8 @@ class Statics {
   Matrix by_v_, by_a_;
 };
 
-/// The step -(∂r/∂q)⁺ r of Newton's method, at most 1 rad or m in each direction. Directions that change r by
-/// rounding only are left out.
+/// The step -(∂r/∂q)⁺ r of Newton's method for the unbalanced forces r, at most 1 rad or m in each direction.
+/// Directions that change r by rounding only are left out.
 Vector newton_step(const Iterate& at) {
   Vector step = -least_squares(at.dr_dq, at.r, 1e-10);
   if (at.N.rows() > 0) step = Vector(at.N * step);
@@ -120,8 +121,8 @@ bool closed(const Model& model, std::vector<double>& q) {
   return found.status == AssemblyStatus::closed;
 }
 
-/// Moves `at` along the step, halved until it reduces the residual. Returns false, and leaves `at` unchanged,
-/// if no part of the step reduces it.
+/// Moves the configuration `at` along the step, halved until it reduces the unbalanced forces. Returns false,
+/// and leaves `at` unchanged, if no part of the step reduces them.
 bool improve(const Model& model, Statics& statics, const Vector& step, Iterate& at, Iterate& next) {
   constexpr int most_halves = 40;
   constexpr double decrease = 1e-4;

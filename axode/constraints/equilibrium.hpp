@@ -29,14 +29,15 @@ struct EquilibriumResult {
 };
 
 /// Finds a configuration near q0 in which the system stays at rest under the drive forces tau (nv), which are
-/// 0 if tau is empty. The inverse dynamics at v = 0 and a = 0 then equals tau plus the forces of springs,
-/// mechanical stops (`LE`) and loops, and the loops are closed.
+/// 0 if tau is empty. In this configuration the loops are closed, and the inverse dynamics at v = 0 and a = 0
+/// equals tau plus the forces of springs, mechanical stops and loops (eq. `LE`).
 ///
-/// The method is Newton's on the configuration manifold, with the exact ∂τ/∂q along the velocities that the
-/// loops allow. If ∂τ/∂q is singular, the least step is taken. A step is at most 1 rad or m along each
-/// velocity. Loops are closed after each step by assemble(), and the step is halved until the residual
-/// decreases. Equilibria may be stable or unstable. Limits of coordinates are ignored, and so are damping and
-/// Coulomb friction; with friction, a whole range of configurations would be at rest.
+/// The method is Newton's on the configuration manifold, with the exact derivative of the unbalanced forces
+/// by q along the velocities that the loops allow. If it is singular, the least step is taken. A step is at
+/// most 1 rad or m along each velocity. Loops are closed after each step by assemble(), and the step is
+/// halved until the norm of the unbalanced forces decreases. Equilibria may be stable or unstable. Limits of
+/// coordinates are ignored, and so are damping and Coulomb friction; with friction, a whole range of
+/// configurations would be at rest.
 ///
 /// O(n³) for each iteration; allocates. Throws std::invalid_argument for wrong sizes, quaternions that are
 /// not of unit norm, a load on a frame that does not exist, numbers that are not finite, options that are not

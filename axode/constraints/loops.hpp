@@ -7,11 +7,11 @@
 
 /// Closed loops. A mechanism is cut to a spanning tree. A loop joint between bodies i and j leaves a subgroup
 /// of SE(3) free. The wrenches W that are reciprocal to this subgroup close the loop: for multipliers λ, the
-/// wrench W λ acts on body j and -W λ on body i. The rows
+/// wrench W λ acts on body j and -W λ on body i. The loop equations
 ///   A = Wᵀ (J_j - J_i),   A v = 0,   A a + γ = 0
-/// and the multipliers λ are the same in all representations. A loop joint has six rows less its degrees of
-/// freedom: couples about x and y, then forces along x, y and z, in the frame of the joint on body j, whose z
-/// is the axis.
+/// with the Jacobians J of the bodies and γ = A' v, and the multipliers λ, are the same in all
+/// representations. A loop joint has six equations less its degrees of freedom: couples about x and y, then
+/// forces along x, y and z, in the frame of the joint on body j, whose z is the axis.
 namespace axode {
 
 template <class T> class LoopSystem;
@@ -28,8 +28,8 @@ template <class T = double> class AXODE_ENTRY LoopWorkspace {
   LoopWorkspace& operator=(const LoopWorkspace& other);
   LoopWorkspace& operator=(LoopWorkspace&&) noexcept;
 
-  /// The loop system of this workspace. Throws std::invalid_argument if the workspace was made for another
-  /// model.
+  /// The LoopSystem of this workspace, which has the equations of the loops. Throws std::invalid_argument if
+  /// the workspace was made for another model.
   LoopSystem<T>& system(const Model& model);
 
  private:
@@ -43,28 +43,30 @@ template <class T>
 void loop_residual(const Model& model, LoopWorkspace<T>& workspace, Numbers<T> q,
                    std::type_identity_t<std::span<T>> r);
 
-/// Computes the matrix A(q) of all rows, loops().rows × nv, row by row: velocities with A v = 0 keep the
-/// loops closed (D6.6). O(n + m d) for m rows on paths of d joints, and O(m nv) to write the matrix.
+/// Computes the Jacobian A(q) of all loop equations, loops().rows × nv, row by row: velocities with A v = 0
+/// keep the loops closed (D6.6). O(n + m d) for m equations on paths of d joints, and O(m nv) to write the
+/// matrix.
 template <class T>
 void loop_jacobian(const Model& model, LoopWorkspace<T>& workspace, Numbers<T> q,
                    std::type_identity_t<std::span<T>> A);
 
-/// Computes the Jacobian R(q) of the residual r(q), loops().residuals × nv, with r' = R v. It is exact also
-/// if the loops are open (D6.4). If the loops are closed, R consists of the rows of A that have a residual.
+/// Computes the Jacobian R(q) of the residual r(q) of the loops, loops().residuals × nv, with r' = R v. It is
+/// exact also if the loops are open (D6.4). If they are closed, its rows are also rows of the Jacobian of
+/// loop_jacobian(), which has further rows for conditions on velocities alone, such as rolling.
 template <class T>
 void loop_residual_jacobian(const Model& model, LoopWorkspace<T>& workspace, Numbers<T> q,
                             std::type_identity_t<std::span<T>> R);
 
-/// Computes the rate of R(q)ᵀ λ (nv) for constant λ (loops().residuals numbers) as q moves with the
-/// velocities w (nv). This is the product of the second derivatives of Σ λ_k r_k with w, and it is exact. If
-/// every velocity is the rate of a coordinate, it is the product of the Hessian of Σ λ_k r_k with w. O(n + m
-/// d) for m residuals on paths of d joints.
+/// Computes the rate of R(q)ᵀ λ (nv), with the Jacobian R of the residual r of the loops, for constant λ
+/// (loops().residuals numbers) as q moves with the velocities w (nv). This is the product of the second
+/// derivatives of Σ λ_k r_k with w, and it is exact. If every velocity is the rate of a coordinate, the
+/// second derivatives are the Hessian of Σ λ_k r_k. O(n + m d) for m residuals on paths of d joints.
 template <class T>
 void loop_hessian_product(const Model& model, LoopWorkspace<T>& workspace, Numbers<T> q, Numbers<T> lambda,
                           Numbers<T> w, std::type_identity_t<std::span<T>> product);
 
-/// Computes the bias γ(q, v) (loops().rows numbers) of (A v)' = A a + γ. It is exact also if the loops are
-/// open (D6.7). O(n).
+/// Computes the bias γ(q, v) of the loop equations A v = 0, the part A' v of (A v)' = A a + γ, loops().rows
+/// numbers. It is exact also if the loops are open (D6.7). O(n).
 template <class T>
 void loop_bias(const Model& model, LoopWorkspace<T>& workspace, Numbers<T> q, Numbers<T> v,
                std::type_identity_t<std::span<T>> gamma);

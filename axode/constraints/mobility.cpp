@@ -22,9 +22,10 @@ std::string in_words(const Wrench<Spatial>& W, const Vec3<>& O) {
   return words;
 }
 
-/// Whether velocities x with A x = 0, for which `kernel` is a basis, belong to finite motions. It is
-/// necessary that the quadratic form n·γ(q, x) vanishes for each dependency n, nᵀ A = 0. A definite form
-/// makes the mechanism shaky; an indefinite one makes branches.
+/// Whether velocities x that satisfy the loop equations A x = 0, for which `kernel` is a basis, belong to
+/// finite motions. It is necessary that n·γ(q, x) vanishes for each dependency n of the equations, nᵀ A = 0,
+/// where γ is the part of (A x)' that is quadratic in x. A definite form n·γ makes the mechanism shaky; an
+/// indefinite one makes branches.
 Mobility second_order(LoopSystem<double>& system, std::span<const double> q, const Eigen::MatrixXd& kernel,
                       const Eigen::MatrixXd& dependencies) {
   const Eigen::Index f = kernel.cols();

@@ -15,10 +15,10 @@ namespace {
 
 /// Tolerance for rounding errors, relative to the magnitude of the forces that are compared.
 constexpr double rounding = 1e-13;
-/// A regularisation of the equations of sticking joints, relative to their compliance, because in loops the
-/// distribution of the sticking forces may be indeterminate. Two passes of iterative refinement remove its
-/// effect on the accelerations. In the test of uniqueness, a pivot below this part of the compliance counts
-/// as 0.
+/// A small number that is added to the equations of joints that stick, relative to their compliance, because
+/// in loops the distribution of the sticking forces may be indeterminate. Two passes of iterative refinement
+/// remove its effect on the accelerations. In the test of uniqueness, a pivot below this part of the
+/// compliance counts as 0.
 constexpr double regularisation = 1e-12;
 
 }  // namespace
@@ -34,8 +34,9 @@ double ResistingForces::bound(Eigen::Index i, int direction) const {
   return joints_[at(i)].friction + part_lost(i, direction, F_i < 0 ? -1 : 1) * std::abs(F_i);
 }
 
-/// Checks (D9.12), the condition for a unique solution. Returns -1 if it holds, or else the index of the
-/// joint for which the negative diagonal term of (D9.12) is largest relative to the compliance of the joint.
+/// Checks the condition (D9.12), under which the friction forces of joints with gears are unique. Returns -1
+/// if it holds, or else the index of the joint whose negative diagonal term in (D9.12) is largest relative to
+/// the joint's compliance.
 int ResistingForces::not_unique(const Matrix& Phi) const {
   std::vector<Eigen::Index> rows;  // joints that stick in the worst case come first
   std::vector<double> diagonal;
@@ -76,10 +77,10 @@ int ResistingForces::not_unique(const Matrix& Phi) const {
   return -1;
 }
 
-/// Sets the data, the pieces and the solution of a problem that can be solved by hand: joints at rest stick
-/// without a friction force, and the drives of moving joints drive their gears. The magnitudes of the forces
-/// differ from joint to joint, so that the path through a symmetric mechanism meets the boundaries of its
-/// pieces one by one.
+/// Starts with a problem whose friction forces are known: joints at rest stick without a friction force, and
+/// the drives of moving joints drive their gears. Sets its data (drive forces and accelerations), its
+/// solution, and the linear piece in which each joint is. The magnitudes of the forces differ from joint to
+/// joint, so that the path through a symmetric mechanism meets the boundaries of its pieces one by one.
 void ResistingForces::start(const Matrix& Phi, const Vector& a_0) {
   const Eigen::Index k = Phi.rows();
   x_ = a_ = Vector::Zero(k);
@@ -96,9 +97,9 @@ void ResistingForces::start(const Matrix& Phi, const Vector& a_0) {
   start_a_0_ = -Phi * x_;
 }
 
-/// Solves the linear equations (D9.10) for the friction forces x, with every joint in its current piece. The
-/// rows of sticking joints are regularised by `little` or, if it is 0, by an amount whose effect is removed
-/// by refinement.
+/// Solves the equations (D9.10) for the friction forces x, which are linear if each joint sticks, or slides
+/// in a known direction with a known sign of the gear's force. The rows of sticking joints are regularised by
+/// `little` or, if it is 0, by an amount whose effect is removed by refinement.
 ResistingForces::Vector ResistingForces::solve(const Matrix& Phi, const Vector& a_0, const Vector& tau,
                                                double little) const {
   const Eigen::Index k = Phi.rows();
@@ -146,10 +147,10 @@ std::vector<ResistingForces::Boundary> ResistingForces::boundaries(Eigen::Index 
   return all;
 }
 
-/// Follows the path from the problem of start() to the problem with the data `a_0` and `tau`, and writes the
-/// solution of the latter to x_. The forces of sticking joints are regularised by `little`. Returns false if
-/// the path does not end after a limited number of pieces, for example because forces of sticking joints are
-/// indeterminate.
+/// Changes the problem of start() continuously to that with the accelerations `a_0` without friction and the
+/// drive forces `tau`, follows its friction forces from one linear piece to the next, and writes those at the
+/// end to x_. The forces of sticking joints are regularised by `little`. Returns false if the end is not
+/// reached after a limited number of pieces, for example because forces of sticking joints are indeterminate.
 bool ResistingForces::follow(const Matrix& Phi, const Vector& a_0, const Vector& tau, double little) {
   const Eigen::Index k = Phi.rows();
   tau_ = tau;

@@ -20,10 +20,11 @@ struct ResistingJoint {
   double compliance = 0;  ///< scale for accelerations: that of the joint for a unit force on the joint
 };
 
-/// Computes the friction forces x of k resisting joints and the accelerations a = a_0 + Φ x of these joints
-/// by (D9.10) and (D9.11). a_0 are the accelerations for x = 0, and Φ = ∂a/∂τ is k × k. A gear with armature
-/// I transmits the force F = τ - I a + x. The equations for x are linear in pieces: a piece ends where a
-/// force F changes its sign, or where a joint at rest changes between sticking and sliding in one direction.
+/// Computes the friction forces x of k joints with dry friction or gear losses, and the accelerations a = a_0
+/// + Φ x of these joints, by (D9.10) and (D9.11). a_0 are the accelerations without friction forces, and Φ =
+/// ∂a/∂τ (k × k) is the response to joint forces. A gear with armature I and drive force τ transmits the
+/// force F = τ - I a + x. The equations for x are linear in pieces: a piece ends where a force F changes its
+/// sign, or where a joint at rest changes between sticking and sliding in one direction.
 ///
 /// The solution is found by the method of Katzenelson. It starts at another problem, whose solution is known,
 /// changes the data of this problem along a straight line to those of the given problem, and follows the
@@ -35,10 +36,10 @@ class ResistingForces {
   using Matrix = Eigen::MatrixXd;
   using Vector = Eigen::VectorXd;
 
-  /// Computes the friction forces x() and the accelerations a() of the k joints. `Phi` = ∂a/∂τ of these
-  /// joints is k × k and symmetric, and `a_0` are their accelerations without friction forces. Returns -1 or,
-  /// if the solution is not unique, the index of a joint whose gear locks itself too strongly. O(k³) for each
-  /// linear piece on the path.
+  /// Computes the friction forces x() and the accelerations a() of the k joints. `Phi` (k × k, symmetric) are
+  /// the accelerations of these joints for unit forces on them, and `a_0` their accelerations without
+  /// friction forces. Returns -1 or, if the solution is not unique or not found, the index of a joint, as a
+  /// rule one whose gear locks itself too strongly. O(k³) for each linear piece on the path to the solution.
   int find(const Matrix& Phi, const Vector& a_0, std::span<const ResistingJoint> joints);
 
   const Vector& x() const { return x_; }
@@ -51,14 +52,14 @@ class ResistingForces {
   double bound(Eigen::Index i, int direction) const;
 
  private:
-  /// The linear piece of a joint: `slide` is its direction of sliding (1 or -1; 0 if it sticks), and `sign`
-  /// is the sign of the force F that its gear transmits.
+  /// The state of a joint in which its friction law is linear: `slide` is its direction of sliding (1 or -1;
+  /// 0 if it sticks), and `sign` is the sign of the force that its gear transmits.
   struct Piece {
     int slide, sign;
     bool operator==(const Piece&) const = default;
   };
-  /// A boundary of the linear piece of a joint: `value` is positive inside the piece, and `beyond` is the
-  /// piece on the other side.
+  /// A boundary of the state in which the friction law of a joint is linear: `value` is positive inside, and
+  /// `beyond` is the state on the other side.
   struct Boundary {
     double value;
     Piece beyond;
@@ -68,8 +69,8 @@ class ResistingForces {
   double F(Eigen::Index i, const Vector& x, const Vector& a, const Vector& tau) const {
     return tau[i] - joints_[at(i)].rotor * a[i] + x[i];
   }
-  /// The part of the transmitted force |F| that the gear of joint i loses if the joint moves in `direction`
-  /// and F has the sign `sign` (both 1 or -1).
+  /// The fraction (0 or more) of the transmitted force that the gear of joint i loses if the joint moves in
+  /// `direction` and the force has the sign `sign` (both 1 or -1).
   double part_lost(Eigen::Index i, int direction, int sign) const {
     return direction == sign ? joints_[at(i)].loss : joints_[at(i)].loss_back;
   }
@@ -90,18 +91,17 @@ class ResistingForces {
 /// determine it.
 class MovingGears {
  public:
-  /// Selects the gears of moving joints and stores their drive forces `tau` (nv) minus damping and dry
-  /// friction. `tau` must not contain forces of springs. Throws std::invalid_argument if the model has gears
-  /// with losses and springs, because `tau` could contain the forces of the springs, which do not pass
-  /// through gears.
+  /// Selects the gears with losses whose joints move, and stores their drive forces: those in `tau` (nv)
+  /// minus damping and dry friction. Throws std::invalid_argument if the model has gears with losses and
+  /// springs, because `tau` could contain the forces of the springs, which do not pass through gears.
   template <class T> MovingGears(const Model& model, NumberSpan<T> v, NumberSpan<T> tau);
 
   /// The indices of the joint velocities of the k selected gears.
   std::span<const int> velocities() const { return velocities_; }
-  /// Adds the friction forces of the k gears to `tau` (nv). `a` (nv) are the accelerations without these
-  /// forces. Row i of `responses` (k × nv) has the accelerations that a unit force on velocities()[i] causes.
-  /// If a gear locks itself too strongly (D9.12), the returned Solvability names its body, and `tau` remains
-  /// unchanged.
+  /// Adds the friction forces of the k selected gears to the joint forces `tau` (nv). `a` (nv) are the
+  /// accelerations without these forces. Row i of `responses` (k × nv) has the accelerations that a unit
+  /// force on velocities()[i] causes. If a gear locks itself too strongly (D9.12), the returned Solvability
+  /// names its body, and `tau` remains unchanged.
   template <class T>
   Solvability add_forces(const Model& model, std::span<const T> a, std::span<const T> responses,
                          std::span<T> tau);

@@ -80,8 +80,9 @@ template <class T> struct PosesAndMotion {
   explicit PosesAndMotion(Arena& arena) : C(arena), motion(arena) {}
 };
 
-/// Scratch memory for a Coriolis matrix C = Jᵀ (M J' + B J): joint screws and inertias in spatial
-/// representation, and for each body its twist and the 6×6 matrix B.
+/// Scratch memory for a Coriolis matrix C = Jᵀ (M J' + B J) with the spatial Jacobian J and inertia M of all
+/// bodies: joint screws and inertias in spatial representation, and for each body its twist and its 6×6 block
+/// of B.
 template <class T> struct CoriolisBodies {
   SpatialTree<T> spatial;
   Twist<Spatial, T>* V;

@@ -29,8 +29,8 @@ template <class T> ElasticForce<T> elastic_force(const Dof& dof, const T& p, con
 }
 
 /// The spring of a joint with several velocities, at the logarithm x = log(q) of the motion from its drawn
-/// pose. `Kx` is the product of the stiffnesses K and x, and dx[k] = dexp_{-x}⁻¹ e_k is the rate of x for a
-/// unit of velocity k.
+/// pose. `Kx` is the diagonal stiffness matrix times x, and dx[k] = dexp_{-x}⁻¹ e_k is the rate of x for a
+/// unit of velocity k, with the unit vector e_k.
 template <class Joint, class T> struct ElasticLogarithm {
   using Entries = std::array<T, Joint::nv>;
   Entries x, Kx;
@@ -71,9 +71,9 @@ template <class T> int meeting_of(const Tree<T>& tree, const std::array<Place<T>
   return common_predecessor(tree, tree->frame_body[place[0].frame], tree->frame_body[place[1].frame]);
 }
 
-/// A straight segment of the path of a spring, between two places. It is expressed in the internal frame of
-/// the body `meeting`, where the paths from both ends to the ground meet, so that no digits are lost far from
-/// the inertial origin.
+/// A straight segment of the path of a spring, between two points on bodies. It is expressed in the joint
+/// frame of the body `meeting`, where the paths from both ends to the ground meet, so that no digits are lost
+/// far from the inertial origin.
 template <class T> struct Segment {
   std::array<Place<T>, 2> place;
   int meeting;
@@ -83,9 +83,9 @@ template <class T> struct Segment {
   Vec3<T> u;      ///< r/‖r‖, or 0
   T rate{};       ///< rate of the length
 
-  /// Computes the segment. Calls columns(end, joint, velocity, X) with each column X of the body-fixed
-  /// Jacobian of an end (0 or 1), for the joints between this end and the meeting body. v may be nullptr; the
-  /// rates are 0 then.
+  /// Computes the segment of a spring between two points. For each end (0 or 1), calls columns(end, joint,
+  /// velocity, X) with each column X of the body-fixed Jacobian of the end, for the joints between it and the
+  /// body where the paths from both ends to the ground meet. v may be nullptr; the rates are 0 then.
   template <class F>
   Segment(const Spring::Path::Point* ends, const Tree<T>& tree, const T* q, const T* v,
           const F& columns) noexcept
@@ -154,9 +154,10 @@ template <class T> struct RelativePose {
   SE3<T> D;
   Screw<T> V;
 
-  /// Computes D and V. Calls columns(end, joint, velocity, X) with each column X of the body-fixed Jacobian
-  /// of an end (0 or 1), for the joints between this end and the body where the paths from both ends to the
-  /// ground meet. v may be nullptr; V is 0 then.
+  /// Computes the pose D and the twist V of the second frame of a spring relative to the first. For each
+  /// frame (end 0 or 1), calls columns(end, joint, velocity, X) with each column X of the body-fixed Jacobian
+  /// of the frame, for the joints between it and the body where the paths from both frames to the ground
+  /// meet. v may be nullptr; V is 0 then.
   template <class F>
   RelativePose(const std::array<Spring::End, 2>& ends, const Tree<T>& tree, const T* q, const T* v,
                const F& columns) noexcept
@@ -205,8 +206,8 @@ template <class T> Screw<T> unit_screw(std::size_t k) {
   return {{e[0], e[1], e[2]}, {e[3], e[4], e[5]}};
 }
 
-/// The angle about z of a rotation R (D16.8), from -π to π, its gradient g for displacements R → R exp(η),
-/// and the derivatives of g.
+/// The angle about z of a rotation R (D16.8), from -π to π, its gradient g for displacements R → R exp(η)
+/// with rotation vectors η, and the derivatives of g.
 template <class T> struct TwistAngle {
   T angle;
   Vec3<T> g;
@@ -233,8 +234,9 @@ template <class T> struct TwistAngle {
   T square_;
 };
 
-/// The wrench of a torsion spring on its second frame and, if `with_derivatives`, the derivatives K and C
-/// (D16.9). `at` has the relative pose and twist of the two frames.
+/// The wrench W of a torsion spring on its second frame (D16.9), and if `with_derivatives`, its derivatives:
+/// K by displacements of this frame and C by the relative twist, both with a minus sign. `at` has the
+/// relative pose and twist of the two frames.
 template <class T>
 SpringWrench<T> wrench_of(const Spring::Torsion&, const ForceLaw& law, const RelativePose<T>& at,
                           bool with_derivatives) noexcept {
@@ -257,8 +259,9 @@ SpringWrench<T> wrench_of(const Spring::Torsion&, const ForceLaw& law, const Rel
   return out;
 }
 
-/// The wrench of a bushing on its second frame and, if `with_derivatives`, the derivatives K and C (D16.10,
-/// D16.11). `at` has the relative pose and twist of the two frames.
+/// The wrench W of a bushing on its second frame and, if `with_derivatives`, its derivatives (D16.10,
+/// D16.11): K by displacements of this frame and C by the relative twist, both with a minus sign. `at` has
+/// the relative pose and twist of the two frames.
 template <class T>
 SpringWrench<T> wrench_of(const Spring::Bushing& bushing, const ForceLaw&, const RelativePose<T>& at,
                           bool with_derivatives) noexcept {

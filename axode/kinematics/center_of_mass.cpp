@@ -21,9 +21,9 @@ template <class T> Vec3<T> mass_center(const Model& model, const Tree<T>& tree, 
   return (T(1) / m) * h;
 }
 
-/// Computes at.C, the poses of all bodies relative to the centre of mass of the whole system, in inertial
-/// axes, and at.M, the inertia of the subtree of each body in that frame; at.M[0] is the inertia of all
-/// bodies.
+/// Computes in `at` the poses C of all bodies in a frame with inertial axes whose origin is the centre of
+/// mass of the whole system, and the inertias M of the subtrees of all bodies in that frame; entry 0 of M is
+/// the inertia of all bodies.
 template <class T> void compose(const Model& model, const Tree<T>& tree, const T* q, SubtreeInertias<T>& at) {
   at.C.run(tree, q);
   const Vec3<T> c = mass_center(model, tree, at.C);

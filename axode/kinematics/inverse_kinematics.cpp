@@ -97,9 +97,9 @@ class Solver {
   /// The iterate at which the last run() ended.
   const Iterate& end() const { return at_; }
 
-  /// Moves a solution q towards the posture within the null space of the targets, by (I - J⁺J)(posture ⊖ q),
-  /// and then corrects q to the targets again. This is repeated as long as it decreases the distance from the
-  /// posture; a step that does not is halved.
+  /// Moves a solution q towards the configuration `posture` within the null space of the target Jacobian J,
+  /// by (I - J⁺J)(posture ⊖ q), and then corrects q to the targets again. This is repeated as long as it
+  /// decreases the distance from the posture; a step that does not is halved.
   void approach_posture(std::vector<double>& q, double& residual, int& iterations) {
     std::vector<double> q_try(q.size());
     double gain = 1, distance = way_to_posture(q).norm();
@@ -126,8 +126,8 @@ class Solver {
   }
 
  private:
-  /// Computes the errors and Jacobians of an iterate at its q. For each target this takes one walk from the
-  /// place to the root.
+  /// Computes the pose errors and Jacobians of all targets at the configuration of an iterate. For each
+  /// target this takes one walk along the path to the root.
   void evaluate(Iterate& at) const {
     at.J.setZero();
     for (std::size_t t = 0; t < targets_.size(); ++t) {
@@ -156,8 +156,8 @@ class Solver {
       }
     }
   }
-  /// Stops the joints that are at a limit and that `gradient` would move beyond it: their entries in J,
-  /// `gradient` and `direction` are set to 0. Returns whether there was such a joint.
+  /// Stops the joints that are at a limit and that `gradient` would move beyond it: sets their columns of the
+  /// Jacobian and their entries in `gradient` and `direction` to 0. Returns whether there was such a joint.
   bool stop_at_limits(Vector& gradient, Vector& direction) {
     if (!options_.limits) return false;
     bool held = false;

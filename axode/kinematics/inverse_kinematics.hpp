@@ -9,9 +9,9 @@
 
 namespace axode {
 
-/// A target pose of a place. With the pose C of the place, the error is the screw log(C⁻¹ C_target), whose
-/// angular part (rad) and linear part (m) are scaled by the weights. A weight of 0 leaves a part free; if the
-/// orientation is free, the error is the distance of the origins.
+/// A target pose of a place, which is a frame or a point on a body. With the pose C of the place, the error
+/// is the screw log(C⁻¹ C_target), whose angular part (rad) and linear part (m) are scaled by the weights. A
+/// weight of 0 leaves a part free; if the orientation is free, the error is the distance of the origins.
 struct PoseTarget {
   Place<> place;
   SE3<> pose;
@@ -33,8 +33,8 @@ enum class InverseKinematicsStatus {
   solved,  ///< the error is within the tolerance
   /// Every start ended in a configuration that no small step improves. The targets are probably out of reach.
   stalled,
-  /// The error of some start still decreased when its iterations were used up, or the monitor ended the
-  /// search.
+  /// The error of some start still decreased when its iterations were used up, or the caller's function
+  /// options.monitor ended the search.
   iteration_limit,
 };
 std::string_view to_string(InverseKinematicsStatus status);
@@ -47,11 +47,12 @@ struct InverseKinematicsResult {
   int restarts = 0;
 };
 
-/// Computes a configuration in which places have given poses, by the damped least squares of Levenberg and
-/// Marquardt on SE(3) with the exact derivative -dexp⁻¹ J^b of the error. The search starts at q0, and then
-/// at random configurations until the targets are reached. A joint at a limit that it would cross is held
-/// there. If options.posture is given, the joints then move towards it as far as the targets leave them free.
-/// The function allocates memory. It throws std::invalid_argument for wrong sizes, unknown frames, and
+/// Computes a configuration in which places (frames or points on bodies) have given poses, by the damped
+/// least squares of Levenberg and Marquardt on SE(3) with the exact derivative -dexp⁻¹ J^b of the error,
+/// where J^b is the body-fixed Jacobian of a place. The search starts at q0, and then at random
+/// configurations until the targets are reached. A joint at a limit that it would cross is held there. If
+/// options.posture is given, the joints then move towards this configuration as far as the targets leave them
+/// free. The function allocates memory. It throws std::invalid_argument for wrong sizes, unknown frames, and
 /// numbers out of range.
 [[nodiscard]] InverseKinematicsResult inverse_kinematics(const Model& model,
                                                          std::span<const PoseTarget> targets,

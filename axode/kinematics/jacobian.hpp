@@ -2,13 +2,14 @@
 #include "axode/kinematics/arguments.hpp"
 #include "axode/kinematics/place.hpp"
 
-/// Jacobians J of places: V = J v is the twist of a place at the velocities v. Each column belongs to one
-/// velocity and is the twist for a unit of this velocity. A dense Jacobian has nv columns; columns of joints
-/// that do not move the place are zero. The screw of a coupled joint is added to the column of its leader.
+/// Jacobians J of places, which are frames or points on bodies: V = J v is the twist of a place at the
+/// velocities v. Each column belongs to one velocity and is the twist for a unit of this velocity. A dense
+/// Jacobian has nv columns; columns of joints that do not move the place are zero. The screw of a coupled
+/// joint is added to the column of its leader.
 namespace axode {
 
-/// Computes the Jacobian J_f of a place, nv columns (eqs. JbX, JsX, Jh, JhJb). O(path length) to the ground,
-/// and O(nv) to clear the other columns.
+/// Computes the Jacobian of a place (a frame or a point on a body), nv columns (eqs. JbX, JsX, Jh, JhJb).
+/// O(path length) for the path from the place to the ground, and O(nv) to clear the other columns.
 template <RecursionRepresentation Rep = BodyFixed, class T>
 void jacobian(const Model& model, Workspace<T>& workspace, Numbers<T> q,
               const std::type_identity_t<Place<T>>& place, std::type_identity_t<std::span<Twist<Rep, T>>> J);
@@ -30,16 +31,18 @@ template <RecursionRepresentation Rep, class T = double> struct JacobianColumn {
   int c;
   Twist<Rep, T> J;
 };
-/// Writes only those columns of the Jacobian of a place that belong to joints on the path from the place to
-/// the ground, and returns their number. If joints are coupled, several columns may have the same velocity c;
-/// they add up. O(path length). Throws std::invalid_argument if `columns` is too short.
+/// Writes only those columns of the Jacobian of a place (a frame or a point on a body) that belong to joints
+/// on the path from the place to the ground, and returns their number. If joints are coupled, several columns
+/// may have the same velocity c; they add up. O(path length). Throws std::invalid_argument if `columns` is
+/// too short.
 template <RecursionRepresentation Rep = BodyFixed, class T>
 std::size_t jacobian_columns(const Model& model, Workspace<T>& workspace, Numbers<T> q,
                              const std::type_identity_t<Place<T>>& place,
                              std::type_identity_t<std::span<JacobianColumn<Rep, T>>> columns);
 
-/// The Jacobian of the motion of one place relative to another place, `base`, nv columns. The observer is at
-/// rest in `base`, which replaces the inertial frame in the definition of the representation Rep.
+/// The Jacobian of the motion of one place (a frame or a point on a body) relative to another place, `base`,
+/// nv columns. The observer is at rest in `base`, which replaces the inertial frame in the definition of the
+/// representation Rep.
 template <RecursionRepresentation Rep = BodyFixed, class T>
 void relative_jacobian(const Model& model, Workspace<T>& workspace, Numbers<T> q,
                        const std::type_identity_t<Place<T>>& place,

@@ -9,8 +9,8 @@ namespace axode {
 template <class T>
 void poses(const Model& model, Workspace<T>& workspace, Numbers<T> q,
            std::type_identity_t<std::span<SE3<T>>> C);
-/// The poses of the given places in the inertial frame, one entry for each place, in the order of the places.
-/// O(n), and constant time for each place.
+/// The poses of the given places (frames or points on bodies) in the inertial frame, one entry for each
+/// place, in the order of the places. O(n), and constant time for each place.
 template <class T>
 void poses(const Model& model, Workspace<T>& workspace, Numbers<T> q,
            std::type_identity_t<std::span<const Place<T>>> places, std::type_identity_t<std::span<SE3<T>>> C);

@@ -18,22 +18,25 @@ using SystemMatrix = Eigen::SparseMatrix<double>;
 struct SystemMatrices {
   SystemMatrix A, D, X;
 };
-/// The system matrices in representation Rep. The body-fixed A^b has the blocks Ad_{C_ij}, and the hybrid A^h
-/// has Ad_{r_ij}. The spatial D has identities, and its X has the instantaneous screws J_i^s, so that A is
-/// the lower block-triangular matrix L of identities.
+/// The matrices of V = A X v, the stacked twists of all bodies, with (I - D) A = I, in representation Rep.
+/// The body-fixed A^b has the blocks Ad_{C_ij} with the pose C_ij of body j relative to body i, and the
+/// hybrid A^h has Ad_{r_ij} with the vector r_ij between their origins. The spatial D has identities, and its
+/// X has the instantaneous joint screws, so that A is the lower block-triangular matrix L of identities.
 template <RecursionRepresentation Rep = BodyFixed>
 SystemMatrices system_matrices(const Model& model, std::span<const double> q);
 
-/// Two further factorisations of the spatial Jacobian, J^s = A^s Y^s = A^sb X^b (eq. JbSys). Y^s = diag(Y_i)
-/// is constant, and so is X^b, the X of system_matrices<BodyFixed>().
+/// Two further factorisations of the stacked spatial Jacobian, J^s = A^s Y^s = A^sb X^b (eq. JbSys). Y^s has
+/// the joint screws in the inertial frame at q = 0, and X^b, the X of system_matrices<BodyFixed>(), those in
+/// the body frames; both are constant.
 struct SpatialFactors {
   SystemMatrix A_s, Y_s, A_sb;
 };
 SpatialFactors spatial_factors(const Model& model, std::span<const double> q);
 
-/// The matrix a^b(v) = diag(ad_{X_i v_i}), 6n × 6n (eq. ab). The rate of the body-fixed Jacobian is J^b' =
-/// -A^b a^b D^b J^b. If every joint has one degree of freedom, a^b X^b = 0 and J^b' = -A^b a^b J^b (eq.
-/// u:Jb_dot matrix).
+/// The matrix a^b(v) = diag(ad_{X_i v_i}), 6n × 6n (eq. ab), with the joint screws X_i in the body frames.
+/// The rate of the body-fixed Jacobian is J^b' = -A^b a^b D^b J^b with the A^b and D^b of
+/// system_matrices<BodyFixed>(). If every joint has one degree of freedom, a^b X^b = 0 and J^b' = -A^b a^b
+/// J^b (eq. u:Jb_dot matrix).
 SystemMatrix a_matrix(const Model& model, std::span<const double> v);
 /// The matrix b(V) = diag(ad_{V_1}, ..., ad_{V_n}), 6n × 6n, of the body-fixed or spatial twists V_i of all
 /// bodies, which are stacked in V (eqs. bb, bs).
@@ -47,13 +50,14 @@ template <RecursionRepresentation Rep = BodyFixed>
 Eigen::VectorXd system_acceleration(const Model& model, std::span<const double> q, std::span<const double> v,
                                     std::span<const double> a);
 
-/// The velocities v that belong to given twists V of all bodies, (XᵀX)⁻¹ Xᵀ (I - D) V: the overall inverse
-/// kinematics. If no v gives V, the result is the least-squares solution.
+/// The velocities v that belong to given twists V of all bodies, (XᵀX)⁻¹ Xᵀ (I - D) V with the matrices X and
+/// D of system_matrices(): the overall inverse kinematics. If no v gives V, the result is the least-squares
+/// solution.
 template <RecursionRepresentation Rep = BodyFixed>
 Eigen::VectorXd joint_velocities(const Model& model, std::span<const double> q, const Eigen::VectorXd& V);
 /// The accelerations that belong to given twists V and twist rates V' of all bodies, (XᵀX)⁻¹ Xᵀ ((I - D) V' -
-/// bias) (eq. solqddot1). The bias is the part of (I - D) V' that is due to velocities; it is -a^b V^b in the
-/// body-fixed representation.
+/// bias) (eq. solqddot1), with the matrices X and D of system_matrices(). The bias is the part of (I - D) V'
+/// that is due to velocities; in the body-fixed representation it is -a^b V^b with the matrix of a_matrix().
 template <RecursionRepresentation Rep = BodyFixed>
 Eigen::VectorXd joint_accelerations(const Model& model, std::span<const double> q, const Eigen::VectorXd& V,
                                     const Eigen::VectorXd& dV);

@@ -64,8 +64,9 @@ AbsoluteSystem::AbsoluteSystem(const Model& model, BodyGroup kind)
   group_tree_ = group_of(n_, n_rotors(), kind);
 }
 
-/// The configuration group as a tree without inertia. Every body has one joint on the ground with the group
-/// SE(3), or four joints with SO(3) and three translations; every rotor has one prismatic joint.
+/// The configuration group of the absolute coordinates, as a tree of massless bodies on the ground. Every
+/// body has one joint with the group SE(3), or a spherical and three prismatic joints; every rotor (an
+/// additional body that turns with one joint velocity) has one prismatic joint.
 Tree<double> AbsoluteSystem::group_of(int n, int rotors, BodyGroup kind) {
   Connections all{.parent = {0}, .kind = {Subgroup::free}, .leader = {0}, .frame_body = {0}};
   const auto add = [&](Subgroup subgroup) {
@@ -113,8 +114,8 @@ void AbsoluteSystem::put_pose(const SE3<>& C, int i, Vector& q) const {
   const std::array<double, 7> all{turn.x, turn.y, turn.z, turn.w, r.x, r.y, r.z};
   std::ranges::copy(all, q.begin() + 7 * (i - 1));
 }
-/// Computes the body-fixed twist of body i from its velocities in v. The velocity of the centre of mass in
-/// body axes is Rᵀ c' = v + ω × c.
+/// Computes the body-fixed twist of body i, about the origin of its frame, from the entries of v for this
+/// body: its angular velocity and the velocity of its centre of mass.
 BodyTwist AbsoluteSystem::twist(const SE3<>& C, Span v, int i) const {
   const double* const at = &v[index(6 * (i - 1))];
   const Vec3<> c_dot = kind_ == BodyGroup::SE3 ? linear(at) : transpose(C.R) * linear(at);
@@ -163,8 +164,9 @@ void AbsoluteSystem::joint_coordinates(int i, const double* near, double* q_i) c
   with_subgroup(tree()->kind[index(i)], tree().pitch[index(i)],
                 [&](const auto& joint) { joint.coordinates(joint_pose(i), near, q_i); });
 }
-/// The first coordinate of joint i, which may be coupled, at the present poses of its bodies. Of the angles
-/// that differ by whole turns, the one nearest to the reference angle is taken, see set_reference_angles().
+/// The first coordinate of joint i at the present poses of its bodies. Of the angles that differ by whole
+/// turns, it is the one nearest to the coordinate that set_reference_angles() has set or, for a coupled
+/// joint, to the one that follows from its leader.
 double AbsoluteSystem::angle(int i) const {
   const int l = leader_[index(i)];
   std::array<double, 7> near{}, q_i;

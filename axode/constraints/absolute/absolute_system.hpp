@@ -28,8 +28,9 @@ inline double largest_of(std::span<const double> numbers) {
 /// A mechanism in absolute coordinates: every body moves freely, and every joint and every loop is a
 /// constraint between two bodies.
 ///   M v' - ad_vᵀ M v = f + Bᵀ λ,   Φ(q) = 0,   B v = 0
-/// with a constant mass matrix M, constraint rows B and multipliers λ. The residual Φ of a joint is the
-/// relative pose of its bodies after the motion in the subgroup of the joint has been removed (D6.1).
+/// The mass matrix M of the free bodies is constant, f are the applied forces, B is the constraint Jacobian,
+/// and λ are the multipliers. The residual Φ of a joint is the relative pose of its bodies after the motion
+/// in the subgroup of the joint has been removed (D6.1).
 ///
 /// The coordinates are those of all bodies, followed by one coordinate for every rotor. Positions are
 /// relative to the centre of mass of the first body in the reference configuration. A rotor is an additional
@@ -38,14 +39,14 @@ inline double largest_of(std::span<const double> numbers) {
 /// armature. The coordinate of such a rotor is the angle with its whole turns, which poses do not determine;
 /// the integration schemes treat it like the coordinates of the bodies.
 ///
-/// There are three kinds of rows. Each joint has six rows, in the axes of the joint; the row of a free
-/// direction is 0, unless the joint is coupled, when this row binds its rate to that of its leader. Each
-/// rotor has one row; it has a position level only if its velocity is the rate of a coordinate. The rows of
-/// the loops are the last ones.
+/// B has three kinds of rows. Each joint has six rows, in the axes of the joint; the row of a free direction
+/// is 0, unless the joint is coupled: then this row binds its rate to that of the joint that leads it. Each
+/// rotor has one row, to which a residual belongs only if the rotor's velocity is the rate of a coordinate.
+/// The rows of the loops are the last ones.
 ///
 /// The multipliers of the tree joints are not unknowns of the linear systems: the free velocities are
 /// eliminated body by body, as in the articulated-body algorithm. O(n + m d + m² d + m³) for n bodies and m
-/// rows of loops on paths of d joints.
+/// loop equations on paths of d joints.
 class AbsoluteSystem {
  public:
   using Vector = std::vector<double>;
@@ -53,35 +54,38 @@ class AbsoluteSystem {
 
   AbsoluteSystem(const Model& model, BodyGroup group);
 
-  /// The configuration group of the coordinates, as a tree: every body and every rotor has joints on the
-  /// ground whose motions form its group.
+  /// The configuration group of the absolute coordinates, represented by a tree in which every body and every
+  /// rotor (an additional body that turns with one joint velocity) has joints on the ground.
   const Tree<double>& group() const { return group_tree_; }
   int nq() const { return group_tree_->nq; }
   int nv() const { return group_tree_->nv; }
-  /// The number of rows of a level. Rolling contacts, belts and rotors without a position have rows at the
+  /// The number of constraint equations at the position or the velocity level. Belts, the no-slip conditions
+  /// of rolling contacts, and rotors whose velocity is not the rate of a coordinate have equations at the
   /// velocity level only.
   int rows(ConstraintLevel level) const { return first_loop(level) + loops_.size(level); }
 
-  /// from_joint_state() converts coordinates and velocities of the joints to those of the bodies and rotors,
-  /// and to_joint_state() converts them back. Angles keep their whole turns.
+  /// from_joint_state() converts the coordinates and velocities of the joints to those of the bodies and of
+  /// the rotors (additional bodies that turn with one joint velocity), and to_joint_state() converts them
+  /// back. Angles keep their whole turns.
   void from_joint_state(Span q_joints, Span v_joints, Vector& q, Vector& v);
   void to_joint_state(Span q, Span v, Vector& q_joints, Vector& v_joints);
-  /// Computes q and v from the poses C and body-fixed twists V of all bodies in the user's frames; entry 0 is
-  /// that of the ground. Rotors move with their joints; their angles are those nearest to the angles of
-  /// set_reference_angles().
+  /// Computes the absolute coordinates q and velocities v from the poses C and body-fixed twists V of all
+  /// body frames that the user placed; entry 0 of C and V is that of the ground. Rotors, which turn with the
+  /// joints, have the angles nearest to those of set_reference_angles().
   void set_poses_and_twists(std::span<const SE3<>> C, std::span<const Twist<BodyFixed>> V, Vector& q,
                             Vector& v);
-  /// Sets the reference coordinates (nq of the model). Angles and quaternions that follow from poses are
-  /// chosen nearest to them, which fixes whole turns and signs.
+  /// Sets the joint coordinates (nq of the model) to which angles and quaternions that follow from poses are
+  /// chosen nearest, which fixes whole turns and signs.
   void set_reference_angles(Span q_joints) { reference_q_.assign(q_joints.begin(), q_joints.end()); }
 
-  /// position_residual() computes Φ(q), and velocity_residual() computes B v at q; q need not satisfy the
-  /// constraints. If the residuals Φ are wanted for all rows of the velocity level, they are 0 in rows
-  /// without a position level.
+  /// position_residual() computes the residuals Φ(q) of the constraints, and velocity_residual() computes B v
+  /// with the constraint Jacobian B at q; q need not satisfy the constraints. If `level` is the velocity
+  /// level, `out` has an entry for each row of B, which is 0 if no residual belongs to this row.
   void position_residual(Span q, Vector& out, ConstraintLevel level = ConstraintLevel::position);
   void velocity_residual(Span q, Span v, Vector& out);
-  /// Whether there are rows without a position level. For these rows set_nonholonomic_rates() sets the
-  /// entries of `out`, which has one entry for each row of the velocity level, to scale · (B v) at q.
+  /// Whether some rows of the constraint Jacobian B have no residual, such as the no-slip conditions of a
+  /// rolling contact. For these rows set_nonholonomic_rates() sets the entries of `out`, which has one entry
+  /// for each row of B, to those of scale · B v at q.
   bool has_nonholonomic_rows() const {
     return rows(ConstraintLevel::velocity) > rows(ConstraintLevel::position);
   }
@@ -97,23 +101,24 @@ class AbsoluteSystem {
   /// joints act as well.
   void forces(Span q, Span v, Span tau, const Loads<double>& loads, Vector& f);
 
-  /// Evaluates the kinematics at q and factorises the system with the constraint rows of a level.
-  /// factorize_with_rank() uses the velocity level and decides in addition which rows of the loops are
-  /// redundant; the loops must be closed at q. solve() uses this rank until the next decision.
+  /// Evaluates the kinematics at q and factorises the linear system of the mass matrix and the constraint
+  /// Jacobian at the position or the velocity level. factorize_with_rank() uses the velocity level and
+  /// decides in addition which loop equations are redundant; the loops must be closed at q. solve() uses this
+  /// rank until the next decision.
   Solvability factorize(Span q, ConstraintLevel level = ConstraintLevel::velocity);
-  /// Factorises the system with a resistance of the joints (nv of the model), which acts like an armature. An
-  /// implicit step accounts for springs and dampers in this way: if velocity c of the joints changes by x_c,
-  /// the joint exerts the additional force -resistance_c x_c.
+  /// Factorises the linear system at the velocity level with a resistance of the joints (nv of the model),
+  /// which acts like an armature. An implicit step accounts for springs and dampers in this way: if velocity
+  /// c of the joints changes by x_c, the joint exerts the additional force -resistance_c x_c.
   Solvability factorize(Span q, Span resistance);
   Solvability factorize_with_rank(Span q);
-  /// Solves M x - Bᵀ λ = r and B x = rhs, with the rows B of the last factorisation. If rows are redundant, λ
-  /// is the least solution.
+  /// Solves M x - Bᵀ λ = r and B x = rhs, with the mass matrix M and the constraint Jacobian B of the last
+  /// factorisation. If constraints are redundant, λ is the least solution.
   void solve(Span r, Span rhs, Vector& x, Vector& lambda);
-  /// A measure from 0 to 1 of how far the rows of the loops were from redundant in the last solve(), see
-  /// LoopSystem::weakest_row().
+  /// A measure from 0 to 1 of how far the loop equations were from redundant in the last solve(): near 0 if
+  /// one of them almost depended on the others, see LoopSystem::weakest_row().
   double weakest_row() const { return loops_.weakest_row(); }
-  /// Computes the right side of B v' = rhs for which (B v)' = 0, at the velocities v and at the q of the last
-  /// factorisation.
+  /// Computes the right side of B v' = rhs, the condition (B v)' = 0 for the accelerations v', with the
+  /// constraint Jacobian B at the q of the last factorisation and the velocities v.
   void bias(Span v, Vector& rhs);
 
  private:
@@ -126,8 +131,9 @@ class AbsoluteSystem {
   };
   static std::size_t index(int k) { return static_cast<std::size_t>(k); }
   const Tree<double>& tree() const { return model_.tree<double>(); }
-  /// A rotor that turns with one velocity of a joint. Rotors with a position level are stored first; they
-  /// belong to joints with one velocity and to the angles of planar joints.
+  /// A rotor: an additional body that turns with one velocity of a joint. Rotors whose velocity is the rate
+  /// of a coordinate are stored first; they belong to joints with one velocity and to the angles of planar
+  /// joints.
   struct Rotor {
     int joint, velocity;
     std::size_t along;  ///< direction of this velocity, from 0 to 5 for ω_x to v_z in the frame of the joint

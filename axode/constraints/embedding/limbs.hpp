@@ -25,12 +25,13 @@ struct Limbs {
 
 /// Divides a mechanism into limbs, parts that are coupled to each other only through the joints between the
 /// ground and the body `platform`, 1 to n. If `platform` is 0, there is none, and the limbs are not coupled.
-/// `paths` are those of all loops.
+/// `paths` has the paths in the spanning tree of all loops.
 Limbs limbs_of(const Model& model, const std::vector<LoopPath>& paths, int platform);
 
-/// Divides a mechanism into limbs, with the platform for which eliminations limb by limb cost least. The
-/// candidates are the 16 bodies that are on the paths to the ground of most loops; there may also be no
-/// platform. O(nv + m d) for m rows on paths of d joints.
+/// Divides a mechanism into limbs, parts that are coupled to each other only through the joints of a
+/// platform. Chooses the platform for which the computations limb by limb cost least, among the 16 bodies
+/// that are on the paths to the ground of most loops; there may also be no platform. O(nv + m d) for m loop
+/// equations on paths of d joints.
 Limbs limbs_of(const Model& model, const std::vector<LoopPath>& paths);
 
 }  // namespace axode

@@ -30,9 +30,9 @@ class LimbClosure {
 
   double last_norm() const { return last_norm_; }
 
-  /// Computes a step of Newton's method from the rows R of `system` and the residuals r of all loops. Returns
-  /// false, and makes the step 0, if the residual of the limb is not finite, or if it is at most `reached`
-  /// and no smaller than before.
+  /// Computes a step of Newton's method for one limb from the residual of its loops and the Jacobian of this
+  /// residual. Returns false, and makes the step 0, if the residual is not finite, or if it is at most
+  /// `reached` and no smaller than before.
   bool compute_step(const LoopSystem<double>& system, const Eigen::VectorXd& r) {
     const int n = static_cast<int>(part_.velocities.size());
     matrix_.reset(rows_, n);

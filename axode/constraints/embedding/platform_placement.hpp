@@ -7,8 +7,8 @@ namespace axode {
 /// The result of place_platform().
 struct PlatformPlacement {
   bool reached = false;
-  /// The limb with the largest residual; -1 if the joint of the platform itself does not have the wanted
-  /// pose.
+  /// The index of the limb whose loops have the largest residual; -1 if the joint of the platform itself does
+  /// not have the wanted pose.
   int limb = -1;
   double residual = 0;  ///< norm of the residual of this limb, or distance from the wanted pose if limb is
                         ///< -1, rad and m
@@ -16,12 +16,13 @@ struct PlatformPlacement {
 };
 
 /// Inverse kinematics of a parallel manipulator: moves the platform such that its body frame has the pose C
-/// in the inertial frame, and closes every limb by Newton's method on the limb's own joints (D18.12). `q`
-/// (nq) contains the configuration to start from and receives the new one. If the pose is not far, the limbs
-/// stay in their assembly mode. Coordinates that the platform does not determine do not change. If a limb
-/// does not reach the pose, q is the last iterate. Limits of coordinates are ignored. Allocates; O(limbs) for
-/// each iteration. Throws std::invalid_argument for a mechanism without a platform, for a wrong size of q or
-/// quaternions that are not of unit norm, and for numbers that are not finite.
+/// in the inertial frame, and closes every limb (a chain that carries the platform) by Newton's method on the
+/// limb's own joints (D18.12). `q` (nq) contains the configuration to start from and receives the new one. If
+/// the pose is not far, the limbs stay in their assembly mode. Coordinates that the platform does not
+/// determine do not change. If a limb does not reach the pose, q is the last iterate. Limits of coordinates
+/// are ignored. Allocates; O(limbs) for each iteration. Throws std::invalid_argument for a mechanism without
+/// a platform, for a wrong size of q or quaternions that are not of unit norm, and for numbers that are not
+/// finite.
 [[nodiscard]] PlatformPlacement place_platform(TaskSpace& space, const SE3<>& C, std::span<double> q);
 
 /// One sentence for the user: that the pose is reached, or which limb or joint does not reach it and by how

@@ -9,9 +9,9 @@
 
 namespace axode {
 
-/// Elimination of the first columns of a small matrix A by row operations E, with complete pivoting among
-/// these columns; A' = E A is the result. Eliminated entries are not set to zero. The memory is allocated
-/// once.
+/// Elimination of the first columns of a small matrix A by row operations, with complete pivoting among these
+/// columns: the result is E A, where E is the product of the row operations. Eliminated entries are not set
+/// to zero. The memory is allocated once.
 template <class T> class RowElimination {
  public:
   /// A pivot is certain if it is larger than this part of the largest entry of the first columns.
@@ -44,14 +44,14 @@ template <class T> class RowElimination {
   int rank() const { return rank_; }
   /// The inverse of pivot k.
   T inverse_pivot(int k) const { return inverse_[index(k)]; }
-  /// The index before the elimination of the row that now has index i, and of the column that now has index j
-  /// (one of the first columns).
+  /// row_before(i) is the index that row i had before the elimination moved it, and column_before(j) is that
+  /// of column j, one of the columns that are eliminated.
   int row_before(int i) const { return rows_[index(i)]; }
   int column_before(int j) const { return columns_[index(j)]; }
 
-  /// Eliminates the first columns, one after the other, as long as a pivot is larger than `certain` times the
-  /// largest entry in these columns, or times `size` if that is larger. Returns whether the rank is certain:
-  /// if all that is left of these columns is rounding errors.
+  /// Eliminates the first columns of the matrix, one after the other, as long as the pivot is larger than
+  /// `certain` times the largest entry in these columns, or times `size` if that is larger. Returns whether
+  /// the rank is certain: whether all that is left of these columns is rounding errors.
   bool run(T size = T(0)) noexcept {
     for (int k = 0; k < m_ && k < p_; ++k) {
       int best_row = k, best_column = k;
@@ -81,9 +81,9 @@ template <class T> class RowElimination {
     return true;
   }
 
-  /// Solves A'ᵀ μ = b for the multipliers μ of the pivot rows. b has one number for each of the first
-  /// columns, in their order before the elimination; μ is in the order of the rows after it. Only the first
-  /// rank() numbers of μ are written.
+  /// Solves the transposed system of the pivot rows for their multipliers μ: the rows, multiplied by μ, have
+  /// the sum b in the eliminated columns. b is in the order of the columns before the elimination, and μ in
+  /// the order of the rows after it. Only the first rank() numbers of μ are written.
   void solve_transposed(const T* b, T* mu) const noexcept {
     for (int j = 0; j < rank_; ++j) {
       T rest = b[column_before(j)];
@@ -91,16 +91,16 @@ template <class T> class RowElimination {
       mu[j] = rest * inverse_[index(j)];
     }
   }
-  /// Computes the multipliers λ = Eᵀ μ of the rows before the elimination from those of the rows after it. μ
-  /// is overwritten.
+  /// Computes the multipliers λ of the original rows from the multipliers μ of the rows after the
+  /// elimination, so that both give the same sum of multiplied rows. μ is overwritten.
   void multipliers(T* mu, T* lambda) const noexcept {
     for (int k = rank_; k-- > 0;)
       for (int i = k + 1; i < m_; ++i) mu[k] -= factors(i)[k] * mu[i];
     for (int i = 0; i < m_; ++i) lambda[row_before(i)] = mu[i];
   }
-  /// Solves the pivot rows of A' x = b for the first columns. b is in the order of the rows after the
-  /// elimination, and x in the order of the columns before it. Columns beyond the rank are not solved for: x
-  /// already has their numbers.
+  /// Solves the pivot rows of the eliminated matrix for the unknowns x of the first columns, with the right
+  /// side b. b is in the order of the rows after the elimination, and x in the order of the columns before
+  /// it. The unknowns without a pivot are given: x already has their numbers.
   void solve(const T* b, T* x) const noexcept {
     for (int k = rank_; k-- > 0;) {
       T rest = b[k];

@@ -6,15 +6,16 @@
 
 namespace axode {
 
-/// Completes a verdict on results. If a result is not finite, the verdict becomes not_finite. If the verdict
-/// is not ok(), all results are set to NaN.
+/// Completes a verdict on whether results exist. If a result is not finite, the verdict becomes not_finite.
+/// If the verdict is not ok(), all results are set to NaN.
 TaskVerdict judged(TaskVerdict verdict, std::initializer_list<std::span<double>> results) noexcept;
 
-/// The computations of a TaskSpace. Each limb has dependent velocities, which its rows determine from the
-/// other velocities, and inner velocities, which are task velocities. The rows that remain after the
-/// dependent velocities are eliminated are the wrenches that the limb exerts on the platform however its
-/// joints move. These wrenches must do no work on the carrying velocities, those of the joints between the
-/// ground and the platform.
+/// The computations of a TaskSpace, the equations of motion of a parallel manipulator in the velocities of
+/// its platform. Each limb has dependent velocities, which its loop equations determine from the other
+/// velocities, and inner velocities, which are task velocities. After the elimination of the dependent
+/// velocities, equations remain whose constraint wrenches the limb exerts on the platform however its joints
+/// move. These wrenches must do no work on the carrying velocities, those of the joints between the ground
+/// and the platform.
 class TaskKernel {
  public:
   using Vector = Eigen::VectorXd;
@@ -44,27 +45,28 @@ class TaskKernel {
   /// The number of independent carrying velocities.
   int independent() const { return static_cast<int>(carrying_.size()) - dependent_; }
 
-  /// Eliminates, from the present rows A, those velocities of each limb and of the platform's joint that the
+  /// Eliminates from the loop equations those velocities of each limb and of the platform's joint that the
   /// other velocities determine, (D18.2) to (D18.5). Returns what is singular.
   TaskVerdict resolve() noexcept;
-  /// Computes the x (nv) with A x = -γ whose task velocities are X (f). With γ = 0, which may be a null
-  /// pointer, x is v; with γ of (A v)' = A a + γ and X = V', x is the accelerations a (D18.10). x may share
-  /// the memory of X. Must be called after resolve().
+  /// Computes the joint velocities or accelerations x (nv) that belong to task velocities or their rates X (f
+  /// numbers) and keep the loops closed (D18.10): A x = -γ with the Jacobian A of the loop equations, where γ
+  /// is null for velocities and the bias of (A v)' = A a + γ for accelerations. x may share the memory of X.
+  /// Must be called after resolve().
   void expand(const double* X, const double* gamma, double* x) noexcept;
   /// Computes the rows of F of all limbs (D18.6). Must be called after resolve().
   void make_F() noexcept;
-  /// Computes the mass matrix M (f × f) of the task space (D18.11) at q. Must be called after make_F(), with
-  /// the kinematics at q.
+  /// Computes the mass matrix of the task space (D18.11) at q, f × f for f task velocities. Must be called
+  /// after make_F(), with the kinematics at q.
   void make_M(std::span<const double> q) noexcept;
   /// Computes Fᵀ w (f) for w (nv). Must be called after make_F().
   void project(const double* w, double* out) const noexcept;
-  /// Subtracts the product of the mass matrix of the tree and x (nv) from w (nv). Must be called after
-  /// make_M().
+  /// Subtracts from w (nv) the product of the mass matrix of the spanning tree and x (nv). Must be called
+  /// after make_M().
   void subtract_inertia_forces(const double* x, double* w) const noexcept;
   const Matrix& M() const { return M_; }
   const Matrix& N() const { return N_; }
-  /// Replaces b (f) by the solution x of M x = b, with the mass matrix M of the task space. Returns false if
-  /// M is not positive definite.
+  /// Replaces b by the solution x of M x = b, with the mass matrix M of the task space; b has one number for
+  /// each task velocity. Returns false if M is not positive definite.
   bool solve(double* b) noexcept;
 
   std::string name_of_limb(int l) const;
@@ -88,18 +90,19 @@ class TaskKernel {
   /// ascending order. Returns the number of dependent velocities.
   int sort(const RowElimination<double>& matrix, std::vector<int>& velocities);
   void number_columns(const std::vector<int>& velocities);
-  /// eliminate() fills the matrix of a limb with entries of A, and eliminates those of its velocities that
-  /// the others determine. eliminate_constraints() does so for the velocities of the platform's joint, with
-  /// the rows that remain of all limbs. Both return whether the rank is certain.
+  /// eliminate() fills the matrix of a limb with its loop equations, and eliminates those of its velocities
+  /// that the others determine. eliminate_constraints() does so for the velocities of the platform's joint,
+  /// with the equations of all limbs that remain. Both return whether the rank is certain.
   bool eliminate(Part& part) noexcept;
   bool eliminate_constraints() noexcept;
   /// Computes N for the independent carrying velocities as task velocities, N_c of (D18.4).
   void solve_constraints() noexcept;
-  /// Changes the columns of N from independent velocities of the platform's joint to the chosen components of
-  /// the platform's twist. Returns whether these components determine the motion.
+  /// Changes the columns of N, the velocities of the platform's joint for units of task velocities, from
+  /// independent velocities of this joint as task velocities to the chosen components of the platform's
+  /// twist. Returns whether these components determine the motion.
   bool change_to_components() noexcept;
-  /// Computes the mass matrix of the tree at the present kinematics; entries of velocities that are not on
-  /// one path to the ground remain 0.
+  /// Computes the mass matrix of the spanning tree at the present kinematics. Entries of two velocities that
+  /// are not on one path to the ground are not written and remain 0.
   void make_tree_M(std::span<const double> q) noexcept;
 
   LoopSystem<double> system_;

@@ -27,8 +27,8 @@ std::string in_words(const Twist<Spatial>& V, double length) {
   return words;
 }
 
-/// The matrices of the limbs and of the platform without units: lengths are divided by `length`, and twists
-/// of the platform are about `center`.
+/// The loop equations of the limbs and the twists of the platform without units: lengths are divided by
+/// `length`, and twists of the platform are about `center`.
 class Scaled {
  public:
   Scaled(TaskKernel& kernel, std::span<const double> q) : kernel_(kernel), model_(kernel.model()) {
@@ -96,8 +96,8 @@ class Scaled {
     }
     return angles;
   }
-  /// Computes, for a unit of each velocity of the platform's joint without units, the twist (length ω; v) of
-  /// the platform about the centre.
+  /// Computes the twist (length ω; v) of the platform about the centre for a unit of each velocity of the
+  /// platform's joint, where these velocities have been made free of units.
   void make_twists() {
     const std::vector<int>& carrying = kernel_.carrying();
     twists_.setZero(6, std::ssize(carrying));

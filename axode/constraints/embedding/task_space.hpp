@@ -30,7 +30,8 @@ struct TaskVerdict {
 
 /// The equations of motion of a parallel manipulator in its task space (D18.11):
 ///   M V' + h = Jᵀ u,   v = F V,   a = F V' + c
-/// for f task velocities V, the forces u of the drives, and all nv joint velocities v with accelerations a.
+/// for f task velocities V (components of the platform's twist, then velocities of joints that it does not
+/// determine), the forces u of the drives, and all nv joint velocities v with accelerations a.
 struct TaskEquations {
   TaskVerdict verdict;      ///< if it is not ok(), the matrices are empty
   Eigen::MatrixXd M;        ///< f × f, kg m², kg m and kg
@@ -53,12 +54,12 @@ struct TaskEquations {
 /// docs/derivations/constraint-embedding.md.
 class TaskSpace {
  public:
-  /// Determines the limbs, their mobility and the task velocities at a closed configuration q that should not
-  /// be singular. `platform` is the name of a body whose joint is on the ground; if it is empty, the body for
-  /// which eliminations limb by limb cost least is chosen. Springs act only if their forces are added to τ.
-  /// Throws std::invalid_argument for a wrong size of q or a q that leaves a loop open, an unknown body, a
-  /// body that another body carries, a mechanism without loops or with prescribed motions, and ranks that
-  /// rounding leaves open.
+  /// Determines the limbs (the chains that carry the platform), their mobility and the task velocities at a
+  /// closed configuration q that should not be singular. `platform` is the name of a body whose joint is on
+  /// the ground; if it is empty, the body is chosen for which the computations limb by limb cost least.
+  /// Springs act only if their forces are added to τ. Throws std::invalid_argument for a wrong size of q or a
+  /// q that leaves a loop open, an unknown body, a body that another body carries, a mechanism without loops
+  /// or with prescribed motions, and ranks that rounding leaves open.
   TaskSpace(const Model& model, std::span<const double> q, std::string_view platform = {});
   ~TaskSpace();
   TaskSpace(TaskSpace&&) noexcept;
@@ -78,8 +79,8 @@ class TaskSpace {
   /// Computes v = F V (nv) from task velocities V (f), with one small linear system for each limb (D18.6).
   [[nodiscard]] TaskVerdict velocities(std::span<const double> q, std::span<const double> V,
                                        std::span<double> v);
-  /// Computes the accelerations a = F V' + c (nv) for the rates V' of the task velocities, at a velocity v
-  /// that keeps the loops closed (D18.10).
+  /// Computes the accelerations a (nv) of the joints for the rates V' of the task velocities, at joint
+  /// velocities v that keep the loops closed (D18.10).
   [[nodiscard]] TaskVerdict accelerations(std::span<const double> q, std::span<const double> v,
                                           std::span<const double> dV, std::span<double> a);
   /// Computes the drive forces τ (nv; 0 in passive joints) for the rates V' of the task velocities at (q, v)
@@ -87,8 +88,8 @@ class TaskSpace {
   [[nodiscard]] TaskVerdict inverse_dynamics(std::span<const double> q, std::span<const double> v,
                                              std::span<const double> dV, std::span<double> tau,
                                              const Loads<double>& loads = {});
-  /// Computes the rates V' (f) of the task velocities under joint forces τ (nv), which may act in passive
-  /// joints too, and the accelerations a (nv) unless `a` is empty (D18.11).
+  /// Computes the rates V' of the task velocities under joint forces τ (nv), which may act in passive joints
+  /// too, and the accelerations a (nv) of the joints unless `a` is empty (D18.11).
   [[nodiscard]] TaskVerdict forward_dynamics(std::span<const double> q, std::span<const double> v,
                                              std::span<const double> tau, std::span<double> dV,
                                              std::span<double> a = {}, const Loads<double>& loads = {});

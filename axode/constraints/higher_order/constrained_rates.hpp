@@ -9,13 +9,13 @@ namespace axode {
 /// (`rates`, K + 1 rows of nv numbers), which inverse_kinematics_rates() computes. Drives act on the
 /// velocities whose indices are in `drives` or, if it is empty, on those of all joints that are not passive.
 /// If there are more drives than the mechanism needs, τ is the least one, and the other rows are its
-/// derivatives. For each order a part of the required forces, by norm, cannot be produced by any drive; the
-/// largest of these parts is returned. The method solves one linear system for each order, all with the same
-/// matrix (D3.14).
+/// derivatives. For each order, some of the required forces may be such that no drive can produce them; the
+/// function returns the largest ratio, over all orders, of the norm of these forces to that of all required
+/// ones. The method solves one linear system for each order, all with the same matrix (D3.14).
 ///
 /// Throws std::invalid_argument for wrong sizes, more than 7 rows of forces, numbers that are not finite, and
-/// a motion of which some derivative does not keep a loop closed. Allocates; O(K (nv + m)³ + n K²) for m rows
-/// of loops.
+/// a motion of which some derivative does not keep a loop closed. Allocates; O(K (nv + m)³ + n K²) for m loop
+/// equations.
 [[nodiscard]] double inverse_dynamics_rates(const Model& model, LoopWorkspace<>& workspace, Numbers<double> q,
                                             Numbers<double> rates, std::span<double> tau,
                                             std::span<const int> drives = {},

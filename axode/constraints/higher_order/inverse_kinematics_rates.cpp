@@ -44,8 +44,9 @@ template <class Rep> void check(std::span<const TwistTarget<Rep>> targets, std::
   }
 }
 
-/// The linear systems of all orders. Their common matrix consists of the Jacobians J of the targets above the
-/// rows A of the loops; `wanted - known` is the right side.
+/// The linear systems for all time derivatives of the joint velocities. Their common matrix consists of the
+/// Jacobians of the places with wanted motions, above the Jacobian of the loop equations; `wanted - known` is
+/// the right side.
 template <class Rep> class RateSystem {
  public:
   RateSystem(const Model& model, Numbers<double> q, std::span<const TwistTarget<Rep>> targets, int orders)
@@ -61,8 +62,9 @@ template <class Rep> class RateSystem {
     known.resize(rows);
   }
 
-  /// Computes `wanted` and `known` of order k, and the matrix if k is 0. `rates` contains the derivatives of
-  /// lower order, and 0 in row k and in all later rows.
+  /// Computes the right side of the linear system for derivative k of the joint velocities, as `wanted -
+  /// known`, and the matrix of all systems if k is 0. `rates` contains the derivatives of lower order, and 0
+  /// in row k and in all later rows.
   void run(std::span<const double> rates, int k) {
     motion_.evaluate(q_, rates);
     Eigen::Index row = 0;

@@ -23,8 +23,9 @@ struct RatesReached {
 
 /// Inverse kinematics of any order. Computes the velocities of the joints and their time derivatives v, v',
 /// v'', ... (`rates`, K rows of nv numbers, in the left-trivialised directions of the joints) such that
-/// places move with the twists and derivatives of twists in `targets`, K for each, and loops stay closed.
-/// Each derivative follows from one linear system, all with the same matrix (D3.13):
+/// places (frames or points on bodies) have the twists and their derivatives V, V', ... in `targets`, K for
+/// each place, and loops stay closed. The k-th derivatives follow from one linear system, all with the same
+/// matrix (D3.13), with the Jacobians J of the places and A of the loop equations A v = 0:
 ///   J v^(k) = V^(k) - (terms of V^(k) with lower derivatives of v)
 ///   A v^(k) = -(terms of (A v)^(k) with lower derivatives of v)
 /// If the targets leave freedoms, each derivative is the least one by its norm. If they require a motion that

@@ -9,8 +9,9 @@
 namespace axode {
 
 /// The equations of motion of a mechanism with loops in independent velocities y, which are k of its joint
-/// velocities:
-///   M y' + h = Nᵀ τ,   v = N y,   a = N y' + c.
+/// velocities v:
+///   M y' + h = Nᵀ τ,   v = N y,   a = N y' + c
+/// with the mass matrix M (k × k), the bias forces h and the joint accelerations a.
 struct IndependentEquations {
   std::vector<int> velocities;  ///< the indices of the k independent velocities
   Eigen::MatrixXd N;            ///< nv × k; the identity in the rows of the independent velocities
@@ -21,10 +22,10 @@ struct IndependentEquations {
 
 /// Computes the equations of motion in independent velocities, at a closed configuration q and velocities v
 /// that keep the loops closed. `velocities` are the indices of the independent velocities; if it is empty,
-/// the velocities that determine the others best are chosen. Springs are ignored: Nᵀ spring_forces(q, v) may
-/// be subtracted from h. Allocates; O(nv³). Throws std::invalid_argument for wrong sizes, for prescribed
-/// motions, if the number of velocities is not nv minus the rank of A, and if they do not determine the other
-/// velocities at q.
+/// the velocities that determine the others best are chosen. Springs are ignored; their forces
+/// spring_forces(q, v) can be added to the joint forces τ. Allocates; O(nv³). Throws std::invalid_argument
+/// for wrong sizes, for prescribed motions, if the number of velocities is not that of the degrees of
+/// freedom, and if they do not determine the other velocities at q.
 [[nodiscard]] IndependentEquations independent_equations(const Model& model, std::span<const double> q,
                                                          std::span<const double> v,
                                                          std::span<const int> velocities = {},

@@ -36,8 +36,8 @@ Eigen::RowVectorXd power_of(const Eigen::RowVectorXd& r, double a) {
   return out;
 }
 
-/// Makes a branch of dimension 1 from its points z(t), in normal form (D13.13). The dimension of the result
-/// is 0 if z is 0.
+/// Makes a branch of dimension 1, a curve of configurations, from the power series z(t) of its points, in the
+/// normal form (D13.13). The dimension of the result is 0 if z is 0.
 MotionBranch curve(const PolynomialRing& line, Eigen::MatrixXd z) {
   MotionBranch out;
   const int K = line.degree();
@@ -64,8 +64,8 @@ MotionBranch curve(const PolynomialRing& line, Eigen::MatrixXd z) {
   return out;
 }
 
-/// The reach of a germ z(w), at most 1, from the largest coefficient of each degree: the distance from q to
-/// which the series describes the branch, relative to that far from singularities.
+/// The distance from q up to which the power series z(w) of a branch describes it, relative to that of
+/// branches far from singularities and at most 1. It follows from the largest coefficient of each degree.
 double reach_of_germ(const PolynomialRing& ring, const Eigen::MatrixXd& z) {
   double out = 1;
   for (int k = 2; k <= ring.degree(); ++k) {
@@ -75,17 +75,17 @@ double reach_of_germ(const PolynomialRing& ring, const Eigen::MatrixXd& z) {
   return out;
 }
 
-/// The point of a branch of dimension 1 at a parameter, computed from the first `terms` terms of its series
-/// after the constant.
+/// The point at a parameter of a branch of dimension 1, a curve of configurations, computed from the first
+/// `terms` terms of its power series after the constant.
 Eigen::VectorXd point_at(const MotionBranch& branch, double parameter, Eigen::Index terms) {
   Eigen::VectorXd x = Eigen::VectorXd::Zero(branch.series.rows());
   for (Eigen::Index k = terms; k > 0; --k) x = parameter * (x + branch.series.col(k));
   return x;
 }
 
-/// The point of a branch with the parameters τ = T x of a point x. It is computed to second order if the
-/// dimension is larger than 1. If the dimension is 1, `other_side` selects the point at the parameter with
-/// the opposite sign, which is on the other side of a cusp.
+/// The point of a branch that has the same projection T x on the tangent space as the point x. It is computed
+/// to second order if the dimension of the branch is larger than 1. If it is 1, `other_side` selects the
+/// point at the parameter with the opposite sign, which is on the other side of a cusp.
 Eigen::VectorXd nearest(const MotionBranch& branch, const Eigen::VectorXd& x, bool other_side) {
   const Eigen::VectorXd tau = branch.T * x;
   if (branch.dimension == 1) {
@@ -135,9 +135,9 @@ void trace_curve(const Closure& closure, MotionBranch& branch) {
     }
 }
 
-/// Computes the value of `difference` for h → 0 (Romberg's method). difference(a, b, h) is a difference
-/// quotient of the points a and b of a branch at τ = h c and τ = -h c. It is evaluated for values of h that
-/// are halved, and its errors of orders 2, 4 and 6 are eliminated.
+/// Computes the limit of `difference` for h → 0 (Romberg's method). difference(a, b, h) is a difference
+/// quotient of the two points a and b of a branch whose projections on the tangent space are h c and -h c. It
+/// is evaluated for values of h that are halved, and its errors of orders 2, 4 and 6 are eliminated.
 template <class Difference>
 Eigen::VectorXd extrapolated(const Closure& closure, const Eigen::MatrixXd& T, const Eigen::VectorXd& c,
                              double range, const Difference& difference) {
@@ -162,8 +162,9 @@ Eigen::MatrixXd orthonormal_rows(const Eigen::MatrixXd& rows) {
   return svd.V.leftCols(rows.rows()).transpose();
 }
 
-/// An orthonormal basis of the row space of T that does not depend on how T was found. Each vector is the
-/// largest column of the projector on the part of the space that is orthogonal to the vectors before.
+/// An orthonormal basis of the space that the orthonormal rows of T span, which does not depend on how T was
+/// found. Each vector is the largest column, divided by its norm, of the projector on the part of the space
+/// that is orthogonal to the vectors before.
 Eigen::MatrixXd canonical_basis(const Eigen::MatrixXd& T) {
   Eigen::MatrixXd P = T.transpose() * T, out(T.rows(), T.cols());
   for (Eigen::Index k = 0; k < T.rows(); ++k) {
@@ -177,9 +178,9 @@ Eigen::MatrixXd canonical_basis(const Eigen::MatrixXd& T) {
   return out;
 }
 
-/// The tangent space at q of a branch of dimension above 1, as orthonormal rows. It follows from the terms of
-/// degree 1 of the germ. If these are dependent, as after blow-ups, it follows from differences of closed
-/// points instead.
+/// The tangent space at q of a branch of dimension above 1, as orthonormal rows. It follows from the linear
+/// terms of the branch's power series (its germ). If these are dependent, which happens where the branch is
+/// singular, it follows from differences of points at which Newton's method has closed the loops.
 Eigen::MatrixXd tangent_space(const Closure& closure, const Germ& germ) {
   const Eigen::Index D = germ.ring->variables();
   const Eigen::MatrixXd first = germ.z.middleCols(1, D);
@@ -201,8 +202,8 @@ Eigen::MatrixXd tangent_space(const Closure& closure, const Germ& germ) {
   return canonical_basis(orthonormal_rows(rows.allFinite() ? rows : beside));
 }
 
-/// Computes the second fundamental form, with II_ab in row a D + b, by the polar form of second derivatives
-/// along lines (D13.13).
+/// Computes the second fundamental form II of a branch of dimension D, with II_ab in row a D + b, by
+/// polarisation of the second derivatives along lines in the tangent space (D13.13).
 Eigen::MatrixXd second_form(const Closure& closure, const Eigen::MatrixXd& T, double range) {
   const Eigen::Index D = T.rows();
   Eigen::MatrixXd II(D * D, T.cols());
@@ -249,8 +250,8 @@ MotionBranch surface(const Closure& closure, const Germ& germ) {
   return out;
 }
 
-/// Computes the differential mobility of a branch at a point beside q, the coordinates that rest at q or
-/// along the whole branch, and the loops in which something moves.
+/// Computes the dimension of the velocities that the loops allow at a point of a branch beside q, the
+/// coordinates that rest at q or along the whole branch, and the loops in which something moves.
 void look_beside(const Closure& closure, MotionBranch& branch) {
   if (branch.points.empty()) return;
   const std::size_t at = branch.dimension == 1 ? std::min<std::size_t>(2, branch.points.size() - 1) : 0;

@@ -6,8 +6,9 @@
 
 namespace axode::higher_order {
 
-/// Makes the branches of the configuration space from germs of solutions of the closure equations. Every
-/// branch occurs once and is traced by closed points. All lengths are in characteristic lengths.
+/// Makes the branches of the configuration space from the power series (germs) of the solutions of the loop
+/// equations. Every branch occurs once and is traced by points at which Newton's method has closed the loops.
+/// All lengths are divided by a characteristic length.
 std::vector<MotionBranch> branches(const Closure& closure, const std::vector<Germ>& germs);
 
 /// The distance from q up to which the series of a branch describes it, relative to that at a configuration

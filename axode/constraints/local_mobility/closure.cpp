@@ -10,8 +10,8 @@
 namespace axode::higher_order {
 namespace {
 
-/// A loop belongs to a combination of equations if its coefficients are larger than this part of all
-/// coefficients, by norm; smaller ones may be rounding errors.
+/// A loop counts as part of a linear combination of equations if the norm of its coefficients is larger than
+/// this fraction of the norm of all coefficients; smaller ones may be rounding errors.
 constexpr double negligible_share = 1e-6;
 
 Eigen::Matrix<double, 6, 1> column(const Screw<>& X) { return {X.w.x, X.w.y, X.w.z, X.v.x, X.v.y, X.v.z}; }

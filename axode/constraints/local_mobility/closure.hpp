@@ -9,15 +9,15 @@
 
 namespace axode::higher_order {
 
-/// The loops of a mechanism at a configuration q0, as products f of exponentials that are the identity at q0
-/// (eqs. D13.1, D13.2). The coordinates x, in rad and characteristic lengths, are 0 at q0. A joint of several
-/// degrees of freedom is exp(Σ S_k x_k), so that the configuration is q0 ⊕ x. Only joints in loops have
-/// coordinates.
+/// The closure equations of the loops of a mechanism near a configuration q0: for each loop, the product f of
+/// the exponentials of its joints is the identity (eqs. D13.1, D13.2). The coordinates x, in rad and
+/// characteristic lengths, are 0 at q0. A joint of several degrees of freedom is exp(Σ S_k x_k) with its
+/// screws S_k, so that the configuration is q0 ⊕ x. Only joints in loops have coordinates.
 class Closure {
  public:
-  /// Makes the closures with the characteristic length `length`, m; 0 stands for the mean distance between
-  /// two joints. Throws std::invalid_argument, with the name of the loop, if a loop is a rolling contact or a
-  /// belt.
+  /// Makes the closure equations of all loops, with lengths divided by the characteristic length `length`, m;
+  /// 0 stands for the mean distance between two joints. Throws std::invalid_argument, with the name of the
+  /// loop, if a loop is a rolling contact or a belt.
   Closure(const Model& model, std::span<const double> q0, double length = 0);
 
   int size() const { return static_cast<int>(coordinates_.size()); }
@@ -29,23 +29,28 @@ class Closure {
   /// Indices of velocities of joints that are in no loop.
   const std::vector<int>& outside() const { return outside_; }
 
-  /// Indices of the loops and couplings whose equations are in a linear combination of equations.
-  /// `combination` has one coefficient for each of rows(). Couplings are numbered after the loops.
+  /// Indices of the loops and couplings whose equations take part in a linear combination of closure
+  /// equations. `combination` has one coefficient for each of the rows() equations. Couplings are numbered
+  /// after the loops.
   std::vector<int> loops_of_equations(const Eigen::Ref<const Eigen::VectorXd>& combination) const;
   /// Indices of the loops and couplings with at least one coordinate that moves; moves[c] says whether
   /// coordinate c does. Couplings are numbered after the loops.
   std::vector<int> loops_of_coordinates(const std::vector<char>& moves) const;
 
-  /// Computes log f of every loop and the rows of the couplings as polynomials up to degree `degree`, for
-  /// polynomials x in the variables of a ring. Only brackets of joint screws are used (D13.5, D13.6).
+  /// Computes the left sides of the closure equations, which are log f for the product f of joint
+  /// exponentials around each loop, and one number for each coupling. They are polynomials up to degree
+  /// `degree`, for coordinates x that are polynomials in the variables of a ring. Only brackets of joint
+  /// screws are used (D13.5, D13.6).
   Eigen::MatrixXd log_series(const PolynomialRing& ring, const Eigen::Ref<const Eigen::MatrixXd>& x,
                              int degree) const;
-  /// residual() is log f of every loop and the rows of the couplings at the coordinates x (rows() numbers).
-  /// jacobian() is its derivative (rows × n) up to factors that are the identity if the loops are closed.
+  /// residual() has the left sides of the closure equations at the coordinates x (rows() numbers): log f for
+  /// the product f of joint exponentials around each loop, and one number for each coupling. jacobian() is
+  /// its derivative (rows × n) up to factors that are the identity if the loops are closed.
   Eigen::VectorXd residual(const Eigen::Ref<const Eigen::VectorXd>& x) const;
   Eigen::MatrixXd jacobian(const Eigen::Ref<const Eigen::VectorXd>& x) const;
-  /// Changes x by Gauss-Newton steps until the loops are closed and held x = target; `held` may have no rows.
-  /// Each step is the shortest one, so that redundant rows do no harm. Returns |residual|.
+  /// Changes the coordinates x by Gauss-Newton steps until the loops are closed and x satisfies the linear
+  /// conditions held · x = target; `held` may have no rows. Each step is the shortest one, so that redundant
+  /// equations do no harm. Returns the norm of the residual.
   double close(Eigen::VectorXd& x, const Eigen::Ref<const Eigen::MatrixXd>& held,
                const Eigen::Ref<const Eigen::VectorXd>& target) const;
 

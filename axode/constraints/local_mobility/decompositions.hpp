@@ -18,7 +18,7 @@ struct SingularValues {
 };
 SingularValues singular_values(const Eigen::Ref<const Eigen::MatrixXd>& A);
 
-/// Returns a matrix whose rows are an orthonormal basis of the orthogonal complement of the rows of T; these
+/// Returns a matrix whose rows are an orthonormal basis of the orthogonal complement of the rows of T, which
 /// must be orthonormal.
 Eigen::MatrixXd orthogonal_complement(const Eigen::Ref<const Eigen::MatrixXd>& T);
 

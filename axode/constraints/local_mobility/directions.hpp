@@ -12,15 +12,15 @@ struct Direction {
   int dimension = 1;  ///< dimension of the cone of directions, near e, in which the leading forms vanish
 };
 
-/// Finds the directions e with F_i(e) = 0 for the leading form F_i of every row. For two variables all
-/// directions are found, as common roots of binary forms. For more variables they are found by searches from
-/// random starts, which are the same in every call. If they form a cone of dimension above 1, at most a fixed
-/// number of its directions is returned.
+/// Finds the directions e in which the leading form (the terms of lowest degree) of every equation vanishes.
+/// For two variables all directions are found, as common roots of binary forms. For more variables they are
+/// found by searches from random starts, which are the same in every call. If they form a cone of dimension
+/// above 1, at most a fixed number of its directions is returned.
 std::vector<Direction> common_zeros(const PolynomialRings& rings, const PolynomialRing& ring,
                                     const std::vector<Form>& rows);
 
-/// Whether an arc u(t) = e t + u_2 t² + ... exists with g(u(t)) = O(t^(order + 1)) for the polynomial g of
-/// every row (D13.14).
+/// Whether an arc u(t) = e t + u_2 t² + ... in the direction e exists along which the polynomials g of all
+/// equations vanish to the given order: g(u(t)) = O(t^(order + 1)) (D13.14).
 bool arc_exists(PolynomialRings& rings, const PolynomialRing& ring, const std::vector<Form>& rows,
                 const Eigen::VectorXd& e, int order);
 

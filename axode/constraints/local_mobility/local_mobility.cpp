@@ -105,10 +105,10 @@ MobilityProbe probe(const PolynomialRings& rings, const Closure& closure, const 
   return out;
 }
 
-/// Fills in the conclusions of an analysis: local_mobility, the properties from branch_point to shaky,
-/// settled and settled_at_order, rigid_at_order, and decided_by_rank. They follow from the rank, from
-/// mobility_by_order, from the branches whose points close the loops, and from the closed points that lie on
-/// no branch; all these must be known.
+/// Fills in the conclusions of an analysis of mobility: local_mobility, the properties from branch_point to
+/// shaky, settled and settled_at_order, rigid_at_order, and decided_by_rank. They follow from the rank of the
+/// loop equations, the mobility of each order, the branches whose points close the loops, and the closed
+/// configurations that lie on no branch; all these must be known.
 void draw_conclusions(LocalMobility& found) {
   std::set<int> dimensions;
   bool all_close = true, all_settled = true, singular = true;
@@ -152,8 +152,9 @@ void in_units(MotionBranch& branch, const Eigen::VectorXd& unit) {
   for (BranchPoint& point : branch.points) point.x = unit.cwiseProduct(point.x);
 }
 
-/// Computes the conditions, the mobility by order, the branches and the probe of an analysis, and stores them
-/// in `found`. `left` is the elimination of the closure, with at least one remaining coordinate.
+/// Computes the conditions on velocities, the mobility of each order, the branches, and the search for missed
+/// branches, and stores them in `found`. `left` are the loop equations after the coordinates that they
+/// determine to first order have been eliminated; at least one coordinate remains.
 void find_branches(PolynomialRings& rings, const Closure& closure, const Elimination& left,
                    LocalMobility& found) {
   const int orders = found.differential_mobility <= 2 ? found.order : std::min(found.order, 6);

@@ -18,15 +18,15 @@ struct ClosureCoordinate {
 };
 
 struct LocalMobilityOptions {
-  /// The highest order K of the expansion of the constraints. With 0 it is chosen: 10, 9, 7, 7 for a
-  /// differential mobility of 1, 2, 3 and 4, and 5 for larger ones; less if the computation would be too
-  /// long, and up to 4 more if the mobility is not settled at this order.
+  /// The highest order K of the expansion of the loop equations. With 0 it is chosen: 10, 9, 7 and 7 if the
+  /// loops allow velocities of dimension 1, 2, 3 and 4, and 5 for larger dimensions; less if the computation
+  /// would be too long, and up to 4 more if the mobility is not settled at this order.
   int order = 0;
   /// The characteristic length, m, by which lengths are divided before they are compared with angles; 0
   /// stands for the mean distance between the centres of two joints.
   double length = 0;
-  /// A function that is called repeatedly during the analysis. If it returns false, the analysis ends with an
-  /// empty result.
+  /// A function that the analysis calls again and again. If it returns false, the analysis ends with an empty
+  /// result.
   std::function<bool()> monitor = {};
 };
 
@@ -38,13 +38,15 @@ struct BranchPoint {
   double residual = 0;        ///< norm of the residual log f of the loops, in rad and characteristic lengths
 };
 
-/// A branch of the configuration space at q. Its points are n coordinates x with the configuration q ⊕ x.
-/// Tangents and curvatures are in rad and m; products and norms divide lengths by the characteristic length.
+/// A branch of the configuration space at q. Its points are given by n coordinates x, with the configuration
+/// q ⊕ x. Tangents and curvatures are in rad and m; products and norms divide lengths by the characteristic
+/// length.
 ///
-/// A branch of dimension 1 is a series in s = t·x for its unit tangent t. At a cusp it is a series in ζ with
-/// ζ^power = t·x. For power 2 this is x = t ζ² + c ζ³ + ..., and the mechanism leaves q only in the direction
-/// t, not in -t. For a dimension D > 1, x = Tᵀ τ + Σ τ_a τ_b II_ab / 2 + ... with the parameters τ = T x and
-/// T II = 0 (D13.13).
+/// A branch of dimension 1 is a power series in s = t·x, the displacement along its unit tangent t. At a cusp
+/// it is a series in ζ with ζ^power = t·x. For power 2 this is x = t ζ² + c ζ³ + ..., and the mechanism
+/// leaves q only in the direction t, not in -t. A branch of dimension D > 1 is x = Tᵀ τ + Σ τ_a τ_b II_ab / 2
+/// + ... with its tangent space T, parameters τ = T x, and second fundamental form II, whose entries are
+/// orthogonal to the tangent space (D13.13).
 struct MotionBranch {
   int dimension = 0;
   int power = 1;           ///< power of the parameter with which the series of x begins: 1, or above 1 for a
@@ -63,8 +65,9 @@ struct MotionBranch {
   std::vector<int> idle;   ///< indices of coordinates that rest along the branch
   std::vector<int> loops;  ///< indices of the loops and couplings in which something moves
   std::vector<BranchPoint> points;
-  /// For D = 1: for the series cut after 1, 2, ... terms, the measured order in s or ζ of the residual;
-  /// infinite if the residual is at rounding.
+  /// For a branch of dimension 1 whose power series is cut after 1, 2, ... terms: the power of the series'
+  /// parameter with which the residual of the loops was found to vanish; infinite if the residual is at
+  /// rounding.
   std::vector<double> residual_orders;
 
   bool cusp() const { return power > 1; }
@@ -77,8 +80,8 @@ struct MobilityCondition {
   std::vector<int> loops;  ///< indices of the loops and couplings whose equations it combines
 };
 
-/// A test of whether branches were missed. It counts closed points near q to which Newton's method leads from
-/// random starts in the kernel of the equations' derivative.
+/// A test of whether branches were missed. It counts the configurations near q with closed loops to which
+/// Newton's method leads from random starts along the velocities that the loops allow.
 struct MobilityProbe {
   int starts = 0, closed = 0;
   int missed = 0;  ///< number of closed points that lie on none of the branches
@@ -104,8 +107,8 @@ struct LocalMobility {
   bool settled = false;      ///< whether the mobility by order, the branches and their closed points agree
   int local_mobility = 0;    ///< largest dimension of a branch
   int rigid_at_order = 0;    ///< first order with mobility 0 if nothing moves; otherwise 0
-  /// The remaining conditions that do not vanish up to order K, sorted by degree; their terms of lowest
-  /// degree are independent.
+  /// The conditions on velocities that remain after the elimination and do not vanish up to the order of the
+  /// expansion, sorted by degree; their terms of lowest degree are independent.
   std::vector<MobilityCondition> conditions;
   std::vector<MotionBranch> branches;
   MobilityProbe probe;
@@ -115,12 +118,13 @@ struct LocalMobility {
   bool cusp = false;                   ///< whether some branch is a cusp
   bool kinematic_singularity = false;  ///< whether on every branch the differential mobility is smaller
                                        ///< beside q than at q
-  /// Whether on some branch the differential mobility beside q is larger than the dimension of the branch, or
-  /// nothing moves although the differential mobility is not 0.
+  /// Whether on some branch the velocities that the loops allow beside q have a larger dimension than the
+  /// branch, or nothing moves although the loops allow velocities.
   bool shaky = false;
-  /// Whether ranks and roots of polynomials alone prove the result: the equations are independent, the
-  /// differential mobility is 0, or nothing moves and it is at most 2. Otherwise the closed points are
-  /// numerical evidence for motions, and the search from random starts is evidence that no branch is missing.
+  /// Whether ranks and roots of polynomials alone prove the result: the equations are independent, the loops
+  /// allow no velocities, or nothing moves and these velocities have at most dimension 2. Otherwise the
+  /// configurations with closed loops are numerical evidence for motions, and the search from random starts
+  /// is evidence that no branch is missing.
   bool decided_by_rank = false;
 };
 
@@ -134,11 +138,12 @@ std::vector<std::string> mobility_words(const Model& model, const LocalMobility&
 ///
 /// The equations of the loops are expanded to order K by brackets of joint screws (D13.3 to D13.6), the
 /// coordinates that they determine are eliminated (D13.8), and the remaining equations are solved by blow-ups
-/// (D13.11) and deflation (D13.12). Every branch is traced by closed points. Allocates; about 1 ms for a loop
-/// of six joints with one branch. The time grows with the number of products of monomials, C(2d + K, K) for a
-/// differential mobility d. Throws std::invalid_argument for a q of a wrong size or with numbers that are not
-/// finite, a loop that is open at q, rolling contacts and belts, and an order that is negative, 1, above 20
-/// or too large for d.
+/// (substitutions of a direction and a distance for the unknowns, D13.11) and deflation (additional unknowns
+/// for multiple solutions, D13.12). Every branch is traced by configurations with closed loops. Allocates;
+/// about 1 ms for a loop of six joints with one branch. The time grows with the number of products of
+/// monomials, C(2d + K, K) if the loops allow velocities of dimension d. Throws std::invalid_argument for a q
+/// of a wrong size or with numbers that are not finite, a loop that is open at q, rolling contacts and belts,
+/// and an order that is negative, 1, above 20 or too large for d.
 [[nodiscard]] LocalMobility local_mobility(const Model& model, std::span<const double> q,
                                            const LocalMobilityOptions& options = {});
 
@@ -146,12 +151,12 @@ std::vector<std::string> mobility_words(const Model& model, const LocalMobility&
 /// degrees of freedom of the loop joints.
 std::vector<ClosureCoordinate> closure_coordinates(const Model& model);
 
-/// Computes the derivatives H^(k) = d^(k-1)V/dt^(k-1) at t = 0, k = 1 ... K, of the twist V of the last body
-/// of each loop along a curve q ⊕ x(t). `derivatives` has x', x'', ... as its columns (n × K, rad and m, in
-/// the order of closure_coordinates()). The twist of a loop is the sum of the joint velocities on the way
-/// around it, from the body where its paths meet through its first body and the loop joint back to this body.
-/// V and all its derivatives are 0 for motions of the mechanism (D13.5). V is spatial, about the inertial
-/// origin, in rad and m. The result has one matrix (6 × K) for each loop joint. O(n K²) brackets. Throws
+/// Computes the twist V of the last body of each loop and its time derivatives d^(k-1)V/dt^(k-1) at t = 0, k
+/// = 1 ... K, along a curve q ⊕ x(t). `derivatives` has x', x'', ... as its columns (n × K, rad and m, in the
+/// order of closure_coordinates()). The twist of a loop is the sum of the joint velocities on the way around
+/// it, from the body where its paths meet through its first body and the loop joint back to this body. V and
+/// all its derivatives are 0 for motions of the mechanism (D13.5). V is spatial, about the inertial origin,
+/// in rad and m. The result has one matrix (6 × K) for each loop joint. O(n K²) brackets. Throws
 /// std::invalid_argument for wrong sizes, numbers that are not finite, and rolling contacts and belts.
 std::vector<Eigen::MatrixXd> closure_derivatives(const Model& model, std::span<const double> q,
                                                  const Eigen::Ref<const Eigen::MatrixXd>& derivatives);

@@ -6,8 +6,9 @@
 namespace axode::higher_order {
 namespace {
 
-/// Appends to `out` the exponents of all monomials of degree k in the remaining variables, each after the
-/// exponents `head`; powers of the first variable are in descending order.
+/// Appends to `out` the exponents of all monomials of degree k in the variables that `head` does not contain,
+/// each after the exponents `head` of the other variables; powers of the first variable are in descending
+/// order.
 void append_exponents(int variables, int k, std::vector<int>& head, std::vector<std::vector<int>>& out) {
   if (static_cast<int>(head.size()) == variables - 1) {
     out.push_back(head);

@@ -45,8 +45,8 @@ class PolynomialRing {
                         const Eigen::Ref<const Eigen::RowVectorXd>& b) const;
   /// Computes ∂p/∂u_k for the variable k, with terms up to degree K - 1.
   Eigen::MatrixXd derivative(const Eigen::Ref<const Eigen::MatrixXd>& p, int variable) const;
-  /// Computes p(z) in the ring `into`; row k of z, a polynomial of that ring, replaces variable k of this
-  /// ring.
+  /// Computes the polynomials p(z) in the ring `into`: row k of z, a polynomial of that ring, is substituted
+  /// for variable k of this ring.
   Eigen::MatrixXd substitute(const Eigen::Ref<const Eigen::MatrixXd>& p, const PolynomialRing& into,
                              const Eigen::Ref<const Eigen::MatrixXd>& z) const;
 

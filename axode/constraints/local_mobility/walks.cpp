@@ -63,8 +63,8 @@ class Walker {
   static std::size_t index(int i) { return static_cast<std::size_t>(i); }
   SE3<>& at(int i) { return C_[index(i)]; }
 
-  /// The joints from a body up to the body `meeting`, which is not included; the joint of the body itself is
-  /// first.
+  /// The joints on the path from a body to the body `meeting`. That of the body itself is the first, and that
+  /// of `meeting` is not included.
   std::vector<int> path(int body, int meeting) const {
     std::vector<int> found;
     for (int i = body; i != meeting; i = tree_->parent[i]) found.push_back(i);

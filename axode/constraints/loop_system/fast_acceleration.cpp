@@ -3,8 +3,8 @@
 
 /// Accelerations of mechanisms with loops by the fast articulated-body kernel (D4.12), and drive forces by
 /// the fast inverse-dynamics kernel. Both kernels have all quantities about the origins of the bodies. For
-/// the bodies at which loops end, poses and motion about the origins of their root bodies are computed as
-/// well, because the rows of the loops need them.
+/// the bodies with loop joints, the loop equations also need poses and motion about the origins of the root
+/// bodies, which are the bodies joined to the ground.
 namespace axode {
 
 template <class T>
@@ -122,7 +122,8 @@ std::span<T> LoopSystem<T>::force_fast(const T* q, const T* v, const T* a, const
   return {forces_.data(), index(model_.nv())};
 }
 
-/// Computes the entries of Y for n rows of a loop from `row` on. The sweep to the ground is that of (D7.6)
+/// Computes entries of Y = D^-½ L⁻ᵀ Aᵀ for n equations of a loop from `row` on, with the Jacobian A of the
+/// loop equations and the mass matrix LᵀD L of the spanning tree. The sweep to the ground is that of (D7.6)
 /// with the pivots of the fast articulated bodies; wrenches are about the origin of each body on the path.
 template <class T>
 template <int n>

@@ -1,9 +1,9 @@
 #include "axode/constraints/loop_system/loop_system.hpp"
 #include "axode/recursion/instantiate.hpp"
 
-/// Derivatives of the rows of loops by q and v. The motion of the two bodies of a loop joint along a
-/// direction of q or v is given by (D6.10). The derivatives of the rows follow from it, because the code of
-/// each type of loop joint is evaluated on dual numbers.
+/// Derivatives of the loop equations by q and v. The motion of the two bodies of a loop joint along a
+/// direction of q or v is given by (D6.10). The derivatives of the equations follow from it, because the code
+/// of each type of loop joint is evaluated on dual numbers.
 namespace axode {
 namespace {
 

@@ -20,16 +20,17 @@
 
 namespace axode {
 
-/// The redundant rows of the loops, which LoopSystem::determine_rank() finds at a closed configuration. In
-/// solutions with a given rank, the multipliers of redundant rows are 0. An integration keeps the rank for a
-/// whole step, because rows that are redundant by geometry become independent as soon as the loops are a
-/// little open.
+/// The redundant loop equations, which LoopSystem::determine_rank() finds at a closed configuration. In
+/// solutions with a given rank, the multipliers of redundant equations are 0. An integration keeps the rank
+/// for a whole step, because equations that are redundant by geometry become independent as soon as the loops
+/// are a little open.
 struct RowRank {
   std::vector<char> redundant = {};  ///< whether each row of A is redundant; empty before determine_rank()
 };
 
-/// A row of the loops that follows a function s of time: with the position ρ of the row, r = ρ - s, A v = s'
-/// and A a + γ = s''. `row` is its index in A, and `residual` its index in r.
+/// A loop equation in which the position ρ (an angle or a length) follows a function s of time: its residual
+/// is ρ - s, its velocity ρ' = s', and its acceleration ρ'' = s''. `row` is its index among the equations for
+/// velocities, and `residual` its index among the residuals.
 template <class T> struct PrescribedRow {
   int row = 0, residual = 0;
   T s{}, ds{}, dds{};  ///< s minus the constant that r already contains, such as the drawn length of a rod;
@@ -42,12 +43,13 @@ enum class ConstraintLevel {
   velocity,  ///< all rows A, with A v = 0
 };
 
-/// The loops of a spanning tree at a state, and the linear system of its motion under the loops:
+/// The loops of a spanning tree at a state (q, v), and the linear system of its motion under the loops:
 ///   M a + h - Aᵀ λ = τ,   A a + γ = 0
-/// Articulated bodies factorise the mass matrix M = Lᵀ D L of the tree. With Y = D^-½ L⁻ᵀ Aᵀ and w = D^-½ L⁻ᵀ
-/// (τ - h), the multipliers satisfy Yᵀ Y λ = -(Yᵀ w + γ). Each column of Y takes one sweep to the root, along
-/// the path of its loop. O(n + m d + m² d + m³) for m rows on paths of d joints. See (D7.1) to (D7.6) of
-/// docs/derivations.
+/// for the accelerations a and the multipliers λ of the loop equations A v = 0, with the bias forces h of the
+/// tree and γ = A' v. Articulated bodies factorise the mass matrix M = Lᵀ D L of the tree. With Y = D^-½ L⁻ᵀ
+/// Aᵀ and w = D^-½ L⁻ᵀ (τ - h), the multipliers satisfy Yᵀ Y λ = -(Yᵀ w + γ). Each column of Y takes one
+/// sweep to the root, along the path of its loop. O(n + m d + m² d + m³) for n bodies and m loop equations on
+/// paths of d joints. See (D7.1) to (D7.6) of docs/derivations.
 template <class T> class AXODE_ENTRY LoopSystem {
  public:
   using Vector = Eigen::VectorX<T>;
@@ -62,55 +64,61 @@ template <class T> class AXODE_ENTRY LoopSystem {
     return level == ConstraintLevel::velocity ? model_.loops().rows : model_.loops().residuals;
   }
 
-  /// Sets right sides s, s' and s'' of rows, which are used by all later calls; see (D12.1) of
-  /// docs/derivations. The right sides of all other rows are 0.
+  /// Prescribes functions of time for some loop equations: their positions, velocities and accelerations
+  /// become s, s' and s'' instead of 0 in all later calls; see (D12.1) of docs/derivations. Those of all
+  /// other equations are 0.
   void prescribe(std::span<const PrescribedRow<T>> rows) { prescribed_.assign(rows.begin(), rows.end()); }
 
-  /// Computes the accelerations a (nv) and the multipliers λ (m) at a state. If the mass matrix of the tree
-  /// is singular, both are NaN. Afterwards update_kinematics() must be called before a function that needs
-  /// kinematics.
+  /// Computes the accelerations a (nv) and the multipliers λ of the loop equations at a state. If the mass
+  /// matrix of the spanning tree is singular, both are NaN. Afterwards update_kinematics() must be called
+  /// before a function that needs kinematics.
   Solvability accelerate(const T* q, const T* v, const T* tau, const Loads<T>& loads, T* a, T* lambda,
                          const RowRank& rank = {}) noexcept;
-  /// Computes the forces M a + h (nv) of the spanning tree at the motion (q, v, a), and updates the
-  /// kinematics and the motion of the bodies.
+  /// Computes the forces M a + h (nv) that the spanning tree needs for the motion (q, v, a), with its mass
+  /// matrix M and bias forces h, and updates the kinematics and the motion of the bodies.
   void force(const T* q, const T* v, const T* a, const Loads<T>& loads, T* tau) noexcept;
-  /// Computes the forces M a + h (nv) of the spanning tree with the fast kernel, and the rows A. The returned
-  /// forces are valid until the next call. Twists are computed only for bodies at which loops end; hence
-  /// joint_wrenches() and differentiate() must not be called afterwards.
+  /// Computes the forces M a + h (nv) that the spanning tree needs for the motion (q, v, a), with its mass
+  /// matrix M and bias forces h, by the fast kernel, and also the Jacobian of the loop equations. The
+  /// returned forces are valid until the next call. Twists are computed only for bodies with loop joints;
+  /// hence joint_wrenches() and differentiate() must not be called afterwards.
   std::span<T> force_fast(const T* q, const T* v, const T* a, const Loads<T>& loads) noexcept;
-  /// Computes A a + γ - s'' of all rows (loops().rows numbers) at the motion of the last force() or
-  /// force_fast(), whose accelerations were a. Must be called after make_rows(ConstraintLevel::velocity) or
-  /// force_fast(). The numbers are valid until the next call.
+  /// Computes the residual (A v)' - s'' of all loop equations A v = s' (loops().rows numbers), whose right
+  /// sides s' are not 0 for prescribed motions. The motion is that of the last force() or force_fast(), whose
+  /// accelerations were a. Must be called after make_rows(ConstraintLevel::velocity) or force_fast(). The
+  /// numbers are valid until the next call.
   std::span<const T> acceleration_residual(const T* a) noexcept;
-  /// Computes the least drive forces τ (nv) and, unless `lambda` is null, the multipliers λ, such that τ + Aᵀ
-  /// λ = f. Drives act on the velocities whose indices are in `drives` or, if it is empty, on those of all
-  /// joints that are not passive. Must be called after make_rows(ConstraintLevel::velocity) or force_fast().
-  /// Returns false without results if some motion has no drive, if λ is wanted and not unique, or if rounding
-  /// leaves a rank open.
+  /// Computes the least drive forces τ (nv) and, unless `lambda` is null, multipliers λ of the loop equations
+  /// A v = 0, such that τ + Aᵀ λ = f for the forces f that the spanning tree needs. Drives act on the
+  /// velocities whose indices are in `drives` or, if it is empty, on those of all joints that are not
+  /// passive. Must be called after make_rows(ConstraintLevel::velocity) or force_fast(). Returns false
+  /// without results if some motion has no drive, if λ is wanted and not unique, or if rounding leaves a rank
+  /// open.
   bool drive_forces(std::span<const int> drives, const T* f, T* tau, T* lambda) noexcept;
-  /// A bound for decisions about rounding errors: entries of A that are not near 0 by geometry or because of
-  /// a singularity are larger. It is a tenth of the largest lever of a loop joint about the origin of a root
-  /// body, and at most 0.1.
+  /// A bound for decisions about rounding errors: entries of the Jacobian of the loop equations are larger,
+  /// unless they are near 0 by geometry or because of a singularity. It is a tenth of the largest distance
+  /// (m) of a loop joint from the origin of a root body (the body of a branch that is joined to the ground),
+  /// and at most 0.1; it is 0.1 if these distances are 0.
   T considerable_entry() const noexcept;
-  /// Computes the velocities v⁺ (nv) after an impact of the loops at q, A v⁺ = -e A v, and the impulses of
-  /// the rows (D7.12). For prescribed rows A v - s' replaces A v.
+  /// Computes the velocities v⁺ (nv) after an impact of the loops at q, A v⁺ = -e A v with the Jacobian A of
+  /// the loop equations and the coefficient of restitution e, and the impulses of the equations (D7.12). For
+  /// an equation A v = s' with a prescribed right side, A v - s' replaces A v.
   Solvability impact(const T* q, const T* v, const T& e, T* v_after, T* impulses) noexcept;
   /// Computes the velocities v⁺ (nv) after an impact and its impulses at the configuration of the last
   /// factorize(q) or determine_rank(q).
   Solvability impact(const T* v, const T& e, T* v_after, T* impulses, const RowRank& rank = {}) noexcept;
-  /// Computes a step x (nv) towards a closed configuration, with r + R x = 0. Of all such steps it is the
-  /// least one in the norm of the mass matrix (D7.13).
+  /// Computes a step x (nv) towards a closed configuration, with r + R x = 0 for the residual r of the loops
+  /// and its Jacobian R. Of all such steps it is the least one in the norm of the mass matrix (D7.13).
   Solvability projection_step(const T* q, T* x, const RowRank& rank = {}) noexcept;
 
-  /// Determines which rows are redundant at a closed q. Afterwards the rows A are factorised at q. If the
-  /// mass matrix of the tree is singular, `rank` remains unchanged.
+  /// Determines which loop equations are redundant at a closed q. Afterwards the equations are factorised at
+  /// q. If the mass matrix of the spanning tree is singular, `rank` remains unchanged.
   Solvability determine_rank(const T* q, RowRank& rank) noexcept;
   /// Determines which of the rows A are redundant. The rows must be factorised already, see factorize_rows().
   void determine_rank(RowRank& rank) noexcept;
 
   /// Computes the poses of the bodies, the joint screws and the frames of the loop joints at q. The second
-  /// overload takes the poses C of the bodies about `origin` instead of q; the joints need not allow these
-  /// poses.
+  /// overload takes the poses C of the bodies instead of q, in a frame with the axes of the inertial frame
+  /// and the origin `origin`; the joints need not allow these poses.
   void update_kinematics(const T* q) noexcept;
   void update_kinematics(const SE3<T>* C, const Vec3<T>& origin) noexcept;
   /// Updates the kinematics with the motion of all bodies, and computes the bias forces h (nv) of the tree.
@@ -126,34 +134,39 @@ template <class T> class AXODE_ENTRY LoopSystem {
   void make_rows(ConstraintLevel level) noexcept;
   void make_wrenches(ConstraintLevel level) noexcept;  ///< computes only the wrenches of make_rows(), not the
                                                        ///< entries
-  /// The entries of the rows of each loop. For each LoopColumn of the loop's path they have one column, with
-  /// one entry for each row of the loop.
+  /// The non-zero entries of the Jacobian of the loop equations, for each loop: column by column along the
+  /// loop's path (see LoopColumn), with one entry for each equation of the loop.
   const std::vector<std::vector<T>>& entries() const { return entries_; }
   /// Writes the entries of the rows A or R of the present level as a dense matrix, m × nv, row by row.
   void write(T* A) const noexcept;
-  /// times() computes out = A x, and add_transposed_times() adds Aᵀ λ to out, with the rows of the present
-  /// level.
+  /// times() computes out = A x, and add_transposed_times() adds Aᵀ λ to out, with the Jacobian A that
+  /// make_rows() computed last: that of the loop equations for velocities, or that of the residuals.
   void times(const T* x, T* out) const noexcept;
   void add_transposed_times(const T* lambda, T* out) const noexcept;
-  /// Computes γ - s'' (D6.7) of all rows after move(). The second overload takes the twists V of the bodies
-  /// and their rates dV about the origins of the root bodies instead.
+  /// Computes γ - s'' (D6.7) after move(), where γ is the part of (A v)' without accelerations, and s' are
+  /// the prescribed right sides of the loop equations A v = s'. The second overload takes the twists V of the
+  /// bodies and their rates dV instead, each about the origin of the root body, which is the body of its
+  /// branch that is joined to the ground.
   void bias(T* gamma) noexcept {
     bias(dynamics_->recursion.motion.bodies.V, dynamics_->recursion.motion.bodies.dV, gamma);
   }
   void bias(const Twist<Spatial, T>* V, const TwistRate<Spatial, T>* dV, T* gamma) const noexcept;
-  /// Computes out = A v (D6.6) from the twists X of the bodies about the origins of their root bodies, and
-  /// from the joint rates x (nv), which couplings need.
+  /// Computes the rates A v of all loop equations (D6.6) from the twists X of the bodies and, for couplings
+  /// of joints, from the joint velocities x (nv). Each twist is about the origin of the root body, the body
+  /// of its branch that is joined to the ground.
   void rates(const Twist<Spatial, T>* X, const T* x, T* out) const noexcept;
-  /// Adds the wrenches W λ of the loops to `on`, the wrenches on the bodies about the origins of their root
-  /// bodies, and adds the forces of couplings to tau (nv).
+  /// Adds the constraint wrenches of the loops for multipliers λ to `on`, the wrenches on the bodies about
+  /// the origins of their root bodies (those joined to the ground), and adds the forces of couplings of
+  /// joints to tau (nv).
   void add_wrenches(const T* lambda, Wrench<Spatial, T>* on, T* tau) const noexcept;
-  /// Computes the wrenches that the joints transmit under multipliers λ, W[1] to W[n], each about the origin
-  /// of its root body, in inertial axes. Must be called after force() and
-  /// make_rows(ConstraintLevel::velocity).
+  /// Computes the wrenches that the joints transmit if the loop equations have the multipliers λ, W[1] to
+  /// W[n], in inertial axes, each about the origin of its root body, the body of its branch that is joined to
+  /// the ground. Must be called after force() and make_rows(ConstraintLevel::velocity).
   void joint_wrenches(const T* lambda, Wrench<Spatial, T>* W) noexcept;
 
-  /// Adds the partial derivatives of A a + γ by q to by_q and by v to by_v (m × nv each), and those of Aᵀ λ
-  /// by q to constraint_forces_by_q (nv × nv), all [component, direction]. They are taken at the motion of
+  /// Adds the partial derivatives of (A v)' = A a + γ, for the loop equations A v = 0, by q to by_q and by v
+  /// to by_v (m × nv each), and those of the constraint forces Aᵀ λ by q to constraint_forces_by_q (nv × nv).
+  /// All are stored row by row, with one column for each direction of q or v. They are taken at the motion of
   /// the last force(). Must be called after make_rows(ConstraintLevel::velocity). See (D6.10) and (D6.11) of
   /// docs/derivations.
   void differentiate(const T* lambda, T* by_q, T* by_v, T* constraint_forces_by_q) noexcept;
@@ -162,44 +175,48 @@ template <class T> class AXODE_ENTRY LoopSystem {
 
   /// Updates the kinematics to q, and factorises the mass matrix M of the tree and the rows A.
   Solvability factorize(const T* q, const RowRank& rank = {}) noexcept;
-  /// Factorises M = Lᵀ D L at the present kinematics. factorize() uses the armature of the model, and
-  /// factorize_with_armature() another one (nv, kg m² and kg).
+  /// Factorises the mass matrix of the spanning tree at the present kinematics. factorize() uses the armature
+  /// of the model, and factorize_with_armature() another one (nv, kg m² and kg).
   Solvability factorize() noexcept { return factorize_with_armature(tree().armature.data()); }
   Solvability factorize_with_armature(const T* armature) noexcept;
-  /// Computes Y = D^-½ L⁻ᵀ Aᵀ, G = Yᵀ Y and the sizes d of the rows (D7.7), for the rows whose wrenches were
-  /// made last.
+  /// Computes Y = D^-½ L⁻ᵀ Aᵀ, G = Yᵀ Y = A M⁻¹ Aᵀ and the sizes of the loop equations, see scale(). M = Lᵀ D
+  /// L is the mass matrix of the spanning tree, and A the Jacobian of the equations whose wrenches were made
+  /// last.
   void factorize_rows() noexcept;
-  /// Solves G λ = -b with G = A M⁻¹ Aᵀ. If rows are redundant, λ is the least solution; if rows contradict
-  /// each other, it is the least-squares solution (D7.8).
+  /// Solves A M⁻¹ Aᵀ λ = -b for the multipliers λ of the loop equations A v = 0, with the mass matrix M of
+  /// the spanning tree. If equations are redundant, λ is the least solution; if they contradict each other,
+  /// it is the least-squares solution (D7.8).
   void solve_rows(const T* b, T* lambda, const RowRank& rank = {}) noexcept;
-  /// Sets the filter μ of solve_rows() from the residual of the loops at q. Directions in which G is small
-  /// compared with μ d², for the sizes d of the rows, are ignored (D7.9). accelerate(), impact(q) and
-  /// projection_step() call this function themselves.
+  /// Sets the filter μ of solve_rows() from the residual of the loops at q. Directions of the multipliers in
+  /// which A M⁻¹ Aᵀ is small compared with μ times the squared sizes of the loop equations are ignored
+  /// (D7.9); A is the Jacobian of the equations and M the mass matrix of the spanning tree. accelerate(),
+  /// impact(q) and projection_step() call this function themselves.
   void set_filter(const T* q, const RowRank& rank) noexcept;
-  /// The least pivot of a row in the last solve_rows(), divided by the square of the size d of the row; 1 if
-  /// all rows were far from redundant. If it is near 0, branches of the motion meet, and accelerations are
-  /// those of a mechanism with more degrees of freedom.
+  /// The least pivot of a loop equation in the last solve_rows(), divided by the square of the equation's
+  /// size, scale(); 1 if all equations were far from redundant. If it is near 0, branches of the motion meet,
+  /// and accelerations are those of a mechanism with more degrees of freedom.
   T weakest_row() const { return weakest_row_; }
   /// Adds A M⁻¹ x to b (m numbers) for x (nv). The rows must be factorised.
   void add_response(const T* x, T* b) noexcept;
-  /// Computes the accelerations a that additional forces τ (nv) cause: M a - Aᵀ λ = τ with A a = 0 (D7.14).
-  /// The rows A must be factorised.
+  /// Computes the accelerations a that additional forces τ (nv) cause: M a - Aᵀ λ = τ with A a = 0 (D7.14),
+  /// for the mass matrix M of the spanning tree, and the Jacobian A and the multipliers λ of the loop
+  /// equations, which must be factorised.
   void force_response(const T* tau, T* a) noexcept;
   /// Replaces x (nv) by M⁻¹ x.
   void solve(T* x) noexcept { dynamics_->bodies.solve(tree(), x); }
 
-  /// The wrench W λ on the second body of loop joint k, about the point origin(k); -W λ acts on the first
-  /// body. Must be called after make_rows() or make_wrenches().
+  /// The wrench that loop joint k exerts on its second body for the multipliers λ, about the point origin(k);
+  /// the opposite wrench acts on the first body. Must be called after make_rows() or make_wrenches().
   Wrench<Spatial, T> wrench(std::size_t k, const T* lambda) const noexcept;
   Vec3<T> origin(std::size_t k) const noexcept;
   /// The origins of the root bodies in the inertial frame, stored at the index of each root body.
   const Vec3<T>* root_origins() const { return origin_; }
 
   /// The matrix Y = D^-½ L⁻ᵀ Aᵀ of the last factorize_rows(), nv × m, padded with zero columns to whole
-  /// blocks.
+  /// blocks. A is the Jacobian of the m loop equations, and LᵀD L the mass matrix of the spanning tree.
   const RowByRow& Y() const { return Y_; }
-  /// The size d of each row (m numbers): the square root of its diagonal entry of A M⁻¹ Aᵀ, or a larger lower
-  /// bound (D7.7).
+  /// The size of each loop equation: the square root of its diagonal entry of A M⁻¹ Aᵀ, with the Jacobian A
+  /// of the equations and the mass matrix M of the spanning tree, or a lower limit if that is larger (D7.7).
   const Vector& scale() const { return scale_; }
   const LoopTable& table() const { return table_; }
   const Link<Spatial, T>& link(int i) const { return link_[i]; }
@@ -223,8 +240,9 @@ template <class T> class AXODE_ENTRY LoopSystem {
   const std::vector<LoopTable::VelocityBlock>& blocks() const {
     return level_ == ConstraintLevel::velocity ? table_.row_blocks : table_.residual_blocks;
   }
-  /// Computes a and λ with the fast articulated bodies. Returns false, without a and λ, if the mechanism has
-  /// couplings or coupled joints, or if a pivot or all rows of a loop are too small for the fast elimination.
+  /// Computes accelerations and multipliers with the fast articulated bodies. Returns false, without results,
+  /// if the mechanism has couplings or coupled joints, or if a pivot or all equations of a loop are too small
+  /// for the fast elimination.
   bool accelerate_fast(const T* q, const T* v, const T* tau, const Loads<T>& loads, T* a, T* lambda,
                        const RowRank& rank) noexcept;
   /// The motion of the two bodies of a loop joint about origin(k).
@@ -242,8 +260,8 @@ template <class T> class AXODE_ENTRY LoopSystem {
   void update_loops() noexcept;      ///< updates joint screws and loop ends
   void update_loop_ends() noexcept;  ///< updates only the frames of the loop joints
   void make_entries() noexcept;
-  /// Factorises the mass matrix M and the rows of a level at the present kinematics, which must be those of
-  /// q.
+  /// Factorises the mass matrix of the spanning tree and the loop equations at the position or the velocity
+  /// level, at the present kinematics, which must be those of q.
   Solvability prepare(ConstraintLevel level, const T* q, const RowRank& rank) noexcept;
   /// Computes w = D^-½ L⁻ᵀ x for x (nv), and stores it in w_.
   void pull(const T* x) noexcept;
@@ -254,13 +272,14 @@ template <class T> class AXODE_ENTRY LoopSystem {
   void add_to_velocities(const T* lambda) noexcept;
   /// Calls f(row) for those rows of the present level that are redundant in `rank`.
   template <class F> void each_redundant(const RowRank& rank, const F& f) const;
-  /// Solves G λ = -b by one Cholesky factorisation. Returns false, without λ, if a pivot of an independent
-  /// row is too small.
+  /// Solves A M⁻¹ Aᵀ λ = -b for the multipliers λ of the loop equations A v = 0 by one Cholesky
+  /// factorisation. Returns false, without λ, if a pivot of an independent equation is too small.
   bool solve_sound_rows(const T* b, T* lambda, const RowRank& rank) noexcept;
   /// Solves G λ = -b by the proximal iteration (D7.8).
   void solve_filtered_rows(const T* b, T* lambda, const RowRank& rank) noexcept;
-  /// Writes G + filter d², with the sizes d of the rows, and the right side -b to the memory of factor_.
-  /// Multipliers of redundant rows become 0.
+  /// Writes the linear system of the multipliers to the memory of factor_: the matrix A M⁻¹ Aᵀ of the loop
+  /// equations A v = 0 with `filter` times the squared sizes of the equations added to its diagonal, and the
+  /// right side -b. Multipliers of redundant equations become 0.
   void set_rows(const T* b, const T& filter, const RowRank& rank) noexcept;
   SE3<T> pose(const Loop::End& end, int root, const Vec3<T>& O) const noexcept;
   Wrench<Spatial, T> on_first(const State& at, const Wrench<Spatial, T>& W) const {
@@ -279,8 +298,9 @@ template <class T> class AXODE_ENTRY LoopSystem {
     F_j.f += F_i.f;
     for (int i = path.meeting; i > 0; i = parent[i]) step(i, F_j);
   }
-  /// These functions compute entries of Y (D7.6): pull_row() for one row, pull_rows() for n rows of a loop,
-  /// pull_rows_fast() for n rows with the fast articulated bodies, and pull_loop() for all rows of a loop.
+  /// These functions compute entries of Y = D^-½ L⁻ᵀ Aᵀ (D7.6) for equations of a loop, rows of its Jacobian
+  /// A: pull_row() for one row, pull_rows() for n rows, pull_rows_fast() for n rows with the fast articulated
+  /// bodies, and pull_loop() for all rows.
   void pull_row(const LoopPath& path, int row, const Wrench<Spatial, T>& first,
                 const Wrench<Spatial, T>& second) noexcept;
   template <int n> void pull_rows(const LoopPath& path, const State& at, int row) noexcept;

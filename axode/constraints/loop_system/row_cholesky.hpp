@@ -48,8 +48,8 @@ template <class T> class RowCholesky {
   void factorize(Eigen::Index m) noexcept {
     factorize(m, [](Eigen::Index, const T&) { return true; });
   }
-  /// Computes the solution x for the right side that was in column m before factorize(), and sets this column
-  /// to 0. x has room(m) entries.
+  /// Computes the solution x for the right side that was in column m of the memory before factorize(), and
+  /// sets this column to 0. x has room(m) entries: m, padded to whole blocks.
   void solve_right_side(Eigen::Index m, Eigen::VectorX<T>& x) noexcept {
     for (Eigen::Index k = 0; k < m; ++k) {
       x[k] = R_(k, m);
@@ -69,8 +69,9 @@ template <class T> class RowCholesky {
   }
 
  private:
-  /// Replaces x by R⁻¹ x. The entries of x in the block of row k are used one by one, and the entry that was
-  /// computed last is used last: a vector load of numbers that were just written one by one would stall.
+  /// Replaces x by R⁻¹ x with the triangular factor R. The entries of x in the block of row k are used one by
+  /// one, and the entry that was computed last is used last: a vector load of numbers that were just written
+  /// one by one would stall.
   void solve_up(Eigen::Index m, Eigen::VectorX<T>& x) const noexcept {
     for (Eigen::Index k = m; k-- > 0;) {
       const Eigen::Index next = block(k) + width;

@@ -5,23 +5,23 @@
 #include "axode/scalar/dual.hpp"
 
 /// A loop joint is a small type with parameters of type double and with members that are templates over the
-/// scalar:
-///   rows(), residuals()            numbers of rows of A and of the residual r
+/// scalar, where V_i and V_j are the twists of its first and second body:
+///   rows(), residuals()            numbers of equations A v = 0 and of residuals r
 ///   residual(at, r)                computes r, which vanishes if the loop is closed
 ///   wrenches(at, W)                computes W on the second body for unit multipliers: A v = Wᵀ (V_j - V_i)
 /// The following members are optional, and the functions below have a default for each:
 ///   residual_wrenches(at, R)       computes R with r' = Rᵀ (V_j - V_i); by default the first columns of W
 ///   wrench_rates(at, m, dW)        computes W' for moving bodies; by default W is evaluated on dual numbers
 ///   bias(at, W, m, gamma)          computes γ = Wᵀ (V'_j - V'_i) + W'ᵀ (V_j - V_i)
-/// The rows A, γ and r are the same in all representations. The wrench W λ acts on the second body j, and -W
-/// λ on the first body i.
+/// A, γ and r are the same in all representations. For multipliers λ, the wrench W λ acts on the second body
+/// j, and -W λ on the first body i.
 namespace axode::loops {
 
 template <class T> using SpatialWrench = Wrench<Spatial, T>;
 template <class T> using LoopWrenches = std::array<SpatialWrench<T>, 6>;
 
-/// The frames of a loop joint on its two bodies: axes in inertial axes, and origins relative to a common
-/// point O.
+/// The frames of a loop joint on its first body (a) and its second body (b): their axes are expressed in
+/// inertial axes, and their origins are relative to a common point O.
 template <class T> struct LoopFrames { SE3<T> a, b; };
 /// Spatial twists of the two bodies of a loop joint about the common point O, and their rates. The caller
 /// decides whether the rates include joint accelerations.

@@ -32,7 +32,7 @@ LoopPath::LoopPath(const Tree<double>& tree, const LoopCoupling& coupling) : Loo
 }
 
 /// Collects in `bodies` the bodies on the paths from those in `from` to the ground, and in `velocities` the
-/// velocities that are eliminated on these paths.
+/// indices of the velocities that the articulated-body algorithm eliminates at these bodies.
 void LoopPath::add_bodies(const Topology& topology, const std::vector<int>& from) {
   std::set<int, std::greater<>> on_paths;
   for (const int last : from)

@@ -8,7 +8,7 @@
 namespace axode {
 
 /// The data of all loops of a mechanism that do not depend on q: the path and the type of each loop joint,
-/// and the path of each coupling, whose row of A is constant.
+/// and the path of each coupling of joints, whose equation has constant coefficients.
 struct LoopTable {
   using Range = LoopPath::Range;
   /// Consecutive velocities (rows of Y = D^-½ L⁻ᵀ Aᵀ) with non-zero entries for the same loop rows.

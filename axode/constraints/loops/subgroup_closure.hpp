@@ -12,10 +12,11 @@ namespace axode::loops {
 /// ω_y ω_z v_x v_y v_z in the frame of the joint, and by the pitch of a helical joint, for which v_z = pitch
 /// ω_z.
 ///
-/// S spans the subalgebra of the joint, and T spans the wrenches with Tᵀ S = 0. A relative pose D is written
-/// as D = g E, and the motion g in the subgroup is removed from it. The residual r = Tᵀ (log R_E; r_E)
-/// vanishes on the whole subgroup, however far the joint has moved. Tᵀ log D would not be suitable, because
-/// it jumps at half a turn.
+/// S spans the subalgebra of the joint, and T spans the wrenches with Tᵀ S = 0. The pose D of the second
+/// frame relative to the first is written as D = g E with a motion g in the subgroup, which is removed. The
+/// residual r = Tᵀ (log R_E; r_E), with the rotation R_E and the position r_E of E, vanishes on the whole
+/// subgroup, however far the joint has moved. Tᵀ log D would not be suitable, because it jumps at half a
+/// turn.
 struct SubgroupClosure {
   std::array<bool, 6> free{};
   double pitch = 0;  ///< m/rad, 0 unless the joint is helical
@@ -39,8 +40,8 @@ struct SubgroupClosure {
     for (int k = 0, n = rows(); k < n; ++k) gamma[k] = power(W[k], Psi);
   }
 
-  /// Removes from the relative pose D = g E the motion g in the subgroup of the joint, and returns E (D6.1).
-  /// If the joint is nearly closed, E is near the identity.
+  /// Removes from the relative pose D = g E of the two frames the motion g in the subgroup of the joint, and
+  /// returns E (D6.1). If the joint is nearly closed, E is near the identity.
   template <class T> SE3<T> strip(const SE3<T>& D) const {
     T theta(0);
     SO3<T> turn{};
@@ -66,11 +67,14 @@ struct SubgroupClosure {
       ++r;
     }
   }
-  /// Computes the wrenches R with r' = Rᵀ (V_j - V_i). In the frame of the joint r' = P X for X = D⁻¹ D',
+  /// Computes the wrenches R with r' = Rᵀ (V_j - V_i) for the residual r of the joint and the twists V_i and
+  /// V_j of its two bodies. D = g E is the pose of the second frame of the joint relative to the first, and g
+  /// the motion in its subgroup that strip() removes. In the frame of the joint r' = P X for X = D⁻¹ D',
   /// exactly, and P = Tᵀ if D is in the subgroup (D6.4):
   ///   P = Tᵀ (I - K (Nᵀ K)⁻¹ Nᵀ) B
-  /// with B = diag(dexp⁻¹_{-φ}, R_E), φ = log R_E and K = B Ad_E⁻¹ S. The columns of N are unit vectors of
-  /// the coordinates of (φ; r_E) that strip() makes 0.
+  /// with B = diag(dexp⁻¹_{-φ}, R_E), φ = log R_E and K = B Ad_E⁻¹ S. S spans the free screws of the joint,
+  /// and T the wrenches reciprocal to them. The columns of N are unit vectors of the coordinates of (φ; r_E)
+  /// that strip() makes 0.
   template <class T> void residual_wrenches(const LoopFrames<T>& at, SpatialWrench<T>* R) const {
     const SE3<T> E = strip(relative(at));
     const Vec3<T> phi = log_SO3(E.R);

@@ -36,8 +36,8 @@ const Loop* rod_named(const Model& model, std::string_view name) {
   return nullptr;
 }
 
-/// Throws std::invalid_argument if a motion is not that of a joint with one velocity or of a rod, or if two
-/// motions move the same joint or rod.
+/// Throws std::invalid_argument if a prescribed motion is not that of a joint with one velocity or of the
+/// length of a rod, or if two motions move the same joint or rod.
 void check(const Model& model, std::span<const PrescribedMotion> motions) {
   for (std::size_t k = 0; k < motions.size(); ++k) {
     const std::string& of = motions[k].of;

@@ -17,8 +17,8 @@ class QuinticSpline {
   double derivative(int order, double t) const;
 
  private:
-  /// The index of the last knot before or at t, within the samples, so that t is in the support of degree + 1
-  /// B-splines.
+  /// The index of the last knot before or at t, where t outside the samples is moved to the nearest one. This
+  /// and the degree determine the B-splines that are not 0 at t.
   int interval(double t) const;
   /// Replaces the values of the samples, in coefficients_, by the coefficients of the B-splines with these
   /// values.

@@ -11,14 +11,15 @@
 /// std::invalid_argument for wrong sizes.
 namespace axode::closed_form {
 
-/// M = diag(M_1, ..., M_n), 6n × 6n: the inertia matrices of the bodies in their frames, in representation
-/// Rep.
+/// The inertia matrix diag(M_1, ..., M_n) of all bodies, 6n × 6n, with the 6 × 6 inertia matrices M_i of the
+/// bodies in their frames, in representation Rep.
 template <RecursionRepresentation Rep = BodyFixed>
 Eigen::MatrixXd inertia_matrix(const Model& model, std::span<const double> q);
 
 /// The drive forces τ (nv) by the Euler-Jourdain equations (projection equations, Kane's equations): τ = Jᵀ
-/// (M_i V'_i - ad_Vᵀ M_i V_i - W_i^app) (eq. PE), with the stacked Jacobian J and the Newton-Euler equations
-/// of all bodies in representation Rep. The applied wrenches W_i^app include gravity.
+/// (M_i V'_i - ad_Vᵀ M_i V_i - W_i^app) (eq. PE). J is the stacked Jacobian of all bodies, and the bracket
+/// has the Newton-Euler equations of body i with its inertia matrix M_i and twist V_i, in representation Rep.
+/// The applied wrenches W_i^app include gravity.
 template <RecursionRepresentation Rep = BodyFixed>
 Eigen::VectorXd projection_equations(const Model& model, std::span<const double> q, std::span<const double> v,
                                      std::span<const double> a, const Loads<double>& loads = {});

@@ -15,8 +15,8 @@ void coriolis_vector(const Model& model, Workspace<T>& workspace, Numbers<T> q, 
 template <RecursionChoice Rep = Fast, class T>
 void gravity_torques(const Model& model, Workspace<T>& workspace, Numbers<T> q,
                      std::type_identity_t<std::span<T>> g);
-/// Q = Σ Jᵀ W: the generalised forces of the wrenches W in `loads`, and of damping and friction at velocities
-/// v if loads.joint_losses is set.
+/// The generalised forces Q = Σ Jᵀ W of the wrenches W in `loads`, with the Jacobian J of the frame on which
+/// each wrench acts, and of damping and friction at velocities v if loads.joint_losses is set.
 template <RecursionChoice Rep = Fast, class T>
 void generalized_loads(const Model& model, Workspace<T>& workspace, Numbers<T> q, Numbers<T> v,
                        const std::type_identity_t<Loads<T>>& loads, std::type_identity_t<std::span<T>> Q);

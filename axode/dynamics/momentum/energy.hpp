@@ -9,8 +9,8 @@ namespace axode {
 template <class T> T kinetic_energy(const Model& model, Workspace<T>& workspace, Numbers<T> q, Numbers<T> v);
 /// The potential energy of gravity U = -Σ m g·r_com, J, which is 0 for masses at the inertial origin; O(n).
 template <class T> T potential_energy(const Model& model, Workspace<T>& workspace, Numbers<T> q);
-/// Writes the power W | V (in watts) of every applied wrench W, where V is the twist of the frame on which W
-/// acts. `power` has loads.wrenches.size() entries. O(n).
+/// Writes the power (in watts) of every applied wrench on the twist of the frame on which it acts. `power`
+/// has loads.wrenches.size() entries. O(n).
 template <class T>
 void load_powers(const Model& model, Workspace<T>& workspace, Numbers<T> q, Numbers<T> v,
                  const std::type_identity_t<Loads<T>>& loads, std::type_identity_t<std::span<T>> power);

@@ -28,14 +28,14 @@ template <class T = double> class AXODE_ENTRY HigherOrderMotion {
   /// row, all in the joints' left-trivialised directions. O(n order²).
   void evaluate(Numbers<T> q, Numbers<T> rates);
 
-  /// The k-th time derivative of the components of the twist of a place, for k = 0 (the twist itself) to
-  /// `order`. The classical jerk and snap of a point are the linear parts of the hybrid derivatives for k = 2
-  /// and 3.
+  /// The k-th time derivative of the components of the twist of a place, a frame or a point on a body, for k
+  /// = 0 (the twist itself) to `order`. The classical jerk and snap of a point are the linear parts of the
+  /// hybrid derivatives for k = 2 and 3.
   template <RecursionRepresentation Rep = BodyFixed>
   TwistRate<Rep, T> twist_derivative(const Place<T>& place, int k) const;
 
-  /// The k-th time derivative of the Jacobian of a place, nv columns, for k = 0 (the Jacobian itself) to
-  /// `order`.
+  /// The k-th time derivative of the Jacobian of a place, a frame or a point on a body, nv columns, for k = 0
+  /// (the Jacobian itself) to `order`.
   template <RecursionRepresentation Rep = BodyFixed>
   void jacobian_derivative(const Place<T>& place, int k, std::span<TwistRate<Rep, T>> J) const;
 

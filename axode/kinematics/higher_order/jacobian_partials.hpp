@@ -14,25 +14,25 @@ inline constexpr int largest_directional_order = 12;
 [[deprecated("jacobian_partials() has no largest order; use largest_directional_order")]]  //
 inline constexpr int largest_partial_order = largest_directional_order;
 
-/// The partial derivatives ∂^ν J / ∂q_αν ... ∂q_α1 of the Jacobian of a place, as a dense tensor: nv^(ν + 1)
-/// columns; J[((αν nv + ...) nv + α1) nv + j] is the column of velocity j. α1 is the inner derivative (taken
-/// first); the order matters only between directions of one spherical, planar or free joint. Body-fixed: eqs.
-/// der1, der2Jb, nthorderBody; spatial: eqs. Jsder, Jsder2, nthorder; hybrid and mixed: (D15.4) of
-/// docs/derivations, which for the first order is eq. Jhder with its cases k < j (errata 6 to 12). Any order
-/// >= 0 is allowed. A column of the result takes at most ν brackets or 2 ν cross products, O(ν m^(ν + 1)) in
-/// all for m joint screws on the path. The number of allocations does not depend on the order. During long
-/// calls, should_continue() is called from time to time; if it returns false, the call ends early and the
-/// tensor is not complete.
+/// The partial derivatives ∂^ν J / ∂q_αν ... ∂q_α1 of the Jacobian of a place (a frame or a point on a body),
+/// as a dense tensor: nv^(ν + 1) columns; J[((αν nv + ...) nv + α1) nv + j] is the column of velocity j. α1
+/// is the inner derivative (taken first); the order matters only between directions of one spherical, planar
+/// or free joint. Body-fixed: eqs. der1, der2Jb, nthorderBody; spatial: eqs. Jsder, Jsder2, nthorder; hybrid
+/// and mixed: (D15.4) of docs/derivations, which for the first order is eq. Jhder with its cases k < j
+/// (errata 6 to 12). Any order >= 0 is allowed. A column of the result takes at most ν brackets or 2 ν cross
+/// products, O(ν m^(ν + 1)) in all for m joint screws on the path from the place to the ground. The number of
+/// allocations does not depend on the order. During long calls, the caller's function should_continue() is
+/// called from time to time; if it returns false, the call ends early and the tensor is not complete.
 template <RecursionRepresentation Rep = BodyFixed, class T>
 void jacobian_partials(const Model& model, Workspace<T>& workspace, Numbers<T> q,
                        const std::type_identity_t<Place<T>>& place, int order,
                        std::type_identity_t<std::span<Twist<Rep, T>>> J,
                        const std::function<bool()>& should_continue = {});
 
-/// The directional derivative D_uν ... D_u1 J of the Jacobian of a place, nv columns: the tensor of
-/// jacobian_partials() contracted with one direction for each derivative. `directions` has `order` rows of nv
-/// numbers, the innermost direction u1 first. The tensor is never built: the function takes O(m 3^order)
-/// screw products for m joint screws on the path to the place, and order may be at most
+/// The directional derivative D_uν ... D_u1 J of the Jacobian of a place (a frame or a point on a body), nv
+/// columns: the tensor of jacobian_partials() contracted with one direction for each derivative. `directions`
+/// has `order` rows of nv numbers, the innermost direction u1 first. The tensor is never built: the function
+/// takes O(m 3^order) screw products for m joint screws on the path to the place, and order may be at most
 /// largest_directional_order. If all directions are equal, HigherOrderMotion is faster, with a time that
 /// grows with the square of the order. The function allocates memory.
 template <RecursionRepresentation Rep = BodyFixed, class T>

@@ -36,8 +36,8 @@ template <class T> class MotionSeries {
     run<true>(tree, q, rates);
   }
 
-  /// twist(i) are the coefficients 0 to `order` of the spatial twist of body i, and screw(s) those of joint
-  /// screw s.
+  /// twist(i) has the coefficients 0 to `order` of the power series in time of the spatial twist of body i,
+  /// and screw(s) those of joint screw s.
   const Screw<T>* twist(int i) const { return &V_[i * stride_]; }
   const Screw<T>* screw(int s) const { return &J_[s * stride_]; }
   /// The pose of body i's internal frame at t = 0.
@@ -81,8 +81,8 @@ template <class T> class MotionSeries {
   std::vector<T> v_;
 };
 
-/// The pose (R, r) of a place as power series in time: R' = ω̃ R and r' = v^s + ω × r with the spatial twist
-/// (ω; v^s) of the body to which the place belongs.
+/// The pose (R, r) of a place, a frame or a point on a body, as power series in time: R' = ω̃ R and r' = v^s
+/// + ω × r with the spatial twist (ω; v^s) of the body.
 template <class T> class PoseSeries {
  public:
   explicit PoseSeries(int order) : r_(order + 2), R_(order + 2) {}
@@ -107,9 +107,10 @@ template <class T> class PoseSeries {
   const SO3<T>& axes(int k) const { return R_[k]; }
   const Vec3<T>& origin(int k) const { return r_[k]; }
 
-  /// Coefficient k of the series X of a spatial screw (w; v), converted to the representation Rep at the
-  /// place with position r: the hybrid screw is (w; v + w × r), and a part of it is in the axes of the place
-  /// if Rep requires this.
+  /// Coefficient k of the power series in time X of a spatial screw (w; v), converted to the representation
+  /// Rep at a place (a frame or a point on a body) with the position r: the hybrid screw is (w; v + w × r);
+  /// in body-fixed representation both of its parts, and in mixed representation the angular part, are in the
+  /// axes of the place.
   template <class Rep> Screw<T> coefficient(const Screw<T>* X, int k) const noexcept {
     if constexpr (std::same_as<Rep, Spatial>) {
       return X[k];

@@ -9,8 +9,8 @@
 namespace axode {
 
 /// The displacement of the body frame by joint i: exp(X q) if the joint has one screw X, otherwise S_self
-/// C_J(q) S_self⁻¹ with the motion C_J(q) of its joint frame. q has only the coordinates of this joint, or
-/// the coordinate of its leader if it is coupled.
+/// C_J(q) S_self⁻¹ with the pose S_self of the joint frame on the body and its motion C_J(q). q has only the
+/// coordinates of this joint, or the coordinate of its leader if it is coupled.
 template <class T> SE3<T> joint_displacement(const Model& model, int i, const T* q) {
   const Joint& joint = model.joint(i);
   if (joint.leader || joint.nv == 1) {
@@ -25,7 +25,8 @@ template <class T> SE3<T> joint_displacement(const Model& model, int i, const T*
 }
 
 /// The poses C_i = B_1 exp(X_1 q_1) B_2 exp(X_2 q_2) ... of the ground and every body, as products along the
-/// path to body i (eq. POEX).
+/// path to body i (eq. POEX), with the pose B_i relative to the predecessor at q = 0 and the joint screw X_i
+/// in the body frame.
 template <class T> std::vector<SE3<T>> poses_by_body_screws(const Model& model, const T* q) {
   std::vector<SE3<T>> C(model.n_bodies() + 1);
   for (int i = 1; i <= model.n_bodies(); ++i) {
@@ -36,7 +37,7 @@ template <class T> std::vector<SE3<T>> poses_by_body_screws(const Model& model, 
 }
 
 /// The poses C_i = exp(Y_1 q_1) exp(Y_2 q_2) ... A_i of the ground and every body, as products along the path
-/// to body i, with A_i the pose at q = 0 (eq. POEY).
+/// to body i (eq. POEY), with the pose A_i of body i and the joint screws Y_i in the inertial frame at q = 0.
 template <class T> std::vector<SE3<T>> poses_by_spatial_screws(const Model& model, const T* q) {
   std::vector<SE3<T>> exponentials(model.n_bodies() + 1), C(model.n_bodies() + 1);
   for (int i = 1; i <= model.n_bodies(); ++i) {

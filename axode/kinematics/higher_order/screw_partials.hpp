@@ -8,8 +8,9 @@
 /// Closed forms of the partial derivatives of the joint screws on the path to one place.
 namespace axode {
 
-/// A joint screw on the path to a place: the index of its joint, the index c of the velocity that moves it,
-/// and its components in three representations.
+/// A joint screw on the path from the ground to a place (a frame or a point on a body): the index of its
+/// joint, the index c of the velocity that moves it, and its components in body-fixed, spatial and hybrid
+/// representation.
 template <class T> struct PathScrew {
   int joint;
   int c;
@@ -36,11 +37,11 @@ template <class T> struct ScrewPath {
   }
 };
 
-/// The partial derivatives of all screws of a path along the multi-indices α of one order ν. Entries of α are
-/// indices into path.screws, and α[0] acts first. The chain β of α has its directions sorted from the root
-/// outwards; of several directions of one joint, the one that acts last comes first. Then ∂_α C = Ĵ_β1 ...
-/// Ĵ_βν C with the spatial screws as 4 × 4 matrices and the pose C of the place, and the derivatives of the
-/// screw J_a are
+/// The partial derivatives of the joint screws on the path from the root to a place (a frame or a point on a
+/// body), along the multi-indices α of one order ν. Entries of α are indices into path.screws, and α[0] acts
+/// first. The chain β of α has its directions sorted from the root outwards; of several directions of one
+/// joint, the one that acts last comes first. Then ∂_α C = Ĵ_β1 ... Ĵ_βν C with the spatial screws as 4 × 4
+/// matrices and the pose C of the place, and the derivatives of the screw J_a are
 ///
 ///   body-fixed  [...[[J_a, J_β1], J_β2]..., J_βν], or 0 unless all of β lie outward of a  (eq. nthorderBody)
 ///   spatial     [J_β1, ...[J_βν, J_a]...], or 0 if one of β lies outward of a or βν is a  (eq. nthorder)
@@ -59,8 +60,8 @@ template <class Rep, class T> class ScrewPartials {
         chain_(static_cast<std::size_t>(order)),
         tails_(static_cast<std::size_t>(order)) {}
 
-  /// Calls f(alpha, a, X) with the derivative X of every screw a along every multi-index, alpha[0] changing
-  /// first, while should_continue() returns true.
+  /// Calls f(alpha, a, X) with the partial derivative X of every joint screw a along every multi-index alpha
+  /// of directions, of which alpha[0] changes first. Ends early if should_continue() returns false.
   template <class F> void each(const std::function<bool()>& should_continue, const F& f) {
     std::fill(alpha_.begin(), alpha_.end(), 0);
     for (bool more = true; more;) {
@@ -97,8 +98,8 @@ template <class Rep, class T> class ScrewPartials {
       }
     }
   }
-  /// Sorts the directions alpha_ into chain_: from the root outwards, and of several directions of one joint
-  /// the one that acts last comes first.
+  /// Sorts the directions of differentiation alpha_ into chain_: from the root outwards, and of several
+  /// directions of one joint the one that acts last comes first.
   void sort() {
     std::size_t n = 0;
     for (std::size_t k = alpha_.size(); k-- > 0; ++n) {
@@ -141,16 +142,17 @@ template <class Rep, class T> class ScrewPartials {
     while (n-- > 0) x = cross(screw(chain_[n]).hybrid.w, x);
     return x;
   }
-  /// Computes the derivatives of the position r of the place along the ends (βk, ..., βν) of the chain, for
-  /// each k.
+  /// Computes the derivatives of the position of the place along the last directions of chain_, those from
+  /// direction k on, for each k.
   void put_tails() {
     for (std::size_t k = chain_.size(); k-- > 0;) {
       const Screw<T>& J = screw(chain_[k]).hybrid;
       tails_[k] = k + 1 == chain_.size() ? J.v : cross(J.w, tails_[k + 1]);
     }
   }
-  /// The linear part ∂_α ∂_a r of the hybrid derivative of screw a. The first `inward` directions of the
-  /// chain come before a on the path from the root.
+  /// The linear part of the derivative of the hybrid screw a along all directions in chain_: the derivative
+  /// of the position of the place along a and these directions. The first `inward` of them do not lie outward
+  /// of the joint of a.
   Vec3<T> linear(int a, std::size_t inward) const {
     const Screw<T>& J = screw(a).hybrid;
     return rotated(inward, inward == chain_.size() ? J.v : cross(J.w, tails_[inward]));
@@ -162,9 +164,9 @@ template <class Rep, class T> class ScrewPartials {
   std::vector<Vec3<T>> tails_;  ///< derivative of r along (βk, ..., βν), for each k
 };
 
-/// Derivatives of the joint screws J_c of a path along several directions at once. For a set S of directions,
-/// X^S means D_S X, the derivative along all of them, the lowest index innermost. With W_i(u) = Σ J_c u_c,
-/// summed over the path to body i,
+/// Derivatives of the joint screws J_c on the path to a place (a frame or a point on a body) along several
+/// directions u_s at once. For a set S of directions, X^S means D_S X, the derivative along all of them, the
+/// lowest index innermost. With W_i(u) = Σ J_c u_c, summed over the path to body i,
 ///
 ///   D_S J_c = Σ_{A ⊆ S∖s} [W_i(u_s)^A, J_c^{S∖s∖A}],  s the lowest index in S,
 ///
@@ -217,8 +219,9 @@ template <class T> class DirectionalDerivatives {
     return v;
   }
 
-  /// Differentiates the screws begin to end - 1 of the path, which belong to one joint. Before the call, W_
-  /// belongs to the predecessor of the joint, and after the call to the body of the joint.
+  /// Differentiates the joint screws begin to end - 1 on the path to a place, which belong to one joint. W_
+  /// has the sum of the screws up to a body, multiplied by a direction, and its derivatives: before the call
+  /// up to the predecessor of the joint's body, and after the call up to this body.
   void body(int begin, int end, const T* directions, int nv) {
     for (int c = begin; c < end; ++c) J_[c * sets_] = path_.screws[c].spatial;
     for (unsigned S = 0; S < sets_; ++S) {
