@@ -24,8 +24,8 @@ using Span = std::span<const double>;
 /// Integrates motions with contact, one after the other, in the same memory.
 class ContactMotion {
  public:
-  /// `goes_on` is called in the thread of the motion, also within steps that take long. If it returns false,
-  /// the motion ends.
+  /// `goes_on` is a function that is called in the thread of the motion, also within steps that take long. If
+  /// it returns false, the motion ends.
   ContactMotion(const Model& model, const ContactShapes& shapes, const Drive& drive, bool joint_losses,
                 const std::function<bool()>& goes_on)
       : drive_(drive),

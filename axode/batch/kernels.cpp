@@ -23,7 +23,7 @@ using ArticulatedBodies = FastArticulatedBodies<G, Number>;
 using catalog::Id, catalog::Input;
 
 /// Solves the equations of motion of several states at once, one in each SIMD lane, by the articulated-body
-/// algorithm. The kernels of the catalogue call it.
+/// algorithm. The kernels of the functions in the table of functions call it.
 struct ByBodies {
   using T = Number;
   ArticulatedBodies bodies;
@@ -55,8 +55,8 @@ template <Id id> std::size_t results(const Topology& topology) {
   return n;
 }
 
-/// Memory for the arguments and the results of a function of the catalogue, with a state in each SIMD lane,
-/// and the kernel of the function.
+/// Memory for the arguments and the results of a function in the table of functions, with a state in each
+/// SIMD lane, and the kernel of the function.
 template <Id id> struct RowBuffers {
   catalog::Read<Number> given;
   Number* x[catalog::inputs_of_numbers.size()] = {};

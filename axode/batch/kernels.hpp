@@ -10,9 +10,9 @@
 
 namespace axode::batch {
 
-/// The kernel of a function of the catalogue for exactly `lanes` states at once. call() needs an arena of
-/// bytes(tree) bytes. Arguments and results of the states are contiguous. call() returns a bit for each state
-/// whose mass matrix may be singular.
+/// The kernel of a function in the table of functions (axode/table/functions.hpp) for exactly `lanes` states
+/// at once. call() needs scratch memory of bytes(tree) bytes. Arguments and results of the states are
+/// contiguous. call() returns a bit for each state whose mass matrix may be singular.
 template <class S> struct LaneKernel {
   std::size_t (*bytes)(const Tree<S>&) = nullptr;
   unsigned (*call)(const Tree<S>&, Arena, const catalog::Read<S>& given, S* out) noexcept = nullptr;
@@ -62,9 +62,9 @@ template <class S> struct RolloutKernel {
   void (*remove)(void*) noexcept;
 };
 
-/// The kernels of one instruction set. `rows` has an entry for each function of the catalogue, in its order;
-/// the kernel is null if the function cannot be computed in SIMD lanes. Rollouts need a model without coupled
-/// joints, or compiled dynamics.
+/// The kernels of one instruction set of the processor. `rows` has an entry for each function in the table of
+/// functions (axode/table/functions.hpp), in its order; the kernel is null if the function cannot be computed
+/// in SIMD lanes. Rollouts need a model without coupled joints, or compiled dynamics.
 template <class S> struct Kernels {
   int lanes;
   std::array<LaneKernel<S>, catalog::functions_of_state.size()> rows;

@@ -9,9 +9,9 @@
 
 namespace axode::batch {
 
-/// The checked arguments and the results of a function of the catalogue in N states, with a verdict on each
-/// state. If a kernel reports that the mass matrix of a state may be singular, the library's function for one
-/// state computes this state and decides.
+/// The checked arguments and the results of a function in the table of functions (axode/table/functions.hpp)
+/// in N states, with a verdict on each state. If a kernel reports that the mass matrix of a state may be
+/// singular, the library's function for one state computes this state and decides.
 template <class S> class StatesOfRow {
  public:
   enum Verdict : unsigned char { solved, maybe_singular, singular, not_finite };
@@ -59,9 +59,9 @@ template <class S> class StatesOfRow {
     return verdicts_.empty() ? &only_verdict_ : &verdicts_[first];
   }
 
-  /// Decides about `states` states, beginning with state `first`. States whose mass matrix may be singular
-  /// are computed with the library's function for one state, and the results of the other states are checked
-  /// to be finite.
+  /// Completes the verdicts on `states` states, beginning with state `first`: whether the mass matrix is
+  /// regular and the results are finite. States whose mass matrix may be singular are computed with the
+  /// library's function for one state, and the results of the other states are checked to be finite.
   void settle(std::optional<Workspace<S>>& workspace, std::size_t first, std::size_t states) {
     if (!row_.may_fail) return;
     for (std::size_t k = first; k < first + states; ++k) {

@@ -2,8 +2,9 @@
 
 namespace axode {
 
-/// The law of a compliant contact: at a depth d of overlap the normal force is N = k dⁿ (1 + c d'), or 0 where
-/// this is negative (Hunt and Crossley).
+/// The law of a compliant contact (Hunt and Crossley): at a depth d of overlap that grows at the rate d' the
+/// normal force is N = k dⁿ (1 + c d'), or 0 where this is negative, with the stiffness k, the exponent n and
+/// the damping c.
 struct Compliance {
   double stiffness = 0;   ///< k, N/mⁿ; 0 for a rigid contact
   double exponent = 1.5;  ///< n
@@ -14,8 +15,9 @@ struct Compliance {
   double force_at_rest(double gap) const noexcept;
 };
 
-/// The compliance of two surfaces that are pressed together: the depth is the sum of both depths. If both are
-/// compliant they must have the same exponent. The damping takes the energy that both would take.
+/// The compliance of two surfaces in series: both carry the same force, and the depth of overlap is the sum
+/// of the depths of both. If both are compliant they must have the same exponent. The damping dissipates the
+/// energy that both would dissipate.
 Compliance in_series(const Compliance& a, const Compliance& b) noexcept;
 
 /// The mean normal force of a step.
@@ -25,8 +27,9 @@ struct MeanForce {
   double slope_before = 0;  ///< minus its derivative by the gap at the start of the step, N/m
 };
 
-/// Computes the mean normal force of a step of length h (s) between two gaps (m). Without damping its work is
-/// the change of the elastic energy exactly (D11.24).
+/// Computes the mean normal force of a step of length h (s) in which the gap changes from `gap_before` to
+/// `gap_after` (m). Without damping the work of this force is exactly the change of the elastic energy
+/// (D11.24).
 MeanForce mean_force(const Compliance& compliance, double gap_before, double gap_after, double h) noexcept;
 
 }  // namespace axode

@@ -24,12 +24,13 @@ struct AtRestOptions {
 };
 
 /// Computes the contact points at a configuration q, and the forces that act there at the instant at which
-/// the mechanism is at rest and is let go: M a = τ - b(q, 0) + Jᵀ f, where b are the forces of gravity and
-/// loads. The accelerations a and the contact forces f obey Signorini's and Coulomb's laws (D11.1), written
-/// for accelerations instead of velocities. A point with a gap of at most `touching` can press, also in
-/// overlap; all other points within the margin have no force. Hard stops and closed loops take part; if
-/// joint_losses is set, so does dry friction of joints. τ are the drive forces (nv, or empty if they are 0),
-/// to which the forces of the springs of the mechanism are added.
+/// the mechanism is at rest and is let go: M a = τ - b(q, 0) + Jᵀ f, with the mass matrix M, the forces b of
+/// gravity and loads, and the Jacobian J of the contact velocities. The accelerations a and the contact
+/// forces f obey Signorini's and Coulomb's laws (D11.1), written for accelerations instead of velocities. A
+/// point with a gap of at most `touching` can press, also in overlap; all other points within the margin have
+/// no force. Hard stops and closed loops take part; if joint_losses is set, so does dry friction of joints. τ
+/// are the drive forces (nv, or empty if they are 0), to which the forces of the springs of the mechanism are
+/// added.
 ///
 /// If several points carry one load, its distribution over the points is arbitrary; the sum of the forces and
 /// their moment are not. Throws std::invalid_argument for arguments of a wrong size or with numbers that are

@@ -4,8 +4,8 @@
 
 namespace axode {
 
-/// Receives the derivatives of the twist V of a place and of V', the time derivative of its components: one
-/// twist for each of nv directions. They must not overlap.
+/// Receives the derivatives of the twist V of a place, a frame or a point on a body, and of the time
+/// derivative V' of its components: one twist for each of nv directions. They must not overlap.
 template <class Rep, class T> struct MotionDerivatives {
   std::span<Twist<Rep, T>> V_q, V_v;  ///< ∂V/∂q and ∂V/∂v; ∂V/∂v is the Jacobian of the place, equal to
                                       ///< ∂V'/∂a
@@ -21,14 +21,16 @@ void motion_derivatives(const Model& model, Workspace<T>& workspace, Numbers<T> 
                         const std::type_identity_t<Place<T>>& place,
                         const std::type_identity_t<MotionDerivatives<Rep, T>>& d);
 
-/// The change of the motion of a place along one direction: the displacement X of its pose, C exp(ε X^), and
-/// the changes of the components of its twist V and of their time derivative V'.
+/// The change of the motion of a place, a frame or a point on a body, along one direction: the displacement X
+/// of its pose C, which becomes C exp(ε X^), and the changes of the components of its twist V and of their
+/// time derivative V'.
 template <class Rep, class T> struct MotionChange {
   Twist<BodyFixed, T> X;
   Twist<Rep, T> V, dV;
 };
-/// Computes the changes of the pose, of V and of V' of a place along one direction (dq, dv, da), that is the
-/// product of the matrices of motion_derivatives() with this direction. O(n).
+/// Computes the changes of the pose, of the twist V and of V' of a place, a frame or a point on a body, along
+/// one direction (dq, dv, da), that is the product of the matrices of motion_derivatives() with this
+/// direction. O(n).
 template <RecursionRepresentation Rep, class T>
 MotionChange<Rep, T> motion_jvp(const Model& model, Workspace<T>& workspace, Numbers<T> q, Numbers<T> v,
                                 Numbers<T> a, const std::type_identity_t<Place<T>>& place, Numbers<T> dq,
@@ -39,12 +41,12 @@ template <class Rep, class T> struct MotionWeights {
   Wrench<BodyFixed, T> X;
   Wrench<Rep, T> V, dV;
 };
-/// Receives the gradients of a weighted sum with respect to q, v and a, nv entries each. They must not
-/// overlap.
+/// Receives the gradients of a weighted sum of the components of pose, twist and its rate with respect to q,
+/// v and a, nv entries each. They must not overlap.
 template <class T> struct MotionGradients { std::span<T> q, v, a; };
-/// Computes the gradient of the sum of the components of the pose, of V and of V' of a place, weighted with
-/// w: the transposed matrices of motion_derivatives() times the weights. O(n). For several places, add the
-/// results for each of them.
+/// Computes the gradient of the sum of the components of the pose, of the twist V and of V' of a place, a
+/// frame or a point on a body, weighted with w: the transposed matrices of motion_derivatives() times the
+/// weights. O(n). For several places, add the results for each of them.
 template <RecursionRepresentation Rep, class T>
 void motion_vjp(const Model& model, Workspace<T>& workspace, Numbers<T> q, Numbers<T> v, Numbers<T> a,
                 const std::type_identity_t<Place<T>>& place,

@@ -8,8 +8,8 @@
 namespace axode {
 namespace {
 
-/// Computes the derivatives of the forces of the springs in the joint of body i. For each entry it calls
-/// add(component, direction, derivative by q, derivative by v).
+/// Computes the derivatives of the generalised forces of the springs in the joint of body i. Calls
+/// add(component, direction, derivative by q, derivative by v) for each entry.
 template <class T, class Add>
 void differentiate_joint(const Model& model, int i, const T* q, const T* v, const Add& add) noexcept {
   const Tree<T>& tree = model.tree<T>();
@@ -29,8 +29,8 @@ void differentiate_joint(const Model& model, int i, const T* q, const T* v, cons
   });
 }
 
-/// Computes the derivatives of the forces of one SpringDescription, with one call operator for each kind of
-/// geometry. For each entry it calls add(component, direction, derivative by q, derivative by v).
+/// Computes the derivatives of the generalised forces of one SpringDescription, with one call operator for
+/// each kind of geometry. Calls add(component, direction, derivative by q, derivative by v) for each entry.
 template <class T, class Add> class DifferentiateSpring {
  public:
   DifferentiateSpring(const Tree<T>& tree, const ForceLaw& law, const T* q, const T* v,
@@ -64,8 +64,9 @@ template <class T, class Add> class DifferentiateSpring {
     const SpringCoordinate<T> at = coordinate_of(joints, tree_, q_, v_);
     add_by_coordinate(tension(law_, at.x, at.dx));
   }
-  /// A spring of a relative pose: τ_k = W·ξ_k, where W is its wrench and ξ_k is column k of the relative
-  /// twist. The columns depend on the configuration as well (D16.12).
+  /// A spring whose wrench depends on the relative pose of its ends: τ_k = W·ξ_k, where W is this wrench and
+  /// ξ_k is column k of the relative twist, which is its part for a unit of velocity k. The columns depend on
+  /// the configuration as well (D16.12).
   template <class Geometry> void operator()(const Geometry& between) const noexcept {
     columns_.clear();
     const RelativePose<T> at(between.ends, tree_, q_, v_, [&](std::size_t e, int i, int c, const auto& X) {
@@ -91,8 +92,8 @@ template <class T, class Add> class DifferentiateSpring {
   using Column = typename SpringColumns<T>::Column;
   static constexpr auto nothing = [](std::size_t, int, int, const auto&) {};
 
-  /// Returns segment k of a path and stores its columns: the columns of the vector r between its ends, and
-  /// their rotations.
+  /// Returns segment k of a path and stores its columns: for each velocity that moves one of its ends, the
+  /// derivative of the vector between its ends, and the angular velocity of that end for a unit velocity.
   Segment<T> with_columns(const Spring::Path& path, std::size_t k) const noexcept {
     columns_.count = 0;
     Segment<T> segment(&path.points[k], tree_, q_, v_, [&](std::size_t e, int i, int c, const Screw<T>& X) {
@@ -105,8 +106,9 @@ template <class T, class Add> class DifferentiateSpring {
     }
     return segment;
   }
-  /// The derivative of column k of the vector r between the ends of a segment along direction j. If both move
-  /// the same end, it is w_j × r_k or, if j is farther from the ground, w_k × r_j; otherwise 0.
+  /// The derivative of column k, the vector r_k by which a unit of velocity k changes the vector between the
+  /// ends of a segment, along direction j. If both velocities move the same end, with the angular velocities
+  /// w_k and w_j, it is w_j × r_k or, if j is farther from the ground, w_k × r_j; otherwise 0.
   static Vec3<T> bent(const Column& j, const Column& k) {
     if (j.end != k.end) return {};
     return j.body <= k.body ? cross(j.X.w, k.X.v) : cross(k.X.w, j.X.v);
@@ -127,8 +129,8 @@ template <class T, class Add> class DifferentiateSpring {
       columns_.add(j.c, l_j, dot(at.u, turn) + inverse * (dot(at.dr, j.X.v) - at.rate * l_j));
     }
   }
-  /// Adds -F ∂²x/∂q² of one segment to the derivatives of the forces; x is its length and F the tension.
-  /// `slope` is the limit of F/x for a segment without length.
+  /// Adds -F ∂²x/∂q² of one segment to the derivatives of the generalised forces; x is its length and F the
+  /// tension. `slope` is the limit of F/x for a segment without length.
   void add_curvature(const Segment<T>& at, const T& F, const T& slope) const noexcept {
     const T string = at.length == T(0) ? slope : F / at.length;
     for (const Column& j : columns_.all()) {
@@ -138,8 +140,8 @@ template <class T, class Add> class DifferentiateSpring {
              T(0));
     }
   }
-  /// Adds -(∂F/∂q) ∂x/∂q and -(∂F/∂v) ∂x/∂q to the derivatives of the forces, for a spring with the
-  /// coordinate x and the tension F.
+  /// Adds -(∂F/∂q) ∂x/∂q and -(∂F/∂v) ∂x/∂q to the derivatives of the generalised forces, for a spring with
+  /// the coordinate x and the tension F.
   void add_by_coordinate(const Tension<T>& F) const noexcept {
     for (int m = 0; m < columns_.n_velocities; ++m) {
       const int j = columns_.velocities[m];

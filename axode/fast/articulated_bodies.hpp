@@ -80,7 +80,7 @@ template <class G, class T> struct FastArticulatedBodies {
     update_kinematics_and_bias(tree, q, v, motion, [](int, const Matrix&, const Motion&, const Vector&) {});
   }
   /// Computes axes, origins, inertias and bias wrenches of all bodies, and calls put(i, R, motion, u) for
-  /// every body i, where u is the velocity of its origin minus that of the origin of its predecessor.
+  /// every body i with its rotation R; u is the velocity of its origin less that of its predecessor's.
   template <class S, class Put>
   [[gnu::always_inline]] void update_kinematics_and_bias(const Tree<S>& tree, const T* q, const T* v,
                                                          Motion* motion, Put&& put) noexcept {
@@ -122,8 +122,8 @@ template <class G, class T> struct FastArticulatedBodies {
 
   /// Eliminates all joints, from the leaves to the roots, after one of the update_kinematics functions.
   template <class S> void factorize(const Tree<S>& tree) noexcept { sweep<false>(tree, nullptr); }
-  /// Eliminates all joints after update_kinematics_and_bias() and computes u of every joint from the forces τ
-  /// minus the bias forces. Before the call, applied wrenches may be subtracted from the bias wrenches.
+  /// Eliminates all joints after update_kinematics_and_bias(), with the drive forces `tau`, for accelerate().
+  /// Before the call, applied wrenches may be subtracted from the bias wrenches.
   template <class S> void factorize(const Tree<S>& tree, const T* tau) noexcept { sweep<true>(tree, tau); }
 
   /// The forward sweep after factorize(tree, tau), from the roots on: the accelerations a of all joints.
@@ -285,9 +285,9 @@ template <class G, class T> struct FastArticulatedBodies {
     }
   }
 
-  /// Solves M X = B for one register of columns. reaches(i) says whether B is non-zero at a joint in the
-  /// subtree of body i; this must be false for all bodies after `last`. right_side(c) returns row c of B.
-  /// put(c, x) receives row c of X for the velocities of bodies 1 to `last`.
+  /// Solves M X = B for as many columns of X and B as fill a register. reaches(i) says whether B is non-zero
+  /// at a joint in the subtree of body i; this must be false for all bodies after `last`. right_side(c) is
+  /// row c of B. put(c, x) receives row c of X for the velocities of bodies 1 to `last`.
   template <class S, class Reaches, class RightSide, class Put>
   [[gnu::always_inline]] void solve(const Tree<S>& tree, int last, const Reaches& reaches,
                                     const RightSide& right_side, const Put& put, Columns* const W,
@@ -350,8 +350,8 @@ template <class G, class T> struct FastArticulatedBodies {
       if (tree->branches[i]) W[i] = X;
     }
   }
-  /// The backward step for the n screws of a joint from screw s on; F are the wrenches of the subtree. It
-  /// computes first the force of F on each screw, then the coupling between the screws by S_K, so that no
+  /// The backward step for the n screws of a joint from screw s on; F are the wrenches of the subtree. The
+  /// force of F on each screw comes first, then the coupling between the screws, see couple(), so that no
   /// screw waits for an update of F. If the joint hangs on the ground, F is not updated.
   template <int n, class RightSide>
   [[gnu::always_inline]] void pass_to_parent(std::integral_constant<int, n>, int s,
@@ -368,8 +368,8 @@ template <class G, class T> struct FastArticulatedBodies {
     if (on_a_body)
       unrolled<n>([&](auto k) { F.m += g[k] * vector(c[k].K_m), F.f += g[k] * vector(c[k].K_f); });
   }
-  /// The forward step for the n screws of a joint from screw s on: a_k = free(k) minus K_k | X and minus the
-  /// coupling between the screws by S_K. X is the motion of the predecessor, 0 for the ground.
+  /// The forward step for the n screws of a joint from screw s on: the acceleration of screw k is free(k)
+  /// less the parts by the motion X of the predecessor (0 for the ground) and by other screws, see couple().
   template <int n, class Free, class Put>
   [[gnu::always_inline]] void set_in_motion(std::integral_constant<int, n>, int s, const Free& free,
                                             const Put& put, bool on_a_body, Columns& X) const noexcept {

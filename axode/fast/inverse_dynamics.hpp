@@ -51,7 +51,7 @@ template <class G, class T> struct FastInverseDynamics {
     forward(tree, q, v, a, g, [](int, const Motion&, const Vector&) {});
   }
   /// The forward sweep for the resultant wrenches on all bodies. It also calls put(i, motion, v_J) for every
-  /// body i, where v_J is the linear part of the joint motion S v.
+  /// body i with its Motion, where v_J is the linear part of the joint motion S v.
   template <class S, class Put>
   [[gnu::always_inline]] void forward(const Tree<S>& tree, const T* q, const T* v, const T* a,
                                       const Vec3<T>& g, Put&& put) noexcept {

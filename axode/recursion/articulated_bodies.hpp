@@ -9,9 +9,9 @@ namespace axode {
 /// M^A is the articulated inertia of a body, with the joints of its subtree free. From the leaves to the
 /// roots each screw S of joint i, which contributes S v to the twist of the body, is eliminated:
 ///   U = M^A S,  D = Sᵀ U + armature,  M^A -= U Uᵀ / D.
-/// After the last screw of a joint, M^A is moved to the predecessor p and added there: M_p^A += up M^A. The
-/// velocities of a joint with several degrees of freedom are eliminated one after the other, as in a chain of
-/// joints through massless bodies.
+/// After the last screw of a joint, M^A is moved to the predecessor p by `up` of the Link and added there:
+/// M_p^A += up M^A. The velocities of a joint with several degrees of freedom are eliminated one after the
+/// other, as in a chain of joints through massless bodies.
 ///
 /// A pivot D is a difference of larger numbers and carries their rounding errors. F estimates how large these
 /// numbers are: it starts from the sizes of the inertias and is updated by the same eliminations as M^A, so
@@ -151,8 +151,8 @@ template <class Rep, class T> struct ArticulatedBodies {
     forward_sweep(tree, x, bias);
   }
 
-  /// The backward sweep of a solution, from the leaves to the roots: u = L⁻ᵀ x for all velocities, with
-  /// M = Lᵀ D L. each_pivot() reads u.
+  /// The backward sweep of a solution, from the leaves to the roots: u = L⁻ᵀ x for all velocities, with the
+  /// factors of the mass matrix M = Lᵀ D L. Afterwards each_pivot() gives u.
   template <TreeOf<T> AnyTree> void backward_sweep(const AnyTree& tree, const T* x) noexcept {
     for (int i = 0; i <= tree->n; ++i) W[i] = {};
     clear_ties(tree);
@@ -197,7 +197,7 @@ template <class Rep, class T> struct ArticulatedBodies {
     for (int t = tree->ties.begin[0]; t < tree->ties.begin[1]; ++t) backward_step_of_tie(tree, 0, t, x);
   }
   /// Calls f(c, u_c, D_c) for each velocity c that is eliminated at body i, or at the ground if i = 0, with
-  /// its pivot D_c and the number u_c of the last backward_sweep().
+  /// its pivot D_c and the number u_c that the last backward_sweep() left for it.
   template <TreeOf<T> AnyTree, class F> void each_pivot(const AnyTree& tree, int i, F&& f) const {
     const Topology::Ties& ties = tree->ties;
     if (i > 0 && ties.own[i] < 0)
@@ -207,8 +207,8 @@ template <class Rep, class T> struct ArticulatedBodies {
       if (ties.up[t] < 0) f(ties.velocity[t], u_tie[t], row(ties, t)[t]);
   }
 
-  /// The forward sweep of a solution, from the roots to the leaves: x = L⁻¹ D⁻¹ u for the factors of M = Lᵀ D
-  /// L. `bias` is the argument of accelerate(), or null.
+  /// The forward sweep of a solution, from the roots to the leaves: x = L⁻¹ D⁻¹ u for the factors of the mass
+  /// matrix M = Lᵀ D L. `bias` is the argument of accelerate(), or null.
   template <TreeOf<T> AnyTree>
   void forward_sweep(const AnyTree& tree, T* x, const TwistRate<Rep, T>* bias = nullptr) noexcept {
     const Topology::Ties& ties = tree->ties;
@@ -274,21 +274,22 @@ template <class Rep, class T> struct ArticulatedBodies {
     const Turn of_o = turn(ties, i, o), of_t = turn(ties, i, t);
     return of_o > of_t || (of_o == of_t && o > t);
   }
-  /// The entries D_cd of the pivot matrix that couple screw s of body i with the ties of this body (the
-  /// shared velocities that pass it). The pointer is indexed by the number of a tie in Topology::Ties.
+  /// The entries D_cd of the pivot matrix that couple screw s of body i with the ties of this body, the
+  /// columns of the shared velocities of coupled joints. The pointer is indexed by the number of a tie in
+  /// Topology::Ties.
   template <class AnyTree> T* of_screw(const AnyTree& tree, int i, int s) const noexcept {
     const Topology::Ties& ties = tree->ties;
     return D_screw + ties.of_screws[i] + (s - tree->first_screw[i]) * (ties.begin[i + 1] - ties.begin[i]) -
            ties.begin[i];
   }
-  /// Row t of the matrix D between the ties of one group (see Topology::Ties). The pointer is indexed by the
-  /// number of a tie in Topology::Ties.
+  /// Row t of the pivot matrix between the ties, the columns of shared velocities of coupled joints, of one
+  /// group (see Topology::Ties). The pointer is indexed by the number of a tie in Topology::Ties.
   T* row(const Topology::Ties& ties, int t) const noexcept {
     return D_tie + ties.row[t] - ties.group_begin[t];
   }
 
-  /// Adds screw s of the joint of body i, which is coupled, to the tie of the velocity that this joint
-  /// shares.
+  /// Adds screw s of body i, whose joint is coupled, to the tie (the column) of the velocity that this joint
+  /// shares with others.
   template <class AnyTree> void enter(const AnyTree& tree, int i, int s) noexcept {
     const Topology::Ties& ties = tree->ties;
     const int own = ties.own[i];
@@ -347,8 +348,8 @@ template <class Rep, class T> struct ArticulatedBodies {
         if (waits(ties, i, o, t)) row(ties, r)[o] -= k * D_t[o];
     }
   }
-  /// Adds the ties of body i that are not eliminated there to the ties of the predecessor for the same
-  /// velocities.
+  /// Adds the ties of body i, the columns of shared velocities of coupled joints, to the ties of the
+  /// predecessor for the same velocities, unless they are eliminated at body i.
   template <class AnyTree> void pass_ties_to_parent(const AnyTree& tree, int i) noexcept {
     const Topology::Ties& ties = tree->ties;
     for (int t = ties.begin[i]; t < ties.begin[i + 1]; ++t) {
@@ -360,8 +361,9 @@ template <class Rep, class T> struct ArticulatedBodies {
     }
   }
 
-  /// The backward step of tie t, which is eliminated at body i: it computes u of the shared velocity, and the
-  /// contributions to W[i] and to the ties that are eliminated later.
+  /// The backward step for tie t, the column of a velocity that coupled joints share, which is eliminated at
+  /// body i: it computes u of the velocity, and the contributions to the wrench W[i] and to the ties that are
+  /// eliminated later.
   template <class AnyTree> void backward_step_of_tie(const AnyTree& tree, int i, int t, const T* x) noexcept {
     const Topology::Ties& ties = tree->ties;
     const T* const D_t = row(ties, t);
@@ -371,8 +373,8 @@ template <class Rep, class T> struct ArticulatedBodies {
     for (int o = ties.group_begin[t]; o < ties.group_end[t]; ++o)
       if (waits(ties, i, o, t)) u_tie[o] += k * D_t[o];
   }
-  /// The forward step of tie t, which is eliminated at body i: it computes the shared velocity x from the
-  /// motion X[i].
+  /// The forward step for tie t, the column of a velocity that coupled joints share, which is eliminated at
+  /// body i: it computes the entry of x for this velocity from the motion X[i].
   template <class AnyTree> void forward_step_of_tie(const AnyTree& tree, int i, int t, T* x) noexcept {
     const Topology::Ties& ties = tree->ties;
     const T* const D_t = row(ties, t);

@@ -6,7 +6,8 @@
 namespace axode {
 
 /// The contributions of the joints to the recursions, with the screws S of joint i: the pose C_{p,i} = B
-/// exp(S q) of body i relative to its predecessor p, and S v and S a in the frame of joint i.
+/// exp(S q) of body i relative to its predecessor p, where B is this pose while the joint is at zero, and S v
+/// and S a in the frame of joint i.
 template <class T> struct JointMotion {
   SE3<T>* C_pi;
   Twist<BodyFixed, T>* Sv;
@@ -103,8 +104,8 @@ template <class Rep, class T> struct BodyLinks {
     joint_poses(tree, q, C_pi);
     return run(tree);
   }
-  /// Computes the links from the relative poses C_pi of the joints. The positions of the root bodies are
-  /// moved from C_pi to `origin`.
+  /// Computes the links from the poses C_pi of the bodies relative to their predecessors. The positions of
+  /// the root bodies are moved from C_pi to `origin`.
   template <TreeOf<T> AnyTree> Link<Rep, T>* run(const AnyTree& tree) noexcept {
     move_to_roots(*tree.operator->(), C_pi, origin);
     link[0] = Link<Rep, T>::root();

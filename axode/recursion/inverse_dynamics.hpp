@@ -4,8 +4,9 @@
 
 namespace axode {
 
-/// One applied wrench W in the axes of the loaded frame and about its origin, with the `body` to which the
-/// loaded frame belongs and the pose `offset` of the loaded frame in the internal frame of this body.
+/// One applied wrench W in the axes of the frame on which it acts and about the origin of this frame, with
+/// the `body` to which the frame belongs and the pose `offset` of the frame in the internal frame of this
+/// body.
 template <class T> struct ResolvedLoad {
   int body;
   SE3<T> offset;
@@ -36,7 +37,7 @@ template <class T> struct ResolvedLoad {
 };
 
 /// Computes W_app[i], the sum of the applied wrenches on body i in its internal frame, for i = 0 to n. C are
-/// the poses of the internal frames.
+/// the poses of the internal frames of the bodies.
 template <class T, TreeOf<T> AnyTree>
 void sum_applied(const AnyTree& tree, std::span<const AppliedWrench<T>> wrenches, const SE3<T>* C,
                  Wrench<BodyFixed, T>* W_app) noexcept {
@@ -79,11 +80,12 @@ template <class Rep, class T> struct InverseDynamicsRecursion {
         W_app(arena.per_body<Wrench<BodyFixed, T>>()),
         own(arena.per_velocity<T>()) {}
 
-  /// Computes the joint wrenches W. The forward sweep computes poses, twists and accelerations, with gravity
-  /// as the acceleration V'_0 = (0, -g) of the ground. The backward sweep, from the leaves to the roots,
-  /// computes the joint wrenches (eqs. aWbRec, bWsRec, bWhRec with erratum 22):
+  /// Computes the joint wrenches W. The forward sweep computes poses, twists V and their rates V', with
+  /// gravity as the acceleration V'_0 = (0, -g) of the ground. The backward sweep, from the leaves to the
+  /// roots, computes the joint wrenches (eqs. aWbRec, bWsRec, bWhRec with erratum 22):
   ///   W_i = Σ_children up W_c + M_i V'_i + (velocity terms) - W_i^app
-  /// where W_i^app is the sum of the wrenches applied to body i.
+  /// where W_i^app is the sum of the wrenches applied to body i, and `up` moves the wrench W_c from child c
+  /// to body i.
   template <TreeOf<T> AnyTree>
   void run(const AnyTree& tree, const T* q, const T* v, const T* a, const Loads<T>& loads) noexcept {
     run(tree, q, v, a, loads, tree.g);

@@ -30,8 +30,8 @@ constexpr Wrench<Rep, T> gravity_wrench(const Link<Rep, T>& link, const Inertia<
     return {cross(M.h, g), M.m * g};
 }
 
-/// The rates of the state (q, p) in one representation: v = M⁻¹ p by the articulated-body algorithm, whose
-/// forward sweep gives the twists V as well, and
+/// The rates v and p' of the state (q, p) with the momenta p = M v, in one representation: v = M⁻¹ p by the
+/// articulated-body algorithm, whose forward sweep gives the twists V as well, and
 ///   p' = τ + S|(W^c + ad_Vᵀ Π^c)
 /// for each joint screw S, where W^c is the wrench of gravity and loads on the subtree of the joint and Π^c
 /// is the momentum of this subtree. Subtrees are summed up from the leaves to the roots by Link::up. See
@@ -83,7 +83,7 @@ template <class Rep, class T> struct MomentumForm {
 
  private:
   /// Adds S|(W^c + ad_Vᵀ Π^c) to `force` for every joint screw S, with the wrench W^c on the subtree of the
-  /// joint and its momentum Π^c. The twists V are in bodies.X.
+  /// joint and its momentum Π^c. The twists V of the bodies are in bodies.X.
   template <class AnyTree> void add_body_forces(const AnyTree& tree, bool has_wrenches) noexcept {
     const auto& link = bodies.links.link;
     g[0] = tree.g;
@@ -107,7 +107,8 @@ template <class Rep, class T> struct MomentumForm {
   }
 };
 
-/// The rates of the state (q, Π) with the spatial momenta Π_i of all bodies, by eq. PEs:
+/// The rates of the state (q, Π) with the spatial momenta Π_i of all bodies, by eq. PEs with the spatial
+/// Jacobian J^s of all bodies, their inertias M_i^s and the applied wrenches W_app:
 ///   (J^s)ᵀ (Π' - W_app) = τ,    M_i^s J_i^s v = Π_i^s.
 /// Both equations are solved by substitution in the block triangular matrix J^s: a sweep with (J^s)ᵀ from the
 /// leaves to the roots, and a sweep with J^s from the roots to the leaves. The velocities solve the second
@@ -162,8 +163,9 @@ template <class T> struct SpatialMomentumForm {
   }
 
  private:
-  /// Solves (JᵀMJ) v = JᵀΠ for the joint velocities v. Armatures are left out, because they have no part in
-  /// the momenta of the bodies. bodies.X receives the twists J v.
+  /// Solves (JᵀMJ) v = JᵀΠ for the joint velocities v, with the Jacobian J, the inertias M and the momenta Π
+  /// of all bodies. Armatures are left out, because they have no part in these momenta. bodies.X receives the
+  /// twists J v.
   Solvability put_velocities(const Tree<T>& tree, const Momentum<Spatial, T>* Pi) noexcept {
     for (int c = 0; c < tree->nv; ++c) velocity[c] = x[c] = T(0);
     const Solvability verdict = bodies.eliminate_joints(tree, x);
@@ -175,8 +177,9 @@ template <class T> struct SpatialMomentumForm {
     return solved(verdict, tree->nv, velocity);
   }
 
-  /// Solves Jᵀ (Π' - W_app) = τ with Π' = M V' - ad_Vᵀ M V for the joint accelerations. W receives -ad_Vᵀ M
-  /// V, and bodies.X receives V' minus the acceleration of gravity (0, g).
+  /// Solves Jᵀ (Π' - W_app) = τ with Π' = M V' - ad_Vᵀ M V for the joint accelerations, with the Jacobian J,
+  /// the inertias M and the applied wrenches W_app of all bodies. W receives -ad_Vᵀ M V, and bodies.X
+  /// receives V' minus the acceleration of gravity (0, g).
   Solvability put_accelerations(const Tree<T>& tree, bool has_wrenches) noexcept {
     bias[0] = {{}, T(-1) * tree.g};
     bodies.X[0] = {};

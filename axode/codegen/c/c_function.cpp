@@ -9,16 +9,16 @@
 namespace axode::codegen {
 namespace {
 
-/// Writes C for one state. All sines and cosines of a stage (see Emitter) are computed at once, by one call
-/// of a function for n angles.
+/// Writes C for one state. All sines and cosines of a stage, one of the groups of statements of Emitter, are
+/// computed at once, by one call of a function for n angles.
 class CEmitter : public Emitter {
  public:
   CEmitter(const Recording& recording, const Precision& precision, std::string sine_cosine)
       : Emitter(recording, precision), sine_cosine_(std::move(sine_cosine)) {}
 
  protected:
-  /// Length of the arrays for this number of angles. The arrays fill whole registers, so that the compiler
-  /// needs no separate loop for remaining angles.
+  /// Length of the arrays of angles, sines and cosines for this number of angles. The arrays fill whole
+  /// registers, so that the compiler needs no separate loop for remaining angles.
   virtual int room(std::size_t angles) const {
     const int n = static_cast<int>(angles);
     return n <= 2 ? 2 : n <= 4 ? 4 : (n + 7) / 8 * 8;

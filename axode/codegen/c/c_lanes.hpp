@@ -18,7 +18,7 @@ struct StatesFunction {
                                ///< lanes
   bool returns_singularity;
 };
-/// Writes the definitions of NAME_states, which computes the function for several states, and of
+/// Writes the definitions of NAME_states, which computes the function NAME for several states, and of
 /// NAME_scratch, the length of the memory that NAME_states needs.
 std::string c_states(const StatesFunction& function, const Precision& precision, int lanes);
 

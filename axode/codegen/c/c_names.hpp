@@ -15,9 +15,9 @@ std::string prefix_for(const Model& model, Abi abi);
 /// of a representation appended, the later one gets a number.
 std::vector<std::string> frame_identifiers(const Model& model, Abi abi);
 
-/// The names PREFIX_FUNCTION of generated functions. The name of a Jacobian or a pose has the name of its
-/// frame at the end; the name of a Jacobian also has its representation there unless this is the body-fixed
-/// one. Throws std::invalid_argument if two names are equal.
+/// The names PREFIX_FUNCTION of generated functions. The name of the function for a Jacobian or a pose has
+/// the name of its frame at the end; that for a Jacobian also has its representation there unless this is the
+/// body-fixed one. Throws std::invalid_argument if two names are equal.
 std::vector<std::string> function_names(const Model& model, std::span<const Function> functions,
                                         const std::string& prefix, Abi abi);
 

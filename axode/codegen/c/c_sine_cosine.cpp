@@ -60,8 +60,9 @@ static void @NAME@_lanes(
 }
 #endif
 )";
-/// In single precision, the lanes are passed to the function for n angles, which the compiler vectorises: it
-/// reduces angles in double precision, and a register holds half as many doubles as floats.
+/// The function for the states in all lanes, in single precision: it calls the function for n angles, which
+/// the compiler vectorises. Types for lanes would not suit, because angles are reduced in double precision,
+/// and a register holds half as many doubles as floats.
 constexpr const char* turn_one_by_one = R"(#if AXODE_LANES > 1
 static void @NAME@_lanes(
     const axode_lanes *AXODE_RESTRICT angle, axode_lanes *AXODE_RESTRICT sine,

@@ -16,7 +16,7 @@
 /// record the operations.
 namespace axode::codegen {
 
-/// A function to generate: a function of the catalogue that can be recorded (Words::tape).
+/// A function to generate: a function in the table of functions that can be recorded (Words::tape).
 struct Function {
   catalog::Id row;
   int frame = 0;                                         ///< the frame of a Jacobian or a pose
@@ -27,7 +27,7 @@ struct Function {
   bool is_of_a_frame() const { return row.words().takes_input(catalog::Input::place); }
   bool is(catalog::Id id) const { return row == id; }
 };
-/// The names of all functions of the catalogue that can be recorded, in the order of the catalogue.
+/// The names of all functions in the table of functions that can be recorded, in its order.
 inline constexpr auto recorded_functions = [] {
   constexpr auto is_recorded = [](const catalog::Words& row) -> bool { return row.tape; };
   std::array<std::string_view, std::ranges::count_if(catalog::functions_of_state, is_recorded)> names{};

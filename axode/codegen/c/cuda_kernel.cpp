@@ -21,8 +21,8 @@ class CudaEmitter final : public Emitter {
   std::string entry(const std::string& array, std::size_t k) const override {
     return "axode_at<" + std::to_string(k) + ">(" + array + ", n)";
   }
-  /// Declares a constant for an entry of an argument where a part of the function first needs it, and returns
-  /// its name.
+  /// Declares a constant for an entry of an argument in the part of a long function that first needs it, and
+  /// returns its name.
   std::string read_argument(const Tape::Node& x, std::size_t k) override {
     const std::string& array = recording_.arguments[x.a];
     const std::string name = array + std::to_string(x.b);

@@ -9,10 +9,10 @@
 namespace axode::codegen {
 
 /// Writes the definition of one recorded function in C or CUDA. Its statements are in the order in which the
-/// numbers were recorded, except that stage k has the statements that need sines or cosines of stage k - 1:
-/// all sines and cosines of a stage can then be computed together, by a step that is called a turn.
-/// Subclasses define the language, and may define another order of statements. A long function is cut into
-/// parts, which exchange numbers by the slots of an array.
+/// numbers were recorded, but grouped into stages: those that need sines or cosines of angles of stage k - 1
+/// are in stage k. Thus all sines and cosines of a stage can be computed together, by a step that is called a
+/// turn. Subclasses define the language, and may define another order of statements. A long function is cut
+/// into parts, which exchange numbers by the slots of an array.
 class Emitter {
  public:
   using enum Tape::Operation;
@@ -114,8 +114,8 @@ class Emitter {
   }
 
   // Sines and cosines, and the order of the steps.
-  /// The largest number of statements in a part. The longer a part is, the more time compilers take for each
-  /// of its statements.
+  /// The largest number of statements in a part, one of the functions into which a long function is cut. The
+  /// longer a part is, the more time compilers take for each of its statements.
   virtual std::size_t longest_part() const { return 500; }
   virtual int stages_of_a_turn() const { return 1; }
   /// Adds the sine or cosine of node k to a turn.
@@ -237,8 +237,8 @@ class Emitter {
     }
   }
 
-  /// Cuts the list of steps into parts. Determines for each number the part that defines it, the last part
-  /// that uses it, and the slot of the array that keeps it in between.
+  /// Cuts the list of steps into parts, each of which becomes a function. Determines for each number the part
+  /// that defines it, the last part that uses it, and the slot of the array that keeps it in between.
   void cut() {
     const std::size_t count = std::max(n_parts(), 1),
                       balanced = std::max<std::size_t>((steps_.size() + count - 1) / count, 1);

@@ -104,8 +104,8 @@ class Accelerations {
   static void subtract(Traces& x, const Traces& y) {
     for (std::size_t k = 0; k < x.size(); ++k) x[k] -= y[k];
   }
-  /// Calls make(composition, state, solution) for each recorded way to solve with M, and returns the
-  /// resulting recording with the fewest operations.
+  /// Calls make(composition, state, solution), which returns a recording, for each recorded way to solve with
+  /// the mass matrix (`solution`). Returns the recording with the fewest operations.
   template <class Make> Recording shortest(const Make& make) const {
     Recording best;
     for (const Recording& solution : solutions_) {
@@ -131,8 +131,9 @@ class Accelerations {
         columns[(moving + c) * nv + r] = columns[(moving + r) * nv + c];
     return columns;
   }
-  /// The upper triangle of the Hessian d²(w a), from L = mu T_xx, the columns of T_x and K = M⁻¹ (mu T_aq),
-  /// see Accelerations.
+  /// The upper triangle of the Hessian d²(w a) of the accelerations a with weights w, from L = mu T_xx, the
+  /// columns of T_x and K = M⁻¹ (mu T_aq), where indices denote derivatives of the inverse dynamics T(q, v,
+  /// a); see Accelerations.
   Traces curvature(const Traces& L, const Traces& T_x, const std::vector<Traces>& K) const {
     const std::size_t nq = K.size(), nv = static_cast<std::size_t>(model_.nv()), n = nq + 2 * nv,
                       moving = nq + nv;
@@ -312,9 +313,8 @@ class Family {
     }
     return all;
   }
-  /// The derivatives of the gradients of the weighted results with respect to the inputs, the outputs and the
-  /// weights. Those with respect to the outputs are 0, and those with respect to the weights are the
-  /// transposed Jacobian.
+  /// The derivatives of the gradients of the weighted sum of the results: those with respect to the inputs,
+  /// to the outputs, which are 0, and to the weights, which are the transposed Jacobian.
   std::vector<CasadiOutput> second_derivatives() {
     Recording& H = recordings_[hessian];
     for (int i = 0; i < n_; ++i)

@@ -72,8 +72,7 @@ constexpr const char* jacobian_body = R"( {
 }
 )";
 
-/// A flag for each entry of a matrix, or of several contiguous matrices. It is true if the entry may not be
-/// 0.
+/// A flag for each entry of a matrix, or of several contiguous matrices: whether the entry can differ from 0.
 using Flags = std::vector<char>;
 
 Flags flags_at(std::span<const int> places, std::size_t size) {

@@ -18,31 +18,33 @@ class CasadiInverse {
   enum Kind : std::size_t { tangent, adjoint, jacobian };
   static constexpr std::size_t kinds = 3;
 
-  /// One of three derivatives of the mass matrix M: in a direction (nv x nv numbers), the gradient of B·M by
-  /// q (nq numbers), or by each coordinate q_k (nq times nv x nv numbers). The recording has only the results
-  /// that may not be 0. `places` are their indices among all numbers of the derivative; in a CasadiInverse,
-  /// those of the third derivative are indices within the matrix of one q_k.
+  /// One of three derivatives of the mass matrix M: along a direction (nv x nv numbers), the gradient of B·M
+  /// by q (nq numbers), where B are weights of the entries of M, or by each coordinate q_k (nq times nv x nv
+  /// numbers). The recording has only the results that can differ from 0. `places` are their indices among
+  /// all numbers of the derivative; in a CasadiInverse, those of the third derivative are indices within the
+  /// matrix of one q_k.
   struct Part {
     Recording recording;
     std::vector<int> places;
   };
 
-  /// `entries` are the indices r + nv c of the entries (r, c) of A that the function for A computes.
-  /// `weights` is the name of the argument with the weights of these entries.
+  /// `entries` are the indices r + nv c of the entries (r, c) of A = M⁻¹ that the generated function for A
+  /// computes. `weights` is the name of the argument with the weights of these entries.
   CasadiInverse(int nq, int nv, std::vector<int> entries, std::string weights,
                 std::array<Part, kinds> masses);
 
   const Recording& of_masses(Kind kind) const { return masses_[kind].recording; }
-  /// A recording that describes the derivative of A of this kind: it has the names of the arguments, and for
-  /// each result the constant 1, or 0 if the result is always 0 and the generated function leaves it out.
+  /// A recording that describes the derivative of A = M⁻¹ of this kind: it has the names of the arguments,
+  /// and for each result the constant 1, or 0 if the result is always 0 and the generated function leaves it
+  /// out.
   Recording signature(Kind kind) const;
   /// The operations that a derivative of A takes in addition to the computation of A.
   Operations operations(Kind kind) const;
   /// Length (in numbers) of the memory that a derivative of A uses after its results.
   std::size_t scratch() const;
-  /// The body in C of the function for a derivative of A. `inverse` and `masses` are the names of the
-  /// functions for A and for the derivative of M. table(numbers) returns the name of a constant array with
-  /// these numbers.
+  /// The body in C of the function for a derivative of A = M⁻¹. `inverse` and `masses` are the names of the
+  /// functions for A and for the derivative of the mass matrix M. table(numbers) returns the name of a
+  /// constant array with these numbers.
   std::string body(Kind kind, const std::string& prefix, const std::string& inverse,
                    const std::string& masses,
                    const std::function<std::string(const std::vector<int>&)>& table) const;

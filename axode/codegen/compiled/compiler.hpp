@@ -21,8 +21,8 @@ struct Finished {
   std::string output;  ///< the first kilobytes of standard output and standard error
 };
 /// Runs a program to its end. Its temporary files go into `folder`, or into the usual folder if `folder` is
-/// empty. If the monitor returns false, the program and all processes that it has started are killed, and the
-/// result is empty.
+/// empty. If the monitor, a function of the caller that is asked again and again, returns false, the program
+/// and all processes that it has started are killed, and the result is empty.
 std::optional<Finished> run_program(const std::vector<std::string>& command,
                                     const std::filesystem::path& folder, const batch::Monitor& monitor = {});
 

@@ -88,8 +88,9 @@ bool is_usable(const fs::path& folder) {
   return is_ours(folder) && access(folder.c_str(), W_OK | X_OK) == 0;
 }
 
-/// Ensures that one process at a time compiles the source of a key. The lock ends with the process, even if
-/// the process is killed. If the file system has no locks, several processes may compile under one key.
+/// Ensures that one process at a time compiles the source that has a given key in the cache. The lock ends
+/// with the process, even if the process is killed. If the file system has no locks, several processes may
+/// compile under one key.
 class Lock {
  public:
   Lock(const fs::path& folder, const std::string& key)
@@ -150,9 +151,9 @@ fs::path temporary_folder() {
       "\", which is not a folder; set TMPDIR or XDG_CACHE_HOME to a folder that can be written to");
 }
 /// Moves the work folders of ended processes into `work`, the work folder of this process, with which they
-/// are removed. This process may hold `lock` on `key`. The folders are not removed in place, because this may
-/// fail: a compiler that outlives its process still creates files there. After the move it does not find the
-/// folder any more.
+/// are removed. `lock` is the lock of this process on the source with the key `key`, which it may or may not
+/// hold. The folders are not removed in place, because this may fail: a compiler that outlives its process
+/// still creates files there. After the move it does not find the folder any more.
 void collect_abandoned(const fs::path& cache, const fs::path& work, const std::string& key,
                        const Lock& lock) {
   std::error_code failed;

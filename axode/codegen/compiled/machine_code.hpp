@@ -14,9 +14,9 @@ class MachineCode {
  public:
   /// Compiles a C source with the given flags, or loads the library from the cache if it has been compiled
   /// before. The key of the cache is made of the source, the compiler's name and version, the flags and the
-  /// processor. The monitor is called while the compiler runs or while another process compiles the same
-  /// source. Throws std::runtime_error if there is no compiler or it fails, and CompilationEnded if the
-  /// monitor returns false.
+  /// processor. The monitor, a function of the caller that can end the call, is called while the compiler
+  /// runs or while another process compiles the same source. Throws std::runtime_error if there is no
+  /// compiler or it fails, and CompilationEnded if the monitor returns false.
   MachineCode(const std::string& source, const std::vector<std::string>& flags,
               const batch::Monitor& monitor);
 

@@ -5,9 +5,10 @@
 
 #include "axode/codegen/tape/recording.hpp"
 
-/// Recordings that are made from other recordings: functions of functions, and derivatives by the rules of
-/// differentiation. A derivative that is always 0, because a result does not depend on an argument, is the
-/// constant 0; hence the results show the sparsity of derivatives.
+/// Recorded functions (lists of operations) that are made from other recorded functions: functions of
+/// functions, and derivatives by the rules of differentiation. A derivative that is always 0, because a
+/// result does not depend on an argument, is the constant 0; hence the results show the sparsity of
+/// derivatives.
 namespace axode::codegen {
 
 /// A function that is composed of recorded functions, and recorded on a tape of its own.
@@ -19,8 +20,8 @@ class Composition {
   Traces argument(const std::string& name, int n);
   /// Adds the arguments of the function f and returns the entries of each.
   std::vector<Traces> arguments_of(const Recording& f);
-  /// Adds the operations of the function f with the given arguments, and returns its results. If the mass
-  /// matrix of f may be singular, the composition reports this as well.
+  /// Adds the operations of the recorded function f with the given arguments, and returns its results. If f
+  /// reports that the mass matrix may be singular, the composition reports this as well.
   Traces operator()(const Recording& f, std::span<const Traces> arguments);
   Traces operator()(const Recording& f, std::initializer_list<Traces> arguments) {
     return (*this)(f, std::span(arguments.begin(), arguments.size()));
@@ -30,8 +31,8 @@ class Composition {
   Traces along(const Traces& x, std::span<const Traces> direction) const;
   /// The gradient of Σ w_k x_k with respect to the first `arguments` arguments, one argument after the other.
   Traces gradient(const Traces& x, const Traces& w, std::size_t arguments) const;
-  /// The derivatives of x with respect to the first `arguments` arguments: contiguous columns, one for each
-  /// entry of these arguments.
+  /// The derivatives of the numbers x with respect to the first `arguments` arguments: contiguous columns,
+  /// one for each entry of these arguments.
   Traces jacobian(const Traces& x, std::size_t arguments) const;
 
   /// The recording whose results are `results`, under the name `result`. The composition is empty afterwards.
@@ -39,7 +40,7 @@ class Composition {
 
  private:
   /// The derivatives of the results of `made`, a recording on the tape of this composition, in a direction of
-  /// the arguments. Only the nodes k with need[k] are differentiated.
+  /// the arguments. Only the nodes (operations) k with need[k] are differentiated.
   Traces along(const Recording& made, const std::vector<char>& need, std::span<const Traces> direction) const;
   /// The index of the node of an entry of an argument.
   std::size_t node(std::size_t argument, std::size_t entry) const;

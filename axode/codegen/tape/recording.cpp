@@ -50,8 +50,8 @@ class SingularityTest {
   Trace::Condition has_small_, has_rounding_;
 };
 
-/// A function of a tree that is being recorded: its tape, and the constants of the tree as numbers of the
-/// tape.
+/// A function of a tree of bodies that is being recorded: its tape, and the constants of the tree as numbers
+/// of the tape.
 struct Traced {
   Composition on;
   Tree<T> constants;
@@ -72,7 +72,7 @@ struct Traced {
   }
 };
 
-/// Solves the equations of motion on a tape, by articulated bodies or by the mass matrix and its sparse
+/// Records how the equations of motion are solved, by articulated bodies or by the mass matrix and its sparse
 /// factors. Both ways are body-fixed, because joint screws are then constant and sparse.
 template <bool factors> struct Solver {
   using T = Trace;
@@ -146,8 +146,8 @@ bool factors_are_exact(const Tree<double>& tree) {
   return tree->depth <= FastInverseMassMatrix<double>::longest_path;
 }
 
-/// Records a function of the catalogue by its kernel. Each result of the function has one number for each
-/// velocity or for each pair of velocities.
+/// Records a function of the table of functions by running its kernel. Each result of the function has one
+/// number for each velocity or for each pair of velocities.
 template <catalog::Id id, class By> Recording record_row(const Tree<double>& tree, bool single_precision) {
   constexpr const catalog::Words& row = id.words();
   Traced traced(tree, row.together);
@@ -255,8 +255,9 @@ Recording poses(const Tree<double>& tree, int first, int last) {
 using Articulated = Solver<false>;
 using Factorized = Solver<true>;
 
-/// The functions that record one function of the catalogue with each of the two solvers. by_factors is null
-/// for a function that does not solve with the mass matrix.
+/// The two functions that record one function of the table of functions: with articulated bodies, and with
+/// the factors of the mass matrix. by_factors is null for a function that does not solve with the mass
+/// matrix.
 struct Recorder {
   using Of = Recording (*)(const Tree<double>&, bool single_precision);
   Of by_bodies = nullptr, by_factors = nullptr;

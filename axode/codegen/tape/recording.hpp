@@ -21,10 +21,10 @@ struct Recording {
       maybe_singular{};  ///< whether the mass matrix may be singular; used if returns_singularity
 };
 
-/// Records the kernel of a function of the model. If the function solves with the mass matrix, it is recorded
-/// with the articulated bodies and, unless a path of the tree is long, with the factors of the mass matrix;
-/// the recording with fewer operations is returned. `single_precision` changes only the test for singular
-/// mass matrices.
+/// Records the operations of a function of the model. If the function solves with the mass matrix, it is
+/// recorded with articulated bodies and, unless a path of the tree is long, with the factors of the mass
+/// matrix; the recording with fewer operations is returned. `single_precision` changes only the test for
+/// singular mass matrices.
 Recording record(const Model& model, const Function& function, bool single_precision);
 
 /// Records x = M⁻¹ tau as a function of q and tau in one or two ways: by articulated bodies and, unless a
@@ -37,8 +37,8 @@ Operations operations(const Recording& recording);
 /// Determines for each node whether the results, or the condition `maybe_singular`, depend on it.
 std::vector<char> needed(const Recording& recording);
 
-/// The indices of the nodes from which a node is computed. Unused entries are 0, the index of the node of the
-/// number 1.
+/// The indices of the nodes (recorded operations) whose results a node uses. Unused entries are 0, the index
+/// of the node of the constant 1.
 std::array<int, 3> operands(const Tape::Node& node);
 
 }  // namespace axode::codegen

@@ -51,8 +51,8 @@ class Ordering {
     }
   };
 
-  /// The number of results that statement k is the last to use, less 1 if the result of k itself is used
-  /// later.
+  /// The number of results that need not be kept any more after statement k, less 1 if the result of k itself
+  /// is used later.
   int freed(int k) const {
     int count = 0;
     for (const int from : operands_[k]) count += uses_left_[from] == 1;

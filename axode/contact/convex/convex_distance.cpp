@@ -21,9 +21,10 @@ int start_vertex(const ConvexShape& shape, int last) {
   return exists ? last : 0;
 }
 
-/// Replaces candidate c by t if t has a higher bound s, or a bound as high to rounding and a lower residual.
-/// Otherwise replaces only the simplex of c by that of t, if its point is nearer to s n of c. Returns whether
-/// c has changed.
+/// Takes the better of two candidates for the solution. A candidate is a unit normal n, the width s of the
+/// gap between the cores along n, and a point x of their difference; its residual is |x - s n|. Replaces c by
+/// t if t has a larger width, or the same width to rounding and a smaller residual. Otherwise replaces only
+/// the point of c by that of t, if the latter is nearer to s n of c. Returns whether c has changed.
 bool improve(const CorePair& pair, Candidate& c, const Candidate& t) noexcept {
   const bool higher = t.s > c.s + pair.rounding;
   const bool as_high = t.s >= c.s - pair.rounding;
@@ -38,8 +39,8 @@ bool improve(const CorePair& pair, Candidate& c, const Candidate& t) noexcept {
   return true;
 }
 
-/// Makes proximal steps from the normal of c (D10.7), until its bound s does not rise or its residual
-/// vanishes.
+/// Makes at most `rounds` proximal steps (D10.7) from the normal of candidate c. Ends earlier if the steps
+/// bring no improvement, or if the residual of c vanishes.
 void ascend(CorePair& pair, Candidate& c, int rounds) noexcept {
   double gap = pair.curved ? pair.step / 16 : pair.rounding;
   for (int k = 0; k < rounds && c.residual > pair.rounding; ++k) {
@@ -52,8 +53,8 @@ void ascend(CorePair& pair, Candidate& c, int rounds) noexcept {
   }
 }
 
-/// Computes the point of least norm of the cores without a shift, which is the solution if the cores are
-/// apart.
+/// Computes the distance of two cores as the norm of the point of least norm of their difference. This is the
+/// solution if the cores are apart; if they overlap, c does not change.
 void approach(CorePair& pair, Candidate& c) noexcept {
   Candidate direct;
   direct.n = c.n;

@@ -3,8 +3,8 @@
 
 namespace axode {
 
-/// The signed distance of two convex bodies a and b, with a certificate. Coordinates are in the frame in
-/// which the poses of the bodies are given.
+/// The signed distance of two convex bodies a and b, with a bound of its error. Coordinates are in the frame
+/// in which the poses of the bodies are given.
 struct ConvexDistance {
   /// The width s(n) of the gap between two parallel planes with the normal n that touch the bodies (D10.1),
   /// m. It is a lower bound of the true signed distance, to rounding. It is negative if the bodies overlap;
@@ -12,15 +12,16 @@ struct ConvexDistance {
   double distance = 0;
   Vec3<> normal;            ///< unit vector n from body a to body b
   Vec3<> point_a, point_b;  ///< nearest (or deepest) points on the boundaries of a and b, m
-  /// |point_b - point_a - distance n|, m. If the bodies are apart or proved() is true, the true distance is
-  /// at most `distance + residual`. Otherwise this bound holds only among normals near n.
+  /// The norm of point_b - point_a - distance n with the normal n, m. If the bodies are apart or proved() is
+  /// true, the true distance is at most `distance + residual`. Otherwise this bound holds only among normals
+  /// near n.
   double residual = 0;
   double core_overlap = 0;   ///< overlap of the cores along n, m; 0 if the cores are apart
   double overlap_bound = 0;  ///< proved lower bound of the overlap of the cores, m, see expand()
 
-  /// Whether it is proved that no other normal has less overlap, to 2e-5 of the overlap of the cores. For
-  /// cylinders and ellipsoids, normals within 0.0045 rad of n are left out of the proof. True if the cores
-  /// are apart.
+  /// Whether it is proved that the bodies overlap along no other normal less than along the normal n, to 2e-5
+  /// of the overlap of their cores (see ConvexShape). For cylinders and ellipsoids, normals within 0.0045 rad
+  /// of n are left out of the proof. True if the cores are apart.
   bool proved() const noexcept;
 };
 

@@ -4,15 +4,16 @@
 
 #include "axode/contact/convex/support.hpp"
 
-/// The set of differences b - a of the points of two cores A and B, and the state of the search for its point
-/// of least norm.
+/// The difference B - A of two convex sets A and B, which is the set of all b - a with points a of A and b of
+/// B, and the state of the search for its point of least norm. A and B are the cores of convex bodies, which
+/// are the bodies without the balls that round them.
 namespace axode::convex {
 
 inline constexpr double infinity = std::numeric_limits<double>::infinity();
 inline constexpr double epsilon = std::numeric_limits<double>::epsilon();
 
-/// A point w = b - a of the difference B - A of the cores, with the branches of the support functions on
-/// which a and b lie, see support_branch().
+/// A point w = b - a of the difference B - A of two cores. The support function of a core consists of smooth
+/// branches, see support_branch(); branch_a and branch_b are the numbers of those on which a and b lie.
 struct Vertex {
   Vec3<> w, a;
   int branch_a = 0, branch_b = 0;
@@ -42,8 +43,8 @@ struct Simplex {
   }
 };
 
-/// A unit normal n with its bound s(n), the width of the gap between the cores along n, and a simplex whose
-/// point is s n at the solution (D10.3).
+/// A candidate for the solution: a unit normal n, the width s of the gap between the cores along n, which is
+/// a lower bound of their distance, and a simplex, which stands for the point s n at the solution (D10.3).
 struct Candidate {
   Vec3<> n{};
   double s = -infinity;

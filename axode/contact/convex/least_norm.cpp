@@ -7,9 +7,9 @@ namespace {
 
 using Weights = std::array<double, 4>;
 
-/// Computes the affine weights mu of the point of least norm of the affine hull of the shifted vertices, by
-/// orthogonalisation of the edges from the last vertex (D10.6). Returns false if the vertices are affinely
-/// dependent.
+/// Computes the weights mu, of sum 1, with which the vertices of a simplex, each shifted by `shift`, give the
+/// point of least norm of their affine hull, by orthogonalisation of the edges from the last vertex (D10.6).
+/// Returns false if the vertices are affinely dependent.
 bool affine_weights(const Simplex& x, const Vec3<>& shift, Weights& mu) noexcept {
   const int edges = x.count - 1;
   const Vec3<> base = x.vertex[edges].w, start = base + shift;
@@ -39,8 +39,8 @@ bool affine_weights(const Simplex& x, const Vec3<>& shift, Weights& mu) noexcept
   return true;
 }
 
-/// Moves the weights to the point of least norm of the simplex, and drops every vertex whose weight reaches 0
-/// on the way. Returns false if the vertices are affinely dependent.
+/// Moves the weights of the vertices of a simplex until they give its point of least norm, and drops every
+/// vertex whose weight reaches 0 on the way. Returns false if the vertices are affinely dependent.
 bool reduce(Simplex& x, const Vec3<>& shift) noexcept {
   Weights mu;
   while (x.count > 1) {

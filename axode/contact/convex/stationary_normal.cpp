@@ -7,8 +7,9 @@
 namespace axode::convex {
 namespace {
 
-/// Rows [matrix | right side] of the Newton equations. The unknowns are two tangential components of the
-/// change of n, the weights of at most three vertices, and s.
+/// Rows [matrix | right side] of the equations of a Newton step for the normal n along which the gap has a
+/// stationary width s. The unknowns are two tangential components of the change of n, the weights of at most
+/// three vertices of the simplex, and s.
 using Equations = std::array<std::array<double, 7>, 6>;
 
 /// Solves the first `size` equations by Gauss-Jordan elimination with pivots. The solution is in the last
@@ -30,8 +31,8 @@ bool solve(Equations& m, int size) noexcept {
   return true;
 }
 
-/// Newton's method from one candidate. A body that is frozen is replaced by the polytope of its points in the
-/// simplex, so that these points do not move with the normal.
+/// Newton's method for the normal of a candidate. A body that is frozen is replaced by the polytope of its
+/// points in the simplex, so that these points do not move with the normal.
 class Newton {
  public:
   Newton(CorePair& pair, const Candidate& start, bool freeze_a, bool freeze_b)
@@ -65,8 +66,8 @@ class Newton {
   }
 
  private:
-  /// Adds a vertex with a weight. Vertices on the same branches of both bodies become one vertex, unless a
-  /// body is frozen.
+  /// Adds a vertex with a weight to the simplex. Vertices on the same branches of the support functions of
+  /// both bodies become one vertex, unless a body is frozen.
   void merge(const Vertex& v, double weight) noexcept {
     Simplex& x = now_.simplex;
     if (!freeze_a_ && !freeze_b_)
@@ -78,8 +79,8 @@ class Newton {
     x.add(v, weight);
   }
 
-  /// Moves the vertices along their branches to the support points for the present normal n. Returns the
-  /// least n·w.
+  /// Moves the vertices of the simplex to the support points of their branches of the support functions for
+  /// the present normal n. Returns the least height n·w of a vertex w.
   double move_vertices() noexcept {
     double level = infinity;
     const Vec3<> m = pair_.to_b(-now_.n);
@@ -93,8 +94,8 @@ class Newton {
     return level;
   }
 
-  /// Makes one Newton step (D10.9). A vertex of negative weight leaves the active set. Returns false if the
-  /// matrix is singular.
+  /// Makes one Newton step (D10.9). A vertex whose weight is not positive leaves the simplex. Returns false
+  /// if the matrix is singular.
   bool update() noexcept {
     const Simplex& x = now_.simplex;
     const int count = x.count, size = count + 3, s = size - 1;

@@ -25,8 +25,8 @@ template <class T> Vec3<T> across(const Vec3<T>& axis, const Vec3<T>& n, const V
   return sine2 > T(1e-24) ? cross((T(1) / sqrt(sine2)) * side, axis) : otherwise;
 }
 
-/// The number of the sector in which the unit vector n lies, 0 to 26. There is a sector for each vertex, edge
-/// and face of a cube; 13, its centre, does not occur.
+/// The number of the sector in which the unit vector n lies, 0 to 26. The directions are divided into one
+/// sector for each vertex, edge and face of a cube; 13, the number of its centre, does not occur.
 inline int sector(const Vec3<>& n) {
   const auto third = [](double x) { return (x > -0.38) + (x > 0.38); };
   return third(n.x) + 3 * third(n.y) + 9 * third(n.z);
@@ -50,9 +50,9 @@ inline Vec3<> branch_point(const ConvexShape& shape, int branch, const Vec3<>& n
   return (1 / norm(q)) * Vec3<>{h.x * q.x, h.y * q.y, h.z * q.z} - shape.radius * n;
 }
 
-/// The number of the branch of the support function at the unit normal n. In a hull the search walks over
-/// neighbours to ever higher vertices. It starts from the vertex `hint`, or from the start vertex of the
-/// sector of n if that is higher.
+/// The number of the branch of the support function of a core at the unit normal n. In a hull it is a vertex,
+/// and the search walks over neighbours to ever higher vertices. It starts from the vertex `hint`, or from
+/// the start vertex of the sector of n if that is higher.
 inline int support_branch(const ConvexShape& shape, const Vec3<>& n, int hint) {
   const Vec3<>& h = shape.size;
   switch (shape.core) {

@@ -39,8 +39,8 @@ class ContactJets {
   }
   /// The names of the two shapes of a contact, as text for messages.
   std::string names(std::uint64_t key) const;
-  /// Forgets the points of the last pair. It must be called before find() is called with other poses or
-  /// another margin.
+  /// Forgets the points of the last pair of shapes. It must be called before find() is called with other
+  /// poses or another margin.
   void restart() noexcept { i_ = -1; }
 
  private:

@@ -8,8 +8,9 @@ namespace {
 using Changes = DisplacedMotion::Changes;
 using Across = Eigen::Matrix<double, 3, 6>;
 
-/// The axes of contact_frame() or turned() with derivatives along two normals, three numbers each: the old
-/// and the new normal of turned().
+/// The axes of contact_frame() or turned() with their derivatives: the first three numbers are those along
+/// the components of the old normal of turned(), the last three those along the components of the new or only
+/// normal.
 struct DisplacedFrame {
   Vec3<Displaced> n, t1, t2;
 };

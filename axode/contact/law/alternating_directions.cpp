@@ -4,8 +4,8 @@
 
 #include "axode/contact/law/velocity_solver.hpp"
 
-/// Alternating directions, which find starts for Newton's method. See "Further starts" of
-/// docs/derivations/contact.md.
+/// The alternating direction method of multipliers, which finds start values for Newton's method. See
+/// "Further starts" of docs/derivations/contact.md.
 namespace axode {
 namespace {
 
@@ -15,8 +15,8 @@ constexpr double good_start = 1e-6;
 
 }  // namespace
 
-/// Computes out = D⁻¹ Yᵀ Y D⁻¹ a, where D is the diagonal matrix of the scales d of the rows. Overwrites u_
-/// and x_.
+/// Computes out = D⁻¹ Yᵀ Y D⁻¹ a, where Yᵀ Y is the Delassus operator and D is the diagonal matrix of the
+/// scales d of the rows. Overwrites u_ and x_.
 void VelocitySolver::apply_delassus(const Vector& a, Vector& out) noexcept {
   const Eigen::Map<const Eigen::VectorXd> d2(problem_->squared_scales().data(), rows_);
   u_ = a.array() / d2.array().sqrt();
@@ -49,8 +49,8 @@ void VelocitySolver::factorize_shifted(double s) noexcept {
   factorize_with(true);
 }
 
-/// Computes a := (D⁻¹ Yᵀ Y D⁻¹ + s)⁻¹ a by (D11.10), where D is the diagonal matrix of the scales d of the
-/// rows.
+/// Computes a := (D⁻¹ Yᵀ Y D⁻¹ + s)⁻¹ a by (D11.10), where Yᵀ Y is the Delassus operator and D is the
+/// diagonal matrix of the scales d of the rows.
 void VelocitySolver::solve_shifted(double s, Vector& a) noexcept {
   const Eigen::Map<const Eigen::VectorXd> d2(problem_->squared_scales().data(), rows_);
   u_ = a.array() / d2.array().sqrt();

@@ -15,13 +15,14 @@ struct [[nodiscard]] ContactStatus {
 
 /// Computes the velocities v⁺ after a step h at a given state (q, v) of a mechanism with contacts, hard
 /// stops, joints with dry friction and closed loops, all in one problem (D11.5): M (v⁺ - v) = h (τ - b) + Jᵀ
-/// λ, with the bias forces b(q, v). The velocities J v⁺ + r of the rows obey the laws of ContactLaw together
-/// with the impulses λ. All matrices are taken at the given state; nothing is integrated.
+/// λ, with the drive forces τ, the bias forces b(q, v), and the Jacobian J of the constraint rows. The
+/// velocities J v⁺ + r of the rows obey the laws of ContactLaw together with the impulses λ. All matrices are
+/// taken at the given state; nothing is integrated.
 ///
 /// For the normal row of a contact and for a stop, let u be its velocity before the step, `gap` its distance
 /// and e its restitution. It bounces if e > 0, u < -threshold and gap + h u ≤ 0; then r = e u. Otherwise r =
 /// max(gap/h, -5 threshold): the gap may close within the step, and an overlap is removed slowly. For a row
-/// of a loop, r is its opening divided by h. For all other rows r is 0.
+/// of a loop, r is its position residual divided by h. For all other rows r is 0.
 ///
 /// An object is the scratch memory of one thread and has the results of the last call of solve(). Impulses λ
 /// are in N s and N m s. The rows are those of ContactSystem.
@@ -64,16 +65,18 @@ class ContactDynamics {
   /// The sum of the impulses of all contacts on the ground, (moment; force) about the inertial origin.
   const Wrench<Spatial>& on_ground() const { return on_ground_; }
 
-  /// ∂v⁺/∂τ by the drive forces, nv × nv, while h, J, M and r are held constant. If `details` is not null, it
+  /// The derivative ∂v⁺/∂τ of the velocities after the step by the drive forces, nv × nv. The step h, the
+  /// Jacobian J, the mass matrix and the terms r of the rows are held constant. If `details` is not null, it
   /// receives the derivatives of the multipliers and whether they are unique.
   Eigen::MatrixXd derivative_by_tau(ProblemDerivative* details = nullptr);
-  /// ∂v⁺/∂p, nv × nv, for the momenta p = M v + h (τ - b) of the motion without impulses. `details` may be
-  /// null.
+  /// The derivative ∂v⁺/∂p of the velocities after the step, nv × nv, by the momenta p = M v + h (τ - b) of
+  /// the motion without impulses. `details` may be null.
   Eigen::MatrixXd derivative_by_momenta(ProblemDerivative* details = nullptr);
   /// ∂v⁺/∂r by the number r of each row, nv × rows. `details` may be null.
   Eigen::MatrixXd derivative_by_r(ProblemDerivative* details = nullptr);
-  /// ∂v⁺/∂c by the coefficient of friction c of each row, nv × rows. The column of a row is 0 if the row is
-  /// no friction row or if its coefficient is 0. `details` may be null.
+  /// The derivative ∂v⁺/∂c of the velocities after the step by the coefficient of friction c of each row, nv
+  /// × rows. The column of a row is 0 if the row is no friction row or if its coefficient is 0. `details` may
+  /// be null.
   Eigen::MatrixXd derivative_by_friction(ProblemDerivative* details = nullptr);
 
  private:

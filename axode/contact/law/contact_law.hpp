@@ -41,17 +41,17 @@ void resolve(const LawBlock& block, const double* z, double* lambda) noexcept;
 
 template <int rows> using LawMatrix = Eigen::Matrix<double, rows, rows>;
 
-/// Computes the derivative Z of resolve() at z (D11.3) and returns the branch at z. Z is 0 if the block is
-/// open or if dry friction of a joint slides, and 1 if the block sticks. If a contact slides, Z is not
-/// symmetric. `rows` must be the number of rows of the block.
+/// Computes the derivative Z of resolve() at the trial impulse z (D11.3) and returns the branch at z. Z is 0
+/// if the block is open or if dry friction of a joint slides, and 1 if the block sticks. If a contact slides,
+/// Z is not symmetric. `rows` must be the number of rows of the block.
 template <int rows>
 LawBranch differentiate(const LawBlock& block, const double* z, LawMatrix<rows>& Z) noexcept;
 
 /// The branch of the law of a block at the trial impulse z.
 LawBranch branch_of(const LawBlock& block, const double* z) noexcept;
 
-/// Projects z on the cone of a contact with the law `contact`, and otherwise computes resolve(z). It is the resolvent of a convex
-/// neighbour of the law, in which sliding contacts part.
+/// Projects z on the friction cone if the block has the law `contact`, and otherwise computes resolve(z). The
+/// result is the resolvent of a convex neighbour of the law, in which sliding contacts part.
 void project(const LawBlock& block, const double* z, double* lambda) noexcept;
 
 /// Calls f with the number of rows of a block as a compile-time constant.

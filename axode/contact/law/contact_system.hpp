@@ -83,20 +83,20 @@ class ContactSystem {
   /// An upper bound of the speed of all points of a body that are at most `distance` (m) away from its
   /// origin, m/s, for the velocities v of the last call of move_bodies().
   double speed(int body, double distance) const noexcept;
-  /// Computes the opening of each row of the loops, that is its position residual, at the q of the last call
-  /// of poses() or set(): one number for each row, rad or m. It is 0 for rows that constrain velocities
-  /// alone, such as the rows of a rolling contact.
+  /// Computes the opening of each row of the loops, which is the position residual that the row should make
+  /// 0, at the q of the last call of poses() or set(): one number for each row, rad or m. It is 0 for rows
+  /// that constrain velocities alone, such as the rows of a rolling contact.
   void loop_openings(const double* q, double* openings) noexcept;
 
   /// Factorises the mass matrix and makes all rows at q. Only stops that are nearer than `stop_margin` (rad
-  /// or m) get rows. Afterwards problem() has the rows in physical units, with r equal to 0 and the bounds of
-  /// dry friction equal to its forces times h; w keeps its earlier value. Allocates only if there are more
-  /// contacts than the capacity.
+  /// or m) get rows. Afterwards problem() has the rows in physical units; their terms r are 0, the bounds of
+  /// dry friction are its forces times the step h, and the motion w without impulses has its earlier value.
+  /// Allocates only if there are more contacts than the capacity.
   Solvability set(const double* q, std::span<const Contact> contacts, double h,
                   double stop_margin = std::numeric_limits<double>::infinity());
 
-  /// The rows as a VelocityProblem. After set(), the caller sets its r (in physical units) and w, and calls
-  /// finish().
+  /// The rows as a VelocityProblem. After set(), the caller sets its terms r (in physical units) and its
+  /// motion w without impulses, and calls finish().
   VelocityProblem& problem() { return problem_; }
   const VelocityProblem& problem() const { return problem_; }
   std::span<const int> active_stops() const { return active_; }  ///< indices in stops()
@@ -111,12 +111,13 @@ class ContactSystem {
   /// stop from its limit, then the opening of each row of the loops, see loop_openings(); m or rad.
   std::span<const double> room() const { return room_; }
 
-  /// pull() computes x = D^-½ L⁻ᵀ p from momenta or forces p, and push() computes v = L⁻¹ D^-½ x, nv numbers
-  /// each. The two arguments of a call may be the same memory.
+  /// With the mass matrix M = Lᵀ D L, pull() computes x = D^-½ L⁻ᵀ p from momenta or forces p, and push()
+  /// computes v = L⁻¹ D^-½ x, nv numbers each. The two arguments of a call may be the same memory.
   void pull(const double* p, double* x) noexcept;
   void push(const double* x, double* v) noexcept;
-  /// times() computes the velocities u = J v of all rows, and add_transposed_times() computes p += Jᵀ λ. The
-  /// rows are in physical units, not multiplied by coefficients of friction.
+  /// With the Jacobian J of all rows, times() computes their velocities u = J v, and add_transposed_times()
+  /// computes p += Jᵀ λ from their impulses λ. The rows are in physical units, not multiplied by coefficients
+  /// of friction.
   void times(const double* v, double* u) const noexcept;
   void add_transposed_times(const double* lambda, double* p) const noexcept;
   /// Writes the Jacobian J of all rows, rows × nv numbers, row by row.
@@ -137,18 +138,19 @@ class ContactSystem {
   struct PathBody {
     int body, side;  ///< side: 1 on the path of b, -1 on the path of a, 0 on both
   };
-  /// Finds the bodies on the paths from bodies a and b to the ground, and the velocities that articulated
-  /// bodies eliminate at these bodies.
+  /// Finds the bodies on the paths from bodies a and b to the ground, and the velocities that the
+  /// articulated-body algorithm eliminates at these bodies.
   void find_path(int a, int b);
-  /// Writes the column of Y of one row by a backward sweep along the path. The row is given by the wrench
-  /// `on_b` on body b, the opposite of the wrench `on_a` on body a, and the forces x on velocities.
+  /// Writes the column D^-½ L⁻ᵀ Jᵀ of one row by a backward sweep along the path of find_path(). The row of J
+  /// is given by the wrench `on_b` on body b, the opposite of the wrench `on_a` on body a, and the
+  /// generalised forces x.
   void pull_row(int a, int b, const Wrench<Spatial>& on_a, const Wrench<Spatial>& on_b, const double* x,
                 double* Y) noexcept;
-  /// Appends a block whose velocities are those of the path that find_path() found. Sets Y to its part of Y
-  /// and returns its part of J; both have the same layout.
+  /// Appends a block of rows for the velocities of the path that find_path() found. Sets Y to the part of Y =
+  /// D^-½ L⁻ᵀ Jᵀ that belongs to the block, and returns the part of J; both have the same layout.
   double* add_block(ContactLaw law, int rows, double bound, double*& Y, bool compliant = false);
-  /// Adds a contact, whose compliance has the index `compliance` if it is compliant and its normal impulse is
-  /// not known.
+  /// Adds the rows of a contact. If it is compliant and its normal impulse is not known, its compliance gets
+  /// the index `compliance`, which is then increased.
   void add_contact(const Contact& contact, int& compliance);
   void add_unit_row(ContactLaw law, int velocity, double side, double bound);
   void add_loops(const double* q);

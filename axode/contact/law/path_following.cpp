@@ -3,8 +3,8 @@
 
 #include "axode/contact/law/velocity_solver.hpp"
 
-/// Follows the path of solutions from large to small R, for problems in which Newton's method fails. See
-/// "Following the path" of docs/derivations/contact.md.
+/// Follows the path of the solutions of proximal steps as their factor R falls from large to small values,
+/// for problems in which Newton's method fails. See "Following the path" of docs/derivations/contact.md.
 namespace axode {
 namespace {
 
@@ -23,8 +23,8 @@ double VelocitySolver::path_residual(double sigma) noexcept {
   return velocity_residual(x_, f_);
 }
 
-/// Computes the Newton step -f'⁻¹ f to dx_ and the unit tangent (D11.10b) to next_, for the residual f of the
-/// last path_residual().
+/// Writes the Newton step -f'⁻¹ f to dx_ and the unit tangent of the path (D11.10b) to next_, for the
+/// residual f of the last path_residual().
 void VelocitySolver::linearize_path() noexcept {
   factorize_velocities(0);
   u_ = (z_ - lambda_0_).cwiseProduct(R_);

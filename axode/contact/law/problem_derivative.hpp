@@ -8,17 +8,18 @@ struct ProblemDerivative {
   Eigen::MatrixXd multipliers;  ///< dλ in scaled rows, rows × directions
   Eigen::MatrixXd motion;       ///< d(w + Y λ), nv × directions
   /// Whether the motion has a derivative. It may have none if contacts that share a load slide, because
-  /// friction depends on the share of each; or if redundant contacts have changes of r that contradict each
-  /// other.
+  /// friction depends on the share of each; or if the changes of the terms r of redundant contacts contradict
+  /// each other.
   bool unique = true;
-  /// Whether a block is within rounding of the boundary between two branches of its law. The derivative is
-  /// then that of the branch that was taken.
+  /// Whether a block of rows is within rounding of the boundary between two branches of its law, such as
+  /// stick and slide. The derivative is then that of the branch that was taken.
   bool at_kink = false;
 };
 
-/// Differentiates the solution λ of a problem (D11.11) along k changes of its data: dx (nv × k) is dw + dY λ,
-/// and du (rows × k) is dYᵀ (w + Y λ) + dr, in scaled rows. If contacts share a load, dλ is not unique; then
-/// the dλ of least norm in the metric of the masses is returned. Allocates; O(rows³).
+/// Differentiates the multipliers λ that solve a problem (D11.11), with the velocities u = Yᵀ (w + Y λ) + r
+/// of its scaled rows, along k changes of its data: dx (nv × k) is dw + dY λ, and du (rows × k) is dYᵀ (w + Y
+/// λ) + dr. If contacts share a load, dλ is not unique; then the dλ of least norm in the metric of the masses
+/// is returned. Allocates; O(rows³).
 ProblemDerivative differentiate(const VelocityProblem& problem, const double* lambda,
                                 const Eigen::Ref<const Eigen::MatrixXd>& dx,
                                 const Eigen::Ref<const Eigen::MatrixXd>& du);
@@ -34,9 +35,9 @@ struct LawDerivative {
 /// in any way. by_lambda (rows × rows) is ∂u/∂λ at constant data, and by_data (rows × directions) is the
 /// change of u along each direction at constant λ. The multipliers change by
 ///   (1 - Z + Z d⁻² by_lambda) dλ = -Z d⁻² by_data,   Z at z = λ - u/d²                            (D11.18)
-/// with the derivative Z of resolve(). All rows are scaled. `speed` is the size of the velocities of the
-/// mechanism in the metric of the masses, and `change` is that of their changes along the directions;
-/// rounding errors are judged by them. Allocates; O(rows³).
+/// with the derivative Z of resolve() and the scales d² of the rows. All rows are scaled. `speed` is the size
+/// of the velocities of the mechanism in the metric of the masses, and `change` is that of their changes
+/// along the directions; rounding errors are judged by them. Allocates; O(rows³).
 LawDerivative differentiate_law(const VelocityProblem& problem, const double* lambda, const double* u,
                                 const Eigen::Ref<const Eigen::MatrixXd>& by_lambda,
                                 const Eigen::Ref<const Eigen::MatrixXd>& by_data, double speed,

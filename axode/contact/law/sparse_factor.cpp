@@ -81,8 +81,8 @@ void SparseFactor::analyse() noexcept {
   make_lists();
 }
 
-/// Finds the clusters: all indices are one cluster at first, and each group splits the clusters of which it
-/// has only a part.
+/// Finds the clusters, which are sets of indices that occur in the same groups. All indices are one cluster
+/// at first, and each group splits the clusters of which it has only a part.
 void SparseFactor::find_clusters() noexcept {
   std::fill_n(cluster_of_.begin(), n_, 0);
   size_[0] = n_ + 1;  // one more than its members, so that no group has all of cluster 0
@@ -162,8 +162,8 @@ void SparseFactor::order_clusters() noexcept {
   }
 }
 
-/// Merges a cluster into the next one with which it has common rows, if both then have the same rows below
-/// them.
+/// Merges each cluster into the next one in the order of elimination in which its columns have entries, if
+/// the columns of both then have entries in the same rows below them and are not too many.
 void SparseFactor::merge_clusters() noexcept {
   std::vector<int>& below = degree_;
   for (int c = 1; c < clusters_; ++c) {
@@ -305,8 +305,8 @@ void SparseFactor::factorize() noexcept {
   }
 }
 
-/// Gauss' elimination of the columns of a node: P D = L U in its square part, where P exchanges rows; then
-/// the rows of L below the square part, and the columns of U to the right of it.
+/// Gauss' elimination of the columns of a node, which are eliminated together: P D = L U in its square part,
+/// where P exchanges rows; then the rows of L below the square part, and the columns of U to the right of it.
 void SparseFactor::eliminate(const Node& node) noexcept {
   const int columns = node.columns, below = node.below.count, rows = columns + below;
   double* const L = values_.data() + node.L;

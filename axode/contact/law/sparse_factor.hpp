@@ -16,8 +16,8 @@ namespace axode {
 /// occur in no group have rows of the identity.
 class SparseFactor {
  public:
-  /// Size of the square tiles in which products of matrices are computed. Columns are filled up to whole
-  /// tiles.
+  /// Size of the square tiles in which products of matrices are computed. Columns of matrices are filled up
+  /// to whole tiles.
   static constexpr int tile = 4;
   static constexpr int padded(int n) { return (n + tile - 1) / tile * tile; }
 

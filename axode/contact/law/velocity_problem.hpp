@@ -6,12 +6,13 @@
 
 namespace axode {
 
-/// The problem to find multipliers λ for which the velocities u = Yᵀ (w + Y λ) + r of all rows obey the laws
-/// of their blocks together with λ (D11.5).
+/// The problem to find the multipliers (impulses) λ of constraint rows with the Jacobian J, such that the
+/// velocities u = Yᵀ (w + Y λ) + r of the rows obey the laws of their blocks together with λ (D11.5). r are
+/// given terms, see ContactDynamics.
 ///
-/// With M = Lᵀ D L, x = D^½ L v are the velocities in the metric of the masses: |x|² = vᵀ M v. w is x for the
-/// motion without impulses, and Y = D^-½ L⁻ᵀ Jᵀ has a column for each row. The columns of a block are stored
-/// only for the velocities that the block can move.
+/// With the mass matrix M = Lᵀ D L, x = D^½ L v are the velocities in the metric of the masses: |x|² = vᵀ M
+/// v. w is x for the motion without impulses, and Y = D^-½ L⁻ᵀ Jᵀ has a column for each row. The columns of a
+/// block are stored only for the velocities that the block can move.
 ///
 /// The caller gives rows in physical units together with a factor c for each row, which is the coefficient of
 /// friction for friction rows and 1 for all others. finish() multiplies the rows by c; they are called scaled
@@ -36,17 +37,20 @@ class VelocityProblem {
   /// Removes all blocks, and chooses the number of compliances: each adds a velocity after those of the
   /// mechanism (D11.26). The memory stays.
   void clear(int compliances = 0);
-  /// Appends a block and returns its part of Y, support.size() × rows, column by column. The part, and the
-  /// entries of r and c, are the caller's to fill before the next call. Allocates where more is needed than
-  /// was reserved. `support` has ascending velocities; with `compliant` the last one is that of a compliance.
+  /// Appends a block of rows and returns its part of Y, support.size() × rows, column by column. The caller
+  /// must fill this part, and the entries of r and c for these rows, before the next call. `support` are the
+  /// velocities that the block moves, in ascending order; with `compliant` the last one is that of a
+  /// compliance. Allocates where more is needed than was reserved.
   double* add(ContactLaw law, int rows, std::span<const int> support, double bound = 0,
               bool compliant = false);
-  /// Lets the normal row of a block have the velocity u + C λ, where the block has a compliance, after finish().
+  /// Lets the normal row of a block have the velocity u + C λ, where the block has a compliance, after
+  /// finish().
   void set_compliance(const Block& block, double C) noexcept;
   double compliance(const Block& block) const noexcept;
-  /// Multiplies rows by c, and computes the scales d² of the rows: G_NN or half of the largest diagonal of
-  /// the Delassus operator in a contact, whichever is larger, and the diagonal elsewhere (D11.6). Adds the
-  /// motion by the given normal impulses of pressed contacts to w.
+  /// Multiplies the rows by their factors c, and computes the scale d² of each row from the diagonal of the
+  /// Delassus operator Yᵀ Y: the entry of the row; in a contact, for all of its rows, the entry of the normal
+  /// row or half of the largest entry, whichever is larger (D11.6). Adds the motion by the given normal
+  /// impulses of pressed contacts to w.
   void finish() noexcept;
   /// Writes the given normal impulses of pressed contacts, which the law leaves out, into a solution.
   void complete(double* lambda) const noexcept;
@@ -99,8 +103,8 @@ class VelocityProblem {
 /// unit; 1e-12 is rounding. It is NaN if a number is not finite. `scratch` is memory for 2 rows() + nv()
 /// numbers.
 double certificate(const VelocityProblem& problem, const double* lambda, double* scratch) noexcept;
-/// Computes certificate() if the residual λ - resolve(λ - u/d²) (rows() numbers) and t = Y λ (nv() numbers)
-/// are known.
+/// Computes certificate() if the residual λ - resolve(λ - u/d²) (rows() numbers), with the velocities u and
+/// the scales d² of the rows, and the motion t = Y λ (nv() numbers) are known.
 double certificate_of(const VelocityProblem& problem, const double* residual, const double* t) noexcept;
 
 }  // namespace axode

@@ -12,8 +12,8 @@ namespace {
 /// The number ε of Newton's method on the law (D11.9): it makes the matrix regular, and lets redundant
 /// contacts keep their load.
 constexpr double keep = 1e-9;
-/// Y B Yᵀ is added to the matrix in velocities in portions of this number of columns of Y, or at most those
-/// of one block more.
+/// The number of columns of Y that are multiplied at once when Y B Yᵀ is added to the matrix of Newton's
+/// method; with the columns of one more block it may be exceeded.
 constexpr int most_columns = 48;
 constexpr std::size_t matrix_size = LawBlock::most_rows * LawBlock::most_rows;
 
@@ -137,8 +137,9 @@ double VelocitySolver::certify(const double* lambda) noexcept {
   return certificate_of(*problem_, residual_.data(), t_.data());
 }
 
-/// Writes λ - resolve(λ_0 - u/R) to residual_ and resolve(λ_0 - u/R) to resolved_. Returns the norm of the
-/// residual in the metric of the masses.
+/// Evaluates a proximal step from the multipliers λ_0 with the factor R at the multipliers λ: writes
+/// resolve(λ_0 - u/R), with the velocities u of the rows, to resolved_, and λ minus this to residual_.
+/// Returns the norm of the residual in the metric of the masses.
 double VelocitySolver::multiplier_residual(const Vector& lambda) noexcept {
   const Eigen::Map<const Eigen::MatrixXd> G(G_memory_.data(), rows_, rows_);
   const Eigen::Map<const Eigen::VectorXd> d2(problem_->squared_scales().data(), rows_);

@@ -17,10 +17,10 @@ struct [[nodiscard]] VelocitySolution {
 
 /// Solves a VelocityProblem by proximal steps on resolve(), each by Newton's method (D11.8), and by Newton's
 /// method on the law itself near the solution (D11.9). The unknowns are velocities, or the multipliers if
-/// their dense matrix takes fewer operations. If the certificate stays above 1e-9, the solver starts again:
-/// from 0, from the results of alternating directions (D11.10), from points on the path of solutions
-/// (D11.10a), and from disturbed multipliers. It returns the multipliers with the least certificate, and this
-/// certificate. It never replaces the laws by other laws.
+/// their dense matrix takes fewer operations. If the certificate, the relative error of the laws, stays above
+/// 1e-9, the solver starts again: from 0, from the results of alternating directions (D11.10), from points on
+/// the path of solutions (D11.10a), and from disturbed multipliers. It returns the multipliers with the least
+/// certificate, and this certificate. It never replaces the laws by other laws.
 ///
 /// Matrices in velocities are factorised along the bodies that touch, see SparseFactor, by Cholesky's method
 /// while no contact slides. Matrices in multipliers are dense and take O(rows³).
@@ -33,11 +33,11 @@ class VelocitySolver {
   /// take seconds, and returns false to end the search. It may be empty.
   using Monitor = std::function<bool()>;
 
-  /// Improves the multipliers `lambda` of scaled rows from their given values until the certificate is at
-  /// most `tolerance`, or until rounding prevents progress. Further starts are made only while the
-  /// certificate is above 1e-9. The monitor is called before each further start and before each step on the
-  /// path of solutions; the search ends if it returns false. Requires reserve(). Allocates nothing, and
-  /// throws only what the monitor throws.
+  /// Improves the multipliers `lambda` of scaled rows from their given values until the certificate, the
+  /// relative error of the laws, is at most `tolerance`, or until rounding prevents progress. Further starts
+  /// are made only while the certificate is above 1e-9. The monitor is called before each further start and
+  /// before each step on the path of solutions; the search ends if it returns false. Requires reserve().
+  /// Allocates nothing, and throws only what the monitor throws.
   VelocitySolution solve(const VelocityProblem& problem, double* lambda, double tolerance = 1e-12,
                          const Monitor& monitor = {});
 
@@ -58,45 +58,48 @@ class VelocitySolver {
     double mu = 1e-2;  ///< number μ with R = μ d² in the first proximal step
     int patience = 0;  ///< see polish()
   };
-  /// Improves λ by proximal steps and, while the certificate is below 1e-2, by polish(). Returns the
-  /// certificate.
+  /// Improves the multipliers λ by proximal steps and, while the certificate (the relative error of the laws)
+  /// is below 1e-2, by polish(). Returns the certificate.
   double newton(double* lambda, double tolerance, const NewtonOptions& options) noexcept;
-  /// Whether the search goes on: the certificate is above `accepted`, and the monitor has not ended the
-  /// search.
+  /// Whether the search goes on: the relative error of the laws is above `accepted`, and the monitor has not
+  /// ended the search.
   bool searches();
-  /// Runs newton() from the multipliers in start_, and takes its result if its certificate is lower than that
-  /// of the best multipliers.
+  /// Runs newton() from the multipliers in start_, and takes its result if the laws hold more exactly than
+  /// for the best multipliers so far.
   void improve(double tolerance, const NewtonOptions& options) noexcept;
-  /// Makes a proximal step from lambda_0_ by Newton's method, until the norm of the residual is at most
-  /// `goal`. Writes λ to resolved_ and the number of Newton steps to `iterations`, and returns the norm of
-  /// the residual.
+  /// Makes a proximal step from the multipliers lambda_0_ by Newton's method, until the norm of the residual
+  /// is at most `goal`. Writes the new multipliers to resolved_ and the number of Newton steps to
+  /// `iterations`, and returns the norm of the residual.
   double proximal_step(double goal, int& iterations) noexcept;
   double multiplier_residual(const Vector& lambda) noexcept;
   double velocity_residual(const Vector& x, Vector& f) noexcept;
   template <class Residual>
   bool search(const Vector& from, const Vector& direction, Vector& to, double& norm,
               const Residual& residual) noexcept;
-  /// Improves λ by Newton's method on the law itself (D11.9) and returns its certificate. The iteration ends
-  /// at the tolerance, or after more than `patience` steps that do not halve the least certificate.
+  /// Improves the multipliers λ by Newton's method on the law itself (D11.9) and returns their certificate,
+  /// the relative error of the laws. The iteration ends at the tolerance, or after more than `patience` steps
+  /// that do not halve the least certificate.
   double polish(double* lambda, double tolerance, int patience) noexcept;
 
-  /// Makes the matrix B of each block from the derivative Z of resolve() at z_. B is Z/R if `kept` is 0.
-  /// Otherwise B is (1 - (1 - kept) Z)⁻¹ Z/R, with ε = kept of (D11.9). Returns whether all of them are
-  /// symmetric.
+  /// Makes the matrix B of each block for Newton's method, from the derivative Z of resolve() at z_ and the
+  /// factor R of the proximal step. B is Z/R if `kept` is 0. Otherwise B is (1 - (1 - kept) Z)⁻¹ Z/R, with ε
+  /// = kept of (D11.9). Returns whether all of them are symmetric.
   bool make_matrices(double kept) noexcept;
-  /// Factorises 1 + Y B Yᵀ with the matrices B of make_matrices(). `symmetric` says whether all of them are
-  /// symmetric.
+  /// Factorises the matrix 1 + Y B Yᵀ of Newton's method in velocities, with the matrices B of
+  /// make_matrices(). `symmetric` says whether all of them are symmetric.
   void factorize_with(bool symmetric) noexcept;
   void factorize_velocities(double kept) noexcept;
-  /// Factorises 1 + Z R⁻¹ Yᵀ Y if `kept` is 0, and 1 - (1 - kept) Z + Z R⁻¹ Yᵀ Y with ε = kept of (D11.9)
-  /// otherwise.
+  /// Factorises the matrix of Newton's method in multipliers, with the derivative Z of resolve() and the
+  /// factor R of the proximal step: 1 + Z R⁻¹ Yᵀ Y if `kept` is 0, and 1 - (1 - kept) Z + Z R⁻¹ Yᵀ Y with ε =
+  /// kept of (D11.9) otherwise.
   void factorize_multipliers(double kept) noexcept;
   /// a := B a, block by block, with the matrices B of make_matrices().
   void multiply_blocks(Vector& a) const noexcept;
 
-  /// Runs alternating directions from λ = 0 and writes the best multipliers to `lambda`. If `on_laws`,
-  /// resolve() satisfies the laws. Otherwise impulses are projected on the friction cones, and the tangential
-  /// speed is added to the normal velocity of each contact (De Saxcé's form of the law).
+  /// Runs the alternating direction method of multipliers from λ = 0 and writes the best multipliers to
+  /// `lambda`. If `on_laws`, its projection is resolve(), so that impulses obey the laws. Otherwise impulses
+  /// are projected on the friction cones, and the tangential speed is added to the normal velocity of each
+  /// contact (De Saxcé's form of the law).
   void alternate(double* lambda, bool on_laws) noexcept;
   void apply_delassus(const Vector& a, Vector& out) noexcept;
   double largest_eigenvalue() noexcept;
@@ -111,8 +114,8 @@ class VelocitySolver {
   double path_residual(double sigma) noexcept;
   void linearize_path() noexcept;
   bool step_on_path(const PathVector& direction, double length, bool beyond_kink) noexcept;
-  /// Follows the path of solutions for R = exp(σ) d² (D11.10a) as σ falls, and runs newton() from points of
-  /// the path. The path begins at the multipliers in y_.
+  /// Follows the path of the solutions of proximal steps with the factor R = exp(σ) d² (D11.10a) as σ falls,
+  /// and runs newton() from points of the path. The path begins at the multipliers in y_.
   void follow_path(double tolerance);
 
   /// The largest certificate at which no further start is made.

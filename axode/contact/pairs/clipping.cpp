@@ -27,8 +27,8 @@ template <class T> struct Clipped {
   }
 };
 
-/// Returns the part of `in` whose height over a plane is not positive (Sutherland and Hodgman). `side` is the
-/// label of a new edge in the plane.
+/// Returns the part of the polygon or segment `in` whose height over a plane is not positive (Sutherland and
+/// Hodgman). `side` is the label of a new edge in the plane.
 template <class T, class Height>
 Clipped<T> keep_below(const Clipped<T>& in, bool segment, const Height& height, std::uint32_t side,
                       double rounding) noexcept {

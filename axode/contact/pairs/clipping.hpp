@@ -4,8 +4,8 @@
 
 namespace axode {
 
-/// The supporting features of two bodies a and b along the unit vector n from a to b, and the radii of the
-/// balls that are added to their cores.
+/// The supporting features of two convex bodies a and b, which are the faces or segments that face each other
+/// along the unit vector n from a to b, and the radii of the balls that round the bodies.
 template <class T> struct FacingFeatures {
   const Feature<T>&a, &b;
   Vec3<T> n;
@@ -14,10 +14,10 @@ template <class T> struct FacingFeatures {
   double size = 0;                    ///< size of the bodies, by which rounding errors are judged, m
 };
 
-/// Clips the feature of one body by that of the other, seen along n, and adds the corners of the part in
-/// which both lie (D10.12) as contact points. The gap of each corner is the distance of the two surfaces
-/// along n at this corner. Returns the least gap, or infinity if the features do not lie beside each other or
-/// have no corners.
+/// Clips the supporting feature (face or segment) of one body by that of the other, seen along n, and adds
+/// the corners of the part in which both lie (D10.12) as contact points. The gap of each corner is the
+/// distance of the two surfaces along n at this corner. Returns the least gap, or infinity if the features do
+/// not lie beside each other or have no corners.
 template <class T> double clip(const FacingFeatures<T>& features, PointList<T>& out) noexcept;
 
 }  // namespace axode

@@ -109,8 +109,8 @@ template <class T> struct Axis {
   }
 };
 
-/// The parameter t on axis a of the nearest points of two axes (Ericson, Real-Time Collision Detection,
-/// section 5.1.9).
+/// The parameter t of the point on axis a that is nearest to another axis (Ericson, Real-Time Collision
+/// Detection, section 5.1.9).
 template <class T> T nearest_parameter(const Axis<T>& a, const Axis<T>& b) {
   const Vec3<T> r = a.center - b.center;
   const T aa = dot(a.half, a.half), ab = dot(a.half, b.half), bb = dot(b.half, b.half);

@@ -3,13 +3,13 @@
 #include "axode/lie/mat3.hpp"
 
 /// Derivatives of body wrenches when a subtree is displaced along a screw J. J is the joint screw of a
-/// velocity, a unit screw for a geometric parameter, or any screw for a base. All quantities are spatial:
-/// they are in inertial axes and about one point O for each tree.
+/// velocity, a unit screw for a geometric parameter, or any screw if the base of the tree is displaced. All
+/// quantities are spatial: they are in inertial axes and about one point O for each tree.
 ///
 /// In a frame that is displaced with the subtree, only the motion of the base of the subtree changes: by the
-/// velocity ψ' and the acceleration ψ'', see CarriedScrew. This changes the wrench of a body with the inertia
-/// M and the twist V by M ψ'' + B ψ', where B X = M' X - ad_Xᵀ M V is the Coriolis force for the pair of
-/// velocities V and X.
+/// velocity ψ' and the acceleration ψ'', the time derivatives of J, see CarriedScrew. This changes the wrench
+/// of a body with the inertia M and the twist V by M ψ'' + B ψ', where B X = M' X - ad_Xᵀ M V is the Coriolis
+/// force for the pair of velocities V and X.
 namespace axode {
 
 /// A six-vector of se(3) in inertial axes about O, which may be a twist, the rate of a twist, a screw or the
@@ -17,7 +17,7 @@ namespace axode {
 template <class T> using Motion6 = Twist<Spatial, T>;
 
 /// The first two time derivatives of a screw that coincides with J now and is fixed to a body with the twist
-/// V_p and the rate V'_p: `first` is ψ' = [V_p, J], and `second` is ψ'' = [V'_p, J] + [V_p, ψ']. See (D1.4)
+/// V_p, whose rate is V'_p: `first` is ψ' = [V_p, J], and `second` is ψ'' = [V'_p, J] + [V_p, ψ']. See (D1.4)
 /// of docs/derivations.
 template <class T> struct CarriedScrew {
   Motion6<T> first, second;
@@ -49,8 +49,8 @@ template <class T> struct CoriolisInertia {
   constexpr Vec3<T> transposed_times(const Motion6<T>& X) const {
     return T(2) * (transposed_times_(X.w) + cross(p, X.v));
   }
-  /// The derivative of B when the bodies are displaced along J together with their velocities r'. See (D2.10)
-  /// of docs/derivations.
+  /// The derivative of this Coriolis inertia when the bodies are displaced along the screw J together with
+  /// their velocities. See (D2.10) of docs/derivations.
   constexpr CoriolisInertia along(const Motion6<T>& J) const {
     const Vec3<T>& e = J.w;
     const T pv = dot(p, J.v);  // D' = e~ D - D e~ + p·v 1 - p vᵀ

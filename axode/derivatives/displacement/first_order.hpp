@@ -46,8 +46,8 @@ template <class T> struct FirstOrder {
       if (!loads.wrenches.empty()) load(tree, q, loads.wrenches);
     compose(*tree.operator->(), !loads.wrenches.empty());
   }
-  /// Computes the ScrewEffects of all columns from the motion and loads of the bodies, which must be in
-  /// `screws`. `loaded` says whether there are loads.
+  /// Computes the ScrewEffects, the factors of the derivatives, of all joint screws from the motion and loads
+  /// of the bodies, which must be in `screws`. `loaded` says whether there are loads.
   void compose(const Topology& topology, bool loaded) noexcept {
     screws.compose(topology);
     for (int c = 0; c < topology.n_screws; c += L::width) {
@@ -107,8 +107,8 @@ template <class T> struct FirstOrder {
     }
   }
 
-  /// Calls by_q(component, direction, part of the entry) for every entry of ∂τ/∂q that can differ from 0, and
-  /// by_v with the same arguments for ∂τ/∂v. An entry of a velocity that several joints share comes in
+  /// Calls by_q(component of τ, direction, part of the entry) for every entry of ∂τ/∂q that can differ from
+  /// 0, and by_v with the same arguments for ∂τ/∂v. An entry of a velocity that several joints share comes in
   /// several parts, which add up.
   template <class Real, class ByQ, class ByV>
   void each_entry(const Tree<Real>& tree, const Loads<T>& loads, const ByQ& by_q, const ByV& by_v) noexcept {
@@ -147,8 +147,8 @@ template <class T> struct FirstOrder {
   enum Part { S = 0, psi_2 = 6, sigma = 12, U = 18, P = 24, R = 30, psi_1 = 36, t = 39 };
 
  private:
-  /// Multiplies column l with the columns from `begin` to `end` - 1 and writes the products of ScrewEffects
-  /// to `line`.
+  /// Multiplies the ScrewEffects of joint screw l with those of the joint screws from `begin` to `end` - 1,
+  /// and writes their five products to `line`.
   void multiply(int l, int begin, int end, bool loaded) noexcept {
     const Arrays<T> e = effect, n = NtS, out = line;  // local copies, so that the compiler knows that no
                                                       // result overwrites them
@@ -166,8 +166,8 @@ template <class T> struct FirstOrder {
     }
   }
 
-  /// Calls by_q, by_v and by_a as f(component, direction, part of the entry) with the entries that follow
-  /// from column l of body i, after multiply().
+  /// Calls by_q, by_v and by_a as f(component of τ, direction, part of the entry) with the entries of ∂τ/∂q,
+  /// ∂τ/∂v and ∂τ/∂a that follow from the products of multiply() for joint screw l of body i.
   template <class Real, class ByQ, class ByV, class ByA>
   void each_entry_of(const Tree<Real>& tree, int l, int i, const ByQ& by_q, const ByV& by_v,
                      const ByA& by_a) const noexcept {

@@ -17,8 +17,8 @@ template <class T> SE3<T> frame_at_zero(const Tree<T>& tree, int i, const T* q) 
     return inverse(moved) * tree.frame_offset[i];
   });
 }
-/// Calls f(u, screw) for the six unit screws u = 0 to 5 of a frame with the pose E, angular before linear.
-/// The screws are expressed in the frame relative to which E is given.
+/// Calls f(u, screw) for the six unit screws u = 0 to 5 of a frame, angular before linear. E is the pose of
+/// the frame relative to another frame, in which the screws are expressed.
 template <class T, class F> void each_unit_screw(const SE3<T>& E, const F& f) noexcept {
   for (int u = 0; u < 6; ++u) {
     const auto one = [&](int k) { return T(u == k); };

@@ -19,8 +19,8 @@ constexpr Wrench<BodyFixed, T> load_change(Representation representation, const 
   }
   return {};
 }
-/// The gradient of the power L(X) W | Y with respect to X, where L(X) W is the change of a load W that
-/// turned() computes.
+/// The gradient of the power L(X) W | Y of the twist Y with respect to the displacement X, where L(X) W is
+/// the change of a load W that load_change() computes.
 template <class T>
 constexpr Wrench<BodyFixed, T> load_change_transposed(Representation representation,
                                                       const Wrench<BodyFixed, T>& W,

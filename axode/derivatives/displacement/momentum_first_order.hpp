@@ -5,7 +5,9 @@
 namespace axode {
 
 /// Factors from which the derivatives of the momenta M v, and of the part Π|[V, S] of p', are products, for
-/// each joint screw S; Π is the momentum of its subtree. If the joint of l is before that of k on one path,
+/// each joint screw S. With the inertia M and the momentum Π of its subtree, and the twists V_p of the
+/// predecessor and V of the body, they are ψ = [V_p, S], η = [V, S], U = M S, D = M ψ - ad_Sᵀ Π and A = M η -
+/// ad_Sᵀ Π. If the joint of velocity l is before that of velocity k on one path,
 ///   d(Mv)_l/dq_k = S_l|D_k   dp'_l/dq_k = η_l|D_k    dp'_l/dv_k = η_l|U_k
 ///   d(Mv)_k/dq_l = U_k|ψ_l   dp'_k/dq_l = A_k|ψ_l    dp'_k/dv_l = A_k|S_l
 /// If l and k belong to one joint, the second line holds for any two. See (D5.3) and (D5.4) of
@@ -140,8 +142,8 @@ template <class T> struct MomentumFirstOrder {
   /// Offsets of the members of MomentumEffects in its array of numbers.
   enum Part { S = 0, psi = 6, eta = 12, U = 18, D = 24, A = 30 };
 
-  /// Multiplies column l with the columns from `begin` to `end` - 1 and writes the six products of
-  /// MomentumEffects to `line`.
+  /// Multiplies the MomentumEffects of joint screw l with those of the joint screws from `begin` to `end` -
+  /// 1, and writes their six products to `line`.
   void multiply(int l, int begin, int end) noexcept {
     Number x[U];
     for (int k = 0; k < U; ++k) x[k] = Number(effect.array(k)[l]);
@@ -155,8 +157,9 @@ template <class T> struct MomentumFirstOrder {
       }
   }
 
-  /// Calls Mv_by_q, by_q and by_v as f(component, direction, part of the entry) for the entries of (Mv)_q,
-  /// F_q and F_v. An entry of a velocity that several joints share comes in several parts, which add up.
+  /// Calls Mv_by_q, by_q and by_v as f(component, direction, part of the entry) for the entries of the
+  /// derivatives of M v by q, of p' by q and of p' by v. An entry of a velocity that several joints share
+  /// comes in several parts, which add up.
   template <class MvByQ, class ByQ, class ByV>
   void each_entry(const Tree<T>& tree, const MvByQ& Mv_by_q, const ByQ& by_q, const ByV& by_v) noexcept {
     for (int i = 1; i <= tree->n; ++i)

@@ -10,8 +10,8 @@
 namespace axode {
 
 /// The quantities of a body on which the change of its wrench depends when it is displaced: inertia M,
-/// Coriolis inertia B and wrench F, in inertial axes about O. They can be summed over bodies. See (D1.11) of
-/// docs/derivations.
+/// Coriolis inertia B and wrench F, in inertial axes about one point for each tree. They can be summed over
+/// bodies. See (D1.11) of docs/derivations.
 template <class T> struct MovingInertia {
   Inertia<T> M;
   CoriolisInertia<T> B;
@@ -27,12 +27,16 @@ template <class T> struct MovingInertia {
   }
 };
 
-/// Factors from which the derivatives of τ are products, for each joint screw S: with the screws S_l and S_k
-/// of the velocities l and k, where the joint of l is before that of k on one path,
+/// Factors from which the derivatives of τ are products, for each joint screw S. With the inertia M, the
+/// Coriolis inertia B and the wrench F of its subtree, the twists V_p of the predecessor and V of the body,
+/// and the time derivatives ψ' and ψ'' of S as it moves with the predecessor (see CarriedScrew), they are σ =
+/// ψ' + [V, S], U = M S, P = M ψ'' + B ψ' - ad_Sᵀ F, R = M σ + B S, and the moment t of Bᵀ S. If the joint of
+/// velocity l is before that of velocity k on one path,
 ///   dτ_l/dq_k = S_l|P_k   dτ_l/dv_k = S_l|R_k   M_lk = S_l|U_k
 ///   dτ_k/dq_l = U_k|ψ''_l + t_k·ω(ψ'_l) + N_kᵀS_k|S_l   dτ_k/dv_l = U_k|σ_l + t_k·ω(S_l)
-/// where ω is the angular part. If l and k belong to one joint, the second line and M_lk hold for any two.
-/// See (D1.16) and (D1.17) of docs/derivations.
+/// where ω is the angular part and N_k the stiffness of the loads on the subtree, see LoadStiffness; N_k S_k
+/// is added to P_k. If l and k belong to one joint, the second line and M_lk hold for any two. See (D1.16)
+/// and (D1.17) of docs/derivations.
 template <class T> struct ScrewEffects {
   Motion6<T> S, psi_2, sigma;
   Wrench<Spatial, T> U, P, R;
@@ -41,8 +45,9 @@ template <class T> struct ScrewEffects {
   static constexpr std::size_t size = 42;
   using Entries = std::array<T, size>;
 
-  /// Computes the factors for a joint screw S. `moved` is the sum over the subtree, V_p and dV_p are the
-  /// twist of the predecessor and its rate, and V is the twist of the body.
+  /// Computes the factors for a joint screw S, except the contribution of the load stiffness to P. `moved` is
+  /// the sum over the subtree, V_p and dV_p are the twist of the predecessor and its rate, and V is the twist
+  /// of the body.
   static constexpr ScrewEffects of(const MovingInertia<T>& moved, const Motion6<T>& S, const Motion6<T>& V_p,
                                    const Motion6<T>& dV_p, const Motion6<T>& V) {
     const CarriedScrew<T> psi(V_p, dV_p, S);
@@ -62,8 +67,8 @@ template <class T> struct ScrewEffects {
   }
 };
 
-/// load6() loads a six-vector from components 0 to 5 of the entries from i on, one entry in each lane. set6()
-/// stores one six-vector in entry i.
+/// load6() loads six-vectors from the entries from i on, one entry in each lane. set6() stores one six-vector
+/// in entry i.
 template <class T> Motion6<typename Lanes<T>::Number> load6(const Arrays<T>& x, int i) {
   return {x.load3(0, i), x.load3(3, i)};
 }
@@ -97,8 +102,8 @@ void sum_subtrees(const Topology& topology, int n, const Arrays<T>& of_bodies,
 
 /// The joint screws of a moving tree, and the quantities on which displacements along them depend, in
 /// inertial axes about the origins of the roots at this instant. A column is one joint screw; the columns of
-/// a subtree are adjacent. The screw of a coupled joint is for a unit velocity of its leader. All members
-/// together take about 650 products and sums for a hinge.
+/// a subtree are adjacent. The screw of a coupled joint is for a unit velocity of its leader. Takes about 650
+/// products and sums for a hinge.
 template <class T> struct MovingScrews {
   using L = Lanes<T>;
   using Number = typename L::Number;
@@ -194,8 +199,9 @@ template <class T> struct MovingScrews {
   Motion6<T> screw(int c) const { return {S.get3(0, c), S.get3(3, c)}; }
 
  private:
-  /// Stores the column c with the screw S_c, and adds its parts v S_c and a S_c + v [V_p, S_c] to the motion
-  /// of the body. For a joint with several screws S, the sum of the brackets equals [V_i, S v].
+  /// Stores the joint screw S_c of column c, and adds the parts v S_c and a S_c + v [V_p, S_c], with its
+  /// velocity v, its acceleration a and the twist V_p of the predecessor, to the twist of the body and its
+  /// rate. For a joint with several screws S, the sum of the brackets equals [V_i, S v].
   void add(int c, const Motion6<T>& S_c, const SpatialMotion& p, const T& v, const T& a,
            SpatialMotion& next) noexcept {
     set6(S, c, S_c);

@@ -21,9 +21,9 @@ template <class T> struct ForwardJvp {
   explicit ForwardJvp(Arena& arena)
       : forward(arena), jvp(arena), zero(arena.per_velocity<T>()), x(arena.per_velocity<T>()) {}
 
-  /// Computes the change x = M⁻¹ (δτ - ∂τ/∂q δq - ∂τ/∂v δv) of the accelerations of forward dynamics along
-  /// (dq, dv, dtau). The derivatives of inverse dynamics are taken at these accelerations. See (D1.24) of
-  /// docs/derivations.
+  /// Computes the change x = M⁻¹ (δτ - ∂τ/∂q δq - ∂τ/∂v δv) of the accelerations of forward dynamics for the
+  /// changes dq, dv and dtau. ∂τ/∂q and ∂τ/∂v are those of inverse dynamics at these accelerations. See
+  /// (D1.24) of docs/derivations.
   Solvability run(const Tree<T>& tree, const T* q, const T* v, const T* tau, const T* dq, const T* dv,
                   const T* dtau, const Loads<T>& loads) noexcept {
     const Solvability verdict = forward.run(tree, q, v, tau, loads);
@@ -48,8 +48,8 @@ template <class T> struct ForwardVjp {
     if (verdict.ok()) compute_gradient(tree, q, v, w, loads);
     return verdict;
   }
-  /// Computes the gradient by q and v of -μ·τ of inverse dynamics at the accelerations of forward.run(), with
-  /// μ = M⁻¹ w. It is the gradient of w·a of forward dynamics by q and v; that by τ is μ. Requires
+  /// Computes the gradient of w·a of forward dynamics by q and v. It is the gradient of -μ·τ of inverse
+  /// dynamics at the accelerations a of forward.run(), with μ = M⁻¹ w, which is the gradient by τ. Requires
   /// forward.run().
   void compute_gradient(const Tree<T>& tree, const T* q, const T* v, const T* w,
                         const Loads<T>& loads) noexcept {
@@ -67,8 +67,9 @@ template <class T> struct TermDerivatives {
 
   explicit TermDerivatives(Arena& arena) : state(arena), zero(arena.per_velocity<T>()) {}
 
-  /// Computes the derivatives with loads and gravity g at the velocities v, or at rest if v is null. A
-  /// matrix, dq or dv, that is null is skipped.
+  /// Computes the derivatives of the forces of inverse dynamics by q and v, with loads and gravity g, without
+  /// accelerations, and at the velocities v, or at rest if v is null. A matrix, dq or dv, that is null is
+  /// skipped.
   void run(const Tree<T>& tree, const T* q, const T* v, const Loads<T>& loads, const Vec3<T>& g, T* dq,
            T* dv) noexcept {
     std::fill_n(zero, tree->nv, T(0));
@@ -90,8 +91,8 @@ template <class T> struct EnergyGradient {
   explicit EnergyGradient(Arena& arena) : vjp(arena), zero(arena.per_velocity<T>()) {}
 };
 
-/// The joint screws of the bodies on the path from a place (a frame, or a point in it) to the ground, in the
-/// frame of the place, beginning with the last body.
+/// The joint screws of the bodies on the path from a place (a frame on a body, or a point in it) to the
+/// ground, in the frame of the place, beginning with the last body.
 template <class T> struct CarryingScrews {
   struct Column {
     int j, c;  ///< indices of body and velocity
@@ -137,8 +138,8 @@ template <class T> struct SpringColumns {
     count = n_velocities = 0;
     std::fill_n(listed_, nv_, char(0));
   }
-  /// Adds x and dx to the derivatives of the coordinate and of its rate by the position that belongs to
-  /// velocity c.
+  /// Adds x and dx to the derivatives of the coordinate of the spring and of its rate by the joint position
+  /// that belongs to velocity c.
   void add(int c, const T& x, const T& dx) noexcept {
     if (!listed_[c]) {
       listed_[c] = 1;

@@ -98,7 +98,7 @@ template <class G, class T> struct InverseDynamicsGradient {
   }
 
   /// Applies a load W on body i. n is the gradient of the power L(X) W | Λ with respect to a displacement X
-  /// of the body, see turned_transposed().
+  /// of the body that changes the load by L(X) W, see load_change_transposed().
   void load(int i, const Wrench<BodyFixed, T>& W, const Wrench<BodyFixed, T>& n) noexcept {
     body[i].m -= Vector(W.m);
     body[i].f -= Vector(W.f);
@@ -106,8 +106,8 @@ template <class G, class T> struct InverseDynamicsGradient {
     body[i].n_f -= Vector(n.f);
   }
 
-  /// The backward sweep, after forward() and load(): adds the contributions of all bodies to the gradients by
-  /// q, v and a.
+  /// The backward sweep, after forward() and load(): adds the gradients of λ·τ by q, v and a to the last
+  /// three arguments.
   template <class S>
   void backward(const Tree<S>& tree, const T* v, const T* a, const T* lambda, T* by_q, T* by_v,
                 T* by_a) noexcept {
@@ -148,9 +148,8 @@ template <class G, class T> struct InverseDynamicsGradient {
   }
   bool loaded = false;  ///< whether there are loads, so that n is not 0
 
-  /// The wrench g of the subtree of joint i, after backward(): the power g|X on a screw X is the derivative
-  /// of λ·τ along a displacement X of the subtree that comes before the joint. V_J is the twist S v of the
-  /// joint.
+  /// The wrench g of the subtree of joint i, after backward(): the power g|X is the derivative of λ·τ for a
+  /// displacement of the subtree along a screw X that acts before joint i. V_J is the twist S v of the joint.
   template <class S>
   Wrench<BodyFixed, T> by_displacement(const Tree<S>& tree, int i, const Twist<BodyFixed, T>& V_J, const T* a,
                                        const T* lambda) const noexcept {

@@ -17,8 +17,8 @@ template <class T> struct InverseDynamicsJvp {
   explicit InverseDynamicsJvp(Arena& arena)
       : tangent(arena), C(arena), eta(arena.per_body<Twist<BodyFixed, T>>()), out(arena.per_velocity<T>()) {}
 
-  /// Computes δτ (nv) at the state (q, v, a) along the direction (dq, dv, da). `dtau` may share the memory of
-  /// an argument.
+  /// Computes the change δτ (nv) of the forces of inverse dynamics at the state (q, v, a) along the direction
+  /// (dq, dv, da). `dtau` may share the memory of an argument.
   template <class Real>
   void run(const Tree<Real>& tree, const T* q, const T* v, const T* a, const T* dq, const T* dv, const T* da,
            const Loads<T>& loads, T* dtau) noexcept {

@@ -12,12 +12,12 @@
 /// generated. A kernel takes all its memory in its constructor. run(tree, x, out) reads the inputs x of the
 /// row and writes its results one after the other. Loads and losses are ignored.
 ///
-/// By is the algorithm for accelerations, on the scalar By::T:
+/// The template parameter By is the algorithm for accelerations, on the scalar By::T:
 ///   accelerate(tree, q, v, tau, a) a = M⁻¹ (τ - h); prepares for the functions below
 ///   solve_one(tree, x)             x := M⁻¹ x
 ///   solve(tree, X)                 X := M⁻¹ X for a matrix of nv columns, row by row
 ///   inverse(tree, X)               X := M⁻¹
-/// where h are the bias forces.
+/// where M is the mass matrix and h are the bias forces.
 namespace axode::catalog {
 
 template <Id id, class By> struct RowKernel;
@@ -108,8 +108,8 @@ template <class By> struct RowKernel<Id("forward_dynamics_derivatives"), By> {
     by.inverse(tree, out + 2 * entries);
   }
 };
-/// Computes the change da of the accelerations from M da = dτ - dID(q, v, a)[dq, dv, 0], where dID(q, v,
-/// a)[·] is the derivative of inverse dynamics along a direction.
+/// Computes the change da of the accelerations of forward dynamics along (dq, dv, dτ): da = M⁻¹ (dτ - x),
+/// where x is the change of the forces of inverse dynamics along (dq, dv) at constant accelerations.
 template <class By> struct RowKernel<Id("forward_dynamics_jvp"), By> {
   using T = typename By::T;
   InverseDynamicsJvp<T> jvp;
@@ -126,7 +126,7 @@ template <class By> struct RowKernel<Id("forward_dynamics_jvp"), By> {
   }
 };
 /// Computes the gradients of w·a of forward dynamics. The gradient by τ is μ = M⁻¹ w; those by q and v are
-/// the gradients of -μ·ID(q, v, a), where ID is inverse dynamics at the accelerations a.
+/// the gradients of -μ·τ of inverse dynamics at the accelerations a.
 template <class By> struct RowKernel<Id("forward_dynamics_vjp"), By> {
   using T = typename By::T;
   InverseDynamicsVjp<T> vjp;

@@ -4,9 +4,10 @@
 
 namespace axode {
 
-/// Computes the second derivatives of w·a of forward dynamics in the four blocks qq, qv, vv and, in H.aq,
-/// tauq. `second` must have been run with the weights μ = -M⁻¹ w at the accelerations a. With the second
-/// derivatives H_qq, H_qv, H_vv and Q = H_aq of μ·τ of inverse dynamics, which it provides,
+/// Computes the second derivatives of w·a of forward dynamics along the pairs of directions (q, q), (q, v),
+/// (v, v) and (τ, q), below qq, qv, vv and tauq; the last one is written to H.aq. `second` must have been run
+/// with the weights μ = -M⁻¹ w at the accelerations a. With the second derivatives H_qq, H_qv, H_vv and Q =
+/// H_aq of μ·τ of inverse dynamics, which it provides,
 ///   tauq = M⁻¹ Q    qq = H_qq + P + Pᵀ, P = -tauqᵀ ∂τ/∂q    qv = H_qv - tauqᵀ ∂τ/∂v    vv = H_vv.
 /// No matrix except the results is stored: products with ∂τ/∂q and ∂τ/∂v are added entry by entry. solve(X)
 /// computes X := M⁻¹ X for a matrix X of nv columns. See (D2.9) of docs/derivations.

@@ -5,10 +5,11 @@
 
 /// Second derivatives of weighted sums with weights w, as optimal control needs them, without a tensor.
 ///
-/// A block has nv × nv numbers, row by row. Its entry [k][l] is the derivative along direction k, the outer
-/// one, of the derivative along direction l, the inner one. For a joint with several velocities, the
-/// displacement k of q comes before l: q ⊕ ε_k e_k ⊕ ε_l e_l. Within such a joint, qq[k][l] - qq[l][k] is the
-/// derivative along the bracket [e_k, e_l]; all other entries of qq are symmetric. Results must not overlap.
+/// A matrix of second derivatives has nv × nv numbers, row by row. Its entry [k][l] is the derivative along
+/// direction k, the outer one, of the derivative along direction l, the inner one. For a joint with several
+/// velocities, the displacement k of q comes before l: q ⊕ ε_k e_k ⊕ ε_l e_l. Hence the matrix for the
+/// directions (q, q) is symmetric except within such joints, where the entries [k][l] and [l][k] differ by
+/// the derivative along the bracket [e_k, e_l]. Results must not overlap.
 namespace axode {
 
 /// Receives the second derivatives of Σ_i w_i τ_i of inverse dynamics along the pairs of directions (q, q),

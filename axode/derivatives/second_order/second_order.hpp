@@ -5,10 +5,10 @@
 namespace axode {
 
 /// The quantities of a body on which the change of the gradient of λ·τ depends when the tree is displaced. Λ
-/// is the twist that the body would have if the joints moved with the velocities λ. M and B are the inertia
-/// and the Coriolis inertia of the body. A = M Λ; H = Bᵀ Λ, a wrench without force; and D with the force p of
-/// A is the Coriolis inertia for the twist Λ instead of V. All of them can be summed over bodies. See (D1.21)
-/// and (D2.2) of docs/derivations.
+/// is the twist that the body would have if the joints moved with the velocities λ. With the inertia M and
+/// the Coriolis inertia B of the body, they are the wrench A = M Λ, the moment H of the wrench Bᵀ Λ, whose
+/// force is 0, and the matrix D of the Coriolis inertia for the twist Λ instead of V. All of them can be
+/// summed over bodies. See (D1.21) and (D2.2) of docs/derivations.
 template <class T> struct VirtualMomentum {
   Wrench<Spatial, T> A;
   Vec3<T> H;
@@ -24,8 +24,10 @@ template <class T> struct VirtualMomentum {
   constexpr CoriolisInertia<T> B() const { return {D, A.f}; }
 };
 
-/// Factors from which the second derivatives of λ·τ are products, for each joint screw S, in addition to
-/// those of ScrewEffects (ψ', ψ'', σ, U, P, R). If the joint of l is before that of k on one path,
+/// Factors χ = [Λ_p, S], X, Y, Z and Q from which the second derivatives of λ·τ are products, for each joint
+/// screw S, in addition to the factors ψ', ψ'', σ, U, P and R of ScrewEffects. Λ_p is the twist that the
+/// predecessor would have if the joints moved with the velocities λ. Let qv_lk be the second derivative along
+/// direction l of q and k of v, and so on. If the joint of l is before that of k on one path,
 ///   qq_lk = χ_l|P_k + ψ''_l|Y_k + ψ'_l|X_k + S_l|Q_k   qv_lk = χ_l|R_k + ψ'_l|Z_k, qv_kl = σ_l|Y_k + S_l|X_k
 ///   vv_lk = S_l|Z_k                                    aq_kl = χ_l|U_k,            aq_lk = S_l|Y_k
 /// See (D2.7) and (D2.8) of docs/derivations.
@@ -38,7 +40,8 @@ template <class T> struct ScrewCurvature {
   using Entries = std::array<T, size>;
 
   /// Computes the factors for a joint screw S, except Q, which is 0 without loads. `moved` and `momentum` are
-  /// sums over the subtree, V_p is the twist of the predecessor, and Lambda_p is its adjoint twist Λ.
+  /// sums over the subtree, V_p is the twist of the predecessor, and Lambda_p is the twist that it would have
+  /// if the joints moved with the velocities λ.
   static constexpr ScrewCurvature of(const MovingInertia<T>& moved, const VirtualMomentum<T>& momentum,
                                      const Motion6<T>& S, const Motion6<T>& V_p, const Motion6<T>& Lambda_p) {
     const Motion6<T> chi = ad(Lambda_p, S), psi_1 = ad(V_p, S);
@@ -51,8 +54,9 @@ template <class T> struct ScrewCurvature {
   }
 };
 
-/// Receives the blocks of a Hessian, nv × nv numbers each, [outer derivative][inner derivative]. The block qq
-/// is symmetric, except within joints of several velocities, where the outer displacement comes first.
+/// Receives the second derivatives along the pairs of directions (q, q), (q, v), (v, v) and (a, q) or, in
+/// forward dynamics, (τ, q), nv × nv numbers each, [outer derivative][inner derivative]. qq is symmetric,
+/// except within joints of several velocities, where the outer displacement comes first.
 template <class T> struct HessianBlocks { T *qq, *qv, *vv, *aq; };
 
 /// Computes the second partial derivatives of λ·τ of inverse dynamics in O(n d) on paths of d velocities:
@@ -152,7 +156,7 @@ template <class T> struct SecondOrder {
     }
   }
   /// Adds -Λ|L(X) L(Y) W of each load W to the matrix K of its body, where X is the outer and Y the inner
-  /// displacement; see turned() for L.
+  /// displacement, and a displacement X changes the load by L(X) W; see load_change().
   [[gnu::noinline]] void add_load_hessian(const Tree<T>& tree,
                                           std::span<const AppliedWrench<T>> wrenches) noexcept {
     for (int i = 0; i <= tree->n; ++i) K[i] = {};
@@ -199,15 +203,16 @@ template <class T> struct SecondOrder {
       }
   }
 
-  /// The term S_l|hat(A) S_k, with hat(A) X = -ad_Xᵀ A. It is subtracted from vv for two columns of one
-  /// joint, because the velocity of one changes σ of the other by one bracket less.
+  /// The term S_l|hat(A) S_k, with hat(A) X = -ad_Xᵀ A. It is subtracted from the second derivative by the
+  /// velocities of two columns (joint screws) of one joint, because the velocity of one changes σ of the
+  /// other by one bracket less.
   T own_bracket(int l, int k) const {
     T sum(0);
     for (int c = 0; c < 6; ++c) sum += curvature.array(AS + c)[k] * first.screws.S.array(c)[l];
     return sum;
   }
-  /// Multiplies column l with the columns from `begin` to `end` - 1 and writes the products of ScrewCurvature
-  /// to `line`.
+  /// Multiplies the factors of joint screw l with those of the joint screws from `begin` to `end` - 1, and
+  /// writes the products of ScrewCurvature to `line`.
   void multiply(int l, int begin, int end, bool loaded) noexcept {
     const Arrays<T> e = first.effect, d = curvature,
                     out = line;  // local copies, so that the compiler knows that no result overwrites them

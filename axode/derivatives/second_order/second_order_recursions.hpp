@@ -8,8 +8,8 @@
 /// O(n). ForceSeries computes the derivatives of any order, as power series in spatial representation.
 namespace axode {
 
-/// A load W and its first two time derivatives in the frame of its body: W' = L(V) W, with L of turned(). See
-/// (D3.4) of docs/derivations.
+/// A load W and its first two time derivatives in the frame of its body with the twist V: W' = L(V) W, where
+/// L(V) W is the change that load_change() computes. See (D3.4) of docs/derivations.
 template <class T> struct LoadRates {
   Wrench<BodyFixed, T> W[3];
 
@@ -39,8 +39,9 @@ template <class T> void drive_rates(const Tree<T>& tree, const T* rates, bool jo
 
 template <class Rep, class T> struct SecondOrderRecursion;
 
-/// The recursion in body-fixed twists. Let S = X v be the twist of a joint, Ad the inverse transformation
-/// from the predecessor to the body, and U_k the k-th time derivative of U = Ad V_p; then
+/// The recursion in body-fixed twists. Let S be the twist of a joint relative to the predecessor p, Ad the
+/// inverse transformation from the predecessor to the body, V the twist of the body, and U_k the k-th time
+/// derivative of U = Ad V_p; then
 ///   (Ad)' = -ad_S Ad,  V = U + S,  V' = U_1 + S',  ...;  (Adᵀ)' = -Adᵀ ad_Sᵀ.
 /// See (D3.1) to (D3.5) of docs/derivations.
 template <class T> struct SecondOrderRecursion<BodyFixed, T> {

@@ -153,8 +153,8 @@ template <class T> struct SecondOrderTensors {
       store(-U_psi - Wrench<Spatial, Number>{cross(psi.w, t), {}}, for_H);
     }
   }
-  /// Multiplies the wrenches of the last column d with column j of its path, and writes the products to
-  /// `line`. The joint of column j has the columns from begin_j to end_j - 1.
+  /// Multiplies the wrenches of the last of three columns (joint screws), d, with column j of its path, and
+  /// writes the products to `line`. The joint of column j has the columns from begin_j to end_j - 1.
   void multiply(int j, const Last& d, int begin_j, int end_j) noexcept {
     Number S[6], psi[6];
     for (int k = 0; k < 6; ++k) S[k] = Number(path_S.array(k)[j]), psi[k] = Number(path_psi.array(k)[j]);
@@ -182,8 +182,8 @@ template <class T> struct SecondOrderTensors {
         store(L::load(out.array(G) + c) + product(S, PS, c), G, c);
       }
   }
-  /// Adds the products to the entries of component d and, if the joint of column j is before that of d, to
-  /// those of component j.
+  /// Adds the products of multiply() to the entries of component d of the tensors and, if the joint of column
+  /// j is before that of d, to those of component j.
   void put(std::ptrdiff_t nv, int j, const Last& d, int begin_j, int end_j,
            const SecondDerivatives<T>& out) noexcept {
     const std::ptrdiff_t v_j = velocity[j];
@@ -221,8 +221,9 @@ template <class T> struct SecondOrderTensors {
   }
   /// The joint screw of column l of the path.
   Motion6<T> screw(int l) const { return {path_S.get3(0, l), path_S.get3(3, l)}; }
-  /// Subtracts from vv the terms that occur once less for two columns l and d of one joint: the velocity of
-  /// one column changes σ of the other by one bracket less.
+  /// Subtracts from the second derivatives by the velocities of two columns (joint screws) l and d of one
+  /// joint the terms that occur once less there: the velocity of one column changes σ of the other by one
+  /// bracket less.
   void put_brackets(std::ptrdiff_t nv, const Last& d, T* vv) noexcept {
     const Inertia<T> M = first.screws.subtree_of_column(d.c).M;
     for (int l = d.begin; l < d.end; ++l) {
