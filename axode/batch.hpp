@@ -13,21 +13,23 @@
 #include "axode/scalar/instruction_set.hpp"
 
 /// Functions of many states of one mechanism. Several states are computed at once, one in each lane of the
-/// SIMD registers of the instruction set that instruction_set() names, and on several cores.
+/// SIMD registers, and on several cores. instruction_set() names the instruction set.
 ///
-/// The states are contiguous: for N states q has nq N numbers, v, a and tau have nv N, matrices have nv nv N
-/// (row by row) and poses n_frames N entries; in terms of linear algebra, they have one column for each
-/// state. N follows from the size of q and may be 0 or 1. `threads` is the largest number of cores that a
-/// call uses. To the last bit, the result of a state depends neither on its index nor on `threads`. Frames,
-/// units and conventions are those of the functions of equal names for one state. Each call allocates a
-/// workspace for each thread. The functions throw std::invalid_argument for an argument of a wrong size, a
-/// quaternion that is not of unit norm (the message names the state), a result that shares memory with an
-/// argument, and threads < 1. See axode/codegen.hpp for models with compiled functions.
+/// Arrays hold one state after the other: for N states q has nq N numbers, v, a and tau have nv N, mass
+/// matrices have nv nv N (each row by row), and poses of all frames n_frames N entries. Seen as a matrix in
+/// column-major order, each array has one column for each state. N follows from the size of q and may be 0 or
+/// 1. `threads` is the largest number of cores that a call uses. To the last bit, the result of a state
+/// depends neither on its index nor on `threads`. Frames, units and conventions are those of the functions of
+/// equal names for one state. Each call allocates a workspace for each thread. The functions throw
+/// std::invalid_argument for an argument of a wrong size, a quaternion that is not of unit norm (the message
+/// names the state), a result that shares memory with an argument, and threads < 1. See axode/codegen.hpp for
+/// functions that are compiled for one model.
 namespace axode::batch {
 
-/// Progress callback. It is called in the calling thread, at most every 20 ms, with the number of finished
-/// states and the total number. If it returns false, the call ends early: the states before the returned
-/// count (Outcome::done) are complete; later ones may or may not be.
+/// A function of the caller that is told the progress of a long call and can end it. It is called in the
+/// calling thread, at most every 20 ms, with the number of finished states and the total number. If it
+/// returns false, the call ends early: the states before the returned count (Outcome::done) are complete;
+/// later ones may or may not be.
 using Monitor = std::function<bool(std::size_t done, std::size_t of)>;
 
 /// Result of a batch call that can fail: how many states have a singular mass matrix or numbers that are not
@@ -41,25 +43,27 @@ struct [[nodiscard]] Outcome {
   bool ok() const { return singular_states == 0; }
 };
 
-/// Computes a function of axode/catalog.hpp in N states. Arguments and results of the states are contiguous.
-/// If the function has several results, those of one state follow each other in the order of the catalogue.
-/// Settings are common to all states. Each argument has the name that it has in the function for one state:
+/// Computes a function of the table in axode/catalog.hpp, which is given by its name, in N states. Arrays
+/// hold one state after the other; if the function has several results, those of one state follow each other
+/// in the order of the table. Settings are common to all states. Each argument has the name that it has in
+/// the function for one state:
 ///
 ///     std::vector<double> tau(N * nv);
 ///     const Outcome outcome = batch::run(arm, "inverse_dynamics", {.q = q, .v = v, .a = a}, tau, threads);
 ///
 /// Besides the errors of all functions of axode/batch.hpp, throws std::invalid_argument for a function that
-/// has no kernel for several states at once (see Words::lanes), for loads, and for joint losses. If the
-/// function cannot fail, the outcome only has the number of finished states.
+/// cannot compute several states at once (Words::lanes in its row of the table), for loads, and for joint
+/// losses. If the function cannot fail, the outcome only has the number of finished states.
 template <class T = double>
 Outcome run(const Model& model, catalog::Id function,
             const catalog::Arguments<std::type_identity_t<T>>& given, std::type_identity_t<std::span<T>> out,
             int threads = 1, const Monitor& monitor = {});
 
-/// Integrates N motions of K steps of equal length `step` (s), see axode::simulate_fixed(). tau has nv K N
-/// numbers, which are constant in each step. q_out and v_out receive (K + 1) states for each motion,
-/// beginning with the given initial state. If a motion cannot continue, its later states are NaN. Loops,
-/// which are possible in double precision only, are closed again after each step; the function throws
+/// Integrates N motions of K steps of equal length `step` (s), see axode::simulate_fixed(). q and v are the
+/// initial states of the N motions. tau has the drive forces: nv numbers for each step of each motion,
+/// constant during the step. q_out and v_out receive K + 1 states for each motion, beginning with the initial
+/// state. If a motion cannot continue, its later states are NaN. Models with loops are possible in double
+/// precision only; their loops are closed again after each step, and the function throws
 /// std::invalid_argument if they are open in an initial state. If `joint_losses` is set, damping, dry
 /// friction and losses of gears act as in simulate_fixed(); dry friction and losses of gears are possible in
 /// double precision only, and motions with them are computed one at a time. If `compiled` is not empty, it
@@ -70,11 +74,11 @@ Outcome rollout(const Model& model, std::span<const T> q, Numbers<T> v, Numbers<
                 const Tableau& method = runge_kutta(4), int threads = 1, const Monitor& monitor = {},
                 bool joint_losses = false, const CompiledDynamics<T>& compiled = {});
 
-/// Integrates N motions of K steps of length `step` (s) under a drive that all motions share. The drive is
-/// called at every stage of a step. Each thread has a copy of the drive and calls it for one motion at a
-/// time. For most drives of axode/integration/drives.hpp several motions are computed at once in SIMD
-/// registers, and the reference of the drive is evaluated once for all motions. Throws std::invalid_argument
-/// if the drive is empty.
+/// Integrates N motions of K steps of length `step` (s) under a drive that all motions share, a function that
+/// returns the drive forces at a time and state. It is called at every stage of a step. Each thread has a
+/// copy of the drive and calls it for one motion at a time. For most drives of axode/integration/drives.hpp
+/// several motions are computed at once in SIMD registers, and the reference of the drive is evaluated once
+/// for all motions. Throws std::invalid_argument if the drive is empty.
 template <class T>
 Outcome rollout(const Model& model, std::span<const T> q, Numbers<T> v, const Drive& drive, std::size_t K,
                 double step, std::type_identity_t<std::span<T>> q_out,

@@ -13,9 +13,9 @@
 #include "axode/recursion/solvability.hpp"
 #include "axode/table/check_counts.hpp"
 
-/// The catalogue: a table with a row for each function of a state. A row describes the arguments and the
-/// result of the function and has pointers by which it is called. The command line and the Python package are
-/// made from these rows, and tests of the laws of mechanics run over them.
+/// The catalogue: a table with a row for each function of a state, such as inverse_dynamics. A row describes
+/// the arguments and the result of the function and has pointers by which it is called. The command line and
+/// the Python package are made from these rows, and tests of the laws of mechanics run over them.
 namespace axode::catalog {
 
 /// All arguments that a function of the catalogue can have. A function reads only the arguments of its row.
@@ -51,8 +51,8 @@ template <class T> const std::span<const T>& numbers(const Arguments<T>& given, 
   return given.*member_of<T>(input);
 }
 
-/// The numbers of which entries such as screws or poses consist, one after the other, as a span on the memory
-/// of the entries.
+/// A span of entries such as screws or poses as a span of the numbers of which they consist, in the same
+/// memory.
 template <class T, class E> std::span<T> as_numbers(std::span<E> entries) {
   static_assert(sizeof(E) % sizeof(T) == 0);
   return {reinterpret_cast<T*>(entries.data()), entries.size() * (sizeof(E) / sizeof(T))};
@@ -69,9 +69,9 @@ template <class T> struct Function : Words {
   std::size_t size(const Model& model, std::size_t n_loads) const;
 };
 
-/// All functions, in the order of the documentation. Functions with a representation give results in Rep or
-/// run their recursion in Rep; all other functions have the same row for every Rep. If Rep is Fast, functions
-/// without a fast recursion are left out.
+/// The rows of all functions, in the order of the documentation. Rep is BodyFixed, Spatial, Hybrid, Mixed or
+/// Fast; functions with a choice of representation give results in Rep or run their recursion in Rep. If Rep
+/// is Fast, the choice that takes the least time, functions without a fast recursion are left out.
 template <RecursionChoice Rep, class T = double> std::span<const Function<T>> functions();
 /// The row of a function, or nullptr if no function has this name.
 template <RecursionChoice Rep, class T = double> const Function<T>* find(std::string_view name);

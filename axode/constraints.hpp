@@ -18,6 +18,6 @@
 #include "axode/constraints/mobility.hpp"
 #include "axode/constraints/prescribed/prescribed_motion.hpp"
 
-/// Mechanisms with closed loops: the rows and residuals of loop joints, dynamics, assembly, mobility, small
-/// motions and parallel manipulators in task space. Prescribed motions and equilibria are also possible for
-/// trees.
+/// Mechanisms with closed loops: constraint equations of loop joints, dynamics, assembly (closing the loops),
+/// mobility, small motions and parallel manipulators in task space. Also prescribed motions and equilibria,
+/// which mechanisms without loops can have as well.

@@ -28,8 +28,8 @@ template <class T, class F> Eigen::MatrixX<T> row_by_row(Eigen::Index rows, Eige
 
 }  // namespace detail
 
-/// The Jacobian J of a place, 6 × nv: J v are the six components of the twist of the place, angular part
-/// first.
+/// The Jacobian J, 6 × nv, of a place, which is a frame on a body: J v are the six components of the twist of
+/// this frame in the representation Rep, angular part first.
 template <RecursionRepresentation Rep = BodyFixed, class T>
 Matrix6X<T> jacobian(const Model& model, Workspace<T>& workspace, Numbers<T> q,
                      const std::type_identity_t<Place<T>>& place) {
@@ -49,8 +49,8 @@ Eigen::MatrixX<T> jacobians(const Model& model, Workspace<T>& workspace, Numbers
     all.template middleRows<6>(6 * k) = side_by_side.middleCols(k * nv, nv);
   return all;
 }
-/// The Jacobian of the motion of a place relative to another place `base`, for an observer at rest in `base`:
-/// 6 × nv.
+/// The Jacobian, 6 × nv, of the motion of a place relative to another place, `base`, as an observer at rest
+/// in `base` sees it. A place is a frame on a body.
 template <RecursionRepresentation Rep = BodyFixed, class T>
 Matrix6X<T> relative_jacobian(const Model& model, Workspace<T>& workspace, Numbers<T> q,
                               const std::type_identity_t<Place<T>>& place,

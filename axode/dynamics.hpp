@@ -18,7 +18,7 @@
 #include "axode/dynamics/springs.hpp"
 #include "axode/kinematics.hpp"
 
-/// Forces from motion (inverse dynamics), and motion from forces (forward dynamics). The conventions are
-/// those of axode/kinematics.hpp. T is the scalar of the workspace, and Rep is the representation in which
-/// the recursion runs. If the results of a function do not depend on Rep, its default is Fast, the choice
-/// that takes the least time.
+/// Forces from motion (inverse dynamics), and motion from forces (forward dynamics). Sizes of arguments and
+/// exceptions are those of axode/kinematics.hpp. T is the scalar of the workspace. Rep is the representation
+/// in which the recursion runs: BodyFixed, Spatial, Hybrid, Mixed or, if the results of a function do not
+/// depend on it, Fast, the choice that takes the least time and is the default.

@@ -67,9 +67,9 @@ template <class T> Matrix6<T> to_eigen(const Inertia<T>& M) {
 
 namespace detail {
 
-/// The matrix as one of Rows × Cols numbers; Cols may be Eigen::Dynamic. A matrix type of another shape does
-/// not compile. If the sizes are known only at run time and are wrong, the function throws
-/// std::invalid_argument.
+/// Converts a matrix to the type of a matrix with Rows × Cols numbers; Cols may be Eigen::Dynamic. A matrix
+/// whose type has other sizes does not compile. If the sizes are known only at run time and are wrong, the
+/// function throws std::invalid_argument.
 template <int Rows, int Cols, class Derived>
 Eigen::Matrix<typename Derived::Scalar, Rows, Cols> shaped(const Eigen::MatrixBase<Derived>& matrix) {
   constexpr auto fits = [](int size, int wanted) {
@@ -262,8 +262,9 @@ template <class T> Matrix6<T> ad_matrix(const Screw<T>& X) {
   return matrix6<T>([&](const Screw<T>& Z) { return ad(X, Z); });
 }
 
-/// The following functions return the matrices of dexp on SO(3) (3×3) and SE(3) (6×6), of its inverse dexp⁻¹,
-/// and of the derivatives of dexp and dexp⁻¹ when their argument ξ or X moves along η or U.
+/// The following functions return the matrices of dexp at ξ on SO(3) (3×3) or at the screw X on SE(3) (6×6),
+/// of its inverse dexp⁻¹, and of the directional derivatives of both when the argument ξ moves along η or X
+/// along U.
 template <class T> Eigen::Matrix3<T> dexp_matrix(const Vec3<T>& xi) {
   return matrix3<T>([&](const Vec3<T>& z) { return dexp(xi, z); });
 }

@@ -24,9 +24,9 @@ enum class Base {
 };
 
 /// Reads the mechanism in a file and builds its Model. The format follows from the ending of the name:
-/// `.toml` is a drawing, `.urdf` a URDF, `.sdf` and `.world` SDFormat. Any other file is read by its root
-/// element if it is XML, otherwise as a drawing. Throws ModelError with every fault of the file; warnings are
-/// in Model::warnings().
+/// `.toml` is a drawing, the format of this library, `.urdf` a URDF, `.sdf` and `.world` SDFormat. Any other
+/// file is read by its root element if it is XML, otherwise as a drawing. Throws ModelError with every fault
+/// of the file; warnings are in Model::warnings().
 ///
 /// If `strictness` is lenient, the reader of any format accepts the following defects with a warning: an
 /// inertia that no mass distribution has, a lower limit above the upper one (both are removed), and a coupled
@@ -40,9 +40,9 @@ Model load(const std::filesystem::path& file, Base base = Base::as_described,
 std::vector<Fault> check(const std::filesystem::path& file, Base base = Base::as_described,
                          Strictness strictness = Strictness::lenient);
 
-/// Reads the text of a drawing into a description, which is not yet built. Warnings are in
-/// Description::warnings. `file_name` is used in messages. Throws ModelError with every fault that the reader
-/// finds.
+/// Reads the text of a drawing (the TOML format of this library) into a description, which is not yet built.
+/// Warnings are in Description::warnings. `file_name` is used in messages. Throws ModelError with every fault
+/// that the reader finds.
 Description read_drawing_text(std::string_view text, const std::string& file_name,
                               Strictness strictness = Strictness::lenient);
 /// Reads the text of a URDF into a description, which is not yet built. Warnings are in
@@ -58,8 +58,9 @@ Description read_urdf_text(std::string_view text, const std::string& file_name,
 Description read_sdf_text(std::string_view text, const std::string& file_name,
                           Strictness strictness = Strictness::lenient);
 
-/// Writes the mechanism as a drawing, in the construction frame. Reading the drawing gives the same
-/// mechanism, and writing this mechanism gives the same text.
+/// Writes the mechanism as a drawing (the TOML format of this library), with axes and points in the inertial
+/// frame at q = 0. Reading the drawing gives the same mechanism, and writing that one gives the same text
+/// again.
 void write_drawing(const Model& model, std::ostream& out);
 
 /// Writes the mechanism as a URDF and returns a warning for each thing that URDF cannot express and that is

@@ -150,8 +150,8 @@ std::vector<std::size_t> thinned(const std::vector<double>& y) {
   return places;
 }
 
-/// The smallest step of 1, 2 or 5 times a power of ten such that the length `whole` has at most `most` steps;
-/// 0 if `whole` is not positive and finite.
+/// The distance of the numbers at an axis: the smallest step of 1, 2 or 5 times a power of ten such that the
+/// length `whole` has at most `most` steps; 0 if `whole` is not positive and finite.
 double round_step(double whole, double most) {
   if (!(whole > 0) || !std::isfinite(whole)) return 0;
   const double power = std::pow(10, std::floor(std::log10(whole / most)));
@@ -262,7 +262,7 @@ class Script {
     return fmt::format("unset logscale {0}\nset format {0} \"%h\"\n", name);
   }
 
-  /// The distance between two numbers at the vertical axis as text. It is so large that the numbers do not
+  /// The distance between two numbers at the vertical axis, as text for gnuplot, so that the numbers do not
   /// overlap.
   std::string y_step(const std::vector<const Curve*>& curves) const {
     double low = curves.front()->kind == Curve::bars ? 0 : curves.front()->y.front(), high = low;
@@ -273,7 +273,7 @@ class Script {
   }
 
   /// The number of powers of ten in the horizontal range of the curves. A logarithmic axis that ends where
-  /// its curves end has numbers at powers of ten only.
+  /// its curves end has no other numbers.
   static double powers_of_ten(const std::vector<const Curve*>& curves) {
     double low = curves.front()->x.front(), high = low;
     for (const Curve* curve : curves)
@@ -309,8 +309,8 @@ class Script {
         x / size_[0], y / size_[1], literal(note(chart_.panels[place])));
   }
 
-  /// The commands for the legend of the first panel below the chart, as wide as the chart. It is drawn as the
-  /// legend of an empty plot.
+  /// The commands of gnuplot for the legend of the first panel, which is drawn below the chart and as wide as
+  /// the chart, as the legend of an empty plot.
   std::string legend_below() const {
     std::string text = fmt::format(
         "set lmargin at screen 0\nset rmargin at screen 1\nset bmargin at screen 0\nset tmargin at screen "

@@ -38,8 +38,8 @@ a free joint unless the drawing says passive = false.)";
 
 constexpr std::size_t most_warnings = 12;
 
-/// A number of each degree of freedom of a joint: its name in JSON, its heading in a table, and the member
-/// that holds it. The number is not printed if it has its default value.
+/// One of the numbers that a degree of freedom of a joint has, such as its damping: its name in JSON, its
+/// heading in a table, and the member of Dof that holds it. A number with its default value is not printed.
 struct DofField {
   const char* name;
   const char* heading;
@@ -83,8 +83,8 @@ Json neutral_center_of_mass(const Model& model) {
   return to_json(center_of_mass(model, workspace, neutral(model)));
 }
 
-/// The number of degrees of freedom of a mechanism with loops, at the closed configuration near the neutral
-/// one; empty if the loops cannot be closed.
+/// The number of degrees of freedom of a mechanism with loops in a configuration that closes the loops and is
+/// near the one with all joints at zero; empty if none is found.
 std::optional<int> degrees_of_freedom(const Model& model) {
   const AssemblyResult closed = assemble(model, neutral(model));
   if (closed.status != AssemblyStatus::closed) return std::nullopt;

@@ -152,8 +152,10 @@ std::string ranks(const LocalMobility& found) {
   return text;
 }
 
-/// A table of the coordinates of a mechanism on a branch of motions: the tangent or tangents of the branch,
-/// its curvature or the next term of its series, and whether a coordinate is idle or at a dead point.
+/// A table for a branch, a smooth family of motions through a configuration of a mechanism. For each
+/// coordinate it has the tangent or tangents of the branch, its curvature or (at a cusp) the next term of its
+/// power series, and whether the coordinate rests along the branch (idle) or only at this configuration (dead
+/// point).
 std::string coordinates_table(const LocalMobility& found, const MotionBranch& branch) {
   std::vector<std::string> headings{"joint"};
   std::vector<std::vector<double>> columns;

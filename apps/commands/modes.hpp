@@ -5,8 +5,9 @@
 
 namespace axode::command {
 
-/// A mode of a linear system: exp(λt) times a shape. Two conjugate eigenvalues are one mode, with the
-/// eigenvalue of positive imaginary part. A rigid mode, a displacement that no force opposes, has λ = 0.
+/// A mode of a linear system: the motion exp(λt) times a shape, with the eigenvalue λ. Two conjugate
+/// eigenvalues are one mode, with the eigenvalue of positive imaginary part. A rigid mode, a displacement
+/// that no force opposes, has λ = 0.
 struct Mode {
   std::complex<double> eigenvalue;  ///< λ, 1/s; real and imaginary parts that are rounding errors are 0
   Eigen::VectorXcd shape;           ///< displacements, half as many as x has entries; the largest is 1

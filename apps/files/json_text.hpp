@@ -5,8 +5,8 @@
 
 #include "axode/lie/twist.hpp"
 
-/// Quantities of mechanics as JSON. Numbers read back to the same double; infinite numbers, which stand for
-/// no limit, are null.
+/// Quantities of mechanics as JSON. Numbers have all digits of the doubles; infinite numbers, which stand for
+/// no limit, are written as null.
 namespace axode::command {
 
 using Json = nlohmann::ordered_json;

@@ -11,7 +11,7 @@ enum class FileFormat { json, csv, npz };
 FileFormat file_format(const std::string& file, const char* option = "--output");
 
 /// The matrix as comma-separated values: a line with the names of the columns, then for each row its name and
-/// its numbers, which read back to the same doubles.
+/// its numbers, with all digits of the doubles.
 std::string as_csv(const Eigen::MatrixXd& matrix, const std::vector<std::string>& rows,
                    const std::vector<std::string>& columns);
 /// The matrix as comma-separated values: a line with the names of the columns, then the numbers of each row,

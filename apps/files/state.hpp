@@ -8,8 +8,8 @@
 
 namespace axode::command {
 
-/// A state of a model, and what else the functions of a state need. The numbers are in the order of the
-/// coordinates or velocities of the model.
+/// A state of a model (q and v), and other arguments of functions of a state, such as accelerations and
+/// loads. The numbers are in the order of the coordinates or velocities of the model.
 struct State {
   std::vector<double> q, v, a;
   std::vector<double> jerk, snap;        ///< the derivatives of a
@@ -31,11 +31,12 @@ State random_state(const Model& model);
 ///
 ///     {"q": [0.1, 0.2], "v": {"elbow": 1}, "a": {}, "loads": [{"frame": "tool", "wrench": [0, 0, 0, 0, 0, 5]}]}
 ///
-/// q, v, a, jerk, snap, tau, p, the direction dq, dv, da, dtau and the weights w are arrays in the order of
-/// the model or objects keyed by joint name. Missing numbers have the neutral value for q, 1 for w and 0 for
-/// all others. "targets" are poses for inverse kinematics: a list of objects {"frame", "pose"}, where the
-/// pose is four rows of four numbers. The default representation of a load is "body". Throws InputError with
-/// all faults of the file.
+/// q, v, a, jerk, snap, tau, the momenta p, the direction dq, dv, da, dtau of a directional derivative and
+/// the weights w of a result are arrays in the order of the model or objects keyed by joint name. Missing
+/// numbers have the neutral value for q, 1 for w and 0 for all others. "targets" are poses for inverse
+/// kinematics: a list of objects {"frame", "pose"}, where the pose is four rows of four numbers. Loads are
+/// wrenches on frames, by default in the representation "body". Throws InputError with all faults of the
+/// file.
 State read_state(const Model& model, const std::string& file);
 
 /// A sequence of states, for which `axode eval` computes quantities.

@@ -70,8 +70,8 @@ class StateReader {
 
   void fault(const std::string& sentence) { faults_.push_back(source_ + ": " + sentence); }
 
-  /// The largest depth of nested values, because deep values need a deep stack. Nothing in a state is nested
-  /// deeper than the rows of the pose of a target.
+  /// The largest depth of nested values that is accepted, because reading deep values needs a deep stack.
+  /// Nothing in a state is nested deeper than the rows of the pose of a target.
   static constexpr int deepest = 16;
 
   Json parse(const std::string& text) {

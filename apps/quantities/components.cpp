@@ -29,8 +29,8 @@ Names velocities_of(Subgroup kind) {
   }
 }
 
-/// The numbers of all joints that are not coupled. names_of() returns the names of the numbers of a kind of
-/// joints, of which lengths come last.
+/// A Component, which has a curve in a chart, for each coordinate (or each velocity) of all joints that are
+/// not coupled. names_of() returns the names of those of a kind of joint, lengths last.
 std::vector<Component> components(const Model& model, Names (*names_of)(Subgroup)) {
   std::vector<Component> all;
   for (int i = 1; i <= model.n_bodies(); ++i) {
@@ -68,8 +68,8 @@ std::vector<std::string> list_of(const std::string& units) {
   return all;
 }
 
-/// Whether the curve of this name is a component of the linear part of a screw (true) or of its angular part
-/// (false); empty if it is no component of a screw.
+/// Whether a curve with this name, such as `tool vx`, is a component of the linear part of a twist, wrench or
+/// momentum (true) or of its angular part (false); empty if it is neither.
 std::optional<bool> linear_part(std::string_view name) {
   constexpr std::array<std::string_view, 8> parts{"w ", "m ", "l ", "w' ", "v ", "f ", "p ", "v' "};
   if (name.size() < 3) return std::nullopt;

@@ -9,8 +9,9 @@
 #include "axode/kinematics/system_matrices.hpp"
 #include "axode/model/inertial_parameters.hpp"
 
-/// The quantities of `axode eval` that are not in the catalogue: quantities with an order or with targets,
-/// the factors of matrices, and the rates of states whose unknowns are twists or momenta of the bodies.
+/// The quantities of `axode eval` that are not in the table of functions in axode/catalog.hpp: quantities
+/// with an order of differentiation or with targets, factors of matrices, and equations of motion whose
+/// unknowns are the twists or momenta of the bodies.
 namespace axode::command {
 namespace {
 
@@ -189,8 +190,8 @@ Answer mass_matrix_factors_answer(const Question& ask) {
   return answer;
 }
 
-/// An answer for equations whose unknowns are six numbers of each body (twists or momenta): the velocities v,
-/// and a rate of type Rate for each body.
+/// An answer for equations of motion whose unknowns are the twists or momenta of the bodies: the velocities
+/// v, and for each body the rate of its six unknowns, of type Rate.
 template <class Rate>
 Answer body_rates_answer(const Question& ask, std::string label, std::vector<std::string> headings,
                          const char* key, const std::vector<double>& v, const std::vector<Rate>& rates) {

@@ -11,8 +11,8 @@
 #include "axode/model/inertial_parameters.hpp"
 #include "axode/table/check_counts.hpp"
 
-/// The quantities of `axode eval` that are functions of the catalogue. Their results, numbers of any shape,
-/// are written as JSON and as tables.
+/// The quantities of `axode eval` that are rows of the table of functions in axode/catalog.hpp. Their
+/// results, numbers of any shape, are written as JSON and as tables.
 namespace axode::command {
 namespace {
 
@@ -43,8 +43,8 @@ std::string rate_axes(Representation representation) {
   }
   return "w' in the frame's own axes; v' = r'' of its origin in inertial axes";
 }
-/// The axes and the reference point of a wrench in words. `whose` is "frame" or "body", `own` describes the
-/// point about which a body-fixed or mixed moment is taken, and `point` the point of a hybrid moment.
+/// The axes of a wrench and the reference point of its moment, in words. `whose` is "frame" or "body". `own`
+/// describes the point in the body-fixed and mixed representations, and `point` that in the hybrid one.
 std::string wrench_axes(Representation representation, const char* whose, const char* own,
                         const std::string& point) {
   switch (representation) {
@@ -162,8 +162,8 @@ struct Result {
     for (; axis < axes.size(); ++axis) n *= axes[axis].names.size();
     return n;
   }
-  /// Whether entry k along an axis is left out, because it belongs to a frame that the question does not
-  /// name.
+  /// Whether entry k along an axis of the result is left out: if it belongs to a frame, and the user named
+  /// other frames only.
   bool left_out(std::size_t axis, std::size_t k) const {
     return row.shape[axis] == Extent::n_frames && !ask.frames.empty() &&
            std::find(ask.frames.begin(), ask.frames.end(), static_cast<int>(k)) == ask.frames.end();
@@ -246,8 +246,8 @@ struct Result {
     }
   }
 
-  /// Adds rows for the numbers of the results to a table, one level of rows for each axis from `axis` on.
-  /// `before` are the first cells of the first row.
+  /// Adds the numbers of the results to a table. For each axis of the results from `axis` on, the rows have a
+  /// cell with a name along this axis; `before` are the cells in front of them.
   void tabulate(const std::vector<Reals>& results, std::vector<Cell> before, Table& table,
                 std::size_t axis = 0) const {
     if (on_its_side()) {

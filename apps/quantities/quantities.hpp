@@ -41,11 +41,11 @@ struct Quantity {
   std::string_view name, purpose;
   std::function<Answer(const Question&)> answer;
 };
-/// All quantities of `axode eval` in the order of the documentation: functions of the catalogue and other
-/// quantities.
+/// All quantities of `axode eval` in the order of the documentation: the rows of the table in
+/// axode/catalog.hpp, and other quantities.
 const std::vector<Quantity>& quantities();
-/// The quantities that are not in the catalogue, because they take an order or targets, or their results are
-/// not only numbers.
+/// The quantities that are not in the table of functions in axode/catalog.hpp, because they take an order of
+/// differentiation or targets, or their results are not only numbers.
 std::vector<Quantity> other_quantities();
 /// The quantities about closed loops.
 std::vector<Quantity> loop_quantities();

@@ -76,8 +76,8 @@ struct Offer {
   std::vector<std::pair<std::string, std::string>> words = {};
 };
 
-/// Adds the values that an option takes: a `FILE`, one of some words (`table|json`), or the words of a type
-/// that stands for many, such as METHOD.
+/// Adds the values that an option takes, as its help describes them: a file (`FILE`), one of a few words
+/// (`table|json`), or one of a list of words that has a name, such as METHOD.
 void add_values(Offer& offer, const CLI::Option& option) {
   const std::string type = option.get_type_name();
   const auto add = [&](const auto& all, const auto& name_of) {

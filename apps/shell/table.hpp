@@ -21,7 +21,7 @@ class Table {
   bool empty() const { return rows_.empty(); }
 
   /// All numbers of the table, each with a name. The name consists of the words before the number in its row,
-  /// and of the heading of its column. A blank word in a row stands for the word in the row above.
+  /// and of the heading of its column. An empty cell for a word stands for the word in the row above.
   std::vector<std::pair<std::string, double>> numbers() const;
 
   /// The table as text. It consists of lines that end in a newline; the headings come first and are

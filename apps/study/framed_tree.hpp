@@ -4,8 +4,9 @@
 
 #include "axode/model/tree.hpp"
 
-/// A tree in body frames other than the joint frames of Tree, to compare the cost of choices of frames.
-/// Recursions take it instead of a Tree. Drive forces and mass matrices do not depend on the frames.
+/// A tree of bodies whose body frames are not the joint frames, as in Tree, to compare how much algorithms
+/// cost in different frames. Recursions take it instead of a Tree. Drive forces and mass matrices are the
+/// same in all frames.
 namespace axode {
 
 struct UserFrames {};        ///< the user's body frames; joint screws may be any screws
@@ -15,8 +16,8 @@ struct ConstructionFrames {
 
 namespace framed {
 
-/// The three terms of a pose C_0 + sin q C_s + cos q C_c. SE3 is only a store for their entries: none of the
-/// terms is a pose.
+/// The three terms of the pose C_0 + sin q C_s + cos q C_c of a revolute joint at the angle q. They are no
+/// poses; SE3 is only used to store their entries.
 template <class T> struct Terms { SE3<T> C_0, C_s, C_c; };
 
 /// The three terms of the pose L exp(e_z q) D as a function of q, for poses L and D.
@@ -25,8 +26,8 @@ template <class T> Terms<T> terms(const SE3<T>& L, const SE3<T>& D) {
   return {{along * D.R, L.r + along * D.r}, {sine * D.R, sine * D.r}, {cosine * D.R, cosine * D.r}};
 }
 
-/// A revolute or helical joint with the screw X = (n; y) in the body frame. Its constants contain the
-/// reference pose.
+/// A revolute or helical joint with any screw X in the body frame. Its constants contain the pose of the body
+/// at q = 0.
 template <class T, class Frames, bool helical> struct Turning : subgroup::VectorCoordinates<T, 1> {
   Terms<T> C;
   Screw<T> X;
@@ -102,8 +103,8 @@ template <class T, class Frames> struct Sliding : subgroup::VectorCoordinates<T,
   Screw<T> column(int) const { return {{}, e}; }
 };
 
-/// The type of the pose of the body frame in the joint frame: any pose, or a translation for frames at
-/// centres of mass.
+/// The type of the pose of the body frame in the joint frame: a vector for frames at centres of mass, which
+/// are parallel to the joint frames, and SE3 for all others.
 template <class Frames, class T>
 using Offset = std::conditional_t<std::same_as<Frames, MassCenterFrames>, Vec3<T>, SE3<T>>;
 
@@ -141,9 +142,9 @@ template <class Joint, class T, class Offset> struct Conjugated {
 
 }  // namespace framed
 
-/// A tree in the body frames Frames. Bodies whose frame is their joint frame keep the joints of the given
-/// tree. All other bodies have joints with constant screws that need not be sparse. Members that do not
-/// depend on the frames refer to the given tree.
+/// The given tree in other body frames, those that the type Frames stands for. Bodies whose new frame is
+/// their joint frame keep their joints. All other bodies get joints with constant screws that need not be
+/// sparse. Members that do not depend on the frames refer to the given tree.
 template <class T, class Frames> class FramedTree {
  public:
   static constexpr bool central = std::same_as<Frames, MassCenterFrames>;
@@ -218,7 +219,7 @@ template <class T, class Frames> class FramedTree {
     }
     return D;
   }
-  /// Whether a joint of this kind is the same as in a tree of joint frames, if its body frame has the pose D
+  /// Whether a joint of this kind has the same screws as in its joint frame if the body frame has the pose D
   /// in the joint frame.
   static bool keeps_its_joint(Subgroup kind, const SE3<T>& D) {
     const Vec3<T> x = D.R.x - Vec3<T>{T(1), T(0), T(0)}, y = D.R.y - Vec3<T>{T(0), T(1), T(0)};

@@ -32,16 +32,16 @@ inline constexpr std::array<std::pair<std::string_view, Algorithm>, 6> algorithm
 /// The choice of body frames of the library's own trees. FramedTree has other choices.
 struct JointFrames {};
 
-/// A model, a state, a representation and a choice of body frames, with which algorithms can be run.
-/// Algorithms that take drive forces or momenta get the numbers of the accelerations or of the velocities
-/// instead, as only the cost matters.
+/// A model, a state, a representation and a choice of body frames, with which algorithms can be run to
+/// measure their cost. As only the cost matters, the numbers of the accelerations are used for drive forces,
+/// and those of the velocities for momenta.
 class Subject {
  public:
   virtual ~Subject() = default;
   virtual bool can(Algorithm algorithm) const = 0;
   virtual void run(Algorithm algorithm, int calls) = 0;
-  /// The result of one call of an algorithm, which must not be `accelerations`. The result of the momentum
-  /// form is the velocities, then the rates of the momenta.
+  /// The result of one call of an algorithm, which must not be `accelerations`. The result of momentum_form
+  /// is the velocities, then the rates of the momenta.
   virtual std::vector<double> results_of(Algorithm algorithm) = 0;
 };
 /// Makes a Subject. Rep is BodyFixed, Spatial, Hybrid, Mixed or Fast. If Rep is Fast, Frames must be

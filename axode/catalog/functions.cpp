@@ -25,8 +25,8 @@ using G = Arguments<T>;
 using Out = std::span<T>;
 
 constexpr bool fast = std::same_as<Rep, Fast>;
-/// The representation for functions without a fast recursion. If Rep is Fast, these functions are left out of
-/// the result, and BodyFixed is only a placeholder.
+/// The representation for functions that must have one of the four: Rep itself. If Rep is Fast, the rows of
+/// these functions are left out of the result, and BodyFixed only lets the code compile.
 using R4 = std::conditional_t<fast, BodyFixed, Rep>;
 
 /// The memory `out` of a result as a span of entries E, such as twists or poses.
@@ -39,8 +39,8 @@ template <class E> void put(const E& result, Out out) { as<E>(out)[0] = result; 
 /// The memory of result k in the memory `out` of n results of equal size.
 Out part(Out out, std::size_t k, std::size_t n) { return out.subspan(k * (out.size() / n), out.size() / n); }
 
-/// A function pointer for a row, which calls the function object F. If F does not return a Solvability, the
-/// function returns that the problem was solved.
+/// The function pointer of a row, which calls the function object F. If F cannot fail and does not return a
+/// Solvability, the default Solvability is returned, which means that there was no failure.
 template <class F, class Scratch> constexpr auto call(const F&) {
   static_assert(std::is_empty_v<F>);
   return [](const Model& m, Scratch& w, const G& g, Out out) -> Solvability {
@@ -53,9 +53,9 @@ template <class F, class Scratch> constexpr auto call(const F&) {
   };
 }
 
-/// Makes a row with the pointers by which it is called. If the row takes loops into account, it has a second
-/// pointer for calls with a LoopWorkspace. This one calls the function object L, which is F unless another
-/// one is given.
+/// Makes a row of the table of functions with the pointers by which the function is called. A function that
+/// takes loops into account has a second pointer, for calls with a LoopWorkspace. The first one calls the
+/// function object F, the second one L, which is F unless another one is given.
 template <Id id, class F, class L = F> Function<T> row(const F& of_tree, const L& = {}) {
   constexpr const Words& words = id.words();
   constexpr bool counts_loops = words.counts.loops.word == Word::counted;
@@ -70,8 +70,8 @@ template <Id id, class F, class L = F> Function<T> row(const F& of_tree, const L
   return made;
 }
 
-/// The n results in the memory `out`. The object converts to the struct of spans by which a function receives
-/// several results.
+/// The n results of equal size in the memory `out`. The object converts to any struct of n spans, by which a
+/// function receives its results.
 template <class E, std::size_t n> struct Several {
   Out out;
   template <class S> operator S() const {  // NOLINT(google-explicit-constructor): an argument becomes it
@@ -80,8 +80,8 @@ template <class E, std::size_t n> struct Several {
   }
 };
 
-/// The C++ type of the entries of a row. `In` is the representation; it is Hybrid if the row has no choice of
-/// representation.
+/// The C++ type of the entries of the result of a row of the table of functions. `In` is the representation;
+/// it is Hybrid if the row has no choice of representation.
 template <Entry entry, class In> auto type_of() {
   if constexpr (entry == number) return std::type_identity<T>();
   if constexpr (entry == vector) return std::type_identity<Vec3<T>>();
@@ -92,9 +92,9 @@ template <Entry entry, class In> auto type_of() {
   if constexpr (entry == momentum) return std::type_identity<Momentum<In, T>>();
 }
 
-/// Makes the row of a function whose parameters are, in this order, the model, the workspace, the arrays of
-/// numbers of its row, its frames, its results and its loads. If the row has a result of one entry, the
-/// function returns this entry.
+/// Makes the row of a function whose parameters are, in this order: the model, the workspace, the arrays of
+/// numbers and the frames that the row names, the results and the loads. If the result is a single entry,
+/// such as one pose, the function returns it instead.
 template <Id id, class F> Function<T> in_order(const F&) {
   return row<id>([](auto& m, auto& w, auto& g, auto out) {
     constexpr const Words& words = id.words();

@@ -4,8 +4,8 @@
 #include <string>
 #include <string_view>
 
-/// Words of other formats and programs for the keys and values of a drawing, such as "link" for "body".
-/// Messages about unknown keys use them to suggest the right word.
+/// Words that other formats and programs use for the keys and values of a drawing, the TOML format of this
+/// library, such as "link" for "body". Messages about unknown keys use them to suggest the right word.
 namespace axode::io {
 
 struct ForeignTerm {

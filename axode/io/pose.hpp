@@ -19,14 +19,14 @@ inline SO3<> from_roll_pitch_yaw(const Vec3<>& angles) {
 
 /// Roll, pitch and yaw of a rotation (rad), with |pitch| <= π/2; the inverse of from_roll_pitch_yaw(). At
 /// |pitch| = π/2 roll and yaw turn about the same line; one of the possible pairs is returned, and
-/// from_roll_pitch_yaw() still gives R to rounding.
+/// from_roll_pitch_yaw() still gives the same rotation up to rounding errors.
 inline Vec3<> to_roll_pitch_yaw(const SO3<>& R) {
   const double yaw = std::atan2(R.x.y, R.x.x), sy = std::sin(yaw), cy = std::cos(yaw);
   return {std::atan2(sy * R.z.x - cy * R.z.y, cy * R.y.y - sy * R.y.x),
           std::atan2(-R.x.z, std::hypot(R.x.x, R.x.y)), yaw};
 }
 
-/// The rotation of a quaternion, which is normalised before. Empty if the norm of the given quaternion
+/// The rotation of a quaternion, which is scaled to norm 1 first. Empty if the norm of the given quaternion
 /// differs from 1 by more than 1e-6.
 inline std::optional<SO3<>> from_quaternion(const Quaternion<>& a) {
   const double size = norm(a);

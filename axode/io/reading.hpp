@@ -17,8 +17,8 @@ struct Reading {
   Description description;
   std::vector<Fault> faults;
 };
-/// The readers. They take the text of a drawing, a parsed drawing, the text of a URDF, or the text of an SDF
-/// file. `file` is the name of the file in messages.
+/// The readers of the file formats. They take the text of a drawing (TOML), a parsed drawing, the text of a
+/// URDF, or the text of an SDF file. `file` is the name of the file in messages.
 Reading read_drawing(std::string_view text, const std::string& file, Strictness strictness);
 Reading read_drawing(const toml::Value& drawing, const std::string& file, Strictness strictness);
 Reading read_urdf(std::string_view text, const std::string& file, Strictness strictness);
@@ -34,14 +34,14 @@ void forgive(Reading& reading);
 /// Whether one of the faults is an error, not a warning.
 bool has_error(const std::vector<Fault>& faults);
 
-/// Returns the description of a reading, with the faults of the reader as its warnings. Throws ModelError if
-/// a fault is an error.
+/// Returns the description that a reader has made, with the warnings of the reader in it. Throws ModelError
+/// if the reader has found an error.
 Description accept(Reading reading);
 
-/// Builds a model from a reading, with the joint between base and ground that `base` chooses. Throws
-/// ModelError if there is an error. If the reader has found errors, the exception has the faults of the
-/// reader and of the description, sorted by line, but no warnings about the description and no faults about
-/// missing names, because they may be consequences of what could not be read.
+/// Builds a model from the result of a reader, with the joint between base and ground that `base` chooses.
+/// Throws ModelError if there is an error. If the reader has found errors, the exception has the faults of
+/// the reader and of the description, sorted by line, but no warnings about the description and no faults
+/// about missing names, because they may follow from what could not be read.
 Model build(Reading reading, Base base, Strictness strictness);
 
 /// Returns a fault with its line if a file is not text, because it has a byte that is zero or not UTF-8;

@@ -95,8 +95,8 @@ class XmlReader {
   void inspect(const XMLElement& e, const std::string& owner);
   /// The first child element of e with the given name, after inspect() of this child; null if there is none.
   const XMLElement* child_of(const XMLElement& e, const char* name, const std::string& owner);
-  /// The first child element of e with the given name, after inspect() of this child. If there is none, a
-  /// fault is added and the result is null.
+  /// The first child element of e with the given name, which is also checked by inspect(). If there is none,
+  /// a fault is added and the result is null.
   const XMLElement* required_child(const XMLElement& e, const char* name, const std::string& owner);
   /// The text of an attribute. If the attribute is missing, a fault is added and the result is null.
   const char* required(const XMLElement& e, const char* attribute, const std::string& owner);
@@ -130,8 +130,8 @@ class XmlReader {
     std::copy(all->begin(), all->end(), out.begin());
     return out;
   }
-  /// A value of an element: the text of an attribute or, if the format has values_are_elements, of a child
-  /// element.
+  /// A value of an element: the text of an attribute or, in a format that gives values by elements
+  /// (values_are_elements), of a child element.
   struct Value {
     std::string text, what;  ///< `what` is the name of the value in messages
     int line;

@@ -7,9 +7,10 @@
 
 namespace axode {
 
-/// The constants of one body that a sweep over the tree reads: the reference pose (B, r) of the joint frame
-/// in the predecessor's internal frame, and the inertia (m, h, Theta). For a hinge with the angle θ,
-/// columns(sin θ, cos θ) returns R = B exp(e_z θ), and rows(sin θ, cos θ) returns Rᵀ.
+/// The constants of one body that a sweep over the tree reads: the pose of its joint frame at q = 0 in the
+/// joint frame of its predecessor (rotation B, position r), and its inertia (mass m, first moment of mass h,
+/// rotational inertia Theta about the origin). For a hinge with the angle θ, columns(sin θ, cos θ) returns
+/// the rotation R = B exp(e_z θ), and rows(sin θ, cos θ) its transpose.
 template <class G> struct BodyConstants;
 
 template <class T> struct BodyConstants<Plain<T>> {
@@ -50,8 +51,8 @@ template <std::floating_point T> struct BodyConstants<Packed<T>> {
   const packed::Factor<T>& h_factor() const { return h_; }
 };
 
-/// The packed constants of all bodies of a tree. For scalars other than floating-point numbers, which have no
-/// packed geometry, the struct is empty.
+/// The constants of all bodies of a tree, with each vector in one SIMD register. The struct is empty if the
+/// scalar T is not a floating-point type.
 template <class T> struct PackedConstants {};
 template <std::floating_point T> struct PackedConstants<T> { std::vector<BodyConstants<Packed<T>>> body; };
 

@@ -12,8 +12,8 @@
 namespace axode {
 namespace {
 
-/// Calls f(s, joint) for every joint that is not coupled, in the order of the model, where s is the subgroup
-/// struct of the joint.
+/// Calls f(s, joint) for every joint that is not coupled, in the order of the model, where s is the struct of
+/// axode/model/subgroup.hpp with the formulas of the joint.
 template <class F> void each_independent_joint(const Model& model, F&& f) {
   for (int i = 1; i <= model.n_bodies(); ++i)
     if (!model.joint(i).leader)
@@ -35,7 +35,8 @@ void check(const Model& model, std::span<const Real> q, const char* argument, do
 }
 
 /// Throws std::invalid_argument if a number in `results` is not finite, because the argument `step` is not
-/// finite or too large. `first` and `count` select the numbers of each joint; the message names the joint.
+/// finite or too large. `first` and `count` are the members of Joint that say which numbers are those of a
+/// joint; the message names the joint.
 void check_finite(const Model& model, const char* step, int Joint::*first, int Joint::*count,
                   std::span<const double> results) {
   for (const Joint& joint : model.joints()) {

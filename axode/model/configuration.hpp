@@ -5,10 +5,11 @@
 
 #include "axode/model/model.hpp"
 
-/// Functions on the configuration manifold. q has model.nq() coordinates; tangent vectors have model.nv()
-/// components, in the left-trivialised directions of the joints. Every function with a q, v or dv among its
-/// arguments throws std::invalid_argument if an argument has the wrong size, if a quaternion in q is not of
-/// unit norm (except normalize()), or if the result is not finite because a step is too large.
+/// Functions on the configuration manifold. A configuration q has nq numbers; a tangent vector has nv, which
+/// are left-trivialised: for each joint they are components in the joint frame of the moved body. Every
+/// function with a q, v or dv among its arguments throws std::invalid_argument if an argument has the wrong
+/// size, if a quaternion in q is not of unit norm (except normalize()), or if the result is not finite
+/// because a step is too large.
 namespace axode {
 
 /// The configuration with every coordinate 0 and every quaternion the identity.
@@ -19,7 +20,7 @@ struct InitialState {
   std::vector<double> q, v;  ///< nq and nv numbers
 };
 /// The state in which a motion of the mechanism starts, as InitialStateDescription gives it. Joints that the
-/// description does not name have the coordinates of neutral() and are at rest.
+/// description does not name are at zero (quaternions at the identity) and at rest.
 InitialState initial_state(const Model& model);
 
 /// A random configuration within the limits, uniform for each joint. Without limits, angles are in [-π, π]
@@ -37,8 +38,9 @@ std::vector<double> normalize(const Model& model, std::span<const double> q);
 /// Computes q ⊕ dv: the configuration after every joint has moved along its left-trivialised direction dv.
 std::vector<double> integrate(const Model& model, std::span<const double> q, std::span<const double> dv);
 
-/// Computes q1 ⊖ q0: the dv (nv numbers) with q0 ⊕ dv = q1. Rotations go the shorter way round. Hence q0 ⊕ dv
-/// can differ from q1 by whole turns in the angle of a planar joint and by the sign of a quaternion.
+/// Computes q1 ⊖ q0: the tangent vector dv (nv numbers) with q0 ⊕ dv = q1, where q0 ⊕ dv is q0 displaced by
+/// exp(dv) in each joint. Rotations go the shorter way round. Hence q0 ⊕ dv can differ from q1 by whole turns
+/// in the angle of a planar joint and by the sign of a quaternion.
 std::vector<double> difference(const Model& model, std::span<const double> q0, std::span<const double> q1);
 
 /// Computes q0 ⊕ s (q1 ⊖ q0): every joint moves along one screw, from q0 at s = 0 to q1 at s = 1. s may be
@@ -47,8 +49,8 @@ std::vector<double> interpolate(const Model& model, std::span<const double> q0, 
                                 double s);
 
 /// Computes q' = E(q) v: the rates of the nq coordinates at velocities v (nv numbers). The rate of a
-/// quaternion a at the angular velocity ω is a (ω; 0) / 2, and the rate of the position of a free joint is R
-/// v with the linear velocity v of the joint.
+/// quaternion a at the angular velocity ω is the product a (ω; 0) / 2. The rate of the position of a free
+/// joint is R u with the rotation R of the joint and its linear velocity u.
 std::vector<double> coordinate_rates(const Model& model, std::span<const double> q,
                                      std::span<const double> v);
 /// Computes v = E(q)⁺ q': the nv velocities from the rates q' of the nq coordinates. The part of a
@@ -86,8 +88,8 @@ std::vector<double> clamp(const Model& model, std::span<const double> q);
 void check_configuration(const Model& model, std::span<const double> q, const char* argument = "q");
 void check_configuration(const Model& model, std::span<const float> q, const char* argument = "q");
 
-/// A sentence about the first number of q (nq) and v (nv, or empty) that is not finite, as in `q of joint "a"
-/// is nan`. Empty if all are finite.
+/// A sentence about the first number of q and v that is not finite, as in `q of joint "a" is nan`. v may be
+/// empty. The sentence is empty if all numbers are finite.
 std::string first_not_finite(const Model& model, std::span<const double> q, std::span<const double> v);
 
 /// Throws std::invalid_argument if the actual size of an argument is not the expected one. The message has

@@ -16,8 +16,8 @@
 /// The description of a mechanism as an engineer gives it. ModelBuilder checks a description and compiles it
 /// into a Model.
 ///
-/// The mechanism is drawn with every joint at zero. All drawn points, axes and poses are in one construction
-/// frame, which is the inertial frame, and the body "ground" rests in it.
+/// The mechanism is drawn with every joint at zero. The frame in which it is drawn is called the construction
+/// frame; it is the inertial frame, and the body "ground" rests in it.
 namespace axode {
 
 enum class JointKind {
@@ -34,7 +34,7 @@ enum class JointKind {
 
 /// Limits, losses, drive inertia and elastic elements of one degree of freedom of a joint. The first unit of
 /// a member holds for an angle and the second for a length; forces are N m or N. Losses (damping, friction
-/// and gear losses) act only if a caller sets Loads::joint_losses.
+/// and gear losses) act only in computations for which the caller sets Loads::joint_losses.
 struct Dof {
   double lower = -std::numeric_limits<double>::infinity();
   double upper = std::numeric_limits<double>::infinity();
@@ -89,22 +89,23 @@ struct JointDescription {
   Source source = {};  ///< place in a file; empty if it is that of the body
 };
 
-/// Geometry of a body in the construction frame. The axis and the point of its joint are given in this frame
-/// and determine the spatial screw Y_i. A is the reference pose of the body frame. By default A is the
-/// identity; then the origin of the body frame need not be on the body. InConstructionFrame{{{}, point}} has
-/// the origin at the joint. The frame of the centre of mass is chosen by MassProperties::in.
+/// Geometry of a body in the construction frame, the inertial frame in which the mechanism is drawn at q = 0.
+/// The axis and the point of its joint are given in this frame and determine the spatial screw Y_i of the
+/// joint. A is the pose of the body frame at q = 0. By default A is the identity; then the origin of the body
+/// frame need not be on the body. InConstructionFrame{{{}, point}} has the origin at the joint. The frame of
+/// the centre of mass is chosen by MassProperties::in.
 struct InConstructionFrame {
   SE3<> A;
 };
 /// Geometry of a body in the body frame. The axis and the point of its joint are given in this frame and
-/// determine the body-fixed screw X_i. B is the reference pose of the body frame in the frame of the
-/// predecessor.
+/// determine the body-fixed screw X_i of the joint. B is the pose of the body frame in the frame of the
+/// predecessor at q = 0.
 struct InBodyFrame {
   SE3<> B;
 };
 /// Geometry of a body in joint frames. The axis and the point of its joint are given in the joint frame and
-/// determine the screw Z_i. The joint frame has the pose S_prev = S_{i-1,i} in the frame of the predecessor
-/// and S_self = S_{i,i} in the frame of the body.
+/// determine the screw Z_i of the joint. At q = 0 the joint frame has the pose S_prev = S_{i-1,i} in the
+/// frame of the predecessor and S_self = S_{i,i} in the frame of the body.
 struct InJointFrames {
   SE3<> S_prev, S_self;
 };
@@ -188,8 +189,9 @@ struct FrameDescription {
   Source source = {};
 };
 
-/// A spring and a damper in parallel. The kind determines the coordinate on which the force depends; by
-/// default it is the distance of two points. Springs act in simulations, see spring_forces().
+/// A spring and a damper in parallel. The kind determines the coordinate (a length or an angle) on which the
+/// force depends; by default it is the distance of two points. Springs act in simulations, see
+/// spring_forces().
 struct SpringDescription {
   /// A point of a tendon. `on` is the name of a body, of a named frame, or "ground".
   struct Point {
@@ -200,8 +202,8 @@ struct SpringDescription {
   SpringKind kind = SpringKind::line;
   std::array<std::string, 2> between = {};  ///< bodies, named frames or "ground"; not for tendons and joints
   std::array<Vec3<>, 2> points = {};        ///< ends of a line, m
-  /// Frame of `points`, `path` and `frames`: body_frame means that each is given in the frame of the body or
-  /// named frame on which it is, and construction_frame that all are given in the construction frame.
+  /// The frame in which `points`, `path` and `frames` are given. body_frame: each in the frame of the body or
+  /// named frame on which it is. construction_frame: all in the inertial frame, at q = 0.
   GivenIn in = GivenIn::body_frame;
   double stiffness = 0;                  ///< stiffness if no curve is given, N/m or N m/rad
   double rest = 0;                       ///< coordinate at which the deflection is 0, m or rad
@@ -217,9 +219,9 @@ struct SpringDescription {
   Source source = {};
 };
 
-/// A joint that closes a loop. Either it is drawn, by axis and point in the construction frame at q = 0,
-/// where the loop is closed then. Or `frames` gives the joint frame on each of the two bodies, and the loop
-/// need not be closed at q = 0.
+/// A joint that closes a loop. There are two ways to describe it: by axis and point in the construction
+/// frame, the inertial frame, so that the loop is closed at q = 0; or by the joint frame on each of the two
+/// bodies (`frames`), so that the loop need not be closed at q = 0.
 struct LoopDescription {
   std::string name = {};  ///< empty: `loop 1`, ...; must differ from the names of joints
   /// The bodies, named frames or "ground" that the loop joint connects. The wrench of the loop acts on the
@@ -298,8 +300,8 @@ struct DriveDescription {
   struct Line {
     std::array<std::string, 2> between = {};  ///< bodies, named frames or "ground"
     std::array<Vec3<>, 2> points = {};        ///< m
-    /// Frame of `points`: body_frame means that each is given in the frame of its body or named frame, and
-    /// construction_frame that both are given in the construction frame.
+    /// The frame in which `points` are given. body_frame: each in the frame of its body or named frame.
+    /// construction_frame: both in the inertial frame, at q = 0.
     GivenIn in = GivenIn::body_frame;
   };
   std::optional<Line> line = {};
@@ -322,9 +324,9 @@ struct InitialStateDescription {
   Source source = {};
 };
 
-/// Settings of contact for the whole mechanism: the table [contact] of a drawing. Properties of single shapes
-/// are in ContactProperties. A mechanism with these settings is simulated by the method with contact unless
-/// the caller names another method.
+/// Settings of contact for the whole mechanism: the table [contact] of a drawing, the file format of this
+/// library. Properties of single shapes are in ContactProperties. A mechanism with these settings is
+/// simulated with contact unless the caller names another method of integration.
 struct ContactDescription {
   double friction = 0.6;    ///< coefficient of sliding friction of shapes without one of their own
   double margin = 0.01;     ///< gap below which a contact is considered, m

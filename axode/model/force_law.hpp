@@ -6,7 +6,8 @@
 #include <vector>
 
 /// Force laws of springs: the tension F of a spring as a function of the deflection δ = x - rest and of the
-/// rate x', where the coordinate x is a length or an angle. A positive tension pulls the ends together.
+/// rate x', where the coordinate x is a length or an angle and `rest` is its value at which the spring is
+/// undeformed. A positive tension pulls the ends together.
 namespace axode {
 
 /// F = stiffness δ.
@@ -22,8 +23,8 @@ struct PolynomialCurve {
 struct TableCurve {
   std::vector<double> deflections, forces;
 };
-/// A gas in a chamber that pushes its ends apart: F = -area (pressure (volume/V)^exponent - ambient) with V =
-/// volume + area δ, see (D16.5).
+/// A gas in a chamber that pushes its ends apart: at the deflection δ the tension is F = -area (pressure
+/// (volume/V)^exponent - ambient) with the volume V = volume + area δ, see (D16.5).
 struct GasCurve {
   double area = 0;           ///< m²
   double pressure = 0;       ///< pressure in the chamber at δ = 0, Pa
@@ -39,8 +40,9 @@ using ForceCurve = std::variant<LinearCurve, PolynomialCurve, TableCurve, GasCur
 /// deflections, and one that acts in compression none at positive deflections.
 enum class Acts { both_ways, in_tension, in_compression };
 
-/// A force law as the kernels read it: F = curve(δ) + damping x'. If the spring acts in tension or in
-/// compression only, F is set to 0 where damping would reverse the sign of curve(δ).
+/// A force law as the kernels read it: the tension F = curve(δ) + damping x' at the deflection δ = x - rest
+/// of a coordinate x. If the spring acts in tension or in compression only, F is set to 0 where damping would
+/// reverse the sign of curve(δ).
 struct ForceLaw {
   ForceCurve curve = {};
   double rest = 0;     ///< coordinate at which the deflection is 0, m or rad

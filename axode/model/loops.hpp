@@ -27,8 +27,8 @@ enum class LoopKind {
   belt,     ///< span of a belt that does not stretch, from one pulley to another
 };
 
-/// A row of the table of loop joints, with everything that depends only on the kind. The constraint equations
-/// of a kind are in a type of constraints/loops/, which loop_joint() selects by the kind.
+/// A row of the table of the kinds of loop joints, with everything that depends only on the kind except its
+/// constraint equations, which are in the folder axode/constraints/loops.
 struct LoopTraits {
   LoopKind kind;
   std::string_view name;
@@ -36,11 +36,13 @@ struct LoopTraits {
   int residuals;  ///< number of residuals; fewer than rows if some rows have no position level
   /// The directions among ω_x ω_y ω_z v_x v_y v_z that the joint leaves free. For a helical joint ω_z is free
   /// and v_z = pitch ω_z follows. A universal joint has the free directions of a spherical joint and one more
-  /// constraint row. Rods, rolling contacts and belts are no subgroups, and all entries are false.
+  /// constraint row. For rods, rolling contacts and belts, whose motions do not form a subgroup, all entries
+  /// are false.
   std::array<bool, 6> free;
   bool located;  ///< whether the position of the joint matters and not only its directions
-  /// Members of LoopDescription by which the joint is drawn. Both bodies have the same joint frame at q = 0,
-  /// unless the keys include `second_axis`, `points` or `center`.
+  /// Names of the members of LoopDescription that describe the joint in the construction frame at q = 0. The
+  /// joint frames of both bodies coincide then, unless `second_axis`, `points` or `center` is among the
+  /// names.
   std::array<std::string_view, 5> keys;
 
   constexpr bool has(std::string_view key) const {
@@ -75,8 +77,8 @@ constexpr const LoopTraits& traits(LoopKind kind) {
 }
 constexpr std::string_view to_string(LoopKind kind) { return traits(kind).name; }
 
-/// The name of a loop joint or coupling, and the indices of its rows in the loop Jacobian A and in the vector
-/// r of residuals at position level.
+/// The name of a loop joint or coupling, and the indices of its rows in the loop Jacobian A, where A v = 0
+/// are the constraints of the velocities, and in the vector of residuals, which are 0 if the loop is closed.
 struct LoopRows {
   std::string name;
   int first_row = 0, rows = 1;

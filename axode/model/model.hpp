@@ -14,8 +14,7 @@
 
 namespace axode {
 
-/// A moving body, or the ground, which has the index 0. Poses and inertia are relative to the body frame that
-/// the description chose.
+/// A moving body, or the ground, which has the index 0. Its body frame is the one that the description chose.
 struct Body {
   std::string name;
   int predecessor = 0;
@@ -76,8 +75,9 @@ class Model {
   int nq() const { return data_->tree->nq; }
   int nv() const { return data_->tree->nv; }
   int n_frames() const { return data_->tree->n_frames(); }
-  /// The number of joint screws: one for each degree of freedom of every joint, including coupled joints. The
-  /// screws of joint i have the indices first_screw(i) to first_screw(i + 1) - 1.
+  /// The number of joint screws: one for each degree of freedom of every joint. Coupled joints have screws
+  /// too, although they have no velocities of their own. The screws of joint i have the indices
+  /// first_screw(i) to first_screw(i + 1) - 1.
   int n_screws() const { return data_->tree->n_screws; }
   int first_screw(int i) const { return data_->tree->first_screw[i]; }
   const Vec3<>& gravity() const { return data_->tree.g; }
@@ -95,7 +95,7 @@ class Model {
   /// Springs, dampers and elastic stops. They act in simulations.
   const Springs& springs() const { return data_->springs; }
   /// Loop joints (with rods, rolling contacts and belts) and couplings. Functions whose documentation does
-  /// not mention loops compute with the spanning tree alone.
+  /// not mention loops ignore them and compute with the spanning tree of the bodies alone.
   const Loops& loops() const { return data_->loops; }
   /// Prescribed motions of joints and rods, see axode/constraints/prescribed/prescribed_motion.hpp. Functions
   /// whose documentation does not mention prescribed motions ignore them.

@@ -20,8 +20,8 @@ enum class SpringKind {
   bushing,  ///< the pose of one frame relative to another, with a stiffness for all six directions
 };
 
-/// A row of the table of springs, with everything that depends only on the kind. All kinds but bushings have
-/// one coordinate and a ForceLaw.
+/// A row of the table of the kinds of springs, with everything that depends only on the kind. All kinds but
+/// bushings have one coordinate, a length or an angle, and a ForceLaw of it.
 struct SpringTraits {
   SpringKind kind;
   std::string_view name;

@@ -6,8 +6,8 @@
 
 #include "axode/lie/twist.hpp"
 
-/// Joints as subgroups of SE(3). A new kind of joint needs a new struct here, a new enumerator of Subgroup
-/// and a new line in with_subgroup(); no recursion changes.
+/// Joints as subgroups of SE(3). A new kind of joint needs a struct here, an enumerator of Subgroup and a
+/// line in with_subgroup(); the recursions do not change.
 ///
 /// The joint frame is fixed to the child, and its z-axis is the axis of the joint. Velocities are
 /// left-trivialised: they are components in the child's joint frame, where the motion subspace S is constant.

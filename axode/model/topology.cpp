@@ -66,9 +66,9 @@ void find_subtrees(Topology& t) {
       t.velocity_end.push_back(t.subtree_end[i] <= t.n ? t.iv[t.subtree_end[i]] : t.nv);
 }
 
-/// For each velocity, the velocities with larger indices to which the mass matrix couples it. All velocities
-/// on one path to the ground are coupled to each other; of these only the next larger one is listed, as this
-/// suffices for the elimination tree.
+/// For each velocity, velocities with larger indices to which the mass matrix couples it. The matrix couples
+/// all velocities on one path to the ground to each other; of each path only the one with the next larger
+/// index is listed, as this suffices for the elimination tree.
 std::vector<std::vector<int>> later_neighbours(const Topology& t) {
   std::vector<std::vector<int>> later(size(t.nv));
   std::multiset<int> path;  // velocities from the ground to the body where the walk is
@@ -90,9 +90,10 @@ std::vector<std::vector<int>> later_neighbours(const Topology& t) {
   return later;
 }
 
-/// Computes velocity_parent, the elimination tree, by the algorithm of Liu: velocities c are taken from the
-/// last to the first, and the current root above each later velocity that is coupled to c becomes a child of
-/// c. Paths to the roots are shortened on the way. Also computes depth.
+/// Computes velocity_parent, the elimination tree of the mass matrix, by the algorithm of Liu, and the depth
+/// of this tree. Velocities c are taken from the last to the first. For each later velocity that the mass
+/// matrix couples to c, the root of the tree in which it is becomes a child of c. Paths to the roots are
+/// shortened on the way.
 void find_velocity_parents(Topology& t) {
   const std::vector<std::vector<int>> later = later_neighbours(t);
   std::vector<int> root(size(t.nv), -1);
@@ -118,16 +119,16 @@ int meeting_point(const Topology& t, int i, int j) {
   return i;
 }
 
-/// A shared velocity that reaches a body on its way to the ground. The velocity is given by the leader of the
-/// joints that share it. `from` is the child through which it comes, or the body itself if its own joint has
-/// it.
+/// An entry of a body for the path to the ground from a joint that shares its velocity with others. `leader`
+/// is the joint whose velocity they share. `from` is the child of the body on the path, or the body itself if
+/// the path begins there.
 struct Arrival {
   int leader, from;
 };
 
-/// For each body, the shared velocities that reach it from its children and its own joint, in the order of
-/// their leaders. meets[l] is the body where the paths of all joints with the velocity of leader l meet;
-/// velocities do not go beyond it.
+/// For each body, the paths to the ground from joints with shared velocities that come to it from its
+/// children or begin at it, in the order of their leaders. meets[l] is the body where the paths of all joints
+/// that share the velocity of joint l meet; paths end there.
 std::vector<std::vector<Arrival>> arrivals(const std::vector<int>& leader, const std::vector<int>& meets,
                                            const Topology& t) {
   std::vector<std::vector<Arrival>> all(size(t.n + 1));
@@ -143,8 +144,9 @@ std::vector<std::vector<Arrival>> arrivals(const std::vector<int>& leader, const
   return all;
 }
 
-/// The ties of body i, found from the velocities that reach it: `leaders` has the leader of each shared
-/// velocity once, and `group` the smallest index of a tie in the same group.
+/// The ties of body i: pairs of this body and a shared velocity whose path to the ground passes it (see
+/// Topology::Ties). Each tie has an entry: in `leaders` the joint whose velocity it is, and in `group` the
+/// smallest index of a tie in the same group.
 struct Groups {
   std::vector<int> leaders, group;
 

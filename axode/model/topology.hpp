@@ -46,8 +46,8 @@ struct Topology {
   /// The bodies whose joint is coupled, and the bodies whose joint has a quaternion and is not coupled.
   std::vector<int> coupled_bodies, quaternion_bodies;
   std::vector<int> subtree_end;  ///< n + 1: the bodies that joint i moves are i to subtree_end[i] - 1
-  /// nv: the end of the velocities in the subtree that velocity c moves. Without couplings these are the
-  /// velocities c to velocity_end[c] - 1.
+  /// nv: without couplings, the velocities from c on in the subtree that velocity c moves are c to
+  /// velocity_end[c] - 1.
   std::vector<int> velocity_end;
   /// nv: the parent of each velocity in the elimination tree of M from the last velocity to the first; -1 for
   /// a root. Row c of L in M = LᵀDL has entries other than 0 in the columns velocity_parent[c], the parent of
@@ -56,15 +56,16 @@ struct Topology {
   std::vector<int> velocity_parent;
 
   /// Data for the elimination of velocities that several joints share, because joints are coupled, in a sweep
-  /// from the leaves to the ground. A tie is a pair of a body and such a velocity. There is one tie for each
-  /// body on the paths from the joints that have the velocity to the body where these paths meet, both ends
-  /// included. At the body where the paths meet, the velocity is eliminated before the joint of this body,
-  /// unless this joint has the velocity itself.
+  /// from the leaves to the ground. A tie is a pair of a body and such a velocity. A velocity has ties with
+  /// the bodies on the paths from its joints to the body where these paths meet, both ends included. At the
+  /// body where the paths meet, the velocity is eliminated before the joint of this body, unless this joint
+  /// has the velocity itself.
   ///
   /// Ties begin[i] to begin[i + 1] - 1 belong to body i; body 0 is the ground. Two ties of a body are in one
-  /// group if their velocities come through the same child, or if each of them continues to the predecessor
-  /// or belongs to the body's own joint. Ties of a group are consecutive, and ties of different groups are
-  /// not coupled. The vectors without a size in their comment have one entry per tie.
+  /// group if the paths of their velocities come through the same child, or if both paths go on to the
+  /// predecessor; a velocity of the body's own joint counts with the latter. Ties of a group are consecutive,
+  /// and ties of different groups are not coupled. The vectors without a size in their comment have one entry
+  /// per tie.
   struct Ties {
     std::vector<int> begin;     ///< n + 2: first tie of each body
     std::vector<int> velocity;  ///< velocity of each tie
@@ -76,8 +77,8 @@ struct Topology {
     /// The first pair of each tie. A tie has one pair with each tie of its group, in the order of the group.
     std::vector<std::size_t> row;
     std::size_t n_pairs = 0;  ///< number of pairs of all ties
-    /// n + 2: offsets of the pairs of a tie of a body with a screw of its joint. of_screws[i] is the first
-    /// pair of body i, which has one pair for each of its ties and each screw of joint i.
+    /// n + 2: index of the first pair of body i in arrays with an entry for each pair of a tie of a body and
+    /// a screw of its joint.
     std::vector<std::size_t> of_screws;
   } ties;
 

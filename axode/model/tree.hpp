@@ -9,8 +9,9 @@
 
 namespace axode {
 
-/// The real-valued data of a tree. The internal frame of body i is its joint frame, in which the motion
-/// subspace S_i is sparse. Named frames are given by their poses in internal frames.
+/// The real-valued data of a tree. The internal frame of body i, to which its numbers refer, is its joint
+/// frame, in which the motion subspace S_i is sparse. Named frames are given by their poses in the internal
+/// frames of their bodies.
 template <class T = double> struct TreeNumbers {
   std::vector<T> pitch;          ///< n + 1, m/rad
   std::vector<T> ratio, offset;  ///< n + 1: coupling of joint i to its leader; 1 and 0 if not coupled
@@ -45,8 +46,8 @@ template <class T = double> class Tree : public TreeNumbers<T> {
 };
 
 /// The requirements that kernels have on the type of a tree. Kernels read the integers through the arrow, as
-/// in `tree->parent[i]`, and visit the joints by each_joint(). They read the poses and inertias of bodies
-/// from B and M only, so that any choice of body frames is possible.
+/// in `tree->parent[i]`, and visit the joints by each_joint(). They read the poses of bodies at q = 0 from B
+/// and their inertias from M only, so that a tree may have any body frames.
 template <class X, class T>
 concept TreeOf = requires(const X& tree, int i) {
   { tree->parent[i] } -> std::convertible_to<int>;
@@ -99,8 +100,9 @@ template <class T, class F> constexpr decltype(auto) with_joint(const Tree<T>& t
   return with_subgroup(tree->kind[i], tree.pitch[i], f);
 }
 
-/// Calls f(joint, i, coupled) for the joint of every body i, where `joint` is its subgroup struct. Joints are
-/// visited kind by kind, and coupled joints after all others.
+/// Calls f(joint, i, coupled) for the joint of every body i, where `joint` is the struct of
+/// axode/model/subgroup.hpp with its formulas. Joints are visited kind by kind, and coupled joints after all
+/// others.
 template <class T, class F> constexpr void each_joint(const Tree<T>& tree, F&& f) {
   for (const JointGroup& group : tree->joint_groups) {
     if (group.kind == Subgroup::helical) {
@@ -125,9 +127,9 @@ Tree<T>::Tree(std::shared_ptr<const Topology> topology, TreeNumbers<T> numbers)
     for (int i = 0; i <= topology_->n; ++i) packed.body.emplace_back(this->B[i], this->M[i]);
 }
 
-/// Computes inertia_scale. For a joint screw (w; v) it is |w|² tr Θ + |v|² m plus the armature, where Θ
-/// (about the origin of the joint frame) and m are those of the whole subtree with every joint at zero. The
-/// armature of a coupled joint is left out.
+/// Computes inertia_scale, an upper bound of the inertia that each joint screw moves. For the screw (w; v) it
+/// is |w|² tr Θ + |v|² m plus the armature, with the rotational inertia Θ about the origin of the joint frame
+/// and the mass m of the whole subtree with every joint at zero. The armature of a coupled joint is left out.
 template <class T> void Tree<T>::set_inertia_scale() {
   std::vector<Inertia<T>> composite(this->M);
   for (int i = topology_->n; i > 0; --i)

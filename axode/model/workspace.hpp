@@ -15,33 +15,33 @@ inline constexpr CutTree cut_tree;
 
 /// Scratch memory for one thread, so that functions need not allocate. Construct one for a model and pass it
 /// to every call. A workspace holds no results, and no call depends on an earlier one. T is the scalar of the
-/// computation. The memory is proportional to the number of bodies.
+/// computation. The memory is proportional to the number of bodies unless joints are coupled.
 ///
 /// A workspace has memory for the spanning tree of a mechanism only. Functions whose result depends on loops
-/// throw if they get a workspace for a model with loops; they take a LoopWorkspace instead. They accept a
-/// workspace that was made with the tag `cut_tree`, and compute with the spanning tree then.
+/// throw if they get a workspace for a model with loops; they take a LoopWorkspace instead. If the workspace
+/// was made with the tag `cut_tree`, they accept it and compute with the spanning tree, without the loops.
 template <class T = double> class Workspace {
  public:
   /// Makes a workspace for every function of the library; T is double or float. For other scalars see
   /// GenericDynamics.
   explicit Workspace(const Model& model);
   Workspace(const Model& model, CutTree) : Workspace(model) { is_for_cut_tree_ = true; }
-  /// Makes a workspace for kernels on any scalar. `bytes` is the memory that they need, as footprint()
-  /// returns it.
+  /// Makes a workspace for kernels (the code of single algorithms) with any scalar. `bytes` is the memory
+  /// that they need, as footprint() returns it.
   Workspace(const Topology& topology, std::size_t bytes)
       : made_for_(topology), lines_(bytes / sizeof(Line) + 1) {}
 
   bool is_for_cut_tree() const { return is_for_cut_tree_; }
   std::size_t bytes() const { return lines_.size() * sizeof(Line); }
 
-  /// Returns an arena with the whole memory, for one call. The workspace must be large enough for the
-  /// topology, which is not checked.
+  /// Returns the whole memory as an arena, from which one call takes its arrays. Whether the workspace is
+  /// large enough for the topology is not checked.
   Arena arena(const Topology& topology) {
     return {topology, reinterpret_cast<std::byte*>(lines_.data()), bytes()};
   }
 
-  /// Throws std::invalid_argument if the workspace was made for a smaller model: one with fewer bodies, joint
-  /// screws or pairs of ties of coupled joints.
+  /// Throws std::invalid_argument if the workspace was made for a smaller model: one with fewer bodies or
+  /// joint screws, or with fewer coupled joints to eliminate (Topology::Ties).
   void check(const Model& model) const {
     const Extent needed(model.topology());
     if (made_for_.bodies < needed.bodies || made_for_.screws < needed.screws || made_for_.ties < needed.ties)
@@ -50,8 +50,7 @@ template <class T = double> class Workspace {
   }
 
  private:
-  /// The sizes of a topology on which the memory of kernels depends. `ties` is the number of pairs of ties,
-  /// see Topology::Ties.
+  /// The sizes of a mechanism on which the memory of kernels depends. `ties` is Topology::Ties::n_pairs.
   struct Extent {
     explicit Extent(const Topology& t) : bodies(t.n), screws(t.n_screws), ties(t.ties.n_pairs) {}
     std::string text() const {
@@ -69,8 +68,8 @@ template <class T = double> class Workspace {
   std::vector<Line> lines_;
 };
 
-/// A kernel together with its scratch memory, for any scalar T. An example is `WithScratch<Dual<double, 3>,
-/// InverseDynamicsRecursion<Hybrid, Dual<double, 3>>> dynamics(topology)`.
+/// A kernel, the code of one algorithm, together with its scratch memory, for any scalar T. An example is
+/// `WithScratch<Dual<double, 3>, InverseDynamicsRecursion<Hybrid, Dual<double, 3>>> dynamics(topology)`.
 template <class T, class Kernel> class WithScratch {
  public:
   explicit WithScratch(const Topology& topology)

@@ -6,12 +6,12 @@
 
 namespace axode::catalog {
 
-/// A line of text for the documentation of a function: which of loops, springs and other properties it takes
-/// into account, ignores or refuses.
+/// A line of text for the documentation of a function. It says which properties of a mechanism (loops,
+/// springs and others) the function takes into account, ignores or refuses.
 std::string to_string(const Counts& counts);
 
-/// The way in which a function is called. It decides which properties of a mechanism the call can take into
-/// account, and what the message of an exception recommends.
+/// The way in which a function is called. It decides which properties of a mechanism (loops and others) the
+/// call can take into account, and what the message of an exception recommends.
 enum class Caller {
   workspace,  ///< C++ with a Workspace, which has the spanning tree only
   /// The call takes into account every property that the function supports: a call in C++ with a
@@ -32,8 +32,9 @@ template <OtherId id> void check_counts(const Model& model, Caller caller = Call
   check_counts(other.name, other.counts, model, caller);
 }
 
-/// check_counts() for a call with a Workspace. It costs two comparisons if nothing is refused. A workspace
-/// that was made for the cut tree is always accepted.
+/// The check for a call with a Workspace: throws if the model has loops or prescribed motions that the
+/// function would have to take into account. It costs two comparisons if it does not throw. A workspace that
+/// was made for the spanning tree (CutTree) is always accepted.
 template <Id row, class T> void check_counts(const Model& model, const Workspace<T>& workspace) {
   constexpr const Counts& counts = row.words().counts;
   constexpr bool motions = counts.motions.word == Word::refused;
@@ -44,8 +45,8 @@ template <Id row, class T> void check_counts(const Model& model, const Workspace
         [[unlikely]]
       check_counts(row.words(), model, Caller::workspace);
 }
-/// The check for a call with a LoopWorkspace: throws if the model has prescribed motions and the row refuses
-/// them.
+/// The check for a call with a LoopWorkspace: throws if the model has prescribed motions and the function
+/// refuses them.
 template <Id row> void check_motions(const Model& model) {
   if constexpr (row.words().counts.motions.word == Word::refused)
     if (!model.motions().empty()) [[unlikely]]
@@ -74,9 +75,9 @@ inline std::size_t numbers_of(const Words& row, const Model& model, std::size_t 
 }
 
 /// refuse_input(), refuse_result() and refuse_shared() throw std::invalid_argument, and are called when a
-/// check has failed: for an input of `size` numbers instead of nv, for a result with the wrong number `size`
-/// of entries of `width` numbers each, and for a result that shares memory with the argument or result
-/// `with`.
+/// check has failed: for an input of `size` numbers instead of the right number (such as nv), for a result
+/// with the wrong number `size` of entries of `width` numbers each, and for a result that shares memory with
+/// the argument or result `with`.
 [[noreturn]] void refuse_input(Input input, std::size_t size, const Model& model);
 [[noreturn]] void refuse_result(const Words& row, std::size_t result, std::size_t size, std::size_t width,
                                 const Model& model, std::size_t n_loads);

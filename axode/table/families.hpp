@@ -3,17 +3,18 @@
 
 #include "axode/table/words.hpp"
 
-/// Which properties of mechanisms (loops, springs, ...) the functions of a family take into account, see
-/// Counts. All rows of a family in the table of functions have the same value.
+/// Values of Counts, which says what a function does with properties of mechanisms (loops, springs, ...):
+/// take into account, ignore or refuse. Functions of one family, such as all functions of a given motion,
+/// have the same value in their rows of the table of functions.
 namespace axode::catalog::table {
 
-/// Phrases about springs. Springs, dampers and stops act in simulations only, so that the caller of another
-/// function adds or subtracts their forces.
+/// Phrases of the documentation of functions that ignore springs, dampers and stops, whose forces the caller
+/// must add or subtract.
 inline constexpr std::string_view add_springs = "spring_forces(q, v) are to be added to tau",
                                   subtract_springs = "spring_forces(q, v) are to be subtracted from tau";
 /// Treatment of prescribed motions by functions that compute accelerations, or quantities that follow from
-/// accelerations. With a prescribed motion, which acts by a force on its joint or along its rod, they depend
-/// on the time, so that such functions refuse the model. Functions of a given motion ignore prescribed
+/// accelerations: they refuse a model with prescribed motions, because accelerations then depend on the time,
+/// which these functions do not know. Functions whose arguments include the accelerations ignore prescribed
 /// motions.
 inline constexpr Count at_a_time =
     refused("simulate and forward_dynamics_at count them, because they know the time");

@@ -3,9 +3,9 @@
 
 namespace axode::catalog {
 
-/// A function that is not in the table of functions of a state, because it takes motions of any order or
-/// targets, or returns more than numbers. Only its name and its treatment of the properties of mechanisms are
-/// given.
+/// A function that is not in the table of functions of a state, because it takes motions with derivatives of
+/// any order or targets, or returns more than numbers. Only its name is given, and which properties of
+/// mechanisms (loops, springs, ...) it takes into account.
 struct Other {
   std::string_view name;
   Counts counts;

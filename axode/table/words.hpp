@@ -5,12 +5,12 @@
 #include <string_view>
 #include <utility>
 
-/// The types of a row of the table of functions of a state. They do not depend on kernels, scalars or
-/// representations.
+/// The types for the rows of the table of functions of a state (functions_of_state): names, arguments,
+/// results and costs as data. They do not depend on the code that computes the functions.
 namespace axode::catalog {
 
-/// A value that every row must give explicitly. It has no default constructor, so that a row without it does
-/// not compile.
+/// A value that every row of the table of functions must give explicitly: as the type has no default
+/// constructor, a row without it does not compile.
 template <class E> struct Decided {
   E value;
   constexpr Decided(E of) : value(of) {}  // NOLINT(google-explicit-constructor): a row writes the value
@@ -49,7 +49,7 @@ constexpr bool is_of_numbers(Input input) {
 }
 std::string_view to_string(Input input);
 
-/// The kind of an entry of a result. It decides how many numbers the entry has. Entries of six numbers have
+/// The kind of the entries of a result. It decides how many numbers an entry has. Entries of six numbers have
 /// the angular part before the linear one.
 enum class Entry {
   number,    ///< one number
@@ -100,8 +100,8 @@ enum class Word {
   refused,      ///< the call throws if the model has the property
 };
 
-/// The treatment of a property by a function, with a sentence that says what to call instead or in addition.
-/// The sentence is required for `refused` and `partly`.
+/// What a function does with a property of mechanisms, such as loops, and a sentence that says what to call
+/// instead or in addition. The sentence is required for `refused` and `partly`.
 struct Count {
   Word word;
   std::string_view sentence;
@@ -114,8 +114,8 @@ inline constexpr Count counted{Word::counted}, optional{Word::optional};
 consteval Count of_the_tree(std::string_view besides = {}) { return {Word::of_the_tree, besides}; }
 consteval Count refused(std::string_view instead) { return {Word::refused, instead}; }
 
-/// The treatment of every property of mechanisms by a function. A new property of mechanisms becomes a member
-/// here; a row that does not give its treatment does not compile.
+/// What a function does with each property of mechanisms. A new property becomes a member here; a row of the
+/// table of functions that leaves a member out does not compile.
 struct Counts {
   Count loops, passive_joints, springs, joint_losses, motions, drives, plays, contacts;
 };
@@ -135,10 +135,10 @@ struct Words {
   std::string_view name;     ///< name in C++, in Python and in the command
   std::string_view purpose;  ///< what the function computes: a phrase that can be read alone
   /// The units of the numbers of the result. A semicolon separates the units of several results. If the unit
-  /// depends on whether velocities are those of angles or lengths, or on the angular and linear parts of
-  /// six-vectors, the units are listed by the number of lengths among them, 0 first, as in "N m, N". "of x"
-  /// stands for the units of x. "per" stands for division by the unit of a direction, velocity, parameter or
-  /// displacement along the last axes of the result.
+  /// depends on whether velocities are those of angles or of lengths, or on the angular or linear part of
+  /// six-vectors, all units are listed, ordered by how many of these are lengths or linear, 0 first, as in "N
+  /// m, N". "of x" stands for the units of x. "per" stands for division by the unit of a direction, velocity,
+  /// parameter or displacement along the last axes of the result.
   std::string_view units;
   List<Input, 8> takes;
   Decided<Choice> choice;
@@ -152,7 +152,7 @@ struct Words {
   Decided<Cost> cost;
   Decided<bool> allocates;
   Decided<Memory> memory;
-  /// Whether the call can fail: because the mass matrix is singular, or because results overflow in the
+  /// Whether the call can fail, because the mass matrix M is singular or because results overflow in the
   /// computation with M⁻¹.
   Decided<bool> may_fail;
   std::string_view derivative_of;  ///< name of the function of which it is a derivative; or empty

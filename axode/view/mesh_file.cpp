@@ -39,8 +39,8 @@ std::vector<fs::path> folders_of(const char* variable) {
   return folders;
 }
 
-/// A URI scheme whose paths begin with the name of a package, and the places where packages of this scheme
-/// are.
+/// A URI scheme whose paths begin with the name of a package (package:// or model://), and where to search
+/// for packages of this scheme.
 struct Library {
   std::string_view scheme;
   std::string_view what;                 ///< word for a package in messages
@@ -66,8 +66,8 @@ bool is_package(const fs::path& folder, const std::string& name, const Library& 
   return name_element != nullptr && name_element->GetText() != nullptr && name_element->GetText() == name;
 }
 
-/// All existing folders that may be the package with the given name, the likeliest first. `folder` is that of
-/// the description's file.
+/// All existing folders that may be the package with the given name, the likeliest first. `folder` is the
+/// folder of the file that describes the mechanism.
 std::vector<fs::path> packages(const std::string& name, const fs::path& folder, const Library& library) {
   std::vector<fs::path> found;
   std::error_code unknown;
@@ -87,8 +87,8 @@ std::vector<fs::path> packages(const std::string& name, const fs::path& folder, 
   return found;
 }
 
-/// Finds the file of `package://name/path` or `model://name/path`, given without the scheme. `folder` is that
-/// of the description's file.
+/// Finds the file of `package://name/path` or `model://name/path`, given without the scheme. `folder` is the
+/// folder of the file that describes the mechanism.
 FoundMesh in_package(std::string_view name_and_path, const fs::path& folder, const Library& library) {
   const std::size_t slash = name_and_path.find('/');
   const std::string name(name_and_path.substr(0, slash)), what(library.what);
@@ -123,7 +123,7 @@ std::string decoded(std::string_view text) {
   return out;
 }
 
-/// The rest of a text after its beginning `start`. The result has no value if the text does not begin with
+/// The text without `start` at its beginning. The result has no value if the text does not begin with
 /// `start`.
 std::optional<std::string_view> behind(std::string_view text, std::string_view start) {
   if (!text.starts_with(start)) return std::nullopt;

@@ -18,8 +18,7 @@ namespace {
 
 using Json = nlohmann::json;
 
-/// The number of type T that begins at byte `place` of a little-endian file. The caller makes sure that the
-/// file is long enough.
+/// The number of type T that begins at byte `place` of a little-endian file, which must be long enough.
 template <class T> T number_at(std::string_view bytes, std::size_t place) {
   static_assert(std::endian::native == std::endian::little);
   T number;
@@ -61,8 +60,8 @@ std::string shown(std::string_view word) {
   return text + (word.size() > 30 ? "...\"" : "\"");
 }
 
-/// Checks a word that must be a coordinate. It must be finite as a float, because the page stores coordinates
-/// as floats. Returns a sentence about the fault, or an empty text.
+/// Checks a word that must be a coordinate. It must be finite as a float, because the page that shows the
+/// mesh stores coordinates as floats. Returns a sentence about the fault, or an empty text.
 std::string fault_of_coordinate(std::string_view word) {
   const std::optional<double> x = number_in<double>(word);
   if (x && std::abs(*x) <= std::numeric_limits<float>::max()) return "";
@@ -175,8 +174,8 @@ std::vector<Vec3<>> vertices_of_obj(std::string_view bytes) {
 
 namespace {
 
-/// Calls f for all elements with the given name among `from`, its later siblings and their descendants, until
-/// f returns a text that is not empty, and returns this text.
+/// Calls f for every element with the given name among `from`, its later siblings and the descendants of all
+/// of them, until f returns a text that is not empty. Returns this text, or an empty one.
 template <class F> std::string first_fault(const tinyxml2::XMLElement* from, const char* name, const F& f) {
   std::string fault;
   for (const tinyxml2::XMLElement* e = from; e != nullptr && fault.empty(); e = e->NextSiblingElement())
@@ -233,9 +232,9 @@ Json parsed(std::string_view text) {
 constexpr std::array<const char*, 3> compressions{"KHR_draco_mesh_compression", "EXT_meshopt_compression",
                                                   "KHR_texture_basisu"};
 
-/// Checks that a glTF needs no other file and no compression that the page cannot read, and that it has a
-/// mesh. Returns a sentence about the fault, or an empty text. Throws Json::exception if the JSON is not that
-/// of a glTF.
+/// Checks that a glTF needs no other file, that it uses no compression that the page which shows it cannot
+/// read, and that it has a mesh. Returns a sentence about the fault, or an empty text. Throws Json::exception
+/// if the JSON is not that of a glTF.
 std::string fault_of_references(const Json& json) {
   for (const char* list : {"buffers", "images"})
     for (const Json& each : json.value(list, Json::array()))

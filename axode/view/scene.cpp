@@ -105,8 +105,9 @@ Json loops_of(const Model& model) {
   return loops;
 }
 
-/// The segments of springs along points, followed by the lines of drives, as JSON. Points are in the frames
-/// of their bodies. The stiffness is that at the deflection 0.
+/// JSON with the segments of springs that run along points, followed by the lines between two points along
+/// which drives act. Points are in the frames of their bodies. The stiffness of a spring is that at the
+/// deflection 0.
 Json lines_of(const Model& model) {
   Json lines = Json::array();
   const auto end_of = [&](const Spring::Path::Point& end) {
@@ -212,8 +213,8 @@ class Shapes {
     int count = 1;
   };
 
-  /// The index in `meshes` of the mesh with the given name. If the mesh cannot be shown, the result is empty
-  /// and the reason is added to missing_.
+  /// The index of the mesh with the given name in the list `meshes` of the scene. If the mesh cannot be
+  /// shown, the result is empty and the reason is added to missing_.
   std::optional<std::size_t> mesh_of(const std::string& name, const std::string& body,
                                      const Source& referenced_from) {
     const auto [known, is_new] = named_.emplace(std::pair(referenced_from.file, name), std::nullopt);
@@ -252,8 +253,9 @@ class Shapes {
   }
 
   std::vector<bool> seen_;  ///< whether the ground and each body have a visible shape
-  /// The indices of meshes in `meshes`, empty for a mesh that cannot be shown. named_ finds the index by the
-  /// file of the description and the name of the mesh in it, and read_ by the path of the mesh file.
+  /// The indices of meshes in the list `meshes` of the scene, empty for a mesh that cannot be shown. The keys
+  /// of named_ are the file that describes the mechanism and the name of the mesh in it; those of read_ are
+  /// the paths of mesh files.
   std::map<std::pair<std::string, std::string>, std::optional<std::size_t>> named_;
   std::map<std::filesystem::path, std::optional<std::size_t>> read_;
   std::size_t bytes_ = 0;  ///< bytes of all meshes in `meshes`
@@ -303,9 +305,9 @@ ShownMotion thinned(const Model& model, const ShownMotion& motion, std::size_t s
 
 constexpr std::size_t numbers_of_contact = 17;
 
-/// The points of contact of each state of a motion as JSON. A point is a list of 17 numbers: the two shapes,
-/// point, normal, gap, force, moment, friction and branch (0 open, 1 stick, 2 slide). The result is null if
-/// the points are not known.
+/// The points of contact of each state of a motion as JSON. A point of contact is a list of 17 numbers: the
+/// indices of the two shapes, position, normal, gap, force, moment, coefficient of friction and status (0
+/// open, 1 stick, 2 slide). The result is null if the points are not known.
 Json contacts_of(const ShownMotion& motion) {
   if (motion.contacts.empty()) return {};
   Json times = Json::array();
@@ -325,8 +327,8 @@ Json contacts_of(const ShownMotion& motion) {
   return times;
 }
 
-/// The motion `whole` as JSON; null if it has no times. If it has more than longest_motion numbers, some of
-/// its states are left out, and a warning is added.
+/// JSON with the motion `whole`; null if it has no times. If it would have more than longest_motion numbers,
+/// some states are left out, and a warning is added.
 Json motion_of(const Model& model, const ShownMotion& whole, std::vector<std::string>& warnings) {
   if (whole.t.empty()) return {};
   check(model, whole);

@@ -29,13 +29,14 @@ struct SceneOptions {
 
 /// Largest total size of the mesh files of a scene, bytes. Meshes that would exceed it are not shown.
 inline constexpr std::size_t largest_meshes = std::size_t{256} << 20;
-/// Largest count of numbers that the motion of a scene may have. Of a longer motion only every second, third,
+/// Largest count of numbers that the page may have for a motion. Of a longer motion only every second, third,
 /// ... state is shown.
 inline constexpr std::size_t longest_motion = 1'000'000;
 
-/// The configuration that a page shows first if the caller gives no other one. It is that of initial_state().
-/// If the model has loops or prescribed motions, assemble() starts from it, and the result is the
-/// configuration that satisfies them, if assemble() finds one. The search ends if monitor() returns false.
+/// The configuration that a page shows first if the caller gives no other one. It is that of initial_state()
+/// or, if the model has loops or prescribed motions, the one that satisfies them and that assemble() finds
+/// from there. If assemble() finds none, it is that of initial_state(). The caller can end the search:
+/// monitor() is called now and then, and if it returns false, the search ends.
 std::vector<double> first_configuration(const Model& model, const std::function<bool()>& monitor = {});
 
 /// Writes the scene that a page shows as JSON: bodies with their joints and inertias, frames, shapes with the

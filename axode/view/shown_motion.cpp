@@ -23,7 +23,7 @@ Row row(const std::vector<double>& rows, std::size_t k, int width) {
 }
 
 /// Appends the forces of one spring between frames to `loads`, as wrenches on these frames, and the tensions
-/// of its segments to `tensions`. C and V are the poses and spatial twists of all frames.
+/// of its segments to `tensions`. C has the poses and V the spatial twists of all frames.
 struct AppendSpring {
   const Model& model;
   const ForceLaw& law;
@@ -82,8 +82,8 @@ void append_springs(const Model& model, Row q, Row v, Workspace<>& workspace,
     std::visit(AppendSpring{model, spring.law, q, v, C, V, loads, tensions}, spring.geometry);
 }
 
-/// Computes the multipliers of the loops, `lambda`, under the drive forces tau and the forces of springs.
-/// Returns false if the mass matrix is singular or a number is not finite.
+/// Computes the constraint forces of the loops, the Lagrange multipliers `lambda`, under the drive forces tau
+/// and the forces of springs. Returns false if the mass matrix is singular or a number is not finite.
 bool find_multipliers(const Model& model, Row q, Row v, Row tau, Workspace<>& workspace,
                       LoopWorkspace<>& of_loops, std::vector<double>& lambda) {
   std::vector<double> forces(tau.begin(), tau.end()), a(forces);
@@ -97,8 +97,8 @@ template <class Screws> void append(const Screws& screws, std::vector<double>& o
     out.insert(out.end(), {angular.x, angular.y, angular.z, linear.x, linear.y, linear.z});
 }
 
-/// The normal forces of a motion with contacts, N: for each time and each pair of shapes that press at some
-/// time, the sum over the points of contact of the pair.
+/// The normal forces of a motion with contacts, N: for each time and each pair of shapes between which there
+/// is a force at some time, the sum over the points of contact of the pair.
 view::MotionNumbers::Series contact_series(const ShownMotion& motion) {
   std::map<std::pair<int, int>, std::size_t> columns;
   for (const std::vector<ContactForce>& at_once : motion.contacts)

@@ -36,16 +36,16 @@ class Points {
   double size_ = 0;
 };
 
-/// Whether the description gives a point of a joint. It does not for free joints, and for prismatic joints in
-/// the construction frame, which have only a direction.
+/// Whether the description gives a point of a joint. It does not for free joints, nor for prismatic joints
+/// that are described in the inertial frame, which have only a direction.
 bool has_point(const Joint& joint, const BodyDescription* body) {
   if (joint.kind != Subgroup::prismatic && joint.kind != Subgroup::free) return true;
   return body == nullptr || !std::holds_alternative<InConstructionFrame>(body->geometry) ||
          traits(body->joint.kind).point;
 }
 
-/// Calls f(body, point) for each point of springs along points and of lines of drives, with the point in the
-/// frame of the body.
+/// Calls f(body, point) for each point of a spring that runs along points, and for both ends of each line
+/// along which a drive acts. The point is in the frame of the body.
 template <class F> void for_line_ends(const Model& model, const F& f) {
   const auto visit = [&](const Spring::Path& path) {
     for (const Spring::Path::Point& it : path.points) {
@@ -207,8 +207,8 @@ ShapeDescription joint_part(Subgroup kind, const SE3<>& pose, double radius, con
   return shape;
 }
 
-/// The rail of a body that slides on the ground, in the direction of the joint through the centre of mass. It
-/// reaches from the lower limit to the upper one; a missing limit is replaced by -size or size.
+/// The rail of a body that slides on the ground. It runs through the centre of mass in the direction of the
+/// joint, from the lower limit to the upper one; a missing limit is replaced by -size or size.
 ShapeDescription rail(const Body& body, const Dof& dof, double size) {
   const Vec3<> center = body.M.m > 0 ? center_of_mass(body.M) : body.S_self.r, at = body.A * center,
                e = body.S_prev.R.z;
@@ -217,8 +217,8 @@ ShapeDescription rail(const Body& body, const Dof& dof, double size) {
   return capsule(at + lower * e, at + upper * e, 0.02 * size);
 }
 
-/// The kind of tree joint whose drawing is used for a loop joint. The result is empty for a rolling contact,
-/// and if the position of the loop joint does not matter.
+/// The kind of joint in the tree that is drawn like a loop joint of the given kind. Empty if the loop joint
+/// is not drawn: a rolling contact, or a joint whose position does not matter.
 std::optional<Subgroup> like_joint(LoopKind kind) {
   const LoopTraits& loop = traits(kind);
   if (!loop.located || loop.has("center")) return std::nullopt;

@@ -2,8 +2,8 @@
 
 #include "axode/workspace/largest_footprint.hpp"
 
-/// A workspace has memory for the kernels in the code for the chosen instruction set as well as for the
-/// kernels that are compiled once.
+/// A workspace has memory both for the kernels that are compiled for the chosen instruction set and for those
+/// that are compiled only once, for all of them.
 namespace axode {
 
 template <>

@@ -10,8 +10,8 @@
 
 namespace axode::python {
 
-/// The states that an axode.Trajectory shows, which also have the names of the collision shapes; null if
-/// `given` is another object.
+/// The motion that a Python object of type axode.Trajectory shows, with the names of its collision shapes;
+/// null if `given` has another type.
 const Trajectory* shown_in(nb::handle given);
 
 /// Points of contact as a list of axode.ContactForce. `shapes` has the names of the shapes; ContactForce::a

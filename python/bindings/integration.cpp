@@ -45,8 +45,8 @@ template <class F> void each_of(std::size_t count, const F& f, bool calls_back =
   call.end();
 }
 
-/// A motion, and the states of it that the caller asked for: states at given times (`samples`) or, if there
-/// are none, those at the ends of the steps.
+/// A motion, and the states of it that Python sees: those at the times that the caller gave (`samples`) or,
+/// if none were given, those at the ends of the steps.
 struct BoundTrajectory {
   Trajectory motion;
   std::optional<Trajectory> samples;
@@ -90,8 +90,8 @@ Array rows(const BoundTrajectory& of, RowsOf which, int width) {
   return out.array();
 }
 Array rows(const BoundTrajectory& of, RowsOf which) { return rows(of, which, of.motion.model().nv()); }
-/// Calls f(workspace, q, v, numbers) for every state that a motion shows, and returns an array of the
-/// results. f writes the result for the state, an item of this shape, to `numbers`.
+/// Calls f(workspace, q, v, numbers) for every state that a motion shows to Python, and returns an array of
+/// the results. f writes its result, an array of the given shape, to `numbers`.
 template <class F> Array of_states(const BoundTrajectory& of, const Shape& shape, const F& f) {
   const Trajectory& shown = of.shown();
   NewArray out(shape.times(static_cast<nb::ssize_t>(shown.size())));

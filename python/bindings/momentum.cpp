@@ -12,8 +12,9 @@ namespace {
 
 using namespace nb::literals;
 
-/// Computes the two results of a function for every state: f(workspace, k, first, second) writes items of the
-/// shapes `first` and `second`. If a state cannot be solved, the SingularError contains the first result.
+/// Computes the two results of a function, arrays of the shapes `first` and `second`, for every state:
+/// f(workspace, k, first, second) writes those of state k. If a state cannot be computed, for example because
+/// the mass matrix is singular, an error that contains the first result is thrown.
 template <class F>
 std::tuple<Array, Array> each_pair(const States& states, const Shape& first, const Shape& second,
                                    const F& f) {

@@ -33,8 +33,8 @@ ContactForce contact_from(const double* x) {
           .branch = static_cast<LawBranch>(static_cast<int>(x[16]))};
 }
 
-/// Sets the contacts of a motion. They are given by an axode.Trajectory, or by a tuple (names of the shapes,
-/// points at each time) that axode.viewer has read from a file.
+/// Sets the points of contact of a motion. Python gives them by an axode.Trajectory, or by a tuple (names of
+/// the shapes, points at each time) that axode.viewer has read from a file.
 void set_contacts(nb::handle given, ShownMotion& motion) {
   if (const Trajectory* shown = shown_in(given)) {
     if (shown->contact_shapes.empty()) return;

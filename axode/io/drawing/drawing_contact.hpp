@@ -3,11 +3,11 @@
 
 namespace axode::io {
 
-/// Reads the keys of a shape for its friction and restitution in contact. For a visual shape each of these
-/// keys is a fault.
+/// Reads the keys of a shape for its friction, restitution and other properties in contact. A visual shape
+/// must have none of these keys.
 void read_surface(Table& table, ShapeDescription& shape);
-/// Reads the table `contact` of a drawing into the description, if there is one. `top` is the table of the
-/// whole file.
+/// Reads the table [contact] of a drawing (a TOML file) into the description, if there is one. `top` is the
+/// table of the whole file.
 void read_contact(Table& top, Description& description);
 
 }  // namespace axode::io

@@ -7,8 +7,8 @@
 /// The reader of the tables [[drive]] of a drawing.
 namespace axode::io {
 
-/// Reads a table [[drive]] into `drive`. Returns false if it has faults. `number` is its index among the
-/// drives of the file, from 0; messages use it for a drive without a name.
+/// Reads a table [[drive]] of a drawing (a TOML file) into `drive`. Returns false if it has faults. `number`
+/// is its index among the drives of the file, from 0; messages use it for a drive without a name.
 bool read_drive(Table& table, std::size_t number, DriveDescription& drive);
 
 }  // namespace axode::io

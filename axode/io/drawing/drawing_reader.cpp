@@ -23,8 +23,9 @@ constexpr auto shape_names = names_of(shape_kinds);
 /// The form in which the geometry of a body is given: A, B, or S_prev and S_self.
 enum class GeometryForm { construction, body, joint };
 
-/// Reads the keys that place a body (A, or B, or S_prev and S_self), and returns which of these ways it
-/// found.
+/// Reads the keys for the geometry of a body: A (pose in the inertial frame), B (pose in the frame of the
+/// predecessor), or S_prev and S_self (joint frame on the predecessor and on the body). The result says which
+/// of these were given.
 GeometryForm read_geometry(Table& table, BodyDescription& body) {
   const bool has_A = table.has("A"), has_B = table.has("B"),
              has_S = table.has("S_prev") || table.has("S_self"), has_frame = table.has("frame");
@@ -51,7 +52,8 @@ constexpr std::array<std::string_view, 11> dof_keys{"limits",   "velocity", "eff
                                                     "spring",   "stop",     "restitution"};
 
 /// Reads the table of a joint spring or of elastic stops. `what` is the key of this table, `spring` or
-/// `stop`. In the table, `stiffness` is required, and a second number with the name `key` is optional.
+/// `stop`. The table must have a number `stiffness`; it may have a second one, whose name is the argument
+/// `key`.
 void read_elastic(Table& table, std::string_view what, double& stiffness, std::string_view key,
                   double& other) {
   auto inner = table.table(what);
@@ -240,8 +242,9 @@ std::optional<MassProperties> read_inertia(Table& table, GeometryForm form) {
   return given;
 }
 
-/// Sets the body frame of a body in the construction frame by the key `frame`, if there is one. Its origin is
-/// the point of the joint or the centre of mass, and its axes are those of the construction frame.
+/// Reads the key `frame`, if there is one. It chooses the body frame of a body that is given in the
+/// construction frame, the inertial frame at q = 0. Its origin is the point of the joint or the centre of
+/// mass, and its axes are those of the construction frame.
 void move_frame(Table& table, BodyDescription& body) {
   constexpr std::array<std::string_view, 2> places{"joint", "com"};
   const toml::Value* at = table.look("frame");
@@ -325,8 +328,8 @@ void read_shapes(Table& owner, const std::string& element, const std::string& ke
     if (auto read = read_shape(shape, element)) shapes.push_back(std::move(*read));
 }
 
-/// Reads the name of a body or frame. From then on faults name the table by it or, if there is none, by its
-/// number in the file.
+/// Reads the name of a body or frame. Faults that are found later name the table by it or, if there is none,
+/// by its number in the file.
 std::string read_name(Table& table, const std::string& kind, std::size_t number) {
   table.rename(kind + " " + std::to_string(number + 1));
   std::string name = table.name("name", "every " + kind + " needs one");

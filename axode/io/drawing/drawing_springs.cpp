@@ -13,8 +13,8 @@ constexpr std::array<std::string_view, 2> frame_names{"construction", "body"};
 constexpr std::array<std::string_view, 2> sides{"tension", "compression"};
 constexpr std::array<std::string_view, 3> law_names{"polynomial", "table", "gas"};
 
-/// place_keys are the keys that say where a spring is, of which each kind has some. law_keys are the keys of
-/// a force law, which all kinds but bushings have.
+/// Names of keys of a table [[spring]]. place_keys say where the spring acts; each kind of spring has some of
+/// them. law_keys describe the force law, which all kinds but bushings have.
 constexpr std::array<std::string_view, 9> place_keys{"between", "points", "path", "axis",     "frames",
                                                      "in",      "terms",  "pose", "rest_pose"};
 constexpr std::array<std::string_view, 4> law_keys{"law", "rest", "preload", "one_sided"};
@@ -52,8 +52,9 @@ void read_path(Table& table, SpringDescription& spring) {
   }
 }
 
-/// Reads the two frames of a torsion spring or bushing. Either the key `drawn_by` (`axis` or `pose`) gives
-/// one frame for both bodies, in the construction frame, or the key `frames` gives a frame on each of them.
+/// Reads the two frames of a torsion spring or bushing. Either they coincide at q = 0 and are given once, in
+/// the inertial frame, by the key whose name is `drawn_by` (`axis` or `pose`), or the key `frames` gives a
+/// frame on each of the two bodies.
 void read_frames(Table& table, SpringDescription& spring, std::string_view drawn_by) {
   read_between(table, spring);
   const bool given = table.has("frames");

@@ -33,9 +33,9 @@ struct Notes {
   }
 };
 
-/// One table of a drawing. Each key that the table may have is read by one of the functions; finish() then
-/// adds a fault for each other key. Functions that read a key return an empty result if the key is absent, or
-/// if its value is wrong; in the second case they add a fault.
+/// One table of a drawing (a TOML file that describes a mechanism). Each key that the table may have is read
+/// by one of the functions; finish() then adds a fault for each other key. Functions that read a key return
+/// an empty result if the key is absent, or if its value is wrong; in the second case they add a fault.
 class Table {
  public:
   Table(const Notes& notes, const toml::Value& table, std::string element)
@@ -172,8 +172,9 @@ class Table {
   std::vector<Table> tables(std::string_view key, const std::string& need);
 
  private:
-  /// The keys of the table inside this one that `key` names, each with the value that read(table, name,
-  /// entry) returns for it. Keys for which this is empty are left out.
+  /// Reads the table inside this one that has the name `key`: calls read(table, name, entry) for each of its
+  /// entries. Returns the names of the entries with the values that read() returned, except those that are
+  /// empty.
   template <class T, class Read>
   std::vector<std::pair<std::string, T>> named(std::string_view key, const Read& read);
   /// Reads the N numbers of an array into `out`, and returns whether this was possible. A fault is added for

@@ -56,8 +56,8 @@ class SdfFrames {
 
  private:
   std::string path(int model, std::string_view name) const;
-  /// The numbers of the frames, sorted so that the frame that the member `next` of a frame names is before
-  /// the frame itself. A cycle is reported and cut: `next` of one of its frames becomes the world.
+  /// The numbers of the frames, sorted so that each frame comes after the one that its member `next` names. A
+  /// cycle is reported and cut: `next` of one of its frames becomes the world.
   std::vector<int> in_order(int Frame::*next, std::string_view in_a_cycle, const Report& report);
 
   std::vector<Frame> all_;

@@ -87,7 +87,8 @@ bool SdfMechanism::connect(Connection& c) {
 
 /// Chooses the joints of a spanning tree of all links, and returns its root links, to which no joint of the
 /// tree leads. Joints are chosen in the order of the file. A joint is reversed, so that it leads from its
-/// child to its parent, only if no other joint reaches a new link. All other joints close loops.
+/// child to its parent, only if no new link can be reached by a joint that is not reversed. All other joints
+/// close loops.
 std::vector<std::size_t> SdfMechanism::grow_tree() {
   std::vector<std::vector<std::size_t>> joints_at(links_.size() + 1);  // the last entry is the world
   const auto at = [&](int k) { return k < 0 ? links_.size() : static_cast<std::size_t>(k); };

@@ -86,8 +86,8 @@ class UrdfReader : XmlReader {
 
   // ---------------------------------------------------------------- elements and attributes
 
-  /// Whether an attribute of an element that URDF knows contains an expression ${...} of xacro. A fault is
-  /// added for the first one.
+  /// Whether an attribute of an element that URDF knows contains an expression ${...} of xacro, a macro
+  /// language for URDF files. A fault is added for the first one.
   bool is_xacro(const XMLElement& robot) {
     std::vector<const XMLElement*> open{&robot};
     while (!open.empty()) {

@@ -23,8 +23,8 @@ using io::xml::text;
 /// Relative tolerance of the test whether the origin of a link is on the axis of its joint, as URDF requires.
 constexpr double on_axis = 1e-12;
 
-/// The text of a limit. URDF cannot express that there is no limit. The largest number of type double is
-/// written instead, which readers treat as no limit.
+/// The text of a limit. As URDF cannot express that there is no limit, an infinite limit is written as the
+/// largest number of type double, which readers treat as no limit.
 std::string limit_text(double x) {
   return text(std::clamp(x, -std::numeric_limits<double>::max(), std::numeric_limits<double>::max()));
 }
@@ -156,8 +156,8 @@ class UrdfWriter {
     return norm(a.x - b.x) <= on_axis && norm(a.y - b.y) <= on_axis && norm(a.z - b.z) <= on_axis;
   }
 
-  /// Whether the link that the joint moves can have the frame of body i: in URDF the frame of a link is also
-  /// that of its joint.
+  /// Whether the link of body i can have the frame of this body. In URDF the frame of a link is also the
+  /// frame of the joint that moves it.
   bool can_be_link(int i) const {
     const SE3<>& S = at_[i].S_self;
     const double scale = 1 + norm(at_[i].A.r);
@@ -257,7 +257,7 @@ class UrdfWriter {
   }
 
   /// Writes <inertial>, about the centre of mass and in the axes of the link. A is the pose of the body frame
-  /// in the construction frame.
+  /// in the inertial frame at q = 0.
   void write_inertial(const MassProperties& given, const SE3<>& A) {
     const SE3<> to_body = given.in == GivenIn::body_frame ? SE3<>{} : inverse(A);
     Sym3<> Theta = rotate(given.axes, given.Theta);

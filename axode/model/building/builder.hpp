@@ -6,8 +6,8 @@
 
 namespace axode {
 
-/// The treatment of defects that do not prevent a computation: inertias that no mass distribution has, masses
-/// of 0, and defects of files that other readers accept.
+/// Whether defects of a description that do not prevent a computation are warnings or errors: inertias that
+/// no mass distribution has, masses of 0, and defects of files that other readers accept.
 enum class Strictness {
   lenient,  ///< such defects are warnings, because files of real robots have them
   strict,   ///< such defects are errors
@@ -66,7 +66,7 @@ Description with_fixed_base(Description description);
 /// these joints. It has no loops between bodies that no longer move relative to each other, and no couplings
 /// or springs on fixed joints alone, even if such a loop or coupling is not closed at q. Throws
 /// std::invalid_argument for an unknown or coupled joint, for a joint that a drive with states acts on, and
-/// for a wrong q.
+/// for a q of a wrong size or with a quaternion that is not of unit norm.
 Model reduced(const Model& model, std::span<const std::string_view> locked, std::span<const double> q);
 
 }  // namespace axode

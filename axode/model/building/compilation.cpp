@@ -17,9 +17,9 @@ namespace {
 /// A mechanism during its compilation into a model. A body that is fixed to another one is merged into the
 /// moving body that carries it, and remains as a named frame.
 ///
-/// Poses that are drawn in the construction frame are related to their neighbours by differences, and poses
-/// that are given relative to a neighbour never use the construction frame. Hence no digits are lost if both
-/// are far from its origin.
+/// If poses are given in the construction frame (the inertial frame, at q = 0), the relative pose of two
+/// neighbours is computed from the difference of their positions; if a pose is given relative to a neighbour,
+/// the construction frame is not used. Hence no digits are lost if two neighbours are far from its origin.
 class Compiler {
  public:
   explicit Compiler(const Description& description)
@@ -73,15 +73,15 @@ class Compiler {
   }
 
  private:
-  /// The carrier of a body of the description: the index of the moving body into which the body is merged, or
-  /// of the body itself. The pose of the carrier's internal frame in the body frame is the product S F. It is
-  /// kept as two factors, because both may be near each other and far from the body frame. S is usually the
-  /// joint frame.
+  /// The moving body of the model to which a body of the description belongs: the body itself or the body
+  /// into which it is merged. The joint frame of this `carrier` has the pose S F in the frame of the
+  /// described body, where S is usually the joint frame of the latter. The factors are kept apart, because
+  /// both joint frames may be near each other and far from the body frame.
   struct Carried {
     int carrier = 0;
     SE3<> S, F;
   };
-  /// Converts a pose C in the body frame into the internal frame of the carrier: F⁻¹ S⁻¹ C.
+  /// The pose in the joint frame of the carrier, F⁻¹ S⁻¹ C, of a pose C in the frame of the described body.
   static SE3<> in_carrier(const Carried& on, const SE3<>& C) { return relative(on.F, relative(on.S, C)); }
 
   int n_bodies() const { return static_cast<int>(bodies_.size()); }
@@ -237,8 +237,8 @@ class Compiler {
   double drawn_coordinate(const Spring::JointSum& joints) const { return joints.offset; }
   double drawn_coordinate(const Spring::Bushing&) const { return 0; }
 
-  /// Compiles spring k of the description. A preload is replaced by the rest that gives this force at q = 0
-  /// (D16.4). If no rest does so, a fault is added.
+  /// Compiles spring k of the description. A preload is replaced by the length or angle of rest that gives
+  /// this force at q = 0 (D16.4). If there is none, a fault is added.
   Spring spring(std::size_t k, const Topology& topology, std::vector<Fault>& faults) const {
     const SpringDescription& from = description_.springs[k];
     Spring out{.name = spring_name(from, k), .geometry = Spring::Path{}, .law = {}};
@@ -340,8 +340,8 @@ class Compiler {
     return loops;
   }
 
-  /// Replaces chains of coupled joints, in which a leader follows another joint, by q_i = ratio q_leader +
-  /// offset with the last leader, which has a coordinate of its own.
+  /// A coupled joint has q = ratio q_leader + offset. If its leader is coupled to another joint in turn,
+  /// ratio and offset become those for the last leader of the chain, which has a coordinate of its own.
   void couple() {
     std::unordered_map<std::string_view, int> index;
     for (int i = 1; i < n_bodies(); ++i) index.emplace(joints_[i].name, i);
@@ -372,7 +372,7 @@ class Compiler {
   }
 
   /// Gives the joints the indices of their coordinates and velocities, and sums armature, damping and
-  /// friction over all joints that have a velocity.
+  /// friction over all joints that share a velocity.
   void number_joints(const Topology& topology) {
     numbers_.g = description_.gravity;
     for (std::vector<double>* terms : {&numbers_.armature, &numbers_.damping, &numbers_.friction})

@@ -48,8 +48,8 @@ void check_names_differ(const Description& one, const Description& other, const 
                                 "; give a prefix that makes them differ");
 }
 
-/// The place at which another mechanism is mounted: the pose of a frame on the body `carrier`. The frame
-/// replaces the ground of the other mechanism, whose names get a prefix.
+/// The frame on which another mechanism is mounted, with its pose on the body `carrier`. It replaces the
+/// ground of the other mechanism, and the prefix is put before the names of that mechanism.
 struct Mount {
   std::string carrier;
   SE3<> pose;
@@ -57,8 +57,8 @@ struct Mount {
 
   std::string renamed(const std::string& name) const { return prefix + name; }
   std::string new_name(const std::string& name) const { return name == "ground" ? carrier : renamed(name); }
-  /// The pose in which a body or frame of the mounted mechanism is replaced: that of the mount on its carrier
-  /// for the ground, else the identity.
+  /// The pose of a body or frame of the mounted mechanism relative to what it becomes: for the ground, which
+  /// the carrier replaces, the pose of the mount on the carrier; for all others the identity.
   SE3<> from(const std::string& name) const { return name == "ground" ? pose : SE3<>{}; }
 };
 
@@ -119,8 +119,7 @@ void mount(DriveDescription& drive, const Mount& at) {
     }
   if (!drive.input.from.empty()) drive.input.from = at.renamed(drive.input.from);
 }
-/// Adds the initial state of the mounted mechanism to the state `into`, which becomes that of both
-/// mechanisms.
+/// Adds the initial state of the mounted mechanism to `into`, the initial state of the other one.
 void mount(const InitialStateDescription& state, const Mount& at,
            std::optional<InitialStateDescription>& into) {
   if (!into) into.emplace().source = state.source;
@@ -239,7 +238,7 @@ namespace {
 /// Throws std::invalid_argument if a joint with several velocities has limits, losses, springs or armatures,
 /// because these act along axes of the body that the joint moves and would act along other axes when the
 /// joint is reversed. Springs, damping and armatures that are equal about all axes of a spherical joint are
-/// allowed, unless `base` says that it is the joint of the root.
+/// allowed, unless `base` says that the joint connects the root body to the ground.
 void check_may_be_reversed(const JointDescription& joint, bool base) {
   const auto of_own_axes = [](const Dof& dof) {
     return dof.armature != 0 || dof.damping != 0 || dof.friction != 0 || dof.stiffness != 0;
@@ -264,8 +263,8 @@ void check_may_be_reversed(const JointDescription& joint, bool base) {
 }
 
 /// Leaves out the initial state of joints whose coordinates change, with a warning: the joints with several
-/// velocities on the path from the new root to the old one, and the joint `held` of the old root if it is
-/// free.
+/// velocities on the path from the new root to the old one, and, if it is free, the joint `held` that
+/// connected the old root to the ground.
 void drop_reversed_state(Description& description, const std::vector<std::size_t>& path,
                          const JointDescription& held) {
   std::unordered_set<std::string> reversed;

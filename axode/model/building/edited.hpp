@@ -4,10 +4,10 @@
 
 #include "axode/model/model.hpp"
 
-/// Functions that make a new model from another one, which does not change. All of them build leniently: an
-/// inertia that no mass distribution has is a warning of the new model, because estimates and files of real
-/// robots have such inertias. Cylindrical and universal joints become chains of two joints. See also
-/// ModelBuilder(model) and reduced() in axode/model/building/builder.hpp.
+/// Functions that make a new model from another one, which does not change. An inertia that no mass
+/// distribution has is only a warning of the new model, because estimates and files of real robots have such
+/// inertias. Cylindrical and universal joints become chains of two joints. See also ModelBuilder(model) and
+/// reduced() in axode/model/building/builder.hpp.
 namespace axode {
 
 /// The mechanism with other inertial parameters π: 10 n_bodies numbers, see
@@ -18,13 +18,13 @@ namespace axode {
 /// negative masses.
 Model with_parameters(const Model& model, std::span<const double> pi);
 
-/// The mechanism with another gravity g, m/s² in the construction frame. Throws ModelError if g is not
-/// finite.
+/// The mechanism with another gravity g, m/s² in inertial axes. Throws ModelError if g is not finite.
 Model with_gravity(const Model& model, const Vec3<>& g);
 
 /// The mechanism with an additional body that is fixed to a frame of the model. Its inertia M is given in
-/// this frame, and `name` becomes the name of a frame as well. Throws std::invalid_argument for an unknown
-/// frame, and ModelError for a name that is taken, a negative mass, and numbers that are not finite.
+/// this frame (mass, first moment of mass, rotational inertia about the origin). The new model has a frame
+/// with the name `name` there. Throws std::invalid_argument for an unknown frame, and ModelError for a name
+/// that is taken, a negative mass, and numbers that are not finite.
 Model with_payload(const Model& model, std::string_view frame, const Inertia<>& M,
                    std::string_view name = "payload");
 
@@ -49,13 +49,14 @@ Model append(const Model& model, std::string_view frame, const Model& other, std
 /// bodies are reversed. All bodies, frames, loops and springs keep their names, and with all joints at zero
 /// all bodies are where they were drawn.
 ///
-/// A joint of one velocity keeps its q, v, a and τ, limits, losses and couplings. The displacement of a
-/// spherical, planar or free joint on the path is inverted: C' = C⁻¹ between its joint frames, v' = -Ad_C v,
-/// and τ = -Ad_Cᵀ τ'. A free root has the pose and twist of the new root body as coordinates and velocities.
-/// joint_state() (axode/constraints/absolute/joint_state.hpp) computes the new coordinates and velocities
-/// from the poses and twists of the bodies. The initial state of joints whose coordinates change is left out
-/// with a warning. If the root is free and its joint has no drive force, the motion is the same; if it is
-/// fixed, the new root is held instead of the old one.
+/// A joint of one velocity keeps its q, v, a and τ, limits, losses and couplings. For a spherical, planar or
+/// free joint on the path, the pose C of its second joint frame in its first one is replaced by C' = C⁻¹.
+/// Velocities and forces follow from v' = -Ad_C v and τ = -Ad_Cᵀ τ'. A free root has the pose and twist of
+/// the new root body as coordinates and velocities. joint_state()
+/// (axode/constraints/absolute/joint_state.hpp) computes the new coordinates and velocities from the poses
+/// and twists of the bodies. The initial state of joints whose coordinates change is left out with a warning.
+/// If the root is free and its joint has no drive force, the motion is the same; if it is fixed, the new root
+/// is held instead of the old one.
 ///
 /// Throws std::invalid_argument for an unknown body, and for a root whose joint is neither fixed nor free.
 /// Also throws std::invalid_argument if a joint with several velocities on the path has limits, losses,

@@ -7,8 +7,8 @@
 
 namespace axode {
 
-/// A place in a file that describes a mechanism or an element; `file` is empty if the mechanism is described
-/// in code.
+/// The file and the line where a mechanism or one of its elements is described. `file` is empty if the
+/// mechanism is described in code.
 struct Source {
   std::string file;
   int line = 0;

@@ -154,8 +154,8 @@ class Inspection {
     cycles();
   }
 
-  /// Reports cycles of predecessors. From every body a walk follows the predecessors; a body that the same
-  /// walk has met before closes a cycle.
+  /// Reports cycles of predecessors. From every body a walk goes from predecessor to predecessor; if it comes
+  /// to a body for the second time, this body is on a cycle.
   void cycles() {
     std::unordered_map<std::string_view, const BodyDescription*> seen;  // for each body that was met:
                                                                         // the start of the first such walk

@@ -13,8 +13,8 @@ namespace axode {
 namespace {
 
 /// Splits a cylindrical or universal joint. Returns a new massless body, whose joint has the first of the two
-/// motions, and gives the joint of `body` the second one. The arguments are the endings of the new names, and
-/// the kinds and the second axis.
+/// motions, and gives the joint of `body` the second one. The other arguments are the endings of the names of
+/// the new body and of the two joints, the kinds of the two joints, and the axis of the second one.
 BodyDescription split_off(BodyDescription& body, const char* carrier, JointKind first_kind, const char* first,
                           JointKind second_kind, const char* second, const Vec3<>& second_axis) {
   const std::string name = joint_name(body);
@@ -66,8 +66,8 @@ std::optional<DrawnMass> drawn_mass(const BodyDescription& body) {
   return DrawnMass{A * given.com,
                    std::sqrt(std::max(0.0, trace(given.Theta) / (2 * given.mass) - about_origin))};
 }
-/// For each body of an expanded description its drawn_mass() or, if it has none, that of its first successor
-/// in depth-first order that has one.
+/// For each body its drawn_mass(), the centre of mass and radius of gyration. A body without mass has those
+/// of its first successor in depth-first order that has mass.
 std::vector<std::optional<DrawnMass>> first_masses(const Description& expanded,
                                                    const DepthFirstOrder& order) {
   std::vector<std::optional<DrawnMass>> first(expanded.bodies.size());
@@ -82,8 +82,9 @@ std::vector<std::optional<DrawnMass>> first_masses(const Description& expanded,
 /// is moved to the centre of mass.
 constexpr double most_radii = 16;
 
-/// Computes the reference poses of a body and its joint. `predecessor` has those of the predecessor and is
-/// null for the ground; `mass` is the entry of the body in first_masses().
+/// Computes the poses of a body and its joint frame at q = 0. `predecessor` has those of the predecessor and
+/// is null if this is the ground; `mass` has the centre of mass and radius of gyration of the body or, if it
+/// has no mass, of a successor.
 Placement reference_placement(const BodyDescription& body, const Placement* predecessor,
                               const std::optional<DrawnMass>& mass) {
   const SE3<> A_predecessor = predecessor == nullptr ? SE3<>{} : predecessor->A;

@@ -6,9 +6,9 @@
 
 #include "axode/model/description.hpp"
 
-/// Reference poses: the poses A, B, S_prev and S_self of every body of a description at q = 0, whichever of
-/// the three ways of giving the geometry the description uses. Also functions for default names and for
-/// inertias in other frames.
+/// The poses of all bodies and joint frames of a description at q = 0, see Placement. A description may give
+/// them in the construction frame (the inertial frame in which the mechanism is drawn), in body frames or in
+/// joint frames. Also functions for default names and for inertias in other frames.
 namespace axode {
 
 /// Corrects a pose whose rotation matrix is orthonormal to 1e-6, so that it is orthonormal to working
@@ -32,9 +32,10 @@ Vec3<> direction(const Vec3<>& axis);
 /// between them. All joints have names in the result.
 Description expand(const Description& description);
 
-/// The result of expand() with every joint described in joint frames. Fixed bodies, named frames, inertias,
-/// springs, lines of drives and loops are described relative to bodies and named frames, so that nothing
-/// depends on the pose of a predecessor in the construction frame. The description must have no faults.
+/// The same mechanism with every joint described by its joint frames on the two bodies. Cylindrical and
+/// universal joints are split in two, as by expand(). All other elements are described relative to bodies and
+/// named frames, so that a body can get another predecessor without changes elsewhere. The description must
+/// have no faults.
 Description in_joint_frames(const Description& description);
 
 /// The indices of the bodies of a description in depth-first order, with the children of a body in the order
@@ -54,17 +55,19 @@ struct Placement {
   SE3<> S_self;  ///< joint frame in the body frame; its z-axis is the joint axis
   SE3<> J;       ///< joint frame in the construction frame
 };
-/// The reference poses of each body of an expanded description. Bodies that are not in the order have
-/// identity poses.
+/// The poses of each body and its joint frame at q = 0. The description must have no cylindrical or universal
+/// joints, see expand(). Bodies that are not connected to the ground, which are not in `order`, have identity
+/// poses.
 ///
-/// The origin of the joint frame is the point of the joint. Its axes are those of the frame in which the axis
-/// is given, turned the shortest way until z is the axis. A spherical joint keeps the axes of that frame, and
-/// the joint frame of a free joint is the body frame. The joint frame of a fixed joint has no influence on
-/// the motion: if the geometry gives joint frames, they are used; if the body is drawn and is not on the
-/// ground, it is the joint frame of the predecessor, because body frames may be far away; otherwise it is the
-/// body frame. The point of a prismatic joint has no influence on the motion either: if the centre of mass of
-/// a drawn body is further away from it than 16 radii of gyration, the origin is this centre of mass. A body
-/// without mass takes the mass of its first successor that has one.
+/// The origin of the joint frame is the point that the description gives for the joint. Its axes are those of
+/// the frame in which the axis is given, turned the shortest way until z is the axis. A spherical joint keeps
+/// the axes of that frame, and the joint frame of a free joint is the body frame. The joint frame of a fixed
+/// joint has no influence on the motion: if the geometry gives joint frames, they are used; if the body is
+/// given in the construction frame and is not on the ground, it is the joint frame of the predecessor,
+/// because body frames may be far away; otherwise it is the body frame. The point of a prismatic joint has no
+/// influence on the motion either: if the centre of mass of a body that is given in the construction frame is
+/// further away from it than 16 radii of gyration, the origin is this centre of mass. A body without mass
+/// takes the mass of its first successor that has one.
 std::vector<Placement> reference_placements(const Description& expanded, const DepthFirstOrder& order);
 
 /// The two joint frames of a loop in the construction frame at q = 0, and its size as in Loop::size.
@@ -82,8 +85,7 @@ std::string loop_name(const LoopDescription& loop, std::size_t k);
 std::string coupling_name(const CouplingDescription& coupling, std::size_t k);
 /// The name of a spring with the index k in the description; `spring <k + 1>` if it has no name of its own.
 std::string spring_name(const SpringDescription& spring, std::size_t k);
-/// The words for a spring with the index k in messages: `spring "strut"`, or `spring <k + 1>` if it has no
-/// name.
+/// How messages call the spring with the index k: `spring "strut"`, or `spring <k + 1>` if it has no name.
 std::string spring_element(const SpringDescription& spring, std::size_t k);
 /// The name of a motion: `motion of <joint or rod>` if it has no name of its own.
 std::string motion_name(const MotionDescription& motion);
@@ -91,9 +93,9 @@ std::string motion_name(const MotionDescription& motion);
 std::string drive_name(const DriveDescription& drive, std::size_t k);
 
 /// Converts mass properties into the inertia about the origin and in the axes of another frame. The first
-/// function takes the pose F of this frame in the frame of `given`. The second one takes the poses J of the
-/// new frame and A of the frame of `given`, both relative to a third frame. An inertia about the centre of
-/// mass is never expressed about a distant origin on the way, so that no digits are lost.
+/// function takes the pose F of the new frame in the frame of `given`. The second one takes the poses J of
+/// the new frame and A of the frame of `given`, both in a third frame. An inertia about the centre of mass is
+/// never expressed about a distant origin on the way, so that no digits are lost.
 Inertia<> inertia_in(const SE3<>& F, const MassProperties& given);
 Inertia<> inertia_in(const SE3<>& J, const SE3<>& A, const MassProperties& given);
 /// Mass properties that are given in the body frame, expressed in the frame with the pose S in the body

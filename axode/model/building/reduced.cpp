@@ -18,8 +18,8 @@ double coordinate(const Joint& joint, std::span<const double> q) {
   return joint.leader ? joint.leader->ratio * q[joint.iq] + joint.leader->offset : q[joint.iq];
 }
 
-/// The displacement of a joint at q: the pose exp(S q_i) of its joint frame relative to the joint frame at
-/// zero.
+/// The displacement of a joint at q: the pose of its joint frame relative to the same frame at the coordinate
+/// 0.
 SE3<> displacement(const Joint& joint, std::span<const double> q) {
   const double own = joint.leader ? coordinate(joint, q) : 0;
   const double* q_i = joint.leader ? &own : &q[joint.iq];
@@ -60,8 +60,8 @@ void lock_terms(Description& description, const Model& model, const std::vector<
   std::erase_if(description.couplings, [](const CouplingDescription& c) { return c.terms.empty(); });
 }
 
-/// Changes a spring with a negative rest into one with the rest 0 and the same force. A negative rest can
-/// follow from a preload, but a description must not have one for a length.
+/// Changes a spring whose length of rest is negative into one with the length of rest 0 and the same force.
+/// The length of rest that gives a preload can be negative, but a description must not have a negative one.
 void rest_at_zero(SpringDescription& spring) {
   const double rest = std::exchange(spring.rest, 0.0);
   ForceCurve curve = spring.curve.value_or(LinearCurve{spring.stiffness});
@@ -79,9 +79,10 @@ void rest_at_zero(SpringDescription& spring) {
   if (spring.damping == 0) spring.acts = Acts::both_ways;
 }
 
-/// Changes springs for a mechanism with locked joints. A preload is replaced by the rest that gives it in the
-/// drawing, because the reduced mechanism is drawn in another configuration. Terms of locked joints are
-/// replaced by a change of the rest, and springs on locked joints alone are removed.
+/// Changes springs for a mechanism with locked joints. A preload is the force at q = 0; as the reduced
+/// mechanism has another configuration at q = 0, it is replaced by the length or angle of rest that gives it.
+/// In a spring on a sum of joint coordinates, the terms of locked joints are replaced by a change of the
+/// rest; it is removed if all its joints are locked.
 void lock_springs(Description& description, const Model& model, const std::vector<bool>& is_locked,
                   std::span<const double> q) {
   for (std::size_t k = 0; k < description.springs.size(); ++k) {

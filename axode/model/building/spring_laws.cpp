@@ -5,8 +5,8 @@
 namespace axode {
 namespace {
 
-/// The slopes of a piecewise monotone cubic at its points: means of the slopes of adjacent secants, reduced
-/// where the cubic would not be monotone between two points.
+/// The slopes at its points of a piecewise cubic through the points of a table: means of the slopes of
+/// adjacent secants, reduced where the cubic would not be monotone between two points.
 std::vector<double> monotone_slopes(const TableCurve& table) {
   const std::size_t n = table.deflections.size();
   std::vector<double> secants(n - 1), slopes(n);

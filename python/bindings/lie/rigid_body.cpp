@@ -266,8 +266,9 @@ Array acceleration_of(ArrayLike C, ArrayLike M, ArrayLike V, ArrayLike W, Repres
 
 // -------------------------------------------------------------------------- measured at F_j, resolved in F_k
 
-/// Calls f(jk, x, ...) for every item of the given arrays. The pair of frames jk is given in Python as a
-/// tuple (r_j, dr_j, R_k, w_k), each entry of which may be an array with further axes in front.
+/// Calls f(jk, x, ...) for every item of the given arrays. Python gives the pair of frames jk as a tuple:
+/// position r_j and velocity dr_j of the origin of frame j, rotation R_k and angular velocity w_k of frame k.
+/// Each of the four may be an array of items with further axes in front.
 template <class F, class... T> Array in_frames(PairOfFrames jk, const F& f, const Given<T>&... given) {
   const nb::handle pair(jk.given);
   if (!PyTuple_Check(jk.given) || nb::len(pair) != 4)

@@ -16,8 +16,8 @@
 #include "python/bindings/support/xla_ffi.hpp"
 
 /// Functions of the state, and motions, as XLA calls them for axode.jax: from any thread, and without Python.
-/// All arguments of a call have the same leading axes, which count states. Numbers are float64 or float32;
-/// float32 numbers are converted to float64 for the computation.
+/// All arguments of a call have the same leading axes, along which the states are. Numbers are float64 or
+/// float32; float32 numbers are converted to float64 for the computation.
 namespace axode::python {
 
 using namespace nb::literals;
@@ -36,9 +36,9 @@ Model tree_of(const Model& model) {
   return ModelBuilder(std::move(tree)).build();
 }
 
-/// The models that compiled programs use, by a key that is made of the contents of the model. They are trees
-/// without couplings and prescribed motions: axode.jax refuses a function that depends on loops, couplings or
-/// motions before it makes a program.
+/// The models that compiled programs of JAX use, by a key that is made of the contents of the model. They are
+/// kept without loops, couplings and prescribed motions, because axode.jax refuses functions that depend on
+/// these before it makes a program.
 class Mechanisms {
  public:
   void add(const std::string& key, const Model& model) {
@@ -188,8 +188,7 @@ class Call {
   const xla::CallFrame& frame_;
 };
 
-/// The part that all calls have in common: the model, the number of states, and the normalisation of
-/// quaternions in q.
+/// The states of a call: the model, the number of states, and q with its quaternions scaled to norm 1.
 class StatesOf {
  public:
   StatesOf(const Call& call, const Operand& q)
@@ -381,9 +380,9 @@ xla::Error* error(const xla::CallFrame& frame, xla::ErrorCode code, const char* 
 }
 
 /// A function that XLA calls. It calls f and converts exceptions to errors of XLA. XLA may also call it only
-/// to ask for the version of the interface. The answer is the older one of two versions: the version that XLA
-/// states, if it states one, and the version that this file is written for. The parts of the interface that
-/// are used here have not changed since its first version.
+/// to ask for the version of the interface. The answer is the version for which this file is written or, if
+/// XLA states an older version, that one. The parts of the interface that are used here have not changed
+/// since its first version.
 template <void (*f)(const Call&)> xla::Error* handler(xla::CallFrame* frame) {
   if (frame->sized.extensions != nullptr) {
     const auto* const asked = static_cast<const xla::MetadataRequest*>(frame->sized.extensions);

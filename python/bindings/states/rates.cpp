@@ -8,8 +8,8 @@
 #include "python/bindings/support/bindings.hpp"
 #include "python/bindings/support/conversions.hpp"
 
-/// Motions with time derivatives of any order: the rates of joint velocities that follow from the rates of a
-/// twist, and the rates of drive forces.
+/// Motions with time derivatives of any order: the derivatives of joint velocities that follow from those of
+/// a twist, and the derivatives of drive forces.
 namespace axode::python {
 
 using namespace nb::literals;

@@ -89,8 +89,8 @@ StraightPath path_between(const BoundModel& m, ArrayLike start, ArrayLike goal) 
   return {*m, from.q(0), to.q(0)};
 }
 
-/// A trajectory that follows a straight path. function(t) returns the distances along the path and their
-/// first and second derivatives, as a list of each.
+/// A trajectory that follows a straight path. function(t) returns three lists: the distances along the path
+/// at the time t, their first and their second derivatives.
 nb::object follow(const StraightPath& of, const std::vector<double>& jumps, double duration,
                   const nb::callable& function) {
   return bound_trajectory(of.follow(jumps, duration, [&](double t, int, std::span<MotionValue> distances) {

@@ -22,8 +22,8 @@ using namespace nb::literals;
 
 namespace {
 
-/// The K steps of all motions: the initial velocities, the length of a step (s), and the forces tau or the
-/// drive that act.
+/// The input for K steps of all motions: the initial velocities, the length of a step (s), and what drives
+/// the motions, the forces tau or a drive.
 struct Steps {
   std::span<const double> v, tau;
   const Drive* drive;
@@ -41,8 +41,8 @@ batch::Outcome roll(const M& model, const Steps& steps, int threads, std::span<c
   return batch::rollout<S>(model, q, v, tau, steps.length, q_out, v_out, runge_kutta(4), threads, monitor,
                            steps.joint_losses);
 }
-/// Computes the motions with the functions of the library or, if `compiled` is not null, with code that was
-/// compiled for the model, in the precision of that code.
+/// Computes the motions with the functions of the library or, if `compiled` is not null, with functions that
+/// were compiled for this model, in their precision.
 batch::Outcome roll(const States& states, const BoundSpecialised* compiled, const Steps& steps,
                     std::span<double> q_out, std::span<double> v_out, const batch::Monitor& monitor) {
   const auto in_double = [&](const auto& model) {
@@ -130,8 +130,8 @@ std::tuple<Array, Array> driven_rollout_of(const BoundModel& m, ArrayLike q, Arr
   return motions_of(states, compiled, {velocities.all(), {}, &drive.drive, K, step, joint_losses});
 }
 
-/// The reason why motion n ended, as text that begins with ": ". It is found by a simulation of the step that
-/// could not be computed; the text is empty if this simulation succeeds.
+/// The reason why motion n ended early, as text that begins with ": ". To find it, the step that could not be
+/// computed is simulated again; the text is empty if this succeeds.
 std::string reason_of_end(const States& states, const ContactShapes& shapes, const Steps& steps,
                           std::size_t n, std::span<const double> q, std::span<const double> v) {
   const std::size_t K = static_cast<std::size_t>(steps.K), nq = static_cast<std::size_t>(states.model().nq()),

@@ -39,9 +39,9 @@ struct Motions {
     return states.items(name, given, {count, nv()}, "nv numbers in each row");
   }
 
-  /// Calls f(n, should_continue) for every motion n. As a motion may take long, Ctrl-C is also noticed
-  /// whenever f calls should_continue(). Motions that cannot
-  /// continue cause an error that contains the result.
+  /// Calls f(n, should_continue) for every motion n. As a motion may take long, f must call should_continue()
+  /// now and then, so that Ctrl-C is noticed. If motions cannot continue, an error that contains the result
+  /// is thrown at the end.
   template <class F> void each(double microseconds, NewArray& result, const F& f) const {
     std::vector<Solvability> found(states.count());
     states.each_long(

@@ -11,13 +11,13 @@
 
 namespace axode::python {
 
-/// A function for N states, such as a compiled one, that is called instead of the function of the library.
-/// The arguments of the states are contiguous.
+/// A function for N states, such as one compiled for the model, that is called instead of the function of the
+/// library. Arguments and results hold one state after the other.
 using Instead = std::function<batch::Outcome(const catalog::Arguments<double>&, std::span<double> out,
                                              const batch::Monitor&)>;
 
-/// The arguments that a function of the state may receive from Python. Arguments that the function does not
-/// take keep their default values.
+/// The arguments that Python may give to a function of the state (such as inverse_dynamics). Those that the
+/// function does not take keep their default values.
 struct Arguments {
   ArrayLike q, v = {}, a = {}, tau = {}, p = {};
   ArrayLike dq = {}, dv = {}, da = {}, dtau = {}, w = {};
@@ -31,8 +31,8 @@ struct Arguments {
   const Instead* instead = nullptr;
 };
 
-/// A member of Arguments that has numbers of a state, and the input of a function of the catalogue to which
-/// it belongs.
+/// An input that functions of the state can have as an array of numbers, such as q, and the member of
+/// Arguments that holds it.
 struct ArgumentOfState {
   catalog::Input input;
   ArrayLike Arguments::*argument;
@@ -48,17 +48,17 @@ constexpr ArrayLike Arguments::*argument_of(catalog::Input input) {
 }
 inline const char* name_of(catalog::Input input) { return to_string(input).data(); }
 
-/// A function of the catalogue for one state or for N states. If the function has a kernel for several states
-/// (Words::lanes), N states are computed in SIMD lanes.
+/// A function of the table in axode/catalog.hpp, such as inverse_dynamics, for one state or for N states. If
+/// the library has a version for several states at once (Words::lanes), N states are computed in SIMD lanes.
 class StateFunction {
  public:
   explicit StateFunction(const char* name);
   /// Calls the function and returns its result. Throws nb::value_error for a wrong argument, SingularError if
-  /// states cannot be solved, and NotFiniteError if numbers of states overflow; these two errors contain the
-  /// result.
+  /// a state cannot be computed (for example, because the mass matrix is singular), and NotFiniteError if
+  /// numbers of states overflow; these two errors contain the result.
   Array operator()(const BoundModel& m, const Arguments& given) const;
-  /// Calls the function, and returns the entries of its result as rows even if they are the columns of a
-  /// matrix.
+  /// Calls the function, and returns the entries of its result as rows. operator() returns some results, such
+  /// as Jacobians, as matrices whose columns are the entries.
   Array in_rows(const BoundModel& m, const Arguments& given) const;
   /// Calls the function, which must have two results, and returns both.
   std::tuple<Array, Array> both(const BoundModel& m, const Arguments& given) const;
@@ -80,16 +80,16 @@ class StateFunction {
 /// result.
 std::string record_of(const catalog::Words& row);
 
-/// The signature of a function of the catalogue for Python: `def name(self, arguments, options) -> result`,
-/// where the result is an array or a type of axode.records.
+/// The signature for Python of a function of the table in axode/catalog.hpp: `def name(self, arguments,
+/// options) -> result`, where the result is an array or a type of axode.records.
 std::string signature(const catalog::Words& row, const char* self, const std::string& options);
 
 /// The docstring of a function with one more line before its example. The line says which parts of a
 /// mechanism (such as loops) the function takes into account.
 std::string documented(const char* name, std::string doc);
 
-/// The type Parameter for each number of an index sequence: Each<Parameter, n>... repeats it, possibly 0
-/// times.
+/// The type Parameter, whatever the number: for an index sequence n, `Each<Parameter, n>...` is a list of as
+/// many parameters of this type as the sequence has numbers, possibly none.
 template <class Parameter, std::size_t> using Each = Parameter;
 template <std::size_t> auto argument(const char* name) { return nb::arg(name); }
 template <std::size_t, class Value> auto argument(const char* name, Value&& value) {
@@ -97,8 +97,8 @@ template <std::size_t, class Value> auto argument(const char* name, Value&& valu
 }
 template <std::size_t n> using Times = std::make_index_sequence<n>;
 
-/// Defines functions in Python from their rows of the catalogue, which have the arguments, options and
-/// results.
+/// Defines functions in Python from their rows in the table of axode/catalog.hpp, which say what arguments,
+/// options and results they have.
 class StateFunctions {
  public:
   explicit StateFunctions(nb::module_& module) : module_(module) {}

@@ -10,8 +10,8 @@
 namespace axode::python {
 namespace {
 
-/// The length of the leading axis of an argument that has several items; empty if the argument has the shape
-/// of one item.
+/// The number of items in an argument, the length of its first axis; empty if the argument has the shape of
+/// one item, such as (nq,).
 std::optional<std::size_t> rows(const Numbers& numbers, const Shape& item) {
   return numbers.axes() == item.axes ? std::nullopt
                                      : std::optional(static_cast<std::size_t>(numbers.length(0)));

@@ -24,8 +24,8 @@ double quadratic_cost(const Model& model);  ///< cost of O(n²): a matrix
 double cubic_cost(const Model& model);      ///< cost of O(n³): a tensor
 double loop_cost(const Model& model);       ///< cost of O(n² + m³): a system with m rows of loops
 
-/// The numbers of an argument of a function of the state: one item for all states, or an item for each of N
-/// states.
+/// The numbers of an argument of a function of the state: either one item (such as nv velocities) for all
+/// states, or an item for each of N states.
 class Items {
  public:
   Items(Numbers numbers, bool many, nb::ssize_t item_size)
@@ -92,8 +92,9 @@ class States {
     if (takes_long(microseconds)) released.emplace();
     return f();
   }
-  /// Calls f(monitor) once for all states. If this takes more than 20 µs, other Python threads run meanwhile.
-  /// The monitor notices Ctrl-C.
+  /// Calls f(monitor) once for all states. If this is to take more than 20 µs, other Python threads run
+  /// meanwhile. f must call monitor(done, of) now and then: it notices Ctrl-C, and f must end when it returns
+  /// false.
   template <class F> auto unlocked(double microseconds, const F& f) const {
     LongCall call(takes_long(microseconds));
     const auto outcome = f(call.monitor());
@@ -101,8 +102,8 @@ class States {
     return outcome;
   }
 
-  /// Calls f(k, should_continue) for every state k. As a state may take long, Ctrl-C is also noticed
-  /// whenever f calls should_continue().
+  /// Calls f(k, should_continue) for every state k. As a state may take long, f must call should_continue()
+  /// now and then, so that Ctrl-C is noticed, and end when it returns false.
   template <class F> void each_long(double microseconds, const F& f) const {
     unlocked(microseconds, [&](const batch::Monitor& monitor) {
       const std::thread::id caller = std::this_thread::get_id();
@@ -120,13 +121,15 @@ class States {
     });
   }
 
-  /// Throws SingularError or NotFiniteError, which contain the result, if some states could not be solved or
-  /// have results that are not finite. `found` has an entry for each state, or is empty. `otherwise` says
-  /// what is wrong with states whose results are not finite although `found` has no error for them.
+  /// Throws SingularError or NotFiniteError, which contain the result, if the computation failed for some
+  /// states. `found` says for each state whether and why it failed; it may be empty. States whose results are
+  /// not finite count as failed too: for these, `otherwise` is the reason if `found` has none. An
+  /// operational-space inertia that does not exist is no failure; its numbers are NaN.
   void refuse(const std::vector<Solvability>& found, NewArray& result,
               const Solvability& otherwise = {.not_finite = true}) const;
-  /// Throws an error of axode.errors about the states `refused`; the error contains the result. `sentence` is
-  /// about the first of these states. If the call has several states, the message names it.
+  /// Throws an error of axode.errors about the states with the indices `refused`; the error contains the
+  /// result. `sentence` is about the first of them. If the call has several states, the message has the index
+  /// of that state.
   [[noreturn]] void raise(const char* error, const std::string& sentence,
                           const std::vector<std::size_t>& refused, NewArray& result) const;
 
@@ -183,7 +186,8 @@ inline std::span<double> item(const NewArray& out, std::size_t k, const Shape& s
 }
 
 /// Calls f(workspace, k, out) for every state k, and returns an array of the results. f writes the result of
-/// the state, an item of this shape, to `out`. If f can fail, it returns a Solvability.
+/// the state, an array of the given shape, to `out`. If f can fail, it returns a Solvability, which says
+/// whether and why it failed.
 template <class F>
 NewArray each_item(const States& states, double microseconds, const Shape& shape, const F& f) {
   NewArray out = states.result(shape);
@@ -206,8 +210,8 @@ struct Named {
   const char* name;
   ArrayLike given;
 };
-/// Calls f(workspace, q, x, ..., out) for every state, where x, ... are the numbers of the arguments `more`
-/// for the state, and returns an array of the results.
+/// Calls f(workspace, q, x, ..., out) for every state and returns an array of the results. The arguments
+/// `more` (such as v and a) have nv numbers for each state; x, ... are those of the state.
 template <class F, class... More>
 NewArray map_states(const BoundModel& model, int threads, double microseconds, const Shape& shape,
                     ArrayLike q, const F& f, const More&... more) {

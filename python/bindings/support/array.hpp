@@ -82,8 +82,8 @@ class NewArray {
   /// The array with its last two axes exchanged, so that numbers that were written column by column become a
   /// matrix.
   Array transposed();
-  /// Entry k along the axis that comes before the last `axes` axes, as a new array. It is transposed if its
-  /// entries are columns of a matrix (`columns`).
+  /// A new array with entry k along the axis before the last `axes` axes. If `columns` is true, its last two
+  /// axes are exchanged, because the entries are columns of a matrix.
   Array part(nb::ssize_t k, int axes, bool columns = false) const;
 
  private:

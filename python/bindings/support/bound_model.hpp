@@ -12,8 +12,9 @@
 
 namespace axode::python {
 
-/// A Model that Python holds. It has as many workspaces as threads have used it at the same time. A caller
-/// that takes or returns a workspace must hold the interpreter's lock.
+/// A Model that Python holds, with workspaces (scratch memory) that calls borrow. There are as many of them
+/// as threads have used the model at the same time. A caller that takes or returns a workspace must hold the
+/// interpreter's lock.
 class BoundModel {
  public:
   explicit BoundModel(Model model) : model_(std::move(model)) {}

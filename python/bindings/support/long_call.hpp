@@ -7,8 +7,8 @@
 
 namespace axode::python {
 
-/// A call from Python that may take long. Other Python threads may run meanwhile, and the monitor notices
-/// Ctrl-C.
+/// A call from Python that may take long. Other Python threads may run meanwhile. The computation must call
+/// monitor() now and then; it notices Ctrl-C and returns false if the call must end.
 class LongCall {
  public:
   /// `release` says whether the interpreter's lock is released, so that other Python threads run. Short calls

@@ -16,8 +16,9 @@ namespace axode::python {
 template <class T> struct Item;
 template <class T> inline constexpr Infinities infinities_of = Infinities::refused;
 
-/// Throws nb::value_error unless `matrix`, from which an item was read, equals the matrix that the item has,
-/// to 1e-6 of its largest entry.
+/// Checks that a matrix has the structure of an item, such as an inertia. `given` is the matrix from which
+/// the item was read, and `made` the matrix of the item. Throws nb::value_error if they differ by more than
+/// 1e-6 of the largest entry.
 void check_structure(const char* argument, const char* expected,
                      const Eigen::Ref<const Eigen::MatrixXd>& given,
                      const Eigen::Ref<const Eigen::MatrixXd>& made);
@@ -125,16 +126,17 @@ class Operand {
   nb::ssize_t step_ = 0;
 };
 
-/// The common leading axes of the operands, which come before those of an item. Throws nb::value_error if two
-/// operands have different leading axes; an operand without leading axes fits all others.
+/// The leading axes that the operands have in common: those before the axes of a single item. Throws
+/// nb::value_error if two operands have different leading axes; an operand that is a single item fits all
+/// others.
 Shape common_leading(std::span<const Operand> operands);
 /// The shape that has the axes `leading`, followed by the axes of an item.
 Shape with_item(const Shape& leading, const Shape& item);
 /// Throws the error of an item again, with the index of the item added to the message.
 [[noreturn]] void rethrow_with_place(const nb::builtin_exception& error, const Shape& leading, nb::ssize_t k);
 
-/// The results of a function of items for all items: an array, or one array for each entry of a tuple if f
-/// returns a tuple.
+/// The results for all items of a function f of single items: an array or, if f returns a tuple, one array
+/// for each entry of the tuple.
 template <class T> class Results {
  public:
   explicit Results(const Shape& leading) : array_(with_item(leading, Item<T>::shape)) {}

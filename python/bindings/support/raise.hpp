@@ -11,8 +11,8 @@ namespace axode::python {
 nb::object fault_object(const Fault& fault);
 nb::list fault_list(std::span<const Fault> faults);
 
-/// Throws an error of axode.errors about states, with a sentence, the indices of the states, and the result
-/// as far as it was computed.
+/// Throws an error of axode.errors about states that could not be computed. The error contains a sentence,
+/// the indices of the states, and the result as far as it was computed.
 [[noreturn]] void raise_of_states(const char* error, const std::string& sentence,
                                   const std::vector<std::size_t>& states, Array result);
 

@@ -20,8 +20,9 @@ struct Function {
   vectorcallfunc call;
 };
 
-/// The original contents of that field in the function objects, the C functions that calls run. There are
-/// only a few different ones, which depend on the number and kind of arguments.
+/// The C functions that calls of nanobind's functions run originally, before this file replaces them (the
+/// field `vectorcall` of the function objects). There are only a few different ones, which depend on the
+/// number and kind of arguments.
 std::array<vectorcallfunc, 8> nanobind_calls{};
 /// The Python function that composes a sentence: (function, arguments, keyword arguments) -> str or None.
 nb::handle explanation;

@@ -5,7 +5,7 @@
 namespace axode {
 
 /// Checks the parameters, the initial state, the input, and the joints or line of a drive. The numbers of the
-/// drive may have any value, including infinity and NaN. Faults are reported by `at`.
+/// drive may have any value, including infinity and NaN. `at` names the drive and collects its faults.
 void check_drive(const FaultySubject& at, const DriveDescription& drive);
 
 /// Checks the drives whose input is the output of another drive: the other drive must exist and be a

@@ -118,8 +118,8 @@ void check_force(const FaultySubject& at, const SpringDescription& spring) {
 
 constexpr double matrix_tolerance = 1e-9;
 
-/// Whether a symmetric matrix, whose diagonal entries are 1 or 0, has a negative eigenvalue. This shows in
-/// the pivots of its elimination.
+/// Whether a symmetric matrix whose diagonal entries are 1 or 0 has a negative eigenvalue. The signs of the
+/// pivots of its Gaussian elimination show this.
 bool has_negative_eigenvalue(SixBySix A) {
   for (std::size_t k = 0; k < 6; ++k) {
     const double pivot = A[k][k];

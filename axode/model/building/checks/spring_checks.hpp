@@ -4,7 +4,7 @@
 namespace axode {
 
 /// Checks the numbers, frames and force law of a spring. The numbers may have any value, including infinity
-/// and NaN. Faults are reported by `at`.
+/// and NaN. `at` names the spring and collects its faults.
 void check_spring(const FaultySubject& at, const SpringDescription& spring);
 
 }  // namespace axode

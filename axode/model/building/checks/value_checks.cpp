@@ -42,8 +42,8 @@ bool is_angle(JointKind kind, std::size_t k) {
   }
 }
 
-/// Reports limits of an angle that look like degrees: a limit of more than two turns in rad and at most 720
-/// that is a multiple of 5.
+/// Reports limits of an angle, which are in rad, that look like degrees: one of them is a multiple of 5, is
+/// more than two turns in rad, and is at most 720.
 void angle_limits(const FaultySubject& at, const Dof& dof) {
   constexpr double two_turns = 4 * std::numbers::pi, most = 720, round = 5;
   const auto looks_like_degrees = [](double x) {
@@ -87,8 +87,8 @@ void compliance(const FaultySubject& at, const std::string& of_it, const Contact
 }
 
 /// Reports an error if a joint cannot have the spring or the stops of its degree of freedom `dof`: stops that
-/// are both hard and elastic, stops without limits, and stops or a rest other than 0 at a joint of several
-/// velocities.
+/// are both hard and elastic, or stops without limits; for a joint of several velocities, stops of any kind
+/// or a spring whose position of rest is not 0.
 void springs(const FaultySubject& at, const JointDescription& joint, const Dof& dof) {
   const bool elastic = dof.stop_stiffness != 0 || dof.stop_damping != 0;
   const bool stops = elastic || dof.hard_stops;
@@ -111,8 +111,9 @@ void springs(const FaultySubject& at, const JointDescription& joint, const Dof& 
   }
 }
 
-/// Reports an error if a joint cannot have the gear losses of its degree of freedom `dof`: a joint of several
-/// velocities, a coupled or passive joint, and a gear that locks itself without an armature.
+/// Reports an error if a joint cannot have the gear losses of its degree of freedom `dof`. A joint of several
+/// velocities, a coupled joint and a passive joint, which has no drive, cannot have any; a gear that locks
+/// itself must have an armature.
 void gear(const FaultySubject& at, const JointDescription& joint, const Dof& dof) {
   if (dof.gear_loss == 0 && !dof.gear_loss_back) return;
   const double back = dof.gear_loss_back.value_or(dof.gear_loss);
@@ -152,7 +153,7 @@ bool check_pose(const FaultySubject& at, const std::string& what, const SE3<>& C
   return false;
 }
 
-/// Checks the numbers and poses of a body, its joint and its shapes. Returns whether all numbers are finite
+/// Checks the numbers and poses of a body with its joint and shapes. Returns whether all numbers are finite
 /// (limits may be infinite) and all poses have a rotation.
 bool check_numbers(const BodyDescription& body, FaultCollector& faults) {
   const FaultySubject in_body{faults, "body " + quoted(body.name), body.source};
