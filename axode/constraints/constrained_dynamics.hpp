@@ -10,7 +10,8 @@
 /// Loop equations may be redundant, by the kinds of the loop joints (a planar four-bar in space) or by
 /// geometry (Bricard's mechanism). The accelerations are unique nevertheless. If many multipliers are
 /// possible, those with the least Σ d² λ² are computed, where d² is the diagonal entry of A M⁻¹ Aᵀ for an
-/// equation, or a lower limit if that is larger (D7.7). See docs/derivations/loop-dynamics.md.
+/// equation, or a lower limit if that is larger (D7.7). See (D7.1) to (D7.9) of
+/// docs/derivations/loop-dynamics.md.
 namespace axode {
 
 /// Computes the accelerations a (nv) of a mechanism with loops from drive forces τ and, unless `lambda` is
@@ -33,8 +34,8 @@ Solvability forward_dynamics(const Model& model, LoopWorkspace<T>& workspace, Nu
 /// that of all required forces: 0 to rounding if the drives can produce a. Throws std::invalid_argument for
 /// wrong sizes and, in double precision, if a does not keep the loops closed.
 ///
-/// The forces are found limb by limb, where a limb is one of the chains that carry a platform, see
-/// docs/derivations/constraint-embedding.md: O(limbs) for limbs of bounded size, without allocating. If some
+/// The forces are found limb by limb, where a limb is one of the chains that carry a platform, by (D18.7) to
+/// (D18.9): O(limbs) for limbs of bounded size, without allocating. If some
 /// motion has no drive, if λ is wanted and not unique, or near singularities, a general method is used
 /// instead, which allocates and costs O(nv³).
 template <class T>

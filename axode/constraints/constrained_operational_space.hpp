@@ -7,7 +7,8 @@
 /// The loops transmit impulses. Hence a unit of impulse changes the velocities by
 ///   (M⁻¹ - M⁻¹ Aᵀ (A M⁻¹ Aᵀ)⁺ A M⁻¹) Jᵀ
 /// with the mass matrix M of the spanning tree, the Jacobian J of the place and the Jacobian A of the loop
-/// equations A v = 0. The configuration q should close the loops, see assemble().
+/// equations A v = 0; the matrix before Jᵀ is Φ of (D7.14). The configuration q should close the loops, see
+/// assemble().
 namespace axode {
 
 /// Computes the change of the velocities for a unit of impulse at a place (a frame or a point on a body) of a

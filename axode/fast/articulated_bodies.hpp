@@ -44,7 +44,7 @@ template <class G, class T> struct FastArticulatedBodies {
   };
   /// An eliminated joint screw S = (w; v) with U = M S and the pivot D. K = U/D is the wrench on the
   /// predecessor for a unit joint force; for a hinge it is about the predecessor's origin, and (w; v) is not
-  /// stored. u is D⁻¹ times the joint force that remains after the bias wrench.
+  /// stored. u is D⁻¹ times the joint force that remains after the bias wrench (D4.12, D4.13).
   struct Pivot {
     Vector K_m, K_f, w, v;
     Number D_inv, u;

@@ -13,7 +13,7 @@
 /// its index in this table.
 namespace axode::fmi {
 
-/// The settings of an FMU that are stored in its resources besides the mechanism.
+/// The settings of an FMU that are stored in its resources in addition to the mechanism.
 struct Settings {
   bool joint_losses = false;             ///< whether damping, dry friction and gears act
   std::vector<std::string> frames = {};  ///< names of frames whose poses are outputs

@@ -15,7 +15,8 @@ namespace axode {
 /// first numbers; results may share the memory of arguments. O(n).
 ///
 /// q ⊕ x is q exp x, or q cay x with LocalCoordinates::cayley. The maps of velocities, accelerations and
-/// momenta are the derivatives of the chosen ⊕; the comments on the members write them for exp.
+/// momenta are the derivatives of the chosen ⊕, (D8.1), (D8.3) and (D14.9); the comments on the members write
+/// them for exp.
 template <class T, class S = T> class ConfigurationGroup {
  public:
   explicit ConfigurationGroup(const Tree<S>& tree,

@@ -51,7 +51,7 @@ struct TaskEquations {
 /// A TaskSpace has the scratch memory of one thread. Its functions do not allocate, except equations().
 /// Configurations q must be closed and velocities v must keep the loops closed, as place_platform() and
 /// velocities() compute them. Costs are O(limbs) for limbs of bounded size. See
-/// docs/derivations/constraint-embedding.md.
+/// (D18.1) to (D18.6) of docs/derivations/constraint-embedding.md.
 class TaskSpace {
  public:
   /// Determines the limbs (the chains that carry the platform), their mobility and the task velocities at a

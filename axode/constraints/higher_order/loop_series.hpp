@@ -10,7 +10,7 @@ namespace axode {
 
 /// The Jacobian A of the loop equations A v = 0 and its time derivatives A', A'', ... along a motion of the
 /// spanning tree, by power series in time. MotionSeries provides the series of the joint screws, and the
-/// wrenches of a loop joint are computed from the series of its two frames.
+/// wrenches of a loop joint are computed from the series of its two frames (D3.13, D3.14).
 class LoopSeries {
  public:
   static constexpr int largest_order = 7;

@@ -16,7 +16,7 @@ namespace axode::higher_order {
 class Closure {
  public:
   /// Makes the closure equations of all loops, with lengths divided by the characteristic length `length`, m;
-  /// 0 stands for the mean distance between two joints. Throws std::invalid_argument, with the name of the
+  /// 0 means the mean distance between two joints. Throws std::invalid_argument, with the name of the
   /// loop, if a loop is a rolling contact or a belt.
   Closure(const Model& model, std::span<const double> q0, double length = 0);
 

@@ -18,8 +18,8 @@ inline constexpr double coefficient_tolerance = 1e-6;
 using Equations =
     std::function<Eigen::MatrixXd(const PolynomialRing& ring, const Eigen::MatrixXd& z, int degree)>;
 
-/// The equations that remain of φ(z) = 0 after those unknowns have been eliminated that the derivative of φ
-/// at 0 determines (D13.8, D13.9).
+/// The equations that remain of φ(z) = 0, with z = N u + R w(u) (D13.7), after those unknowns have been
+/// eliminated that the derivative of φ at 0 determines (D13.8, D13.9).
 struct Elimination {
   int rank = 0;
   Eigen::VectorXd singular_values;       ///< singular values of the derivative of φ at 0

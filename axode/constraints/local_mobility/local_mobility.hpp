@@ -23,7 +23,7 @@ struct LocalMobilityOptions {
   /// would be too long, and up to 4 more if the mobility is not settled at this order.
   int order = 0;
   /// The characteristic length, m, by which lengths are divided before they are compared with angles; 0
-  /// stands for the mean distance between the centres of two joints.
+  /// means the mean distance between the centres of two joints.
   double length = 0;
   /// A function that the analysis calls again and again. If it returns false, the analysis ends with an empty
   /// result.

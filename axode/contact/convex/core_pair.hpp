@@ -44,7 +44,7 @@ struct Simplex {
 };
 
 /// A candidate for the solution: a unit normal n, the width s of the gap between the cores along n, which is
-/// a lower bound of their distance, and a simplex, which stands for the point s n at the solution (D10.3).
+/// a lower bound of their distance, and a simplex, which represents the point s n at the solution (D10.3).
 struct Candidate {
   Vec3<> n{};
   double s = -infinity;

@@ -4,8 +4,8 @@
 
 #include "axode/contact/law/velocity_solver.hpp"
 
-/// The alternating direction method of multipliers, which finds start values for Newton's method. See
-/// "Further starts" of docs/derivations/contact.md.
+/// The alternating direction method of multipliers, which finds start values for Newton's method. Its linear
+/// systems are (D11.10) of docs/derivations/contact.md.
 namespace axode {
 namespace {
 

@@ -2,7 +2,7 @@
 #include <Eigen/Core>
 
 /// The laws of the impulses between rigid bodies at contacts, hard stops, joints with dry friction, and
-/// closed loops. See docs/derivations/contact.md.
+/// closed loops, (D11.1) of docs/derivations/contact.md.
 namespace axode {
 
 /// The law of a block of rows, for the velocities u of the rows after a step and their impulses λ. For a

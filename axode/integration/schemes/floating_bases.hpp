@@ -15,7 +15,8 @@ namespace axode {
 /// frame, which does not rotate and falls with the gravity g, so that gravity vanishes there. If no wrench is
 /// applied, the frame also moves with the velocity that the centre of mass has at the start: then the linear
 /// momentum is 0 and the centre of mass is constant. Hence every scheme keeps the linear momentum, and the
-/// angular momentum about the centre of mass, of a subtree without applied wrenches exact to rounding.
+/// angular momentum about the centre of mass, of a subtree without applied wrenches exact to rounding. Π^s
+/// advances by (D5.6), and the moving frame is (D5.7).
 class FloatingBases {
  public:
   FloatingBases(const Model& model, const double* q, const double* v, bool wrenches)

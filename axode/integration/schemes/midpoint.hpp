@@ -24,6 +24,8 @@ namespace axode {
 /// as that. The force of a stiff drive at rest contains the rounding error of q; then the iteration has
 /// converged if the change of v moves q by no more than this error.
 ///
+/// With Cayley's map the step is (D14.9).
+///
 /// A System has the functions partials(t, q, v, p, f), which computes p = M v and f; factorize(t, q) and
 /// solve(x) with M; norm(), velocity_scale(v, h) and place_resolution(h), see SimulationRun; and the
 /// functions that StepMatrix requires.

@@ -10,7 +10,7 @@ namespace axode {
 ///
 ///     J' = [V_i, J] (eq. timeDerJs),    V_i = V_p + J v (eq. Vsirec).
 ///
-/// With coefficients J(t) = Σ J_k t^k and so on they read
+/// With coefficients J(t) = Σ J_k t^k and so on they read (D3.9)
 ///
 ///     V_{i,k} = V_{p,k} + Σ_{l<=k} J_l v_{k-l},    (k + 1) J_{k+1} = Σ_{l<=k} [V_{i,l}, J_{k-l}].
 ///

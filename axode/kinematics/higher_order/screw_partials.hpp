@@ -41,7 +41,7 @@ template <class T> struct ScrewPath {
 /// body), along the multi-indices α of one order ν. Entries of α are indices into path.screws, and α[0] acts
 /// first. The chain β of α has its directions sorted from the root outwards; of several directions of one
 /// joint, the one that acts last comes first. Then ∂_α C = Ĵ_β1 ... Ĵ_βν C with the spatial screws as 4 × 4
-/// matrices and the pose C of the place, and the derivatives of the screw J_a are
+/// matrices and the pose C of the place (D15.1 to D15.4), and the derivatives of the screw J_a are
 ///
 ///   body-fixed  [...[[J_a, J_β1], J_β2]..., J_βν], or 0 unless all of β lie outward of a  (eq. nthorderBody)
 ///   spatial     [J_β1, ...[J_βν, J_a]...], or 0 if one of β lies outward of a or βν is a  (eq. nthorder)
