@@ -22,10 +22,36 @@ std::string in_words(const Wrench<Spatial>& W, const Vec3<>& O) {
   return words;
 }
 
+/// Whether a linear combination of symmetric forms of size 1 is positive definite, by Rosenblatt's rule: the
+/// value of each form at a vector at which the present combination is not positive is added to its factor.
+bool has_definite_combination(const std::vector<Eigen::MatrixXd>& forms) {
+  constexpr int most = 500;
+  const auto count = static_cast<Eigen::Index>(forms.size());
+  const auto is_definite = [](const Eigen::VectorXd& lambda) {  // in ascending order
+    return lambda[0] > 1e-7 * lambda.cwiseAbs().maxCoeff();
+  };
+  Eigen::VectorXd factors(count);
+  for (Eigen::Index n = 0; n < count; ++n) {
+    const Eigen::MatrixXd& form = forms[static_cast<std::size_t>(n)];
+    const Eigen::VectorXd lambda = Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(form).eigenvalues();
+    if (is_definite(lambda) || is_definite(-lambda.reverse())) return true;
+    factors[n] = form.trace();
+  }
+  for (int k = 0; k < most && count > 1; ++k) {
+    Eigen::MatrixXd sum = Eigen::MatrixXd::Zero(forms[0].rows(), forms[0].cols());
+    for (Eigen::Index n = 0; n < count; ++n) sum += factors[n] * forms[static_cast<std::size_t>(n)];
+    const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> found(sum);
+    if (is_definite(found.eigenvalues())) return true;
+    const Eigen::VectorXd x = found.eigenvectors().col(0);
+    for (Eigen::Index n = 0; n < count; ++n) factors[n] += x.dot(forms[static_cast<std::size_t>(n)] * x);
+  }
+  return false;
+}
+
 /// Whether velocities x that satisfy the loop equations A x = 0, for which `kernel` is a basis, belong to
 /// finite motions. It is necessary that n·γ(q, x) vanishes for each dependency n of the equations, nᵀ A = 0,
-/// where γ is the part of (A x)' that is quadratic in x. A definite form n·γ makes the mechanism shaky; an
-/// indefinite one makes branches.
+/// where γ is the part of (A x)' that is quadratic in x. If a combination of these
+/// forms is definite, only x = 0 is left and the mechanism is shaky; otherwise branches may meet.
 Mobility second_order(LoopSystem<double>& system, std::span<const double> q, const Eigen::MatrixXd& kernel,
                       const Eigen::MatrixXd& dependencies) {
   const Eigen::Index f = kernel.cols();
@@ -43,15 +69,15 @@ Mobility second_order(LoopSystem<double>& system, std::span<const double> q, con
       for (std::size_t n = 0; n < forms.size(); ++n)
         forms[n](a, b) = forms[n](b, a) = both[static_cast<Eigen::Index>(n)];
     }
-  Mobility worst = Mobility::regular;
+  std::vector<Eigen::MatrixXd> restricting;
   for (std::size_t n = 0; n < forms.size(); ++n) {
-    const Eigen::VectorXd lambda = Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(forms[n]).eigenvalues();
-    const double size = lambda.cwiseAbs().maxCoeff();
-    if (!(size > 1e-7 * dependencies.col(static_cast<Eigen::Index>(n)).norm())) continue;
-    const bool definite = lambda.minCoeff() > 1e-7 * size || lambda.maxCoeff() < -1e-7 * size;
-    worst = std::max(worst, definite ? Mobility::shaky : Mobility::branches);
+    const double size =
+        Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(forms[n]).eigenvalues().cwiseAbs().maxCoeff();
+    if (size > 1e-7 * dependencies.col(static_cast<Eigen::Index>(n)).norm())
+      restricting.push_back(forms[n] / size);
   }
-  return worst;
+  if (restricting.empty()) return Mobility::regular;
+  return has_definite_combination(restricting) ? Mobility::shaky : Mobility::branches;
 }
 
 }  // namespace

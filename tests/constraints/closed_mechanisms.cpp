@@ -477,6 +477,16 @@ TEST(SecondOrder, TellsBranchesFromShakes) {
   }
 }
 
+/// No form of two shaky loops in one model is definite, but their sum is.
+TEST(SecondOrder, FindsAModelOfTwoShakyLoopsShaky) {
+  const Vec3<> z{0, 0, 1};
+  const Model one = ModelBuilder(ring({{0, 0, 0}, {1, 0, 0}, {2, 0, 0}}, {z, z, z})).build();
+  const Model both = append(one, "ground", one, "other ");
+  const LoopMobility found = loop_mobility(both, neutral(both));
+  EXPECT_EQ(found.degrees_of_freedom, 2);
+  EXPECT_EQ(found.mobility, Mobility::shaky);
+}
+
 TEST(Rolling, SphereDownASlopeHasFiveSeventhsOfTheAcceleration) {
   const double slope = 0.3;
   const Model model = ModelBuilder(wheel(true, {9.81 * std::sin(slope), 0, -9.81 * std::cos(slope)})).build();
