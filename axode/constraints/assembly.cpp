@@ -43,8 +43,7 @@ class Assembly {
     unit_of_residual_ = units_of_rows(ConstraintLevel::position);
     unit_of_row_ = units_of_rows(ConstraintLevel::velocity);
     result_.status = close();
-    const bool closed = result_.status == AssemblyStatus::closed;
-    if (closed && !v.empty() && !adapt_velocities()) result_.status = AssemblyStatus::singular;
+    if (result_.status == AssemblyStatus::closed && !v.empty()) result_.status = adapt_velocities();
     report(residual_of(result_.q).cwiseProduct(unit_of_residual_));
     return std::move(result_);
   }
@@ -147,8 +146,11 @@ class Assembly {
     const Vector& unit = level == ConstraintLevel::position ? unit_of_residual_ : unit_of_row_;
     return unit.cwiseInverse().asDiagonal() * R * unit_of_velocity_.asDiagonal();
   }
-  bool adapt_velocities() {
-    if (options_.held.empty()) return impact(model_, workspace_, result_.q, result_.v, 0.0, result_.v).ok();
+  AssemblyStatus adapt_velocities() {
+    if (options_.held.empty()) {
+      const bool found = impact(model_, workspace_, result_.q, result_.v, 0.0, result_.v).ok();
+      return found ? AssemblyStatus::closed : AssemblyStatus::singular;
+    }
     static_cast<void>(residual_of(result_.q));
     Vector rates(model_.loops().rows);
     system_.make_rows(ConstraintLevel::velocity);
@@ -156,12 +158,15 @@ class Assembly {
     rates.array() /= unit_of_row_.array();
     const Matrix A = rows(ConstraintLevel::velocity);
     Eigen::Map<Vector> v(result_.v.data(), model_.nv());
+    const double first = rates.norm();
     for (int n = 0; n < 3; ++n) {  // each step reduces the residual A v to a small part of it
       const Vector dv = least(A, rates, 1e-8 * A.squaredNorm());
       v += unit_of_velocity_.cwiseProduct(dv);
       rates += A * dv;
     }
-    return true;
+    constexpr double tolerable = 1e-8;
+    const double size = first + A.norm() * v.cwiseQuotient(unit_of_velocity_).norm();
+    return rates.norm() <= tolerable * size ? AssemblyStatus::closed : AssemblyStatus::held_velocities;
   }
   /// The size of the loops, by which lengths are divided. The kinematics must be those of the neutral
   /// configuration. It is the largest distance of a body on the loops from its root body (the body of its
@@ -238,6 +243,7 @@ std::string_view to_string(AssemblyStatus status) {
     case AssemblyStatus::singular_guess: return "singular_guess";
     case AssemblyStatus::iteration_limit: return "iteration_limit";
     case AssemblyStatus::singular: return "singular";
+    case AssemblyStatus::held_velocities: return "held_velocities";
   }
   return "";
 }
@@ -247,6 +253,10 @@ std::string to_string(const Model& model, const AssemblyResult& result) {
   if (result.status == AssemblyStatus::singular)
     return "the loops are closed, but the mass matrix of the tree is singular, so velocities cannot be "
            "adapted";
+  if (result.status == AssemblyStatus::held_velocities)
+    return "the loops are closed, but no velocities with the held ones keep them closed; hold fewer "
+           "velocities, "
+           "or give v that fits the loops";
   const MotionRows motions(model);
   const std::vector<LoopRows>& loops = motions.model().loops().all;
   std::vector<std::size_t> order(loops.size());

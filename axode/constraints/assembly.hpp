@@ -26,6 +26,7 @@ enum class AssemblyStatus {
   iteration_limit,  ///< the iterations were used up, or the monitor ended the search
   singular,         ///< the loops are closed, but velocities were not found, because the mass matrix of the
                     ///< tree is singular
+  held_velocities,  ///< the loops are closed, but no velocities with the held ones keep them closed
 };
 std::string_view to_string(AssemblyStatus status);
 

@@ -477,6 +477,19 @@ TEST(SecondOrder, TellsBranchesFromShakes) {
   }
 }
 
+TEST(Assembly, SaysThatHeldVelocitiesDoNotKeepLoopsClosed) {
+  const Model model = ModelBuilder(four_bar()).build();
+  const std::array<int, 2> two{0, 1};
+  const std::array<int, 1> one{0};
+  AssemblyOptions options;
+  options.held = one;
+  EXPECT_EQ(assemble(model, neutral(model), Numbers{1, 1, 0}, options).status, AssemblyStatus::closed);
+  options.held = two;
+  const AssemblyResult found = assemble(model, neutral(model), Numbers{1, 1, 0}, options);
+  EXPECT_EQ(found.status, AssemblyStatus::held_velocities);
+  EXPECT_EQ(to_string(model, found).find("the loops are closed, but no velocities with the held ones"), 0U);
+}
+
 /// No form of two shaky loops in one model is definite, but their sum is.
 TEST(SecondOrder, FindsAModelOfTwoShakyLoopsShaky) {
   const Vec3<> z{0, 0, 1};
