@@ -9,8 +9,7 @@
 
 namespace axode {
 
-/// A drive with a law of its own that a simulation adds to the drives in the description of the mechanism. It
-/// acts along the coordinate Σ factor q of its `joints`.
+/// A drive that a simulation adds to those of the mechanism. It acts along Σ factor q of its `joints`.
 struct AddedDrive {
   std::string name;
   std::vector<std::pair<std::string, double>> joints;  ///< names of joints with one velocity, and factors

@@ -7,11 +7,10 @@
 #include "axode/model/drive_states.hpp"
 #include "axode/scalar/dual.hpp"
 
-/// The interface of drives with states. A drive acts at a port with the coordinate l, an angle (rad) or a
-/// length (m), and the rate w = l'. With the state x and the input u,
-///     x' = f(x, u, l, w, t),   force on the port g(x, u, l, w, t),   e' = P_in - P_loss - g w        (D17.1)
-/// where e is the stored energy, P_in the supplied power and P_loss the power that becomes heat. See the page
-/// D17 of docs/derivations.
+/// The interface of drives with states, such as motors and cylinders. A drive acts along a coordinate l, an
+/// angle (rad) or a length (m), with the rate w = l'. With the states x of the drive and its input u,
+///   x' = f(x, u, l, w, t),   force along l: g(x, u, l, w, t),   e' = P_in - P_loss - g w        (D17.1)
+/// where e is the stored energy, P_in the supplied power and P_loss the power that becomes heat.
 namespace axode {
 
 /// The arguments of the functions of a drive law: time, input, coordinate and rate of the port, and states.
@@ -30,10 +29,10 @@ template <class T> struct DriveResponse {
   T supplied{}, lost{};  ///< powers P_in and P_loss, W
 };
 
-/// The law of a drive: its states, and their rates, the force, the energy and the powers as functions of a
-/// DrivePoint (x, u, l, w and t of (D17.1)). These functions are smooth while the statuses of the law are
-/// constant. A status is a small integer that selects a branch of the law, such as the sign of a velocity or
-/// whether a limit is reached. Several threads may call all member functions at once.
+/// The law of a drive: the rates of its states, its force, energy and powers as functions of a DrivePoint
+/// (states, input, coordinate and rate of the driven joint or line, time). They are smooth while the statuses
+/// are constant. A status is a small integer that selects a branch of the law, such as the sign of a velocity
+/// or whether a limit is reached. Several threads may call all member functions at once.
 class DriveLaw {
  public:
   using Dual = axode::Dual<double, 1>;
@@ -42,11 +41,9 @@ class DriveLaw {
   virtual ~DriveLaw() = default;
 
   virtual std::vector<DriveState> states() const = 0;
-  /// Writes the values x of the states at the start of a motion. `at` has the time, the input, and the
-  /// coordinate and rate of the port there; its x is not set yet.
+  /// Writes the initial values x of the states for the time, input, coordinate and rate in `at`.
   virtual void start(const DrivePoint<double>& at, std::span<double> x) const = 0;
-  /// Evaluates the rates, the force, the energy and the powers at a point and for given statuses, in double
-  /// or in dual numbers with the derivative along one direction.
+  /// Evaluates the law at a point for given statuses; with dual numbers, also a directional derivative.
   virtual void evaluate(const DrivePoint<double>& at, std::span<const int> statuses,
                         DriveResponse<double>& out) const noexcept = 0;
   virtual void evaluate(const DrivePoint<Dual>& at, std::span<const int> statuses,
@@ -56,8 +53,7 @@ class DriveLaw {
   virtual std::size_t n_statuses() const { return 0; }
   /// Chooses all statuses that belong to a point, at the start of a motion or for a given state.
   virtual void choose(const DrivePoint<double>&, Statuses) const {}
-  /// The margin of status k at a point for given statuses: how far the status is from having to change, a
-  /// smooth function that becomes negative when it must.
+  /// The margin of status k at a point: a smooth function that becomes negative when the status must change.
   virtual double margin(std::size_t, const DrivePoint<double>&, std::span<const int>) const noexcept {
     return 1;
   }
@@ -65,10 +61,10 @@ class DriveLaw {
   virtual void change(std::size_t, const DrivePoint<double>&, Statuses, std::span<double>) const noexcept {}
 };
 
-/// A DriveLaw made from a struct Law, whose functions are written once for all scalars T. The struct has the
-/// member template `evaluate(const DrivePoint<T>&, std::span<const int>, DriveResponse<T>&) const`, and the
-/// members states() and start() of DriveLaw. If the law has statuses, the struct also has the members
-/// n_statuses(), choose(), margin() and change() of DriveLaw.
+/// A DriveLaw made from a struct Law, whose functions are written once for all types T of numbers. The struct
+/// has the member template `evaluate(const DrivePoint<T>&, std::span<const int>, DriveResponse<T>&) const`,
+/// and the members states() and start() of DriveLaw; with statuses, also n_statuses(), choose(), margin() and
+/// change().
 template <class Law> class DriveLawOf final : public DriveLaw {
  public:
   explicit DriveLawOf(Law law) : law_(std::move(law)) {}
@@ -106,12 +102,10 @@ template <class Law> class DriveLawOf final : public DriveLaw {
   Law law_;
 };
 
-/// A quantity must pass a limit by this part of the limit before its status changes, so that rounding errors
-/// do not change the status back.
+/// Hysteresis of limits: a status changes when its quantity has passed the limit by this part of it.
 inline constexpr double past_limit = 1e-12;
 
-/// The status of a quantity that is limited to ±limit: 0 while the quantity is inside, and otherwise the sign
-/// of the limit at which it is held.
+/// The status of a quantity limited to ±limit: 0 inside, or the sign of the limit at which it is held.
 struct Saturation {
   double limit;
 

@@ -8,14 +8,12 @@
 
 namespace axode {
 
-/// The port at which a drive acts on a mechanism. Its coordinate l is a sum of joint coordinates with
-/// factors, or the length of a line between two points of bodies; its rate is w = l' = E v with a row E of nv
-/// entries.
+/// The coordinate along which a drive acts: l = Σ factor q over joints, or the length of a line between
+/// points of two bodies. Its rate is w = l' = E v with a row vector E of nv entries.
 class DrivePort {
  public:
-  /// Constructs a port whose coordinate is Σ factor q over `joints`, names of joints with their factors.
-  /// Throws std::invalid_argument for a joint that does not exist and for a joint that does not have one
-  /// velocity; `drive` is the name of the drive in the message for the latter.
+  /// Constructs the coordinate Σ factor q of `joints`, names with factors, for the drive with the given name.
+  /// Throws std::invalid_argument for a joint that does not exist or does not have one velocity.
   DrivePort(const Model& model, const std::string& drive,
             std::span<const std::pair<std::string, double>> joints);
   explicit DrivePort(const Spring::Path& line) : line_(line), along_line_(true) {}
@@ -27,13 +25,12 @@ class DrivePort {
   void update(const Tree<double>& tree, std::span<const double> q, std::span<const double> v);
   double l() const { return l_; }
   double w() const { return w_; }
-  /// The row E with l' = E v at the last update(), as pairs of the index of a velocity and an entry. Entries
-  /// of the same velocity are to be added.
+  /// The row vector E with l' = E v at the last update(), as pairs of a velocity's index and an entry.
+  /// Entries of the same velocity are to be added.
   std::span<const std::pair<int, double>> row() const { return row_; }
 
-  /// Adds `factor` times the derivatives of the row E to out (nv × nv) (D17.3): out[i, j] is the derivative
-  /// of entry i of E by q along the left-trivialised direction of velocity j. Nothing is added unless the
-  /// port is a line, because a sum of joint coordinates has a constant row.
+  /// Adds `factor` times the derivative of the row vector E by q to out (nv × nv) (D17.3): out[i, j] is that
+  /// of entry i along the left-trivialised direction of velocity j.
   void add_row_derivatives(const Tree<double>& tree, std::span<const double> q, double factor,
                            std::span<double> out) const;
 
@@ -48,8 +45,9 @@ class DrivePort {
   bool along_line_ = false;
   double l_ = 0, w_ = 0;
   std::vector<std::pair<int, double>> row_;
-  /// For each entry of the row E of a line: the end of the line (0 or 1) that the velocity of this entry
-  /// moves, and how fast it moves this end if it is 1, as a vector in the axes of the body at this end.
+  /// For each entry of the row vector E, for which E v is the rate of the length of a line: the end of the
+  /// line (0 or 1) that its velocity moves, and how fast it moves it if it is 1, as a vector in the axes of
+  /// the body at this end.
   std::vector<std::pair<std::size_t, Vec3<>>> columns_;
 };
 

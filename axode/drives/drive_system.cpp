@@ -12,8 +12,7 @@
 namespace axode {
 namespace {
 
-/// Throws std::invalid_argument unless an added drive has a law and joints, with factors that are finite and
-/// not 0.
+/// Throws std::invalid_argument unless an added drive has a law and joints with finite factors, not 0.
 void check(const AddedDrive& drive) {
   const std::string subject = "drive \"" + drive.name + "\" ";
   if (!drive.law)
@@ -61,8 +60,7 @@ DriveSystem::DriveSystem(const Model& model, std::span<const AddedDrive> more) :
   for (auto* each : {&now_.l, &now_.w, &now_.u, &now_.outputs}) each->resize(size());
 }
 
-/// Finds which drives feed others, and an order of evaluation in which a drive comes after the one that feeds
-/// it. The description must not contain a cycle of drives that feed each other.
+/// Finds which drives have the output of another one as input, and an order that computes outputs first.
 void DriveSystem::order_by_inputs() {
   std::unordered_map<std::string_view, std::size_t> index;
   for (std::size_t d = 0; d < size(); ++d) index.try_emplace(drives_[d].name, d);

@@ -14,31 +14,30 @@
 
 namespace axode {
 
-/// Sums over the drives of a mechanism: stored energy, supplied power and power that becomes heat. A drive
-/// whose output is the input of another drive has no energy or power of its own.
+/// Sums over the drives of a mechanism: stored energy, supplied power and power that becomes heat.
 struct DriveEnergy {
   double stored = 0;              ///< J
   double supplied = 0, lost = 0;  ///< W
 };
 
-/// Derivatives of the drive forces τ (nv numbers) and of the rates f = x' of the drive states (nx numbers):
-/// by q along the left-trivialised directions of the velocities (nv columns), by v, by the states x (nx
-/// columns), and by those inputs u that are functions of time (a column for each of DriveSystem::inputs()).
+/// Derivatives of the drive forces τ (nv numbers) and of the rates f = x' of the nx states x of the drives:
+/// by q along the left-trivialised directions (nv columns), by v, by x (nx columns), and by those inputs u
+/// that are functions of time (a column for each of DriveSystem::inputs()).
 struct DriveDerivatives {
   Eigen::MatrixXd tau_q, tau_v, tau_x, tau_u;
   Eigen::MatrixXd f_q, f_v, f_x, f_u;
 };
 
-/// All drives of a mechanism with their ports, laws, inputs and statuses. The output of a drive may be the
-/// input of another drive; it then feeds this drive, and its law is evaluated before. The states x of all
-/// drives are one vector of nx() numbers, in the order of the drives. An object serves one thread.
+/// All drives of a mechanism with their laws, inputs and statuses, the integers that select branches of the
+/// laws. The input of a drive may be the output of another one. The states x of all drives are one vector of
+/// nx() numbers. An object serves one thread.
 class DriveSystem {
  public:
   using Span = std::span<const double>;
 
   /// Takes the drives of the description of the model, followed by `more`. Throws std::invalid_argument for a
-  /// joint that does not exist or does not have one velocity, and for a drive of `more` that has no law or no
-  /// joint, or a factor that is 0 or not finite.
+  /// joint that does not exist or does not have one velocity, and for a drive of `more` without law or
+  /// joints, or with a factor that is 0 or not finite.
   explicit DriveSystem(const Model& model, std::span<const AddedDrive> more = {});
 
   bool empty() const { return drives_.empty(); }
@@ -47,40 +46,33 @@ class DriveSystem {
   const std::string& name(std::size_t drive) const { return drives_[drive].name; }
   /// The states of all drives in the order of x, with their units and with names `<drive>.<state>`.
   std::span<const DriveState> states() const { return states_; }
-  /// Indices of the drives whose input is a function of time instead of the output of another drive. The
-  /// columns of DriveDerivatives::tau_u and f_u are in this order.
+  /// Indices of the drives whose input is a function of time instead of the output of another drive.
   std::span<const std::size_t> inputs() const { return inputs_; }
 
-  /// Prepares the start of a motion at time t and state (q, v): sets the inputs to their values just after t,
-  /// writes the states x with which the drives start (nx() numbers), and chooses their statuses.
+  /// Starts the drives at time t and state (q, v): sets the inputs to their values just after t, writes the
+  /// initial states x (nx() numbers), and chooses the statuses.
   void start(double t, Span q, Span v, std::span<double> x);
-  /// Sets the inputs to their values just after time t, and chooses the statuses of the drives that belong to
-  /// the state (q, v, x).
+  /// Sets the inputs to their values just after time t, and chooses the statuses for the state (q, v, x).
   void set_state(double t, Span q, Span v, Span x);
 
-  /// Evaluates all laws at time t and state (q, v, x) with the present statuses: adds the drive forces to tau
-  /// (nv numbers), and writes the rates x' to dx (nx() numbers).
+  /// Evaluates all laws at time t and state (q, v, x): adds the drive forces to tau (nv numbers), and writes
+  /// the rates x' to dx (nx() numbers).
   void evaluate(double t, Span q, Span v, Span x, std::span<double> tau, std::span<double> dx);
-  /// Adds to tau (nv numbers) the forces of those drives that act along lines between two points, as the last
-  /// evaluation has found them. evaluate() adds them as well.
+  /// Adds to tau the last forces of drives along lines between two points, which evaluate() also adds.
   void add_line_forces(std::span<double> tau) const;
   DriveEnergy energy(double t, Span q, Span v, Span x);
   /// Computes the derivatives of the drive forces and of the rates at constant statuses. Allocates.
   DriveDerivatives derivatives(double t, Span q, Span v, Span x);
-  /// Writes the rates x' of the drive states to dx (nx() numbers), and returns their derivatives by x alone
-  /// (nx() × nx()), at constant q, v and t. Allocates.
+  /// Writes the rates x' of the drive states to dx, and returns ∂x'/∂x (nx() × nx()). Allocates.
   Eigen::MatrixXd rates_by_states(double t, Span q, Span v, Span x, std::span<double> dx);
 
-  /// The first time after t at which the input of a drive or one of its derivatives jumps, so that a step of
-  /// an integration should end there; infinite if there is none.
+  /// The first time after t at which an input or one of its derivatives jumps; infinite if there is none.
   double next_jump(double t) const;
-  /// The least margin of all statuses at a time and state, which becomes negative when a status must change,
-  /// see DriveLaw::margin(); infinite if there are no statuses. A step of an integration must end where it
-  /// becomes negative.
+  /// The least margin of all statuses, negative when a status must change; infinite without statuses.
   double least_margin(double t, Span q, Span v, Span x);
-  /// Prepares the drives for the next step of a motion, which begins at time t and state (q, v, x). Inputs
-  /// that jump at t take their values after the jump. Statuses whose margin is negative change, and states in
-  /// x may jump with them. Returns whether an input or a status has changed.
+  /// Applies the discontinuous changes of the drives at time t and state (q, v, x): inputs that jump at t
+  /// take their values after the jump, and statuses whose margin is negative change, by which states in x may
+  /// jump. Returns whether an input or a status has changed.
   bool switch_at(double t, Span q, Span v, std::span<double> x);
 
  private:
@@ -96,8 +88,7 @@ class DriveSystem {
     std::size_t first_x = 0, n_x = 0;
     std::vector<int> statuses = {};
   };
-  /// The arguments of the laws of all drives, and their results: x and dx have nx() entries, and the others
-  /// one for each drive.
+  /// The arguments and results of the laws: x and dx have nx() entries, the others one for each drive.
   template <class T> struct Values { std::vector<T> x, l, w, u, outputs, dx; };
 
   void order_by_inputs();

@@ -40,8 +40,8 @@ struct AtRest {
   Solvability solvability;
 };
 
-/// The equations of a state of rest, and the steps of Newton's method for them: at v = 0, accelerations must
-/// be 0, and rates of the drive states, divided by the nominal values of these states.
+/// The equations of a state of rest, in which accelerations and rates of the drive states are 0 at v = 0, and
+/// Newton's method for them. Rates of drive states are divided by the nominal values of these states.
 class Statics {
  public:
   Statics(const Model& model, DriveSystem& drives, double t)
@@ -66,8 +66,8 @@ class Statics {
     at.rates.tail(nominal_.size()) = as_eigen(Span(dx)).cwiseQuotient(nominal_);
     at.residual = at.rates.size() > 0 ? at.rates.lpNorm<Eigen::Infinity>() : 0;
   }
-  /// The step of Newton's method: displacements of q (nv numbers, rad or m, at most 1 in magnitude) and then
-  /// changes of the drive states x as multiples of their nominal values.
+  /// The step of Newton's method: displacements of q (nv numbers, rad or m, at most 1 in magnitude), and
+  /// changes of the drive states as multiples of their nominal values.
   Vector step(const AtRest& at) {
     const DriveLinearization linear = linearize_with_drives(model_, drives_, t_, at.q, still_, at.x);
     const Eigen::Index nv = model_.nv(), nx = nominal_.size(), n = nv + nx;

@@ -6,8 +6,7 @@
 
 namespace axode {
 
-/// Makes the law of a drive from its description, which must have been checked. Parameters that are not given
-/// have the standard values of the kind of drive.
+/// Makes the law of a drive from its checked description. Parameters that are not given have standard values.
 std::shared_ptr<const DriveLaw> make_law(const DriveDescription& drive);
 
 }  // namespace axode

@@ -6,8 +6,7 @@
 #include "axode/fmi/model_description.hpp"
 
 /// Export of mechanisms as FMUs (Functional Mock-up Units) for FMI 2.0 and 3.0. The binary of an FMU contains
-/// this library and reads the drawing of the mechanism, a TOML file, from the resources of the FMU, so that
-/// an FMU gives the same results as the library.
+/// this library and reads the drawing of the mechanism, a TOML file, from the resources of the FMU.
 namespace axode::fmi {
 
 /// The options of the export of an FMU.
@@ -22,10 +21,10 @@ struct FmuFile {
   std::string name, contents;
 };
 
-/// Makes the files of an FMU of a mechanism. `binary` is the contents of the shared object axode_fmu.so,
-/// which is the same for all mechanisms. Shapes of bodies are left out. Throws std::invalid_argument, with
-/// one sentence, if the mechanism has something that FMUs of one of options.kinds do not support (see
-/// check_supported()), for frames that do not exist and if options.kinds is empty.
+/// Makes the files of an FMU of a mechanism, without the shapes of bodies. `binary` is the contents of the
+/// shared object axode_fmu.so, which is the same for all mechanisms. Throws std::invalid_argument if the
+/// mechanism has something that FMUs of one of options.kinds do not support (see check_supported()), for
+/// frames that do not exist and if options.kinds is empty.
 std::vector<FmuFile> fmu_files(const Model& model, const ExportOptions& options, std::string binary);
 
 }  // namespace axode::fmi

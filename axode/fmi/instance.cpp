@@ -14,20 +14,20 @@
 namespace axode::fmi {
 namespace {
 
-/// An FMU for model exchange asks the master (the importing program) for an event, in which loops are closed
-/// again, if the state is farther than usual_drift from a state with closed loops (rad, m, rad/s and m/s). If
-/// the master has given a tolerance, it is used instead, but not below least_drift.
+/// The distance of the state from one with closed loops (rad, m, rad/s, m/s) at which an FMU for model
+/// exchange asks for an event, in which loops are closed. A tolerance of the importing program replaces it,
+/// but not below least_drift.
 constexpr double usual_drift = 1e-8, least_drift = 1e-10;
-/// For mechanisms without loops, an FMU for model exchange asks for an event if making the quaternions of the
-/// state of unit norm changes it by more than this number.
+/// Without loops, an FMU for model exchange asks for an event if normalising the quaternions changes the
+/// state by more than this number.
 constexpr double usual_norm_error = 1e-6;
 /// The event indicator of the drives is their least margin, which becomes negative when a discrete status of
-/// a drive must change, plus this part of the largest margin so far. When the indicator is 0, the margin is
-/// then negative in spite of the master's error in the time of the event, so that the status changes there.
+/// a drive must change, plus this part of the largest margin so far. Where the solver finds the indicator to
+/// be 0, up to its error in time, the margin is thus negative and the status changes.
 constexpr double indicator_shift = 1e-9;
 
-/// Which properties of mechanisms FMUs of each kind take into account, and which they refuse. Contact, hard
-/// stops and dry friction are not in these tables; check_supported() looks for them itself.
+/// Which properties of mechanisms FMUs of each kind take into account, and which they refuse, besides
+/// contact, hard stops and dry friction.
 constexpr catalog::Counts of_co_simulation{.loops = catalog::counted,
                                            .passive_joints = catalog::counted,
                                            .springs = catalog::counted,
@@ -138,7 +138,7 @@ void Instance::prepare() {
     Description description = model_.description();
     for (std::size_t k = 0; k < parameters_.size(); ++k)
       table_.parameters()[k].in(description) = parameters_[k];
-    // The states of drives start at the values that the master has set.
+    // The states of drives start at the values that the importing program has set.
     std::size_t k = 0;
     for (DriveDescription& drive : description.drives) drive.initial.clear();
     for (const DriveState& state : equations_.drives().states()) {
@@ -400,7 +400,7 @@ Eigen::RowVectorXd Instance::row(const Variable& it, const Eigen::MatrixXd& all)
 }
 
 /// The column of a variable in the Jacobian of the equations of motion; empty for a parameter. Throws
-/// std::invalid_argument if no derivatives by the variable are provided.
+/// std::invalid_argument if there are no derivatives by the variable.
 std::optional<Eigen::Index> Instance::column(const Variable& known) const {
   const std::size_t nq = at_.q.size(), nv = at_.v.size(), nx = at_.x.size();
   const auto at = [](std::size_t k) { return static_cast<Eigen::Index>(k); };

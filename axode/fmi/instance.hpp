@@ -10,35 +10,32 @@
 
 namespace axode::fmi {
 
-/// The kinds of FMUs: the master integrates the equations (model exchange), or the FMU does (co-simulation).
-/// The master is the program that imports the FMU.
+/// The kinds of FMUs: the importing program integrates (model exchange), or the FMU (co-simulation).
 enum class Kind { model_exchange, co_simulation };
 
-/// Throws std::invalid_argument, with one sentence, if the mechanism has a property that FMUs of the given
-/// kind do not support, such as contact, hard stops or, in model exchange, dry friction.
+/// Throws std::invalid_argument if the mechanism has a property that FMUs of the given kind do not support,
+/// such as contact, hard stops or, in model exchange, dry friction.
 void check_supported(const Model& model, const Settings& settings, Kind kind);
 
-/// An instance of an FMU, independent of the version of FMI. All functions throw std::runtime_error or
-/// std::invalid_argument with one sentence for the log of the master, which is the program that imports the
-/// FMU. A copy of an Instance is a saved state.
+/// An instance of an FMU (Functional Mock-up Unit), independent of the version of FMI. All functions throw
+/// std::runtime_error or std::invalid_argument with a sentence for the log. A copy of an Instance is a saved
+/// state.
 class Instance {
  public:
   using References = std::span<const unsigned>;
   using Span = std::span<const double>;
 
-  /// The modes of FMI 3.0. FMI 2.0 has no name for the mode of a co-simulation between two communication
-  /// steps, which is `step` here.
+  /// The modes of FMI 3.0. `step` is the mode of a co-simulation between two communication steps.
   enum class Mode { instantiated, initialization, event, continuous_time, step, terminated };
 
-  /// Reads the drawing of the mechanism and the settings of the export from the texts of these resource
-  /// files, and resets the instance.
+  /// Reads the texts of the resource files, drawing of the mechanism and settings, and resets the instance.
   Instance(Kind kind, std::string_view drawing, std::string_view settings);
   Instance(const Instance&) = default;
   Instance& operator=(const Instance&) = delete;
   ~Instance() = default;
 
   void reset();
-  /// Sets the start time (s) and the relative tolerance of the master, which may be empty.
+  /// Sets the start time (s) and the relative tolerance of the importing program, which may be empty.
   void set_up(double start, std::optional<double> tolerance);
   void enter_initialization(double start, std::optional<double> tolerance) {
     set_up(start, tolerance);
@@ -61,8 +58,8 @@ class Instance {
   void get_rates(std::span<double> rates);
   void get_indicators(std::span<double> indicators);
   void get_nominals(std::span<double> nominals) const;
-  /// Whether the master must enter event mode after the step that it has completed: a discrete status of a
-  /// drive must change, or the loops have opened or quaternions have left unit norm by more than a tolerance.
+  /// Whether event mode must follow the completed step: a discrete status of a drive must change, or the
+  /// loops have opened or quaternions have left unit norm by more than a tolerance.
   bool needs_event();
   struct Event {
     bool states_changed = false;
@@ -73,9 +70,9 @@ class Instance {
   /// Integrates from the communication point at time t to t + h (s).
   void step(double t, double h);
 
-  /// directional_derivative() computes the product of the Jacobian (derivatives of the unknowns by the
-  /// knowns) with a seed, one number for each known. adjoint_derivative() computes the product of its
-  /// transpose with a seed, one number for each unknown.
+  /// directional_derivative() is the product of the Jacobian (derivatives of the unknowns by the knowns) with
+  /// a seed, one number for each known; adjoint_derivative() that of its transpose with one number for each
+  /// unknown.
   void directional_derivative(References unknowns, References knowns, Span seed, std::span<double> result);
   void adjoint_derivative(References unknowns, References knowns, Span seed, std::span<double> result);
 
@@ -85,17 +82,16 @@ class Instance {
   bool is_before_start() const { return mode_ == Mode::instantiated || mode_ == Mode::initialization; }
   void set_one(const Variable& variable, double value);
   double get_one(const Variable& variable);
-  /// Before the end of the initialisation, rebuilds the model if parameters or initial states of drives have
-  /// changed, and then corrects the state: loops are closed and quaternions have unit norm. Later it does
-  /// nothing.
+  /// During initialisation, rebuilds the model if parameters or initial states of drives have changed, closes
+  /// loops and normalises quaternions. Later it does nothing.
   void prepare();
   void start_stepping();
   const Rates& rates();
   const std::vector<double>& poses();
   double indicator(std::size_t k);
   double gap(const Stop& stop) const;
-  /// Returns the least margin of the drives, which becomes negative when a discrete status must change, and
-  /// updates margin_scale_, the largest magnitude so far. Returns 1 if no event indicator belongs to drives.
+  /// Returns the least margin of the drives, which becomes negative when a discrete status must change, or 1
+  /// if it is no event indicator. Updates margin_scale_, its largest magnitude so far.
   double observe_margin();
   /// The Jacobian of the unknowns (rows) by the knowns (columns).
   Eigen::MatrixXd jacobian(References unknowns, References knowns);

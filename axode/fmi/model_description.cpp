@@ -140,8 +140,7 @@ class Writer {
                                                          : Role::drive_state;
     return table_.first(role) + rate.index;
   }
-  /// The number by which the model structure refers to a variable: the value reference in FMI 3.0, the index
-  /// from 1 in FMI 2.0.
+  /// The number of a variable in the model structure: value reference (FMI 3.0) or index from 1 (FMI 2.0).
   std::size_t number(std::size_t reference) const { return three_ ? reference : reference + 1; }
 
   void write(std::size_t reference) {

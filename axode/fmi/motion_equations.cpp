@@ -23,8 +23,8 @@ namespace {
 
 using Span = std::span<const double>;
 
-/// Calls f(subgroup, iq, iv) for every joint with coordinates of its own: with its subgroup of SE(3), for
-/// numbers of the type T, and the indices of its first coordinate and its first velocity.
+/// Calls f(subgroup, iq, iv) for every joint that is not coupled to another one, with its subgroup of SE(3)
+/// for numbers of the type T, and the indices of its first coordinate and its first velocity.
 template <class T, class F> void each_subgroup(const Model& model, const F& f) {
   for (const Joint& joint : model.joints())
     if (!joint.leader)
@@ -62,8 +62,7 @@ std::vector<double> MotionEquations::normalized(Span q) const {
   }
 }
 
-/// Sets the time of the prescribed motions. Throws NoRates for a time beyond the samples of a motion, so that
-/// a solver tries a shorter step.
+/// Sets the time of the prescribed motions. Throws NoRates for a time beyond the samples of a motion.
 void MotionEquations::set_time(double t) {
   try {
     loops_->motions().check_times(t, t);

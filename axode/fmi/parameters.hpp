@@ -5,10 +5,9 @@
 
 namespace axode::fmi {
 
-/// The numbers of a description that are parameters of its FMU: gravity, mass properties of bodies, points of
-/// joints (if the drawing gives them in the inertial frame at q = 0), elastic constants and damping of
-/// joints, and constants of springs with linear force laws. The description must have been read from a
-/// drawing that write_drawing() has written.
+/// The numbers of a mechanism that are parameters of its FMU: gravity, mass properties of bodies, points of
+/// joints (if given in the inertial frame at q = 0), elastic constants and damping of joints, and constants
+/// of linear springs. The description must have been read from a drawing that write_drawing() has written.
 std::vector<Parameter> parameters_of(const Description& description, const Settings& settings);
 
 }  // namespace axode::fmi

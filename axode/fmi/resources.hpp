@@ -8,8 +8,7 @@ namespace axode::fmi {
 inline constexpr const char* drawing_resource = "mechanism.toml";
 inline constexpr const char* settings_resource = "settings.toml";
 
-/// The token of an FMU, a hash of the contents of its resources. The master passes the token of
-/// modelDescription.xml to the binary, which compares it with that of the resources that it reads.
+/// The token of an FMU, a hash by which the binary checks that resources and description belong together.
 std::string token_of(std::string_view drawing, std::string_view settings);
 
 }  // namespace axode::fmi

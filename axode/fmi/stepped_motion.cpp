@@ -60,8 +60,7 @@ void SteppedMotion::set_forces(Span tau, std::vector<AppliedWrench<>> loads) {
   check();
 }
 
-/// Copies the forces of this motion to the memory from which the integration reads them and which all copies
-/// of a motion share.
+/// Copies the forces of this motion to the memory, shared by copies, from which they are integrated.
 void SteppedMotion::act() {
   fixed_->tau = tau_;
   fixed_->loads = loads_;

@@ -8,20 +8,19 @@
 
 namespace axode::fmi {
 
-/// A motion in a co-simulation, which is integrated from one communication point to the next with the method
-/// of simulate(): loops are closed at the end of each step, and steps end at times at which dry friction,
-/// drives or plays change. Drive forces and loads are constant between communication points.
+/// A motion in a co-simulation, integrated from one communication point to the next as by simulate(): loops
+/// are closed at the end of each step, and steps end where dry friction, drives or couplings with play
+/// change. Drive forces and loads are constant between communication points.
 class SteppedMotion {
  public:
   using Span = std::span<const double>;
 
-  /// Starts at the state (q, v) at time t (s). The states of drives start at the values in the description.
-  /// Throws std::invalid_argument for a state in which a motion cannot start. Also throws it if t is not 0
-  /// and the mechanism has prescribed motions or drives, because these are functions of time.
+  /// Starts at the state (q, v) at time t (s), with the initial states of drives in the description. Throws
+  /// std::invalid_argument for a state in which a motion cannot start, and if t is not 0 and the mechanism
+  /// has prescribed motions or drives.
   SteppedMotion(const Model& model, const Settings& settings, double t, Span q, Span v,
                 const Tolerances& tolerances);
-  /// A copy continues independently. Both use one memory for the forces, into which each writes its own
-  /// before it integrates.
+  /// A copy continues independently; both write their forces to one memory before they integrate.
   SteppedMotion(const SteppedMotion& other);
 
   /// Sets the drive forces (nv) and the loads that act from now on.
@@ -39,8 +38,7 @@ class SteppedMotion {
   Span dx() { return {run_.drives().dx.data(), run_.drives().size()}; }
 
  private:
-  /// The data to which the integration has references: the model, the options and the forces. Copies of a
-  /// motion share them.
+  /// The model, the options and the forces, to which the integration refers; copies of a motion share them.
   struct Fixed {
     Model model;
     SimulationOptions options = {};

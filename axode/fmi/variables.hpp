@@ -8,9 +8,8 @@
 
 #include "axode/model/model.hpp"
 
-/// The variables of an FMU (Functional Mock-up Unit) of a mechanism. The model description that a master (the
-/// importing program) reads and the binary that it calls use one table: the value reference of a variable is
-/// its index in this table.
+/// The table of variables of an FMU (Functional Mock-up Unit) of a mechanism: the value reference of a
+/// variable is its index.
 namespace axode::fmi {
 
 /// The settings of an FMU that are stored in its resources in addition to the mechanism.
@@ -19,8 +18,7 @@ struct Settings {
   std::vector<std::string> frames = {};  ///< names of frames whose poses are outputs
   std::vector<std::string> loads = {};   ///< names of frames on which wrenches act as inputs
 };
-/// to_text() writes settings as TOML, and read_settings() reads them. read_settings() throws
-/// std::invalid_argument for a text that to_text() has not written.
+/// to_text() writes settings as TOML. read_settings() throws std::invalid_argument for other texts.
 std::string to_text(const Settings& settings);
 Settings read_settings(std::string_view text);
 
@@ -48,23 +46,20 @@ struct Variable {
   double nominal = 1;
 };
 
-/// A parameter of an FMU: a number of the mechanism's description that a master may change before the
-/// simulation starts.
+/// A parameter of an FMU: a number of the mechanism that can be changed before the simulation starts.
 struct Parameter {
   std::string name, unit, description;
   std::function<double&(Description&)> in;  ///< function that returns a reference to the number in a
                                             ///< description of the same mechanism
-  /// Whether derivatives of accelerations by this number are provided. If true, the inverse dynamics at a
-  /// given state are at most quadratic in the number, so that their central differences have no error but
-  /// rounding.
+  /// Whether derivatives of accelerations by this number are provided. If true, inverse dynamics is at most
+  /// quadratic in it, so that central differences are exact to rounding.
   bool has_derivative = true;
-  /// The step of the central differences by this number, relative to the number. It is small if the force has
-  /// kinks, as that of a one-sided spring.
+  /// The relative step of central differences by this number, small for forces with kinks.
   double step = 0.25;
 };
 
-/// A mechanical stop of a joint whose gap is an event indicator. The gap is side × (limit - p) for the
-/// position p = ratio q + offset, where q is the coordinate with the index `coordinate`.
+/// A mechanical stop of a joint whose gap is an event indicator: side × (limit - p) for the position p =
+/// ratio q + offset, where q is the coordinate with the index `coordinate`.
 struct Stop {
   std::size_t coordinate = 0;
   double ratio = 1, offset = 0, limit = 0;
@@ -74,8 +69,7 @@ struct Stop {
 /// The table of all variables of the FMU of a mechanism.
 class VariableTable {
  public:
-  /// Makes the table. Throws std::invalid_argument for a frame in the settings that does not exist or is
-  /// named twice.
+  /// Makes the table. Throws std::invalid_argument for frames that do not exist or are named twice.
   VariableTable(const Model& model, const Settings& settings);
 
   std::size_t size() const { return all_.size(); }

@@ -8,15 +8,14 @@
 
 namespace axode {
 
-/// The configurations of a tree as a Lie group, the product of the subgroups of the joints. Integration
-/// schemes use joints only through this class. Elements x, y of its Lie algebra have nv numbers of the type
-/// T, along the left-trivialised directions of the joints; the numbers of the tree have the type S. For
-/// joints of one velocity brackets vanish and ⊕ is +. Arguments are vectors of any kind, or pointers to their
-/// first numbers; results may share the memory of arguments. O(n).
+/// The configurations of a tree as a Lie group, the product of the subgroups of the joints. Elements x, y of
+/// its Lie algebra have nv numbers of the type T along the left-trivialised directions of the joints; for
+/// joints of one velocity brackets vanish and ⊕ is +. The numbers of the tree have the type S. Arguments are
+/// vectors or pointers to their first numbers; results may share the memory of arguments. O(n).
 ///
-/// q ⊕ x is q exp x, or q cay x with LocalCoordinates::cayley. The maps of velocities, accelerations and
-/// momenta are the derivatives of the chosen ⊕, (D8.1), (D8.3) and (D14.9); the comments on the members write
-/// them for exp.
+/// q ⊕ x is q exp x or, with LocalCoordinates::cayley, q cay x with Cayley's map. The maps of velocities,
+/// accelerations and momenta are the derivatives of ⊕, (D8.1), (D8.3) and (D14.9); the members' comments
+/// write them for exp.
 template <class T, class S = T> class ConfigurationGroup {
  public:
   explicit ConfigurationGroup(const Tree<S>& tree,
@@ -146,8 +145,7 @@ template <class T, class S = T> class ConfigurationGroup {
           for (int k = group.begin; k < group.end; ++k) f(joint, tree()->by_kind[k]);
         });
   }
-  /// Computes the screw S x of a joint from its velocities x, which have the unit screws S. put() is the
-  /// inverse: it writes x from the screw S x.
+  /// Computes the screw S x of a joint from its velocities x and their unit screws S. put() is the inverse.
   template <class Joint> static Screw<T> screw(const Joint& joint, const T* x) noexcept {
     const Twist<BodyFixed, T> X = joint.twist(x);
     return {X.w, X.v};
@@ -156,9 +154,8 @@ template <class T, class S = T> class ConfigurationGroup {
     const auto x = joint.project(Wrench<BodyFixed, T>{X.w, X.v});
     for (int k = 0; k < joint.nv; ++k) out[k] = x[static_cast<std::size_t>(k)];
   }
-  /// For every joint of several velocities, computes the screw Z = f(S x, S y) from the unit screws S of its
-  /// velocities, and writes to out the z with S z = Z. For joints of one velocity writes the entries of
-  /// `plain`, or 0 if `plain` is null.
+  /// For every joint of several velocities with the unit screws S, writes to out the z with S z = f(S x, S
+  /// y). For joints of one velocity writes the entries of `plain`, or 0 if `plain` is null.
   template <class F>
   void each_block(const T* x, const T* y, T* out, const F& f, const T* plain = nullptr) const noexcept {
     each_own_joint([&]<class Joint>(const Joint& joint, int i) {
@@ -170,10 +167,10 @@ template <class T, class S = T> class ConfigurationGroup {
       }
     });
   }
-  /// For every joint of several velocities, writes to out the momentum that f computes from the screw S x and
-  /// the momentum p. f receives and returns momenta with angular and linear part exchanged (Klein form): such
-  /// a momentum transforms like a screw, but with the inverse map. For joints of one velocity writes the
-  /// entries of `plain`, or 0 if `plain` is null.
+  /// For every joint of several velocities with the unit screws S, writes to out the momentum f(S x, p). f
+  /// receives and returns momenta with angular and linear part exchanged: they then transform like screws,
+  /// but by the inverse map. For joints of one velocity writes the entries of `plain`, or 0 if `plain` is
+  /// null.
   template <class F>
   void each_dual_block(const T* x, const T* p, T* out, const F& f, const T* plain = nullptr) const noexcept {
     each_block(

@@ -27,8 +27,7 @@ void check_motion(const Model& model, const ContactShapes& shapes, double step,
     if (!finite(in.x)) throw std::invalid_argument(std::string(in.name) + " is not finite");
 }
 
-/// Steps of a motion with contact under forces that are constant in each step,
-/// with the derivatives of the steps.
+/// Steps of a motion with contact under forces that are constant in each step, with their derivatives.
 class TangentContactSteps {
  public:
   TangentContactSteps(const Model& model, const ContactShapes& shapes, Span q_0, Span v_0, double step,
@@ -49,8 +48,7 @@ class TangentContactSteps {
   TangentContactSteps& operator=(const TangentContactSteps&) = delete;
 
   /// Takes a step under the drive forces tau, and replaces the changes dq, dv of the state (nv × k for k
-  /// directions) by those at the end of the step. Returns false if the step or its derivative failed; then
-  /// `result` has the reason.
+  /// directions) by those at the end of the step. Returns false if this fails, for the reason in `result`.
   bool run(Span tau, Matrix& dq, Matrix& dv, const ContactDirections& directions) {
     const double t = step_ * static_cast<double>(count_++);
     result.failure = run_.interruption(t);
@@ -94,9 +92,8 @@ ContactSensitivity finished(const ContactSensitivity& result,
   return result;
 }
 
-/// Unit changes of all quantities by which a step is differentiated: of q, v and τ (nv each), and then of the
-/// friction of each shape, the restitution of each, and the thickness of a layer on each. Every matrix has a
-/// column for each of these directions.
+/// Unit changes of q, v and τ (nv each), and of the friction, the restitution and the layer thickness of each
+/// shape. Every matrix has a column for each of these directions.
 struct AllDirections {
   Matrix dq, dv;
   ContactDirections others;

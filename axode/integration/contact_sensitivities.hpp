@@ -6,62 +6,54 @@
 #include "axode/integration/sensitivities.hpp"
 #include "axode/integration/trajectory.hpp"
 
-/// Sensitivities of motions with contact, which are computed as by simulate_contact() in steps of one length,
-/// under drive forces that are constant in each step. They are the exact derivatives of the numerical method,
-/// by implicit differentiation of the equations of a step at their solution (D11.19 to D11.23): which
-/// contacts touch, stick, slide and bounce is taken as unchanged by a small displacement. Displacements and
-/// gradients of q are left-trivialised, along q ⊕ ε dq. Damping and dry friction of joints, springs, hard
-/// stops and closed loops act. At a gap of 0, the derivative is that along displacements which open the gap.
+/// Sensitivities of motions with contact, integrated as by simulate_contact() in equal steps under drive
+/// forces that are constant in each step. They are the exact derivatives of the numerical method, by implicit
+/// differentiation of the equations of a step (D11.19 to D11.23): which contacts touch, stick, slide and
+/// bounce is taken as unchanged by a small displacement. At a gap of 0, the derivative is that of a
+/// displacement that opens the gap. Displacements and gradients of q are left-trivialised, along q ⊕ ε dq.
+/// Damping and dry friction of joints, springs, hard stops and closed loops act.
 ///
 /// Throws std::invalid_argument for wrong sizes, a state that is not finite or quaternions that are not of
 /// unit norm, step <= 0, shapes of another model or with a stiffness, prescribed motions, drives with states,
-/// couplings with play, and results that share memory with arguments. The points of a contact must have a
-/// formula that can be differentiated, as they have for planes with any shape, spheres, capsules, boxes on
-/// faces, and boxes with spheres. If a contact point has no such formula, or a step fails,
-/// ContactSensitivity::failure says so, and all results are NaN.
+/// couplings with play, and results that share memory with arguments. Contact points must have a formula that
+/// can be differentiated, as for planes with any shape, spheres, capsules, boxes on faces, and boxes with
+/// spheres. If one has none, or a step fails, ContactSensitivity::failure says so, and all results are NaN.
 namespace axode {
 
-/// The status of a computation of sensitivities: whether it failed, and whether
-/// the derivatives exist.
+/// Whether a computation of sensitivities failed, and whether the derivatives exist.
 struct [[nodiscard]] ContactSensitivity {
   Failure failure = {};    ///< with the time and the reason
   double certificate = 0;  ///< largest one of all steps, see certificate()
-  /// Whether all derivatives exist. Contacts that share a load and slide in
-  /// different directions may not have derivatives, because their friction
-  /// depends on how they share the load.
+  /// Whether all derivatives exist. If contacts share a load and slide in different directions, they may not.
   bool unique = true;
-  /// Whether a contact, stop or dry joint was within rounding of the boundary
-  /// between two branches of its law. The derivative is then that of the branch
-  /// that was taken.
+  /// Whether a contact, stop or dry friction was within rounding of the boundary between two branches of its
+  /// law. The derivative is then that of the branch that was taken.
   bool at_kink = false;
   bool ok() const { return !failure; }
 };
 
-/// Receives the states of a motion of K steps, K + 1 rows of nq and of nv numbers, and derivatives of the
-/// state at the end of each step, row by row: A (2nv × 2nv) by the state at the start of the step and B (2nv
-/// × nv) by the drive forces τ. The first nv rows, and columns of A, are those of q, and the last nv those of
-/// v. C (2nv × 3 n for n shapes, or empty) has the derivatives by the surfaces of the shapes: n columns by
-/// the friction of each shape, n columns by the restitution of each, and n columns by the thickness of a
-/// layer on each (m), which is the radius of a sphere or capsule and the height of a plane. If the friction
-/// of a pair of shapes is 0, its derivatives are given as 0, because it is the square root of a product and
-/// has none. The spans must not overlap.
+/// Receives the states of a motion of K steps, K + 1 rows of nq and of nv numbers, and for each step, row by
+/// row, the derivatives of the state at its end: A (2nv × 2nv) by the state at its start and B (2nv × nv) by
+/// the drive forces τ. The first nv rows, and columns of A, are those of q, and the last nv those of v. C
+/// (2nv × 3 n for n shapes, or empty) has the derivatives by the surfaces: n columns by the friction of each
+/// shape, n by the restitution of each, and n by the thickness of a layer on each (m), which is the radius of
+/// a sphere or capsule and the height of a plane. Derivatives by the friction of a pair of shapes without
+/// friction, which do not exist, are given as 0. The spans must not overlap.
 struct ContactRolloutDerivatives {
   std::span<double> q, v, A, B, C = {};
 };
-/// Computes a motion of K steps of length `step` (s) from the state (q, v)
-/// under K rows of nv drive forces, and its derivatives. Allocates; a step
-/// takes O(nv³ + rows³) for the rows of contacts, stops, dry joints and loops.
+/// Computes a motion of K steps of length `step` (s) from the state (q, v) under K rows of nv drive forces,
+/// and its derivatives. Allocates; O(nv³ + m³) for a step with m constraints (contacts, stops, dry friction,
+/// loops).
 ContactSensitivity contact_rollout_derivatives(const Model& model, const ContactShapes& shapes,
                                                std::span<const double> q, std::span<const double> v,
                                                std::span<const double> tau, double step,
                                                const ContactRolloutDerivatives& out,
                                                const Monitor& monitor = {});
 
-/// Computes the displacements of all states of a motion of K steps with
-/// contact, under K rows of nv drive forces, if its start q is displaced by dq,
-/// its initial velocity by dv and the forces by dtau (K nv numbers). dq_out and
-/// dv_out receive K + 1 rows of nv numbers; the first rows are dq and dv.
-/// Allocates.
+/// Computes the displacements of all states of a motion of K steps with contact, under K rows of nv drive
+/// forces, if its start q is displaced by dq, its initial velocity by dv and the forces by dtau (K nv
+/// numbers). dq_out and dv_out receive K + 1 rows of nv numbers; the first rows are dq and dv. Allocates.
 ContactSensitivity contact_rollout_jvp(const Model& model, const ContactShapes& shapes,
                                        std::span<const double> q, std::span<const double> v,
                                        std::span<const double> tau, double step, std::span<const double> dq,
@@ -70,9 +62,8 @@ ContactSensitivity contact_rollout_jvp(const Model& model, const ContactShapes& 
                                        const Monitor& monitor = {});
 
 /// Backward differentiation of a motion of K steps with contact: from the gradients w_q and w_v of an
-/// objective by the q and v of each of the K + 1 states (K + 1 rows of nv numbers), computes its gradients by
-/// the initial state and the drive forces; gradient.geometry must be empty. The derivatives of all steps are
-/// stored, 6 K nv² numbers. Allocates.
+/// objective by q and v of each of the K + 1 states (K + 1 rows of nv numbers), computes its gradients by the
+/// initial state and the drive forces; gradient.geometry must be empty. Stores 6 K nv² numbers. Allocates.
 ContactSensitivity contact_rollout_vjp(const Model& model, const ContactShapes& shapes,
                                        std::span<const double> q, std::span<const double> v,
                                        std::span<const double> tau, double step, std::span<const double> w_q,

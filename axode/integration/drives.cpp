@@ -23,8 +23,8 @@ using Vector = std::vector<double>;
 
 std::size_t nv_of(const Model& model) { return static_cast<std::size_t>(model.nv()); }
 
-/// Returns gains as one number for each velocity, from one number or nv numbers. Throws std::invalid_argument
-/// for another size, and for a gain that is negative or not finite.
+/// Returns one gain for each velocity, from nv gains or one for all. Throws std::invalid_argument for another
+/// size, and for a gain that is negative or not finite.
 Vector gains(const Model& model, const char* name, Span given) {
   Vector all = for_each_velocity(model, name, given);
   for (std::size_t k = 0; k < given.size(); ++k)
@@ -146,10 +146,10 @@ void ComputedTorque::operator()(double t, Span q, Span v, std::span<double> tau)
   for (std::size_t c = 0; c < tau.size(); ++c) tau[c] -= springs_[c];
 }
 
-/// The accelerations depend on the drive forces u by a = a₀ + R u, where column k of R is the response to a
-/// unit force of drive k. With the matrix B that selects the driven velocities, and the accelerations w that
-/// these should have, u solves B a₀ + B R u = B w. If there is no solution, u is the least-squares solution;
-/// it does not depend on units and masses, because the symmetric matrix B R is scaled by its diagonal.
+/// Finds the drive forces u for which the driven velocities have the accelerations w. Accelerations are a₀ +
+/// R u, where column k of R is the response to a unit force of drive k. With the matrix B that selects the
+/// driven velocities, u is the least-squares solution of B R u = B (w - a₀), independent of units and masses
+/// because the symmetric matrix B R is scaled by its diagonal.
 bool ComputedTorque::make_possible(Span q, Span v) {
   std::vector<int> drives;
   for (int c = 0; c < model_.nv(); ++c)

@@ -9,18 +9,17 @@
 #include "axode/integration/trajectory.hpp"
 #include "axode/model/workspace.hpp"
 
-/// Drives without states of their own, for SimulationOptions::drive and batch::rollout. Such a drive is a
-/// function: it is called with a time t (s) and a state (q, v), and writes the drive forces tau (nv numbers;
-/// N m or N).
+/// Drives without states: functions that are called with a time t (s) and a state (q, v), and write the drive
+/// forces tau (nv numbers; N m or N).
 namespace axode {
 
 using Drive = std::function<void(double t, std::span<const double> q, std::span<const double> v,
                                  std::span<double> tau)>;
 
-/// A drive whose forces are given at times (s). Between two times the forces are interpolated linearly or, if
-/// `hold` is true, keep the values of the earlier time; before the first and after the last time they are
-/// constant. tau has a row of nv numbers for each time. Throws std::invalid_argument if there is no time,
-/// times do not increase, a size is wrong or a number is not finite.
+/// A drive with given forces at times (s), one row of nv numbers in tau for each. In between, forces are
+/// interpolated linearly or, if `hold` is true, keep the earlier value; before the first and after the last
+/// time they are constant. Throws std::invalid_argument if there is no time, times do not increase, a size is
+/// wrong or a number is not finite.
 class SampledDrive {
  public:
   SampledDrive(const Model& model, std::span<const double> times, std::span<const double> tau,
@@ -33,17 +32,15 @@ class SampledDrive {
   bool hold_;
 };
 
-/// The reference of a controller as a function of time: the configuration q_d, the velocities v_d and the
-/// accelerations a_d that the mechanism should have.
+/// The reference of a controller: configuration, velocities and accelerations as functions of time.
 class Reference {
  public:
-  /// A constant reference; v and a are 0 if they are empty. Throws std::invalid_argument for wrong sizes,
-  /// quaternions that are not of unit norm and numbers that are not finite.
+  /// A constant reference; v and a are 0 if empty. Throws std::invalid_argument for wrong sizes, quaternions
+  /// that are not of unit norm and numbers that are not finite.
   Reference(const Model& model, std::span<const double> q, std::span<const double> v = {},
             std::span<const double> a = {});
-  /// A reference that follows a motion, and rests at its first configuration before its start and at its last
-  /// one after its end. Throws std::invalid_argument if the motion has no state, or if its model has another
-  /// nq or nv than `model`.
+  /// A reference that follows a motion, and rests at its ends before and after it. Throws
+  /// std::invalid_argument if the motion has no state, or if its model has another nq or nv than `model`.
   Reference(const Model& model, Trajectory motion);
 
   /// Evaluates the reference at a time t (s); q(), v() and a() have the results.
@@ -57,9 +54,9 @@ class Reference {
   std::vector<double> q_, v_, a_;
 };
 
-/// Gains kp for deviations of the configuration and kd for those of the velocities: nv numbers each, or one
-/// number for all velocities. A joint or free base whose gains are 0 is not controlled. Gains of passive
-/// joints are taken as 0.
+/// Controller gains kp for deviations of the configuration and kd for those of the velocities: nv numbers
+/// each, or one for all. A joint or free base with gains 0 is not controlled; gains of passive joints are
+/// taken as 0.
 struct Gains {
   std::span<const double> kp, kd;
 };
@@ -73,8 +70,7 @@ class Tracking {
 
  protected:
   Tracking(const Model& model, const Gains& gains, Reference reference);
-  /// Evaluates the reference at a time t (s), and stores in x_ the deviation of q from the reference
-  /// configuration q_d: the x with q ⊕ x = q_d.
+  /// Stores in x_ the deviation x of q from the reference q_d at a time t (s), defined by q ⊕ x = q_d.
   void find(double t, std::span<const double> q);
 
   Model model_;
@@ -86,10 +82,10 @@ class Tracking {
 };
 
 /// A proportional-derivative controller: τ = kp x + kd (v_d - v) + feedforward. The deviation x from the
-/// reference configuration q_d is defined by q ⊕ x = q_d on the group of configurations, where rotations take
-/// the shorter way round; v_d are the velocities of the reference, and `feedforward` is a drive, or empty. kp
-/// is in N m/rad or N/m, kd in N m s/rad or N s/m. `clip` limits τ to the effort limits of the joints. Throws
-/// std::invalid_argument if gains are negative or not finite, or if their number is not 1 or nv.
+/// reference q_d is defined by q ⊕ x = q_d, where rotations take the shorter way round; v_d are the reference
+/// velocities, and `feedforward` is a drive or empty. kp is in N m/rad or N/m, kd in N m s/rad or N s/m.
+/// `clip` limits τ to the effort limits of the joints. Throws std::invalid_argument if gains are negative or
+/// not finite, or if their number is not 1 or nv.
 class ProportionalDerivative : public Tracking {
  public:
   ProportionalDerivative(const Model& model, const Gains& gains, Reference reference, Drive feedforward = {},
@@ -105,17 +101,16 @@ class ProportionalDerivative : public Tracking {
 };
 
 /// A computed-torque controller: τ = ID(q, v, a_d + kd (v_d - v) + kp x) minus the spring forces of the
-/// model, where ID is inverse dynamics, q_d, v_d and a_d are the reference, and the deviation x from q_d is
-/// defined by q ⊕ x = q_d. Hence small deviations obey x'' + kd x' + kp x = 0. kp is in 1/s², kd in 1/s.
-/// Loads and joint losses are not compensated. Throws std::invalid_argument if gains are negative or not
-/// finite, or if their number is not 1 or nv.
+/// model, with inverse dynamics ID, the reference q_d, v_d and a_d, and the deviation x defined by q ⊕ x =
+/// q_d. Hence small deviations obey x'' + kd x' + kp x = 0. kp is in 1/s², kd in 1/s. Loads and joint losses
+/// are not compensated. Throws std::invalid_argument if gains are negative or not finite, or if their number
+/// is not 1 or nv.
 ///
-/// In a mechanism with loops or passive joints, passive joints have no force, and the control law defines
-/// accelerations of the driven joints only. If the drives cannot produce these accelerations, the nearest
-/// ones that they can produce are used instead; in this distance, each acceleration counts relative to that
-/// which a unit force of its drive causes. τ is the inverse dynamics with loops at the accelerations that are
-/// used, or NaN if the mass matrix is singular. For such a mechanism each call allocates and takes O(nv³ + nv
-/// d²) for d drives.
+/// In a mechanism with loops or passive joints, passive joints have no force, and the control law defines the
+/// accelerations of the driven joints only. If the drives cannot produce these, the nearest ones that they
+/// can produce are used; in this distance, each acceleration is relative to that which a unit force of its
+/// drive causes. τ is NaN if the mass matrix is singular. Each call then allocates and takes O(nv³ + nv d²)
+/// for d drives.
 class ComputedTorque : public Tracking {
  public:
   ComputedTorque(const Model& model, const Gains& gains, Reference reference);
@@ -124,9 +119,8 @@ class ComputedTorque : public Tracking {
   bool drives_all() const { return !loops_; }
 
  private:
-  /// Replaces the accelerations x_, which the control law defines for the driven joints, by the nearest
-  /// accelerations of all joints that the drives can produce. Returns false if the mass matrix is singular or
-  /// a result is not finite.
+  /// Replaces the accelerations x_ of the control law by the nearest accelerations of all joints that the
+  /// drives can produce. Returns false if the mass matrix is singular or a result is not finite.
   bool make_possible(std::span<const double> q, std::span<const double> v);
 
   Workspace<> workspace_;

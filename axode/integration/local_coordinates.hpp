@@ -5,8 +5,7 @@
 
 namespace axode {
 
-/// The local coordinates x of a step from q to q ⊕ x on the group of configurations. Every scheme has the
-/// same order with exponential and with Cayley coordinates; docs/integration.md compares them.
+/// The local coordinates x of a step from q to q ⊕ x on the group of configurations: exponential or Cayley.
 enum class LocalCoordinates {
   exponential,  ///< canonical coordinates: q exp x
   cayley,       ///< q cay x (D14.3): rational; half a turn has an infinite x

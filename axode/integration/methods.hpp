@@ -88,8 +88,7 @@ inline constexpr std::array<std::pair<std::string_view, Method>, 15> methods{
      {"half_explicit", {false, detail::simulate_half_explicit}},
      {"generalized_alpha_index3", {false, detail::simulate_stiff<false>}}}};
 
-/// The method if none is named: `contact` if the description of the mechanism has settings of contact, and
-/// `dopri5` otherwise.
+/// The default method: `contact` if the mechanism's description has settings of contact, `dopri5` otherwise.
 inline std::string_view usual_method(const Model& model) {
   return model.description().contact ? "contact" : "dopri5";
 }

@@ -13,9 +13,9 @@
 #include "axode/lie/twist.hpp"
 
 /// Kinematic reconstruction: the motion C(t) of a body from its twist, by C' = C V^b or C' = V^s C (eq. Vbs).
-/// `twist(t)` returns the twist at time t, body-fixed or spatial. The results are the poses at all given
-/// times, C0 at the first of them; there is one step from each time to the next. Throws std::invalid_argument
-/// for times that do not increase or are not finite, and for a faulty tableau.
+/// `twist(t)` is the body-fixed or spatial twist at time t. The results are the poses at all given times, C0
+/// at the first of them, with one step between two times. Throws std::invalid_argument for times that do not
+/// increase or are not finite, and for a faulty tableau.
 namespace axode {
 
 /// Twists that are the left or right logarithmic derivative of a pose.
@@ -24,8 +24,8 @@ concept PoseRate = std::same_as<Rep, BodyFixed> || std::same_as<Rep, Spatial>;
 
 namespace reconstruction {
 
-/// Computes the poses at all times by C_{k+1} = step(C_k, t_k, h) with h = t_{k+1} - t_k, beginning with C0.
-/// Throws std::invalid_argument if times do not increase or are not finite.
+/// Computes the poses at all times, C_{k+1} = step(C_k, t_k, h) with h = t_{k+1} - t_k, from C0. Throws
+/// std::invalid_argument if times do not increase or are not finite.
 template <class Step>
 std::vector<SE3<>> in_steps(const SE3<>& C0, std::span<const double> times, const Step& step) {
   std::vector<SE3<>> C;
@@ -52,8 +52,7 @@ template <PoseRate Rep> SE3<> moved(const SE3<>& C, const SE3<>& D) {
 
 /// Computes the motion of a body from its twist by Munthe-Kaas' method: a step is C exp(X), or exp(X) C,
 /// where X' = dexp_{-X}⁻¹ V^b, or dexp_X⁻¹ V^s (eq. Vdexp), is integrated by the Runge-Kutta method of the
-/// tableau. With LocalCoordinates::cayley, Cayley's map and its derivative replace exp and dexp. Returns the
-/// poses at all times.
+/// tableau. With LocalCoordinates::cayley, Cayley's map replaces exp. Returns the poses at all times.
 template <PoseRate Rep, std::invocable<double> F>
 std::vector<SE3<>> reconstruct(const SE3<>& C0, const F& twist, std::span<const double> times,
                                const Tableau& method = runge_kutta(4),
@@ -91,9 +90,8 @@ std::vector<SE3<>> reconstruct_magnus(const SE3<>& C0, const F& twist, std::span
   });
 }
 
-/// Computes the motion of a body from its twist by Munthe-Kaas' method on SO(3) × R³, where rotation and
-/// position are integrated separately. It serves for comparison with methods on SE(3). Returns the poses at
-/// all times.
+/// Computes the motion of a body from its twist by Munthe-Kaas' method on SO(3) × R³, for comparison with
+/// SE(3): rotation and position are integrated separately. Returns the poses at all times.
 template <PoseRate Rep, std::invocable<double> F>
 std::vector<SE3<>> reconstruct_apart(const SE3<>& C0, const F& twist, std::span<const double> times,
                                      const Tableau& method = runge_kutta(4)) {

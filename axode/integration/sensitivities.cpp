@@ -40,8 +40,7 @@ void check_motion(const Model& model, double step, const Loads<double>& loads, c
   check_configuration(model, arguments.begin()->x);
 }
 
-/// Sets all results to NaN if the motion failed or a result is not finite. Returns the status, with the
-/// reason if there is one.
+/// Sets results to NaN if the motion failed or one is not finite. Returns the status with the reason.
 Solvability solved(Solvability verdict, std::initializer_list<std::span<double>> results) {
   for (const std::span<double> x : results) {
     const Solvability one = solved(verdict, static_cast<std::ptrdiff_t>(x.size()), x.data());
@@ -88,8 +87,7 @@ void add_sum(const Vector& weights, double h, const std::vector<Matrix>& x, Matr
     if (const double w = h * weights[j]; w != 0) out += w * x[j];
 }
 
-/// Runge-Kutta-Munthe-Kaas steps of the state together with its displacements along several directions at
-/// once.
+/// Runge-Kutta-Munthe-Kaas steps of the state and of its displacements along several directions at once.
 class TangentSteps {
  public:
   TangentSteps(const Model& model, const Tableau& method, Span q_0, Span v_0, Eigen::Index directions)
@@ -140,8 +138,7 @@ class TangentSteps {
   }
 
  private:
-  /// For a stage at q ⊕ theta with the velocity V, computes the displacement dtheta of theta and the
-  /// displacement eta of q ⊕ theta.
+  /// For a stage at q ⊕ theta with velocity V: computes the displacements dtheta of theta, eta of q ⊕ theta.
   void displace(const Vector& weights, double h, const double* V) {
     dtheta_.setZero();
     add_sum(weights, h, dK_, dtheta_);
@@ -160,8 +157,8 @@ class TangentSteps {
   std::vector<Matrix> dK_, dL_;
 };
 
-/// A Runge-Kutta-Munthe-Kaas step that stores its stages with their factorised mass matrices, and the
-/// backward pass through it.
+/// A Runge-Kutta-Munthe-Kaas step that stores its stages with their factorised mass matrices, and its
+/// backward differentiation.
 class AdjointStep {
  public:
   AdjointStep(const Model& model, const Tableau& method, const Loads<double>& loads)
@@ -203,8 +200,8 @@ class AdjointStep {
     return verdict;
   }
 
-  /// Takes the backward pass: replaces the gradients w_q and w_v of the objective by the state at the end of
-  /// the step by those by the state at its start. Adds the gradients by the drive forces to by_tau and,
+  /// Backward differentiation of the step: replaces the gradients w_q and w_v of the objective by the state
+  /// at its end by those by the state at its start. Adds the gradients by the drive forces to by_tau and,
   /// unless by_geometry is null, those by the geometric parameters to by_geometry.
   void back(double h, Matrix& w_q, Matrix& w_v, double* by_tau, double* by_geometry) {
     const Tableau& m = method_;
@@ -251,8 +248,7 @@ class AdjointStep {
     return stage.dynamics->forward.run(tree_, q_i.data(), v_i.data(), springs_.forces(q_i, v_i, tau), loads_);
   }
   /// Computes the gradients w_eta_ and w_V_ of the objective by the configuration and velocity of a stage
-  /// from its gradient w_L by the acceleration of the stage. Adds the gradients by drive forces and geometric
-  /// parameters.
+  /// from that by its acceleration, w_L. Adds the gradients by drive forces and geometric parameters.
   void multiply(Stage& stage, double* by_tau, double* by_geometry) {
     ForwardVjp<double>& dynamics = *stage.dynamics;
     dynamics.compute_gradient(tree_, stage.q.data(), stage.v.data(), stage.w_L.data(), loads_);

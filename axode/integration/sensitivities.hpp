@@ -7,16 +7,15 @@
 #include "axode/recursion/loads.hpp"
 #include "axode/recursion/solvability.hpp"
 
-/// Sensitivities of a motion, which is computed as by simulate_fixed(): in steps of one length, by an
-/// explicit method on the group of configurations, under drive forces that are constant in each step. They
-/// are the exact derivatives of the numerical method, computed from those of forward dynamics. Displacements
-/// and gradients of q are left-trivialised, along q ⊕ ε dq. Loads and losses act as in
-/// forward_dynamics_derivatives(), springs, dampers and stops as in simulate_fixed(); with springs a stage of
-/// the method costs O(n²). Throws std::invalid_argument for wrong sizes, quaternions that are not of unit
-/// norm, a load on a frame that does not exist, step <= 0, a faulty tableau, results that share memory with
-/// arguments, and mechanisms with loops, prescribed motions, drives with states or couplings with play. If
-/// the returned status is not ok(), because accelerations could not be computed or are not finite, all
-/// results are NaN.
+/// Sensitivities of a motion that an explicit method on the group of configurations integrates in equal steps
+/// under drive forces that are constant in each step. They are the exact derivatives of the numerical method,
+/// computed from those of forward dynamics. Displacements and gradients of q are left-trivialised, along q ⊕
+/// ε dq. Loads and losses act as in forward_dynamics_derivatives(), springs, dampers and stops as in
+/// simulate_fixed(); with springs a stage of the method costs O(n²). Throws std::invalid_argument for wrong
+/// sizes, quaternions that are not of unit norm, a load on a frame that does not exist, step <= 0, a faulty
+/// tableau, results that share memory with arguments, and mechanisms with loops, prescribed motions, drives
+/// with states or couplings with play. If the returned status is not ok(), because accelerations could not be
+/// computed or are not finite, all results are NaN.
 namespace axode {
 
 /// Receives the state (q, v) at the end of a step, and its derivatives A by the state at the start (2nv ×
@@ -26,8 +25,7 @@ struct StepDerivatives {
   std::span<double> q, v, A, B;
 };
 /// Computes one step of length `step` (s) from the state (q, v) under the drive forces tau, and its
-/// derivatives. Each stage of the method takes O(n²) and products of nv × nv matrices with matrices of 3nv
-/// columns; allocates.
+/// derivatives. Each stage takes O(n²) and products of nv × nv with nv × 3nv matrices; allocates.
 Solvability step_derivatives(const Model& model, Workspace<double>& workspace, std::span<const double> q,
                              std::span<const double> v, std::span<const double> tau, double step,
                              const StepDerivatives& end, const Loads<double>& loads = {},
@@ -40,8 +38,7 @@ using GoOn [[deprecated("use Monitor")]] = Monitor;
 
 /// Computes the displacements of all states of a motion of K steps, under K rows of nv drive forces, if its
 /// start q is displaced by dq, its initial velocity by dv and the forces by dtau (K nv numbers). dq_out and
-/// dv_out receive K + 1 rows of nv numbers; the first rows are dq and dv. O(n) for each step, without
-/// matrices.
+/// dv_out receive K + 1 rows of nv numbers; the first rows are dq and dv. O(n) for each step.
 Solvability rollout_jvp(const Model& model, std::span<const double> q, std::span<const double> v,
                         std::span<const double> tau, double step, std::span<const double> dq,
                         std::span<const double> dv, std::span<const double> dtau, std::span<double> dq_out,
@@ -50,15 +47,15 @@ Solvability rollout_jvp(const Model& model, std::span<const double> q, std::span
 
 /// Receives the gradients by the initial state (nv numbers each for q and v), by the drive forces (K nv
 /// numbers for K steps) and by the geometric parameters (n_bodies × 6 numbers, see geometry_derivatives.hpp).
-/// `geometry` may be empty, and must be empty for models with springs between frames, otherwise
-/// std::invalid_argument is thrown. The spans must not overlap.
+/// `geometry` may be empty, and must be for models with springs between frames (std::invalid_argument). The
+/// spans must not overlap.
 struct RolloutGradients {
   std::span<double> q, v, tau, geometry = {};
 };
-/// Backward differentiation of a motion of K steps: from the gradients w_q and w_v of an objective by the q
-/// and v of each of the K + 1 states (K + 1 rows of nv numbers), computes its gradients by the initial state,
-/// the drive forces and the geometric parameters. O(n) for each step, without matrices. The states are
-/// stored; the stages of the Runge-Kutta steps are computed again in the backward pass.
+/// Backward differentiation of a motion of K steps: from the gradients w_q and w_v of an objective by q and v
+/// of each of the K + 1 states (K + 1 rows of nv numbers), computes its gradients by the initial state, the
+/// drive forces and the geometric parameters. O(n) for each step. Only the states are stored; stages are
+/// computed again.
 Solvability rollout_vjp(const Model& model, std::span<const double> q, std::span<const double> v,
                         std::span<const double> tau, double step, std::span<const double> w_q,
                         std::span<const double> w_v, const RolloutGradients& gradient,

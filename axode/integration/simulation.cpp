@@ -22,8 +22,7 @@ namespace {
 using Vector = Eigen::VectorXd;
 using Span = std::span<const double>;
 
-/// Throws std::invalid_argument if there are prescribed motions or couplings with play, which `scheme` does
-/// not support.
+/// Throws std::invalid_argument for prescribed motions and couplings with play, unsupported by `scheme`.
 void check_no_motions_or_plays(const Model& model, const SimulationOptions& options, const char* scheme) {
   if (!model.loops().backlashes.empty())
     throw std::invalid_argument(
@@ -35,8 +34,7 @@ void check_no_motions_or_plays(const Model& model, const SimulationOptions& opti
                                 "relative coordinates");
 }
 
-/// Throws std::invalid_argument if there are drives with states, or initial states of drives, which `scheme`
-/// does not support.
+/// Throws std::invalid_argument for drives with states and initial states of drives, unsupported by `scheme`.
 void check_no_drives(const Model& model, const SimulationOptions& options, const char* scheme) {
   if (!model.drives().empty() || !options.drives.empty() || !options.x.empty())
     throw std::invalid_argument(
@@ -103,8 +101,8 @@ void take_closed_steps(AbsoluteSimulationRun& run, Scheme& scheme, double until,
   });
 }
 
-/// Throws std::invalid_argument if forces may have jumps (elastic stops, dry friction, gears with losses), or
-/// if there are events, which would cut a step.
+/// Throws std::invalid_argument for forces that may jump (elastic stops, dry friction, gears with losses),
+/// and for events, which would cut a step.
 void check_smooth(const Model& model, const SimulationOptions& options, const std::string& method) {
   if (!options.events.empty())
     throw std::invalid_argument("events: method \"" + method +

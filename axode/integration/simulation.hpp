@@ -20,8 +20,7 @@ struct Event {
   bool terminal = false;  ///< whether the motion ends at the event
 };
 
-/// The coordinates in which a motion is integrated. The resulting trajectory always has the coordinates of
-/// the joints.
+/// The coordinates in which a motion is integrated. Trajectories always have the coordinates of the joints.
 enum class Coordinates {
   relative,         ///< coordinates of the joints; loops are constraints
   absolute,         ///< poses of bodies in SE(3); joints and loops are constraints
@@ -29,121 +28,111 @@ enum class Coordinates {
 };
 
 /// Options of a simulation. Couplings with play act in simulate(), simulate_fixed() and simulate_stiff(), in
-/// relative coordinates: a step ends where a play reaches or leaves one of its ends, see
-/// Trajectory::play_events. They cannot be combined with joint_losses if joints have dry friction or gears
-/// with losses. For a mechanism with such couplings the other methods throw std::invalid_argument.
+/// relative coordinates: a step ends where a play reaches or leaves one of its ends. With the other methods,
+/// or with joint_losses and joints with dry friction or gears with losses, they throw std::invalid_argument.
 struct SimulationOptions {
   Coordinates coordinates = Coordinates::relative;
   /// The local coordinates of a step. Cayley coordinates are allowed in relative coordinates for all methods
   /// except simulate_contact(), and in absolute coordinates for simulate() and simulate_fixed().
   LocalCoordinates local_coordinates = LocalCoordinates::exponential;
-  /// A function that writes the drive forces tau (nv numbers) at a time t (s) and state (q, v). If it is
-  /// empty, tau is 0. The springs of the model act in addition.
+  /// A function that writes the drive forces tau (nv numbers) at a time t (s) and state (q, v); they are 0 if
+  /// it is empty. The springs of the model act in addition.
   std::function<void(double t, std::span<const double> q, std::span<const double> v, std::span<double> tau)>
       drive = {};
   std::vector<AppliedWrench<>> loads = {};
-  /// A function that appends the loads at a time t (s) and state (q, v) to `loads`, for example wind, thrust
-  /// or a contact.
+  /// A function that appends the loads at a time t (s) and state (q, v), such as wind or thrust, to `loads`.
   std::function<void(double t, std::span<const double> q, std::span<const double> v,
                      std::vector<AppliedWrench<>>& loads)>
       computed_loads = {};
-  /// Motions that joints and rods follow, in addition to those of the model. Prescribed motions are allowed
-  /// in relative coordinates for simulate(), simulate_fixed() and simulate_stiff(); otherwise
-  /// std::invalid_argument is thrown. Steps end where the third, fourth or fifth derivative of a motion
-  /// jumps. A motion that cannot be followed ends the trajectory.
+  /// Motions that joints and rods follow, in addition to those of the model. They are allowed in relative
+  /// coordinates for simulate(), simulate_fixed() and simulate_stiff(); otherwise std::invalid_argument is
+  /// thrown. Steps end where the third, fourth or fifth derivative of a motion jumps. A motion that cannot be
+  /// followed ends the trajectory.
   std::vector<PrescribedMotion> motions = {};
-  /// Drives with states, in addition to those of the model. Such drives are allowed in relative coordinates
-  /// for simulate(), simulate_fixed() and simulate_stiff(); otherwise std::invalid_argument is thrown. Steps
-  /// end where a status of a drive changes and where an input jumps.
+  /// Drives with states, in addition to those of the model. They are allowed in relative coordinates for
+  /// simulate(), simulate_fixed() and simulate_stiff(); otherwise std::invalid_argument is thrown. Steps end
+  /// where a drive changes to another branch of its law and where an input jumps.
   std::vector<AddedDrive> drives = {};
-  /// The states of all drives at the start, in the order of Trajectory::drive_states(). If it is empty, the
-  /// drives choose their states at the start.
+  /// The states of all drives at the start, in the order of the drives; if empty, chosen by the drives.
   std::vector<double> x = {};
   /// Whether damping, dry friction and gear losses of the joints act. In relative coordinates a joint at rest
   /// sticks while its friction can hold it: a step ends when a joint comes to rest or begins to slide. In
   /// absolute coordinates the dry friction of a joint with the limit f is -f sign(v). Losses of gears throw
   /// std::invalid_argument in absolute coordinates, in simulate_symplectic(), simulate_momenta() and
-  /// simulate_contact(), and together with couplings with play.
+  /// simulate_contact(), and with play.
   bool joint_losses = false;
   std::vector<Event> events = {};
-  /// A function that is called with the time t (s) at the end of each step. A step with contact that takes
-  /// many iterations calls it during the step as well. If it returns false, the motion ends.
+  /// A function that is called with the time t (s) at the end of each step, and during a step with contact
+  /// that takes many iterations. If it returns false, the motion ends.
   std::function<bool(double t)> monitor = {};
 };
 
-/// Integrates the motion from (q, v) at time 0 until the time `until` (s), in steps of one length (the last
-/// one may be shorter), with an explicit Runge-Kutta-Munthe-Kaas method on the group of configurations. The
-/// method of one stage, Euler's, is semi-implicit: q moves with the new v. If accelerations cannot be
-/// computed or are not finite, the trajectory ends early and contains the reason. Throws
-/// std::invalid_argument for a wrong size, a quaternion that is not of unit norm, a number that is not
-/// finite, until < 0 or step <= 0, and for a faulty tableau.
+/// Integrates the motion from (q, v) at time 0 until the time `until` (s), in equal steps (the last one may
+/// be shorter), with an explicit Runge-Kutta-Munthe-Kaas method on the group of configurations. The method of
+/// one stage, Euler's, is semi-implicit: q moves with the new v. If accelerations cannot be computed or are
+/// not finite, the trajectory ends early and contains the reason. Throws std::invalid_argument for a wrong
+/// size, a quaternion that is not of unit norm, a number that is not finite, until < 0 or step <= 0, and for
+/// a faulty tableau.
 Trajectory simulate_fixed(const Model& model, std::span<const double> q, std::span<const double> v,
                           double until, double step, const Tableau& method = runge_kutta(4),
                           const SimulationOptions& options = {});
 
-/// Integrates stiff systems by the generalised-α method on the group. It is implicit and of second order, and
+/// Integrates stiff systems by the generalised-α method on the group, which is implicit, of second order, and
 /// damps fast oscillations numerically; its equations are solved by Newton's method with exact derivatives of
-/// the dynamics. The spectral radius at infinity is the part of a fast oscillation that remains after a step:
-/// 1 means all of it, 0 nothing. If Newton's method needs derivatives of a drive force, they are difference
-/// quotients. A step that does not converge ends the motion. Throws std::invalid_argument for a wrong size, a
-/// quaternion that is not of unit norm, a number that is not finite, until < 0 or step <= 0, and for a radius
-/// outside [0, 1].
+/// the dynamics and, if needed, difference quotients of drive forces. The spectral radius at infinity is the
+/// part of a fast oscillation that remains after a step: 1 means all of it, 0 nothing. A step that does not
+/// converge ends the motion. Throws std::invalid_argument for a wrong size, a quaternion that is not of unit
+/// norm, a number that is not finite, until < 0 or step <= 0, and for a radius outside [0, 1].
 ///
 /// In relative coordinates `stabilized` must be true. In absolute coordinates joints and loops are imposed on
 /// positions (index 3) or, if `stabilized` is true, on positions and velocities (index 2, after Gear, Gupta
-/// and Leimkuhler); rolling contacts are imposed on velocities in both cases. In absolute coordinates
-/// Newton's matrix contains, of the derivatives of springs, dampers and drives, only those of each joint
-/// force by the coordinate and velocity of the same joint; stiff springs that connect several joints may need
-/// short steps.
+/// and Leimkuhler); rolling contacts are imposed on velocities. Newton's matrix then has derivatives of
+/// springs, dampers and drives only for each joint force by the coordinate and velocity of the same joint;
+/// stiff springs that connect several joints may need short steps.
 Trajectory simulate_stiff(const Model& model, std::span<const double> q, std::span<const double> v,
                           double until, double step, double spectral_radius = 0.8,
                           const SimulationOptions& options = {}, bool stabilized = true);
 
 /// Integrates in absolute coordinates, which the options must ask for, by RATTLE (order 2) or its
-/// compositions (4: Suzuki's, 6: Kahan's and Li's), see (D8.9) of docs/derivations. The method is symplectic
-/// if forces have a potential, so that energy errors stay bounded; joints and loops hold to rounding in
-/// positions and velocities. With damping, drives and rolling contacts it keeps its order, but is not
-/// symplectic. The method is implicit; a step that does not converge ends the motion. Throws
-/// std::invalid_argument for a wrong size, a quaternion that is not of unit norm, a number that is not
-/// finite, until < 0 or step <= 0, for other orders, and for events, dry friction, elastic stops and relative
-/// coordinates.
+/// compositions (4: Suzuki's, 6: Kahan's and Li's), see (D8.9) of docs/derivations. The implicit method is
+/// symplectic if forces have a potential, so that energy errors stay bounded; with damping, drives and
+/// rolling contacts it keeps its order only. Joints and loops hold to rounding in positions and velocities. A
+/// step that does not converge ends the motion. Throws std::invalid_argument for a wrong size, a quaternion
+/// that is not of unit norm, a number that is not finite, until < 0 or step <= 0, other orders, events, dry
+/// friction, elastic stops and relative coordinates.
 Trajectory simulate_rattle(const Model& model, std::span<const double> q, std::span<const double> v,
                            double until, double step, int order = 2, const SimulationOptions& options = {});
 
 /// Integrates in absolute coordinates, which the options must ask for, by the half-explicit method of third
-/// order (Brasey, Hairer) in the form of Munthe-Kaas. Joints and loops hold to rounding in velocities. In
-/// positions they hold to rounding if the coordinates are SE(3) and each step of a joint is a motion that the
-/// joint allows; otherwise positions are projected. Throws std::invalid_argument for a wrong size, a
-/// quaternion that is not of unit norm, a number that is not finite, until < 0 or step <= 0, and for relative
-/// coordinates.
+/// order (Brasey, Hairer) in the form of Munthe-Kaas. Joints and loops hold to rounding in velocities;
+/// positions are projected, or hold to rounding if the coordinates are SE(3) and each step of a joint is a
+/// motion that the joint allows. Throws std::invalid_argument for a wrong size, a quaternion that is not of
+/// unit norm, a number that is not finite, until < 0 or step <= 0, and for relative coordinates.
 Trajectory simulate_half_explicit(const Model& model, std::span<const double> q, std::span<const double> v,
                                   double until, double step, const SimulationOptions& options = {});
 
-/// Integrates (q, p) by the midpoint rule on the group (order 2) or its compositions (4: Suzuki's, 6: Kahan's
-/// and Li's), see (D8.5) of docs/derivations. The method is symmetric, and symplectic if forces have a
-/// potential, so that energy errors stay bounded; damping and drives enter by d'Alembert's principle. A
-/// floating base moves relative to its centre of mass, whose motion is exact, and its momentum is a state.
-/// Hence the spatial momentum of a floating base with its subtree or, under gravity, its angular momentum
-/// about its centre of mass and its linear momentum, are exact to rounding. Impulses at both ends of a step
-/// close the loops in positions and velocities (D8.7). The method is implicit; a step that does not converge
-/// ends the motion. Throws std::invalid_argument for a wrong size, a quaternion that is not of unit norm, a
-/// number that is not finite, until < 0 or step <= 0, for other orders, and for events, dry friction, elastic
-/// stops, rolling contacts, belts and absolute coordinates. (Armatures of joints with several velocities have
-/// momenta that do not turn with the joint; here they are treated as forces. This preserves the order and the
-/// momenta, but then the method is not symplectic.)
+/// Integrates configuration and momenta (q, p) by the midpoint rule on the group (order 2) or its
+/// compositions (4: Suzuki's, 6: Kahan's and Li's), see (D8.5) of docs/derivations. The implicit method is
+/// symmetric, and symplectic if forces have a potential (and no joint of several velocities has armatures),
+/// so that energy errors stay bounded; damping and drives enter by d'Alembert's principle. The spatial
+/// momentum of a floating base with its subtree or, under gravity, its angular momentum about its centre of
+/// mass and its linear momentum, are exact to rounding. Impulses at both ends of a step close the loops in
+/// positions and velocities (D8.7). A step that does not converge ends the motion. Throws
+/// std::invalid_argument for a wrong size, a quaternion that is not of unit norm, a number that is not
+/// finite, until < 0 or step <= 0, other orders, events, dry friction, elastic stops, rolling contacts, belts
+/// and absolute coordinates.
 Trajectory simulate_symplectic(const Model& model, std::span<const double> q, std::span<const double> v,
                                double until, double step, int order = 2,
                                const SimulationOptions& options = {});
 
 /// Integrates a motion with contact between the collision shapes of the model and of the ground, and with
-/// hard stops. If joint_losses is set, joints have damping and dry friction. Loops are closed at the ends of
-/// steps. Contact obeys Signorini's condition and Coulomb's law, see ContactLaw; for each step, the
-/// trajectory has a number that says how exactly, Trajectory::certificates. The step has impulses at both of
-/// its ends, with the midpoint rule for the free motion in between (D11.12). It is of second order while no
-/// contact begins or ends, and of first order through impacts. Momenta of floating bases are exact to
-/// rounding. Throws std::invalid_argument for a wrong size, a quaternion that is not of unit norm, a number
-/// that is not finite, until < 0 or step <= 0, for absolute coordinates, and for collision shapes that
-/// contact cannot use, such as a mesh without a convex hull.
+/// hard stops. Contact obeys Signorini's condition and Coulomb's law; for each step, Trajectory::certificates
+/// has a number that says how exactly. Joints have damping and dry friction if joint_losses is set. Loops are
+/// closed at the ends of steps. The step has impulses at both of its ends, with the midpoint rule for the
+/// free motion in between (D11.12). It is of second order while no contact begins or ends, and of first order
+/// through impacts. Momenta of floating bases are exact to rounding. Throws std::invalid_argument for a wrong
+/// size, a quaternion that is not of unit norm, a number that is not finite, until < 0 or step <= 0, absolute
+/// coordinates, and collision shapes that contact cannot use, such as a mesh without a convex hull.
 Trajectory simulate_contact(const Model& model, std::span<const double> q, std::span<const double> v,
                             double until, double step, const SimulationOptions& options = {});
 
@@ -152,11 +141,11 @@ template <class... Arguments>
   return simulate_symplectic(std::forward<Arguments>(arguments)...);
 }
 
-/// Integrates (q, p) with an explicit Runge-Kutta-Munthe-Kaas method. As in simulate_symplectic(), the
-/// momenta of floating bases are exact to rounding, but the method is not symplectic. Loops are closed again
-/// after each step; rolling contacts are allowed. Throws std::invalid_argument for a wrong size, a quaternion
-/// that is not of unit norm, a number that is not finite, until < 0 or step <= 0, and for events, dry
-/// friction, elastic stops and absolute coordinates.
+/// Integrates configuration and momenta (q, p) with an explicit Runge-Kutta-Munthe-Kaas method. The momenta
+/// of floating bases are exact to rounding, but the method is not symplectic. Loops are closed again after
+/// each step; rolling contacts are allowed. Throws std::invalid_argument for a wrong size, a quaternion that
+/// is not of unit norm, a number that is not finite, until < 0 or step <= 0, events, dry friction, elastic
+/// stops and absolute coordinates.
 Trajectory simulate_momenta(const Model& model, std::span<const double> q, std::span<const double> v,
                             double until, double step, const Tableau& method = runge_kutta(4),
                             const SimulationOptions& options = {});
@@ -164,9 +153,9 @@ Trajectory simulate_momenta(const Model& model, std::span<const double> q, std::
 struct Tolerances {
   double relative = 1e-8, absolute = 1e-10;
   double first_step = 0;  ///< s; if 0, it is chosen automatically
-  /// The longest step, s. If it is 0, the limit is a fiftieth of the whole time if SimulationOptions::drive
-  /// or prescribed motions act, because a longer step could pass over a short action of theirs unnoticed, and
-  /// in simulate_contact(); otherwise there is no limit.
+  /// The longest step, s. If it is 0, the limit is a fiftieth of the whole time in simulate_contact(), and if
+  /// SimulationOptions::drive or prescribed motions act, whose short actions could be missed; otherwise there
+  /// is none.
   double largest_step = 0;
 };
 /// Throws std::invalid_argument if a number is negative or not finite, or if both tolerances are 0.
@@ -181,10 +170,10 @@ void check_tolerances(const Tolerances& tolerances);
 Trajectory simulate(const Model& model, std::span<const double> q, std::span<const double> v, double until,
                     const Tolerances& tolerances = {}, const SimulationOptions& options = {});
 
-/// Integrates with contact as the function of the same name does, in steps that are adapted to tolerances.
-/// Each step is computed as a whole and in two halves, which must agree within the tolerances, in the sense
-/// of simulate(); the halves are then taken. A step through an impact, or in which something begins to stick
-/// or to slide, becomes as short as this needs, but not shorter than 1e-9 of the motion.
+/// Integrates a motion with contact in steps that are adapted to tolerances, those of simulate(). Each step
+/// is computed as a whole and in two halves, which must agree within the tolerances; the halves are then
+/// taken. A step through an impact, or in which something begins to stick or to slide, becomes as short as
+/// this needs, but not shorter than 1e-9 of the motion.
 Trajectory simulate_contact(const Model& model, std::span<const double> q, std::span<const double> v,
                             double until, const Tolerances& tolerances,
                             const SimulationOptions& options = {});

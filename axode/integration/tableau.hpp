@@ -16,16 +16,14 @@ struct Tableau {
   int stages() const { return static_cast<int>(b.size()); }
 };
 
-/// Checks a tableau. Throws std::invalid_argument if the sizes do not agree, c is not the row sums of a, or b
-/// does not add up to 1.
+/// Throws std::invalid_argument if sizes do not agree, c is not the row sums of a, or b does not add up to 1.
 void check(const Tableau& tableau);
 
 /// Checks the length of a step (s). Throws std::invalid_argument unless it is finite and greater than 0.
 void check_step(double step);
 
-/// The explicit Runge-Kutta method of an order: Euler's method (1), the midpoint rule (2), Kutta's methods (3
-/// and 4), or Dormand's and Prince's with an error estimate (5). Throws std::invalid_argument unless the
-/// order is 1 to 5.
+/// The explicit Runge-Kutta method of an order: Euler's (1), the midpoint rule (2), Kutta's (3 and 4), or
+/// Dormand's and Prince's with an error estimate (5). Throws std::invalid_argument for other orders.
 const Tableau& runge_kutta(int order);
 
 /// The lengths, in units of the whole step, of the steps of a symmetric method of second order whose

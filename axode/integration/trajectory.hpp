@@ -10,8 +10,7 @@
 
 namespace axode {
 
-/// The reason why a motion ends early, and the time at which it does. It converts to false if there is no
-/// failure.
+/// The reason why a motion ends early, and the time at which it does; false if there is no failure.
 struct [[nodiscard]] Failure {
   double t = 0;
   std::string why = {};
@@ -27,8 +26,8 @@ class Trajectory {
   const Model& model() const { return model_; }
   std::size_t size() const { return t_.size(); }
   std::span<const double> t() const { return t_; }
-  /// Coordinates, velocities, accelerations and drive forces, one row for each time: size() × nq numbers for
-  /// q, size() × nv for the others. τ is 0 if there is no drive.
+  /// Coordinates, velocities, accelerations and drive forces (0 without drive), one row for each time: size()
+  /// × nq numbers for q, size() × nv for the others.
   std::span<const double> q() const { return q_; }
   std::span<const double> v() const { return v_; }
   std::span<const double> a() const { return a_; }
@@ -38,7 +37,7 @@ class Trajectory {
   std::span<const double> a(std::size_t k) const { return std::span(a_).subspan(k * nv(), nv()); }
 
   /// The states x of the drives and their rates x', one row of nx() numbers for each time, and the names of
-  /// the states. They are empty if no drive has states. Units are those of DriveState.
+  /// the states. They are empty if no drive has states.
   std::span<const double> x() const { return x_; }
   std::span<const double> x(std::size_t k) const { return std::span(x_).subspan(k * nx(), nx()); }
   std::span<const double> dx(std::size_t k) const { return std::span(dx_).subspan(k * nx(), nx()); }
@@ -51,23 +50,23 @@ class Trajectory {
   /// std::invalid_argument for a time outside the trajectory and for a wrong size.
   void drive_states_at(double time, std::span<double> x) const;
 
-  /// Interpolates q, v and, unless it is empty, a at a time t (s) on the group: in the step that starts at
-  /// t_k, q = (q_k ⊕ (t - t_k) z) ⊕ x(t). z is an estimate of the mean velocity of the step for joints of
-  /// several velocities, and 0 for the others. x(t) is the quintic for which q, v and a are right at both
-  /// ends of the step, whose length is h. A body may turn by any angle in a step if the error of h z is less
-  /// than half a turn. The errors are of order h⁶ in q, h⁵ in v and h⁴ in a. Throws std::invalid_argument for
-  /// a time outside the trajectory and for a wrong size.
+  /// Interpolates q, v and, unless it is empty, a at a time t (s) on the group: q = (q_k ⊕ (t - t_k) z) ⊕
+  /// x(t) in the step of length h that starts at t_k. z is an estimate of the mean velocity of the step for
+  /// joints of several velocities, and 0 for the others; x(t) is the quintic for which q, v and a are right
+  /// at both ends of the step. The error of h z must be less than half a turn. The errors are of order h⁶ in
+  /// q, h⁵ in v and h⁴ in a. Throws std::invalid_argument for a time outside the trajectory and for a wrong
+  /// size.
   void at(double time, std::span<double> q, std::span<double> v, std::span<double> a = {}) const;
 
-  /// Appends the state at the end of a step: the time t (s), q, v, a and the drive forces tau, and the states
-  /// x of the drives with their rates dx.
+  /// Appends the state at the end of a step: the time t (s), q, v, a, the drive forces tau, and the states x
+  /// of the drives with their rates dx.
   void append(double t, std::span<const double> q, std::span<const double> v, std::span<const double> a,
               std::span<const double> tau, std::span<const double> x = {}, std::span<const double> dx = {});
 
-  /// Records a jump at the last end of a step: v, a, x and dx are the values just after the jump, which v(k),
-  /// a(k), x(k) and dx(k) of this time return from now on. The step before the jump is interpolated with the
-  /// former v, a and dx, but with the new x, which may differ from the former x by rounding alone. An empty x
-  /// or dx is left unchanged.
+  /// Records a jump at the end of the last step: v, a, x and dx are the values just after it, which the
+  /// accessors return from now on; an empty x or dx is left unchanged. The step before the jump is
+  /// interpolated with the former v, a and dx, but with the new x, which may differ from the former x by
+  /// rounding alone.
   void jump(std::span<const double> v, std::span<const double> a, std::span<const double> x = {},
             std::span<const double> dx = {});
 
@@ -76,8 +75,7 @@ class Trajectory {
   [[deprecated("use pop_back()")]] void take_back() { pop_back(); }
 
   std::size_t steps = 0, rejected = 0;  ///< steps that were taken, and attempts that were rejected
-  /// Number of adaptive steps that were taken although their error estimate was above the tolerance, because
-  /// branches of the motion meet there, so that rows of the loops are nearly redundant
+  /// Number of adaptive steps that ignored their error estimate, near a meeting of branches of the motion
   std::size_t uncontrolled = 0;
   std::size_t evaluations = 0;  ///< number of evaluations of accelerations
   bool complete = true;         ///< whether the motion reached its end, or a terminal event
@@ -102,24 +100,21 @@ class Trajectory {
   };
   std::vector<PlayEvent> play_events;  ///< in the order of time
 
-  /// In absolute coordinates, a number for each end of a step: the largest residual of the constraints by
-  /// joints and loops in positions (rad, m), and that in velocities (rad/s, m/s). These deviations cannot be
-  /// seen in the coordinates and velocities of the joints.
+  /// In absolute coordinates, for each end of a step: the largest residual of the constraints by joints and
+  /// loops in positions (rad, m), and that in velocities (rad/s, m/s).
   std::vector<double> position_residuals, velocity_residuals;
-  /// In absolute coordinates, a number for each end of a step: the kinetic energy of all bodies plus their
-  /// potential energy of gravity, J.
+  /// In absolute coordinates, for each end of a step: kinetic energy plus potential energy of gravity, J.
   std::vector<double> body_energies;
 
-  /// For each step of a motion with contact, a number that says how exactly the laws of contact hold: the
-  /// residual of these laws as a part of the motion, see certificate(). Rounding is about 1e-12.
+  /// For each step of a motion with contact, how exactly the laws of contact hold: their residual relative to
+  /// the motion. Rounding is about 1e-12.
   std::vector<double> certificates;
-  /// In a motion with contact: the names of the collision shapes. The shape numbers of contacts are indices
-  /// of this list.
+  /// The names of the collision shapes in a motion with contact, in the order of their numbers in contacts.
   std::vector<std::string> contact_shapes;
 
   /// The contacts at the end t_k of a step of a motion with contact: the points with a gap below the margin
-  /// of the shapes at t_k, and those that received an impulse in the step. Forces are the means over the
-  /// step, so that an impact counts as a force. Empty for k = 0, and in a motion without contact.
+  /// of the shapes, and those that received an impulse in the step. Forces are the means over the step, so
+  /// that an impact counts as a force. Empty for k = 0, and in a motion without contact.
   std::span<const ContactForce> contacts(std::size_t k) const;
   /// The contacts of the step in which a time (s) lies; a time at the end of a step belongs to that step.
   std::span<const ContactForce> contacts_at(double time) const;
@@ -136,9 +131,8 @@ class Trajectory {
   };
   std::span<const double> v_before(std::size_t k) const;
   std::span<const double> a_before(std::size_t k) const;
-  /// The index of the step in which a time (s) lies: the index k of the state at the start of the step, or of
-  /// the last state if the time is that of the last state. Throws std::invalid_argument for a time outside
-  /// the trajectory.
+  /// The index of the state at the start of the step that contains a time (s), or of the last state at the
+  /// last time. Throws std::invalid_argument for a time outside the trajectory.
   std::size_t step_at(double time) const;
 
   Model model_;

@@ -1,13 +1,13 @@
 #pragma once
 #include "axode/lie/se3.hpp"
 
-/// Cayley's map on SO(3) and SE(3), its right-trivialised differential, and the derivatives of this
-/// differential (D14 of docs/derivations). The maps are rational and need no series for small angles. The
-/// angle of a rotation is 2 atan(‖w‖/2), so that half a turn is at infinity.
+/// Cayley's map on SO(3) and SE(3), its right-trivialised differential, and derivatives of the latter (D14 of
+/// docs/derivations). The maps are rational and need no series for small angles. A rotation vector w has the
+/// angle 2 atan(‖w‖/2), so that half a turn is at infinity.
 ///
-/// Two maps on SE(3) have this name. cay(X) is (1 - X̂/2)⁻¹ (1 + X̂/2) of the 4×4 matrix X̂. cay_of_ad(X) is
-/// the pose C with Ad_C = (1 - ad_X/2)⁻¹ (1 + ad_X/2). The rotations of cay(X) and cay_of_ad(X) are equal,
-/// and their positions differ if X has a linear part along its angular part.
+/// cay(X) is (1 - X̂/2)⁻¹ (1 + X̂/2) of the 4×4 matrix X̂. cay_of_ad(X) is the pose C for which Ad_C is (1 -
+/// ad_X/2)⁻¹ (1 + ad_X/2); it has the same rotation, and another position if X has a linear part along its
+/// angular part.
 namespace axode {
 
 /// σ = 1/(1 + ‖w‖²/4), with which all of Cayley's maps are polynomials.
@@ -33,14 +33,13 @@ template <class T> constexpr Quaternion<T> cay_quaternion(const Vec3<T>& w) {
   const T half = T(0.5) / sqrt(T(1) + T(0.25) * dot(w, w));
   return {half * w.x, half * w.y, half * w.z, T(2) * half};
 }
-/// The w with cay_SO3(w) = R: the axis times 2 tan of half the angle. It is infinite or not a number for half
-/// a turn.
+/// The w with cay_SO3(w) = R: the axis times 2 tan of half the angle; not finite for half a turn.
 template <class T> constexpr Vec3<T> cay_inv_SO3(const SO3<T>& R) {
   const Quaternion<T> a = quaternion(R);
   return (T(2) / a.w) * Vec3<T>{a.x, a.y, a.z};
 }
-/// dcay_w z = σ (z + w × z/2) with σ = 1/(1 + ‖w‖²/4), the right-trivialised differential of cay_SO3: ω^s =
-/// dcay_w w' for R = cay w (D14.4).
+/// dcay_w z = σ (z + w × z/2) with σ = 1/(1 + ‖w‖²/4), the right-trivialised differential of cay_SO3 (D14.4):
+/// R = cay w has the spatial angular velocity dcay_w w'.
 template <class T> constexpr Vec3<T> dcay(const Vec3<T>& w, const Vec3<T>& z) {
   return cayley_factor(w) * (z + T(0.5) * cross(w, z));
 }
@@ -67,14 +66,13 @@ template <class T> constexpr Screw<T> cay_inv(const SE3<T>& C) {
   const Vec3<T> w = cay_inv_SO3(C.R);
   return {w, C.r - T(0.5) * cross(w, C.r)};
 }
-/// log(cay(X)), the exponential coordinates of the pose cay(X). They are computed from the quaternion of the
-/// rotation, with the accuracy of log_quaternion().
+/// log(cay(X)), the exponential coordinates of the pose cay(X), by the quaternion of its rotation.
 template <class T> constexpr Screw<T> log_cay(const Screw<T>& X) {
   const Vec3<T> w = log_quaternion(cay_quaternion(X.w));
   return {w, dexp_inv(w, cayley_solve(X.w, X.v))};
 }
-/// dcay_X Z, the right-trivialised differential: (d/dt cay X) (cay X)⁻¹ = dcay_X X' (D14.5). For C = cay X,
-/// V^s = dcay_X X' and V^b = dcay_{-X} X'.
+/// dcay_X Z, the right-trivialised differential (D14.5): C = cay X has the spatial twist dcay_X X' and the
+/// body-fixed twist dcay_{-X} X'.
 template <class T> constexpr Screw<T> dcay(const Screw<T>& X, const Screw<T>& Z) {
   const Vec3<T> omega = dcay(X.w, Z.w);
   return {omega, T(0.5) * cross(X.v, omega) + cayley_solve(X.w, Z.v)};
@@ -102,9 +100,7 @@ template <class T> constexpr Screw<T> ddcay_inv(const Screw<T>& X, const Screw<T
   return {T(-0.5) * bracket.w + T(0.25) * (u_z * X.w + w_z * U.w),
           T(-0.5) * bracket.v + T(0.25) * (u_z * X.v + w_z * U.v - (dot(U.w, X.v) + dot(X.w, U.v)) * Z.w)};
 }
-/// dcay_Xᵀ W for coordinates W = (moment; force) of a wrench or momentum (D14.7). dexp_X is a function of
-/// ad_X; therefore dexp_Xᵀ is dexp_{-X} between exchanges of the halves of its argument and of its result.
-/// dcay_X is not a function of ad_X, and no such relation holds for dcay_Xᵀ.
+/// dcay_Xᵀ W for coordinates W = (moment; force) of a wrench or momentum (D14.7).
 template <class T> constexpr Screw<T> dcay_transpose(const Screw<T>& X, const Screw<T>& W) {
   return {dcay(-X.w, W.w - T(0.5) * cross(X.v, W.v)), cayley_solve(-X.w, W.v)};
 }
@@ -112,7 +108,7 @@ template <class T> constexpr Screw<T> dcay_transpose(const Screw<T>& X, const Sc
 // ------------------------------------------------------------------------------------- SE(3), of ad
 
 /// The pose C with Ad_C = (1 - ad_X/2)⁻¹ (1 + ad_X/2) (D14.8). For X = (w; v) its rotation is cay_SO3(w) and
-/// its position dcay_w v; likewise the rotation of exp(X) is exp_SO3(w) and its position dexp_w v.
+/// its position dcay_w v, like exp_SO3(w) and dexp_w v of exp(X).
 template <class T> constexpr SE3<T> cay_of_ad(const Screw<T>& X) { return {cay_SO3(X.w), dcay(X.w, X.v)}; }
 /// The X with cay_of_ad(X) = C. It is infinite or not a number for half a turn.
 template <class T> constexpr Screw<T> cay_of_ad_inv(const SE3<T>& C) {
@@ -124,8 +120,7 @@ template <class T> constexpr Screw<T> cay_of_ad_inv(const SE3<T>& C) {
 template <class T> constexpr Screw<T> dcay_of_ad(const Screw<T>& X, const Screw<T>& Z) {
   return {dcay(X.w, Z.w), dcay(X.w, Z.v) + ddcay(X.w, X.v, Z.w)};
 }
-/// The inverse of dcay_of_ad at X, applied to Z. The result Y satisfies ad_Y = (1 - ad_X/2) ad_Z (1 +
-/// ad_X/2).
+/// The inverse of dcay_of_ad at X, applied to Z: the Y with ad_Y = (1 - ad_X/2) ad_Z (1 + ad_X/2).
 template <class T> constexpr Screw<T> dcay_inv_of_ad(const Screw<T>& X, const Screw<T>& Z) {
   return {dcay_inv(X.w, Z.w), dcay_inv(X.w, Z.v) + ddcay_inv(X.w, X.v, Z.w)};
 }

@@ -6,14 +6,13 @@
 
 /// The coefficient functions of exp, dexp and dexp⁻¹, accurate at every angle.
 ///
-/// On so(3) each of exp, dexp and dexp⁻¹ is an operator P_ξ = I + β(s) ξ̃ + γ(s) ξ̃² with s = ‖ξ‖². On se(3)
-/// the angular blocks of dexp and dexp⁻¹ are P_ξ, and the coupling block is the derivative of P_ξ along the
-/// linear part (principle of transference), so that the directional derivatives on se(3) need β and γ up to
-/// their second derivative in s.
+/// On so(3) each of these is an operator P_ξ = I + β(s) ξ̃ + γ(s) ξ̃² with s = ‖ξ‖². On se(3) the angular
+/// blocks of dexp and dexp⁻¹ are P_ξ, and the coupling block is the derivative of P_ξ along the linear part
+/// (principle of transference), so that directional derivatives need β and γ up to their second derivative in
+/// s.
 namespace axode {
 
-/// An operator P_ξ = I + β(s) ξ̃ + γ(s) ξ̃² on so(3) with s = ‖ξ‖²: beta[k] and gamma[k] are the k-th
-/// derivatives of β and γ with respect to s.
+/// An operator P_ξ = I + β(s) ξ̃ + γ(s) ξ̃² on so(3) with s = ‖ξ‖²; beta[k] is the k-th derivative of β by s.
 template <class T> struct ScrewOperator { std::array<T, 3> beta, gamma; };
 
 /// Computes P_ξ z for the operator P_ξ = I + β(s) ξ̃ + γ(s) ξ̃² with s = ‖ξ‖².
@@ -22,8 +21,7 @@ template <class T> constexpr Vec3<T> apply(const ScrewOperator<T>& P, const Vec3
   return z + P.beta[0] * xi_z + P.gamma[0] * cross(xi, xi_z);
 }
 
-/// Computes D_η P_ξ z for the operator P_ξ = I + β(s) ξ̃ + γ(s) ξ̃² with s = ‖ξ‖²: the first derivative of
-/// P_ξ z when ξ moves along η.
+/// Computes the derivative of P_ξ z along η, where P_ξ = I + β(s) ξ̃ + γ(s) ξ̃² on so(3) with s = ‖ξ‖².
 template <class T>
 constexpr Vec3<T> apply(const ScrewOperator<T>& P, const Vec3<T>& xi, const Vec3<T>& eta, const Vec3<T>& z) {
   const T ds = T(2) * dot(xi, eta);
@@ -32,8 +30,7 @@ constexpr Vec3<T> apply(const ScrewOperator<T>& P, const Vec3<T>& xi, const Vec3
          ds * (P.beta[1] * xi_z + P.gamma[1] * cross(xi, xi_z));
 }
 
-/// Computes D_ζ D_η P_ξ z for the operator P_ξ = I + β(s) ξ̃ + γ(s) ξ̃² with s = ‖ξ‖²: the second derivative
-/// of P_ξ z when ξ moves along η and ζ.
+/// The second derivative of P_ξ z along η and ζ, where P_ξ = I + β(s) ξ̃ + γ(s) ξ̃² on so(3) with s = ‖ξ‖².
 template <class T>
 constexpr Vec3<T> apply(const ScrewOperator<T>& P, const Vec3<T>& xi, const Vec3<T>& eta, const Vec3<T>& zeta,
                         const Vec3<T>& z) {
@@ -49,8 +46,7 @@ constexpr Vec3<T> apply(const ScrewOperator<T>& P, const Vec3<T>& xi, const Vec3
 
 namespace series {
 
-/// For s = θ² below this number, with the angle θ, the closed forms of the coefficients and their derivatives
-/// lose digits by cancellation, and power series in s are used.
+/// The s = θ² below which power series in s replace the closed forms, which lose digits there.
 inline constexpr double radius = 1.0;
 inline constexpr std::size_t terms = 15;
 using Coefficients = std::array<double, terms>;
@@ -116,8 +112,8 @@ template <class T> constexpr T sum(const Coefficients& coefficients, const T& s)
 
 }  // namespace series
 
-/// The values f(s), f'(s), f''(s) of four functions of s = θ²: a = sin θ/θ, b = (1 - cos θ)/θ², c = (θ - sin
-/// θ)/θ³ and g = (1 - θ/2 cot(θ/2))/θ².
+/// The values f, f', f'' of functions of s = θ²: a = sin θ/θ, b = (1 - cos θ)/θ², c = (θ - sin θ)/θ³ and g =
+/// (1 - θ/2 cot(θ/2))/θ².
 template <class T> struct ExponentialCoefficients {
   std::array<T, 3> a, b, c, g;
 

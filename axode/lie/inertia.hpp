@@ -3,9 +3,9 @@
 
 namespace axode {
 
-/// The inertia of a rigid body in a frame: mass m (kg), first moment h = m c (kg m) and rotational inertia Θ
-/// (kg m²) about the origin of that frame, all in the axes of the frame. As a matrix it is M = [[Θ, h̃],
-/// [-h̃, m I]] (eq. Mb).
+/// The inertia of a rigid body in a frame: mass m (kg), first moment h = m c (kg m) with the centre of mass
+/// c, and rotational inertia Θ (kg m²) about the origin, all in the axes of the frame. As a matrix it is M =
+/// [[Θ, h̃], [-h̃, m I]] (eq. Mb).
 template <class T = double> struct Inertia {
   T m{};
   Vec3<T> h;
@@ -17,15 +17,14 @@ template <class T> constexpr Inertia<T> operator+(const Inertia<T>& a, const Ine
 }
 template <class T> constexpr Inertia<T>& operator+=(Inertia<T>& a, const Inertia<T>& b) { return a = a + b; }
 
-/// Inertia in a body frame from the mass, the centre of mass c in that frame and Θ_c about the centre of
-/// mass, given in axes rotated by R_bc relative to the body frame (eqs. Mbc, Mb: the parallel-axis theorem).
+/// Inertia in a body frame from the mass, the centre of mass c, and the rotational inertia about it, given in
+/// axes rotated by R_bc relative to the body frame: the parallel-axis theorem (eqs. Mbc, Mb).
 template <class T>
 constexpr Inertia<T> inertia_from_com(const T& m, const Vec3<T>& c, const Sym3<T>& Theta_c,
                                       const SO3<T>& R_bc = {}) {
   return {m, m * c, rotate(R_bc, Theta_c) + (T(0.5) * m) * parallel_axis_tensor(c, c)};
 }
-/// Θ_c, the rotational inertia about the centre of mass, in the axes of the frame of M. The mass must not
-/// be 0.
+/// The rotational inertia about the centre of mass, in the axes of the frame of M. The mass must not be 0.
 template <class T> constexpr Sym3<T> inertia_about_com(const Inertia<T>& M) {
   return M.Theta - (T(0.5) / M.m) * parallel_axis_tensor(M.h, M.h);
 }
@@ -63,21 +62,20 @@ template <class T> constexpr CentralInertia<T> transform(const SO3<T>& R, const 
   const ScrewOperationScope<T> scope(ScrewOperation::tensor_rotation);
   return {M.m, rotate(R, M.Theta)};
 }
-/// Ad_r⁻ᵀ M Ad_r⁻¹ of a central inertia: the inertia about another point, in the same axes; r is the vector
-/// from that point to the centre of mass.
+/// Ad_r⁻ᵀ M Ad_r⁻¹ of an inertia about the centre of mass: that about another point, in the same axes; r is
+/// the vector from that point to the centre of mass.
 template <class T> constexpr Inertia<T> transform(const Vec3<T>& r, const CentralInertia<T>& M) {
   const ScrewOperationScope<T> scope(ScrewOperation::tensor_translation);
   return {M.m, M.m * r, M.Theta + parallel_axis_tensor((T(0.5) * M.m) * r, r)};
 }
-/// Ad_S⁻ᵀ M Ad_S⁻¹ of a central inertia: the inertia in another frame, relative to which the frame of M has
-/// the pose S.
+/// Ad_S⁻ᵀ M Ad_S⁻¹ of an inertia about the centre of mass: that in another frame, relative to which the frame
+/// of M has the pose S.
 template <class T> constexpr Inertia<T> transform(const SE3<T>& S, const CentralInertia<T>& M) {
   const ScrewOperationScope<T> scope(ScrewOperation::tensor_transformation);
   return transform(S.r, transform(S.R, M));
 }
 
-/// The momentum Π = M V in a representation in which [[Θ, h̃], [-h̃, m I]] is the inertia matrix: body-fixed,
-/// spatial, hybrid, or measured and resolved in two frames (j, k). In mixed twists it is not.
+/// The momentum Π = M V, in all representations of the twist V except the mixed one.
 template <class Rep, class T>
 constexpr Momentum<Rep, T> operator*(const Inertia<T>& M, const Twist<Rep, T>& V) {
   static_assert(!std::same_as<Rep, Mixed>, "the mixed inertia matrix has blocks in different axes");
@@ -90,8 +88,7 @@ constexpr Wrench<Rep, T> operator*(const Inertia<T>& M, const TwistRate<Rep, T>&
   return {M.Theta * dV.w + cross(M.h, dV.v), M.m * dV.v - cross(M.h, dV.w)};
 }
 
-/// M' = -ad_Vᵀ M - M ad_V, the rate of an inertia that moves with the twist V (eq. Msdot). The mass entry of
-/// M' is 0.
+/// M' = -ad_Vᵀ M - M ad_V, the rate of an inertia that moves with the twist V (eq. Msdot); its mass is 0.
 template <AtFrameOrigin Rep, class T>
 constexpr Inertia<T> inertia_rate(const Twist<Rep, T>& V, const Inertia<T>& M) {
   const Sym3<T>& A = M.Theta;
@@ -116,10 +113,10 @@ struct EigenvalueRange {
 };
 EigenvalueRange eigenvalue_range(const Sym3<double>& A);
 
-/// Measures whether any mass distribution can have the inertia M. Returns the smallest eigenvalue of Binet's
-/// tensor about the centre of mass, divided by the largest principal moment. If the result is >= 0, there is
-/// a mass distribution with this inertia. If all principal moments are positive, the result is at least -0.5.
-/// A negative eigenvalue within the rounding of Θ counts as 0. The mass must be positive.
+/// Measures whether a mass distribution with the inertia M exists, which is so if the result is >= 0: the
+/// smallest eigenvalue of Binet's tensor about the centre of mass, divided by the largest principal moment. A
+/// negative eigenvalue within the rounding of Θ counts as 0. If all principal moments are positive, the
+/// result is at least -0.5. The mass must be positive.
 double realisability(const Inertia<double>& M);
 
 }  // namespace axode

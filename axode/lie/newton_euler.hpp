@@ -2,28 +2,25 @@
 #include "axode/lie/inertia.hpp"
 #include "axode/lie/representation_change.hpp"
 
-/// The Newton-Euler equations of one rigid body, for body-fixed, spatial, hybrid and mixed twists and for
-/// twists in two frames: the resultant wrench W that gives a body with inertia M and twist V the acceleration
-/// V'. The body frame may be any frame that moves with the body; if its origin is the centre of mass, the
-/// first moment h of M is 0.
+/// The Newton-Euler equations of one rigid body in all representations of its twist: the resultant wrench W
+/// that gives a body with inertia M and twist V the acceleration V'. The body frame may be any frame that
+/// moves with the body.
 namespace axode {
 
-/// The wrench that a body needs to keep its body-fixed or spatial twist V: the terms -ad_Vᵀ M V of the
-/// Newton-Euler equations, which do not depend on V'.
+/// The wrench -ad_Vᵀ M V that a body needs to keep its body-fixed or spatial twist V.
 template <AtFrameOrigin Rep, class T>
 constexpr Wrench<Rep, T> velocity_wrench(const Inertia<T>& M, const Twist<Rep, T>& V) {
   return coad(V, M * V);
 }
-/// The wrench that a body needs to keep its hybrid twist V: ad_ω M (ω; 0), with the angular velocity ω and
-/// the inertia M about the origin of the body frame in inertial axes.
+/// The wrench ad_ω M (ω; 0) that a body needs to keep its hybrid twist V, with the angular velocity ω and the
+/// inertia M about the origin of the body frame in inertial axes.
 template <class T>
 constexpr Wrench<Hybrid, T> velocity_wrench(const Inertia<T>& M, const Twist<Hybrid, T>& V) {
   const ScrewOperationScope<T> scope(ScrewOperation::bracket);
   const Momentum<Hybrid, T> Pi = M * Twist<Hybrid, T>{V.w, {}};
   return {cross(V.w, Pi.l), cross(V.w, Pi.p)};
 }
-/// The wrench that a body needs to keep its mixed twist V. M is the inertia in the body frame, and R is the
-/// rotation of the body frame.
+/// The wrench that a body with rotation R needs to keep its mixed twist V; M is in the body frame.
 template <class T>
 constexpr Wrench<Mixed, T> velocity_wrench(const Inertia<T>& M, const SO3<T>& R, const Twist<Mixed, T>& V) {
   const ScrewOperationScope<T> scope(ScrewOperation::bracket);
@@ -124,9 +121,8 @@ template <class T> constexpr Sym3<T> inverse(const Sym3<T>& A) {
           i * xz, i * (A.xy * A.xz - A.xx * A.yz)};
 }
 
-/// The twist rate M⁻¹ W, computed about the centre of mass: the rate V' of a body with inertia M under the
-/// wrench W from which the terms without V' have been subtracted. The mass must not be 0, and the rotational
-/// inertia about the centre of mass must not be singular.
+/// The twist rate M⁻¹ W of a body with inertia M under a wrench W less the terms without V', computed about
+/// the centre of mass. Mass and rotational inertia about the centre of mass must not be singular.
 template <class Rep, class T>
 constexpr TwistRate<Rep, T> solve(const Inertia<T>& M, const Wrench<Rep, T>& W) {
   static_assert(!std::same_as<Rep, Mixed>, "the mixed inertia matrix has blocks in different axes");

@@ -2,9 +2,8 @@
 #include "axode/lie/inertia.hpp"
 #include "axode/lie/mat3.hpp"
 
-/// Three-vectors in one SIMD register of four lanes, of which the last is 0. For one state of one mechanism
-/// this is the fastest layout. A kernel is a template on its geometry: Packed<T>, or Plain<T> with three
-/// separate numbers. The members of both have the same names.
+/// Three-vectors in one SIMD register of four lanes, of which the last is 0: the fastest layout for one state
+/// of one mechanism. Packed<T>, and Plain<T> with three separate numbers, have the same members.
 namespace axode {
 
 namespace packed {

@@ -34,8 +34,7 @@ template <class T> constexpr SO3<T> rotation(const Quaternion<T>& a) {
           {xz + wy, yz - wx, T(1) - xx - yy}};
 }
 
-/// The unit quaternion with w >= 0 of a rotation matrix. Its largest component is computed first, and the
-/// others from that one (Shepperd 1978).
+/// The unit quaternion with w >= 0 of a rotation matrix, computed from its largest component (Shepperd 1978).
 template <class T> constexpr Quaternion<T> quaternion(const SO3<T>& R) {
   const T xx = R.x.x, yy = R.y.y, zz = R.z.z;
   const T wx = R.y.z - R.z.y, wy = R.z.x - R.x.z, wz = R.x.y - R.y.x;  // 4wx, 4wy, 4wz
@@ -57,8 +56,8 @@ template <class T> constexpr Quaternion<T> exp_quaternion(const Vec3<T>& xi) {
   return {k * xi.x, k * xi.y, k * xi.z, T(1) - s * half.b[0]};
 }
 
-/// log: unit quaternions → so(3), the rotation vector in rad with the angle in [0, π]. The axis stays
-/// accurate at π, where either sign of the axis is right.
+/// The logarithm of a unit quaternion: the rotation vector in rad with the angle in [0, π]. Its axis stays
+/// accurate at π, where either sign is right.
 template <class T> constexpr Vec3<T> log_quaternion(const Quaternion<T>& a) {
   const T sign = select(a.w < T(0), T(-1), T(1)), w = sign * a.w;
   const Vec3<T> v{sign * a.x, sign * a.y, sign * a.z};

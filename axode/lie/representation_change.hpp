@@ -2,13 +2,13 @@
 #include "axode/lie/twist.hpp"
 
 /// change<To>(C, x) converts the twist, wrench, momentum or twist rate x of a body with pose C to the
-/// representation To (eqs. VhVb, VsVb, Vmbhs). Every change passes through the body-fixed representation.
+/// representation To (eqs. VhVb, VsVb, Vmbhs), by way of the body-fixed one.
 namespace axode {
 
-/// Two frames F_j and F_k and their motion, for twists ^kV^j, which are measured at the origin of F_j and
-/// resolved in the axes of F_k. All vectors of this struct are resolved in the inertial frame. ^kV^j is the
-/// spatial twist if both frames are the inertial frame, the body-fixed twist if both are the body frame, and
-/// the hybrid twist if F_j is the body frame and F_k the inertial frame.
+/// Two moving frames F_j and F_k, for twists ^kV^j, which are measured at the origin of F_j and resolved in
+/// the axes of F_k. All vectors of this struct are in inertial axes. ^kV^j is the spatial twist if both are
+/// the inertial frame, the body-fixed one if both are the body frame, and the hybrid one if F_j is the body
+/// and F_k the inertial frame.
 template <class T = double> struct FramePair {
   Vec3<T> r_j;   ///< position of the origin of F_j, m
   Vec3<T> dr_j;  ///< velocity of the origin of F_j, m/s
@@ -191,8 +191,7 @@ template <class T> constexpr Twist<Spatial, T> change(const FramePair<T>& jk, co
   return twist<Spatial>(Ad(jk.pose(), Screw<T>{V.w, V.v}));
 }
 /// The rate of the twist ^kV_i^j of a body, measured at the origin of F_j and resolved in the axes of F_k,
-/// from its spatial twist V and the rate of V. It includes the effect of the motion of F_j and F_k (erratum
-/// 19).
+/// both of which may move, from its spatial twist V and the rate of V (erratum 19).
 template <class T>
 constexpr TwistRate<InFrames, T> change(const FramePair<T>& jk, const Twist<Spatial, T>& V,
                                         const TwistRate<Spatial, T>& dV) {

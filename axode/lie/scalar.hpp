@@ -3,7 +3,7 @@
 #include <concepts>
 #include <limits>
 
-/// The kernels of this library are written for any type of numbers T closed under + - * /, sqrt, sin, cos,
+/// Functions by which this library computes with any type T of numbers that has + - * /, sqrt, sin, cos,
 /// atan2 and select. double and float are such types; axode/scalar/ has more.
 namespace axode {
 

@@ -6,8 +6,7 @@
 namespace axode {
 
 /// The geometry of a screw: a line with the unit direction e through the point p (m), a pitch h in m/rad and
-/// a magnitude. An infinite pitch marks a translation (or a couple); then p is 0, and only e and the
-/// magnitude have a meaning.
+/// a magnitude. An infinite pitch marks a translation or a couple; p is then 0.
 template <class T = double> struct ScrewAxis {
   Vec3<T> e, p;
   T h{};
@@ -22,8 +21,8 @@ template <class T> constexpr PlueckerLine<T> pluecker(const ScrewAxis<T>& axis) 
   return {axis.e, cross(axis.p, axis.e)};
 }
 
-/// Screw coordinates of a screw axis: its magnitude times (e; p × e + h e), or times (0; e) for an infinite
-/// pitch.
+/// Screw coordinates: the magnitude times (e; p × e + h e), or times (0; e) for an infinite pitch h, with the
+/// direction e and the point p of the axis.
 template <class T> constexpr Screw<T> screw(const ScrewAxis<T>& a) {
   const bool finite = a.h < std::numeric_limits<T>::infinity();
   const T h = select(finite, a.h, T(0));
@@ -35,9 +34,8 @@ template <class T> constexpr Screw<T> screw(const Vec3<T>& e, const Vec3<T>& p, 
   return {e, cross(p, e) + h * e};
 }
 
-/// Direction, point, pitch and magnitude of a screw X = (w; v). The point is the point of the axis that is
-/// nearest to the origin; the magnitude is ‖w‖, or ‖v‖ if w = 0. The zero screw has magnitude 0 and direction
-/// 0.
+/// Direction, point, pitch and magnitude of a screw X = (w; v). The point is the one of the axis nearest to
+/// the origin; the magnitude is ‖w‖, or ‖v‖ if w = 0. The zero screw has magnitude 0 and direction 0.
 template <class T> constexpr ScrewAxis<T> screw_axis(const Screw<T>& X) {
   const T w2 = dot(X.w, X.w);
   if (w2 > T(0)) {
@@ -48,13 +46,11 @@ template <class T> constexpr ScrewAxis<T> screw_axis(const Screw<T>& X) {
   const Vec3<T> e = v > T(0) ? (T(1) / v) * X.v : Vec3<T>{};
   return {e, Vec3<T>{}, std::numeric_limits<T>::infinity(), v};
 }
-/// The instantaneous screw axis of a body with the twist V. It is in the body frame for a body-fixed twist
-/// and in the inertial frame for a spatial twist.
+/// The instantaneous screw axis of a body, in the frame of its twist V: body-fixed or spatial.
 template <AtFrameOrigin Rep, class T> constexpr ScrewAxis<T> screw_axis(const Twist<Rep, T>& V) {
   return screw_axis(Screw<T>{V.w, V.v});
 }
-/// The central axis of a wrench (Poinsot). It has the direction of the force and the pitch
-/// moment·force/‖force‖², which is infinite for a couple.
+/// The central axis of a wrench, with the pitch moment·force/‖force‖², which is infinite for a couple.
 template <AtFrameOrigin Rep, class T> constexpr ScrewAxis<T> screw_axis(const Wrench<Rep, T>& W) {
   return screw_axis(Screw<T>{W.f, W.m});
 }

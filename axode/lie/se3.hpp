@@ -5,15 +5,14 @@
 
 namespace axode {
 
-/// A pose C = (R, r) of a frame relative to a reference frame: R p + r are the coordinates in the reference
-/// frame of the point whose coordinates in the posed frame are p. r is in m.
+/// A pose C = (R, r) of a frame relative to a reference frame, r in m: a point with the coordinates p in the
+/// posed frame has the coordinates R p + r in the reference frame.
 template <class T = double> struct SE3 {
   SO3<T> R;
   Vec3<T> r;
 };
 
-/// The composition A B of two poses: if B is the pose of a frame F relative to the frame that A poses, A B is
-/// the pose of F relative to the reference frame of A.
+/// The composition A B: the pose of a frame that has the pose B relative to a frame with the pose A.
 template <class T> constexpr SE3<T> operator*(const SE3<T>& A, const SE3<T>& B) {
   return {A.R * B.R, A.r + A.R * B.r};
 }
@@ -25,8 +24,8 @@ template <class T> constexpr SE3<T> inverse(const SE3<T>& C) {
   return {Rt, -(Rt * C.r)};
 }
 
-/// Screw coordinates X = (w; v), angular before linear, in a frame that the context names. Joint screws and
-/// other elements of se(3), such as the argument of exp, are Screws; the velocity of a body is a Twist.
+/// Screw coordinates X = (w; v), angular before linear, such as joint screws and arguments of exp. The
+/// velocity of a body is a Twist.
 template <class T = double> struct Screw { Vec3<T> w, v; };
 
 template <class T> constexpr Screw<T> operator+(const Screw<T>& a, const Screw<T>& b) {

@@ -4,8 +4,7 @@
 
 namespace axode {
 
-/// A rotation matrix R, stored by its columns. If a vector has the coordinates `a` in the rotated frame, it
-/// has the coordinates R * a in the outer frame.
+/// A rotation matrix R, stored by columns. It maps coordinates in the rotated frame to outer coordinates.
 template <class T = double> struct SO3 {
   Vec3<T> x{T(1), T(0), T(0)}, y{T(0), T(1), T(0)}, z{T(0), T(0), T(1)};
 };

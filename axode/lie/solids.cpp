@@ -19,8 +19,7 @@ Inertia<> about_center(double mass, double xx, double yy, double zz) {
   return {mass, {}, {xx, yy, zz, 0, 0, 0}};
 }
 
-/// Throws std::invalid_argument if a vertex is not finite, if a face has an index without a vertex, or if the
-/// mesh is not closed.
+/// Throws std::invalid_argument for vertices that are not finite, invalid faces, and an open mesh.
 void check_closed(std::span<const Vec3<>> vertices, std::span<const std::array<int, 3>> faces) {
   for (const Vec3<>& x : vertices)
     if (!std::isfinite(x.x + x.y + x.z))
@@ -45,8 +44,8 @@ void check_closed(std::span<const Vec3<>> vertices, std::span<const std::array<i
   }
 }
 
-/// The volume of the solid that a closed mesh encloses, and its first and second moments about a given point.
-/// They are sums over the tetrahedra that this point forms with the faces.
+/// The volume and the first and second moments, about a given point, of the solid that a closed mesh
+/// encloses: sums over the tetrahedra of this point and the faces.
 struct Moments {
   double volume = 0;
   Vec3<> first;
@@ -69,8 +68,8 @@ Moments moments(std::span<const Vec3<>> vertices, std::span<const std::array<int
   return sum;
 }
 
-/// The moments about the first vertex of a mesh. Throws std::invalid_argument as check_closed() does, and if
-/// the volume is not positive.
+/// The moments about the first vertex of a mesh. Throws std::invalid_argument unless the mesh is closed,
+/// valid and of positive volume.
 Moments checked_moments(std::span<const Vec3<>> vertices, std::span<const std::array<int, 3>> faces) {
   check_closed(vertices, faces);
   const Moments sum = moments(vertices, faces, vertices.empty() ? Vec3<>{} : vertices[0]);

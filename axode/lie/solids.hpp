@@ -15,14 +15,13 @@ Inertia<> box_inertia(double mass, const Vec3<>& size);
 Inertia<> sphere_inertia(double mass, double radius);
 /// Inertia of a cylinder about its centre; the axis is along z.
 Inertia<> cylinder_inertia(double mass, double radius, double length);
-/// Inertia of a capsule about its centre: a cylinder of the given length along z with a half ball on each
-/// end.
+/// Inertia of a capsule about its centre: a cylinder of the given length along z with half balls at its ends.
 Inertia<> capsule_inertia(double mass, double radius, double length);
 
 /// Volume in m³ that a closed mesh of triangles encloses. A face is three indices of vertices,
 /// counterclockwise as seen from outside. Throws std::invalid_argument if a vertex is not finite, if a face
 /// has an index without a vertex, if the mesh is not closed (every edge must be shared by two faces that run
-/// through it in opposite directions), or if the volume is not positive, for example because the faces are
+/// through it in opposite directions), or if the volume is not positive, for example because faces are
 /// oriented inwards.
 double mesh_volume(std::span<const Vec3<>> vertices, std::span<const std::array<int, 3>> faces);
 /// Inertia of the homogeneous solid that a closed mesh of triangles encloses, in the frame of the vertices

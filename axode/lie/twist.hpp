@@ -6,8 +6,7 @@
 
 #include "axode/lie/se3.hpp"
 
-/// Twists, twist rates, wrenches and momenta. The type says in which axes and about which point the
-/// components are written, so that two representations never mix by accident.
+/// Twists, twist rates, wrenches and momenta, with types for the axes and reference points of components.
 namespace axode {
 
 struct BodyFixed {};  ///< axes of the body frame, about its origin: V^b
@@ -49,8 +48,7 @@ template <class F> constexpr decltype(auto) with_representation(Representation r
   return f(Mixed{});
 }
 
-/// The representations in which twists are screw coordinates with respect to one frame: BodyFixed and
-/// Spatial.
+/// The representations BodyFixed and Spatial, in which twists are screw coordinates in one frame.
 template <class Rep>
 concept AtFrameOrigin = std::same_as<Rep, BodyFixed> || std::same_as<Rep, Spatial>;
 
@@ -59,8 +57,7 @@ template <class Rep, class T = double> struct Twist {
   static_assert(TwistRepresentation<Rep>, "a twist is BodyFixed, Spatial, Hybrid, Mixed or InFrames");
   Vec3<T> w, v;
 };
-/// A twist rate V' = (w; v) in rad/s² and m/s²: the time derivative of the components of a twist. To change
-/// its representation, the twist is needed as well.
+/// A twist rate V' = (w; v) in rad/s² and m/s²: the time derivative of the components of a twist.
 template <class Rep, class T = double> struct TwistRate {
   static_assert(TwistRepresentation<Rep>, "a twist's rate is BodyFixed, Spatial, Hybrid, Mixed or InFrames");
   Vec3<T> w, v;
@@ -70,8 +67,7 @@ template <class Rep, class T = double> struct Wrench {
   static_assert(TwistRepresentation<Rep>, "a wrench is BodyFixed, Spatial, Hybrid, Mixed or InFrames");
   Vec3<T> m, f;
 };
-/// A momentum (co-screw) Π = (l; p): angular in N m s and linear in N s. It is dual to the twist of the same
-/// representation.
+/// A momentum Π = (l; p), dual to a twist of the same representation: angular in N m s, linear in N s.
 template <class Rep, class T = double> struct Momentum {
   static_assert(TwistRepresentation<Rep>, "a momentum is BodyFixed, Spatial, Hybrid, Mixed or InFrames");
   Vec3<T> l, p;
@@ -83,8 +79,7 @@ template <> inline constexpr bool is_screw_kind<TwistRate> = true;
 template <> inline constexpr bool is_screw_kind<Wrench> = true;
 template <> inline constexpr bool is_screw_kind<Momentum> = true;
 
-/// The kinds of motion: Twist and TwistRate. The same map transforms both from one frame to another if the
-/// two frames are at rest relative to each other.
+/// Twist or TwistRate: a map between frames at rest relative to each other transforms both in the same way.
 template <template <class, class> class Kind>
 concept Motion = is_screw_kind<Kind> && requires(Kind<BodyFixed, double> x) {
   x.w, x.v;
@@ -105,8 +100,7 @@ constexpr Kind<Rep, T> operator-(const Kind<Rep, T>& x, const Kind<Rep, T>& y) {
   return {x1 - y1, x2 - y2};
 }
 
-/// Always false. It is the condition of static assertions by which the sum of quantities in different
-/// representations, or of a twist and a wrench, does not compile.
+/// Always false: the condition of static assertions against sums of quantities in different representations.
 template <class...> inline constexpr bool addable = false;
 template <template <class, class> class Kind, class Rep, class Other, class T>
   requires(is_screw_kind<Kind> && !std::same_as<Rep, Other>)

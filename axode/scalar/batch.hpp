@@ -8,8 +8,8 @@
 
 namespace axode {
 
-/// N numbers on which every operation acts at once, in one SIMD register or a few. A kernel that runs on
-/// Batch<double, 8> computes eight states at once. N is a power of 2. Comparisons give a Mask with a truth
+/// N numbers on which every operation acts at once, in one or a few SIMD registers: functions of
+/// Batch<double, 8> compute eight states at once. N is a power of 2. Comparisons give a Mask with a truth
 /// value for each lane.
 template <class S, std::size_t N> struct alignas(N * sizeof(S)) Batch {
   using Lanes [[gnu::vector_size(N * sizeof(S))]] = S;

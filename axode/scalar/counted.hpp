@@ -7,8 +7,7 @@
 
 namespace axode {
 
-/// Counts of arithmetic operations by kind, and counts of operations on whole screws and inertias (see
-/// ScrewOperation), which consist of the former.
+/// Counts of arithmetic operations by kind, and of operations on whole screws and inertias.
 struct Operations {
   long products = 0, sums = 0, divisions = 0, roots = 0, angles = 0;  ///< angles: sin, cos, atan2
   std::array<long, n_screw_operations> screws{};
@@ -18,8 +17,7 @@ struct Operations {
   long operator[](ScrewOperation kind) const { return screws[static_cast<std::size_t>(kind)]; }
 };
 
-/// A number that counts the operations with it, including operations with an exact 0 or 1. To count the
-/// operations of a kernel, run it on Counted numbers and read count().
+/// A number that counts the operations with it, also those with an exact 0 or 1; count() returns the counts.
 class Counted {
  public:
   Counted() = default;

@@ -9,9 +9,8 @@
 
 namespace axode {
 
-/// A number and its derivatives in N directions. If a kernel runs on Dual numbers, every result carries its
-/// derivatives. Nested Dual numbers carry second derivatives. A product of two Dual numbers costs 2N + 1
-/// products and N sums.
+/// A dual number: a number and its derivatives in N directions, for automatic differentiation. Nested Dual
+/// numbers carry second derivatives. A product of two Dual numbers costs 2N + 1 products and N sums.
 template <class S, std::size_t N> struct Dual {
   S x{};                  ///< the value
   std::array<S, N> dx{};  ///< the derivatives

@@ -17,8 +17,7 @@ bool processor_has(std::size_t) { return true; }
 constexpr const char* names[]{"x86-64", "x86-64-v3", "x86-64-v4"};
 constexpr const char all_names[] = "x86-64, x86-64-v3 or x86-64-v4";
 
-/// Whether the processor and the operating system support an instruction set. Every processor with the
-/// extensions that are tested also has the others of the set.
+/// Whether processor and operating system support an instruction set, by tests of some of its extensions.
 bool processor_has(std::size_t set) {
   __builtin_cpu_init();
   const bool v3 = __builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma") &&
@@ -30,8 +29,8 @@ bool processor_has(std::size_t set) {
 }
 #endif
 
-/// The index `set` of the chosen instruction set, and in `fault` the reason why the value of
-/// AXODE_INSTRUCTION_SET was not used ("" if it was used or is not set).
+/// The index of the chosen instruction set, and in `fault` why AXODE_INSTRUCTION_SET was not used ("" if it
+/// was used or is not set).
 struct Choice {
   std::size_t set = std::size(names) - 1;
   std::string fault;
@@ -65,9 +64,8 @@ const char* instruction_set() {
   return names[choice().set];
 }
 
-/// Copies the addresses of n functions to `chosen`: those that are compiled for the chosen instruction set.
-/// of_sets[k] has the n addresses for set k. The code that cmake/choose_at_load.cmake writes calls this
-/// function when the library is loaded, once for each group of kernels.
+/// Copies to `chosen` the addresses of n functions that are compiled for the chosen instruction set, from
+/// of_sets[k] for set k. It is called when the library is loaded.
 extern "C" void axode_choose_entries(const void** chosen, const void* const* const* of_sets, std::size_t n) {
   const void* const* const entries = of_sets[choice().set];
   for (std::size_t k = 0; k < n; ++k) chosen[k] = entries[k];

@@ -6,9 +6,9 @@
 /// sine_cosine(x) computes sine and cosine together and without a branch, so that it runs on many angles at
 /// once.
 ///
-/// x = n π/2 + r with |r| <= π/4. π/2 is split into parts of 33 bits, so that n times a part is exact up to
-/// n = 2^20 (Cody and Waite 1980), and the rounding errors of the subtractions are kept as a second part of
-/// r. The polynomials are minimax on |r| <= π/4 (Remez). The error is below 1 ulp for |x| <= 1e6; sine and
+/// x = n π/2 + r with |r| <= π/4 (Cody and Waite 1980): π/2 is split into parts of 33 bits, so that n times a
+/// part is exact up to n = 2^20, and the rounding errors of the subtractions are kept as a second part of r.
+/// The polynomials are minimax on |r| <= π/4 (Remez). The error is below 1 ulp for |x| <= 1e6; sine and
 /// cosine of larger angles are computed by the standard library.
 namespace axode {
 
@@ -43,8 +43,7 @@ template <class S, class Lanes, std::size_t n> Lanes sum(const double (&c)[n], c
 
 }  // namespace reduced_angle
 
-/// Replaces sine and cosine in `result` by those of the standard library, in lanes with |x| >
-/// reduced_angle::largest.
+/// Replaces `result` by sine and cosine of the standard library in lanes with |x| > reduced_angle::largest.
 template <class S, std::size_t N>
 [[gnu::noinline, gnu::cold]] SineCosine<Batch<S, N>> mend(const Batch<S, N>& x,
                                                           SineCosine<Batch<S, N>> result) {

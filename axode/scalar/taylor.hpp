@@ -7,9 +7,9 @@
 
 namespace axode {
 
-/// The first N coefficients of a power series in the time t, c[0] + c[1] t + c[2] t² + ... If a kernel runs
-/// on Taylor numbers, every result carries its time derivatives at t = 0, k! c[k]. Division and sqrt need
-/// c[0] ≠ 0. A product costs about N²/2 products.
+/// The first N coefficients of a power series in the time t, c[0] + c[1] t + c[2] t² + ..., for automatic
+/// differentiation: the time derivatives at t = 0 are k! c[k]. Division and sqrt need c[0] ≠ 0. A product
+/// costs about N²/2 products.
 template <class S, std::size_t N> struct Taylor {
   std::array<S, N> c{};
 

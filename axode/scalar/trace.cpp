@@ -12,9 +12,7 @@ thread_local Tape* current = nullptr;
 
 using Operation = Tape::Operation;
 
-/// A Trace is a constant factor times a number on the tape. A sum of two such factors counts as 0 if it is at
-/// most this part of the larger one: factors that should cancel may not add up to exactly 0, because
-/// constants carry rounding errors.
+/// Sums of constant factors below this part of the larger one count as 0: constants have rounding errors.
 constexpr double rounding = 0x1p-50;
 double sum_of_factors(double a, double b) {
   const double sum = a + b;
@@ -56,14 +54,12 @@ const Tape::Node& Tape::at(int node) { return of_this_thread().nodes_[static_cas
 
 Trace Tape::input(int array, int index) { return Trace(1, record({Operation::input, array, index})); }
 
-/// The node on the tape whose value is that of the Trace a, its factor included. A factor other than 1 is
-/// recorded as a scaling.
+/// The recorded operation with the value of the Trace a, whose constant factor is recorded as a scaling.
 int Tape::scaled(const Trace& a) {
   return a.node() != 0 && a.factor() == 1 ? a.node() : record({Operation::scale, a.node(), 0, 0, a.factor()});
 }
 
-/// The product of two nodes (recorded operations). If one of them is a reciprocal 1/d and the other is d or a
-/// product with the factor d, then d cancels.
+/// The product of two recorded operations. A reciprocal 1/d cancels against a factor d.
 Trace Tape::product(int a, int b) {
   for (const auto& [x, y] : {std::pair(a, b), std::pair(b, a)}) {
     if (at(x).operation != Operation::reciprocal) continue;

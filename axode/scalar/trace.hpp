@@ -9,17 +9,17 @@ namespace axode {
 
 class Tape;
 
-/// A number that records how it is computed. If a kernel runs on Traces while a Tape exists, the tape holds
-/// the kernel as a list of operations on its inputs, in which every operation occurs once.
+/// A number that records how it is computed. While a Tape exists, it receives the list of all operations on
+/// Traces, in which every operation occurs once.
 ///
-/// A Trace is a factor times a number on the tape, or a constant. Therefore constants and signs are folded
-/// and never recorded: 0 x = 0, x + 0 = x, x - x = 0, (2 x) (-3 y) = -6 (x y), a b - c d = -(c d - a b). A
-/// folded result is right for all finite numbers, and equal to the result of the operations up to rounding.
+/// A Trace is a factor times a recorded number, or a constant. Therefore constants and signs are folded and
+/// never recorded: 0 x = 0, x + 0 = x, x - x = 0, (2 x) (-3 y) = -6 (x y), a b - c d = -(c d - a b). A folded
+/// result is right for all finite numbers, and equal to the result of the operations up to rounding.
 class Trace {
  public:
   /// The result of a comparison of Traces. If is_constant(), it does not depend on the inputs, and constant()
-  /// is its value. Otherwise it is not known until the recorded program runs; select() takes it as an
-  /// argument, but a C++ branch cannot depend on it.
+  /// is its value. Otherwise it is not known until the recorded program runs: select() takes it as an
+  /// argument, a branch cannot.
   class Condition {
    public:
     Condition() = default;
@@ -52,8 +52,7 @@ class Trace {
     friend Trace operator-(const Trace& a, const Trace& b) { return a + -b; }
     friend Trace operator-(const Trace& a) { return Trace(-a.factor_, a.node_); }
     friend Trace operator*(const Trace& a, const Trace& b);
-    /// The quotient a / b is recorded as a (1/b), so that all quotients with the divisor b share one
-    /// division.
+    /// The quotient a / b is recorded as a (1/b), so that all quotients with one divisor share a division.
     friend Trace operator/(const Trace& a, const Trace& b);
     Trace& operator+=(const Trace& b) { return *this = *this + b; }
     Trace& operator-=(const Trace& b) { return *this = *this - b; }
@@ -75,9 +74,8 @@ class Trace {
     int node_ = 0;
 };
 
-/// The list of operations on which all Traces of this thread are recorded, from the construction of the Tape
-/// to its destruction. A thread has one Tape at a time: the constructor of a second one throws
-/// std::logic_error. Traces have no meaning without the tape on which they were recorded.
+/// The list of operations on which all Traces of this thread are recorded while the Tape exists. Without it
+/// they have no meaning. The constructor throws std::logic_error if the thread already has a Tape.
 class Tape {
  public:
   enum class Operation : unsigned char {

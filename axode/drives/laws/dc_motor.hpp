@@ -7,8 +7,8 @@
 namespace axode {
 
 /// A DC motor with a gear (D17.8). The states are the current (A) and, if the motor has a finite heat
-/// capacity, the temperature of its winding (degC). The inertia J of the rotor is not part of the drive: give
-/// N² J as the armature of the joint, with the gear ratio N.
+/// capacity, the temperature of its winding (degC). The inertia J of the rotor is not part of the drive: for
+/// the gear ratio N, N² J must be the armature of the joint.
 struct DcMotor {
   /// Resistance at the temperature T_0 (ohm), inductance (H) and torque constant (N m/A = V s/rad).
   double R, L, k;
@@ -19,9 +19,9 @@ struct DcMotor {
   double alpha = 0;           ///< temperature coefficient of the resistance, 1/K
   double T_a = 25, T_0 = 25;  ///< ambient temperature, and the one at which R is given, degC
 
-  /// Values of the status of the current, without sign: the current is free, or the amplifier holds it at the
-  /// limit i_max, or it exceeds the limit because the largest opposing voltage of the amplifier is too small
-  /// to hold it. The sign of the status is the sign of the current.
+  /// Absolute values of the status of the current, whose sign is that of the current. The current is free, or
+  /// the amplifier holds it at the limit i_max, or it exceeds i_max because the voltage of the amplifier is
+  /// too small.
   enum Current { free = 0, held = 1, beyond = 2 };
 
   bool has_temperature() const { return std::isfinite(C); }
@@ -95,9 +95,8 @@ struct DcMotor {
 
  private:
   Saturation voltage() const { return {u_max}; }
-  /// The voltage (V) by which the input exceeds, in the direction `sign` of the limit that the current has
-  /// reached, the voltage that would hold the current there: if it is positive, the input drives the current
-  /// beyond the limit.
+  /// The voltage (V), counted in the direction `sign` of the current, by which the input exceeds the voltage
+  /// that would hold the current at its limit: if positive, the input drives the current beyond the limit.
   double drive_at_limit(const DrivePoint<double>& at, std::span<const int> statuses, int sign) const {
     return sign * (voltage().of(at.u, statuses[0]) - holding_voltage(at));
   }

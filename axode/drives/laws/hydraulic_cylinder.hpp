@@ -8,10 +8,9 @@
 
 namespace axode {
 
-/// A hydraulic cylinder with two chambers and a 4/3 valve (D17.16). The coordinate of its port is its length,
-/// and a positive force makes it longer. The states are the pressures p_a and p_b of the chambers (Pa) and
-/// the position y of the spool, which follows the input. y is 1 or -1 if the valve is fully open, and is not
-/// limited to this range.
+/// A hydraulic cylinder with two chambers and a 4/3 valve (D17.16). A positive force makes it longer. The
+/// states are the pressures of the chambers (Pa) and the position y of the spool, which follows the input;
+/// the valve is fully open at y = 1 and y = -1, and y is not limited to this range.
 struct HydraulicCylinder {
   double closed_length;     ///< length of the port at which the stroke is 0, m
   double stroke;            ///< length of the stroke, m
@@ -32,21 +31,20 @@ struct HydraulicCylinder {
     x[2] = at.u;
   }
 
-  /// φ(p) = p/(p² + p_smooth²)^(1/4), to which the flow through a valve at the pressure difference p is
-  /// proportional: about √|p| with the sign of p, but smooth at p = 0.
+  /// φ(p) = p/(p² + p_smooth²)^(1/4), smooth and about sign(p) √|p|: the flow through a valve is proportional
+  /// to φ of the pressure difference p.
   template <class T> T root(const T& p) const {
     using std::sqrt;
     return p / sqrt(sqrt(p * p + T(p_smooth * p_smooth)));
   }
-  /// The power Π(p) = β (exp(p/β) - 1) that a unit of flow carries at the pressure p, with the bulk modulus β
-  /// of the oil: the pressure itself, and the energy of the compressed oil (D17.17).
+  /// The power Π(p) = β (exp(p/β) - 1) of a unit of oil flow at the pressure p, including the energy of
+  /// compression, with the bulk modulus β (D17.17).
   template <class T> T power_per_flow(const T& p) const {
     using std::exp;
     return T(beta) * (exp(p * T(1 / beta)) - T(1));
   }
 
-  /// The rate of the pressure in a chamber for a unit of flow into it: the bulk modulus β of the oil over the
-  /// volume (Pa/m³); NaN if the chamber has no volume.
+  /// The rate of pressure in a chamber per inflow, bulk modulus over volume (Pa/m³); NaN without volume.
   template <class T> T stiffness(const T& volume) const {
     return volume > T(0) ? T(beta) / volume : T(std::numeric_limits<double>::quiet_NaN());
   }

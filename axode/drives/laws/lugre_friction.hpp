@@ -6,8 +6,7 @@
 
 namespace axode {
 
-/// LuGre friction (Canudas de Wit, Olsson, Åström, Lischinsky 1995). The state is the deflection z (rad) of
-/// the bristles (D17.14).
+/// LuGre friction of Canudas de Wit et al. (D17.14). The state is the deflection of the bristles (rad).
 struct LuGreFriction {
   /// Stiffness of the bristles (N m/rad), damping of the bristles and viscous friction (N m s/rad).
   double sigma_0, sigma_1 = 0, sigma_2 = 0;

@@ -3,8 +3,8 @@
 
 namespace axode {
 
-/// A series-elastic drive: a DC motor, a gear, and a spring with a damper between the gear and the joint
-/// (D17.13). The states are the current (A), and the angle (rad) and the speed (rad/s) of the rotor.
+/// A series-elastic drive: a DC motor, a gear, and a spring with a damper between gear and joint (D17.13).
+/// The states are the current (A), and the angle (rad) and the speed (rad/s) of the rotor.
 struct SeriesElastic {
   double R, L, k;  ///< resistance, inductance, torque constant; ohm, H, N m/A = V s/rad
   double b = 0;    ///< viscous friction at the motor, N m s/rad

@@ -18,11 +18,10 @@
 /// The parts of the C interfaces that FMI 2.0 and FMI 3.0 have in common.
 namespace axode::fmi {
 
-/// The status that an interface function returns to the master, with the numbers of the FMI standard.
+/// The status that an interface function returns to the importing program, a number of the FMI standard.
 enum Status : int { ok, warning, discard, error, fatal };
 
-/// An instance of an FMU with the log function of the master, the importing program. The pointer that a
-/// master receives as its instance points to a Component.
+/// What the importing program's pointer to an instance of an FMU points to: the instance and a log function.
 struct Component {
   std::unique_ptr<Instance> instance;
   std::function<void(Status, const char*)> log;
@@ -33,9 +32,8 @@ inline Status failed(const Component& component, Status status, const char* mess
   return status;
 }
 
-/// Calls f(instance), and turns exceptions into a status with a message for the log. The status is `discard`
-/// for NoRates, an exception after which the master may try another state, and `error` for all other
-/// exceptions.
+/// Calls f(instance), and turns exceptions into a status and a message for the log: `discard` for NoRates,
+/// after which the importing program may try another state, and `error` for all others.
 template <class F> Status guarded(void* component, const F& f) noexcept {
   if (component == nullptr) return error;
   auto& its = *static_cast<Component*>(component);
@@ -48,8 +46,7 @@ template <class F> Status guarded(void* component, const F& f) noexcept {
     return failed(its, error, fault.what());
   }
 }
-/// Returns the status of a function of the FMI standard that FMUs of mechanisms do not support: `error`, with
-/// a message in the log.
+/// For functions of FMI that FMUs of mechanisms do not support: logs a message and returns `error`.
 inline Status unsupported(void* component, const char* function) noexcept {
   return guarded(component,
                  [&](Instance&) { throw std::runtime_error(std::string(function) + " is not supported"); });
@@ -69,8 +66,8 @@ inline std::string contents(const std::filesystem::path& file) {
   return {std::istreambuf_iterator<char>(in), {}};
 }
 
-/// Makes an instance from the files in the folder `resources`. If `token` is not the hash of these files, or
-/// if the instance cannot be made, logs the reason and returns null.
+/// Makes an instance from the files in the folder `resources`, whose hash must be `token`. If this fails,
+/// logs the reason and returns null.
 inline void* make_component(Kind kind, const char* token, const std::filesystem::path& resources,
                             std::function<void(Status, const char*)> log) noexcept {
   Component made{nullptr, std::move(log)};

@@ -6,12 +6,11 @@
 
 namespace axode {
 
-/// A step with contact, or one part of a step that was repeated in several parts: what ContactStepDerivative
-/// needs for its derivative, which are the states, the impulses, and which contacts slide and bounce.
+/// What the derivative of a substep with contact (a whole step, unless it was repeated in parts) needs: the
+/// states, the impulses, and which contacts slide and bounce.
 struct ContactPart {
   using Vector = Eigen::VectorXd;
-  /// The distance of a joint from a stop (rad or m) up to which the stop counts as closed at the end of a
-  /// step.
+  /// The distance of a joint from a stop (rad or m) up to which the stop is closed at the end of a step.
   static constexpr double near_stop = 1e-9;
   /// A floating base, and whether its centre of mass rests in its moving frame, see FloatingBases.
   struct Base {

@@ -8,8 +8,7 @@ namespace axode {
 
 void ContactRecord::clear() noexcept { contacts_.clear(); }
 
-/// Finds the entry with the key of a contact in the list of contact points, which is in the order of keys. If
-/// there is none, inserts one with the point, normal and gap of the contact.
+/// Finds the entry for a contact in a list sorted by keys, or inserts one with its point, normal and gap.
 ContactForce& ContactRecord::at(const Contact& contact) {
   const auto place = std::ranges::lower_bound(contacts_, contact.key, {}, &ContactForce::key);
   if (place != contacts_.end() && place->key == contact.key) return *place;

@@ -1,7 +1,6 @@
 #include "axode/integration/momenta/contact_step_derivative.hpp"
 
-/// The functions of ContactStepDerivative for the rows of the Jacobian by which contacts and loops act, and
-/// for the changes of these rows along directions.
+/// The part of ContactStepDerivative that differentiates the Jacobian of contacts and loops along directions.
 namespace axode {
 namespace {
 

@@ -11,10 +11,10 @@
 
 namespace axode {
 
-/// One step of a motion with contact (D11.12). First, impulses act at the start of the step: those for which
-/// gaps and loops are closed at its end and sticking contacts do not slide in its middle. Then follows the
-/// motion without contact, by the midpoint rule. Last, impulses at the end make the velocities obey the laws
-/// of contact, see ContactLaw.
+/// One step of a motion with contact (D11.12). First, impulses act at its start: those for which gaps and
+/// loops are closed at its end and sticking contacts do not slide in its middle. Then follows the motion
+/// without contact, by the midpoint rule. Last, impulses at its end make the velocities obey the laws of
+/// contact.
 class ContactStep {
  public:
   using Vector = Eigen::VectorXd;
@@ -23,27 +23,24 @@ class ContactStep {
   ContactStep(ContactSimulationRun& run, const Model& model, ContactShapes shapes, bool dry_friction);
 
   /// Computes the step of length h from (q_0, v_0) at time t, and sets the public members. A step that
-  /// violates the laws of contact by more than 1e-9, see certificate(), is repeated in 4, and then in 16
+  /// violates the laws of contact by more than 1e-9, relative to the motion, is repeated in 4, and then in 16
   /// parts. Allocates nothing, unless there are more than 64 contacts and more than ever before. Fails if the
   /// mass matrix is singular, a number is not finite, there are too many points of contact, or the caller's
   /// monitor ends the motion.
   Failure run(double t, double h, const Vector& q_0, const Vector& v_0);
 
-  /// Forgets the multipliers of earlier steps, which serve as first guesses. A motion after this call does
-  /// not depend on those before it.
+  /// Forgets the multipliers of earlier steps, so that the next motion does not depend on earlier ones.
   void restart() noexcept;
 
   Vector q, v;  ///< state at the end of the step
-  /// How far the impulses of the step are from the laws of contact, as a part of the motion: the largest
-  /// certificate() of its contact problems. If the iteration for the impulses at the start of the step does
-  /// not converge, it is at least the change of these impulses in the last iteration, relative to the motion.
+  /// The residual of the laws of contact in the step, relative to the motion. If the iteration for the
+  /// impulses at the start of the step does not converge, it is at least their relative change in the last
+  /// iteration.
   double certificate = 0;
   bool touched = false;  ///< whether an impulse acted
-  /// A displacement (m) by which the end of the step may be wrong, because a contact began to stick within
-  /// the step.
+  /// The displacement (m) by which the end of the step may be wrong because a contact began to stick in it.
   double unresolved = 0;
-  /// Whether run() stores in `kept` what a derivative of the step needs: one entry, or one for each part if
-  /// the step was repeated in parts.
+  /// Whether run() stores in `kept` what a derivative of the step needs, one entry for each part of the step.
   bool keep_parts = false;
   std::vector<ContactPart> kept;
   /// The points of contact at the end of the step, with the mean forces of the step.
@@ -63,8 +60,7 @@ class ContactStep {
         : system(model, rows, capacity, dry_friction), x(model.nv()), v(model.nv()) {}
     std::size_t rows() const { return system.problem().r.size(); }
   };
-  /// Multipliers of a contact at the start and at the end of a step, which are kept as first guesses for the
-  /// next step.
+  /// Multipliers of a contact at the start and at the end of a step, first guesses for the next step.
   struct Remembered {
     std::uint64_t key;
     std::array<std::array<double, LawBlock::most_rows>, 2> lambda;
@@ -75,14 +71,13 @@ class ContactStep {
   double reach(double h, const Vector& v_0);
   /// Iterates for the impulses at the start of the step and the free motion after them.
   Failure move(double t, double h, const Vector& q_0, const Vector& v_0, double margin);
-  /// How far the multipliers at the start are from the laws of contact after the last free motion, see
-  /// certificate() and set_r_of_start(). This number becomes small even where rounding errors keep moving the
-  /// multipliers, which friction may leave badly determined.
+  /// The residual of the laws of contact for the impulses at the start of the step, after the last iteration.
+  /// It becomes small even where friction leaves the impulses badly determined.
   double law_error();
   void set_compliances(double h);
   double unresolved_slip(double h) const;
-  /// Sets the right sides r of the contact problem at the start of the step from the gaps and velocities of
-  /// the last free motion. If `choose` is true, also decides which contacts slide.
+  /// Sets the right sides of the contact problem at the start of the step from the gaps and velocities of the
+  /// last motion without contact. If `choose` is true, also decides which contacts slide.
   void set_r_of_start(double h, bool choose);
   /// Finds the impulses at the end of the free motion, and the state after them.
   Failure land(double t, double h);
@@ -92,9 +87,9 @@ class ContactStep {
   bool overlaps(const Contact& contact) const;  ///< whether its gap is negative beyond rounding
   /// Moves q so that overlaps and loops are closed, by the displacement that moves the masses least (D11.15).
   Failure separate(double t, double h);
-  /// Solves a contact problem in the step that begins at time t: improves the multipliers lambda until they
-  /// obey the laws of contact to the tolerance, writes the remaining error, their certificate(), to e, and
-  /// sets hard_. Fails if the caller's monitor ends the motion.
+  /// Improves the multipliers lambda of a contact problem until they obey the laws of contact to the
+  /// tolerance, and writes the remaining residual to e. t is the time at which the step begins. Fails if the
+  /// caller's monitor ends the motion.
   Failure solve(double t, const VelocityProblem& problem, std::vector<double>& lambda, double tolerance,
                 double& e);
   void apply(End& end, const Vector& v, Vector& v_after);

@@ -13,8 +13,8 @@ using RowMajor = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::Ro
 
 std::size_t index(Eigen::Index k) { return static_cast<std::size_t>(k); }
 
-/// x has columns of changes along k directions, and then a column of changes along each multiplier. Replaces
-/// them by the k columns of total changes along the directions, along which the multipliers change by `by`.
+/// Applies the chain rule to x, which has columns of changes along k directions and then along each
+/// multiplier: x becomes the k total changes when the multipliers change by `by`.
 template <class M> void follow(M& x, const Matrix& by) {
   x = (x.leftCols(by.cols()) + x.rightCols(by.rows()) * by).eval();
 }
@@ -55,8 +55,8 @@ ContactStepDerivative::ContactStepDerivative(const Model& model, const ContactSh
       }
 }
 
-/// Differentiates the impulses at the start of a part of a step (D11.19). Matrices of changes have k columns
-/// along the directions, and then one along each multiplier of these impulses.
+/// Differentiates the impulses at the start of a substep (D11.19): columns of changes along k directions, and
+/// then one along each multiplier of these impulses.
 bool ContactStepDerivative::begin(const ContactPart& part, const Matrix& dq, const Matrix& dv,
                                   const ContactDirections& directions, Start& out) {
   const Eigen::Index nv = dq.rows(), k = dq.cols();
@@ -108,8 +108,8 @@ bool ContactStepDerivative::begin(const ContactPart& part, const Matrix& dq, con
   return true;
 }
 
-/// Computes the relative velocities at the contacts in the middle of the free motion and their changes. Their
-/// axes are those at the start, turned so that the first one is the normal in the middle.
+/// Computes the relative velocities at the contacts in the middle of the motion between impulses and their
+/// changes, in the axes of the start, turned so that the first one is the normal in the middle.
 bool ContactStepDerivative::take_slip(const ContactPart& part, const Start& start, const Flight& flight,
                                       Slip& out) {
   const int width = system_.contact_rows();
@@ -134,8 +134,8 @@ bool ContactStepDerivative::take_slip(const ContactPart& part, const Start& star
   return true;
 }
 
-/// Computes the velocities u at contacts, stops, dry joints and loops that must obey their laws together with
-/// the multipliers at the start (D11.13), and the changes du of u (D11.21).
+/// Computes the velocities u at contacts, stops, dry friction and loops that obey the laws of contact
+/// together with the impulses at the start of the step (D11.13), and the changes du of u (D11.21).
 bool ContactStepDerivative::take_start_velocities(const ContactPart& part, const Start& start,
                                                   const Flight& flight, const Slip& middle, Vector& u,
                                                   Matrix& du) {

@@ -15,9 +15,9 @@
 
 namespace axode {
 
-/// The directions along which a step with contact is differentiated: changes of drive forces and of the
-/// surfaces of shapes, a column for each of k directions. `tau` has nv rows. The other matrices have a row
-/// for each of the ContactShapes, or are empty if surfaces do not change.
+/// Directions for the derivative of a step with contact: changes of drive forces and of the surfaces of
+/// shapes, a column for each of k directions. `tau` has nv rows; the other matrices have a row for each
+/// shape, or are empty if surfaces do not change.
 struct ContactDirections {
   Eigen::MatrixXd tau;          ///< drive forces, nv × k
   Eigen::MatrixXd friction;     ///< coefficient of sliding friction
@@ -26,41 +26,37 @@ struct ContactDirections {
                                 ///< sphere, height of a plane
 };
 
-/// The derivative of a step with contact by implicit differentiation of its equations at their solution
-/// (D11.19 to D11.23), along k directions that are propagated together. Which contacts touch, stick, slide or
-/// bounce is taken as unchanged along the directions. An object is the scratch memory of one thread.
+/// The derivative of a step with contact along k directions, by implicit differentiation of its equations
+/// (D11.19 to D11.23). Which contacts touch, stick, slide or bounce is taken as unchanged. An object is the
+/// scratch memory of one thread.
 class ContactStepDerivative {
  public:
   using Vector = Eigen::VectorXd;
   using Matrix = Eigen::MatrixXd;
 
-  /// `dry_friction` and `damping` say whether the dry friction and the damping
-  /// of joints acted in the step. Allocates.
+  /// dry_friction and damping say whether those of joints acted in the step. Allocates.
   ContactStepDerivative(const Model& model, const ContactShapes& shapes, bool dry_friction, bool damping);
 
-  /// Replaces the changes dq, dv (nv × k) of the state at the start of a part of a step by the changes at its
-  /// end, along directions in which drive forces and surfaces may also change. dq is left-trivialised.
-  /// Returns false if the points of a contact have no formula that can be differentiated; then why() says
-  /// which. Allocates. It takes O(n k + nv² k + m³) for m scalar constraints by contacts, stops, dry joints
-  /// and loops.
+  /// Replaces the changes dq, dv (nv × k) of the state at the start of a substep by those at its end, along
+  /// directions in which drive forces and surfaces may also change. dq is left-trivialised. Returns false if
+  /// the points of a contact have no formula that can be differentiated; why() then says which. Allocates.
+  /// O(n k + nv² k + m³) for m scalar constraints by contacts, stops, dry friction and loops.
   bool run(const ContactPart& part, Matrix& dq, Matrix& dv, const ContactDirections& directions);
 
   const std::string& why() const { return why_; }
-  /// `unique` says whether every derivative so far exists, and `at_kink`
-  /// whether a contact, stop or dry joint was within rounding of the boundary
-  /// between two branches of its law, see ProblemDerivative.
+  /// Whether all derivatives so far exist, and whether a contact, stop or dry friction was within rounding of
+  /// the boundary between two branches of its law.
   bool unique = true, at_kink = false;
 
  private:
-  /// At a state (q, v): the mass matrix M, its factor, the derivative Mv_q of the momenta M v by q, and the
+  /// The mass matrix M at a state (q, v), its factor, the derivative Mv_q of the momenta M v by q, and the
   /// derivatives F_q and F_v of F = ∂L/∂q by q and v, with the kinetic energy L (nv × nv each).
   struct Momenta {
     Matrix M, Mv_q, F_q, F_v;
     Eigen::LLT<Matrix> factor;
   };
-  /// A floating base during a part of a step: the velocity u of its centre of
-  /// mass, with which its moving frame moves, and the changes du of u along the
-  /// directions.
+  /// A floating base in a substep: the velocity u of its centre of mass, which is that of its moving frame,
+  /// and the changes du of u along the directions.
   struct Base {
     int body;
     Eigen::Index first;
@@ -69,9 +65,9 @@ class ContactStepDerivative {
     Vec3<> u;
     Eigen::Matrix3Xd du;
   };
-  /// The contacts in one configuration and how they change along the directions. For each contact: its point,
-  /// normal and gap with their derivatives (ContactJet), whether it was found in this configuration, its
-  /// changes, its axes, and the changes of its axes.
+  /// The contacts in one configuration and their changes along the directions of differentiation. For each
+  /// contact: point, normal and gap with their derivatives, whether it was found, its changes, its axes, and
+  /// the changes of its axes.
   struct Rows {
     std::vector<ContactJet> jets = {};
     std::vector<char> found = {};
@@ -79,17 +75,16 @@ class ContactStepDerivative {
     std::vector<ContactFrame> axes = {};
     std::vector<FrameChanges> daxes = {};
   };
-  /// The impulses at one end of a part of a step: the Jacobian J of the constraints, whose rows belong to
-  /// contacts, stops, dry joints and loops; a factor c for each row, by which its multiplier is scaled; and
-  /// the multipliers. The joint impulses are Jᵀ physical().
+  /// The joint impulses Jᵀ physical() at one end of a substep: the Jacobian J of contacts, stops, dry
+  /// friction and loops, and for each of its rows a scale c of its multiplier and the scaled multiplier.
   struct Impulses {
     Matrix J;
     Vector c, lambda;  ///< λ in scaled rows
     Vector physical() const { return c.cwiseProduct(lambda); }
   };
 
-  /// The start of a part of a step. Matrices of changes have k columns along the directions, and then one
-  /// along each multiplier of the impulses at the start.
+  /// The start of a substep. Matrices of changes have k columns along the directions of differentiation, and
+  /// then one along each multiplier of the impulses.
   struct Start {
     Eigen::Index k = 0;
     Matrix dq, dv, dtau, friction;
@@ -101,8 +96,7 @@ class ContactStepDerivative {
     Vector u;  ///< velocities of the rows before the impulses
     Matrix du, du_rolling;
   };
-  /// Changes of q and v in the middle of the free motion, and of q and p at its
-  /// end.
+  /// Changes of q and v in the middle of the free motion, and of q and momenta p at its end.
   struct Flight {
     Matrix dq_m, dv_m, dq_1, dp_1;
   };
@@ -113,16 +107,14 @@ class ContactStepDerivative {
     Matrix du;
   };
 
-  /// The norm √(xᵀ M x) of velocities x; if x has several columns, the root of
-  /// the sum of their squared norms.
+  /// The norm √(xᵀ M x) of velocities x; for several columns, the root of the sum of their squared norms.
   static double mass_norm(const Matrix& M, const Matrix& x);
   void take_momenta(const Vector& q, const Vector& v, Momenta& out);
-  /// Finds the points, normals and gaps of contacts at the poses of motion_, and how they change along its
-  /// directions. `margin` is the gap up to which a contact is found. Returns false if a contact has no
-  /// formula that can be differentiated.
+  /// Finds the points, normals and gaps of contacts with gaps up to `margin`, and their changes along the
+  /// directions of motion_. Returns false if a contact has no formula that can be differentiated.
   bool find(const std::vector<Contact>& contacts, double margin, Rows& out);
-  /// Changes (rows × k) of the factors c by which the multipliers are scaled, if the coefficients of sliding
-  /// friction of the shapes change by `friction`. For a row of friction, c is the coefficient of friction.
+  /// Changes (rows × k) of the factors that scale the multipliers if the friction coefficients of the shapes
+  /// change by `friction`: multipliers of friction are scaled by the coefficient of friction.
   Matrix coefficient_changes(const std::vector<Contact>& contacts, Eigen::Index rows,
                              const Matrix& friction) const;
   /// Changes of the restitution of a contact (1 × k) by those of its shapes.
@@ -130,25 +122,22 @@ class ContactStepDerivative {
   void set_axes(const std::vector<Contact>& contacts, Rows& out);
   Impulses set_rows(const Vector& q, const std::vector<Contact>& contacts, double h, double stop_margin,
                     const std::vector<double>& lambda);
-  /// Changes (nv × k) of the joint impulses Jᵀ λ along the directions for constant multipliers λ =
-  /// `physical`; J is the Jacobian of the constraints.
+  /// Changes (nv × k) of Jᵀ λ along the directions for constant λ = `physical`, J the constraint Jacobian.
   Matrix impulse_changes(const Vector& q, const Rows& rows, const Vector& physical, const Matrix& dq);
-  /// Changes (rows × k) of J x along the directions for constant velocities x, with the Jacobian J of the
-  /// constraints; writes J x to `u`. motion_ must have run at (q, x).
+  /// Changes (rows × k) of J x along the directions for constant velocities x, J the constraint Jacobian;
+  /// writes J x to `u`. motion_ must have run at (q, x).
   Matrix velocity_changes(const Vector& q, const Vector& x, const Rows& rows, const Matrix& dq, Vector& u);
   void begin_bases(const ContactPart& part, const Vector& v_a, const Matrix& M, const Matrix& dq,
                    const Matrix& dp);
-  /// Changes (loop rows × k) of the velocities along the rows of the loops that the linear problem at the
-  /// start of the step predicts. They determine the impulses of rolling contacts, whose rows have no residual
-  /// in positions.
+  /// Changes along k directions of the predicted velocities in the loop constraints, which determine the
+  /// impulses of rolling contacts because these constrain velocities alone.
   Matrix rolling_changes(const ContactPart& part, const Rows& start, const Impulses& first, const Matrix& dp,
                          const Matrix& dq, const Matrix& dv);
   Matrix Ad_transpose(const Vector& y, Matrix x) const;
   Matrix dexp_transpose(const Vector& y, Matrix x) const;
   /// The derivatives of Ad_{exp y}ᵀ p or of dexp_yᵀ p by y.
   Matrix turn_of(const Vector& y, const Vector& p, bool Ad) const;
-  /// Velocities of the moving frames of floating bases at a time t after the
-  /// start of the part, as velocities of their joints (nv numbers).
+  /// Velocities (nv) of the moving frames of floating bases, as joint velocities, a time t after the start.
   Vector frame_velocity(double t) const;
   void add_frame_changes(double time, double of_place, double of_velocity, const Matrix& dq_moving,
                          Matrix* dq, Matrix* dv) const;

@@ -10,9 +10,7 @@ std::size_t index(Eigen::Index k) { return static_cast<std::size_t>(k); }
 
 }  // namespace
 
-/// Linearises the forces of compliant contacts at the start of the step. The mean force of a contact over the
-/// step is a function of its gap at the end of the step; the compliance of its tangent is taken at the gap
-/// after the last free motion (D11.26).
+/// Linearises the mean forces of compliant contacts over the step in their gaps at its end (D11.26).
 void ContactStep::set_compliances(double h) {
   // A softer contact converges as quickly with a compliance of this many times that of the masses.
   constexpr double softest = 1e3;
@@ -78,8 +76,8 @@ void ContactStep::set_r_of_start(double h, bool choose) {
     if (problem.moves(k)) set(k, openings_[k - first] / h - (system.has_residual(k) ? u[k] : 0));
 }
 
-/// The largest displacement (m) by which the end of the step may be wrong because a contact, which must have
-/// changed its sliding velocity by at least half, began to stick at an unknown time within the step.
+/// The largest displacement (m) by which the end of the step may be wrong because a contact began to stick at
+/// an unknown time within the step.
 double ContactStep::unresolved_slip(double h) const {
   double most = 0;
   const VelocityProblem& problem = start_.system.problem();

@@ -2,8 +2,7 @@
 #include "axode/dynamics/mass_matrix/mass_matrix.hpp"
 #include "axode/integration/momenta/contact_step_derivative.hpp"
 
-/// The functions of ContactStepDerivative for the changes of momenta, and of the free motion between the
-/// impulses of a step.
+/// The part of ContactStepDerivative for momenta and for the free motion between the impulses of a step.
 namespace axode {
 namespace {
 
@@ -64,8 +63,7 @@ Matrix ContactStepDerivative::turn_of(const Vector& y, const Vector& p, bool Ad)
   return by_y;
 }
 
-/// Sets up the floating bases of a part of a step: computes the velocity u of the moving frame of each base
-/// from its linear momentum, and the change of u from that of the momentum.
+/// Computes the velocity of the moving frame of each floating base from its linear momentum, and its changes.
 void ContactStepDerivative::begin_bases(const ContactPart& part, const Vector& v_a, const Matrix& M,
                                         const Matrix& dq, const Matrix& dp) {
   bases_.clear();
@@ -93,8 +91,8 @@ Vector ContactStepDerivative::frame_velocity(double t) const {
   return e;
 }
 
-/// Adds the changes of the moving frames at `time` after the start of the part: those of their positions,
-/// multiplied by of_place, to dq, and those of their velocities, multiplied by of_velocity, to dv.
+/// Adds the changes of the moving frames of floating bases at `time` after the start: those of their
+/// positions times of_place to dq, and those of their velocities times of_velocity to dv.
 void ContactStepDerivative::add_frame_changes(double time, double of_place, double of_velocity,
                                               const Matrix& dq_moving, Matrix* dq, Matrix* dv) const {
   const Vector e = frame_velocity(time);
@@ -127,10 +125,9 @@ Matrix ContactStepDerivative::rolling_changes(const ContactPart& part, const Row
   return du.bottomRows(model_.loops().rows);
 }
 
-/// Computes, in the middle of a part of a step, the derivatives f_q and f_v by q and v of the forces that
-/// change the momenta relative to the moving frames: ∂T/∂q - ad_vᵀ M v of the kinetic energy T, and the
-/// forces of gravity, springs and damping. Adds to df the changes of the spring forces by the motion of the
-/// frames.
+/// Computes, in the middle of a substep, the derivatives f_q and f_v by q and v of the forces ∂T/∂q - ad_vᵀ M
+/// v of the kinetic energy T plus gravity, springs and damping, relative to the moving frames of floating
+/// bases. Adds to df the changes of the spring forces by the motion of the frames.
 void ContactStepDerivative::take_forces(const ContactPart& part, const Momenta& at_m, const Vector& v_m,
                                         Matrix& f_q, Matrix& f_v, Matrix& df) {
   const double h = part.h;

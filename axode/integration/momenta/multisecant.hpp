@@ -7,8 +7,8 @@
 
 namespace axode {
 
-/// Accelerates a fixed-point iteration x ← g(x) by the secants of its last three steps (Anderson's method):
-/// the next x is the combination of the last values g for which the predicted residual g - x is least.
+/// Anderson acceleration of a fixed-point iteration x ← g(x) by the secants of its last three steps: the next
+/// x is the combination of the last values g for which the predicted residual g - x is least.
 class Multisecant {
  public:
   void reserve(std::size_t n) {
@@ -23,8 +23,8 @@ class Multisecant {
     filled_ = 0;
     has_step_ = false;
   }
-  /// Replaces g = g(x) by the next x. The norm of a residual g - x is that of its entries times `weights`.
-  /// All calls since restart() must have vectors of one size. Allocates nothing up to the size of reserve().
+  /// Replaces g = g(x) by the next x. Residuals are measured by the norm of their entries times `weights`.
+  /// All vectors since restart() have one size. Allocates nothing up to the size of reserve().
   void update(std::span<const double> x, std::span<const double> weights, std::span<double> g) {
     const std::size_t n = x.size();
     residual_.resize(n);
@@ -49,8 +49,7 @@ class Multisecant {
     for (std::size_t i = 0; i < a.size(); ++i) sum += a[i] * b[i];
     return sum;
   }
-  /// Puts the secant of the last step first, and makes the residual differences of older secants orthogonal
-  /// to those of newer ones.
+  /// Puts the last secant first, and makes the residual differences of all secants orthogonal.
   void add_secant(std::span<const double> g) {
     filled_ = std::min(filled_ + 1, depth);
     std::rotate(residuals_.begin(), residuals_.end() - 1, residuals_.end());

@@ -63,9 +63,8 @@ class ContactMotion {
   }
 
   /// Integrates in adaptive steps: computes each step as a whole and in two halves, and takes the halves if
-  /// both agree; otherwise tries a shorter step. A step that is not longer than `least` times the whole
-  /// motion is taken in any case: where the laws of contact have two solutions close together, the halves may
-  /// find another one than the whole step.
+  /// both agree; otherwise tries a shorter step. A step not longer than `least` times the whole motion is
+  /// always taken, because halves and whole may follow different solutions of the laws of contact.
   Trajectory within(const Tolerances& tolerances) {
     constexpr double first = 1e-3, least = 1e-9, order = 3;
     const double longest = tolerances.largest_step > 0 ? tolerances.largest_step : until_ / 50;
@@ -130,8 +129,7 @@ class ContactMotion {
     return {};
   }
   /// The error of a step as a multiple of the tolerances: the root mean square of the differences between the
-  /// whole step and its halves or, if it is larger, `unresolved`, an error by slip on which whole and halves
-  /// may agree.
+  /// whole step and its halves or, if larger, `unresolved`, an error by slip that whole and halves may share.
   double difference(const Computed& whole, const Computed& halves, double unresolved,
                     const Tolerances& tolerances) {
     const auto nv = static_cast<std::size_t>(whole.v.size());

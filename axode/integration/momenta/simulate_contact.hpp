@@ -4,9 +4,8 @@
 
 namespace axode {
 
-/// Simulates a motion with contact as simulate_contact() of simulation.hpp does, but with given collision
-/// shapes, for example convex hulls of meshes: `ContactShapes(model, hull_of_mesh)`. The shapes must be those
-/// of the model, otherwise std::invalid_argument is thrown.
+/// Simulates a motion with contact with given collision shapes, which may include convex hulls of meshes.
+/// Throws std::invalid_argument unless they are the shapes of the model.
 Trajectory simulate_contact(const Model& model, const ContactShapes& shapes, std::span<const double> q,
                             std::span<const double> v, double until, double step,
                             const SimulationOptions& options = {});
@@ -14,8 +13,8 @@ Trajectory simulate_contact(const Model& model, const ContactShapes& shapes, std
                             std::span<const double> v, double until, const Tolerances& tolerances,
                             const SimulationOptions& options = {});
 
-/// Throws std::invalid_argument if the model has something that steps with contact do not support (prescribed
-/// motions, drives with states, couplings with play), and if the shapes are not those of the model.
+/// Throws std::invalid_argument if the shapes are not those of the model, and for prescribed motions, drives
+/// with states and couplings with play.
 void check_contact(const Model& model, const ContactShapes& shapes);
 
 }  // namespace axode

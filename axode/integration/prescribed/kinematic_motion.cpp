@@ -23,8 +23,7 @@ constexpr double converged = 1e-13;
 constexpr int most_iterations = 12;
 /// The longest displacement of a joint in one step, rad or m.
 constexpr double longest = 0.5;
-/// Newton's method may correct a predicted displacement by at most this part of it; a larger correction would
-/// lead to another branch of configurations.
+/// The largest correction by Newton's method relative to the predicted displacement, to keep to a branch.
 constexpr double most_corrected = 0.2;
 /// The shortest step in time, relative to the whole time.
 constexpr double shortest = 1e-11;
@@ -68,8 +67,7 @@ class KinematicSolver {
     return false;
   }
 
-  /// Computes velocities, accelerations and jerks at a q that closes the loops and follows the motions
-  /// (D12.5).
+  /// Computes velocities, accelerations and jerks at a closed q that follows the prescribed motions (D12.5).
   void differentiate(Instant& at) {
     const Eigen::Index nv = model_.nv();
     Vector s_1 = Vector::Zero(rows_.size()), s_3 = s_1;
@@ -102,8 +100,8 @@ class KinematicSolver {
   Eigen::Index freedom() const { return freedom_; }
 
   /// Advances the state `at` to a later time t, in as many steps as needed. `whole` is the duration of the
-  /// whole motion. `monitor`, a function of the caller, is called before every step. Returns false if it
-  /// returns false or if t cannot be reached; `at` is then the last state that was reached.
+  /// motion; the caller's function `monitor` is called before every step. Returns false if it returns false
+  /// or if t cannot be reached; `at` is then the last state that was reached.
   bool go(double t, double whole, const std::function<bool()>& monitor, Instant& at) {
     double h = t - at.t;
     while (at.t < t) {

@@ -13,8 +13,7 @@ namespace {
 using Span = std::span<const double>;
 using Vector = std::vector<double>;
 
-/// The least value of Trapezoid::ramp. With a smaller one, the jumps of the acceleration would be taken as
-/// one with the start and the end of the motion.
+/// The shortest phase of acceleration, as a part of the whole duration, that a trajectory resolves.
 constexpr double shortest_ramp = 10 * StraightPath::resolution;
 
 /// A trapezoidal velocity profile: s rises from 0 to 1 as a function of u = t / duration, with constant
@@ -29,8 +28,7 @@ struct Trapezoid {
     ramp = std::max(velocity / acceleration / (length / velocity + velocity / acceleration), shortest_ramp);
     duration = length / velocity / (1 - ramp);
   }
-  /// Computes s and its derivatives by u. `side` is -1 for the acceleration before a jump at u, and 1 for the
-  /// acceleration after it.
+  /// Computes s and its derivatives by u. `side` is -1 for values before a jump at u, 1 for those after it.
   MotionValue at(double u, int side) const {
     const double most = 1 / (ramp * (1 - ramp)), from_end = 1 - u,
                  shifted = u + side * StraightPath::resolution;

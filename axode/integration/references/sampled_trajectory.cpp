@@ -31,8 +31,7 @@ void check_sample_times(Span t) {
   check_times(t);
 }
 
-/// The times t and configurations q of a motion, with the velocities v and accelerations a that are computed
-/// from them or given.
+/// The times t and configurations q of a motion, with given or computed velocities v and accelerations a.
 struct Samples {
   const Model& model;
   Span t;
@@ -81,9 +80,8 @@ void Samples::differentiate_by_splines() {
 }
 
 /// Computes v and a of the joints of several velocities from polynomials through neighbouring samples. Near
-/// sample k the motion is q = (q_k ⊕ (t - t_k) z) ⊕ x(t), where z is the mean velocity between two
-/// neighbouring samples and x(t) a polynomial with x(t_k) = 0. Hence v = z + x' and a = x'' - [x', z] at
-/// sample k.
+/// sample k the motion is q = (q_k ⊕ (t - t_k) z) ⊕ x(t), with the mean velocity z between two samples and a
+/// polynomial x(t) with x(t_k) = 0. Hence v = z + x' and a = x'' - [x', z] at sample k.
 void Samples::differentiate_on_group() {
   const ConfigurationGroup<double> group(model.tree<double>());
   if (group.commutes()) return;
@@ -137,8 +135,7 @@ Trajectory Samples::trajectory() const {
   return motion;
 }
 
-/// The joint with the name `of`, which a motion moves. Throws std::invalid_argument if the name is that of a
-/// rod or of a joint that is coupled to another one.
+/// The joint with the name `of`. Throws std::invalid_argument for rods and for joints coupled to others.
 const Joint& joint_of(const Model& model, const std::string& of) {
   const auto joint = std::ranges::find(model.joints(), of, &Joint::name);
   if (joint == model.joints().end())

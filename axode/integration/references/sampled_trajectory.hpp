@@ -4,20 +4,18 @@
 #include "axode/constraints/prescribed/prescribed_motion.hpp"
 #include "axode/integration/trajectory.hpp"
 
-/// Trajectories from samples or from functions of time, without a simulation, for controllers to follow.
-/// Their drive forces are 0.
+/// Trajectories from samples or from functions of time, for controllers to follow. Their drive forces are 0.
 namespace axode {
 
-/// Computes the motion through samples at K times t (s), two or more. q has a row of nq numbers for each
-/// time, v and a have a row of nv numbers for each time or are empty.
+/// Computes the motion through samples at two or more times t (s). q has a row of nq numbers for each time, v
+/// and a have a row of nv numbers for each time or are empty.
 ///
-/// If v is empty, a joint of one velocity follows the spline of degree 5 through its samples, as a prescribed
-/// motion of the kind `samples` does; whole turns of its angle count. At each sample of a spherical, planar
-/// or free joint, v and a are those of the polynomial of degree 5 through six neighbouring samples, in
-/// exponential coordinates relative to a motion with the mean velocity of one step; the joint turns by less
-/// than half a turn between two samples. If only a is empty, a is the derivative of the splines of degree 5
-/// through v. Trajectory::at() interpolates, and its v and a are the derivatives of its q. The errors are of
-/// order h⁶ in q, h⁵ in v and h⁴ in a for samples at distances h. O(K n).
+/// If v is empty, a joint of one velocity follows the spline of degree 5 through its samples, in which whole
+/// turns count. Joints of several velocities follow polynomials of degree 5 through six neighbouring samples,
+/// in exponential coordinates relative to a motion with constant velocity; they must turn by less than half a
+/// turn between two samples. If only a is empty, a is the derivative of the splines of degree 5 through v.
+/// Trajectory::at() interpolates q with errors of order h⁶ for samples at distances h, and v and a, its
+/// derivatives, with h⁵ and h⁴. O(n) for each time.
 ///
 /// Quaternions are normalised. Throws std::invalid_argument for fewer than two times, times that do not
 /// increase, wrong sizes, a without v, numbers that are not finite, and quaternions that are not of unit
@@ -27,9 +25,9 @@ Trajectory trajectory_from_samples(const Model& model, std::span<const double> t
 
 /// Computes the motion in which joints of one velocity follow functions of time: the prescribed motions of
 /// the model, and those in `motions`. All other joints rest at q, or at the initial state of the model if q
-/// is empty. The trajectory has states at the K times t (s), two or more, and where a derivative of a
-/// function jumps; between the states it is interpolated with an error of order h⁶ in q for steps of length
-/// h. Loops are not closed. O(K n).
+/// is empty. The trajectory has states at the two or more times t (s), and where a derivative of a function
+/// jumps; between them it is interpolated with an error of order h⁶ in q for steps of length h. Loops are not
+/// closed. O(n) for each time.
 ///
 /// Throws std::invalid_argument for fewer than two times, times that do not increase, a wrong size of q,
 /// numbers that are not finite, and quaternions that are not of unit norm; also for a motion of a rod, a

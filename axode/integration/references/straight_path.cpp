@@ -34,8 +34,7 @@ void check_within_limits(const Model& model, Span goal) {
 /// The number of steps of a trajectory without jumps.
 constexpr double fewest_steps = 50;
 
-/// The times of the states of a trajectory: the start, the times of jumps and the end, with equal steps in
-/// each interval between them; the whole duration has at least fewest_steps steps.
+/// The times of a trajectory: start, jumps and end, and equal steps in between, at least fewest_steps in all.
 Vector times_with(Vector jumps, double duration) {
   jumps.push_back(duration);
   std::ranges::sort(jumps);
@@ -51,7 +50,7 @@ Vector times_with(Vector jumps, double duration) {
 }
 
 /// Returns one limit for each velocity (nv), from nv limits or one for all. Throws std::invalid_argument with
-/// the `rule` unless all of them are positive and at most `most`.
+/// the text `rule` unless all of them are positive and at most `most`.
 Vector positive(const Model& model, const char* name, Span given, double most, const char* rule) {
   for (std::size_t k = 0; k < given.size(); ++k)
     if (!(given[k] > 0) || !(given[k] <= most))

@@ -9,10 +9,9 @@
 namespace axode {
 
 /// The path from a configuration `start` to a configuration `goal` on which every joint moves along its
-/// geodesic on the group: q = start ⊕ s X, where X is the displacement with start ⊕ X = goal, and each joint
-/// has a function s of time that rises from 0 to 1. Then v = s' X and a = s'' X, because the velocity of
-/// exp(s X) is s' X. The length of the path of a joint is the largest magnitude of its entries of X, and the
-/// distance that the joint has gone is s times this length.
+/// geodesic: q = start ⊕ s X, v = s' X and a = s'' X, where X is the displacement with start ⊕ X = goal, and
+/// each joint has a function s of time that rises from 0 to 1. The length of a joint's path is the largest
+/// magnitude of its entries of X, and the distance that it has gone is s times this length.
 class StraightPath {
  public:
   /// A joint that moves along the path.
@@ -22,32 +21,30 @@ class StraightPath {
   };
 
   /// Computes the path. Throws std::invalid_argument for wrong sizes, numbers that are not finite,
-  /// quaternions that are not of unit norm, and a goal outside the limits of the joints. The start may lie
-  /// outside the limits.
+  /// quaternions that are not of unit norm, and a goal outside the limits of the joints; the start may be
+  /// outside.
   StraightPath(const Model& model, std::span<const double> start, std::span<const double> goal);
 
   const Model& model() const { return model_; }
   /// The joints whose start and goal differ.
   std::span<const Joint> joints() const { return joints_; }
 
-  /// Converts limits on velocities, on accelerations or on jerks to limits on the same time derivative of the
-  /// distance along the path, one for each of joints(). `given` has one limit for each velocity, or one for
-  /// all, in rad or m per s, s² or s³. Throws std::invalid_argument unless the limits are positive and
-  /// finite; `name` is their name in the message.
+  /// Converts limits on velocities, accelerations or jerks to limits along the paths of joints(). `given` has
+  /// one limit for each velocity, or one for all, in rad or m per s, s² or s³; `name` names them in messages.
+  /// Throws std::invalid_argument unless they are positive and finite.
   std::vector<double> limits(const char* name, std::span<const double> given) const;
-  /// Converts velocity limits to limits on the velocity along the path, one for each of joints(). `given` has
-  /// one limit for each velocity, or one for all (rad/s or m/s), which may be infinite. If it is empty, the
-  /// limits of the model count, and must be above 0 for a joint that moves. Throws std::invalid_argument for
-  /// limits that are not positive.
+  /// Converts velocity limits to limits along the paths of joints(). `given` has one for each velocity, or
+  /// one for all (rad/s or m/s), which may be infinite; if empty, those of the model count, which must be
+  /// above 0 for joints that move. Throws std::invalid_argument for limits that are not positive.
   std::vector<double> velocity_limits(std::span<const double> given) const;
 
-  /// A function that writes the distance that each of joints() has gone along its path at a time from 0 to
-  /// the duration, with its first two derivatives. `side` is -1 for the values before a jump at this time,
-  /// and 1 for those after it.
+  /// A function that writes the distance of each of joints() along its path at a time t from 0 to the
+  /// duration, with its first two derivatives. `side` is -1 for the values before a jump at t, and 1 for
+  /// those after it.
   using Profile = std::function<void(double t, int side, std::span<MotionValue> distances)>;
   /// Computes the trajectory whose joints have the distances that `profile` writes. It has a state at each of
-  /// `jumps`, the times at which a second or third derivative jumps, and at least fifty steps. Between the
-  /// states it is exact if distances are polynomials of degree 5 there. If no joint moves it has one state.
+  /// `jumps`, the times at which a second or third derivative jumps, and at least fifty steps, between which
+  /// it is exact for distances that are polynomials of degree 5. If no joint moves it has one state.
   Trajectory follow(std::vector<double> jumps, double duration, const Profile& profile) const;
 
   /// Two jumps whose distance in time is less than this part of the duration are taken as one.

@@ -13,8 +13,7 @@
 namespace axode {
 
 /// A motion that is integrated in absolute coordinates: q are the poses of the bodies, and v and a their
-/// velocities and accelerations, see AbsoluteSystem. The trajectory contains the coordinates, velocities and
-/// accelerations of the joints.
+/// velocities and accelerations. The trajectory contains those of the joints.
 class AbsoluteSimulationRun {
  public:
   using Vector = std::vector<double>;
@@ -55,8 +54,8 @@ class AbsoluteSimulationRun {
   double step_end(double t_1) const { return run_.step_end(t_1); }
   void stop(const Failure& failure) { run_.stop(failure); }
   const EnergyNorm& norm() const { return norm_; }
-  /// The magnitude of the terms from which velocities are computed in a step of length h, against which
-  /// rounding errors are measured, see SimulationRun. v_t are the velocities of the bodies.
+  /// The magnitude of the terms from which a step of length h computes the bodies' velocities v_t: changes
+  /// that are small compared with it are rounding errors.
   double velocity_scale(const Vector& v_t, double h) const {
     return std::max(norm_.of_velocities(as_eigen(v_t)), run_.velocity_scale(h));
   }
@@ -64,9 +63,8 @@ class AbsoluteSimulationRun {
   // The schemes in absolute coordinates call the functions factorize() to take_closed().
   Failure factorize(double t, Span q_t) { return checked(t, bodies_.factorize(q_t)); }
   Failure factorize_with_rank(double t, Span q_t) { return checked(t, bodies_.factorize_with_rank(q_t)); }
-  /// Factorises the mass matrix and the constraints at q_t. Springs, dampers and drives act like added
-  /// inertia: if accelerations change by x in an implicit step, q changes by c_x x and v by c_v x, and their
-  /// forces change.
+  /// Factorises the mass matrix and the constraints at q_t, with the inertia that springs, dampers and drives
+  /// seem to add in an implicit step, in which a change x of accelerations changes q by c_x x and v by c_v x.
   Failure factorize(double t, Span q_t, Span v_t, double c_x, double c_v) {
     bodies_.to_joint_state(q_t, v_t, q_joints_, v_joints_);
     if (Failure failure = run_.joint_resistance(t, q_joints_, v_joints_, c_x, c_v, resistance_))
@@ -98,8 +96,8 @@ class AbsoluteSimulationRun {
     return finite(x_) ? Failure{} : Failure{t, "accelerations are not finite"};
   }
   /// Projects q_1 and v_1 at time t so that joints and loops are closed, by the displacement and the impulses
-  /// that are least in the norm of the mass matrix. Factorises the mass matrix and the constraints at the
-  /// result. Fails if the residual of positions stays above 1e-6.
+  /// that are least in the norm of the mass matrix. Fails if the residual of positions stays above 1e-6. Then
+  /// factorises the mass matrix and the constraints.
   Failure close(double t, Vector& q_1, Vector& v_1) {
     constexpr double closed = 1e-13, tolerable = 1e-6;
     double before = position_error(q_1);
@@ -121,8 +119,7 @@ class AbsoluteSimulationRun {
     as_eigen(v_1) += as_eigen(x_);
     return {};
   }
-  /// Projects the state at the end of a step and appends it to the trajectory. The dry friction of a joint
-  /// with the limit f is a force -f sign(v); a step does not end where this force jumps.
+  /// Projects the state at the end of a step onto closed joints and loops, and appends it to the trajectory.
   Failure take_up_to(double t_1, const StepEnd& end, const Attempt&) {
     Vector q_1(end.q.begin(), end.q.end()), v_1(end.v.begin(), end.v.end());
     if (Failure failure = close(t_1, q_1, v_1)) return failure;
@@ -131,8 +128,7 @@ class AbsoluteSimulationRun {
   }
   void begin_step() { weakest_row_ = 1; }
   double weakest_row() const { return weakest_row_; }
-  /// Appends the state at the end of a step to the trajectory without projection, for schemes that keep
-  /// joints and loops closed themselves.
+  /// Appends the state at the end of a step to the trajectory without projection onto closed joints.
   Failure take_closed(double t, Span q_end, Span v_end) {
     bodies_.to_joint_state(q_end, v_end, q_joints_, v_joints_);
     bodies_.set_reference_angles(q_joints_);
@@ -160,8 +156,8 @@ class AbsoluteSimulationRun {
     }
     return inertia;
   }
-  /// Computes in x_ the displacement, or the change of velocities, that removes the residuals in rows_ of the
-  /// constraints, in the directions of constraint forces.
+  /// Computes in x_ the displacement, or the change of velocities, in the directions of constraint forces
+  /// that removes the residuals rows_ of the constraints.
   void project() {
     as_eigen(rows_) *= -1;
     f_.assign(static_cast<std::size_t>(bodies_.nv()), 0.0);

@@ -5,9 +5,8 @@
 
 namespace axode {
 
-/// The free motion of the tree in a motion with contact, between the impulses of contacts, stops, dry joints
-/// and loops. Joint losses must be off in the options: damping acts if `damping` is true, and dry friction
-/// acts by impulses.
+/// The motion of a mechanism between the impulses of contacts, stops, dry friction and loops. Joint losses
+/// must be off in the options: damping acts if `damping` is true, and dry friction acts by impulses.
 class ContactSimulationRun : public MomentumSimulationRun {
  public:
   ContactSimulationRun(const Model& model, Span q_0, Span v_0, double until, const SimulationOptions& options,
@@ -36,9 +35,8 @@ class ContactSimulationRun : public MomentumSimulationRun {
   }
 
   /// Computes the free motion from (q_0, v_0) at time t over a step of length h by the midpoint rule (D8.5).
-  /// The momentum of a floating base, together with the impulse of gravity, is exact to rounding. q_end and
-  /// v_end have the state at the end of the motion, and q_middle the configuration in its middle; v_middle
-  /// has the velocities in the middle, which are taken as constant over the step.
+  /// Momenta of floating bases are exact to rounding under gravity. Writes the state at the end to q_end and
+  /// v_end, and the configuration and velocities in the middle to q_middle and v_middle.
   Failure fly(double t, double h, const Vector& q_0, const Vector& v_0) {
     FloatingBases& bases = this->bases();
     bases.restart(t, q_0.data(), v_0.data(), is_loaded());
@@ -70,8 +68,7 @@ class ContactSimulationRun : public MomentumSimulationRun {
     return {};
   }
 
-  /// Computes the momenta p = M v and the forces f = τ + ∂L/∂q with the Lagrangian L as MomentumSimulationRun
-  /// does, and subtracts the damping of the joints from f if damping acts.
+  /// Computes p = M v and the forces f = τ + ∂L/∂q, with the Lagrangian L, less damping if it acts.
   Failure partials(double t, const Vector& q_t, const Vector& v_t, Vector& p, Vector& f) {
     if (Failure failure = MomentumSimulationRun::partials(t, q_t, v_t, p, f)) return failure;
     if (damping_)
@@ -80,8 +77,8 @@ class ContactSimulationRun : public MomentumSimulationRun {
     return {};
   }
 
-  /// Appends the state at the end of a step to the trajectory. If a_t is empty, the accelerations of the
-  /// motion without contact are computed and appended.
+  /// Appends the state at the end of a step to the trajectory. If a_t is empty, computes the accelerations of
+  /// the motion without contact.
   Failure take_contact(double t, const Vector& q_t, const Vector& v_t, const Vector& a_t) {
     Span tau;
     if (Failure failure = joint_forces(t, as_span(q_t), as_span(v_t), tau)) return failure;

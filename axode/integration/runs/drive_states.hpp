@@ -9,8 +9,8 @@
 
 namespace axode {
 
-/// The states of the drives of a motion during its integration. Forces are evaluated with the states of the
-/// last act_at() or, in an implicit step, with those that the drives have at the end of the step.
+/// The states of the drives of a motion during its integration. Forces are evaluated with the states that
+/// act_at() has set or, in an implicit step, with those that the drives have at the end of the step.
 class DriveStates {
  public:
   using Vector = Eigen::VectorXd;
@@ -26,30 +26,26 @@ class DriveStates {
   const Vector& nominal() const { return nominal_; }
   std::vector<std::string> names() const;
 
-  /// Sets the states x and the statuses of the drives at the start of a motion, at time 0: x is `given` or,
-  /// if that is empty, chosen by the drives. Throws std::invalid_argument for a given x of a wrong size or
-  /// with a number that is not finite.
+  /// Sets the states x and the statuses of the drives at time 0, the start of a motion. If `given` is empty,
+  /// the drives choose x. Throws std::invalid_argument for a wrong size or a number that is not finite.
   void start(Span q, Span v, Span given);
   /// Sets the states with which forces are evaluated from now on, and ends an implicit step.
   void act_at(Span x_t);
-  /// Begins an implicit step of length h of the generalised-α method (D17.6). Until act_at(), the states in
-  /// every evaluation of forces at (q, v) are those that the drives would have if the step ended with this q
-  /// and v.
+  /// Begins an implicit step of length h of the generalised-α method (D17.6). Until act_at(), forces at any
+  /// (q, v) are evaluated with the states that the drives would have if the step ended there.
   void begin_implicit_step(double h, double spectral_radius);
   /// The states in the last evaluation of forces.
   Span states() const { return {x_t_.data(), size()}; }
-  /// accept_implicit_step() keeps the mean rates of the states that generalised-α has used in the step for
-  /// the next step. restart() replaces them by the present rates, after a jump.
+  /// accept_implicit_step() keeps generalised-α's mean rates of the states for the next step. restart()
+  /// replaces them by the present rates, after a jump.
   void accept_implicit_step();
   void restart() { mean_0_ = dx; }
-  /// Adds to by_q and by_v the derivatives of the drive forces by q and v, nv × nv each, at the last
-  /// evaluation. In an implicit step the states depend on q and v, which is taken into account (D17.7).
+  /// Adds the derivatives of the drive forces by q and v at the last evaluation to by_q and by_v (nv × nv).
+  /// In an implicit step they include the dependence of the drive states on q and v (D17.7).
   void add_force_derivatives(Span q, Span v, Eigen::Ref<Matrix> by_q, Eigen::Ref<Matrix> by_v);
-  /// Evaluates the drives at time t and state (q, v): adds their forces to tau (nv numbers), and computes
-  /// rates().
+  /// Evaluates the drives at time t and state (q, v): adds their forces to tau (nv), and computes rates().
   void add_forces(double t, Span q, Span v, std::span<double> tau);
-  /// Adds to tau (nv numbers) the forces of those drives that act along lines between two points, as the last
-  /// evaluation has found them. add_forces() adds them as well.
+  /// Adds to tau the last forces of drives along lines between two points, which add_forces() also adds.
   void add_line_forces(std::span<double> tau) const { system_.add_line_forces(tau); }
   /// The rates of the states in the last evaluation of forces.
   Span rates() const { return {dx_t_.data(), size()}; }
@@ -58,8 +54,7 @@ class DriveStates {
 
   double next_jump(double t) const { return system_.next_jump(t); }
   double least_margin(double t, Span q, Span v, Span x_t) { return system_.least_margin(t, q, v, x_t); }
-  /// Changes the inputs and statuses of drives that must change at time t in the present states, see
-  /// DriveSystem::switch_at(). Returns whether one did.
+  /// Applies jumps of inputs and changes of statuses that are due at time t. Returns whether there was one.
   bool switch_at(double t, Span q, Span v);
 
   Vector x, dx;  ///< present states and their rates

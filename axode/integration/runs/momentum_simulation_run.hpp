@@ -9,8 +9,8 @@
 
 namespace axode {
 
-/// A motion that is integrated in configurations q and momenta p = M v. The motion of floating bases is
-/// computed relative to frames that fall with gravity, see FloatingBases.
+/// A motion that is integrated in configurations q and momenta p = M v. Floating bases move relative to
+/// frames that fall with gravity.
 class MomentumSimulationRun : public SimulationRun {
  public:
   MomentumSimulationRun(const Model& model, Span q_0, Span v_0, double until,
@@ -30,8 +30,8 @@ class MomentumSimulationRun : public SimulationRun {
     momenta(model_, workspace_, Span(as_span(q_0)), as_span(v_0), as_span(p_0));
   }
 
-  /// Computes the momenta p = M v and the forces f = τ + ∂L/∂q, with the joint forces τ and the Lagrangian L,
-  /// at time t and a state (q_t, v_t) relative to the moving frames of the floating bases.
+  /// Computes the momenta p = M v and the forces f = τ + ∂L/∂q, with the Lagrangian L, at time t and a state
+  /// (q_t, v_t) relative to the moving frames of the floating bases.
   Failure partials(double t, const Vector& q_t, const Vector& v_t, Vector& p, Vector& f) {
     q_t_ = q_t;
     v_t_ = v_t;
@@ -62,8 +62,7 @@ class MomentumSimulationRun : public SimulationRun {
   Failure checked(double t, const Solvability& found) const {
     return found.ok() ? Failure{} : Failure{t, to_string(model_, found)};
   }
-  /// close() projects p onto momenta that keep the loops closed, and close_places() projects q onto closed
-  /// loops. Without loops they do nothing.
+  /// close() projects p onto momenta that keep the loops closed, close_places() projects q onto closed loops.
   Failure close(double t, const Vector& q_t, Vector& p) {
     return !loops_ || loops_->close_momenta(as_span(q_t), as_span(p)) ? Failure{} : Failure{t, open};
   }

@@ -5,15 +5,14 @@
 #include "axode/eigen.hpp"
 #include "axode/integration/runs/simulation_run.hpp"
 
-/// The functions of SimulationRun for steps that end where the play of a coupling reaches or leaves one of
-/// its ends (D16.18).
+/// The part of SimulationRun for steps that end where a play reaches or leaves one of its ends (D16.18).
 namespace axode {
 namespace {
 
 constexpr int upper = 1, lower = -1;
 
-/// The time of the minimum of a cubic in a step, as a fraction of the step from 0 to 1. g_0 and g_1 are the
-/// values of the cubic at both ends of the step, and d_0 and d_1 its rates times the length of the step.
+/// The time of the minimum of a cubic in a step, as a fraction of the step. g_0 and g_1 are its values at
+/// both ends, and d_0 and d_1 its rates there times the length of the step.
 double part_of_least(double g_0, double d_0, double g_1, double d_1) {
   const double c2 = 3 * (g_1 - g_0) - 2 * d_0 - d_1, c3 = 2 * (g_0 - g_1) + d_0 + d_1;
   const double root = std::sqrt(std::max(0.0, c2 * c2 - 3 * c3 * d_0));
@@ -23,8 +22,8 @@ double part_of_least(double g_0, double d_0, double g_1, double d_1) {
 
 }  // namespace
 
-/// Finds which plays are at an end when the motion starts. Throws std::invalid_argument if a play is beyond
-/// an end, and if joints have dry friction or gears with losses.
+/// Finds which couplings with play (backlash) are at an end of their play when the motion starts. Throws
+/// std::invalid_argument if one is beyond an end, and if joints have dry friction or gears with losses.
 void SimulationRun::start_plays() {
   if (friction_.active())
     throw std::invalid_argument(
@@ -62,8 +61,8 @@ void SimulationRun::engage_plays() {
   loops_->determine_rank(as_span(q));
 }
 
-/// Computes for each play, at a state, a number that becomes negative when the play must change, its reserve:
-/// the gap of a free play to the nearer end, and the force with which the end pushes for a play at an end.
+/// Computes for each play (backlash of a coupling) a number that becomes negative when the play must change:
+/// the gap to the nearer end if it is free, and the force with which the end pushes if it is at an end.
 Failure SimulationRun::reserves(double t, const StepEnd& end, std::vector<double>& out) {
   out.resize(plays_.size());
   if (plays_.any_at_an_end()) {
@@ -77,8 +76,8 @@ Failure SimulationRun::reserves(double t, const StepEnd& end, std::vector<double
   return {};
 }
 
-/// The time in a step at which the gap between a free play and an end is negative although it is positive at
-/// both ends of the step; t_1 if there is none. The gap in the step is taken as a cubic.
+/// The time in a step at which the gap between a free play (backlash) and an end, as a cubic in time, is
+/// negative although it is positive at both ends of the step; t_1 if there is none.
 double SimulationRun::time_of_dip(double t_1, const StepEnd& end) const {
   const double h = t_1 - now();
   for (std::size_t k = 0; k < plays_.size(); ++k)
@@ -97,9 +96,9 @@ double SimulationRun::time_of_dip(double t_1, const StepEnd& end) const {
   return t_1;
 }
 
-/// Shortens a step at whose end some play has changed, so that it ends just after the change: t_1 and `end`
-/// receive the new end of the step. `reserve` has the result of reserves() at the end of the step, before and
-/// after the call.
+/// Shortens a step in which a play (backlash) reaches or leaves an end, so that it ends just after this: t_1
+/// and `end` receive its new end, and `reserve` has for each play a number that is negative at the end if it
+/// has changed.
 Failure SimulationRun::find_change(double& t_1, StepEnd& end, const Attempt& attempt,
                                    std::vector<double>& reserve) {
   const double t_0 = now(), resolution = std::max(1e-13 * (t_1 - t_0), 1e-15 * t_1);
@@ -170,8 +169,7 @@ Failure SimulationRun::take_up_to_play(double t_1, StepEnd& end, const Attempt& 
   return change_plays(reserve);
 }
 
-/// Lets the plays whose number in `reserve` is negative change: a free play that moves outwards meets its
-/// end, and a play at an end becomes free.
+/// Changes plays with a negative `reserve`: a free one meets its end, and one at an end becomes free.
 Failure SimulationRun::change_plays(const std::vector<double>& reserve) {
   std::vector<std::size_t> reaching;  // a play that leaves its end now does not meet it again
   bool released = false;
@@ -197,8 +195,8 @@ Failure SimulationRun::change_plays(const std::vector<double>& reserve) {
   return {};
 }
 
-/// Computes the impact of play k on its lower or upper end (`side` -1 or 1). Ends only push: another play at
-/// an end that the impact would pull becomes free.
+/// Computes the impact of play (backlash) k on its lower or upper end (`side` -1 or 1). Another play at an
+/// end becomes free if the impact would pull there.
 void SimulationRun::meet_end(std::size_t k, int side) {
   const double speed = side * plays_.rate(k, as_span(v)), e = plays_.restitution(k, speed);
   plays_.set_side(k, side);

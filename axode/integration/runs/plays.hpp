@@ -8,9 +8,8 @@
 
 namespace axode {
 
-/// The couplings with play of a mechanism in a simulation. The play of a coupling is free, or it is at one of
-/// its two ends, where the coupling acts like one without play that pushes and does not pull, see (D16.18) of
-/// docs/derivations.
+/// The couplings of joints with play (backlash) in a simulation. A play is free or at one of its two ends,
+/// where the coupling acts like one without play that pushes and does not pull (D16.18).
 class Plays {
  public:
   using Span = std::span<const double>;
@@ -25,28 +24,24 @@ class Plays {
   void set_side(std::size_t k, int side) { side_[k] = side; }
   bool any_at_an_end() const;
 
-  /// The model for the present ends of all plays: a coupling whose play is at an end is one without play that
-  /// holds there. Its coordinates are those of the model with play. Each such model is built when its
-  /// combination of ends first occurs.
+  /// The model, in the same coordinates, in which couplings whose play is at an end hold there without play.
+  /// It is built when a combination of ends first occurs.
   const Model& engaged();
 
   /// deflection() is the signed distance δ = Σ factor q - offset of play k from its middle; rate() is δ'.
   double deflection(std::size_t k, Span q) const;
   double rate(std::size_t k, Span v) const;
   double half(std::size_t k) const { return plays()[k].play / 2; }
-  /// The coefficient of restitution if play k meets its end at the given speed: 0 if the speed is below the
-  /// mechanism's threshold for impacts.
+  /// The restitution if play k meets its end at a speed: 0 below the mechanism's threshold for impacts.
   double restitution(std::size_t k, double speed) const;
   /// The rounding error of the gap between play k and one of its ends; smaller gaps count as 0.
   double gap_resolution(std::size_t k, Span q) const;
-  /// The gap between play k and the end that is nearer, negative beyond it, plus the overshoot that is
-  /// allowed by allow_overshoot().
+  /// The gap between play k and its nearer end, negative beyond it, plus the overshoot of allow_overshoot().
   double gap(std::size_t k, Span q) const;
-  /// Allows each play to be as far beyond one of its ends as it is at q, because an event or the start of the
-  /// motion may leave it a little beyond. gap() is then not negative there.
+  /// Allows each play (backlash) to be as far beyond one of its ends as it is at q after an event or at the
+  /// start of a motion: gap() is then not negative there.
   void allow_overshoot(Span q);
-  /// Reduces the overshoot that allow_overshoot() has allowed for each play, if the play is less far beyond
-  /// its end at q.
+  /// Reduces the overshoot that is allowed for plays that are less far beyond their end at q.
   void reduce_overshoot(Span q);
 
  private:

@@ -19,9 +19,8 @@ double SimulationRun::value_at(const Event& event, double t) const {
   return event.value(t, as_span(q_t), as_span(v_t));
 }
 
-/// Divides the last step, which begins at time `before`, into parts in which no body turns by much more than
-/// a quarter turn, and returns the number of parts. In a longer part the function of an event that depends on
-/// an attitude could change its sign twice unnoticed.
+/// The number of parts of the last step, from time `before`, in which no body turns by much more than a
+/// quarter turn, so that no two changes of sign of an event function of an attitude are missed.
 int SimulationRun::parts_by_rotation(double before) {
   const double h = now() - before;
   const std::size_t k = trajectory.size() - 1;
@@ -34,9 +33,9 @@ int SimulationRun::parts_by_rotation(double before) {
   return static_cast<int>(std::clamp(std::ceil(h * fastest / (std::numbers::pi / 2)), 1.0, 1e9));
 }
 
-/// Finds the times in a part of the last step, from `before` to `after`, at which the value of event e
-/// changes sign. The value is `begin` at the start of the part and `end` at its end. There is one such time,
-/// or there are two if the rates of the value at both ends show that it approaches zero and returns.
+/// Finds the times between `before` and `after`, in the last step, at which the function of event e changes
+/// sign. Its values are `begin` and `end` there. There is one such time, or two if the rates of the function
+/// at both ends show that it approaches zero and returns.
 void SimulationRun::find_occurrences(std::size_t e, double before, double after, double begin, double end,
                                      std::vector<Trajectory::EventOccurrence>& met) const {
   const Event& event = options_.events[e];
@@ -73,8 +72,7 @@ void SimulationRun::find_occurrences(std::size_t e, double before, double after,
   }
 }
 
-/// Finds the events of the last step, which leads from time `before` to time `after`. At a terminal event the
-/// trajectory is shortened and ends.
+/// Finds the events of the last step, from `before` to `after`. A terminal event ends the trajectory.
 Failure SimulationRun::find_events(double before, double after) {
   const std::vector<double> next = values_at(after, as_span(q), as_span(v));
   std::vector<Trajectory::EventOccurrence> met;

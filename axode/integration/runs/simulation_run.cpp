@@ -85,8 +85,7 @@ SimulationRun::SimulationRun(const Model& model, Span q_0, Span v_0, double unti
   values_ = values_at(0, q_0, as_span(v));
 }
 
-/// Throws std::invalid_argument if a joint that follows a prescribed motion has dry friction or a gear with
-/// losses.
+/// Throws std::invalid_argument if a joint with a prescribed motion has dry friction or a gear with losses.
 void SimulationRun::check_friction_of_motions() const {
   if (!friction_.active()) return;
   for (const MotionRows::Row& row : loops_->motions().rows()) {
@@ -406,8 +405,8 @@ Failure SimulationRun::take_under_friction(double t_1, StepEnd& end, const Attem
 
 // Drives with states.
 
-/// If a status of a drive must change before t_1, shortens the step so that it ends just after this change:
-/// t_1 and `end` change. The time is found by regula falsi (Illinois) with bisections in between.
+/// Shortens a step in which a discrete status of a drive must change so that it ends just after the change:
+/// t_1 and `end` change. The time is found by regula falsi (Illinois) and bisection.
 Failure SimulationRun::end_at_switch(double& t_1, StepEnd& end, const Attempt& attempt) {
   if (drives_.empty()) return {};
   const auto margin = [&](double t) {

@@ -18,8 +18,8 @@
 
 namespace axode {
 
-/// The state at the end of a step: q, v and the accelerations a of the mechanism, and the states x and rates
-/// dx of its drives. a and dx are empty if the scheme does not compute accelerations.
+/// The state at the end of a step: q, v and the accelerations a, and the states x of the drives with their
+/// rates dx. a and dx are empty if the scheme does not compute accelerations.
 struct StepEnd {
   Eigen::VectorXd q, v, a = {}, x = {}, dx = {};
 };
@@ -27,9 +27,8 @@ struct StepEnd {
 /// begin_step(), or check_sticking(), which calls begin_step().
 using Attempt = std::function<Failure(double t_1, StepEnd& end)>;
 
-/// The part of an integration in joint coordinates that all schemes share. It has the trajectory so far and
-/// the present state, computes accelerations, and handles events, dry friction, drives with states and
-/// couplings with play.
+/// The part of a simulation in joint coordinates that all integration schemes share: trajectory and present
+/// state, accelerations, events, dry friction, drives with states, and couplings with play.
 class SimulationRun {
  public:
   using Vector = Eigen::VectorXd;
@@ -41,27 +40,25 @@ class SimulationRun {
   Failure accelerate(double t, Span q_t, Span v_t, std::span<double> a_t);
 
   /// Computes the residual r (nv numbers) of the equations of motion, which is 0 if a_t are the
-  /// accelerations: r = ID(q, v, a) - τ by inverse dynamics or, with loops, r = a - FD(q, v, τ) by forward
-  /// dynamics. The entries of r for velocities that stick by dry friction are those of a.
+  /// accelerations: ID(q, v, a) - τ by inverse dynamics or, with loops, a - FD(q, v, τ) by forward dynamics.
+  /// Its entries for velocities that stick by dry friction are those of a.
   Failure residual(double t, const Vector& q_t, const Vector& v_t, const Vector& a_t, Vector& r);
   double size_of_residual(const Vector& r) const {
     return loops_ ? norm_.of_velocities(r) : norm_.of_forces(r);
   }
-  /// Computes the derivatives dr of residual() by q, v and a, nv × nv each, without the contribution of
+  /// Computes the derivatives of residual() by q, v and a, nv × nv each, without those of
   /// SimulationOptions::drive.
   void residual_derivatives(const Vector& q_t, const Vector& v_t, const Vector& a_t,
                             const InverseDynamicsDerivatives<double>& dr);
   bool is_driven() const { return static_cast<bool>(options_.drive); }
-  /// The contribution of SimulationOptions::drive to residual() with the opposite sign: its forces τ or, with
-  /// loops, (∂a/∂τ) τ with ∂a/∂τ from the last residual_derivatives(). Entries for velocities that stick by
-  /// dry friction are 0.
+  /// The contribution of SimulationOptions::drive to -residual(): its forces τ or, with loops, (∂a/∂τ) τ with
+  /// ∂a/∂τ from the last residual_derivatives(). Entries for velocities that stick by dry friction are 0.
   Span drive(double t, const Vector& q_t, const Vector& v_t);
 
   const EnergyNorm& norm() const { return norm_; }
-  /// The magnitude of the terms from which velocities are computed in a step of length h: changes of
-  /// velocities that are small compared with it are rounding errors. The terms are the velocities themselves,
-  /// the changes by gravity and by the joint forces of the last evaluation, and a lower bound for a mechanism
-  /// at rest.
+  /// The magnitude of the terms from which a step of length h computes velocities (the velocities, their
+  /// changes by gravity and joint forces, and a lower bound at rest): much smaller changes are rounding
+  /// errors.
   double velocity_scale(const Vector& v_t, double h) const {
     return std::max(norm_.of_velocities(v_t), velocity_scale(h));
   }
@@ -71,27 +68,24 @@ class SimulationRun {
   /// The norm of velocities that change q, in a step of length h, by no more than the rounding error of q.
   double place_resolution(double h) const { return 1e-15 * places_ / std::abs(h); }
 
-  /// Takes the step to t_1, or to an earlier time: that at which a joint comes to rest or begins to slide
-  /// under dry friction, a status of a drive changes, or a play reaches or leaves one of its ends. Before the
-  /// call, `attempt` must have computed `end` at t_1, under the present directions of friction, statuses and
-  /// plays.
+  /// Takes the step to t_1, or to an earlier time at which a joint comes to rest or begins to slide under dry
+  /// friction, the law of a drive changes to another branch, or a play (backlash) reaches or leaves an end.
+  /// Before the call, `attempt` must have computed `end` at t_1.
   Failure take_up_to(double t_1, StepEnd& end, const Attempt& attempt);
   /// Prepares an attempt at a step: resets the violation of dry friction and weakest_row().
   void begin_step();
   /// The least LoopSystem::weakest_row() of all accelerations that were computed since begin_step().
   double weakest_row() const { return weakest_row_; }
-  /// Whether dry friction, a drive or a play changed at the end of the last step, so that accelerations jump
-  /// there.
+  /// Whether accelerations jumped at the end of the last step, by dry friction, a drive or a play.
   bool accelerations_jumped() const { return accelerations_jumped_; }
-  /// Computes the accelerations at the end of a step if joints stick, so that DryFriction::violation() says
-  /// whether friction can hold them. For schemes that do not compute accelerations there.
+  /// For schemes without accelerations at the end of a step: computes them there if joints stick, so that
+  /// DryFriction::violation() says whether friction can hold the joints.
   Failure check_sticking(double t, const StepEnd& end);
 
-  /// Accepts the state at the end of a step, and appends it to the trajectory. Projects the state so that
-  /// loops are closed again. Accelerations are computed if the scheme has not computed them.
+  /// Projects the state at the end of a step onto closed loops, computes its accelerations unless the scheme
+  /// has done so, and appends it to the trajectory.
   Failure take(double t, const StepEnd& end);
-  /// Appends the state at the end of a step to the trajectory without projection, for schemes that keep loops
-  /// closed themselves.
+  /// Appends the state at the end of a step to the trajectory without projection onto closed loops.
   Failure take_closed(double t, Span q_end, Span v_end);
   /// Calls the monitor of the options with a time t (s). Fails if it returns false.
   Failure interruption(double t) const;
@@ -103,8 +97,7 @@ class SimulationRun {
   Failure forces_changed();
   bool done() const { return trajectory.size() == 0 || ended_ || !trajectory.complete || now() >= until_; }
   double now() const { return trajectory.t().back(); }
-  /// The time at which a step that would end at t_1 has to end, because a prescribed motion or an input of a
-  /// drive jumps there.
+  /// The time up to t_1 at which a step has to end: t_1, or a jump of a prescribed motion or a drive's input.
   double step_end(double t_1) const {
     const double t = std::min(t_1, drives_.next_jump(now()));
     return loops_ ? std::min(t, loops_->motions().next_jump(now())) : t;
@@ -115,13 +108,11 @@ class SimulationRun {
   const Tree<double>& tree() const { return model_.tree<double>(); }
   LocalCoordinates local_coordinates() const { return options_.local_coordinates; }
   ConfigurationGroup<double> group() const { return ConfigurationGroup<double>(tree(), local_coordinates()); }
-  /// Computes the joint forces tau (nv numbers) at a time and state: the sum of drive forces, spring forces
-  /// and, if there is dry friction, losses.
+  /// Computes the sum tau (nv) of drive forces, spring forces and, with dry friction, losses of joints.
   Failure joint_forces(double t, Span q_t, Span v_t, Span& tau);
-  /// Computes the inertia that springs, dampers and SimulationOptions::drive seem to add in an implicit step,
-  /// one number for each velocity: if an acceleration changes by x, the coordinate changes by c_x x and the
-  /// velocity by c_v x, and their forces oppose this change. Derivatives of the drive are difference
-  /// quotients, and negative entries are set to 0.
+  /// Computes for each velocity the inertia that springs, dampers and SimulationOptions::drive seem to add in
+  /// an implicit step, where a change x of an acceleration changes the coordinate by c_x x and the velocity
+  /// by c_v x. Derivatives of the drive are difference quotients, and negative entries are set to 0.
   Failure joint_resistance(double t, Span q_t, Span v_t, double c_x, double c_v, std::vector<double>& out);
   Loads<double> loads() const { return {loads_, options_.joint_losses && !friction_.active()}; }
 
@@ -132,8 +123,7 @@ class SimulationRun {
   using SquareMatrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
   static constexpr const char* open = "the loops do not stay closed; use a shorter step";
 
-  /// Appends the state at the end of a step to the trajectory without projection, finds the events of the
-  /// step and calls the monitor.
+  /// Appends the state at the end of a step to the trajectory, finds its events and calls the monitor.
   Failure record(double t, StepEnd end);
   /// Computes the sum of drive forces, spring forces and, if there is dry friction, losses.
   Span joint_force_sum(Span q_t, Span v_t);
@@ -157,9 +147,8 @@ class SimulationRun {
   std::vector<AppliedWrench<>> loads_;  ///< loads at the state of the last evaluation
 
  private:
-  /// The motion ends if more than most_short_steps consecutive steps end early and are shorter than
-  /// short_part of what was attempted: friction, drives or plays then change faster than they can be
-  /// followed.
+  /// The motion ends after most_short_steps consecutive steps that end early and are shorter than short_part
+  /// of what was attempted: friction, drives or plays then change too fast to be followed.
   static constexpr int most_short_steps = 1000;
   static constexpr double short_part = 1e-9;
 

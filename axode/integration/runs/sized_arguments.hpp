@@ -5,8 +5,7 @@
 
 namespace axode {
 
-/// An argument or a result of a function: its name, its numbers, the size that it must have, and what this
-/// size is in words.
+/// An argument or a result of a function: its name, its numbers, and its required size with that in words.
 template <class T> struct Sized {
   const char* name;
   std::span<T> x;
@@ -14,8 +13,8 @@ template <class T> struct Sized {
   const char* meaning;
 };
 
-/// Throws std::invalid_argument unless the arguments and results of a call have their sizes, and no result
-/// overlaps an argument or another result.
+/// Throws std::invalid_argument unless all arguments and results have their sizes, and no result overlaps
+/// another one or an argument.
 inline void check_sizes(std::initializer_list<Sized<const double>> arguments,
                         std::initializer_list<Sized<double>> results) {
   for (const auto& in : arguments) check_size(in.name, in.x.size(), in.size, in.meaning);

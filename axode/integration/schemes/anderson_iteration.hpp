@@ -23,9 +23,8 @@ inline constexpr const char* no_convergence =
     "the iteration of the step did not converge; try a shorter step";
 
 /// Anderson acceleration of a fixed-point iteration x += dx(x), such as Newton's method with an approximate
-/// matrix. The next x is the combination of the results x + dx of the last steps for which the predicted dx
-/// is least. The iteration converges even if the matrix has the wrong sign in a few directions, which may
-/// happen if branches of the motion meet within a step.
+/// matrix: the next x is the combination of the results x + dx of the last steps for which the predicted dx
+/// is least. The iteration converges even if the matrix has the wrong sign in a few directions.
 class AndersonIteration {
  public:
   using Vector = Eigen::VectorXd;
@@ -36,14 +35,13 @@ class AndersonIteration {
     Eigen::Ref<const Vector> dx;
   };
 
-  /// `norm` is the norm in which update() measures the first part of x, which must consist of velocities or
-  /// accelerations.
+  /// `norm` measures the first part of x, which must consist of velocities or accelerations.
   explicit AndersonIteration(const EnergyNorm& norm) : norm_(&norm) {}
 
   /// Takes a step of the iteration: x and dx are given in parts, and the next x replaces x. The iteration has
   /// converged if the first part of dx is a rounding error compared with `size`. If dx does not halve within
-  /// four steps, the iteration has also converged, to the x with the least dx, provided that this dx is small
-  /// and that is_rounding(), a function of the caller, returns true because dx consists of rounding errors.
+  /// four steps but is small, and is_rounding() returns true because dx consists of rounding errors, it has
+  /// also converged, to the x with the least dx.
   template <class F> Status update(double size, std::initializer_list<Part> parts, const F& is_rounding) {
     constexpr double rounding = 2e-14, noisy = 1e-10, ill_conditioned = 1e-7;
     constexpr int most = 60, patience = 4;

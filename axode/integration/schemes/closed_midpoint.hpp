@@ -9,13 +9,13 @@
 
 namespace axode {
 
-/// A step of the midpoint rule between two impulses of the loops, one at each end of the step (D8.7). With
-/// the residuals r(q) of the loops, their Jacobian R, r' = R v, multipliers λ, and the step length h,
+/// A step of the midpoint rule between two impulses that close loops, one at each end of the step (D8.7).
+/// With the residuals r(q) of the loops, their Jacobian R, multipliers λ, and the step length h,
 ///   p_0⁺ = p_0 + h/2 R(q_0)ᵀ λ,   (q_1, p_1⁻) = midpoint step of (q_0, p_0⁺),   r(q_1) = 0.
-/// After the step the System projects p_1 = p_1⁻ + R(q_1)ᵀ μ so that R M⁻¹ p_1 = 0. With this projection the
-/// step is symmetric, of second order, and symplectic on the closed configurations if the midpoint rule is.
-/// Newton's matrix is made of M and R at the predicted middle of the step. A System has the functions that
-/// Midpoint requires, and checked(t, solvability).
+/// After the step the caller projects p_1 = p_1⁻ + R(q_1)ᵀ μ so that R M⁻¹ p_1 = 0. Then the method is
+/// symmetric, of second order, and symplectic on the closed configurations if the midpoint rule is. Newton's
+/// matrix is made of M and R at the predicted middle of the step. System is the class of the mechanism, as
+/// for Midpoint, with checked(t, solvability), which fails if a matrix is singular.
 template <class System> class ClosedMidpoint {
  public:
   using Vector = Eigen::VectorXd;
@@ -40,8 +40,8 @@ template <class System> class ClosedMidpoint {
         momenta_(model.nv()),
         r_(model.nv()) {}
 
-  /// Computes the step from (q0, p0) at time t over h, which may be negative; v must contain a first guess.
-  /// Loops must be closed at q0. The results are in the public members.
+  /// Computes the step from (q0, p0), where loops are closed, at time t over h, which may be negative. v must
+  /// contain a first guess. The results are in the public members.
   Failure run(double t, double h, const Vector& q0, const Vector& p0) {
     LoopSystem<double>&ends = ends_.system(model_), &middle = middle_.system(model_);
     constexpr auto places = ConstraintLevel::position;

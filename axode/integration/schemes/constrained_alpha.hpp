@@ -9,22 +9,22 @@
 namespace axode {
 
 /// A step of generalised-α under constraints, on a group with constant mass matrix M (Arnold, Brüls). Φ are
-/// the residuals of joints and loops, B is their Jacobian, λ are the multipliers, and f the forces. With â, β
-/// and c of AlphaMeans, which gives v_1 and x for a_1, and q_1 = q_0 ⊕ x, the equations of the step are
+/// the residuals of joints and loops, B is their Jacobian, λ are the multipliers, and f the forces. With the
+/// mean accelerations â, the parameter β, c = (1 - α_f)/(1 - α_m), and v_1 and x of the unconstrained method,
+/// the equations of the step to q_1 = q_0 ⊕ x are
 ///   M a_1 = f(q_1, v_1) + ad_{v_1}ᵀ M v_1 + B_1ᵀ λ,   Φ(q_1) = 0                    (index 3)
 /// or, stabilised to index 2, with multipliers η of positions, also B_1 v_1 = 0:
 ///   x = h v_0 + h² ((1/2 - β) â_0 + β â_1 + β c M⁻¹ Bᵀ η).
-/// Nonholonomic constraints with the Jacobian N, which have no residual, are imposed as N v_1 = 0 in both
-/// forms, and also on the displacement by η. Newton's matrix consists of M and B at the predicted end of the
-/// step, where M contains the added inertia by which springs, dampers and drives resist a change of a_1, also
-/// in the term c M⁻¹ Bᵀ η. A System has the functions that Rattle requires, and factorize(t, q, v, c_x, c_v),
-/// which takes this added inertia into account.
+/// Nonholonomic constraints with the Jacobian N are imposed as N v_1 = 0 in both forms, and also on the
+/// displacement by η. Newton's matrix consists of M and B at the predicted end of the step, where M includes,
+/// also in the term c M⁻¹ Bᵀ η, the inertia that springs, dampers and drives seem to add. System is the class
+/// of the mechanism, as for Rattle, with factorize(t, q, v, c_x, c_v) for this matrix.
 template <class System> class ConstrainedAlpha {
  public:
   using Vector = std::vector<double>;
 
-  /// Starts at the state (q_0, v_0) with the acceleration a_0 and multipliers lambda_0, at which
-  /// factorize_with_rank() of the system must have been called.
+  /// Starts at the state (q_0, v_0), where factorize_with_rank() of the system must have been called, with
+  /// the acceleration a_0 and multipliers lambda_0.
   ConstrainedAlpha(System& system, double spectral_radius, bool stabilized, const Vector& q_0,
                    const Vector& v_0, const Vector& a_0, const Vector& lambda_0)
       : q(q_0),
@@ -88,7 +88,7 @@ template <class System> class ConstrainedAlpha {
 
  private:
   /// Computes q, v and the mean acceleration at the end of the step from the acceleration a_1_ and from
-  /// moved_, M⁻¹ Bᵀ η in the equation for x.
+  /// moved_, the displacement M⁻¹ Bᵀ η by multipliers η of the position constraints with the Jacobian B.
   void end_with(double h) {
     v_1_.resize(v.size());
     Eigen::Map<Eigen::VectorXd> v_1 = as_eigen(v_1_);

@@ -8,10 +8,9 @@
 
 namespace axode {
 
-/// A norm of velocities with different units (rad/s, m/s) by their energies: |v| = √Σ m_c v_c², where m_c
-/// bounds the inertia M_cc of velocity c; and the dual norm |p| = √Σ p_c²/m_c of momenta and forces. |M v| is
-/// of the size of |v|, so that the sides of an equation can be compared independently of units. Velocities
-/// without inertia are ignored.
+/// A norm of velocities with different units (rad/s, m/s) by their energies, |v| = √Σ m_c v_c², where m_c
+/// bounds the inertia M_cc of velocity c; and the dual norm |p| = √Σ p_c²/m_c of momenta and forces, for
+/// which |M v| is of the size of |v|. Velocities without inertia are ignored.
 class EnergyNorm {
  public:
   using Vector = Eigen::VectorXd;
@@ -42,13 +41,12 @@ class EnergyNorm {
   }
   /// The weights √m_c of the velocities.
   const Vector& weights() const { return root_; }
-  /// The value of velocity c for which the norm is `size` if all other velocities are 0. For a velocity
-  /// without inertia it is the value for the velocity with the largest inertia.
+  /// The value of velocity c whose norm is `size` if all others are 0. A velocity without inertia counts like
+  /// that with the largest inertia.
   double alone(Eigen::Index c, double size) const {
     return size / (root_[c] > 0 ? root_[c] : root_.maxCoeff());
   }
-  /// A small change of velocity c, whose value is v_c, for difference quotients. `size` is the norm of all
-  /// velocities.
+  /// A small change of velocity c, now v_c, for difference quotients. `size` is the norm of all velocities.
   double increment(Eigen::Index c, double v_c, double size) const {
     return 1e-7 * std::max(std::abs(v_c), alone(c, size));
   }

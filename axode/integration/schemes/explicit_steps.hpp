@@ -8,21 +8,21 @@
 #include "axode/integration/schemes/anderson_iteration.hpp"
 #include "axode/integration/schemes/munthe_kaas.hpp"
 
-/// Loops over the steps of explicit methods. The argument `run` is a simulation, such as a SimulationRun: it
-/// has the present q, v and a on the group of tree(), computes accelerations by accelerate(), and accepts the
-/// end of a step by take_up_to().
+/// Loops over the steps of explicit methods. The argument `run` is a simulation, such as a SimulationRun,
+/// with the present q, v and a, accelerate() for accelerations, and take_up_to(), which accepts the end of a
+/// step.
 namespace axode {
 
-/// Takes steps of equal length from time 0 to `until`; the last one may be shorter. take(t_1) computes the
-/// step to t_1; if it fails, the motion ends.
+/// Takes equal steps from time 0 to `until`; the last one may be shorter. take(t_1) computes the step to t_1;
+/// if it fails, the motion ends.
 template <class Run, class Take> void each_step(Run& run, double until, double step, const Take& take) {
   const double whole = std::ceil(until / step - 1e-9);
   for (double k = 1; k <= whole && !run.done(); ++k)
     if (Failure failure = take(k == whole ? until : k * step)) run.stop(failure);
 }
 
-/// Advances the motion to t_1, in several steps if friction, drives or plays change in between, or if a
-/// motion or an input jumps. `attempt` computes a step, and after() is called after each step.
+/// Advances the motion to t_1, in several steps if friction, drives or plays change, or if a prescribed
+/// motion or an input jumps, in between. `attempt` computes a step, and after() is called after each step.
 template <class Run, class After>
 Failure take_until(Run& run, double t_1, StepEnd& end, const Attempt& attempt, const After& after) {
   while (run.now() < t_1 && !run.done()) {
@@ -76,10 +76,10 @@ template <class Run> void take_steps(Run& run, double until, double step, const 
   each_step(run, until, step, [&](double t_1) { return take_until(run, t_1, end, attempt, [] {}); });
 }
 
-/// If a drive force is discontinuous at a state where the motion stays, for example -sign(v) at rest,
-/// adaptive steps become ever shorter. The motion therefore ends if `stall_window` attempts advance it by
-/// less than `stall_step` (s) each on average, and more than `stall_ratio` times as many would be needed to
-/// the end.
+/// Limits of stalling: where a drive force is discontinuous at a state where the motion stays, for example
+/// -sign(v) at rest, steps become ever shorter. The motion ends if `stall_window` attempts advance it by less
+/// than `stall_step` (s) each on average, and more than `stall_ratio` times as many would be needed to the
+/// end.
 inline constexpr int stall_window = 10'000;
 inline constexpr double stall_ratio = 1e5, stall_step = 1e-9;
 inline constexpr const char* jumps =
@@ -87,12 +87,11 @@ inline constexpr const char* jumps =
     "without bound; use a method of fixed steps (rk4), and give dry friction as a joint property that "
     "joint_losses counts";
 
-/// In configurations where branches of a motion meet, rows of the Jacobian of the loops are linearly
-/// dependent, and near such a configuration they are nearly so. The accelerations there are those of a
-/// mechanism with more degrees of freedom. The error estimate then shows a jump that the motion does not
-/// have, and shorter steps do not help. Hence up to `most_passing` consecutive steps with nearly dependent
-/// rows keep the step length and ignore their error estimate. An attempt with weakest_row() below `too_weak`
-/// is repeated up to `most_shortened` times, each time with a step that is shorter by the factor `shortened`.
+/// Limits near singular configurations, where branches of a motion meet and the rows of the Jacobian of the
+/// loops are linearly dependent, so that the error estimate shows a jump that the motion does not have. Up to
+/// `most_passing` consecutive steps with nearly dependent rows ignore it. A step whose distance from
+/// dependence is below `too_weak` is tried up to `most_shortened` times more, each time shorter by the factor
+/// `shortened`.
 inline constexpr int most_passing = 20, most_shortened = 6;
 inline constexpr double too_weak = 1e-6, shortened = 0.85;
 

@@ -10,13 +10,12 @@
 namespace axode {
 
 /// The floating bases of a mechanism for schemes on (q, p): the root bodies on a free joint without armature,
-/// damping and friction whose subtrees no loop connects to other bodies. The state y of a floating base is
-/// the spatial momentum Π^s of its subtree, instead of the momentum p of its joint. It is taken in a moving
-/// frame, which does not rotate and falls with the gravity g, so that gravity vanishes there. If no wrench is
-/// applied, the frame also moves with the velocity that the centre of mass has at the start: then the linear
-/// momentum is 0 and the centre of mass is constant. Hence every scheme keeps the linear momentum, and the
-/// angular momentum about the centre of mass, of a subtree without applied wrenches exact to rounding. Π^s
-/// advances by (D5.6), and the moving frame is (D5.7).
+/// damping and friction whose subtrees no loop connects to other bodies. Instead of the momentum p of its
+/// joint, a floating base has the state y, the spatial momentum Π^s of its subtree in a moving frame, which
+/// does not rotate and falls with gravity. If no wrench is applied, the frame also moves with the initial
+/// velocity of the centre of mass, so that the linear momentum is 0 and the centre of mass is constant. Hence
+/// every scheme keeps the linear momentum, and the angular momentum about the centre of mass, exact to
+/// rounding if no wrench is applied. Π^s advances by (D5.6), and the moving frame is (D5.7).
 class FloatingBases {
  public:
   FloatingBases(const Model& model, const double* q, const double* v, bool wrenches)
@@ -34,8 +33,7 @@ class FloatingBases {
     });
     restart(0, q, v, wrenches);
   }
-  /// Lets the moving frames coincide with the inertial frame at time t and state (q, v). `wrenches` says
-  /// whether wrenches are applied to the mechanism.
+  /// Lets the moving frames coincide with the inertial frame at time t. wrenches: whether wrenches act.
   void restart(double t, const double* q, const double* v, bool wrenches) {
     begin_ = t;
     kernel_->run(*tree_, q);
@@ -48,8 +46,7 @@ class FloatingBases {
   }
   /// The gravity (m/s²) that acts on each root body and its subtree, indexed by bodies: 0 for floating bases.
   std::span<const Vec3<>> gravity() const { return gravity_; }
-  /// Calls f(body, constant) for each floating base, where `constant` says whether its centre of mass rests
-  /// in its moving frame.
+  /// Calls f(body, constant) for each floating base; constant: whether its centre of mass rests in its frame.
   template <class F> void each(const F& f) const {
     for (const Root& root : roots_) f(root.body, root.constant);
   }
@@ -67,8 +64,7 @@ class FloatingBases {
   void from_moving_frame(double t, double* q, double* v) const { add(1, t, q, v); }
 
   // In the functions begin() to restore_centers(), q, p and y are relative to the moving frames.
-  /// Converts the states of the floating bases in y from joint momenta p, which y must contain, to spatial
-  /// momenta.
+  /// Converts the states of the floating bases in y from joint momenta to spatial momenta.
   void begin(const double* q, double* y) const {
     for (const Root& root : roots_) {
       const Wrench<Spatial> Pi = coAd(pose(root, q), read<BodyFixed>(root, y));
@@ -79,23 +75,21 @@ class FloatingBases {
   void to_momenta(const double* q, const double* y, double* p) const {
     for (const Root& root : roots_) write(root, coAd_inv(pose(root, q), read<Spatial>(root, y)), p);
   }
-  /// Computes the rates y' of the states of the floating bases from f = p' - ad_vᵀ p with their joint momenta
-  /// p. They are 0 unless a load or drive acts on the bases (`pushed`).
+  /// Computes the rates y' of the spatial momenta of the floating bases from f = p' - ad_vᵀ p with their
+  /// joint momenta p. They are 0 unless a load or drive acts on the bases (`pushed`).
   void rates(const double* q, bool pushed, const double* f, double* dy) {
     for (Root& root : roots_) {
       write(root, pushed ? coAd(pose(root, q), read<BodyFixed>(root, f)) : Wrench<Spatial>{}, dy);
       root.constant = root.constant && !pushed;
     }
   }
-  /// Advances the states y of the floating bases by a time h with the forces f at q, which are overwritten by
-  /// the rates y'.
+  /// Advances the spatial momenta y of the floating bases by a time h with the forces f; f becomes y'.
   void advance(const double* q, double h, bool pushed, double* f, double* y) {
     rates(q, pushed, f, f);
     for (const Root& root : roots_)
       for (int c = first(root); c < first(root) + 6; ++c) y[c] += h * f[c];
   }
-  /// Moves the floating bases whose centres of mass rest in their moving frames so that rounding errors of
-  /// these centres vanish.
+  /// Moves bases so that centres of mass that rest in moving frames have no rounding errors.
   void restore_centers(double* q) {
     if (std::ranges::none_of(roots_, &Root::constant)) return;
     kernel_->run(*tree_, q);
@@ -118,8 +112,7 @@ class FloatingBases {
         return false;
     return true;
   }
-  /// Whether a loop connects the subtree of a root i to a body outside it, or a coupling contains a
-  /// coordinate of the root.
+  /// Whether a loop connects the subtree of root i to other bodies, or a coupling contains a joint of i.
   bool is_connected(const Model& model, int i) const {
     const auto carried = [&](int body) { return body >= i && body < (*tree_)->subtree_end[i]; };
     const auto its = [&](const LoopCoupling::Term& term) {

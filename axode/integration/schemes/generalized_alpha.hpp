@@ -9,7 +9,7 @@
 namespace axode {
 
 /// The equations of the generalised-α method for a step of length h from (q_0, v_0, a_0) to (q_1, v_1, a_1),
-/// with a mean acceleration â at each end and the parameters α_m, α_f, β and γ of the method:
+/// with a mean acceleration â at each end and the parameters α_m, α_f, β and γ:
 ///   (1 - α_m) â_1 + α_m â_0 = (1 - α_f) a_1 + α_f a_0,   v_1 = v_0 + h ((1 - γ) â_0 + γ â_1),
 ///   x = h v_0 + h² ((1/2 - β) â_0 + β â_1),   q_1 = q_0 ⊕ x.
 /// With c = (1 - α_f) / (1 - α_m), the derivatives by a_1 are h γ c for v_1 and h² β c for x.
@@ -34,15 +34,14 @@ struct AlphaMeans {
   }
 };
 
-/// One step of the generalised-α method on the group. v_1 and x depend on a_1 by AlphaMeans, and q_1 = q_0 ⊕
-/// x. With β, γ and c of AlphaMeans and the mass matrix M, Newton's method finds the a_1 for which ID(q_1,
-/// v_1, a_1) = τ by the matrix
-///   J = M + h γ c ∂ID/∂v + h² β c ∂ID/∂q dexp_{-x}.
-/// ID is inverse dynamics, and τ are the joint forces. The iteration has converged if the change of a_1 is a
-/// rounding error, if the residual is a rounding error of its terms, or if the change of a_1 moves q_1 by no
-/// more than the rounding of q_1. A System has the functions residual(t, q, v, a, r) with r = ID - τ;
-/// size_of_residual(r) and place_resolution(h), see SimulationRun; and the functions that StepMatrix
-/// requires.
+/// One step of the generalised-α method on the group, from (q_0, v_0, a_0) to (q_1, v_1, a_1) with q_1 = q_0
+/// ⊕ x. Newton's method finds the a_1 for which ID(q_1, v_1, a_1) = τ, with inverse dynamics ID and joint
+/// forces τ, by
+///   J = M + h γ c ∂ID/∂v + h² β c ∂ID/∂q dexp_{-x},
+/// where h γ c and h² β c are the derivatives of v_1 and x by a_1. It has converged if the change of a_1 is a
+/// rounding error or moves q_1 by no more than the rounding of q_1, or if the residual is a rounding error of
+/// its terms. System is the class of the mechanism, for example a SimulationRun, with residual(t, q, v, a, r)
+/// for r = ID - τ, size_of_residual(r), place_resolution(h), and the functions that StepMatrix requires.
 template <class System> class GeneralizedAlpha {
  public:
   using Vector = Eigen::VectorXd;
@@ -91,8 +90,8 @@ template <class System> class GeneralizedAlpha {
     }
     return {t, "Newton's method did not converge; a shorter step may help"};
   }
-  /// accept() keeps the mean acceleration â at the end of the step for the next step. restart() replaces it
-  /// by the accelerations a_0, after a jump.
+  /// accept() keeps the mean acceleration at the end of the step for the next step. restart() replaces it by
+  /// the accelerations a_0, after a jump.
   void accept() { mean_0_ = mean_; }
   void restart(const Vector& a_0) { mean_0_ = a_0; }
 
@@ -104,8 +103,7 @@ template <class System> class GeneralizedAlpha {
     means_.advance(h, v0, a0, mean_0_, a, mean_, v, x_);
     group_.move(q0, x_, q);
   }
-  /// Computes Newton's matrix. It contains the derivatives of SimulationOptions::drive only if the iteration
-  /// has been slow without them (with_drive_).
+  /// Computes Newton's matrix; derivatives of SimulationOptions::drive are added after slow convergence.
   void linearize(double t, double h, const Vector& q0) {
     const double c_x = h * h * means_.beta * means_.c, c_v = h * means_.gamma * means_.c;
     if (with_drive_)

@@ -7,19 +7,17 @@
 
 namespace axode {
 
-/// Derivatives of ⊕ and rate() of a ConfigurationGroup in exponential coordinates: if q is displaced by η, x
-/// by δx and the velocity y by δy,
+/// Derivatives of q ⊕ x and dexp⁻¹_{-x} y, the rate of x for the velocity y, on the configurations of a tree:
+/// if q is displaced by η, x by δx and y by δy,
 ///   q ⊕ x is displaced by Ad_{exp(-x)} η + dexp_{-x} δx,
 ///   dexp⁻¹_{-x} y changes by dexp⁻¹_{-x} δy + (D dexp⁻¹_{-x} y) δx.
-/// These four maps of η, δx, δy and δx are matrices for joints of several velocities; for joints of one
-/// velocity they are 1, 1, 1 and 0.
+/// For joints of one velocity these four maps of η, δx, δy and δx are 1, 1, 1 and 0.
 class GroupDerivatives {
  public:
   using Matrix = Eigen::MatrixXd;  ///< matrix with a row for each velocity
   using Block = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::ColMajor, 6, 6>;
 
-  /// The four maps of one joint of several velocities, or a range of consecutive joints of one velocity, for
-  /// which no matrices are stored.
+  /// The four maps of a joint of several velocities; or a range of joints of one velocity, without matrices.
   struct Joints {
     int body;  ///< 0 for a range of joints of one velocity
     Eigen::Index first, n;
@@ -51,8 +49,8 @@ class GroupDerivatives {
         });
   }
 
-  /// add() adds to out the product of one of the four maps with z, for all joints, and add_transposed() that
-  /// of its transpose. z and out have nv rows, and one or more columns.
+  /// add() adds to out the product of one of the maps of at(), such as dexp_{-x}, with z for all joints, and
+  /// add_transposed() that of its transpose. z and out have nv rows, and one or more columns.
   void add(Block Joints::*map, const Matrix& z, Matrix& out) const {
     add_to(map, z, out, [](const Block& block) -> const Block& { return block; });
   }

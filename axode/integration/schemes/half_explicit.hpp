@@ -12,13 +12,13 @@ namespace axode {
 
 /// A step of the half-explicit method of third order (Brasey, Hairer) on a group with constant mass matrix M,
 /// in the form of Munthe-Kaas. With the coefficients a_ij of the method, stage i has the configuration q_i =
-/// q_0 ⊕ θ_i, the velocity V_i, the Jacobian B_i of joints and loops, and multipliers λ_i:
+/// q_0 ⊕ θ_i, the velocity V_i, the forces f, the Jacobian B_i of joints and loops, and multipliers λ_i:
 ///   M L_i = f(q_i, V_i) + ad_{V_i}ᵀ M V_i + B_iᵀ λ_i with the λ_i for which B_{i+1} V_{i+1} = 0,
 ///   θ_{i+1} = h Σ a_ij K_j,  V_{i+1} = v_0 + h Σ a_ij L_j,  K_i = dexp⁻¹_{-θ_i} V_i.
 /// Velocities satisfy the constraints. Positions leave them by O(h⁴) in a step if a step in the group is not
-/// a motion that the joint allows, and are then projected. A System has the functions bodies(), forces(t, q,
-/// v, f), add_turning(v, f), norm() and velocity_scale(v, h) that Rattle requires, and factorize(t, q) and
-/// close(t, q, v), which projects q and v.
+/// a motion that the joint allows, and are then projected. System is the class of the mechanism, with the
+/// functions bodies(), forces(t, q, v, f), add_turning(v, f), norm() and velocity_scale(v, h) as for Rattle,
+/// factorize(t, q), and close(t, q, v), which projects q and v.
 template <class System> class HalfExplicit {
  public:
   using Vector = std::vector<double>;
@@ -59,8 +59,8 @@ template <class System> class HalfExplicit {
   Vector q, v;
 
  private:
-  /// Computes the acceleration L at q_i_ for which the velocity base_ + part L satisfies the constraints at
-  /// the next stage, q_next_. Returns whether the iteration converged.
+  /// Computes the acceleration L at q_i_ for which the velocity base_ + part L, with the number `part`,
+  /// satisfies the constraints at the next stage, q_next_. Returns whether the iteration converged.
   bool accelerate(double part, Vector& L) {
     auto& bodies = system_->bodies();
     L.assign(v.size(), 0.0);

@@ -15,20 +15,17 @@ namespace axode {
 ///   p⁻ = Ad_{exp y}ᵀ p_0,   p⁺ = p⁻ + h f(t_m, q_m, v),   M(q_m) v = dexp_yᵀ (p_0 + p⁺) / 2,
 ///   q_1 = q_m ⊕ y,        p_1 = Ad_{exp y}ᵀ p⁺.
 /// The step is symmetric and of second order, and symplectic if f = ∂L/∂q, because it follows from the
-/// discrete Lagrangian h L(q_m, v). (With M(q_m) v = (p⁻ + p⁺)/2 it would not be symplectic if joints have
-/// several velocities.) Forces that depend on v enter by d'Alembert's discrete principle.
+/// discrete Lagrangian h L(q_m, v). Forces that depend on v enter by d'Alembert's discrete principle. With
+/// Cayley's map the step is (D14.9).
 ///
 /// The iteration for v uses M, factorised once, and then Newton's matrix (D8.6) if the residual r of the
-/// equation for M(q_m) v has not halved in an iteration. The iteration has converged if the change of v is a
-/// rounding error, or if r is a rounding error of its terms; if M is nearly singular, only r becomes as small
-/// as that. The force of a stiff drive at rest contains the rounding error of q; then the iteration has
-/// converged if the change of v moves q by no more than this error.
+/// equation for M(q_m) v has not halved in an iteration. It has converged if the change of v is a rounding
+/// error, or if r is a rounding error of its terms, as it becomes even for nearly singular M. With a stiff
+/// drive at rest, it has also converged if the change of v moves q by no more than the rounding error of q.
 ///
-/// With Cayley's map the step is (D14.9).
-///
-/// A System has the functions partials(t, q, v, p, f), which computes p = M v and f; factorize(t, q) and
-/// solve(x) with M; norm(), velocity_scale(v, h) and place_resolution(h), see SimulationRun; and the
-/// functions that StepMatrix requires.
+/// System is the class of the mechanism, for example a SimulationRun, with the functions partials(t, q, v, p,
+/// f), which computes p = M v and f; factorize(t, q) and solve(x) with M; norm(), velocity_scale(v, h),
+/// place_resolution(h), and the functions that StepMatrix requires.
 template <class System> class Midpoint {
  public:
   using Vector = Eigen::VectorXd;

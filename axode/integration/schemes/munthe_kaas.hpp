@@ -9,13 +9,12 @@
 namespace axode {
 
 /// One step of an explicit Runge-Kutta-Munthe-Kaas method on (q, y), with q on its group and y the velocities
-/// v or the momenta. The states have numbers of the type T, the tree of the type S. With the coefficients
-/// a_ij and c_i of a Tableau,
+/// v or the momenta, and possibly other states. States have numbers of the type T, the tree of the type S.
+/// With the coefficients a_ij and c_i of a Tableau,
 ///   θ_i = h Σ a_ij K_j,  Y_i = y + h Σ a_ij L_j,
 ///   (V_i, L_i) = (v, y')(t + c_i h, q ⊕ θ_i, Y_i),  K_i = dexp⁻¹_{-θ_i} V_i,
-/// or K_i = dcay⁻¹_{-θ_i} V_i in Cayley coordinates. y may have more numbers than q has velocities; these are
-/// other states. With one stage the method is Euler's; if y = v, it is then semi-implicit: q moves with the
-/// new v.
+/// or K_i = dcay⁻¹_{-θ_i} V_i in Cayley coordinates. With one stage the method is Euler's; if y = v, it is
+/// then semi-implicit: q moves with the new v.
 template <class T = double, class S = T> class MuntheKaas {
  public:
   using Vector = std::vector<T>;
@@ -33,8 +32,8 @@ template <class T = double, class S = T> class MuntheKaas {
         q_(static_cast<std::size_t>(tree->nq)) {}
 
   /// Computes a step over h for y = v, or y = (v, other states), from (q0, y0) with the rate y' = dy0 there.
-  /// accelerate(t, q, y, dy) must write the rate dy and return whether it succeeded; if it did not, the step
-  /// fails and false is returned.
+  /// accelerate(t, q, y, dy) must write the rate dy and return whether it succeeded; if not, the step returns
+  /// false.
   template <class Accelerate>
   bool run(double t, const T* q0, const T* y0, const T* dy0, double h, const Accelerate& accelerate) {
     const auto rates = [&](double t_i, std::span<const T> q, std::span<const T> y_i, std::span<T> V,
@@ -49,7 +48,7 @@ template <class T = double, class S = T> class MuntheKaas {
     return true;
   }
   /// Computes a step over h from (q0, y0), where the velocity is v0 and y' is dy0. rates(t, q, y, v, dy) must
-  /// write v and dy and return whether it succeeded; if it did not, the step fails and false is returned.
+  /// write v and dy and return whether it succeeded; if not, the step returns false.
   template <class Rates>
   bool run(double t, const T* q0, const T* y0, const T* v0, const T* dy0, double h, const Rates& rates) {
     const Tableau& m = *method_;
@@ -78,8 +77,7 @@ template <class T = double, class S = T> class MuntheKaas {
   Vector theta, y;              ///< results of run(): the step θ of q, and y at the end of the step
   Vector error_theta, error_y;  ///< theta and y minus those of the embedded method
 
-  /// The rate y' at the end of the step, if the last stage of the method is at the end of the step; otherwise
-  /// empty.
+  /// The rate y' at the end of the step if the last stage of the method is there; otherwise empty.
   std::span<const T> end() const {
     const Tableau& m = *method_;
     const bool there = m.b.back() == 0 && std::equal(m.a.back().begin(), m.a.back().end(), m.b.begin());

@@ -10,16 +10,16 @@
 
 namespace axode {
 
-/// The equations of motion of a model in Hamilton's form, for integration schemes on (q, p) with the momenta
-/// p = M v. All functions are O(n), except solve() if joints are coupled.
+/// The equations of motion in Hamilton's form, for integration schemes on (q, p) with the momenta p = M v.
+/// All functions are O(n), except solve() if joints are coupled.
 class PhaseSpace {
  public:
   explicit PhaseSpace(const Model& model)
       : tree_(&model.tree<double>()), group_(*tree_), kernels_(model.topology()), own_(size(model)) {}
 
-  /// Computes p = M v and f = τ + ∂L/∂q with loads and losses, so that p' = f + ad_vᵀ p (D5.2), where L is
-  /// the Lagrangian and tau are the joint forces τ. g[i] is the gravity (m/s²) that acts on root body i and
-  /// its subtree.
+  /// Computes p = M v and f = τ + ∂L/∂q with loads and losses, so that p' = f + ad_vᵀ p (D5.2), with the
+  /// Lagrangian L and the joint forces tau. g[i] is the gravity (m/s²) that acts on root body i and its
+  /// subtree.
   void partials(const double* q, const double* v, std::span<const Vec3<>> g, std::span<const double> tau,
                 const Loads<double>& loads, double* p, double* f) {
     const Tree<double>& tree = *tree_;

@@ -11,20 +11,20 @@
 namespace axode {
 
 /// A step of RATTLE on a group with constant mass matrix M (D8.9), or of its symmetric composition:
-/// symplectic if the forces f have a potential, with Φ(q) = 0 and B v = 0 at the ends of all steps. Φ are the
-/// residuals of joints and loops, B is their Jacobian, λ are the multipliers, and w is the mean velocity.
-/// With p_0 = M v_0 and x = h w,
+/// symplectic if the forces f have a potential, with Φ(q) = 0 and B v = 0 at the ends of all steps, for the
+/// residuals Φ of joints and loops and their Jacobian B. With multipliers λ, the mean velocity w, p_0 = M v_0
+/// and x = h w,
 ///   dexp⁻¹_xᵀ M w = p_0 + h/2 f(q_0, v_0) + B_0ᵀ λ = k,   q_1 = q_0 ⊕ x,   Φ(q_1) = 0,
 ///   M v_1 = Ad_{exp x}ᵀ k + h/2 f(q_1, v_1) + B_1ᵀ λ_1,     B_1 v_1 = 0.
-/// Nonholonomic constraints with the Jacobian N, which have no residual, are imposed on w in the middle
-/// instead (D8.10), N(q_0 ⊕ x/2) w = 0, by the discrete principle of Lagrange and d'Alembert (Cortés,
-/// Martínez). With nonholonomic constraints the method is symmetric and keeps its order, but is not
-/// symplectic. The second equation for momenta is solved for v_1 although f may depend on v_1, so that
-/// damping and drives keep the order. Newton's matrix consists of M and B at the predicted end of the step.
+/// Nonholonomic constraints with the Jacobian N are imposed in the middle instead, N(q_0 ⊕ x/2) w = 0
+/// (D8.10), by the discrete principle of Lagrange and d'Alembert (Cortés, Martínez). The method is then
+/// symmetric and keeps its order, but is not symplectic. The second equation for momenta is implicit in v_1,
+/// so that damping and drives keep the order. Newton's matrix consists of M and B at the predicted end of the
+/// step.
 ///
-/// A System has the functions bodies(), which returns its AbsoluteSystem; forces(t, q, v, f), factorize(t,
-/// q), factorize_with_rank(t, q) and add_turning(v, f), which adds ad_vᵀ M v to f; norm() and
-/// velocity_scale(v, h), see SimulationRun.
+/// System is the class of the mechanism, with the functions bodies(), which returns its AbsoluteSystem;
+/// forces(t, q, v, f), factorize(t, q), factorize_with_rank(t, q) and add_turning(v, f), which adds ad_vᵀ M v
+/// to f; norm(), and velocity_scale(v, h), the magnitude of the terms of v in a step.
 template <class System> class Rattle {
  public:
   using Vector = std::vector<double>;

@@ -9,12 +9,12 @@
 
 namespace axode {
 
-/// Newton's matrix J of an implicit step, factorised (D8.6): the derivative of r = ID(q, v, a) - τ by a,
-/// where ID is inverse dynamics and q = q_0 ⊕ x. A change δa of a changes v by c_v δa and x by c_x δa, hence
+/// Newton's matrix J of an implicit step, factorised (D8.6): the derivative of r = ID(q, v, a) - τ by a, with
+/// inverse dynamics ID and q = q_0 ⊕ x. A change δa of a changes v by c_v δa and x by c_x δa, hence
 ///   J = M + c_v ∂r/∂v + c_x ∂r/∂q dexp_{-x}.
-/// A System has the functions residual_derivatives(q, v, a, dr), which computes the derivatives of r without
-/// those of the drive of the simulation options; is_driven(); drive(t, q, v), which returns the forces of
-/// this drive; norm(), local_coordinates() and velocity_scale(v, h), see SimulationRun.
+/// System is the class of the mechanism, with residual_derivatives(q, v, a, dr) for the derivatives of r
+/// without those of the options' drive; is_driven(); drive(t, q, v), its forces; norm(), local_coordinates(),
+/// velocity_scale(v, h).
 template <class System> class StepMatrix {
  public:
   using Vector = Eigen::VectorXd;

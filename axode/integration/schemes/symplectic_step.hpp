@@ -10,12 +10,11 @@
 
 namespace axode {
 
-/// A step of a symmetric composition (D8.11) of the midpoint rule on (q, p). Floating bases move relative to
-/// the moving frames of FloatingBases. The first guess of v in each part of the step is extrapolated from the
-/// same part of the last steps. Part is the scheme of a part, Midpoint or ClosedMidpoint. A System has the
-/// functions that Part requires, and bases(), which returns its FloatingBases; pushes_bases(), whether a load
-/// or drive acted on a floating base in the last evaluation; and close(t, q, p), which projects p onto closed
-/// loops.
+/// A step of a symmetric composition (D8.11) of the midpoint rule on (q, p). Part is the scheme of a part of
+/// the step, Midpoint or ClosedMidpoint; its first guess of v is extrapolated from the same part of the last
+/// steps. Floating bases move relative to moving frames. System is the class of the mechanism, as for Part,
+/// with bases(), which returns its FloatingBases; pushes_bases(), whether a load or drive acted on a floating
+/// base in the last evaluation; and close(t, q, p), which projects p onto closed loops.
 template <class System, class Part> class SymplecticStep {
  public:
   using Vector = Eigen::VectorXd;
