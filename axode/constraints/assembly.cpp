@@ -18,8 +18,8 @@ namespace {
 using Vector = Eigen::VectorXd;
 using Matrix = Eigen::MatrixXd;
 
-/// The search of assemble() for a closed configuration. Residuals and steps have no unit: lengths are divided
-/// by the size of the loops, see size(), so that the result does not depend on the unit of length.
+/// The search for a configuration with closed loops. Residuals and steps have no unit: lengths are divided by
+/// the size of the loops.
 class Assembly {
  public:
   /// Searches in the model of `motions`, in which every prescribed motion is a loop, see MotionRows.
@@ -92,9 +92,8 @@ class Assembly {
     S.diagonal().array() += small;
     return -R.transpose() * S.ldlt().solve(r);
   }
-  /// The damped step that closes the loops to first order. No entry of it is larger than 0.5, that is half a
-  /// radian or half the size of the loops. The constant part of the damping keeps redundant loop equations
-  /// from contributing to the step.
+  /// The damped Gauss-Newton step that closes the loops to first order. Its entries are at most 0.5, that is
+  /// half a radian or half the size of the loops.
   static Vector step(const Matrix& R, const Vector& r, double damping) {
     const Vector x = least(R, r, damping * r.norm() + 1e-12 * R.squaredNorm());
     const double largest = x.cwiseAbs().maxCoeff();
@@ -109,9 +108,8 @@ class Assembly {
     system_.residual(q.data(), r.data());
     return r.cwiseQuotient(unit_of_residual_);
   }
-  /// The unit of each loop equation at the position or the velocity level: the size of the loops (m) if the
-  /// constraint wrench has a force, 1 if it is a couple, and for a coupling of joints the unit of its first
-  /// term.
+  /// The unit of each loop equation: the size of the loops (m) if the constraint wrench has a force, 1 if it
+  /// is a couple, and for a coupling of joints the unit of its first term.
   Vector units_of_rows(ConstraintLevel level) {
     system_.make_rows(level);
     Vector units = Vector::Ones(system_.size(level));
@@ -136,8 +134,8 @@ class Assembly {
     const LoopCoupling::Term& first = coupling.terms.front();
     return std::abs(first.factor) * unit_of_velocity_[first.velocity];
   }
-  /// The Jacobian of the residual (position level) or of the loop equations for velocities (velocity level)
-  /// at the present kinematics, made free of units. Columns of velocities that the caller holds fixed are 0.
+  /// The Jacobian, without units, of the loop residuals (position level) or of the loop equations for
+  /// velocities (velocity level) at the present kinematics. Columns of velocities that are held fixed are 0.
   Matrix rows(ConstraintLevel level) {
     LoopSystem<double>::RowByRow R(system_.size(level), model_.nv());
     system_.make_rows(level);
@@ -168,10 +166,9 @@ class Assembly {
     const double size = first + A.norm() * v.cwiseQuotient(unit_of_velocity_).norm();
     return rates.norm() <= tolerable * size ? AssemblyStatus::closed : AssemblyStatus::held_velocities;
   }
-  /// The size of the loops, by which lengths are divided. The kinematics must be those of the neutral
-  /// configuration. It is the largest distance of a body on the loops from its root body (the body of its
-  /// branch that is joined to the ground), or of the frame of a loop joint from the origin of its body; it is
-  /// 1 m if all these distances are 0.
+  /// The size of the loops (m), by which lengths are divided: the largest distance of a body on a loop from
+  /// the root of its branch, or of a loop joint from the origin of its body; 1 if all are 0. The present
+  /// kinematics must be those of the neutral configuration.
   double size() const {
     double largest = 0;
     for (const LoopPath& path : system_.table().paths) {
@@ -190,10 +187,9 @@ class Assembly {
                                       : largest_term(model_.loops().couplings[k - table.joints.size()]));
     return 4 * std::numeric_limits<double>::epsilon() * sum;
   }
-  /// The size, without units, of the largest number from which the residual of a loop is computed: a
-  /// coordinate, the distance of a body from its root body (the body of its branch that is joined to the
-  /// ground), that of the root body from the inertial origin, or the largest distance from a root body times
-  /// an angle. For a coupling of joints it is the offset or a product of a factor and a coordinate.
+  /// The magnitude, without unit, of the terms from which the residual of a loop is computed, for a bound on
+  /// its rounding errors. It is the largest coordinate or distance, or product of an angle and a distance;
+  /// for a coupling of joints, the offset or the largest product of a factor and a coordinate.
   double largest_term(const LoopCoupling& coupling) const {
     double largest = std::abs(coupling.offset);
     for (const LoopCoupling::Term& term : coupling.terms)

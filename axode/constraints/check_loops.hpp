@@ -20,23 +20,22 @@ LoopSystem<T>& checked(const Model& model, LoopWorkspace<T>& workspace, Numbers<
 
 /// Throws std::invalid_argument if an index in `drives` is not that of a velocity, 0 to nv - 1.
 void check_drives(const Model& model, std::span<const int> drives);
-/// Indices of the velocities with drives: those in `drives` or, if it is empty, those of all joints that are
-/// not passive. Throws std::invalid_argument if an index in `drives` is not that of a velocity, 0 to nv - 1.
+/// The indices of the velocities with drives: `drives` or, if it is empty, those of all joints that are not
+/// passive. Throws std::invalid_argument for an index that is not from 0 to nv - 1.
 std::vector<int> driven(const Model& model, std::span<const int> drives);
 
 /// The largest norm of the residual of one loop, rad and m, with which a motion may start.
 inline constexpr double closed_enough = 1e-6;
 /// Throws std::invalid_argument, with the name of the loop and its residual, if a loop is open at q by more
-/// than closed_enough (1e-6 rad or m), or if the velocities v open it with a rate of more than closed_enough
-/// (1 + |v|). Updates the kinematics of the system to q.
+/// than 1e-6 rad or m, or if the velocities v open it with a rate of more than 1e-6 (1 + |v|). Updates the
+/// kinematics of `system` to q.
 void check_closed(LoopSystem<double>& system, Numbers<double> q, Numbers<double> v);
 /// Throws std::invalid_argument, with the name of the loop, if the accelerations a do not keep a loop closed:
-/// if the second derivative of its equations has a norm of more than a thousandth of 1 + |a| + |v|². If
-/// already q or v violates the equations, the message says so instead. Must be called after
-/// LoopSystem::force() and make_rows(), or after force_fast(), at (q, v, a).
+/// if the residual of its equations for accelerations has a norm of more than 1e-3 (1 + |a| + |v|²). Must be
+/// called after LoopSystem::force() and make_rows(), or after force_fast(), at (q, v, a).
 void check_accelerations(LoopSystem<double>& system, Numbers<double> q, Numbers<double> v, Numbers<double> a);
-/// Throws std::invalid_argument if `left` is more than 1e-8. This is the norm of the forces that no drive can
-/// produce, divided by that of all required forces. `task` completes the message "the drives cannot ...".
+/// Throws std::invalid_argument if `left`, the part of the required forces that no drive can produce (the
+/// ratio of their norms), is more than 1e-8. `task` completes the message "the drives cannot ...".
 void check_driven(double left, const char* task);
 
 inline void check_rows(const char* name, std::size_t size, int rows, const char* meaning, int columns = 1) {

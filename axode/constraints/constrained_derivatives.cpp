@@ -108,8 +108,7 @@ Solvability forward_dynamics_derivatives(const Model& model, LoopWorkspace<T>& w
 
 namespace {
 
-/// Computes the derivatives of the accelerations by q (index 0), v (1) and tau (2), nv × nv each, and stores
-/// them.
+/// Computes the derivatives of the accelerations by q (index 0), v (1) and tau (2), nv × nv each.
 template <class T> class Matrices {
  public:
   Matrices(const Model& model, LoopWorkspace<T>& workspace, Numbers<T> q, Numbers<T> v, Numbers<T> tau,

@@ -5,10 +5,9 @@
 
 namespace axode {
 
-/// Results of forward_dynamics_derivatives() with loops: the derivatives of the accelerations by q, v and τ
-/// (nv × nv each), and those of the multipliers λ of the loops (loops().rows × nv each, may be empty). All
-/// matrices are stored row by row; a row belongs to a component of the result, a column to a direction of q,
-/// v or τ.
+/// The derivatives of the accelerations of a mechanism with loops by q, v and τ (nv × nv each), and those of
+/// the multipliers λ of the loops (loops().rows × nv each, may be empty). Matrices are stored row by row,
+/// with a row for each component of the result and a column for each direction of q, v or τ.
 template <class T> struct ClosedDynamicsDerivatives {
   std::span<T> a_q, a_v, a_tau;
   std::span<T> lambda_q = {}, lambda_v = {}, lambda_tau = {};
@@ -16,11 +15,11 @@ template <class T> struct ClosedDynamicsDerivatives {
 
 /// Computes the first derivatives of forward dynamics with loops, M a + h - Aᵀ λ = τ with A a + γ = 0, where
 /// M and h are the mass matrix and the bias forces of the spanning tree, and A v = 0 are the loop equations
-/// with multipliers λ. Only those equations are used that are independent at q (D7.15); the multipliers of
-/// the others are 0. If equations are redundant by geometry (Bricard's mechanism), accelerations jump as the
-/// loops open: then only derivatives along velocities v with A v = 0 are meaningful. Directions of q are
-/// those of q ⊕ ε e_k with unit vectors e_k. Springs are ignored. Allocates; O((nv + m)³) for m loop
-/// equations. Throws std::invalid_argument for wrong sizes and for a model with prescribed motions.
+/// with multipliers λ. Of redundant equations only independent ones are used (D7.15), and the multipliers of
+/// the others are 0. If equations are redundant by geometry (Bricard's mechanism), only derivatives along
+/// velocities v with A v = 0 are meaningful. Directions of q are those of q ⊕ ε e_k with unit vectors e_k.
+/// Springs are ignored. Allocates; O((nv + m)³) for m loop equations. Throws std::invalid_argument for wrong
+/// sizes and for a model with prescribed motions.
 template <class T>
 Solvability forward_dynamics_derivatives(const Model& model, LoopWorkspace<T>& workspace, Numbers<T> q,
                                          Numbers<T> v, Numbers<T> tau,
@@ -28,9 +27,8 @@ Solvability forward_dynamics_derivatives(const Model& model, LoopWorkspace<T>& w
                                          const std::type_identity_t<Loads<T>>& loads = {});
 
 /// Products of the derivatives of forward dynamics with loops and a vector. forward_dynamics_jvp() computes
-/// the derivative da (nv) of the accelerations along a direction (dq, dv, dtau). forward_dynamics_vjp()
-/// computes the gradients of w·a by q, v and tau for weights w (nv). Both compute the matrices of
-/// forward_dynamics_derivatives() first and cost as much as that function.
+/// the derivative da (nv) of the accelerations along a direction (dq, dv, dtau), and forward_dynamics_vjp()
+/// the gradients of w·a by q, v and tau for weights w (nv). The cost is that of all derivatives.
 template <class T>
 Solvability forward_dynamics_jvp(const Model& model, LoopWorkspace<T>& workspace, Numbers<T> q, Numbers<T> v,
                                  Numbers<T> tau, Numbers<T> dq, Numbers<T> dv, Numbers<T> dtau,

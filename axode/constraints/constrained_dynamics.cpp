@@ -31,8 +31,8 @@ template <class T> class Multipliers {
 };
 
 /// Computes the forces M a + h (nv) that the spanning tree needs for the accelerations a, with its mass
-/// matrix M and bias forces h. Afterwards `system` has the kinematics and the motion of (q, v, a). Throws
-/// std::invalid_argument for wrong sizes and loads.
+/// matrix M and bias forces h, and updates `system` to the motion (q, v, a). Throws std::invalid_argument for
+/// wrong sizes and loads.
 template <class T>
 Eigen::VectorX<T> tree_forces(LoopSystem<T>& system, Numbers<T> q, Numbers<T> v, Numbers<T> a,
                               const Loads<T>& loads) {
@@ -55,9 +55,8 @@ Eigen::VectorX<T> closed_forces(LoopSystem<T>& system, Numbers<T> q, Numbers<T> 
   return need;
 }
 
-/// The least drive forces that, together with the constraint forces of the loops, have the effect of the
-/// forces `need` on the spanning tree (D7.10). `drives` are the indices of the velocities with drives. The
-/// constructor uses the present kinematics of `system`.
+/// The least drive forces that, together with the constraint forces of the loops, have the effect of given
+/// forces on the spanning tree (D7.10). Uses the present kinematics of the LoopSystem.
 template <class T> struct DriveForces {
   using Vector = Eigen::VectorX<T>;
   using Matrix = Eigen::MatrixX<T>;
@@ -89,8 +88,7 @@ template <class T> struct DriveForces {
   T missing;             ///< the part of |need| that neither drives nor loops produce
 };
 
-/// Throws std::invalid_argument if the gear of a joint has losses and the joint is not among the drives, so
-/// that no drive force could overcome these losses.
+/// Throws std::invalid_argument if a gear has losses and its joint is not among the drives.
 template <class T>
 void check_gears_driven(const Model& model, const Loads<T>& loads, std::span<const int> drives) {
   if (!loads.joint_losses || model.gears().empty()) return;
@@ -104,8 +102,7 @@ void check_gears_driven(const Model& model, const Loads<T>& loads, std::span<con
 }
 
 /// Computes the wrenches that the joints transmit for the multipliers `lambda` of the loops, in the
-/// representation Rep at the point `at` of each body. LoopSystem::force() and make_rows() must have been
-/// called.
+/// representation Rep at the point `at` of each body. Requires LoopSystem::force() and make_rows().
 template <class Rep, class T>
 void write_joint_wrenches(const Model& model, LoopSystem<T>& system, Numbers<T> lambda, WrenchPoint at,
                           std::span<Wrench<Rep, T>> W) {

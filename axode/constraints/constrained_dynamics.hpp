@@ -16,10 +16,10 @@ namespace axode {
 
 /// Computes the accelerations a (nv) of a mechanism with loops from drive forces τ and, unless `lambda` is
 /// empty, the multipliers λ of the loop equations (loops().rows numbers, N m and N). q and v should close the
-/// loops, see assemble(): their residuals are not corrected. Springs act only if their forces are added to τ.
-/// O(n + m d + m² d + m³) for n bodies and m loop equations on paths of d joints. The returned Solvability is
-/// not ok() if the mass matrix of the spanning tree is singular; a and λ are NaN then. Throws
-/// std::invalid_argument for wrong sizes and for a model with prescribed motions.
+/// loops: their residuals are not corrected. Springs act only if their forces are added to τ. O(n + m d + m²
+/// d + m³) for n bodies and m loop equations on paths of d joints. The returned Solvability is not ok() if
+/// the mass matrix of the spanning tree is singular; a and λ are NaN then. Throws std::invalid_argument for
+/// wrong sizes and for a model with prescribed motions.
 template <class T>
 Solvability forward_dynamics(const Model& model, LoopWorkspace<T>& workspace, Numbers<T> q, Numbers<T> v,
                              Numbers<T> tau, std::type_identity_t<std::span<T>> a,
@@ -30,14 +30,13 @@ Solvability forward_dynamics(const Model& model, LoopWorkspace<T>& workspace, Nu
 /// indices of the velocities with drives; if it is empty, all joints that are not passive have drives. If
 /// there are more drives than the mechanism needs, τ is the least one (D7.10). The multipliers λ of the loop
 /// equations are written unless `lambda` is empty. `forces` (nv, may be empty) are forces that act in
-/// addition, such as spring_forces(). Returns the norm of the forces that no drive can produce, divided by
+/// addition, such as those of springs. Returns the norm of the forces that no drive can produce, divided by
 /// that of all required forces: 0 to rounding if the drives can produce a. Throws std::invalid_argument for
 /// wrong sizes and, in double precision, if a does not keep the loops closed.
 ///
-/// The forces are found limb by limb, where a limb is one of the chains that carry a platform, by (D18.7) to
-/// (D18.9): O(limbs) for limbs of bounded size, without allocating. If some
-/// motion has no drive, if λ is wanted and not unique, or near singularities, a general method is used
-/// instead, which allocates and costs O(nv³).
+/// O(limbs), without allocating, for limbs of bounded size, where a limb is one of the chains that carry a
+/// platform ((D18.7) to (D18.9)). If some motion has no drive, if λ is wanted and not unique, or near
+/// singularities, it allocates and costs O(nv³).
 template <class T>
 [[nodiscard]] T inverse_dynamics(const Model& model, LoopWorkspace<T>& workspace, Numbers<T> q, Numbers<T> v,
                                  Numbers<T> a, std::type_identity_t<std::span<T>> tau,
@@ -48,13 +47,12 @@ template <class T>
 
 /// Computes the wrench that each joint of the spanning tree transmits from the predecessor to the body, all
 /// six components: drive and reaction. The accelerations a and the multipliers λ of the loops (loops().rows)
-/// must belong to one result of forward_dynamics() or inverse_dynamics(). W[i - 1] belongs to joint i, in the
+/// must be those of one solution of the equations of motion. W[i - 1] belongs to joint i, in the
 /// representation Rep of the frame of body i, with this frame moved to the point `at` without turning it;
-/// Spatial wrenches are about the inertial origin. The method is a Newton-Euler recursion with the constraint
-/// wrenches of the loops as loads on the bodies. The component of W along a joint is the drive force minus
+/// Spatial wrenches are about the inertial origin. The component of W along a joint is the drive force minus
 /// the forces of armature and losses; it is 0 in passive joints, and joints in a coupling also transmit the
-/// force of the coupling. Springs are ignored, as in inverse_dynamics(). O(n + m) for m loop equations.
-/// Throws std::invalid_argument for wrong sizes.
+/// force of the coupling. Springs are ignored. O(n + m) for m loop equations. Throws std::invalid_argument
+/// for wrong sizes.
 template <RecursionRepresentation Rep = BodyFixed, class T>
 void joint_wrenches(const Model& model, LoopWorkspace<T>& workspace, Numbers<T> q, Numbers<T> v, Numbers<T> a,
                     std::type_identity_t<Numbers<T>> lambda,
@@ -62,12 +60,12 @@ void joint_wrenches(const Model& model, LoopWorkspace<T>& workspace, Numbers<T> 
                     const std::type_identity_t<Loads<T>>& loads = {}, WrenchPoint at = WrenchPoint::body);
 
 /// Computes the wrenches that all joints of a mechanism with loops transmit at accelerations a, with the
-/// drive forces and multipliers that inverse_dynamics() would find for these accelerations and drives. W has
-/// n_bodies entries, in the representation Rep at the point `at`, as in the overload that is given the
-/// multipliers. If loop equations are redundant, the share of each loop is indeterminate for rigid bodies;
-/// the wrenches are those of the least multipliers. Returns the norm of the forces that no drive can produce,
-/// divided by that of all required forces. Throws std::invalid_argument for wrong sizes and, in double
-/// precision, if a does not keep the loops closed. Allocates; O(nv³).
+/// drive forces and multipliers that inverse dynamics gives for these accelerations and drives. W has
+/// n_bodies entries, each in the representation Rep of the body frame moved to the point `at`. If loop
+/// equations are redundant, rigid bodies leave the share of each loop open; the wrenches are those of the
+/// least multipliers. Returns the norm of the forces that no drive can produce, divided by that of all
+/// required forces. Throws std::invalid_argument for wrong sizes and, in double precision, if a does not keep
+/// the loops closed. Allocates; O(nv³).
 template <RecursionRepresentation Rep = BodyFixed, class T>
 [[nodiscard]] T joint_wrenches(const Model& model, LoopWorkspace<T>& workspace, Numbers<T> q, Numbers<T> v,
                                Numbers<T> a, std::type_identity_t<std::span<Wrench<Rep, T>>> W,
@@ -76,11 +74,10 @@ template <RecursionRepresentation Rep = BodyFixed, class T>
                                WrenchPoint at = WrenchPoint::body);
 
 /// Computes the velocities v⁺ (nv) after an impact that closes the loops, A v⁺ = -e A v with the Jacobian A
-/// of the loop equations and the coefficient of restitution e from 0 to 1. Also computes the impulses of the
-/// loop equations (loops().rows; N m s and N s) unless `impulses` is empty. The kinetic energy decreases by
-/// (1 - e²)/2 (A v)ᵀ (A M⁻¹ Aᵀ)⁺ A v with the mass matrix M of the spanning tree. v⁺ may share the memory of
-/// v. See (D7.12). Throws std::invalid_argument for wrong sizes and for a restitution that is not from 0 to
-/// 1.
+/// of the loop equations and the coefficient of restitution e from 0 to 1 (D7.12), and the impulses of the
+/// equations (loops().rows; N m s and N s) unless `impulses` is empty. The kinetic energy decreases by (1 -
+/// e²)/2 (A v)ᵀ (A M⁻¹ Aᵀ)⁺ A v with the mass matrix M of the spanning tree. v⁺ may share the memory of v.
+/// Throws std::invalid_argument for wrong sizes and for an e that is not from 0 to 1.
 template <class T>
 Solvability impact(const Model& model, LoopWorkspace<T>& workspace, Numbers<T> q, Numbers<T> v, T restitution,
                    std::type_identity_t<std::span<T>> v_after,

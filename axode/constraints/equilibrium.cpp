@@ -32,8 +32,8 @@ namespace {
 using Matrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
 using Vector = Eigen::VectorXd;
 
-/// A configuration q with its unbalanced forces r and their derivative by q. If there are loops, both are
-/// projected on an orthonormal basis N of the velocities that the loops allow; otherwise N is empty.
+/// A configuration q with its unbalanced forces r and their derivative by q. With loops, both are projected
+/// on an orthonormal basis N of the velocities that the loops allow; otherwise N is empty.
 struct Iterate {
   std::vector<double> q;
   Vector r;
@@ -44,8 +44,7 @@ struct Iterate {
       : q(at.begin(), at.end()), r(model.nv()), dr_dq(model.nv(), model.nv()) {}
 };
 
-/// Computes the unbalanced forces: the drive forces that a configuration needs for rest, minus the given
-/// drive forces and those of springs.
+/// Computes the unbalanced forces: the forces that q needs for rest, minus those of drives and springs.
 class Statics {
  public:
   Statics(const Model& model, std::span<const double> tau, const Loads<>& loads)
@@ -78,9 +77,8 @@ class Statics {
   }
 
  private:
-  /// Subtracts from the unbalanced forces the constraint forces of the loops that reduce them most (least
-  /// squares), and projects the remainder and its derivative on an orthonormal basis N of the velocities that
-  /// the loops allow.
+  /// Projects the unbalanced forces and their derivative on an orthonormal basis N of the velocities that the
+  /// loops allow, after subtracting the constraint forces that reduce them most (least squares).
   void close(Iterate& at) {
     const Eigen::Index nv = model_.nv(), m = model_.loops().rows;
     Vector lambda(m), forces(nv);
@@ -105,8 +103,8 @@ class Statics {
   Matrix by_v_, by_a_;
 };
 
-/// The step -(∂r/∂q)⁺ r of Newton's method for the unbalanced forces r, at most 1 rad or m in each direction.
-/// Directions that change r by rounding only are left out.
+/// The Newton step -(∂r/∂q)⁺ r for the unbalanced forces r, at most 1 rad or m in each direction. Directions
+/// that change r by rounding only are left out.
 Vector newton_step(const Iterate& at) {
   Vector step = -least_squares(at.dr_dq, at.r, 1e-10);
   if (at.N.rows() > 0) step = Vector(at.N * step);

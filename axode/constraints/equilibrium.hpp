@@ -28,16 +28,14 @@ struct EquilibriumResult {
   int iterations = 0;
 };
 
-/// Finds a configuration near q0 in which the system stays at rest under the drive forces tau (nv), which are
-/// 0 if tau is empty. In this configuration the loops are closed, and the inverse dynamics at v = 0 and a = 0
-/// equals tau plus the forces of springs, mechanical stops and loops (eq. `LE`).
+/// Finds a configuration near q0 in which the system stays at rest under the drive forces tau (nv; 0 if it is
+/// empty): the loops are closed, and the inverse dynamics at v = 0 and a = 0 equals tau plus the forces of
+/// springs, mechanical stops and loops (eq. `LE`).
 ///
 /// The method is Newton's on the configuration manifold, with the exact derivative of the unbalanced forces
-/// by q along the velocities that the loops allow. If it is singular, the least step is taken. A step is at
-/// most 1 rad or m along each velocity. Loops are closed after each step by assemble(), and the step is
-/// halved until the norm of the unbalanced forces decreases. Equilibria may be stable or unstable. Limits of
-/// coordinates are ignored, and so are damping and Coulomb friction; with friction, a whole range of
-/// configurations would be at rest.
+/// by q along the velocities that the loops allow; if it is singular, the least step is taken. A step is at
+/// most 1 rad or m along each velocity, and is halved until the norm of the unbalanced forces decreases.
+/// Equilibria may be stable or unstable. Limits of coordinates, damping and Coulomb friction are ignored.
 ///
 /// O(n³) for each iteration; allocates. Throws std::invalid_argument for wrong sizes, quaternions that are
 /// not of unit norm, a load on a frame that does not exist, numbers that are not finite, options that are not

@@ -5,19 +5,19 @@
 #include "axode/recursion/loads.hpp"
 #include "axode/scalar/instruction_set.hpp"
 
-/// Closed loops. A mechanism is cut to a spanning tree. A loop joint between bodies i and j leaves a subgroup
-/// of SE(3) free. The wrenches W that are reciprocal to this subgroup close the loop: for multipliers λ, the
-/// wrench W λ acts on body j and -W λ on body i. The loop equations
+/// Closed loops: a spanning tree with additional loop joints. A loop joint between bodies i and j leaves a
+/// subgroup of SE(3) free. The wrenches W that are reciprocal to this subgroup close the loop: for
+/// multipliers λ, the wrench W λ acts on body j and -W λ on body i. The loop equations
 ///   A = Wᵀ (J_j - J_i),   A v = 0,   A a + γ = 0
-/// with the Jacobians J of the bodies and γ = A' v, and the multipliers λ, are the same in all
-/// representations. A loop joint has six equations less its degrees of freedom: couples about x and y, then
-/// forces along x, y and z, in the frame of the joint on body j, whose z is the axis.
+/// with the Jacobians J of the bodies and γ = A' v are the same in all representations. A loop joint has six
+/// equations less its degrees of freedom: couples about x and y, then forces along x, y and z, in the frame
+/// of the joint on body j, whose z is the axis.
 namespace axode {
 
 template <class T> class LoopSystem;
 
-/// Scratch memory of one thread for a mechanism with loops. A function with a LoopWorkspace as an argument
-/// takes loops into account; a function with a Workspace computes with a tree.
+/// Scratch memory of one thread for a mechanism with loops. Functions with a LoopWorkspace as an argument
+/// take loops into account; those with a Workspace compute with a tree.
 template <class T = double> class AXODE_ENTRY LoopWorkspace {
  public:
   explicit LoopWorkspace(const Model& model);
@@ -28,8 +28,7 @@ template <class T = double> class AXODE_ENTRY LoopWorkspace {
   LoopWorkspace& operator=(const LoopWorkspace& other);
   LoopWorkspace& operator=(LoopWorkspace&&) noexcept;
 
-  /// The LoopSystem of this workspace, which has the equations of the loops. Throws std::invalid_argument if
-  /// the workspace was made for another model.
+  /// The system of the loop equations. Throws std::invalid_argument for a workspace of another model.
   LoopSystem<T>& system(const Model& model);
 
  private:
@@ -51,22 +50,20 @@ void loop_jacobian(const Model& model, LoopWorkspace<T>& workspace, Numbers<T> q
                    std::type_identity_t<std::span<T>> A);
 
 /// Computes the Jacobian R(q) of the residual r(q) of the loops, loops().residuals × nv, with r' = R v. It is
-/// exact also if the loops are open (D6.4). If they are closed, its rows are also rows of the Jacobian of
-/// loop_jacobian(), which has further rows for conditions on velocities alone, such as rolling.
+/// exact also if the loops are open (D6.4).
 template <class T>
 void loop_residual_jacobian(const Model& model, LoopWorkspace<T>& workspace, Numbers<T> q,
                             std::type_identity_t<std::span<T>> R);
 
 /// Computes the rate of R(q)ᵀ λ (nv), with the Jacobian R of the residual r of the loops, for constant λ
-/// (loops().residuals numbers) as q moves with the velocities w (nv). This is the product of the second
-/// derivatives of Σ λ_k r_k with w, and it is exact. If every velocity is the rate of a coordinate, the
-/// second derivatives are the Hessian of Σ λ_k r_k. O(n + m d) for m residuals on paths of d joints.
+/// (loops().residuals numbers) as q moves with the velocities w (nv). This is the exact product of the second
+/// derivatives of Σ λ_k r_k with w. O(n + m d) for m residuals on paths of d joints.
 template <class T>
 void loop_hessian_product(const Model& model, LoopWorkspace<T>& workspace, Numbers<T> q, Numbers<T> lambda,
                           Numbers<T> w, std::type_identity_t<std::span<T>> product);
 
-/// Computes the bias γ(q, v) of the loop equations A v = 0, the part A' v of (A v)' = A a + γ, loops().rows
-/// numbers. It is exact also if the loops are open (D6.7). O(n).
+/// Computes the bias γ(q, v) = A' v of the loop equations A v = 0, A a + γ = 0 (loops().rows numbers). It is
+/// exact also if the loops are open (D6.7). O(n).
 template <class T>
 void loop_bias(const Model& model, LoopWorkspace<T>& workspace, Numbers<T> q, Numbers<T> v,
                std::type_identity_t<std::span<T>> gamma);

@@ -8,8 +8,8 @@
 
 namespace axode {
 
-/// A redundant loop equation: a row of the Jacobian A of the loop equations A v = 0 that depends on other
-/// rows. It corresponds to a state of internal stress that the loops can carry without external forces.
+/// A redundant loop equation, which depends on the others: a state of internal stress that the loops can
+/// carry without external forces.
 struct RedundantRow {
   int row = 0;                 ///< index of the row in A
   std::string loop;            ///< name of the loop that has the row
@@ -39,9 +39,8 @@ struct LoopMobility {
 };
 
 /// Computes the rank of the loop equations, the degrees of freedom, redundant equations and mobility at a
-/// closed configuration q. If the loops are open at q, redundancy that is due to the geometry may be missed.
-/// Allocates; O(nv³). Throws std::invalid_argument for a wrong size of q and for quaternions that are not of
-/// unit norm.
+/// closed configuration q. If loops are open at q, redundancy by geometry may be missed. Allocates; O(nv³).
+/// Throws std::invalid_argument for a wrong size of q and for quaternions that are not of unit norm.
 [[nodiscard]] LoopMobility loop_mobility(const Model& model, std::span<const double> q);
 
 }  // namespace axode

@@ -15,10 +15,9 @@ namespace {
 
 /// Tolerance for rounding errors, relative to the magnitude of the forces that are compared.
 constexpr double rounding = 1e-13;
-/// A small number that is added to the equations of joints that stick, relative to their compliance, because
-/// in loops the distribution of the sticking forces may be indeterminate. Two passes of iterative refinement
-/// remove its effect on the accelerations. In the test of uniqueness, a pivot below this part of the
-/// compliance counts as 0.
+/// A small number, relative to the compliance, that regularises the equations of sticking joints, because in
+/// loops the distribution of their forces may be indeterminate. Iterative refinement removes its effect on
+/// the accelerations. In the test of uniqueness, a pivot below this part of the compliance counts as 0.
 constexpr double regularisation = 1e-12;
 
 }  // namespace
@@ -34,9 +33,8 @@ double ResistingForces::bound(Eigen::Index i, int direction) const {
   return joints_[at(i)].friction + part_lost(i, direction, F_i < 0 ? -1 : 1) * std::abs(F_i);
 }
 
-/// Checks the condition (D9.12), under which the friction forces of joints with gears are unique. Returns -1
-/// if it holds, or else the index of the joint whose negative diagonal term in (D9.12) is largest relative to
-/// the joint's compliance.
+/// Checks the condition (D9.12) under which the friction forces of joints with gears are unique. Returns -1
+/// if it holds, otherwise the joint with the largest negative diagonal term, relative to its compliance.
 int ResistingForces::not_unique(const Matrix& Phi) const {
   std::vector<Eigen::Index> rows;  // joints that stick in the worst case come first
   std::vector<double> diagonal;
@@ -78,9 +76,8 @@ int ResistingForces::not_unique(const Matrix& Phi) const {
 }
 
 /// Starts with a problem whose friction forces are known: joints at rest stick without a friction force, and
-/// the drives of moving joints drive their gears. Sets its data (drive forces and accelerations), its
-/// solution, and the linear piece in which each joint is. The magnitudes of the forces differ from joint to
-/// joint, so that the path through a symmetric mechanism meets the boundaries of its pieces one by one.
+/// the drives of moving joints drive their gears. Forces differ from joint to joint, so that the path to the
+/// solution of a symmetric mechanism meets the boundaries between linear pieces one by one.
 void ResistingForces::start(const Matrix& Phi, const Vector& a_0) {
   const Eigen::Index k = Phi.rows();
   x_ = a_ = Vector::Zero(k);
@@ -98,8 +95,8 @@ void ResistingForces::start(const Matrix& Phi, const Vector& a_0) {
 }
 
 /// Solves the equations (D9.10) for the friction forces x, which are linear if each joint sticks, or slides
-/// in a known direction with a known sign of the gear's force. The rows of sticking joints are regularised by
-/// `little` or, if it is 0, by an amount whose effect is removed by refinement.
+/// in a known direction with a known sign of the gear's force. The equations of sticking joints are
+/// regularised by `little` or, if it is 0, by an amount whose effect is removed by refinement.
 ResistingForces::Vector ResistingForces::solve(const Matrix& Phi, const Vector& a_0, const Vector& tau,
                                                double little) const {
   const Eigen::Index k = Phi.rows();
@@ -147,10 +144,10 @@ std::vector<ResistingForces::Boundary> ResistingForces::boundaries(Eigen::Index 
   return all;
 }
 
-/// Changes the problem of start() continuously to that with the accelerations `a_0` without friction and the
-/// drive forces `tau`, follows its friction forces from one linear piece to the next, and writes those at the
-/// end to x_. The forces of sticking joints are regularised by `little`. Returns false if the end is not
-/// reached after a limited number of pieces, for example because forces of sticking joints are indeterminate.
+/// Changes the problem of start() continuously to that with the frictionless accelerations `a_0` and the
+/// drive forces `tau`, and follows its friction forces from one linear piece to the next; x_ receives those
+/// at the end. Forces of sticking joints are regularised by `little`. Returns false if the end is not reached
+/// after a limited number of pieces.
 bool ResistingForces::follow(const Matrix& Phi, const Vector& a_0, const Vector& tau, double little) {
   const Eigen::Index k = Phi.rows();
   tau_ = tau;

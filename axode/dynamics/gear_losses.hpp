@@ -11,7 +11,7 @@
 namespace axode {
 
 /// A joint velocity whose friction force x depends on the accelerations, because its gear loses a part of the
-/// force that it transmits, or because dry friction or the gear may hold the joint at rest.
+/// transmitted force, or because dry friction or the gear may hold the joint at rest.
 struct ResistingJoint {
   double drive = 0;     ///< τ: drive force minus damping and, if the joint moves, minus dry friction
   double friction = 0;  ///< bound of the dry friction of a joint at rest; 0 if the joint moves
@@ -20,26 +20,25 @@ struct ResistingJoint {
   double compliance = 0;  ///< scale for accelerations: that of the joint for a unit force on the joint
 };
 
-/// Computes the friction forces x of k joints with dry friction or gear losses, and the accelerations a = a_0
-/// + Φ x of these joints, by (D9.10) and (D9.11). a_0 are the accelerations without friction forces, and Φ =
-/// ∂a/∂τ (k × k) is the response to joint forces. A gear with armature I and drive force τ transmits the
-/// force F = τ - I a + x. The equations for x are linear in pieces: a piece ends where a force F changes its
-/// sign, or where a joint at rest changes between sticking and sliding in one direction.
+/// Computes the friction forces x of k joints with dry friction or gear losses, and their accelerations a =
+/// a_0 + Φ x ((D9.10), (D9.11)). a_0 are the accelerations without friction forces, and Φ = ∂a/∂τ (k × k) is
+/// the response to joint forces. A gear with armature I and drive force τ transmits the force F = τ - I a +
+/// x. The equations for x are linear in pieces: a piece ends where a force F changes its sign, or where a
+/// joint at rest changes between sticking and sliding.
 ///
-/// The solution is found by the method of Katzenelson. It starts at another problem, whose solution is known,
-/// changes the data of this problem along a straight line to those of the given problem, and follows the
-/// solution from one linear piece to the next. The path ends if the solution is unique for all forces, which
-/// is checked by (D9.12). In loops the forces of sticking joints may be indeterminate; the path is then
-/// followed with regularised forces.
+/// The method is Katzenelson's: it starts at a problem with a known solution, changes its data along a
+/// straight line to those of the given problem, and follows the solution from one linear piece to the next.
+/// The path ends if the solution is unique for all forces, which is checked by (D9.12). If forces of sticking
+/// joints in loops are indeterminate, they are regularised.
 class ResistingForces {
  public:
   using Matrix = Eigen::MatrixXd;
   using Vector = Eigen::VectorXd;
 
   /// Computes the friction forces x() and the accelerations a() of the k joints. `Phi` (k × k, symmetric) are
-  /// the accelerations of these joints for unit forces on them, and `a_0` their accelerations without
-  /// friction forces. Returns -1 or, if the solution is not unique or not found, the index of a joint, as a
-  /// rule one whose gear locks itself too strongly. O(k³) for each linear piece on the path to the solution.
+  /// their accelerations for unit forces on them, and `a_0` those without friction forces. Returns -1 or, if
+  /// the solution is not unique or not found, the index of a joint, as a rule one whose gear locks itself too
+  /// strongly. O(k³) for each linear piece on the path to the solution.
   int find(const Matrix& Phi, const Vector& a_0, std::span<const ResistingJoint> joints);
 
   const Vector& x() const { return x_; }
@@ -47,13 +46,13 @@ class ResistingForces {
   bool sticks(Eigen::Index i) const { return pieces_[at(i)].slide == 0; }
   /// The force F that the gear of joint i transmits.
   double transmitted(Eigen::Index i) const { return F(i, x_, a_, tau_); }
-  /// The magnitude of the friction force on joint i if it slides, or begins to slide, in `direction` (1 or
-  /// -1): its dry friction plus the loss of its gear.
+  /// The magnitude of the friction force (dry friction plus loss of the gear) on joint i if it slides, or
+  /// begins to slide, in `direction` (1 or -1).
   double bound(Eigen::Index i, int direction) const;
 
  private:
-  /// The state of a joint in which its friction law is linear: `slide` is its direction of sliding (1 or -1;
-  /// 0 if it sticks), and `sign` is the sign of the force that its gear transmits.
+  /// A state of a joint in which its friction law is linear: its direction `slide` of sliding (1 or -1; 0 if
+  /// it sticks), and the sign of the force that its gear transmits.
   struct Piece {
     int slide, sign;
     bool operator==(const Piece&) const = default;
@@ -69,8 +68,8 @@ class ResistingForces {
   double F(Eigen::Index i, const Vector& x, const Vector& a, const Vector& tau) const {
     return tau[i] - joints_[at(i)].rotor * a[i] + x[i];
   }
-  /// The fraction (0 or more) of the transmitted force that the gear of joint i loses if the joint moves in
-  /// `direction` and the force has the sign `sign` (both 1 or -1).
+  /// The fraction (0 or more) of the transmitted force of sign `sign` that the gear of joint i loses if the
+  /// joint moves in `direction` (both 1 or -1).
   double part_lost(Eigen::Index i, int direction, int sign) const {
     return direction == sign ? joints_[at(i)].loss : joints_[at(i)].loss_back;
   }
@@ -86,22 +85,21 @@ class ResistingForces {
   Vector x_, a_, tau_, start_a_0_;
 };
 
-/// The gears with losses whose joints move, for forward dynamics. Gears of joints at rest lose nothing there:
-/// like dry friction, the loss of a joint at rest depends on how it came to rest, and only simulations
-/// determine it.
+/// The gears with losses whose joints move, for forward dynamics. Gears of joints at rest lose nothing here,
+/// because their losses depend on how they came to rest.
 class MovingGears {
  public:
-  /// Selects the gears with losses whose joints move, and stores their drive forces: those in `tau` (nv)
-  /// minus damping and dry friction. Throws std::invalid_argument if the model has gears with losses and
-  /// springs, because `tau` could contain the forces of the springs, which do not pass through gears.
+  /// Selects the gears with losses whose joints move, and their drive forces: `tau` (nv) minus damping and
+  /// dry friction. Throws std::invalid_argument if the model has gears with losses and springs, because `tau`
+  /// could contain the forces of the springs, which do not pass through gears.
   template <class T> MovingGears(const Model& model, NumberSpan<T> v, NumberSpan<T> tau);
 
   /// The indices of the joint velocities of the k selected gears.
   std::span<const int> velocities() const { return velocities_; }
   /// Adds the friction forces of the k selected gears to the joint forces `tau` (nv). `a` (nv) are the
-  /// accelerations without these forces. Row i of `responses` (k × nv) has the accelerations that a unit
-  /// force on velocities()[i] causes. If a gear locks itself too strongly (D9.12), the returned Solvability
-  /// names its body, and `tau` remains unchanged.
+  /// accelerations without these forces, and row i of `responses` (k × nv) those by a unit force on
+  /// velocities()[i]. If a gear locks itself too strongly (D9.12), the returned Solvability names its body,
+  /// and `tau` remains unchanged.
   template <class T>
   Solvability add_forces(const Model& model, std::span<const T> a, std::span<const T> responses,
                          std::span<T> tau);
@@ -111,12 +109,11 @@ class MovingGears {
   std::vector<ResistingJoint> joints_;
 };
 
-/// Computes accelerations `a` with the losses of the gears of moving joints (D9.10). It first computes the
-/// accelerations without these losses and, if there are such gears, computes them again with the friction
-/// forces of the gears added to `tau`. accelerate(q, v, tau) must compute `a` and return a Solvability.
-/// respond(q, velocities, responses) must write one row of nv accelerations for each given velocity, those
-/// that a unit force on this velocity causes. q, v and tau may share memory with `a`. Throws
-/// std::invalid_argument if the model has gears with losses and springs.
+/// Computes accelerations `a` with the losses of the gears of moving joints (D9.10): first without them and,
+/// if there are such gears, again with their friction forces added to `tau`. accelerate(q, v, tau) must
+/// compute `a` and return a Solvability. respond(q, velocities, responses) must write one row of nv
+/// accelerations for each given velocity, those by a unit force on it. q, v and tau may share memory with
+/// `a`. Throws std::invalid_argument if the model has gears with losses and springs.
 template <class T, class Accelerate, class Respond>
 Solvability accelerate_with_gears(const Model& model, NumberSpan<T> q, NumberSpan<T> v, NumberSpan<T> tau,
                                   std::span<T> a, const Accelerate& accelerate, const Respond& respond) {
@@ -133,14 +130,13 @@ Solvability accelerate_with_gears(const Model& model, NumberSpan<T> q, NumberSpa
   return accelerate(q_t.data(), v_t.data(), forces.data());
 }
 
-/// The forces that gears lose in inverse dynamics, where velocities v and accelerations a are given. The gear
-/// of a joint at rest loses nothing.
+/// The forces that gears of moving joints lose at given v and a (velocities and accelerations).
 template <class T> class GearLosses {
  public:
   /// Reads v and a (nv each). Their memory may be overwritten afterwards, for example by the forces of add().
   GearLosses(const Model& model, NumberSpan<T> v, NumberSpan<T> a);
-  /// Adds the losses of the gears to the drive forces `tau` (nv) by (D9.9). `tau` must contain the forces
-  /// against armatures, damping and dry friction, and no forces of springs.
+  /// Adds the losses of the gears to the drive forces `tau` (nv), which must contain the forces against
+  /// armatures, damping and dry friction, but none of springs (D9.9).
   void add(std::span<T> tau) const;
 
  private:
@@ -151,8 +147,8 @@ template <class T> class GearLosses {
   std::vector<Moving> moving_;
 };
 
-/// Throws std::invalid_argument if the model has springs and gears with losses. The message names `function`
-/// and ends with the advice `instead`.
+/// Throws std::invalid_argument if the model has springs and gears with losses, with a message that names
+/// `function` and ends with the advice `instead`.
 void refuse_springs_with_gears(const char* function, const char* instead, const Model& model);
 
 }  // namespace axode

@@ -12,21 +12,20 @@
 namespace axode {
 
 /// The dynamics of a mechanism on a scalar T of the caller's choice, for example Dual (derivatives along
-/// directions) or Taylor (derivatives in time). The kernels are compiled in the file that includes this
-/// header. For double and float the library has the functions of axode/dynamics.hpp.
+/// directions) or Taylor (derivatives in time).
 ///
 /// T needs + - * /, sqrt, sin, cos, `<`, `>`, select and a conversion from double; forward dynamics compares
 /// the values of numbers only, not their derivatives. The recursions run in the representation Rep, on which
-/// results do not depend. All functions except mass_matrix() are O(n). They allocate nothing, and throw
-/// std::invalid_argument for an argument of a wrong size. The caller must make sure that quaternions in q
-/// have norm 1. Inverse and forward dynamics throw std::invalid_argument for a mechanism with loops, and for
-/// losses of gears if loads.joint_losses is set. They do not include the forces of springs.
+/// results do not depend. All functions except mass_matrix() are O(n), allocate nothing, and throw
+/// std::invalid_argument for an argument of a wrong size. Quaternions in q must have norm 1. Inverse and
+/// forward dynamics throw std::invalid_argument for a mechanism with loops, and for losses of gears if
+/// loads.joint_losses is set. They do not include the forces of springs.
 template <class T, RecursionRepresentation Rep = Hybrid> class GenericDynamics {
  public:
   explicit GenericDynamics(const Model& model) : GenericDynamics(model, cast<T>(model.tree<double>())) {}
   /// Takes `tree` instead of the tree of the model, for derivatives with respect to inertias, armatures or
-  /// gravity. To make a tree with such numbers, change the TreeNumbers of cast<T>(model.tree<double>()) and
-  /// construct a Tree from them.
+  /// gravity. A Tree with such numbers is constructed from changed TreeNumbers of
+  /// cast<T>(model.tree<double>()).
   GenericDynamics(const Model& model, Tree<T> tree)
       : model_(model),
         tree_(std::move(tree)),
@@ -36,8 +35,7 @@ template <class T, RecursionRepresentation Rep = Hybrid> class GenericDynamics {
 
   const Tree<T>& tree() const { return tree_; }
 
-  /// Writes q ⊕ dv (nq numbers) to `moved`: the configuration after every joint has moved from q along its
-  /// left-trivialised direction dv (nv numbers).
+  /// Writes q ⊕ dv (nq numbers) to `moved`: q moved along left-trivialised joint directions dv (nv).
   void integrate(std::span<const T> q, std::span<const T> dv, std::span<T> moved) const {
     check("q", q, model_.nq(), "nq");
     check("dv", dv, model_.nv(), "nv");
@@ -49,8 +47,7 @@ template <class T, RecursionRepresentation Rep = Hybrid> class GenericDynamics {
         });
   }
 
-  /// Computes the drive forces τ (nv; N m and N) for accelerations a (nv) by the recursive Newton-Euler
-  /// algorithm, as axode::inverse_dynamics() does.
+  /// Computes the drive forces τ (nv; N m and N) for accelerations a (nv) by the Newton-Euler recursion.
   void inverse_dynamics(std::span<const T> q, std::span<const T> v, std::span<const T> a, std::span<T> tau,
                         const Loads<T>& loads = {}) {
     check_counts("inverse_dynamics");
@@ -62,8 +59,8 @@ template <class T, RecursionRepresentation Rep = Hybrid> class GenericDynamics {
   }
 
   /// Computes the accelerations a (nv; rad/s² and m/s²) for drive forces τ (nv) by the articulated-body
-  /// algorithm, as axode::forward_dynamics() does. The returned Solvability says whether the mass matrix is
-  /// singular, judged by the values of its entries without their derivatives.
+  /// algorithm. The returned Solvability says whether the mass matrix, without derivatives of its entries, is
+  /// singular.
   Solvability forward_dynamics(std::span<const T> q, std::span<const T> v, std::span<const T> tau,
                                std::span<T> a, const Loads<T>& loads = {}) {
     check_counts("forward_dynamics");

@@ -7,9 +7,9 @@
 
 namespace axode {
 
-/// Computes the inverse operational-space inertia J M⁻¹ Jᵀ = J Y of a place (a frame or a point on a body)
-/// from the nv columns of its Jacobian J and the nv rows of Y = M⁻¹ Jᵀ, with the mass matrix M. The result
-/// has 36 entries, row by row. It is made symmetric, because rounding makes J Y slightly unsymmetric.
+/// Computes the inverse operational-space inertia J M⁻¹ Jᵀ = J Y (36 entries, row by row) of a place (a frame
+/// or a point on a body) from its Jacobian J (nv columns) and Y = M⁻¹ Jᵀ (nv rows), with the mass matrix M.
+/// It is made exactly symmetric.
 template <class Rep, class T>
 void inverse_frame_inertia(std::span<const Twist<Rep, T>> J, std::span<const Twist<Rep, T>> Y,
                            T* Lambda_inverse) {

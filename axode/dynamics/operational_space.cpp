@@ -13,8 +13,8 @@
 namespace axode {
 namespace {
 
-/// Replaces the nv columns of the Jacobian J of a frame by the nv rows of M⁻¹ Jᵀ with the mass matrix M. Each
-/// of the six rows of J is a generalised force, for which the accelerations are solved.
+/// Replaces the Jacobian J (nv columns) of a frame by the nv rows of M⁻¹ Jᵀ with the mass matrix M, by
+/// solving for the accelerations for each of the six rows of J as generalised forces.
 template <class Rep, class T>
 Solvability respond(const Tree<T>& tree, FrameResponse<Rep, T>& at, const T* q, Twist<Rep, T>* columns) {
   const Solvability factorized = at.bodies.factorize(tree, q, tree.armature.data());

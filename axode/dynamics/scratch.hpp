@@ -16,9 +16,8 @@ template <class Rep, class T> struct BiasForces {
 
   explicit BiasForces(Arena& arena) : recursion(arena), zero(arena.per_velocity<T>()) {}
 
-  /// Writes the bias forces at velocities v under gravity g and the loads to `tau` (nv). If v is null, the
-  /// velocities are 0. If loads.joint_losses is set, damping and friction are those at the velocities
-  /// v_losses; if v_losses is null, they are 0.
+  /// Computes the bias forces `tau` (nv) at velocities v under gravity g and the loads, with damping and
+  /// friction at the velocities v_losses if loads.joint_losses is set. A null v or v_losses is 0.
   void run(const Tree<T>& tree, const T* q, const T* v, const T* v_losses, const Loads<T>& loads,
            const Vec3<T>& g, T* tau) noexcept {
     for (int c = 0; c < tree->nv; ++c) zero[c] = T(0);
@@ -40,8 +39,8 @@ template <class Rep, class T> struct FrameResponse {
         x(arena.per_velocity<T>()) {}
 };
 
-/// Scratch memory for momenta of a tree with velocities v: joint screws and inertias in spatial
-/// representation, twists of the bodies and momenta of their subtrees, and one number for each velocity.
+/// Scratch memory for momenta of a tree: joint screws and inertias in spatial representation, twists of the
+/// bodies and momenta of their subtrees, and one number for each velocity.
 template <class T> struct MovingMass {
   SpatialTree<T> spatial;
   SubtreeMomenta<T> momenta;
@@ -54,8 +53,8 @@ template <class T> struct MovingMass {
   }
 };
 
-/// Scratch memory for the equations of motion in the state (q, V), where V are the twists of all bodies: the
-/// velocities and accelerations of the joints, and from them the accelerations of all bodies.
+/// Scratch memory for the equations of motion in the state (q, V) with the twists V of all bodies: velocities
+/// and accelerations of the joints, and accelerations of the bodies.
 template <class Rep, class T> struct StateForm {
   BodyPoses<T> C;
   Twist<Spatial, T>* V_s;
@@ -81,8 +80,7 @@ template <class T> struct PosesAndMotion {
 };
 
 /// Scratch memory for a Coriolis matrix C = Jᵀ (M J' + B J) with the spatial Jacobian J and inertia M of all
-/// bodies: joint screws and inertias in spatial representation, and for each body its twist and its 6×6 block
-/// of B.
+/// bodies: joint screws and inertias, and for each body its twist and its 6×6 block of B.
 template <class T> struct CoriolisBodies {
   SpatialTree<T> spatial;
   Twist<Spatial, T>* V;

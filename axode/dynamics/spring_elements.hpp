@@ -9,8 +9,8 @@
 /// Forces of springs, dampers and joint stops, with the derivatives of these forces.
 namespace axode {
 
-/// The force f of the spring and the stops on a joint of one velocity, the derivatives of f by the position p
-/// and the velocity dp of the joint, and the energy of spring and stops.
+/// The force f of the spring and the stops on a joint of one velocity, its derivatives by the position p and
+/// the velocity dp of the joint, and the elastic energy.
 template <class T> struct ElasticForce { T f, by_p, by_dp, energy; };
 template <class T> ElasticForce<T> elastic_force(const Dof& dof, const T& p, const T& dp) noexcept {
   const T k = T(dof.stiffness), x = p - T(dof.rest);
@@ -29,8 +29,8 @@ template <class T> ElasticForce<T> elastic_force(const Dof& dof, const T& p, con
 }
 
 /// The spring of a joint with several velocities, at the logarithm x = log(q) of the motion from its drawn
-/// pose. `Kx` is the diagonal stiffness matrix times x, and dx[k] = dexp_{-x}⁻¹ e_k is the rate of x for a
-/// unit of velocity k, with the unit vector e_k.
+/// pose: `Kx` is the diagonal stiffness matrix times x, and dx[k] = dexp_{-x}⁻¹ e_k the rate of x for a unit
+/// of velocity k.
 template <class Joint, class T> struct ElasticLogarithm {
   using Entries = std::array<T, Joint::nv>;
   Entries x, Kx;
@@ -71,9 +71,8 @@ template <class T> int meeting_of(const Tree<T>& tree, const std::array<Place<T>
   return common_predecessor(tree, tree->frame_body[place[0].frame], tree->frame_body[place[1].frame]);
 }
 
-/// A straight segment of the path of a spring, between two points on bodies. It is expressed in the joint
-/// frame of the body `meeting`, where the paths from both ends to the ground meet, so that no digits are lost
-/// far from the inertial origin.
+/// A straight segment of a spring between two points on bodies, in the joint frame of the body `meeting`,
+/// where the paths from both ends to the ground meet.
 template <class T> struct Segment {
   std::array<Place<T>, 2> place;
   int meeting;
@@ -83,9 +82,9 @@ template <class T> struct Segment {
   Vec3<T> u;      ///< r/‖r‖, or 0
   T rate{};       ///< rate of the length
 
-  /// Computes the segment of a spring between two points. For each end (0 or 1), calls columns(end, joint,
-  /// velocity, X) with each column X of the body-fixed Jacobian of the end, for the joints between it and the
-  /// body where the paths from both ends to the ground meet. v may be nullptr; the rates are 0 then.
+  /// Computes the segment of a spring between two points. Calls columns(end, joint, velocity, X) for each end
+  /// (0 or 1) with each column X of its body-fixed Jacobian, for the joints up to the body where the paths
+  /// from both ends to the ground meet. If v is null, rates are 0.
   template <class F>
   Segment(const Spring::Path::Point* ends, const Tree<T>& tree, const T* q, const T* v,
           const F& columns) noexcept
@@ -146,18 +145,18 @@ SpringCoordinate<T> coordinate_of(const Spring::JointSum& joints, const Tree<T>&
   return sum;
 }
 
-/// The pose D of the second frame of a spring relative to the first one, and the twist V of the second frame
-/// relative to the first one, in the axes and about the origin of the second frame.
+/// The pose D and the twist V of the second frame of a spring relative to the first one; V is in the axes and
+/// about the origin of the second frame.
 template <class T> struct RelativePose {
   std::array<Place<T>, 2> place;
   int meeting;
   SE3<T> D;
   Screw<T> V;
 
-  /// Computes the pose D and the twist V of the second frame of a spring relative to the first. For each
-  /// frame (end 0 or 1), calls columns(end, joint, velocity, X) with each column X of the body-fixed Jacobian
-  /// of the frame, for the joints between it and the body where the paths from both frames to the ground
-  /// meet. v may be nullptr; V is 0 then.
+  /// Computes the pose D and the twist V of the second frame of a spring relative to the first. Calls
+  /// columns(end, joint, velocity, X) for each frame (end 0 or 1) with each column X of its body-fixed
+  /// Jacobian, for the joints up to the body where the paths from both frames to the ground meet. If v is
+  /// null, V is 0.
   template <class F>
   RelativePose(const std::array<Spring::End, 2>& ends, const Tree<T>& tree, const T* q, const T* v,
                const F& columns) noexcept
@@ -181,7 +180,7 @@ template <class T> struct RelativePose {
 };
 
 /// The wrench W = (moment; force) of a spring on its second frame, in the axes and about the origin of this
-/// frame. If its derivatives are computed, K = -∂W/∂η for displacements D → D exp(η) of the relative pose D
+/// frame, and, if computed, its derivatives: K = -∂W/∂η for displacements D → D exp(η) of the relative pose D
 /// of the two frames, and C = -∂W/∂V for their relative twist V.
 template <class T> struct SpringWrench {
   using Matrix = std::array<std::array<T, 6>, 6>;
@@ -234,9 +233,9 @@ template <class T> struct TwistAngle {
   T square_;
 };
 
-/// The wrench W of a torsion spring on its second frame (D16.9), and if `with_derivatives`, its derivatives:
-/// K by displacements of this frame and C by the relative twist, both with a minus sign. `at` has the
-/// relative pose and twist of the two frames.
+/// The wrench W of a torsion spring on its second frame (D16.9) and, if `with_derivatives`, K and C: minus
+/// its derivatives by displacements of this frame and by the relative twist. `at` has the relative pose and
+/// twist.
 template <class T>
 SpringWrench<T> wrench_of(const Spring::Torsion&, const ForceLaw& law, const RelativePose<T>& at,
                           bool with_derivatives) noexcept {
@@ -259,9 +258,9 @@ SpringWrench<T> wrench_of(const Spring::Torsion&, const ForceLaw& law, const Rel
   return out;
 }
 
-/// The wrench W of a bushing on its second frame and, if `with_derivatives`, its derivatives (D16.10,
-/// D16.11): K by displacements of this frame and C by the relative twist, both with a minus sign. `at` has
-/// the relative pose and twist of the two frames.
+/// The wrench W of a bushing on its second frame and, if `with_derivatives`, K and C: minus its derivatives
+/// by displacements of this frame and by the relative twist (D16.10, D16.11). `at` has the relative pose and
+/// twist.
 template <class T>
 SpringWrench<T> wrench_of(const Spring::Bushing& bushing, const ForceLaw&, const RelativePose<T>& at,
                           bool with_derivatives) noexcept {
@@ -295,9 +294,9 @@ SpringWrench<T> wrench_of(const Spring::Bushing& bushing, const ForceLaw&, const
   return out;
 }
 
-/// The wrench of a spring on its first frame, which is the reaction to its wrench W on the second frame. W is
-/// in the axes and about the origin of the second frame, the result in those of the first frame. D is the
-/// pose of the second frame relative to the first.
+/// The wrench of a spring on its first frame, in the axes and about the origin of this frame: the reaction to
+/// its wrench W on the second frame, given in that frame. D is the pose of the second frame relative to the
+/// first.
 template <class T> Six<T> reaction(const SE3<T>& D, const Six<T>& W) noexcept {
   const Vec3<T> m = D.R * Vec3<T>{W[0], W[1], W[2]}, f = D.R * Vec3<T>{W[3], W[4], W[5]};
   return six(-(m + cross(D.r, f)), -f);

@@ -1,24 +1,24 @@
 #pragma once
 #include "axode/kinematics/arguments.hpp"
 
-/// Springs, dampers and end stops. A model has them on joints (Dof) and as spring elements of their own
-/// (SpringDescription). They act in simulations, linearisations and equilibria. Inverse and forward dynamics
-/// and their derivatives leave them out: add their forces to τ by add_spring_forces().
+/// Springs, dampers and end stops, on joints (Dof) and as elements of their own (SpringDescription). They act
+/// in simulations, linearisations and equilibria. Inverse and forward dynamics and their derivatives leave
+/// them out: add their forces to τ by add_spring_forces().
 ///
-/// A joint with one velocity has its own position p, also if it is coupled to another joint. Its spring of
-/// stiffness k has the force -k (p - rest). At a depth δ beyond a limit of the joint, its stop has the force
-/// -k_s δ max(0, 1 + d δ') (Hunt and Crossley), where k_s and d are the stiffness and the damping of the
-/// stop. This force is continuous and never pulls. For the spring of a joint with several velocities, let x
-/// be the logarithm of the motion from the drawn pose and K the diagonal matrix of stiffnesses; the energy is
-/// xᵀ K x / 2 and the force is -dexp_{-x}⁻ᵀ K x. The force jumps at half a turn, where the shorter rotation
-/// changes its direction; for planar and free joints the energy jumps there as well.
+/// On a joint with one velocity, a spring of stiffness k has the force -k (p - rest) at the joint's own
+/// position p. At a depth δ beyond a limit of the joint, its stop has the force -k_s δ max(0, 1 + d δ') (Hunt
+/// and Crossley), where k_s and d are the stiffness and the damping of the stop. For the spring of a joint
+/// with several velocities, let x be the logarithm of the motion from the drawn pose and K the diagonal
+/// matrix of stiffnesses; the energy is xᵀ K x / 2 and the force is -dexp_{-x}⁻ᵀ K x. The force jumps at half
+/// a turn, where the shorter rotation changes its direction; for planar and free joints the energy jumps
+/// there as well.
 ///
 /// A spring element acts between two points, along a path of points, on the angle between two frames or on a
 /// sum of joint coordinates. It has one coordinate x, the tension F of its ForceLaw, and the generalised
-/// force -F ∂x/∂q (D16.1). If two points of a path coincide, the segment between them has no direction and no
-/// force. A bushing between two frames has the energy Xᵀ K X / 2 for X = log(D_0⁻¹ D), where K is its 6×6
-/// stiffness, D the relative pose of the frames and D_0 the relative pose at rest (D16.10). The forces on
-/// angles and the forces of bushings jump at half a turn.
+/// force -F ∂x/∂q (D16.1). If two points of a path coincide, the segment between them has no force. A bushing
+/// between two frames has the energy Xᵀ K X / 2 for X = log(D_0⁻¹ D), where K is its 6×6 stiffness, D the
+/// relative pose of the frames and D_0 the relative pose at rest (D16.10). The forces on angles and the
+/// forces of bushings jump at half a turn.
 namespace axode {
 
 /// The generalised forces τ (nv; N m or N) of all springs, dampers and end stops. O(n) for those on joints,
@@ -32,14 +32,12 @@ template <class T>
 void add_spring_forces(const Model& model, Workspace<T>& workspace, Numbers<T> q, Numbers<T> v,
                        std::type_identity_t<std::span<T>> tau);
 
-/// The elastic energy of all springs and stops, J. Its gradient by q is -τ for the forces τ of
-/// spring_forces() at v = 0.
+/// The elastic energy (J) of all springs and stops. Its gradient by q is minus their forces at v = 0.
 template <class T> T elastic_energy(const Model& model, Workspace<T>& workspace, Numbers<T> q);
 
-/// Returns the coordinate x (m or rad) of spring element k of the model. Unless `gradient` is empty, it
-/// receives ∂x/∂q (nv entries), whose entries are the moment arms of the tension with the opposite sign.
-/// Throws std::invalid_argument for a bushing, which has no coordinate, and for a k that is not the index of
-/// a spring element. O(depth) for each segment.
+/// Returns the coordinate x (m or rad) of spring element k of the model and, unless `gradient` is empty,
+/// ∂x/∂q (nv entries), the negative moment arms of the tension. Throws std::invalid_argument for a bushing,
+/// which has no coordinate, and for a k that is not the index of a spring element. O(depth) for each segment.
 template <class T>
 T spring_coordinate(const Model& model, Workspace<T>& workspace, int k, Numbers<T> q,
                     std::type_identity_t<std::span<T>> gradient = {});

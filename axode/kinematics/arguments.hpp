@@ -9,8 +9,7 @@
 
 namespace axode {
 
-/// A read-only view of numbers that lie one after the other in memory. It is a std::span that can also be
-/// made of an Eigen vector.
+/// A read-only view of contiguous numbers: a std::span that can also be made of an Eigen vector.
 template <class T> class NumberSpan : public std::span<const T> {
  public:
   using std::span<const T>::span;
@@ -24,8 +23,7 @@ template <class T> class NumberSpan : public std::span<const T> {
       : std::span<const T>(vector.data(), static_cast<std::size_t>(vector.size())) {}
 };
 
-/// The type of a read-only argument of several numbers. It accepts e.g. a std::vector<T> or an
-/// Eigen::VectorX<T>.
+/// The type of a read-only argument of several numbers, such as a std::vector<T> or an Eigen::VectorX<T>.
 template <class T> using Numbers = std::type_identity_t<NumberSpan<T>>;
 
 }  // namespace axode

@@ -8,8 +8,8 @@
 namespace axode {
 namespace {
 
-/// The centre of mass of all moving bodies, in the frame in which their poses C are given. Throws no_mass()
-/// if they have no mass.
+/// The centre of mass of all moving bodies, in the frame in which their poses C are given. Throws
+/// std::domain_error if they have no mass.
 template <class T> Vec3<T> mass_center(const Model& model, const Tree<T>& tree, const BodyPoses<T>& C) {
   T m(0);
   Vec3<T> h;
@@ -21,9 +21,8 @@ template <class T> Vec3<T> mass_center(const Model& model, const Tree<T>& tree, 
   return (T(1) / m) * h;
 }
 
-/// Computes in `at` the poses C of all bodies in a frame with inertial axes whose origin is the centre of
-/// mass of the whole system, and the inertias M of the subtrees of all bodies in that frame; entry 0 of M is
-/// the inertia of all bodies.
+/// Computes the poses C of all bodies relative to the centre of mass of the whole system, in inertial axes,
+/// and the inertias M of their subtrees there; entry 0 of M is the inertia of all bodies.
 template <class T> void compose(const Model& model, const Tree<T>& tree, const T* q, SubtreeInertias<T>& at) {
   at.C.run(tree, q);
   const Vec3<T> c = mass_center(model, tree, at.C);

@@ -16,14 +16,13 @@ template <class T>
 void center_of_mass_jacobian(const Model& model, Workspace<T>& workspace, Numbers<T> q,
                              std::type_identity_t<std::span<Vec3<T>>> J);
 
-/// The centroidal momentum matrix, nv columns. Each column is the momentum of all bodies about the centre of
-/// mass, in inertial axes, for a unit of one velocity; O(n).
+/// The centroidal momentum matrix: nv columns, each the momentum of all bodies about the centre of mass, in
+/// inertial axes, for a unit of one velocity; O(n).
 template <class T>
 void centroidal_momentum_matrix(const Model& model, Workspace<T>& workspace, Numbers<T> q,
                                 std::type_identity_t<std::span<Momentum<Hybrid, T>>> A);
 
-/// The time derivative of the centroidal momentum matrix, nv columns, at the configuration q and the
-/// velocities v; O(n).
+/// The time derivative of the centroidal momentum matrix, nv columns, at (q, v); O(n).
 template <class T>
 void centroidal_momentum_matrix_rate(const Model& model, Workspace<T>& workspace, Numbers<T> q, Numbers<T> v,
                                      std::type_identity_t<std::span<Wrench<Hybrid, T>>> dA);

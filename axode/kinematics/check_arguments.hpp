@@ -6,8 +6,7 @@
 #include "axode/kinematics/place.hpp"
 #include "axode/recursion/loads.hpp"
 
-/// Checks of arguments that the functions of kinematics/ and of the folders that build on it make before they
-/// compute.
+/// Checks of the arguments of public functions.
 namespace axode {
 
 template <class T> void check_state(const Model& model, const Workspace<T>& workspace, Numbers<T> q) {
@@ -26,8 +25,7 @@ void check_state(const Model& model, const Workspace<T>& workspace, Numbers<T> q
   check_size("a", a.size(), static_cast<std::size_t>(model.nv()), "nv");
 }
 
-/// Throws std::invalid_argument if a result shares memory with an argument that is still read while the
-/// result is written.
+/// Throws std::invalid_argument if a result shares memory with an argument that is read while it is written.
 template <class Out, class In>
 void check_separate(const char* result, std::span<Out> out, const char* argument, std::span<In> in) {
   const auto begin = [](const auto& x) { return reinterpret_cast<std::uintptr_t>(x.data()); };
@@ -42,8 +40,7 @@ template <class T> struct Result {
   std::span<T> x;
   int power;
 };
-/// Checks several results of one call. Throws std::invalid_argument unless each result has the size nv^power
-/// and memory of its own, because some results are read while others are written.
+/// Throws std::invalid_argument unless each result of a call has the size nv^power and memory of its own.
 template <class T> void check_results(const Model& model, std::initializer_list<Result<T>> results) {
   static constexpr const char* meanings[] = {"1", "nv", "nv * nv", "nv * nv * nv"};
   for (const Result<T>* a = results.begin(); a != results.end(); ++a) {
@@ -54,8 +51,7 @@ template <class T> void check_results(const Model& model, std::initializer_list<
   }
 }
 
-/// Throws std::invalid_argument if a gear of the model has losses. Functions that do not compute losses of
-/// gears call it if joint losses act.
+/// Throws std::invalid_argument if a gear of the model has losses, for functions that do not compute them.
 inline void refuse_gears(const Model& model) {
   if (model.gears().empty()) return;
   throw std::invalid_argument(
@@ -65,8 +61,7 @@ inline void refuse_gears(const Model& model) {
       "losses: set joint_losses to false, or gear_loss to 0");
 }
 /// Checks loads on a model. Throws std::invalid_argument if a wrench acts on a frame that does not exist, or
-/// if joint losses act on a model whose gears have losses, unless `counts_gears` says that the calling
-/// function computes such losses.
+/// if joint losses act and gears have losses, unless the calling function computes these (`counts_gears`).
 template <class T> void check_loads(const Model& model, const Loads<T>& loads, bool counts_gears = false) {
   if (loads.joint_losses && !counts_gears) refuse_gears(model);
   for (const AppliedWrench<T>& load : loads.wrenches)
@@ -82,7 +77,7 @@ inline void check_place(const Model& model, int frame) {
                                 "\" has frames 0 to " + std::to_string(model.n_frames() - 1));
 }
 
-/// Returns `place`, a frame or a point on a body, with its frame given by number instead of by name. Throws
+/// Returns a place (a frame or a point on a body) with its frame given by number instead of by name. Throws
 /// std::invalid_argument if there is no such frame.
 template <class T> Place<T> found(const Model& model, const Place<T>& place) {
   const int frame = place.name.empty() ? place.frame : model.frame_index(place.name);

@@ -4,8 +4,7 @@
 #include "axode/kinematics/check_arguments.hpp"
 #include "axode/table/check_counts.hpp"
 
-/// Checks of the arguments of a public function, which are derived from its row in the table of functions by
-/// name (axode/table).
+/// Checks of the arguments of a public function by its description in the table of functions (axode/table).
 namespace axode {
 namespace detail {
 
@@ -27,9 +26,8 @@ template <class T> struct Piece {
   bool overlaps(const Piece& other) const { return begin < other.end && other.begin < end; }
 };
 
-/// The inputs of a public function that checked() receives, in the order of the function's row in the table
-/// of functions: first the inputs that are numbers, then the loads. Other inputs (settings and places) are
-/// checked when they are used.
+/// The inputs of a public function to be checked: the numbers in the order of its description in the table of
+/// functions, then the loads. Settings and places are not among them.
 template <catalog::Id id>
 inline constexpr auto checked_inputs = [] {
   auto inputs = id.words().numbers();
@@ -37,9 +35,9 @@ inline constexpr auto checked_inputs = [] {
   return inputs;
 }();
 
-/// Checks argument or result number k of a call of a public function. If it is an input, checks its size and,
-/// for q, its values. If it is a result, checks its size, and that it shares no memory with the results
-/// before it nor, if the function's row in the table of functions requires this, with the inputs.
+/// Checks argument or result k of a call of a public function: the size and, for a configuration q, the
+/// values of an input; the size of a result, and that it shares no memory with earlier results or, if the
+/// table of functions requires it, with the inputs.
 template <catalog::Id id, std::size_t k, class T>
 void check_piece(const Model& model, const Piece<T>* pieces, std::size_t n_loads) {
   constexpr const catalog::Words& row = id.words();
@@ -63,11 +61,10 @@ void check_piece(const Model& model, const Piece<T>* pieces, std::size_t n_loads
 
 }  // namespace detail
 
-/// Checks all arguments of a call of a public function against its row in the table of functions by name, and
-/// returns the scratch memory for the call. The arguments are the model, the workspace, then numbers and
-/// loads in the order of the row, then the results. Results may not share memory with each other, nor with
-/// the inputs if the row says so. Throws std::invalid_argument with the name, the value and the rule that is
-/// broken. The function is inlined into every caller, which saves about 20 ns.
+/// Checks all arguments of a call of a public function by its description in the table of functions, and
+/// returns the scratch memory for the call. The arguments are the model, the workspace, numbers and loads,
+/// and results. Results may not share memory with each other, nor with the inputs if the table says so.
+/// Throws std::invalid_argument with the name, the value and the rule that is broken.
 template <catalog::Id id, class T, class... Given>
 [[gnu::always_inline]] inline Arena checked(const Model& model, Workspace<T>& workspace,
                                             const Given&... given) {

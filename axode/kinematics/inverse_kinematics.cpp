@@ -62,8 +62,7 @@ class Solver {
         solver_(model.nv()) {}
 
   /// Iterates from the start q until the error is within the tolerance (solved), an iteration hardly reduces
-  /// the error (stalled), or the largest number of iterations is reached. Adds the number of iterations to
-  /// `iterations`.
+  /// it (stalled), or the largest number of iterations is reached; adds their number to `iterations`.
   InverseKinematicsStatus run(std::span<const double> q, int& iterations) {
     std::ranges::copy(q, at_.q.begin());
     evaluate(at_);
@@ -97,9 +96,9 @@ class Solver {
   /// The iterate at which the last run() ended.
   const Iterate& end() const { return at_; }
 
-  /// Moves a solution q towards the configuration `posture` within the null space of the target Jacobian J,
-  /// by (I - J⁺J)(posture ⊖ q), and then corrects q to the targets again. This is repeated as long as it
-  /// decreases the distance from the posture; a step that does not is halved.
+  /// Moves a solution q towards the configuration `posture` in the null space of the target Jacobian J, by (I
+  /// - J⁺J)(posture ⊖ q), and corrects q to the targets, as long as this decreases the distance from
+  /// `posture`.
   void approach_posture(std::vector<double>& q, double& residual, int& iterations) {
     std::vector<double> q_try(q.size());
     double gain = 1, distance = way_to_posture(q).norm();
@@ -126,8 +125,7 @@ class Solver {
   }
 
  private:
-  /// Computes the pose errors and Jacobians of all targets at the configuration of an iterate. For each
-  /// target this takes one walk along the path to the root.
+  /// Computes the pose errors and Jacobians of all targets at an iterate.
   void evaluate(Iterate& at) const {
     at.J.setZero();
     for (std::size_t t = 0; t < targets_.size(); ++t) {
@@ -156,8 +154,8 @@ class Solver {
       }
     }
   }
-  /// Stops the joints that are at a limit and that `gradient` would move beyond it: sets their columns of the
-  /// Jacobian and their entries in `gradient` and `direction` to 0. Returns whether there was such a joint.
+  /// Stops the joints at a limit that `gradient` would move beyond it: their columns of the Jacobian and
+  /// entries of `gradient` and `direction` become 0. Returns whether there was such a joint.
   bool stop_at_limits(Vector& gradient, Vector& direction) {
     if (!options_.limits) return false;
     bool held = false;

@@ -33,7 +33,7 @@ enum class InverseKinematicsStatus {
   solved,  ///< the error is within the tolerance
   /// Every start ended in a configuration that no small step improves. The targets are probably out of reach.
   stalled,
-  /// The error of some start still decreased when its iterations were used up, or the caller's function
+  /// The error still decreased when the iterations of some start were used up, or the caller's
   /// options.monitor ended the search.
   iteration_limit,
 };
@@ -50,10 +50,9 @@ struct InverseKinematicsResult {
 /// Computes a configuration in which places (frames or points on bodies) have given poses, by the damped
 /// least squares of Levenberg and Marquardt on SE(3) with the exact derivative -dexp⁻¹ J^b of the error,
 /// where J^b is the body-fixed Jacobian of a place. The search starts at q0, and then at random
-/// configurations until the targets are reached. A joint at a limit that it would cross is held there. If
-/// options.posture is given, the joints then move towards this configuration as far as the targets leave them
-/// free. The function allocates memory. It throws std::invalid_argument for wrong sizes, unknown frames, and
-/// numbers out of range.
+/// configurations until the targets are reached. A joint at a limit that it would cross is held there. With
+/// options.posture, the joints then move towards this configuration as far as the targets leave them free.
+/// Allocates. Throws std::invalid_argument for wrong sizes, unknown frames, and numbers out of range.
 [[nodiscard]] InverseKinematicsResult inverse_kinematics(const Model& model,
                                                          std::span<const PoseTarget> targets,
                                                          std::span<const double> q0,

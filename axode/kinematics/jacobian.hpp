@@ -3,19 +3,17 @@
 #include "axode/kinematics/place.hpp"
 
 /// Jacobians J of places, which are frames or points on bodies: V = J v is the twist of a place at the
-/// velocities v. Each column belongs to one velocity and is the twist for a unit of this velocity. A dense
-/// Jacobian has nv columns; columns of joints that do not move the place are zero. The screw of a coupled
-/// joint is added to the column of its leader.
+/// velocities v. A dense Jacobian has nv columns, each the twist for a unit of one velocity, and zero if this
+/// does not move the place. The screw of a coupled joint is added to the column of its leader.
 namespace axode {
 
 /// Computes the Jacobian of a place (a frame or a point on a body), nv columns (eqs. JbX, JsX, Jh, JhJb).
-/// O(path length) for the path from the place to the ground, and O(nv) to clear the other columns.
+/// O(path length) for the path to the ground, and O(nv) to clear the other columns.
 template <RecursionRepresentation Rep = BodyFixed, class T>
 void jacobian(const Model& model, Workspace<T>& workspace, Numbers<T> q,
               const std::type_identity_t<Place<T>>& place, std::type_identity_t<std::span<Twist<Rep, T>>> J);
 
-/// The Jacobians of all n_frames frames, one after the other, with nv columns for each frame. Poses and joint
-/// screws are computed once, so that the function takes only a few times as long as poses(). O(n), O(path
+/// The Jacobians of all n_frames frames, one after the other, with nv columns for each frame. O(n), O(path
 /// length) for each frame, and O(nv) for each frame to clear the other columns.
 template <RecursionRepresentation Rep = BodyFixed, class T>
 void jacobians(const Model& model, Workspace<T>& workspace, Numbers<T> q,
@@ -40,9 +38,8 @@ std::size_t jacobian_columns(const Model& model, Workspace<T>& workspace, Number
                              const std::type_identity_t<Place<T>>& place,
                              std::type_identity_t<std::span<JacobianColumn<Rep, T>>> columns);
 
-/// The Jacobian of the motion of one place (a frame or a point on a body) relative to another place, `base`,
-/// nv columns. The observer is at rest in `base`, which replaces the inertial frame in the definition of the
-/// representation Rep.
+/// The Jacobian (nv columns) of the motion of one place (a frame or a point on a body) relative to another
+/// one, `base`, which replaces the inertial frame in the definition of the representation Rep.
 template <RecursionRepresentation Rep = BodyFixed, class T>
 void relative_jacobian(const Model& model, Workspace<T>& workspace, Numbers<T> q,
                        const std::type_identity_t<Place<T>>& place,

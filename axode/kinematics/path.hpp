@@ -17,8 +17,7 @@ template <class T> SE3<T> joint_pose(const Tree<T>& tree, int i, const T* q) noe
 }
 
 /// Calls f(c, screw) for every joint screw of body i and the index c of its velocity. C is the pose of the
-/// joint frame in the frame in which the screws are expressed. The screw of a coupled joint is scaled by its
-/// ratio, so that it belongs to a unit velocity of its leader.
+/// joint frame in the frame of the screws. The screw of a coupled joint is scaled by its ratio to its leader.
 template <class T, class F> void each_screw(const Tree<T>& tree, int i, const SE3<T>& C, F&& f) noexcept {
   with_joint(tree, i, [&](const auto& joint) {
     for (int k = 0; k < joint.nv; ++k) f(tree->iv[i] + k, tree.ratio[i] * joint.column(C, k));
@@ -59,8 +58,7 @@ SE3<T> each_body_fixed_column(const Tree<T>& tree, const T* q, const Place<T>& p
   return E;
 }
 
-/// The body farthest from the ground that is on the paths from the ground to both body i and body j, or the
-/// ground (0) if there is no such body.
+/// The last common body of the paths from the ground to bodies i and j, or the ground (0) if there is none.
 template <class T> int common_predecessor(const Tree<T>& tree, int i, int j) noexcept {
   while (i != j) {
     int& later = i > j ? i : j;

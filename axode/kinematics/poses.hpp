@@ -4,13 +4,12 @@
 
 namespace axode {
 
-/// The pose C_i of every frame in the inertial frame (eqs. POEX, aVbRec2), positions in m. C has n_frames
-/// entries. O(n).
+/// The pose C_i (positions in m) of each of the n_frames frames in the inertial frame (eqs. POEX, aVbRec2);
+/// O(n).
 template <class T>
 void poses(const Model& model, Workspace<T>& workspace, Numbers<T> q,
            std::type_identity_t<std::span<SE3<T>>> C);
-/// The poses of the given places (frames or points on bodies) in the inertial frame, one entry for each
-/// place, in the order of the places. O(n), and constant time for each place.
+/// The poses of places (frames or points on bodies) in the inertial frame, in the order of the places. O(n).
 template <class T>
 void poses(const Model& model, Workspace<T>& workspace, Numbers<T> q,
            std::type_identity_t<std::span<const Place<T>>> places, std::type_identity_t<std::span<SE3<T>>> C);

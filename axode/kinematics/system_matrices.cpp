@@ -19,8 +19,7 @@ void add_column(Triplets& triplets, int row, int column, const Screw<>& X) {
 Screw<> unit_screw(int k) {
   return {{double(k == 0), double(k == 1), double(k == 2)}, {double(k == 3), double(k == 4), double(k == 5)}};
 }
-/// Adds the 6×6 matrix of a linear map on screws as the block of block row i and block column j; both are
-/// indices of bodies.
+/// Adds the 6×6 matrix of a linear map on screws at block row i and block column j (bodies i and j).
 template <class F> void add_block(Triplets& triplets, int i, int j, F&& map) {
   for (int k = 0; k < 6; ++k) add_column(triplets, 6 * (i - 1), 6 * (j - 1) + k, map(unit_screw(k)));
 }
@@ -58,8 +57,8 @@ std::vector<Link<Rep, double>> user_links(const Model& model, std::span<const do
   }
   return links;
 }
-/// The index of the velocity that moves screw k of joint i, and the rate of the joint for a unit of this
-/// velocity: the ratio of a coupled joint, otherwise 1.
+/// The index of the velocity that moves screw k of joint i, and the joint's rate for a unit of it: the ratio
+/// of a coupled joint, otherwise 1.
 std::pair<int, double> velocity_of(const Model& model, int i, int k) {
   const Joint& joint = model.joint(i);
   return {joint.iv + k, joint.leader ? joint.leader->ratio : 1.0};

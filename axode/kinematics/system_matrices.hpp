@@ -4,10 +4,10 @@
 #include "axode/lie/twist.hpp"
 #include "axode/model/model.hpp"
 
-/// The kinematics of the whole system as sparse block matrices over the bodies 1..n. Each body has six rows,
-/// angular before linear, in the body frame that the user placed. The block of two bodies that are not on one
-/// path to the ground is zero. The matrices are meant for analysis and for reading the paper; the recursions
-/// are faster. All functions throw std::invalid_argument for wrong sizes.
+/// The kinematics of the whole system as sparse block matrices over the bodies 1..n, for analysis; the
+/// recursions are faster. Each body has six rows, angular before linear, in the body frame that the user
+/// placed. The block of two bodies that are not on one path to the ground is zero. All functions throw
+/// std::invalid_argument for wrong sizes.
 namespace axode {
 
 using SystemMatrix = Eigen::SparseMatrix<double>;
@@ -34,12 +34,11 @@ struct SpatialFactors {
 SpatialFactors spatial_factors(const Model& model, std::span<const double> q);
 
 /// The matrix a^b(v) = diag(ad_{X_i v_i}), 6n × 6n (eq. ab), with the joint screws X_i in the body frames.
-/// The rate of the body-fixed Jacobian is J^b' = -A^b a^b D^b J^b with the A^b and D^b of
-/// system_matrices<BodyFixed>(). If every joint has one degree of freedom, a^b X^b = 0 and J^b' = -A^b a^b
-/// J^b (eq. u:Jb_dot matrix).
+/// With the body-fixed A and D of (I - D) A = I, the rate of the stacked Jacobian is J^b' = -A^b a^b D^b J^b,
+/// and -A^b a^b J^b if every joint has one degree of freedom (eq. u:Jb_dot matrix).
 SystemMatrix a_matrix(const Model& model, std::span<const double> v);
 /// The matrix b(V) = diag(ad_{V_1}, ..., ad_{V_n}), 6n × 6n, of the body-fixed or spatial twists V_i of all
-/// bodies, which are stacked in V (eqs. bb, bs).
+/// bodies (eqs. bb, bs).
 SystemMatrix b_matrix(const Model& model, const Eigen::VectorXd& V);
 
 /// The twists V = J v of all bodies at (q, v), stacked in one vector of 6n numbers.
@@ -51,8 +50,7 @@ Eigen::VectorXd system_acceleration(const Model& model, std::span<const double> 
                                     std::span<const double> a);
 
 /// The velocities v that belong to given twists V of all bodies, (XᵀX)⁻¹ Xᵀ (I - D) V with the matrices X and
-/// D of system_matrices(): the overall inverse kinematics. If no v gives V, the result is the least-squares
-/// solution.
+/// D of system_matrices(): overall inverse kinematics, by least squares if no v gives V.
 template <RecursionRepresentation Rep = BodyFixed>
 Eigen::VectorXd joint_velocities(const Model& model, std::span<const double> q, const Eigen::VectorXd& V);
 /// The accelerations that belong to given twists V and twist rates V' of all bodies, (XᵀX)⁻¹ Xᵀ ((I - D) V' -

@@ -3,15 +3,13 @@
 
 #include "axode/constraints/absolute/absolute_system.hpp"
 
-/// The constraints of a mechanism in which every body has free coordinates of its own: the equations of
-/// joints, of rotors (additional bodies that turn with one joint velocity) and of loops, their residuals and
-/// forces, and the linear system with them.
+/// The constraint equations of joints, rotors and loops between bodies that have free coordinates each. A
+/// rotor is an additional body that turns with one joint velocity.
 namespace axode {
 namespace {
 
-/// The residual angle - counted of a joint, where `angle` follows from the poses of the bodies, and `counted`
-/// is a coordinate that counts whole turns. It is 0 if the two differ by no more than the rounding error of
-/// `counted`.
+/// The angle of a joint by the poses of its bodies minus its coordinate `counted`, which counts whole turns;
+/// 0 if this is within the rounding error of `counted`.
 double angle_residual(double angle, double counted) {
   const double open = angle - counted;
   const double rounding = 4 * std::numeric_limits<double>::epsilon();

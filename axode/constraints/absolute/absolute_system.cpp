@@ -13,15 +13,13 @@ namespace {
 using BodyTwist = Twist<BodyFixed, double>;
 using BodyWrench = Wrench<BodyFixed, double>;
 
-/// The index, from 0 to 5 for ω_x to v_z, of the free direction of a joint that has one velocity; -1 for all
-/// other joints.
+/// The index (0 to 5 for ω_x to v_z) of the free direction of a joint with one velocity, otherwise -1.
 int direction_along(const std::array<bool, 6>& free) {
   return std::ranges::count(free, true) == 1 ? static_cast<int>(std::ranges::find(free, true) - free.begin())
                                              : -1;
 }
 
-/// Whether the velocity of a joint along a direction (0 to 5 for ω_x to v_z) is the rate of an angle, which
-/// poses determine only up to whole turns.
+/// Whether the velocity of a joint along a direction (0 to 5 for ω_x to v_z) is the rate of an angle.
 bool turns(const loops::SubgroupClosure& joint, std::size_t along) {
   return along == 2 && !joint.free[0] && joint.pitch == 0;
 }
@@ -64,9 +62,9 @@ AbsoluteSystem::AbsoluteSystem(const Model& model, BodyGroup kind)
   group_tree_ = group_of(n_, n_rotors(), kind);
 }
 
-/// The configuration group of the absolute coordinates, as a tree of massless bodies on the ground. Every
-/// body has one joint with the group SE(3), or a spherical and three prismatic joints; every rotor (an
-/// additional body that turns with one joint velocity) has one prismatic joint.
+/// Makes the configuration group of the absolute coordinates, as a tree in which all bodies are on the
+/// ground. Every body has a free joint (SE(3)), or a spherical and three prismatic joints, and every rotor
+/// (an additional body that turns with one joint velocity) has a prismatic joint.
 Tree<double> AbsoluteSystem::group_of(int n, int rotors, BodyGroup kind) {
   Connections all{.parent = {0}, .kind = {Subgroup::free}, .leader = {0}, .frame_body = {0}};
   const auto add = [&](Subgroup subgroup) {
@@ -158,15 +156,15 @@ BodyTwist AbsoluteSystem::joint_twist(int i) const {
   if (p == 0) return V_[index(i)];
   return V_[index(i)] - carried(inverse(C_[index(p)]) * C_[index(i)], V_[index(p)]);
 }
-/// Computes the coordinates q_i of joint i at the present poses of its bodies. Angles are determined up to
-/// whole turns, and quaternions up to their signs; the coordinates nearest to `near` are taken.
+/// Computes the coordinates q_i of joint i from the present poses of its bodies. Of equivalent angles (by
+/// whole turns) and quaternions (by sign), those nearest to the coordinates `near` are taken.
 void AbsoluteSystem::joint_coordinates(int i, const double* near, double* q_i) const {
   with_subgroup(tree()->kind[index(i)], tree().pitch[index(i)],
                 [&](const auto& joint) { joint.coordinates(joint_pose(i), near, q_i); });
 }
-/// The first coordinate of joint i at the present poses of its bodies. Of the angles that differ by whole
-/// turns, it is the one nearest to the coordinate that set_reference_angles() has set or, for a coupled
-/// joint, to the one that follows from its leader.
+/// The first coordinate of joint i at the present poses of its bodies. Of angles that differ by whole turns,
+/// it is the one nearest to that of set_reference_angles() or, for a coupled joint, to that which its leader
+/// determines.
 double AbsoluteSystem::angle(int i) const {
   const int l = leader_[index(i)];
   std::array<double, 7> near{}, q_i;
@@ -181,8 +179,7 @@ double AbsoluteSystem::angle(int i) const {
 /// The coordinate whose rate is velocity c of the model, at the present poses.
 double AbsoluteSystem::known_angle(int c) const { return angle(joint_of_[index(c)]); }
 
-/// The wrench by which the drive force tau of joint i, which has one velocity, acts on body i, in the body's
-/// frame.
+/// The wrench of the drive force tau of joint i, which has one velocity, on body i, in the body's frame.
 BodyWrench AbsoluteSystem::co_screw(int i, double tau) const {
   return co_screw(index(bound_[index(i)].along), tau);
 }

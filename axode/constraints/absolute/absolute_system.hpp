@@ -26,27 +26,24 @@ inline double largest_of(std::span<const double> numbers) {
 }
 
 /// A mechanism in absolute coordinates: every body moves freely, and every joint and every loop is a
-/// constraint between two bodies.
+/// constraint between two bodies,
 ///   M v' - ad_vᵀ M v = f + Bᵀ λ,   Φ(q) = 0,   B v = 0
-/// The mass matrix M of the free bodies is constant, f are the applied forces, B is the constraint Jacobian,
-/// and λ are the multipliers. The residual Φ of a joint is the relative pose of its bodies after the motion
-/// in the subgroup of the joint has been removed (D6.1).
+/// with the constant mass matrix M, applied forces f, the constraint Jacobian B and multipliers λ. The
+/// residual Φ of a joint is the relative pose of its bodies after the motion in the subgroup of SE(3) that
+/// the joint allows has been removed (D6.1).
 ///
-/// The coordinates are those of all bodies, followed by one coordinate for every rotor. Positions are
-/// relative to the centre of mass of the first body in the reference configuration. A rotor is an additional
-/// body that turns with one velocity of a joint. Every velocity with armature has a rotor, so that M is
-/// constant. Every angle of a revolute or planar joint has a rotor as well, without inertia if there is no
-/// armature. The coordinate of such a rotor is the angle with its whole turns, which poses do not determine;
-/// the integration schemes treat it like the coordinates of the bodies.
+/// The coordinates are those of all bodies, with positions relative to the centre of mass of the first body
+/// in the reference configuration, and then one for each rotor. A rotor is an additional body that turns with
+/// one velocity of a joint. Every velocity with armature has one, so that M is constant, and so has every
+/// angle of a revolute or planar joint: the rotor's coordinate counts the whole turns, which poses do not
+/// determine.
 ///
-/// B has three kinds of rows. Each joint has six rows, in the axes of the joint; the row of a free direction
-/// is 0, unless the joint is coupled: then this row binds its rate to that of the joint that leads it. Each
-/// rotor has one row, to which a residual belongs only if the rotor's velocity is the rate of a coordinate.
-/// The rows of the loops are the last ones.
+/// B has six rows for each joint, in the axes of the joint, then one row for each rotor, and then those of
+/// the loops. Rows of free directions are 0, except in a coupled joint, where the row binds its velocity to
+/// that of its leader. A rotor whose velocity is not the rate of a coordinate has no residual.
 ///
-/// The multipliers of the tree joints are not unknowns of the linear systems: the free velocities are
-/// eliminated body by body, as in the articulated-body algorithm. O(n + m d + m² d + m³) for n bodies and m
-/// loop equations on paths of d joints.
+/// O(n + m d + m² d + m³) for n bodies and m loop equations on paths of d joints: the free velocities are
+/// eliminated body by body, as in the articulated-body algorithm.
 class AbsoluteSystem {
  public:
   using Vector = std::vector<double>;
@@ -54,38 +51,34 @@ class AbsoluteSystem {
 
   AbsoluteSystem(const Model& model, BodyGroup group);
 
-  /// The configuration group of the absolute coordinates, represented by a tree in which every body and every
-  /// rotor (an additional body that turns with one joint velocity) has joints on the ground.
+  /// The configuration group of the absolute coordinates, as a tree in which every body and every rotor (an
+  /// additional body that turns with one joint velocity) is on the ground.
   const Tree<double>& group() const { return group_tree_; }
   int nq() const { return group_tree_->nq; }
   int nv() const { return group_tree_->nv; }
-  /// The number of constraint equations at the position or the velocity level. Belts, the no-slip conditions
-  /// of rolling contacts, and rotors whose velocity is not the rate of a coordinate have equations at the
-  /// velocity level only.
+  /// The number of constraint equations at the position or the velocity level. Nonholonomic constraints, such
+  /// as no-slip conditions, have equations at the velocity level only.
   int rows(ConstraintLevel level) const { return first_loop(level) + loops_.size(level); }
 
-  /// from_joint_state() converts the coordinates and velocities of the joints to those of the bodies and of
-  /// the rotors (additional bodies that turn with one joint velocity), and to_joint_state() converts them
-  /// back. Angles keep their whole turns.
+  /// Convert coordinates and velocities of the joints to those of the bodies and rotors (additional bodies
+  /// that turn with one joint velocity), and back. Angles keep their whole turns.
   void from_joint_state(Span q_joints, Span v_joints, Vector& q, Vector& v);
   void to_joint_state(Span q, Span v, Vector& q_joints, Vector& v_joints);
-  /// Computes the absolute coordinates q and velocities v from the poses C and body-fixed twists V of all
-  /// body frames that the user placed; entry 0 of C and V is that of the ground. Rotors, which turn with the
-  /// joints, have the angles nearest to those of set_reference_angles().
+  /// Computes the absolute coordinates q and velocities v from the poses C and body-fixed twists V of the
+  /// ground (entry 0) and of all body frames that the user placed. Angles are those nearest to reference
+  /// angles.
   void set_poses_and_twists(std::span<const SE3<>> C, std::span<const Twist<BodyFixed>> V, Vector& q,
                             Vector& v);
-  /// Sets the joint coordinates (nq of the model) to which angles and quaternions that follow from poses are
-  /// chosen nearest, which fixes whole turns and signs.
+  /// Sets the reference joint coordinates (nq of the model), near which angles (by whole turns) and
+  /// quaternions (by sign) are chosen when they are computed from poses.
   void set_reference_angles(Span q_joints) { reference_q_.assign(q_joints.begin(), q_joints.end()); }
 
-  /// position_residual() computes the residuals Φ(q) of the constraints, and velocity_residual() computes B v
-  /// with the constraint Jacobian B at q; q need not satisfy the constraints. If `level` is the velocity
-  /// level, `out` has an entry for each row of B, which is 0 if no residual belongs to this row.
+  /// Compute the residuals Φ(q) of the constraints, and their rates B v with the constraint Jacobian B, at
+  /// any q. At the velocity level `out` has an entry for each row of B, 0 if the row has no residual.
   void position_residual(Span q, Vector& out, ConstraintLevel level = ConstraintLevel::position);
   void velocity_residual(Span q, Span v, Vector& out);
-  /// Whether some rows of the constraint Jacobian B have no residual, such as the no-slip conditions of a
-  /// rolling contact. For these rows set_nonholonomic_rates() sets the entries of `out`, which has one entry
-  /// for each row of B, to those of scale · B v at q.
+  /// Whether some constraints are nonholonomic, that is, have a row of the constraint Jacobian B but no
+  /// residual. set_nonholonomic_rates() sets their entries of `out` (one for each row of B) to scale · B v.
   bool has_nonholonomic_rows() const {
     return rows(ConstraintLevel::velocity) > rows(ConstraintLevel::position);
   }
@@ -96,29 +89,25 @@ class AbsoluteSystem {
   void momentum(Span v, Vector& p) const;
   /// The kinetic energy plus the potential energy of gravity, J.
   double energy(Span q, Span v);
-  /// Computes the forces f (nv) of gravity, loads and drives on the bodies at (q, v). `tau` are the drive
-  /// forces of the joints (nv of the model). If loads.joint_losses is set, damping and dry friction of the
-  /// joints act as well.
+  /// Computes the forces f (nv) of gravity, loads and drives on the bodies at (q, v), with the drive forces
+  /// `tau` of the joints (nv of the model). Damping and dry friction act if loads.joint_losses is set.
   void forces(Span q, Span v, Span tau, const Loads<double>& loads, Vector& f);
 
-  /// Evaluates the kinematics at q and factorises the linear system of the mass matrix and the constraint
-  /// Jacobian at the position or the velocity level. factorize_with_rank() uses the velocity level and
-  /// decides in addition which loop equations are redundant; the loops must be closed at q. solve() uses this
-  /// rank until the next decision.
+  /// Evaluates the kinematics at q and factorises the linear system of mass matrix and constraint Jacobian at
+  /// the position or velocity level. factorize_with_rank() also determines which loop equations are redundant
+  /// at the velocity level, for this and later systems; the loops must be closed at q.
   Solvability factorize(Span q, ConstraintLevel level = ConstraintLevel::velocity);
-  /// Factorises the linear system at the velocity level with a resistance of the joints (nv of the model),
-  /// which acts like an armature. An implicit step accounts for springs and dampers in this way: if velocity
-  /// c of the joints changes by x_c, the joint exerts the additional force -resistance_c x_c.
+  /// Factorises the linear system at the velocity level, with resistances of the joints (nv of the model)
+  /// that act like armatures: if joint velocity c changes by x_c, the joint exerts -resistance_c x_c.
   Solvability factorize(Span q, Span resistance);
   Solvability factorize_with_rank(Span q);
   /// Solves M x - Bᵀ λ = r and B x = rhs, with the mass matrix M and the constraint Jacobian B of the last
-  /// factorisation. If constraints are redundant, λ is the least solution.
+  /// factorisation. λ is the least solution if constraints are redundant.
   void solve(Span r, Span rhs, Vector& x, Vector& lambda);
-  /// A measure from 0 to 1 of how far the loop equations were from redundant in the last solve(): near 0 if
-  /// one of them almost depended on the others, see LoopSystem::weakest_row().
+  /// How far the loop equations were from linear dependence in the last solve(), from 0 (dependent) to 1.
   double weakest_row() const { return loops_.weakest_row(); }
-  /// Computes the right side of B v' = rhs, the condition (B v)' = 0 for the accelerations v', with the
-  /// constraint Jacobian B at the q of the last factorisation and the velocities v.
+  /// Computes rhs = -B' v of the condition B v' = rhs for the accelerations v', with the constraint Jacobian
+  /// B at the q of the last factorisation.
   void bias(Span v, Vector& rhs);
 
  private:
@@ -132,8 +121,7 @@ class AbsoluteSystem {
   static std::size_t index(int k) { return static_cast<std::size_t>(k); }
   const Tree<double>& tree() const { return model_.tree<double>(); }
   /// A rotor: an additional body that turns with one velocity of a joint. Rotors whose velocity is the rate
-  /// of a coordinate are stored first; they belong to joints with one velocity and to the angles of planar
-  /// joints.
+  /// of a coordinate are stored first.
   struct Rotor {
     int joint, velocity;
     std::size_t along;  ///< direction of this velocity, from 0 to 5 for ω_x to v_z in the frame of the joint
@@ -147,8 +135,7 @@ class AbsoluteSystem {
   static Tree<double> group_of(int n, int rotors, BodyGroup group);
   static Vec3<> angular(const double* x) { return {x[0], x[1], x[2]}; }
   static Vec3<> linear(const double* x) { return {x[3], x[4], x[5]}; }
-  /// The twist X of the predecessor, expressed in the frame of a body whose pose relative to the predecessor
-  /// is D.
+  /// The twist X of the predecessor, in the frame of a body with the pose D relative to the predecessor.
   static BodyTwist carried(const SE3<>& D, const BodyTwist& X) {
     return axode::twist<BodyFixed>(Ad_inv(D, screw(X)));
   }

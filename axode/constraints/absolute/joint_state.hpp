@@ -7,8 +7,7 @@
 
 namespace axode {
 
-/// Coordinates and velocities of the joints that fit given poses and twists of the bodies, and the residuals
-/// of the constraints at these poses and twists.
+/// Joint coordinates and velocities by poses and twists of the bodies, and the constraint residuals at these.
 struct JointState {
   std::vector<double> q, v;
   double position_residual = 0;  ///< largest absolute entry of the residuals of joints and loops, rad and m

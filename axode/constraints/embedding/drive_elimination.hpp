@@ -6,30 +6,27 @@
 
 namespace axode {
 
-/// Finds drive forces τ and multipliers λ of the loop equations A v = 0, limb by limb, with τ + Aᵀ λ = f for
-/// the forces f that the spanning tree needs. A limb is a part of the mechanism that is coupled to the rest
-/// only through the carrying velocities, those of the joints between the ground and a platform. In each limb
-/// the velocities without a drive are eliminated from its rows of A. The rows that remain are the wrenches
-/// that the limb transmits while its passive joints move freely. The carrying velocities without a drive are
-/// eliminated from the remaining rows of all limbs. See (D18.7) to (D18.9) of docs/derivations. O(limbs) for
-/// limbs of bounded size. The constructor allocates all memory.
+/// Finds drive forces τ and multipliers λ of the loop equations A v = 0, with τ + Aᵀ λ = f for the forces f
+/// that the spanning tree needs, limb by limb ((D18.7) to (D18.9) of docs/derivations). A limb is a part of
+/// the mechanism that is coupled to the rest only through the carrying velocities, those of the joints
+/// between the ground and a body called the platform. First the velocities of each limb without a drive are
+/// eliminated from its rows of A, then the carrying velocities without a drive from the rows that remain.
+/// O(limbs) for limbs of bounded size. The constructor allocates all memory.
 template <class T> class AXODE_ENTRY DriveElimination {
  public:
   DriveElimination(const Model& model, const LoopTable& table);
 
   /// Computes the drive forces τ (nv) and, unless `lambda` is null, the multipliers λ (loops().rows) with τ +
   /// Aᵀ λ = f, for the Jacobian A of the loop equations. If there are more drives than needed, τ is the least
-  /// one. `driven` (nv) flags the velocities with drives. entries[k] has the entries of A for loop k, column
-  /// by column as in the loop's LoopPath. `considerable` is the size below which entries may be rounding
-  /// errors, see LoopSystem::considerable_entry(). Returns false, without results, if some motion has no
-  /// drive, if λ is wanted and not unique, or if rounding leaves a rank open.
+  /// one. `driven` (nv) flags the velocities with drives, entries[k] has the entries of A for loop k, column
+  /// by column, and entries below `considerable` may be rounding errors. Returns false, without results, if
+  /// some motion has no drive, if λ is wanted and not unique, or if rounding leaves a rank open.
   bool solve(const std::vector<std::vector<T>>& entries, const T& considerable, const char* driven,
              const T* f, T* tau, T* lambda) noexcept;
 
  private:
-  /// The loop equations of one limb as a matrix. Its columns are the velocities of the limb without a drive,
-  /// those with a drive, and the carrying velocities, which are those of the joints between the ground and
-  /// the platform.
+  /// The matrix of the loop equations of one limb (a chain that carries the platform), with columns for its
+  /// velocities without a drive, those with a drive, and those of the joints between ground and platform.
   struct Part {
     std::vector<int> passive, active;
     std::vector<int> rows;     ///< index in A of each row of the limb
@@ -46,13 +43,11 @@ template <class T> class AXODE_ENTRY DriveElimination {
   bool eliminate_limbs(const std::vector<std::vector<T>>& entries, const T& considerable,
                        const T* f) noexcept;
   bool eliminate_carrying(const T& considerable, const T* f) noexcept;
-  /// Writes, for each limb, the multipliers of those of its loop equations that remain after the elimination
-  /// of its passive velocities. `nu` are the multipliers of these equations of all limbs after the
-  /// elimination of the platform's passive velocities; they are overwritten.
+  /// Computes, for each limb, the multipliers of its loop equations that remain after the elimination of its
+  /// passive velocities, from those of the equations that remain after the platform's (`nu`, overwritten).
   void set_remaining(T* nu) noexcept;
-  /// Subtracts, at the velocities with drives, the constraint forces of the loop equations from `forces`
-  /// (nv), or only those of the equations that remain after the eliminations. Returns the largest absolute
-  /// value of a subtracted product.
+  /// Subtracts from `forces` (nv), at the velocities with drives, the constraint forces of all loop
+  /// equations, or only of those that remain after the eliminations. Returns the largest absolute product.
   T subtract_rows(bool only_remaining, T* forces) const noexcept;
   /// Projects the drive forces `forces` (nv) so that they become the least ones. Returns false if rounding
   /// leaves open which loop equations let drives act against each other.

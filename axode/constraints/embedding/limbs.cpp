@@ -27,8 +27,7 @@ class Parts {
   std::vector<int> up_;
 };
 
-/// The order of magnitude of the number of operations of an elimination limb by limb: the sum of the cubes of
-/// the numbers of velocities.
+/// Estimates the cost of an elimination limb by limb: the sum of the cubes of the numbers of velocities.
 double cost(const Limbs& division) {
   const auto cube = [](std::size_t n) {
     const auto x = static_cast<double>(n);

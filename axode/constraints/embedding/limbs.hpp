@@ -5,16 +5,16 @@
 
 namespace axode {
 
-/// A limb: a set of velocities that neither loops nor the tree connect to velocities of other limbs, except
-/// through the joints between the ground and the platform.
+/// A limb: velocities that loops and tree connect to those of other limbs only through the joints between the
+/// ground and a body called the platform.
 struct Limb {
   std::vector<int> velocities;  ///< indices of velocities, ascending; empty for a loop between the platform
                                 ///< and the ground
   std::vector<int> loops;       ///< indices in loops().all, ascending
 };
 
-/// The division of a mechanism with loops into limbs that carry a platform. Without a platform the limbs are
-/// parts of the mechanism that move independently.
+/// The division of a mechanism into limbs, the chains that carry a body called the platform. Without a
+/// platform the limbs are parts of the mechanism that move independently.
 struct Limbs {
   int platform = 0;           ///< the body that the limbs carry; 0 if there is none
   std::vector<int> carrying;  ///< velocities of the joints between the ground and the platform, ascending
@@ -23,15 +23,13 @@ struct Limbs {
                               ///< are not `carrying`
 };
 
-/// Divides a mechanism into limbs, parts that are coupled to each other only through the joints between the
-/// ground and the body `platform`, 1 to n. If `platform` is 0, there is none, and the limbs are not coupled.
-/// `paths` has the paths in the spanning tree of all loops.
+/// Divides a mechanism into limbs, parts that are coupled only through the joints between the ground and the
+/// body `platform`, 1 to n; 0 if there is none. `paths` has the paths of all loops in the spanning tree.
 Limbs limbs_of(const Model& model, const std::vector<LoopPath>& paths, int platform);
 
-/// Divides a mechanism into limbs, parts that are coupled to each other only through the joints of a
-/// platform. Chooses the platform for which the computations limb by limb cost least, among the 16 bodies
-/// that are on the paths to the ground of most loops; there may also be no platform. O(nv + m d) for m loop
-/// equations on paths of d joints.
+/// Divides a mechanism into limbs, parts that are coupled only through the joints of a platform. The platform
+/// is the one for which eliminations limb by limb cost least (none, or one of the 16 bodies between the
+/// ground and the most loops). O(nv + m d) for m loop equations on paths of d joints.
 Limbs limbs_of(const Model& model, const std::vector<LoopPath>& paths);
 
 }  // namespace axode

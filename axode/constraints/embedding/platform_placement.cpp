@@ -30,9 +30,9 @@ class LimbClosure {
 
   double last_norm() const { return last_norm_; }
 
-  /// Computes a step of Newton's method for one limb from the residual of its loops and the Jacobian of this
-  /// residual. Returns false, and makes the step 0, if the residual is not finite, or if it is at most
-  /// `reached` and no smaller than before.
+  /// Computes a Newton step that closes the loops of one limb (a chain that carries the platform), from their
+  /// residuals r. Returns false, with a zero step, if the residual is not finite, or at most `reached` and no
+  /// smaller than before.
   bool compute_step(const LoopSystem<double>& system, const Eigen::VectorXd& r) {
     const int n = static_cast<int>(part_.velocities.size());
     matrix_.reset(rows_, n);
@@ -90,8 +90,7 @@ void set_platform(const Model& model, int platform, const SE3<>& C, std::span<do
   with_joint(tree, platform, [&](const auto& joint) { joint.coordinates(D, near.data(), own); });
 }
 
-/// The distance of the platform's body frame from the pose C: the larger of the angle and the distance of the
-/// origins, rad and m.
+/// The larger of the angle (rad) and the distance (m) between the platform's body frame and the pose C.
 double distance_from(const TaskKernel& kernel, const SE3<>& C) {
   const SE3<> found = kernel.platform_pose() *
                       kernel.model().tree<double>().frame_offset[static_cast<std::size_t>(kernel.platform)];

@@ -7,8 +7,8 @@ namespace axode {
 /// The result of place_platform().
 struct PlatformPlacement {
   bool reached = false;
-  /// The index of the limb whose loops have the largest residual; -1 if the joint of the platform itself does
-  /// not have the wanted pose.
+  /// The index of the limb (chain that carries the platform) with the largest residual of its loops; -1 if
+  /// the platform's own joint misses the pose.
   int limb = -1;
   double residual = 0;  ///< norm of the residual of this limb, or distance from the wanted pose if limb is
                         ///< -1, rad and m
@@ -25,8 +25,7 @@ struct PlatformPlacement {
 /// finite.
 [[nodiscard]] PlatformPlacement place_platform(TaskSpace& space, const SE3<>& C, std::span<double> q);
 
-/// One sentence for the user: that the pose is reached, or which limb or joint does not reach it and by how
-/// much.
+/// A sentence that says that the pose is reached, or which limb or joint misses it and by how much.
 std::string to_string(const TaskSpace& space, const PlatformPlacement& placement);
 
 }  // namespace axode

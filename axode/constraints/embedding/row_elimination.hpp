@@ -9,9 +9,8 @@
 
 namespace axode {
 
-/// Elimination of the first columns of a small matrix A by row operations, with complete pivoting among these
-/// columns: the result is E A, where E is the product of the row operations. Eliminated entries are not set
-/// to zero. The memory is allocated once.
+/// Gaussian elimination of the first columns of a small matrix A, with complete pivoting among these columns.
+/// Eliminated entries are not set to zero.
 template <class T> class RowElimination {
  public:
   /// A pivot is certain if it is larger than this part of the largest entry of the first columns.
@@ -28,8 +27,7 @@ template <class T> class RowElimination {
     rows_.resize(rows);
     columns_.resize(columns);
   }
-  /// Sets the matrix to zero, with `rows` rows, of which the first `pivots` columns are to be eliminated.
-  /// Rows and columns are numbered in order.
+  /// Sets the matrix to zero, with `rows` rows, and the number `pivots` of the columns to be eliminated.
   void reset(int rows, int pivots) noexcept {
     m_ = rows;
     p_ = pivots;
@@ -44,14 +42,13 @@ template <class T> class RowElimination {
   int rank() const { return rank_; }
   /// The inverse of pivot k.
   T inverse_pivot(int k) const { return inverse_[index(k)]; }
-  /// row_before(i) is the index that row i had before the elimination moved it, and column_before(j) is that
-  /// of column j, one of the columns that are eliminated.
+  /// The original indices of row i and of the eliminated column j, which pivoting may have moved.
   int row_before(int i) const { return rows_[index(i)]; }
   int column_before(int j) const { return columns_[index(j)]; }
 
-  /// Eliminates the first columns of the matrix, one after the other, as long as the pivot is larger than
-  /// `certain` times the largest entry in these columns, or times `size` if that is larger. Returns whether
-  /// the rank is certain: whether all that is left of these columns is rounding errors.
+  /// Eliminates the first columns, as long as the pivot is larger than `certain` times the largest entry in
+  /// these columns or `size`, whichever is larger. Returns whether the rank is certain, that is, whether what
+  /// is left of these columns is rounding errors.
   bool run(T size = T(0)) noexcept {
     for (int k = 0; k < m_ && k < p_; ++k) {
       int best_row = k, best_column = k;
@@ -81,9 +78,8 @@ template <class T> class RowElimination {
     return true;
   }
 
-  /// Solves the transposed system of the pivot rows for their multipliers μ: the rows, multiplied by μ, have
-  /// the sum b in the eliminated columns. b is in the order of the columns before the elimination, and μ in
-  /// the order of the rows after it. Only the first rank() numbers of μ are written.
+  /// Solves for multipliers μ (rank() numbers, in the order after pivoting) of the pivot rows, with which
+  /// their sum in the eliminated columns, in original order, is b.
   void solve_transposed(const T* b, T* mu) const noexcept {
     for (int j = 0; j < rank_; ++j) {
       T rest = b[column_before(j)];
@@ -91,16 +87,16 @@ template <class T> class RowElimination {
       mu[j] = rest * inverse_[index(j)];
     }
   }
-  /// Computes the multipliers λ of the original rows from the multipliers μ of the rows after the
-  /// elimination, so that both give the same sum of multiplied rows. μ is overwritten.
+  /// Computes the multipliers λ of the original rows that give the same sum of rows as the multipliers μ of
+  /// the rows after the elimination; μ is overwritten.
   void multipliers(T* mu, T* lambda) const noexcept {
     for (int k = rank_; k-- > 0;)
       for (int i = k + 1; i < m_; ++i) mu[k] -= factors(i)[k] * mu[i];
     for (int i = 0; i < m_; ++i) lambda[row_before(i)] = mu[i];
   }
-  /// Solves the pivot rows of the eliminated matrix for the unknowns x of the first columns, with the right
-  /// side b. b is in the order of the rows after the elimination, and x in the order of the columns before
-  /// it. The unknowns without a pivot are given: x already has their numbers.
+  /// Solves the pivot rows of the eliminated matrix for the unknowns x of the first columns, in their
+  /// original order. The right side b is in the order of the rows after pivoting. x contains the given values
+  /// of the unknowns without a pivot.
   void solve(const T* b, T* x) const noexcept {
     for (int k = rank_; k-- > 0;) {
       T rest = b[k];
@@ -128,8 +124,7 @@ template <class T> class RowElimination {
     std::swap(columns_[index(k)], columns_[index(j)]);
   }
 
-  /// Rows are padded with zeros to whole blocks of this many numbers, so that loops over them need no
-  /// remainder.
+  /// Rows are padded with zeros to whole blocks of this many numbers, so that loops have no remainder.
   static constexpr std::size_t width = 4;
 
   T* factors(int i) noexcept { return factors_.data() + index(i) * factor_stride_; }

@@ -20,9 +20,9 @@ constexpr std::array<std::string_view, 6> components{"omega_x", "omega_y", "omeg
                               "; limbs are determined at a configuration away from singularities");
 }
 
-/// Divides the mechanism into limbs, the chains that carry the body `platform`; if it is -1, the body is
-/// chosen for which the computations limb by limb cost least. Throws std::invalid_argument if another body
-/// carries the platform or its joint is coupled.
+/// Divides the mechanism into limbs, the chains that carry the body `platform`; -1 chooses the body for which
+/// computations limb by limb cost least. Throws std::invalid_argument if another body carries the platform or
+/// its joint is coupled.
 Limbs division(const Model& model, const LoopTable& table, int platform) {
   const auto carried = [&](int i) {
     return i > 0 && (model.body(i).predecessor > 0 || model.joint(i).leader.has_value());

@@ -6,16 +6,14 @@
 
 namespace axode {
 
-/// Completes a verdict on whether results exist. If a result is not finite, the verdict becomes not_finite.
-/// If the verdict is not ok(), all results are set to NaN.
+/// Returns the verdict on results of a computation, or not_finite if one of their numbers is not finite.
+/// Unless this is ok(), sets all results to NaN.
 TaskVerdict judged(TaskVerdict verdict, std::initializer_list<std::span<double>> results) noexcept;
 
-/// The computations of a TaskSpace, the equations of motion of a parallel manipulator in the velocities of
-/// its platform. Each limb has dependent velocities, which its loop equations determine from the other
-/// velocities, and inner velocities, which are task velocities. After the elimination of the dependent
-/// velocities, equations remain whose constraint wrenches the limb exerts on the platform however its joints
-/// move. These wrenches must do no work on the carrying velocities, those of the joints between the ground
-/// and the platform.
+/// The equations of motion of a parallel manipulator in task velocities: components of the platform's twist,
+/// and velocities of joints that the platform does not determine. The dependent velocities of each limb (a
+/// chain that carries the platform) are eliminated from its loop equations. The equations that remain
+/// restrict the carrying velocities, those of the joints between the ground and the platform.
 class TaskKernel {
  public:
   using Vector = Eigen::VectorXd;
@@ -45,28 +43,26 @@ class TaskKernel {
   /// The number of independent carrying velocities.
   int independent() const { return static_cast<int>(carrying_.size()) - dependent_; }
 
-  /// Eliminates from the loop equations those velocities of each limb and of the platform's joint that the
-  /// other velocities determine, (D18.2) to (D18.5). Returns what is singular.
+  /// Eliminates the dependent velocities of each limb (a chain that carries the platform) and of the
+  /// platform's joint from the loop equations ((D18.2) to (D18.5)). Returns what is singular.
   TaskVerdict resolve() noexcept;
-  /// Computes the joint velocities or accelerations x (nv) that belong to task velocities or their rates X (f
-  /// numbers) and keep the loops closed (D18.10): A x = -γ with the Jacobian A of the loop equations, where γ
-  /// is null for velocities and the bias of (A v)' = A a + γ for accelerations. x may share the memory of X.
-  /// Must be called after resolve().
+  /// Computes the joint velocities or accelerations x (nv) that keep the loops closed, A x = -γ (D18.10),
+  /// from task velocities or their rates X (f numbers). A is the Jacobian of the loop equations; γ is the
+  /// bias of (A v)' = A a + γ for accelerations, and null for velocities. x may share the memory of X.
+  /// Requires resolve().
   void expand(const double* X, const double* gamma, double* x) noexcept;
   /// Computes the rows of F of all limbs (D18.6). Must be called after resolve().
   void make_F() noexcept;
-  /// Computes the mass matrix of the task space (D18.11) at q, f × f for f task velocities. Must be called
-  /// after make_F(), with the kinematics at q.
+  /// Computes the mass matrix of the task space (D18.11) at q, f × f for f task velocities. Requires make_F()
+  /// and the kinematics at q.
   void make_M(std::span<const double> q) noexcept;
   /// Computes Fᵀ w (f) for w (nv). Must be called after make_F().
   void project(const double* w, double* out) const noexcept;
-  /// Subtracts from w (nv) the product of the mass matrix of the spanning tree and x (nv). Must be called
-  /// after make_M().
+  /// Subtracts M x (nv) from w, with the mass matrix M of the spanning tree. Requires make_M().
   void subtract_inertia_forces(const double* x, double* w) const noexcept;
   const Matrix& M() const { return M_; }
   const Matrix& N() const { return N_; }
-  /// Replaces b by the solution x of M x = b, with the mass matrix M of the task space; b has one number for
-  /// each task velocity. Returns false if M is not positive definite.
+  /// Replaces b by M⁻¹ b with the mass matrix M of f task velocities; false if M is not positive definite.
   bool solve(double* b) noexcept;
 
   std::string name_of_limb(int l) const;
@@ -90,19 +86,17 @@ class TaskKernel {
   /// ascending order. Returns the number of dependent velocities.
   int sort(const RowElimination<double>& matrix, std::vector<int>& velocities);
   void number_columns(const std::vector<int>& velocities);
-  /// eliminate() fills the matrix of a limb with its loop equations, and eliminates those of its velocities
-  /// that the others determine. eliminate_constraints() does so for the velocities of the platform's joint,
-  /// with the equations of all limbs that remain. Both return whether the rank is certain.
+  /// Fill the matrix of a limb, or of the platform's joint, with its loop equations and eliminate the
+  /// velocities that the others determine. Both return whether the rank is certain.
   bool eliminate(Part& part) noexcept;
   bool eliminate_constraints() noexcept;
   /// Computes N for the independent carrying velocities as task velocities, N_c of (D18.4).
   void solve_constraints() noexcept;
-  /// Changes the columns of N, the velocities of the platform's joint for units of task velocities, from
-  /// independent velocities of this joint as task velocities to the chosen components of the platform's
-  /// twist. Returns whether these components determine the motion.
+  /// Changes the task velocities from independent velocities of the platform's joint to the chosen components
+  /// of the platform's twist, in the matrix N that maps them to the joint's velocities. Returns whether these
+  /// components determine the motion.
   bool change_to_components() noexcept;
-  /// Computes the mass matrix of the spanning tree at the present kinematics. Entries of two velocities that
-  /// are not on one path to the ground are not written and remain 0.
+  /// Computes the mass matrix of the spanning tree at q; entries of velocities on different paths remain 0.
   void make_tree_M(std::span<const double> q) noexcept;
 
   LoopSystem<double> system_;

@@ -17,8 +17,8 @@ namespace {
 using Matrix = Eigen::MatrixXd;
 using Vector = Eigen::VectorXd;
 
-/// Describes in words a twist V about the inertial origin. It is described as a translation if its axis is
-/// farther away than 1e6 times `length`.
+/// Describes in words a twist V about the inertial origin; it is called a translation if its axis is farther
+/// away than 1e6 times `length`.
 std::string in_words(const Twist<Spatial>& V, double length) {
   if (!(norm(V.w) * 1e6 * length > norm(V.v))) return "along " + rounded_text((1 / norm(V.v)) * V.v);
   const ScrewAxis<> axis = screw_axis(Screw<>{V.w, V.v});
@@ -27,8 +27,8 @@ std::string in_words(const Twist<Spatial>& V, double length) {
   return words;
 }
 
-/// The loop equations of the limbs and the twists of the platform without units: lengths are divided by
-/// `length`, and twists of the platform are about `center`.
+/// The loop equations of limbs (chains that carry the platform) and the platform's twists, without units:
+/// lengths are divided by `length`, and twists are about `center`.
 class Scaled {
  public:
   Scaled(TaskKernel& kernel, std::span<const double> q) : kernel_(kernel), model_(kernel.model()) {
@@ -96,8 +96,8 @@ class Scaled {
     }
     return angles;
   }
-  /// Computes the twist (length ω; v) of the platform about the centre for a unit of each velocity of the
-  /// platform's joint, where these velocities have been made free of units.
+  /// The twists (length ω; v) of the platform about the centre for a unit of each scaled velocity of its
+  /// joint.
   void make_twists() {
     const std::vector<int>& carrying = kernel_.carrying();
     twists_.setZero(6, std::ssize(carrying));
@@ -120,8 +120,7 @@ class Scaled {
   Vector rate_;  ///< each velocity for one unit of the velocity without units
 };
 
-/// The singular value that vanishes first if the rank falls below `rank`, divided by the largest singular
-/// value.
+/// Singular value number `rank`, the smallest that must not vanish, divided by the largest one.
 double distance_of(const Eigen::JacobiSVD<Matrix>& svd, Eigen::Index rank) {
   const Vector& sigma = svd.singularValues();
   if (rank == 0 || sigma.size() == 0) return 1;

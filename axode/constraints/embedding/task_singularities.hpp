@@ -17,23 +17,21 @@ struct TaskSingularity {
   double distance = 0;  ///< least singular value of the matrix that loses rank, divided by the largest one; 0
                         ///< at the singularity
   /// For singularities of the types `drives` and `constraint`, the motion of the platform that becomes free,
-  /// about the inertial origin. It is scaled so that the larger of |ω| and |v| / length is 1, with the
-  /// velocity v of the centre of the loop joints on the platform and their mean distance from this centre as
-  /// length.
+  /// about the inertial origin. The larger of |ω| and |v| / length is 1, with the velocity v of the centre of
+  /// the loop joints on the platform and their mean distance from it as length.
   Twist<Spatial> twist;
   std::vector<std::string> joints;  ///< velocities of the limb that can move, or drives that act against each
                                     ///< other
   std::string sentence;             ///< one sentence for the user, with the screw of the twist
 };
 
-/// Finds the singularities of a parallel manipulator near a closed configuration q: of type 1 (of limbs), of
-/// type 2 (of drives) and constraint singularities. Their distance is the least singular value of the matrix
-/// that loses rank, divided by the largest one; those below `within` are returned. Lengths are divided by the
-/// mean distance of the loop joints on the platform from their centre, and twists are about this centre, so
-/// that distances have no unit. If a singularity of a limb and one of the drives are found together, the
-/// configuration is a singularity of type 3. Allocates; one singular value decomposition for each limb.
-/// Throws std::invalid_argument for a mechanism without a platform, for a wrong size of q, a q that leaves a
-/// loop open, and `within` that is not from 0 to 1.
+/// Finds the singularities of a parallel manipulator near a closed configuration q: those of a limb, i.e. a
+/// chain that carries the platform (type 1), of the drives (type 2), and constraint singularities; types 1
+/// and 2 together are type 3. Their distance is the least singular value of the matrix that loses rank,
+/// divided by the largest one; those below `within` are returned. Lengths are divided by the mean distance of
+/// the loop joints on the platform from their centre, so that distances have no unit. Allocates; one singular
+/// value decomposition for each limb. Throws std::invalid_argument for a mechanism without a platform, for a
+/// wrong size of q, a q that leaves a loop open, and `within` that is not from 0 to 1.
 [[nodiscard]] std::vector<TaskSingularity> singularities(TaskSpace& space, std::span<const double> q,
                                                          double within = 1e-3);
 

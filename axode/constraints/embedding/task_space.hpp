@@ -12,8 +12,7 @@ namespace axode {
 
 class TaskKernel;
 
-/// Whether a quantity of a parallel manipulator exists at a configuration and, if it does not, what is
-/// singular.
+/// Whether a quantity of a parallel manipulator exists at a configuration and, if not, what is singular.
 struct TaskVerdict {
   enum class Kind {
     solved,
@@ -45,21 +44,20 @@ struct TaskEquations {
 /// A parallel manipulator in its task space: limbs carry a platform, and the velocities of each limb follow
 /// from the motion of the platform independently of the other limbs. The task velocities V are components of
 /// the body-fixed twist of the platform, as many as it has freedoms, followed by joint velocities that the
-/// platform does not determine, for example those of a rod that spins between two balls, or of an arm on the
-/// platform. Without a platform all task velocities are joint velocities.
+/// platform does not determine, such as the spin of a rod between two balls. Without a platform all task
+/// velocities are joint velocities. See (D18.1) to (D18.6) of docs/derivations/constraint-embedding.md.
 ///
-/// A TaskSpace has the scratch memory of one thread. Its functions do not allocate, except equations().
-/// Configurations q must be closed and velocities v must keep the loops closed, as place_platform() and
-/// velocities() compute them. Costs are O(limbs) for limbs of bounded size. See
-/// (D18.1) to (D18.6) of docs/derivations/constraint-embedding.md.
+/// A TaskSpace has the scratch memory of one thread; only equations() allocates. Configurations q must be
+/// closed and velocities v must keep the loops closed, as place_platform() and velocities() compute them.
+/// Costs are O(limbs) for limbs of bounded size.
 class TaskSpace {
  public:
   /// Determines the limbs (the chains that carry the platform), their mobility and the task velocities at a
-  /// closed configuration q that should not be singular. `platform` is the name of a body whose joint is on
-  /// the ground; if it is empty, the body is chosen for which the computations limb by limb cost least.
-  /// Springs act only if their forces are added to τ. Throws std::invalid_argument for a wrong size of q or a
-  /// q that leaves a loop open, an unknown body, a body that another body carries, a mechanism without loops
-  /// or with prescribed motions, and ranks that rounding leaves open.
+  /// closed, regular configuration q. `platform` is the name of a body whose joint is on the ground; if it is
+  /// empty, the body is chosen for which computations limb by limb cost least. Springs act only if their
+  /// forces are added to τ. Throws std::invalid_argument for a wrong size of q or a q that leaves a loop
+  /// open, an unknown body, a body that another body carries, a mechanism without loops or with prescribed
+  /// motions, and ranks that rounding leaves open.
   TaskSpace(const Model& model, std::span<const double> q, std::string_view platform = {});
   ~TaskSpace();
   TaskSpace(TaskSpace&&) noexcept;
@@ -67,20 +65,20 @@ class TaskSpace {
 
   const Model& model() const;
   int platform() const;  ///< index of the platform's body, 0 if there is none
-  /// freedom() is the number f of task velocities, and names() are their names: "platform.omega_x" to
-  /// "platform.v_z" with the name of the platform's body, or the name of a joint velocity.
+  /// The number f of task velocities, and their names: "platform.omega_x" to "platform.v_z" with the name of
+  /// the platform's body, or the name of a joint velocity.
   int freedom() const;
   const std::vector<std::string>& names() const;
-  /// limbs() is the number of limbs, and limb(l) the indices of the velocities of one limb. If there are
-  /// velocities that no loop constrains, the last limb consists of these and has no loops.
+  /// The number of limbs, the chains that carry the platform, and the indices of the velocities of limb l.
+  /// Velocities that no loop constrains are the last limb.
   int limbs() const;
   const std::vector<int>& limb(int l) const;
 
   /// Computes v = F V (nv) from task velocities V (f), with one small linear system for each limb (D18.6).
   [[nodiscard]] TaskVerdict velocities(std::span<const double> q, std::span<const double> V,
                                        std::span<double> v);
-  /// Computes the accelerations a (nv) of the joints for the rates V' of the task velocities, at joint
-  /// velocities v that keep the loops closed (D18.10).
+  /// Computes the joint accelerations a (nv) for rates V' of the task velocities, at joint velocities v that
+  /// keep the loops closed (D18.10).
   [[nodiscard]] TaskVerdict accelerations(std::span<const double> q, std::span<const double> v,
                                           std::span<const double> dV, std::span<double> a);
   /// Computes the drive forces τ (nv; 0 in passive joints) for the rates V' of the task velocities at (q, v)

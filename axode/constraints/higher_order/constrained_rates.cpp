@@ -14,8 +14,8 @@ namespace {
 using Vector = Eigen::VectorXd;
 using Matrix = Eigen::MatrixXd;
 
-/// Throws std::invalid_argument, with the order of the derivative and the name of the loop, if a motion does
-/// not keep a loop closed: if a time derivative of the loop equations A v = 0 along the motion is not 0.
+/// Throws std::invalid_argument, with the order and the name of the loop, if a time derivative of the loop
+/// equations A v = 0 along a motion is not 0.
 void check_motion(const Model& model, const LoopSeries& loops, Numbers<double> rates) {
   constexpr double tolerance = 1e-3;  // the tolerance is wide, because derivatives that are measured or
                                       // differenced have few correct digits

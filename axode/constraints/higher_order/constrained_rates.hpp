@@ -5,13 +5,12 @@
 namespace axode {
 
 /// Computes the drive forces τ of a mechanism with loops and their time derivatives τ', τ'', ... (`tau`, K
-/// rows of nv numbers, 1 to 7 rows) along a motion. The motion is given by q and the rates v, v', v'', ...
-/// (`rates`, K + 1 rows of nv numbers), which inverse_kinematics_rates() computes. Drives act on the
-/// velocities whose indices are in `drives` or, if it is empty, on those of all joints that are not passive.
-/// If there are more drives than the mechanism needs, τ is the least one, and the other rows are its
-/// derivatives. For each order, some of the required forces may be such that no drive can produce them; the
-/// function returns the largest ratio, over all orders, of the norm of these forces to that of all required
-/// ones. The method solves one linear system for each order, all with the same matrix (D3.14).
+/// rows of nv numbers, 1 to 7 rows) along a motion, which is given by q and the rates v, v', v'', ...
+/// (`rates`, K + 1 rows of nv numbers). Drives act on the velocities whose indices are in `drives` or, if it
+/// is empty, on those of all joints that are not passive. If there are more drives than the mechanism needs,
+/// τ is the least one, and the other rows are its derivatives. Returns the largest ratio, over all orders, of
+/// the norm of the forces that no drive can produce to that of all required forces. The method solves one
+/// linear system for each order, all with the same matrix (D3.14).
 ///
 /// Throws std::invalid_argument for wrong sizes, more than 7 rows of forces, numbers that are not finite, and
 /// a motion of which some derivative does not keep a loop closed. Allocates; O(K (nv + m)³ + n K²) for m loop

@@ -44,9 +44,8 @@ template <class Rep> void check(std::span<const TwistTarget<Rep>> targets, std::
   }
 }
 
-/// The linear systems for all time derivatives of the joint velocities. Their common matrix consists of the
-/// Jacobians of the places with wanted motions, above the Jacobian of the loop equations; `wanted - known` is
-/// the right side.
+/// The linear systems for all time derivatives of the joint velocities. Their matrix consists of the
+/// Jacobians of the places with wanted motions and of the loop equations; the right side is `wanted - known`.
 template <class Rep> class RateSystem {
  public:
   RateSystem(const Model& model, Numbers<double> q, std::span<const TwistTarget<Rep>> targets, int orders)
@@ -62,9 +61,8 @@ template <class Rep> class RateSystem {
     known.resize(rows);
   }
 
-  /// Computes the right side of the linear system for derivative k of the joint velocities, as `wanted -
-  /// known`, and the matrix of all systems if k is 0. `rates` contains the derivatives of lower order, and 0
-  /// in row k and in all later rows.
+  /// Computes the right side (`wanted - known`) of the linear system for derivative k of the joint velocities
+  /// and, if k is 0, the matrix of all systems. Rows k and later of `rates` must be 0.
   void run(std::span<const double> rates, int k) {
     motion_.evaluate(q_, rates);
     Eigen::Index row = 0;

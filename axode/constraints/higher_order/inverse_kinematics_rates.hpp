@@ -5,8 +5,7 @@
 namespace axode {
 
 /// The wanted motion of a place, a frame or a point on a body: its twist V and the time derivatives V', V'',
-/// ... of the components of the twist in the representation Rep, as HigherOrderMotion::twist_derivative()
-/// computes them.
+/// ... of the twist's components in the representation Rep.
 template <RecursionRepresentation Rep = BodyFixed> struct TwistTarget {
   Place<> place;
   std::span<const TwistRate<Rep>> V;
@@ -24,8 +23,8 @@ struct RatesReached {
 /// Inverse kinematics of any order. Computes the velocities of the joints and their time derivatives v, v',
 /// v'', ... (`rates`, K rows of nv numbers, in the left-trivialised directions of the joints) such that
 /// places (frames or points on bodies) have the twists and their derivatives V, V', ... in `targets`, K for
-/// each place, and loops stay closed. The k-th derivatives follow from one linear system, all with the same
-/// matrix (D3.13), with the Jacobians J of the places and A of the loop equations A v = 0:
+/// each place, and loops stay closed. The k-th derivatives solve a linear system, with the Jacobians J of the
+/// places and A of the loop equations A v = 0 for all k (D3.13):
 ///   J v^(k) = V^(k) - (terms of V^(k) with lower derivatives of v)
 ///   A v^(k) = -(terms of (A v)^(k) with lower derivatives of v)
 /// If the targets leave freedoms, each derivative is the least one by its norm. If they require a motion that

@@ -9,8 +9,7 @@
 namespace axode {
 
 /// The Jacobian A of the loop equations A v = 0 and its time derivatives A', A'', ... along a motion of the
-/// spanning tree, by power series in time. MotionSeries provides the series of the joint screws, and the
-/// wrenches of a loop joint are computed from the series of its two frames (D3.13, D3.14).
+/// spanning tree, by power series in time of the joint screws and of the frames of the loops (D3.13, D3.14).
 class LoopSeries {
  public:
   static constexpr int largest_order = 7;
@@ -20,22 +19,20 @@ class LoopSeries {
 
   int order() const { return motion_.order(); }
 
-  /// Computes the Jacobian A of the loop equations and its time derivatives up to A^(order), from q and v,
-  /// v', ... (order + 1 rows of nv, of which the last has no effect).
+  /// Computes A, A', ..., A^(order) from q and v, v', ... (order + 1 rows of nv, of which the last has no
+  /// effect), with the Jacobian A of the loop equations.
   void run(const double* q, const double* rates) noexcept;
 
   /// The derivative A^(k) of the rows at the last run(), loops().rows × nv.
   const Eigen::MatrixXd& derivative(int k) const { return A_[static_cast<std::size_t>(k)]; }
-  /// Computes the time derivative (A v)^(k) of the loop equations A v = 0 without its term A v^(k),
-  /// loops().rows numbers. Motions that keep the loops closed satisfy A v^(k) = -known_terms.
+  /// Computes the time derivative (A v)^(k) of the loop equations A v = 0, without its term A v^(k).
   Eigen::VectorXd known_terms(const double* rates, int k) const;
 
  private:
   using Series = Taylor<double, largest_order + 1>;
 
-  /// about() and frame_series() compute the time series of a screw and of a frame about the point O to which
-  /// all quantities of a loop refer. `shift` is the origin of the root body (the body of the branch that is
-  /// joined to the ground) minus O.
+  /// The time series of a screw and of a frame about a point O. `shift` is the origin of the root body (the
+  /// body of the branch that is joined to the ground) minus O.
   Screw<Series> about(const Vec3<>& shift, const Screw<>* X) const;
   SE3<Series> frame_series(const Loop::End& end, const Vec3<>& shift);
 

@@ -11,8 +11,7 @@ namespace axode {
 
 /// The linearised equations of motion of a mechanism with loops: x' = A x + B δτ for x = (δ, δv), where δ are
 /// the displacements along k independent velocities, δv the deviations of these velocities, and δτ those of
-/// the joint forces. For a tree, linearize() gives such equations for all velocities. All joints have the
-/// displacements N δ and the deviations of velocities N δv + D δ, with the members N and D.
+/// the joint forces. All joints have displacements N δ and deviations of velocities N δv + D δ.
 struct IndependentLinearization {
   std::vector<int> velocities;  ///< the indices of the k independent velocities
   Eigen::MatrixXd N;            ///< nv × k; the identity in the rows of the independent velocities
@@ -23,12 +22,11 @@ struct IndependentLinearization {
 
 /// Linearises the equations of motion about a closed configuration q and velocities v that keep the loops
 /// closed. `velocities` are the indices of the independent velocities; if it is empty, the velocities that
-/// determine the others best are chosen. Springs, dampers, mechanical stops, loads and losses act as in
-/// linearize(). At an equilibrium with v = 0 the eigenvalues of the state matrix are those of the small
-/// oscillations; they do not depend on the choice of velocities. Allocates; O((nv + m)³) for m loop
-/// equations. Throws std::invalid_argument for wrong sizes, for prescribed motions, for a state that leaves a
-/// loop open, for drives with states, if the number of velocities is not that of the degrees of freedom, and
-/// if they do not determine the other velocities at q.
+/// determine the others best are chosen. Springs, dampers, mechanical stops, loads and losses act. At an
+/// equilibrium with v = 0 the eigenvalues of the state matrix are those of the small oscillations. Allocates;
+/// O((nv + m)³) for m loop equations. Throws std::invalid_argument for wrong sizes, for prescribed motions,
+/// for a state that leaves a loop open, for drives with states, if the number of velocities is not that of
+/// the degrees of freedom, and if they do not determine the other velocities at q.
 [[nodiscard]] IndependentLinearization independent_linearization(
     const Model& model, std::span<const double> q, std::span<const double> v, std::span<const double> tau,
     std::span<const int> velocities = {}, const Loads<double>& loads = {});

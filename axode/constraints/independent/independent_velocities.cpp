@@ -22,9 +22,9 @@ std::string names_of(const Model& model, std::span<const int> velocities) {
   return all;
 }
 
-/// Returns the indices, in ascending order, of well-conditioned rows of the kernel (a basis of the velocities
-/// that the loops allow), as many as it has columns: the velocities that determine the others best. They are
-/// found by a QR decomposition with column pivoting of its transpose.
+/// The indices, in ascending order, of the velocities that determine the others best: of well-conditioned
+/// rows of the kernel (a basis of the velocities that the loops allow), found by a QR decomposition with
+/// pivoting.
 std::vector<int> best_of(const Matrix& kernel) {
   if (kernel.cols() == 0) return {};  // the decomposition needs at least one column
   const Eigen::ColPivHouseholderQR<Matrix> qr(kernel.transpose());

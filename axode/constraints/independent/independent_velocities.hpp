@@ -13,16 +13,15 @@ struct IndependentVelocities {
   Eigen::MatrixXd N;            ///< nv × k; the identity in the rows of the independent velocities
 };
 
-/// Computes the matrix N of v = N y, where y are the independent ones of the joint velocities v, with the
-/// indices `wanted`; if this is empty, the velocities that determine the others best at the configuration of
-/// `rows` are chosen. Throws std::invalid_argument for indices that are not from 0 to nv - 1, if their number
-/// is not that of the degrees of freedom, or if these velocities do not determine the others.
+/// Computes the matrix N of v = N y for the joint velocities v, of which y are independent. `wanted` are the
+/// indices of y; if it is empty, the velocities that determine the others best are chosen. `rows` is the
+/// analysis of the loop equations. Throws std::invalid_argument for an index that is not from 0 to nv - 1, a
+/// number that is not that of the degrees of freedom, or velocities that do not determine the others.
 IndependentVelocities independent_velocities(const Model& model, const IndependentRows<double>& rows,
                                              std::span<const int> wanted);
 
-/// Solves A x = b for each column of b, where A is the Jacobian of the loop equations, of which only the
-/// independent ones in `rows` are used. Of the solutions x it returns the one that is 0 at the independent
-/// velocities.
+/// Solves A x = b for each column of b, with the Jacobian A of the loop equations, of which only those are
+/// used that are independent in the analysis `rows`. x is 0 at the independent velocities.
 Eigen::MatrixXd dependent_part(const IndependentVelocities& independent, const IndependentRows<double>& rows,
                                const Eigen::MatrixXd& A, const Eigen::MatrixXd& b);
 

@@ -24,8 +24,7 @@ Eigen::RowVectorXd reversed(const PolynomialRing& line, const Eigen::RowVectorXd
   return t;
 }
 
-/// The coefficients of the power series (1 + r_1 t + ...)^a. With p = 1 + r_1 t + ..., f = p^a satisfies f' p
-/// = a p' f, from which the recursion follows.
+/// The coefficients of the power series f = p^a for p = 1 + r_1 t + ..., by the recursion from f' p = a p' f.
 Eigen::RowVectorXd power_of(const Eigen::RowVectorXd& r, double a) {
   Eigen::RowVectorXd out = Eigen::RowVectorXd::Zero(r.size());
   out[0] = 1;
@@ -37,7 +36,7 @@ Eigen::RowVectorXd power_of(const Eigen::RowVectorXd& r, double a) {
 }
 
 /// Makes a branch of dimension 1, a curve of configurations, from the power series z(t) of its points, in the
-/// normal form (D13.13). The dimension of the result is 0 if z is 0.
+/// normal form (D13.13). The dimension is 0 if z is 0.
 MotionBranch curve(const PolynomialRing& line, Eigen::MatrixXd z) {
   MotionBranch out;
   const int K = line.degree();
@@ -64,8 +63,8 @@ MotionBranch curve(const PolynomialRing& line, Eigen::MatrixXd z) {
   return out;
 }
 
-/// The distance from q up to which the power series z(w) of a branch describes it, relative to that of
-/// branches far from singularities and at most 1. It follows from the largest coefficient of each degree.
+/// The distance from q, at most 1, up to which the power series z(w) of a branch describes it. It follows
+/// from the largest coefficient of each degree.
 double reach_of_germ(const PolynomialRing& ring, const Eigen::MatrixXd& z) {
   double out = 1;
   for (int k = 2; k <= ring.degree(); ++k) {
@@ -75,17 +74,16 @@ double reach_of_germ(const PolynomialRing& ring, const Eigen::MatrixXd& z) {
   return out;
 }
 
-/// The point at a parameter of a branch of dimension 1, a curve of configurations, computed from the first
-/// `terms` terms of its power series after the constant.
+/// The point at a parameter of a curve of configurations, by the first `terms` powers in its power series.
 Eigen::VectorXd point_at(const MotionBranch& branch, double parameter, Eigen::Index terms) {
   Eigen::VectorXd x = Eigen::VectorXd::Zero(branch.series.rows());
   for (Eigen::Index k = terms; k > 0; --k) x = parameter * (x + branch.series.col(k));
   return x;
 }
 
-/// The point of a branch that has the same projection T x on the tangent space as the point x. It is computed
-/// to second order if the dimension of the branch is larger than 1. If it is 1, `other_side` selects the
-/// point at the parameter with the opposite sign, which is on the other side of a cusp.
+/// The point of a branch that has the same projection on its tangent space as the point x, by its power
+/// series, to second order if its dimension is above 1. On a curve, `other_side` selects the other side of a
+/// cusp, where the parameter has the opposite sign.
 Eigen::VectorXd nearest(const MotionBranch& branch, const Eigen::VectorXd& x, bool other_side) {
   const Eigen::VectorXd tau = branch.T * x;
   if (branch.dimension == 1) {
@@ -135,9 +133,8 @@ void trace_curve(const Closure& closure, MotionBranch& branch) {
     }
 }
 
-/// Computes the limit of `difference` for h → 0 (Romberg's method). difference(a, b, h) is a difference
-/// quotient of the two points a and b of a branch whose projections on the tangent space are h c and -h c. It
-/// is evaluated for values of h that are halved, and its errors of orders 2, 4 and 6 are eliminated.
+/// Computes the limit of `difference` for h → 0 by Romberg's method. difference(a, b, h) is a difference
+/// quotient of the points a and b of a branch whose projections on the tangent space are h c and -h c.
 template <class Difference>
 Eigen::VectorXd extrapolated(const Closure& closure, const Eigen::MatrixXd& T, const Eigen::VectorXd& c,
                              double range, const Difference& difference) {
@@ -162,9 +159,8 @@ Eigen::MatrixXd orthonormal_rows(const Eigen::MatrixXd& rows) {
   return svd.V.leftCols(rows.rows()).transpose();
 }
 
-/// An orthonormal basis of the space that the orthonormal rows of T span, which does not depend on how T was
-/// found. Each vector is the largest column, divided by its norm, of the projector on the part of the space
-/// that is orthogonal to the vectors before.
+/// An orthonormal basis of the space that the orthonormal rows of T span, which depends on the space alone.
+/// Each vector is the largest column, divided by its norm, of the projector on the remaining space.
 Eigen::MatrixXd canonical_basis(const Eigen::MatrixXd& T) {
   Eigen::MatrixXd P = T.transpose() * T, out(T.rows(), T.cols());
   for (Eigen::Index k = 0; k < T.rows(); ++k) {
@@ -178,9 +174,9 @@ Eigen::MatrixXd canonical_basis(const Eigen::MatrixXd& T) {
   return out;
 }
 
-/// The tangent space at q of a branch of dimension above 1, as orthonormal rows. It follows from the linear
-/// terms of the branch's power series (its germ). If these are dependent, which happens where the branch is
-/// singular, it follows from differences of points at which Newton's method has closed the loops.
+/// The tangent space at q of a branch of dimension above 1, as orthonormal rows: from the linear terms of its
+/// power series or, if these are dependent because the branch is singular, from differences of points with
+/// closed loops.
 Eigen::MatrixXd tangent_space(const Closure& closure, const Germ& germ) {
   const Eigen::Index D = germ.ring->variables();
   const Eigen::MatrixXd first = germ.z.middleCols(1, D);
@@ -202,8 +198,8 @@ Eigen::MatrixXd tangent_space(const Closure& closure, const Germ& germ) {
   return canonical_basis(orthonormal_rows(rows.allFinite() ? rows : beside));
 }
 
-/// Computes the second fundamental form II of a branch of dimension D, with II_ab in row a D + b, by
-/// polarisation of the second derivatives along lines in the tangent space (D13.13).
+/// Computes the second fundamental form II of a branch of dimension D, with II_ab in row a D + b, from second
+/// derivatives along lines in the tangent space (D13.13).
 Eigen::MatrixXd second_form(const Closure& closure, const Eigen::MatrixXd& T, double range) {
   const Eigen::Index D = T.rows();
   Eigen::MatrixXd II(D * D, T.cols());
@@ -250,8 +246,8 @@ MotionBranch surface(const Closure& closure, const Germ& germ) {
   return out;
 }
 
-/// Computes the dimension of the velocities that the loops allow at a point of a branch beside q, the
-/// coordinates that rest at q or along the whole branch, and the loops in which something moves.
+/// Computes the dimension of the velocities that the loops allow at a point of a branch near q, the
+/// coordinates that do not move at q or along the branch, and the loops in which something moves.
 void look_beside(const Closure& closure, MotionBranch& branch) {
   if (branch.points.empty()) return;
   const std::size_t at = branch.dimension == 1 ? std::min<std::size_t>(2, branch.points.size() - 1) : 0;

@@ -6,13 +6,13 @@
 
 namespace axode::higher_order {
 
-/// Makes the branches of the configuration space from the power series (germs) of the solutions of the loop
-/// equations. Every branch occurs once and is traced by points at which Newton's method has closed the loops.
-/// All lengths are divided by a characteristic length.
+/// Makes the branches of the configuration space from the power series of the solutions of the loop
+/// equations. Each branch is traced by points at which Newton's method has closed the loops. All lengths are
+/// divided by a characteristic length.
 std::vector<MotionBranch> branches(const Closure& closure, const std::vector<Germ>& germs);
 
-/// The distance from q up to which the series of a branch describes it, relative to that at a configuration
-/// far from singularities, at most 1: coefficient k of the series is at most 10 / reach^(k - 1).
+/// The distance from q (at most 1) up to which the power series of a branch describes it: coefficient k is at
+/// most 10 / reach^(k - 1).
 double reach(const MotionBranch& branch);
 
 /// Whether a closed point x near q lies on a branch, to second order in x.

@@ -10,8 +10,7 @@
 namespace axode::higher_order {
 namespace {
 
-/// A loop counts as part of a linear combination of equations if the norm of its coefficients is larger than
-/// this fraction of the norm of all coefficients; smaller ones may be rounding errors.
+/// The share of a loop in the norm of a linear combination of equations below which it is a rounding error.
 constexpr double negligible_share = 1e-6;
 
 Eigen::Matrix<double, 6, 1> column(const Screw<>& X) { return {X.w.x, X.w.y, X.w.z, X.v.x, X.v.y, X.v.z}; }

@@ -10,9 +10,9 @@
 namespace axode::higher_order {
 
 /// The closure equations of the loops of a mechanism near a configuration q0: for each loop, the product f of
-/// the exponentials of its joints is the identity (eqs. D13.1, D13.2). The coordinates x, in rad and
-/// characteristic lengths, are 0 at q0. A joint of several degrees of freedom is exp(Σ S_k x_k) with its
-/// screws S_k, so that the configuration is q0 ⊕ x. Only joints in loops have coordinates.
+/// the exponentials of its joints is the identity (eqs. D13.1, D13.2). The coordinates x of the joints in
+/// loops, in rad and characteristic lengths, are 0 at q0: the configuration is q0 ⊕ x, and a joint with the
+/// screws S_k has the displacement exp(Σ S_k x_k).
 class Closure {
  public:
   /// Makes the closure equations of all loops, with lengths divided by the characteristic length `length`, m;
@@ -29,28 +29,24 @@ class Closure {
   /// Indices of velocities of joints that are in no loop.
   const std::vector<int>& outside() const { return outside_; }
 
-  /// Indices of the loops and couplings whose equations take part in a linear combination of closure
-  /// equations. `combination` has one coefficient for each of the rows() equations. Couplings are numbered
-  /// after the loops.
+  /// The indices of the loops and, after them, the couplings whose equations take part in a linear
+  /// combination of the rows() closure equations with the coefficients `combination`.
   std::vector<int> loops_of_equations(const Eigen::Ref<const Eigen::VectorXd>& combination) const;
-  /// Indices of the loops and couplings with at least one coordinate that moves; moves[c] says whether
-  /// coordinate c does. Couplings are numbered after the loops.
+  /// The indices of the loops and, after them, the couplings with a coordinate c that moves (moves[c]).
   std::vector<int> loops_of_coordinates(const std::vector<char>& moves) const;
 
-  /// Computes the left sides of the closure equations, which are log f for the product f of joint
-  /// exponentials around each loop, and one number for each coupling. They are polynomials up to degree
-  /// `degree`, for coordinates x that are polynomials in the variables of a ring. Only brackets of joint
-  /// screws are used (D13.5, D13.6).
+  /// Computes the left sides of the closure equations: log f for the product f of joint exponentials around
+  /// each loop, and one number for each coupling. The coordinates x and the results are polynomials, in the
+  /// variables of `ring`, the results up to `degree`. Only brackets of joint screws are used (D13.5, D13.6).
   Eigen::MatrixXd log_series(const PolynomialRing& ring, const Eigen::Ref<const Eigen::MatrixXd>& x,
                              int degree) const;
-  /// residual() has the left sides of the closure equations at the coordinates x (rows() numbers): log f for
-  /// the product f of joint exponentials around each loop, and one number for each coupling. jacobian() is
-  /// its derivative (rows × n) up to factors that are the identity if the loops are closed.
+  /// The left sides of the closure equations at the coordinates x (rows() numbers): log f for the product f
+  /// of joint exponentials around each loop, and one number for each coupling; and their derivative (rows ×
+  /// n), up to factors that are the identity if the loops are closed.
   Eigen::VectorXd residual(const Eigen::Ref<const Eigen::VectorXd>& x) const;
   Eigen::MatrixXd jacobian(const Eigen::Ref<const Eigen::VectorXd>& x) const;
-  /// Changes the coordinates x by Gauss-Newton steps until the loops are closed and x satisfies the linear
-  /// conditions held · x = target; `held` may have no rows. Each step is the shortest one, so that redundant
-  /// equations do no harm. Returns the norm of the residual.
+  /// Changes the coordinates x by Gauss-Newton steps of least norm until the loops are closed and x satisfies
+  /// the linear conditions held · x = target, of which there may be none. Returns the norm of the residual.
   double close(Eigen::VectorXd& x, const Eigen::Ref<const Eigen::MatrixXd>& held,
                const Eigen::Ref<const Eigen::VectorXd>& target) const;
 

@@ -8,8 +8,8 @@ using Series = Eigen::MatrixXd;  ///< 6 × monomials: a screw whose coordinates 
 Eigen::Matrix<double, 6, 1> column(const Screw<>& X) { return {X.w.x, X.w.y, X.w.z, X.v.x, X.v.y, X.v.z}; }
 Screw<> screw_at(const double* x) { return {{x[0], x[1], x[2]}, {x[3], x[4], x[5]}}; }
 
-/// Adds to the power series `out`, multiplied by `scale`, a part of the terms of degree k of the bracket [X,
-/// Z] of two series: that from the terms of X of degree a and the terms of Z of degree k - a.
+/// Adds to the power series `out`, multiplied by `scale`, the bracket of the terms of X of degree a and the
+/// terms of Z of degree k - a.
 void add_bracket(const PolynomialRing& ring, const Series& X, const Series& Z, int a, int k, double scale,
                  Series& out) {
   for (int i = ring.begin(a); i < ring.begin(a + 1); ++i) {
@@ -30,8 +30,7 @@ void add_product(const PolynomialRing& ring, const Series& S, const Eigen::RowVe
     }
 }
 
-/// The first `count` coefficients of the power series of dexp in ad, 1/(k + 1)!, or of its inverse, the
-/// Bernoulli numbers over k!.
+/// The first `count` coefficients of dexp as a power series of ad, 1/(k + 1)!, or of its inverse.
 std::vector<double> dexp_coefficients(int count, bool inverse) {
   std::vector<double> c(static_cast<std::size_t>(count)), factorial(c.size() + 1, 1);
   for (std::size_t k = 1; k < factorial.size(); ++k) factorial[k] = factorial[k - 1] * static_cast<double>(k);
@@ -66,8 +65,8 @@ void add_dexp(const PolynomialRing& ring, const Series& X, Series W, int degree,
   }
 }
 
-/// Adds the velocity of a joint in a loop to the twist V, a power series, which is that of the body before
-/// the joint and becomes that of the body after it (D13.3, D13.4).
+/// Adds the velocity of a joint in a loop to the twist V of the body before it, as power series (D13.3,
+/// D13.4).
 void pass(const PolynomialRing& ring, const PassedJoint& joint, const Eigen::Ref<const Eigen::MatrixXd>& x,
           const Eigen::MatrixXd& dx, int degree, Series& V) {
   const std::size_t n = joint.S.size();

@@ -6,13 +6,12 @@
 #include "axode/constraints/local_mobility/walks.hpp"
 
 /// Power series of the product f of the joint exponentials around a loop, which is the identity if the loop
-/// is closed, computed from brackets of joint screws alone. A series is a matrix of polynomials, 6 ×
-/// ring.size().
+/// is closed, computed from brackets of joint screws. A series is a matrix of coefficients with six rows.
 namespace axode::higher_order {
 
-/// Computes the spatial twist of the last body of a loop as a power series, for joint coordinates that grow
-/// in proportion to a parameter along rays from 0; the twist is multiplied by this parameter. The coordinates
-/// x are polynomials without constants (n × ring.size()). Terms up to `degree` are computed (D13.3, D13.4).
+/// Computes the power series of the spatial twist of the last body of a loop, for joint coordinates that grow
+/// in proportion to a parameter from 0; the twist is multiplied by this parameter. The coordinates x are n
+/// polynomials without constants. Terms up to `degree` are computed (D13.3, D13.4).
 Eigen::MatrixXd twist_series(const PolynomialRing& ring, const std::vector<PassedJoint>& loop,
                              const Eigen::Ref<const Eigen::MatrixXd>& x, int degree);
 

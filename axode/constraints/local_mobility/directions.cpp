@@ -26,8 +26,7 @@ Eigen::VectorXd on_half_sphere(const Eigen::VectorXd& x) {
   return x;
 }
 
-/// The leading forms of the equations, which are their terms of lowest degree, each divided by its norm, as a
-/// matrix with the columns up to the highest degree among them.
+/// The leading forms (terms of lowest degree) of polynomial equations, one in each row, divided by its norm.
 Eigen::MatrixXd leading_forms(const PolynomialRing& ring, const std::vector<Form>& rows) {
   int highest = 0;
   for (const Form& row : rows) highest = std::max(highest, row.degree);
@@ -39,8 +38,8 @@ Eigen::MatrixXd leading_forms(const PolynomialRing& ring, const std::vector<Form
   return F;
 }
 
-/// The distinct roots of a polynomial with the coefficients c, that of the highest power first. Roots that
-/// rounding has separated from a multiple root are replaced by their mean.
+/// The distinct roots of a polynomial with coefficients c, highest power first. Roots that rounding has
+/// separated from a multiple root are replaced by their mean.
 std::vector<Complex> distinct_roots(const Eigen::VectorXd& c) {
   Eigen::Index first = 0;
   while (first < c.size() && std::abs(c[first]) < 1e-14 * c.cwiseAbs().maxCoeff()) ++first;
@@ -65,8 +64,7 @@ std::vector<Complex> distinct_roots(const Eigen::VectorXd& c) {
   return out;
 }
 
-/// The directions (x, y) of the real zeros of a binary form c_0 x^m + c_1 x^(m-1) y + ... + c_m y^m. The
-/// coordinates are rotated by an arbitrary angle, so that no zero is at infinity.
+/// The directions (x, y) of the real zeros of a binary form c_0 x^m + c_1 x^(m-1) y + ... + c_m y^m.
 std::vector<Eigen::VectorXd> zeros_of_binary_form(const Eigen::VectorXd& c) {
   const double angle = 0.7393, cosine = std::cos(angle), sine = std::sin(angle);
   const Eigen::Index m = c.size() - 1;
@@ -119,9 +117,8 @@ struct Linearized {
   Eigen::MatrixXd J;
 };
 
-/// Minimises the norm of a function r(x) by the method of Levenberg and Marquardt and returns the least norm.
-/// x contains the first iterate and receives the last one. `accept` projects an iterate onto the admissible
-/// set.
+/// Minimises the norm of a function r(x) by the method of Levenberg and Marquardt, and returns the least
+/// norm. x is the first and receives the last iterate; `accept` projects iterates onto the admissible set.
 template <class Evaluate, class Accept>
 double minimize(Eigen::VectorXd& x, int steps, const Evaluate& evaluate, const Accept& accept) {
   double lambda = 1e-3;
@@ -143,8 +140,7 @@ double minimize(Eigen::VectorXd& x, int steps, const Evaluate& evaluate, const A
   return at.r.norm();
 }
 
-/// Finds a common zero of the forms (homogeneous polynomials) F on the unit sphere by a search from the
-/// direction `start`; empty if the search fails.
+/// Finds a common zero of homogeneous polynomials F on the unit sphere from `start`; empty if it fails.
 std::optional<Eigen::VectorXd> search(const PolynomialRing& ring, const Eigen::MatrixXd& F,
                                       const Eigen::VectorXd& start) {
   Eigen::VectorXd e = start.normalized();
@@ -161,8 +157,8 @@ std::optional<Eigen::VectorXd> search(const PolynomialRing& ring, const Eigen::M
   return e;
 }
 
-/// The dimension of the cone of common zeros of the forms (homogeneous polynomials) F near the zero e: 1 plus
-/// the number of independent steps that lead from e to other zeros.
+/// The dimension of the cone of common zeros of homogeneous polynomials F near the zero e: 1 plus the number
+/// of independent steps that lead from e to other zeros.
 int dimension_of_cone(const PolynomialRing& ring, const Eigen::MatrixXd& F, const Eigen::VectorXd& e) {
   constexpr double step = 0.05, shortest = 0.02, longest = 0.12;
   Eigen::MatrixXd G(F.rows() + 1, e.size());
@@ -184,10 +180,9 @@ int dimension_of_cone(const PolynomialRing& ring, const Eigen::MatrixXd& F, cons
   return 1 + singular_values(all).rank(0.3);
 }
 
-/// Improves an isolated zero e of the forms (homogeneous polynomials) F at which their derivatives are
-/// dependent. A search finds such a zero only to the square root of rounding errors. Newton's method on F(e)
-/// = 0 with (∂F/∂e) λ = 0 finds it to rounding, because its zero (e, λ) is simple if that of F is double.
-/// Other zeros are returned unchanged.
+/// Improves an isolated zero e of homogeneous polynomials F at which their derivatives are dependent, by
+/// Newton's method on F(e) = 0 with (∂F/∂e) λ = 0, whose zero (e, λ) is simple if that of F is double. Other
+/// zeros are returned unchanged.
 Eigen::VectorXd polished(const PolynomialRing& ring, const Eigen::MatrixXd& F, const Eigen::VectorXd& e) {
   constexpr double farthest = 1e-5, negligible = 1e-6;
   const Eigen::Index d = e.size(), m = F.rows();

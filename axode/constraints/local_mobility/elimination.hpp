@@ -8,18 +8,17 @@
 
 namespace axode::higher_order {
 
-/// The bounds below which singular values (rank_tolerance) and coefficients of polynomials
-/// (coefficient_tolerance) count as 0, relative to numbers of size 1.
+/// Bounds below which singular values and coefficients of polynomials count as 0, relative to size 1.
 inline constexpr double rank_tolerance = 1e-7;
 inline constexpr double coefficient_tolerance = 1e-6;
 
-/// Equations φ(z) = 0 with φ(0) = 0, given by a function that returns φ for polynomials z in the variables of
-/// `ring`, up to degree `degree`.
+/// Equations φ(z) = 0 with φ(0) = 0, as a function that computes the polynomials φ(z), up to degree `degree`,
+/// for polynomials z in the variables of `ring`.
 using Equations =
     std::function<Eigen::MatrixXd(const PolynomialRing& ring, const Eigen::MatrixXd& z, int degree)>;
 
-/// The equations that remain of φ(z) = 0, with z = N u + R w(u) (D13.7), after those unknowns have been
-/// eliminated that the derivative of φ at 0 determines (D13.8, D13.9).
+/// The equations g(u) = 0 that remain of φ(z) = 0 after the unknowns have been eliminated that the derivative
+/// of φ at 0 determines (D13.7 to D13.9). u are coordinates in the kernel of this derivative.
 struct Elimination {
   int rank = 0;
   Eigen::VectorXd singular_values;       ///< singular values of the derivative of φ at 0
@@ -28,9 +27,8 @@ struct Elimination {
   Eigen::MatrixXd z;                     ///< polynomials z(u) that solve the equations in the range of the
                                          ///< derivative
   Eigen::MatrixXd left;                  ///< columns: a basis of the left null space of the derivative
-  /// For each degree, the largest absolute coefficient up to that degree of the unknowns z that were solved
-  /// for and of the remaining equations g, and at least 1. Coefficients grow near a singularity, and so do
-  /// their rounding errors.
+  /// For each degree, the largest absolute coefficient (at least 1) up to that degree in the polynomials z(u)
+  /// and g(u), to which rounding errors are proportional.
   std::vector<double> scale;
   Eigen::MatrixXd g;  ///< the remaining equations g(u) = 0, whose terms begin with degree 2
 };
@@ -48,9 +46,9 @@ struct Form {
   Eigen::VectorXd combination;  ///< coefficients of the combination, one for each row of g
 };
 
-/// Combines the remaining equations g of an Elimination, one in each row, so that their terms of lowest
-/// degree are linearly independent in each degree (D13.10). Combinations that vanish up to the degree of the
-/// ring are left out. `scale` is that of the Elimination.
+/// Combines the polynomials g, one in each row, so that their terms of lowest degree are linearly independent
+/// in each degree (D13.10). Combinations that vanish are left out. `scale` has, for each degree, the size of
+/// coefficients to which rounding errors are proportional.
 std::vector<Form> independent_forms(const PolynomialRing& ring, const Eigen::MatrixXd& g,
                                     const std::vector<double>& scale);
 

@@ -12,8 +12,8 @@ namespace {
 constexpr int deepest = 6;
 
 /// A blow-up: the substitution u = s (e + B v) for the unknowns u, as polynomials of (s, v). s is the
-/// distance along the direction e, and v the deviation from it; the columns of B are an orthonormal basis of
-/// the directions orthogonal to e.
+/// distance along the direction e, and v the deviation from it in the orthonormal basis B of directions
+/// orthogonal to e.
 struct BlowUp {
   BlowUp(const PolynomialRing& ring, const Eigen::VectorXd& direction)
       : e(direction), B(orthogonal_complement(e.transpose()).transpose()) {
@@ -29,9 +29,9 @@ struct BlowUp {
   Eigen::MatrixXd B, u;
 };
 
-/// Computes the equations g_i(u) = 0 after the substitution u = s (e + B v) of a direction e and a deviation
-/// v from it: h_i = g_i(s (e + B v)) / s^(m_i), where m_i is the lowest degree of g_i, up to the degree of
-/// the ring `small` (D13.11).
+/// Computes the polynomials h_i = g_i(s (e + B v)) / s^(m_i) of a blow-up, the substitution of a direction e
+/// + B v and a distance s for the unknowns; m_i is the lowest degree of g_i (D13.11). They are truncated like
+/// polynomials of `small`.
 Eigen::MatrixXd divided(const PolynomialRing& ring, const std::vector<Form>& rows, const BlowUp& blow,
                         const PolynomialRing& small) {
   Eigen::MatrixXd g(static_cast<Eigen::Index>(rows.size()), ring.size());
@@ -49,8 +49,7 @@ Eigen::MatrixXd divided(const PolynomialRing& ring, const std::vector<Form>& row
   return h;
 }
 
-/// The power series (germs) at 0 of the solutions of equations whose derivative at 0 is A, in their unknowns,
-/// up to degree K.
+/// The power series at 0 of the solutions of equations with the derivative A at 0, up to degree K.
 std::vector<Germ> solve(PolynomialRings& rings, const Equations& equations, const Eigen::MatrixXd& A, int K,
                         int depth) {
   const Elimination left = eliminate(rings, equations, A, K);
@@ -60,9 +59,8 @@ std::vector<Germ> solve(PolynomialRings& rings, const Equations& equations, cons
   return found;
 }
 
-/// The power series (germs) of those solutions of h(s, v) = 0, the equations after a blow-up, along which
-/// ∂h/∂v is singular. They solve h = 0 and (∂h/∂v) λ = 0 with a vector λ near the kernel of ∂h/∂v at 0
-/// (D13.12).
+/// The power series of those solutions of h(s, v) = 0, the equations after a blow-up, along which ∂h/∂v is
+/// singular: h = 0 and (∂h/∂v) λ = 0 with a vector λ near the kernel of ∂h/∂v at 0 (D13.12).
 std::vector<Germ> deflated(PolynomialRings& rings, const PolynomialRing& ring, const Eigen::MatrixXd& h,
                            int depth) {
   const int d = ring.variables(), K = ring.degree() - 1;

@@ -105,10 +105,10 @@ MobilityProbe probe(const PolynomialRings& rings, const Closure& closure, const 
   return out;
 }
 
-/// Fills in the conclusions of an analysis of mobility: local_mobility, the properties from branch_point to
-/// shaky, settled and settled_at_order, rigid_at_order, and decided_by_rank. They follow from the rank of the
-/// loop equations, the mobility of each order, the branches whose points close the loops, and the closed
-/// configurations that lie on no branch; all these must be known.
+/// Draws the conclusions of an analysis of mobility: the local mobility, the kind of the configuration (such
+/// as branch point or shaky), the order at which it is settled, and whether ranks alone prove it. Requires
+/// the rank of the loop equations, the mobility of each order, the branches, and the closed configurations
+/// that lie on no branch.
 void draw_conclusions(LocalMobility& found) {
   std::set<int> dimensions;
   bool all_close = true, all_settled = true, singular = true;
@@ -153,8 +153,8 @@ void in_units(MotionBranch& branch, const Eigen::VectorXd& unit) {
 }
 
 /// Computes the conditions on velocities, the mobility of each order, the branches, and the search for missed
-/// branches, and stores them in `found`. `left` are the loop equations after the coordinates that they
-/// determine to first order have been eliminated; at least one coordinate remains.
+/// branches. `left` are the loop equations that remain after the elimination of the coordinates that they
+/// determine to first order; at least one coordinate remains.
 void find_branches(PolynomialRings& rings, const Closure& closure, const Elimination& left,
                    LocalMobility& found) {
   const int orders = found.differential_mobility <= 2 ? found.order : std::min(found.order, 6);

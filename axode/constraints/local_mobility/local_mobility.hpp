@@ -9,8 +9,7 @@
 
 namespace axode {
 
-/// A coordinate of an analysis of mobility: a velocity of the spanning tree, or a degree of freedom of a loop
-/// joint.
+/// A coordinate in an analysis of mobility: a velocity of the spanning tree or a freedom of a loop joint.
 struct ClosureCoordinate {
   std::string name;
   int velocity = -1;    ///< index of the velocity of the model; -1 for a loop joint
@@ -18,15 +17,13 @@ struct ClosureCoordinate {
 };
 
 struct LocalMobilityOptions {
-  /// The highest order K of the expansion of the loop equations. With 0 it is chosen: 10, 9, 7 and 7 if the
-  /// loops allow velocities of dimension 1, 2, 3 and 4, and 5 for larger dimensions; less if the computation
-  /// would be too long, and up to 4 more if the mobility is not settled at this order.
+  /// The highest order K of the expansion of the loop equations; 0 chooses it: 10, 9, 7 and 7 if the loops
+  /// allow velocities of dimension 1, 2, 3 and 4, and 5 for larger dimensions; less if the computation would
+  /// be too long, and up to 4 more if the mobility is not settled at this order.
   int order = 0;
-  /// The characteristic length, m, by which lengths are divided before they are compared with angles; 0
-  /// means the mean distance between the centres of two joints.
+  /// The characteristic length (m) by which lengths are divided; 0 means the mean distance of two joints.
   double length = 0;
-  /// A function that the analysis calls again and again. If it returns false, the analysis ends with an empty
-  /// result.
+  /// A function that the analysis calls again and again; if it returns false, the result is empty.
   std::function<bool()> monitor = {};
 };
 
@@ -65,23 +62,22 @@ struct MotionBranch {
   std::vector<int> idle;   ///< indices of coordinates that rest along the branch
   std::vector<int> loops;  ///< indices of the loops and couplings in which something moves
   std::vector<BranchPoint> points;
-  /// For a branch of dimension 1 whose power series is cut after 1, 2, ... terms: the power of the series'
-  /// parameter with which the residual of the loops was found to vanish; infinite if the residual is at
-  /// rounding.
+  /// For a branch of dimension 1 whose power series is cut after 1, 2, ... terms: the power of the parameter
+  /// with which the residual of the loops was found to vanish; infinite if the residual is a rounding error.
   std::vector<double> residual_orders;
 
   bool cusp() const { return power > 1; }
 };
 
-/// An equation that remains after the elimination of the coordinates that the loops determine to first order:
-/// a condition on velocities, of degree 2 or higher.
+/// A condition on velocities, of degree 2 or higher: an equation that remains after the elimination of the
+/// coordinates that the loops determine to first order.
 struct MobilityCondition {
   int degree = 0;          ///< lowest degree of its terms
   std::vector<int> loops;  ///< indices of the loops and couplings whose equations it combines
 };
 
-/// A test of whether branches were missed. It counts the configurations near q with closed loops to which
-/// Newton's method leads from random starts along the velocities that the loops allow.
+/// A test for missed branches: the configurations near q with closed loops to which Newton's method leads
+/// from random starts along the velocities that the loops allow.
 struct MobilityProbe {
   int starts = 0, closed = 0;
   int missed = 0;  ///< number of closed points that lie on none of the branches
@@ -100,15 +96,15 @@ struct LocalMobility {
   double smallest_kept = 0, largest_dropped = 0;  ///< least singular value that counts for the rank, and
                                                   ///< largest one that does not
   int differential_mobility = 0;                  ///< n - rank
-  /// For each order 1, 2, ... the dimension of the kinematic tangent cone: of the set of all velocities with
-  /// which the constraints up to that order can be satisfied.
+  /// For each order 1, 2, ... the dimension of the kinematic tangent cone, the set of velocities with which
+  /// the loop equations can be satisfied up to that order.
   std::vector<int> mobility_by_order;
   int settled_at_order = 0;  ///< order from which on mobility_by_order does not change
   bool settled = false;      ///< whether the mobility by order, the branches and their closed points agree
   int local_mobility = 0;    ///< largest dimension of a branch
   int rigid_at_order = 0;    ///< first order with mobility 0 if nothing moves; otherwise 0
-  /// The conditions on velocities that remain after the elimination and do not vanish up to the order of the
-  /// expansion, sorted by degree; their terms of lowest degree are independent.
+  /// The conditions on velocities that do not vanish up to the order of the expansion, sorted by degree.
+  /// Their terms of lowest degree are independent.
   std::vector<MobilityCondition> conditions;
   std::vector<MotionBranch> branches;
   MobilityProbe probe;
@@ -118,13 +114,12 @@ struct LocalMobility {
   bool cusp = false;                   ///< whether some branch is a cusp
   bool kinematic_singularity = false;  ///< whether on every branch the differential mobility is smaller
                                        ///< beside q than at q
-  /// Whether on some branch the velocities that the loops allow beside q have a larger dimension than the
+  /// Whether on some branch near q the velocities that the loops allow have a larger dimension than the
   /// branch, or nothing moves although the loops allow velocities.
   bool shaky = false;
-  /// Whether ranks and roots of polynomials alone prove the result: the equations are independent, the loops
-  /// allow no velocities, or nothing moves and these velocities have at most dimension 2. Otherwise the
-  /// configurations with closed loops are numerical evidence for motions, and the search from random starts
-  /// is evidence that no branch is missing.
+  /// Whether ranks and roots of polynomials alone prove the result: the loop equations are independent, or
+  /// they allow no velocities, or nothing moves and these velocities have at most dimension 2. Otherwise
+  /// closed configurations found by Newton's method are the numerical evidence.
   bool decided_by_rank = false;
 };
 
@@ -140,24 +135,23 @@ std::vector<std::string> mobility_words(const Model& model, const LocalMobility&
 /// coordinates that they determine are eliminated (D13.8), and the remaining equations are solved by blow-ups
 /// (substitutions of a direction and a distance for the unknowns, D13.11) and deflation (additional unknowns
 /// for multiple solutions, D13.12). Every branch is traced by configurations with closed loops. Allocates;
-/// about 1 ms for a loop of six joints with one branch. The time grows with the number of products of
-/// monomials, C(2d + K, K) if the loops allow velocities of dimension d. Throws std::invalid_argument for a q
-/// of a wrong size or with numbers that are not finite, a loop that is open at q, rolling contacts and belts,
-/// and an order that is negative, 1, above 20 or too large for d.
+/// about 1 ms for a loop of six joints with one branch, and growing with the number of products of monomials,
+/// C(2d + K, K) if the loops allow velocities of dimension d. Throws std::invalid_argument for a q of a wrong
+/// size or with numbers that are not finite, a loop that is open at q, rolling contacts and belts, and an
+/// order that is negative, 1, above 20 or too large for d.
 [[nodiscard]] LocalMobility local_mobility(const Model& model, std::span<const double> q,
                                            const LocalMobilityOptions& options = {});
 
-/// Returns the coordinates of closure_derivatives(): the velocities of the joints in loops, followed by the
+/// Returns the coordinates of the closure equations: the velocities of the joints in loops, followed by the
 /// degrees of freedom of the loop joints.
 std::vector<ClosureCoordinate> closure_coordinates(const Model& model);
 
-/// Computes the twist V of the last body of each loop and its time derivatives d^(k-1)V/dt^(k-1) at t = 0, k
-/// = 1 ... K, along a curve q ⊕ x(t). `derivatives` has x', x'', ... as its columns (n × K, rad and m, in the
-/// order of closure_coordinates()). The twist of a loop is the sum of the joint velocities on the way around
-/// it, from the body where its paths meet through its first body and the loop joint back to this body. V and
-/// all its derivatives are 0 for motions of the mechanism (D13.5). V is spatial, about the inertial origin,
-/// in rad and m. The result has one matrix (6 × K) for each loop joint. O(n K²) brackets. Throws
-/// std::invalid_argument for wrong sizes, numbers that are not finite, and rolling contacts and belts.
+/// Computes, for each loop joint, the sum V of the joint twists on the way around its loop, and its time
+/// derivatives d^(k-1)V/dt^(k-1) at t = 0, k = 1 ... K, along a curve q ⊕ x(t): a matrix 6 × K, spatial about
+/// the inertial origin, in rad and m. All are 0 for motions of the mechanism (D13.5). The way leads from the
+/// body where the loop's two paths meet through its first body and the loop joint back. `derivatives` has x',
+/// x'', ... as its columns (n × K, rad and m, in the order of closure_coordinates()). O(n K²) brackets.
+/// Throws std::invalid_argument for wrong sizes, numbers that are not finite, and rolling contacts and belts.
 std::vector<Eigen::MatrixXd> closure_derivatives(const Model& model, std::span<const double> q,
                                                  const Eigen::Ref<const Eigen::MatrixXd>& derivatives);
 

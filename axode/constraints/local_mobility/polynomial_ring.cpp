@@ -6,9 +6,8 @@
 namespace axode::higher_order {
 namespace {
 
-/// Appends to `out` the exponents of all monomials of degree k in the variables that `head` does not contain,
-/// each after the exponents `head` of the other variables; powers of the first variable are in descending
-/// order.
+/// Appends to `out` the exponents of all monomials of degree k in the variables after those in `head`, each
+/// after the exponents `head`, with powers of the first variable in descending order.
 void append_exponents(int variables, int k, std::vector<int>& head, std::vector<std::vector<int>>& out) {
   if (static_cast<int>(head.size()) == variables - 1) {
     out.push_back(head);

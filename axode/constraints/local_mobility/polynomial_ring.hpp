@@ -9,9 +9,9 @@
 
 namespace axode::higher_order {
 
-/// Polynomials in d variables, truncated after the terms of degree K. In a matrix (rows × size) each row is a
-/// polynomial and each column belongs to a monomial. Monomials are sorted by degree; column 0 is the
-/// constant, and column 1 + k is variable k.
+/// Polynomials in d variables, truncated after degree K. Each row of a matrix of coefficients is a
+/// polynomial, and each column belongs to a monomial, sorted by degree: column 0 is the constant, column 1 +
+/// k variable k.
 class PolynomialRing {
  public:
   static constexpr double most_products = 1e6;
@@ -45,15 +45,13 @@ class PolynomialRing {
                         const Eigen::Ref<const Eigen::RowVectorXd>& b) const;
   /// Computes ∂p/∂u_k for the variable k, with terms up to degree K - 1.
   Eigen::MatrixXd derivative(const Eigen::Ref<const Eigen::MatrixXd>& p, int variable) const;
-  /// Computes the polynomials p(z) in the ring `into`: row k of z, a polynomial of that ring, is substituted
-  /// for variable k of this ring.
+  /// Computes the polynomials p(z): row k of z, a polynomial in the variables of `into`, replaces variable k.
   Eigen::MatrixXd substitute(const Eigen::Ref<const Eigen::MatrixXd>& p, const PolynomialRing& into,
                              const Eigen::Ref<const Eigen::MatrixXd>& z) const;
 
   /// Computes the values of the first `count` monomials at the point u.
   Eigen::VectorXd monomials_at(const Eigen::Ref<const Eigen::VectorXd>& u, int count) const;
-  /// Computes the values of the polynomials p at the point u. p may have only the columns of monomials up to
-  /// a lower degree.
+  /// The values of the polynomials p at the point u. p may lack the columns of monomials of high degrees.
   Eigen::VectorXd at(const Eigen::Ref<const Eigen::MatrixXd>& p,
                      const Eigen::Ref<const Eigen::VectorXd>& u) const;
   /// Computes the derivatives of the polynomials p by the variables at the point u (rows × variables).

@@ -63,8 +63,7 @@ class Walker {
   static std::size_t index(int i) { return static_cast<std::size_t>(i); }
   SE3<>& at(int i) { return C_[index(i)]; }
 
-  /// The joints on the path from a body to the body `meeting`. That of the body itself is the first, and that
-  /// of `meeting` is not included.
+  /// The joints on the path from a body (included) to the body `meeting` (not included).
   std::vector<int> path(int body, int meeting) const {
     std::vector<int> found;
     for (int i = body; i != meeting; i = tree_->parent[i]) found.push_back(i);
@@ -74,8 +73,8 @@ class Walker {
     return common_predecessor(tree_, loop.ends[0].body, loop.ends[1].body);
   }
 
-  /// Marks the velocities of all joints on the paths of a loop. Throws std::invalid_argument for a rolling
-  /// contact or a belt.
+  /// Marks the velocities of the joints in a loop. Throws std::invalid_argument for rolling contacts and
+  /// belts.
   void mark(const Loop& loop) {
     if (loop.kind == LoopKind::rolling || loop.kind == LoopKind::belt)
       throw std::invalid_argument("loop \"" + loop.name + "\" is a " +

@@ -7,16 +7,16 @@
 
 namespace axode::higher_order {
 
-/// A joint that is passed on the way around a loop: its displacement is exp(Σ S_k x_k) with the screws S_k
-/// and coordinates x_k. The screws are about the inertial origin at the configuration q0, and have the
-/// opposite sign if the joint is passed from the body to its predecessor.
+/// A joint that is passed on the way around a loop: its displacement is exp(Σ S_k x_k) with coordinates x_k
+/// and screws S_k about the inertial origin at the configuration q0, of opposite sign if it is passed from
+/// the body to its predecessor.
 struct PassedJoint {
   std::vector<Screw<>> S;
   std::vector<int> coordinates;
 };
 
-/// The ways around the loops of a mechanism at a configuration q0: for each loop, the joints in the order in
-/// which they are passed. Screws are in rad and m about the inertial origin.
+/// For each loop of a mechanism, the joints in the order in which they are passed on the way around it, with
+/// their screws (rad and m, about the inertial origin) at the configuration q0.
 struct Walks {
   std::vector<ClosureCoordinate> coordinates;
   std::vector<std::vector<PassedJoint>> loops;
@@ -26,8 +26,7 @@ struct Walks {
 };
 
 /// Finds the joints on the ways around all loops, with their screws at the configuration q0. Throws
-/// std::invalid_argument, with the name of the loop, for a rolling contact or a belt: it constrains
-/// velocities, and no product of exponentials describes it.
+/// std::invalid_argument, with the name of the loop, for a rolling contact or a belt.
 Walks walks(const Model& model, std::span<const double> q0);
 
 }  // namespace axode::higher_order

@@ -1,10 +1,8 @@
 #include "axode/constraints/loop_system/loop_system.hpp"
 #include "axode/recursion/instantiate.hpp"
 
-/// Accelerations of mechanisms with loops by the fast articulated-body kernel (D4.12), and drive forces by
-/// the fast inverse-dynamics kernel. Both kernels have all quantities about the origins of the bodies. For
-/// the bodies with loop joints, the loop equations also need poses and motion about the origins of the root
-/// bodies, which are the bodies joined to the ground.
+/// Accelerations of mechanisms with loops by the fast articulated-body algorithm (D4.12), and drive forces by
+/// the fast inverse dynamics, with quantities about the origins of the bodies.
 namespace axode {
 
 template <class T>
@@ -122,9 +120,9 @@ std::span<T> LoopSystem<T>::force_fast(const T* q, const T* v, const T* a, const
   return {forces_.data(), index(model_.nv())};
 }
 
-/// Computes entries of Y = D^-½ L⁻ᵀ Aᵀ for n equations of a loop from `row` on, with the Jacobian A of the
-/// loop equations and the mass matrix LᵀD L of the spanning tree. The sweep to the ground is that of (D7.6)
-/// with the pivots of the fast articulated bodies; wrenches are about the origin of each body on the path.
+/// Computes the entries of Y = D^-½ L⁻ᵀ Aᵀ for n equations of a loop from `row` on (D7.6), with the Jacobian
+/// A of the loop equations and the mass matrix LᵀD L of the spanning tree. Wrenches are about the origin of
+/// each body on the path to the ground.
 template <class T>
 template <int n>
 void LoopSystem<T>::pull_rows_fast(const LoopPath& path, const State& at, int row) noexcept {

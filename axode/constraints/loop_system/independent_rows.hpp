@@ -9,19 +9,16 @@
 namespace axode {
 
 /// Determines which loop equations A v = 0 are independent, in the order of the loops, and how the redundant
-/// ones depend on them. It applies the Gram-Schmidt process to the columns of Y = D^-½ L⁻ᵀ Aᵀ, which do not
-/// depend on units; L and D are the factors of the mass matrix LᵀD L of the spanning tree. It serves reports
-/// and computations that need a rank; accelerations are computed without it. Allocates; O(m² nv + nv³) for m
-/// equations.
+/// ones depend on them, by the Gram-Schmidt process on the columns of Y = D^-½ L⁻ᵀ Aᵀ, with the mass matrix
+/// LᵀD L of the spanning tree. Y does not depend on units. Allocates; O(m² nv + nv³) for m equations.
 template <class T> class AXODE_ENTRY IndependentRows {
  public:
   using Vector = Eigen::VectorX<T>;
   using Matrix = Eigen::MatrixX<T>;
 
-  /// Analyses the loop equations at the position or the velocity level, at the present kinematics of the
-  /// system. An equation is redundant if its column of Y = D^-½ L⁻ᵀ Aᵀ, after the projection on the columns
-  /// of earlier independent equations has been subtracted, has a norm of at most `part` times the size of the
-  /// equation, LoopSystem::scale() (D7.7).
+  /// Analyses the loop equations at the position or velocity level, at the present kinematics. An equation is
+  /// redundant if its column of Y = D^-½ L⁻ᵀ Aᵀ, minus the projection on earlier independent columns, has a
+  /// norm of at most `part` times the size of the equation, LoopSystem::scale() (D7.7).
   IndependentRows(LoopSystem<T>& system, ConstraintLevel level,
                   T part = std::same_as<T, float> ? T(1e-4) : T(1e-8));
 
@@ -31,8 +28,8 @@ template <class T> class AXODE_ENTRY IndependentRows {
   Matrix kernel() const;
 
   /// Computes multipliers λ of the loop equations A v = 0 whose constraint forces Aᵀ λ are nearest to f (nv)
-  /// in the sense of least squares. If many multipliers give these forces, it takes those for which Σ d² λ²
-  /// is least, with the sizes d of the equations, LoopSystem::scale() (D7.11).
+  /// by least squares; of several, those with the least Σ d² λ² for the sizes d of the equations,
+  /// LoopSystem::scale() (D7.11).
   void least_multipliers(const Vector& f, std::span<T> lambda) const;
 
   std::vector<int> independent, redundant;

@@ -1,9 +1,8 @@
 #include "axode/constraints/loop_system/loop_system.hpp"
 #include "axode/recursion/instantiate.hpp"
 
-/// Derivatives of the loop equations by q and v. The motion of the two bodies of a loop joint along a
-/// direction of q or v is given by (D6.10). The derivatives of the equations follow from it, because the code
-/// of each type of loop joint is evaluated on dual numbers.
+/// Derivatives of the loop equations by q and v, by evaluation of each loop joint on dual numbers that follow
+/// the motion of its two bodies along a direction of q or v (D6.10).
 namespace axode {
 namespace {
 

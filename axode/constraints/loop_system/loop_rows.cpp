@@ -4,18 +4,16 @@
 #include "axode/constraints/loop_system/loop_system.hpp"
 #include "axode/recursion/instantiate.hpp"
 
-/// The loop equations in velocities that are scaled by the factors L and D of the mass matrix LᵀD L of the
-/// spanning tree, their rank, and their multipliers. See "Redundant rows" of
-/// docs/derivations/loop-dynamics.md.
+/// The scaled loop equations Y = D^-½ L⁻ᵀ Aᵀ for the mass matrix LᵀD L of the spanning tree, their rank, and
+/// their multipliers. See "Redundant rows" of docs/derivations/loop-dynamics.md.
 namespace axode {
 namespace {
 
 /// Bounds of the filter μ, a small part of each equation's diagonal entry that is added so that redundant
-/// loop equations can be solved (D7.9). If the loops have a residual r, a redundant equation appears to have
-/// the size |r| d instead of 0, with the size d of an independent one, and r² / μ of it would enter a step;
-/// hence μ = (1e4 |r|)². During a motion the loops are closed to rounding only. Near a configuration where
-/// branches of the motion meet, such a residual would cause a motion that is 1 / σ times as large, where σ is
-/// the least singular value of the equations; hence the lower bound of μ is larger in motions.
+/// loop equations can be solved (D7.9). A redundant equation of loops with a residual r appears to have the
+/// size |r| d instead of 0, with the size d of an independent one, so that r² / μ of it would enter a step;
+/// hence μ = (1e4 |r|)². In motions the lower bound of μ is larger, because near a configuration where
+/// branches meet a residual by rounding would be divided by the least singular value of the equations.
 template <class T> constexpr bool is_float = std::same_as<T, float>;
 template <class T> constexpr T least_filter_in_motion = is_float<T> ? T(1e-4) : T(1e-9);
 template <class T> constexpr T most_filter = is_float<T> ? T(1e-4) : T(1e-6);
@@ -33,10 +31,9 @@ template <class T> void LoopSystem<T>::set_filter(const T* q, const RowRank& ran
   filter_ = std::clamp(T(1e8) * open, least, most_filter<T>);
 }
 
-/// Computes the column of Y = D^-½ L⁻ᵀ Aᵀ that belongs to one loop equation, a row of A, by the backward
-/// sweep of the articulated-body algorithm, where LᵀD L is the mass matrix of the spanning tree. The sweep
-/// begins with the unit wrench of the equation on the two bodies of a loop joint, or with the factors of a
-/// coupling of joints.
+/// Computes the column of Y = D^-½ L⁻ᵀ Aᵀ of one loop equation by the backward sweep of the articulated-body
+/// algorithm, with the mass matrix LᵀD L of the spanning tree. It begins with the unit wrench of the equation
+/// on the two bodies of a loop joint, or with the factors of a coupling of joints.
 template <class T>
 void LoopSystem<T>::pull_row(const LoopPath& path, int row, const Wrench<Spatial, T>& first,
                              const Wrench<Spatial, T>& second) noexcept {
@@ -59,10 +56,10 @@ void LoopSystem<T>::pull_row(const LoopPath& path, int row, const Wrench<Spatial
   bodies.each_pivot(tree(), 0, put);
 }
 
-/// Computes the columns of Y = D^-½ L⁻ᵀ Aᵀ for n equations of a loop (rows of A) at once, if no joints of the
-/// tree are coupled (D7.6); LᵀD L is the mass matrix of the spanning tree. For each velocity c on the path,
-/// with the joint screw S, the articulated inertia M, U = M S and the pivot D, the wrenches F give the
-/// entries Y_c = Sᵀ F / √D and become F - U Sᵀ F / D.
+/// Computes the columns of Y = D^-½ L⁻ᵀ Aᵀ of n equations of a loop at once, if no joints of the tree are
+/// coupled (D7.6); LᵀD L is the mass matrix of the spanning tree. For each joint screw S on the path, with
+/// the articulated inertia M, U = M S and the pivot D, the wrenches F give entries Sᵀ F / √D of Y and become
+/// F - U Sᵀ F / D.
 template <class T>
 template <int n>
 void LoopSystem<T>::pull_rows(const LoopPath& path, const State& at, int row) noexcept {

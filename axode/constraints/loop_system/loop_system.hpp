@@ -20,10 +20,9 @@
 
 namespace axode {
 
-/// The redundant loop equations, which LoopSystem::determine_rank() finds at a closed configuration. In
-/// solutions with a given rank, the multipliers of redundant equations are 0. An integration keeps the rank
-/// for a whole step, because equations that are redundant by geometry become independent as soon as the loops
-/// are a little open.
+/// The redundant loop equations, as LoopSystem::determine_rank() finds them at a closed configuration; their
+/// multipliers are 0 in solutions with this rank. An integration keeps the rank for a whole step, because
+/// equations that are redundant by geometry become independent as soon as the loops are a little open.
 struct RowRank {
   std::vector<char> redundant = {};  ///< whether each row of A is redundant; empty before determine_rank()
 };
@@ -64,61 +63,53 @@ template <class T> class AXODE_ENTRY LoopSystem {
     return level == ConstraintLevel::velocity ? model_.loops().rows : model_.loops().residuals;
   }
 
-  /// Prescribes functions of time for some loop equations: their positions, velocities and accelerations
-  /// become s, s' and s'' instead of 0 in all later calls; see (D12.1) of docs/derivations. Those of all
-  /// other equations are 0.
+  /// Prescribes positions s, velocities s' and accelerations s'' for some loop equations, in all later calls;
+  /// those of all other equations are 0 (D12.1).
   void prescribe(std::span<const PrescribedRow<T>> rows) { prescribed_.assign(rows.begin(), rows.end()); }
 
-  /// Computes the accelerations a (nv) and the multipliers λ of the loop equations at a state. If the mass
-  /// matrix of the spanning tree is singular, both are NaN. Afterwards update_kinematics() must be called
-  /// before a function that needs kinematics.
+  /// Computes the accelerations a (nv) and the multipliers λ of the loop equations at (q, v). If the mass
+  /// matrix of the spanning tree is singular, both are NaN. Functions that need kinematics require
+  /// update_kinematics() afterwards.
   Solvability accelerate(const T* q, const T* v, const T* tau, const Loads<T>& loads, T* a, T* lambda,
                          const RowRank& rank = {}) noexcept;
   /// Computes the forces M a + h (nv) that the spanning tree needs for the motion (q, v, a), with its mass
   /// matrix M and bias forces h, and updates the kinematics and the motion of the bodies.
   void force(const T* q, const T* v, const T* a, const Loads<T>& loads, T* tau) noexcept;
   /// Computes the forces M a + h (nv) that the spanning tree needs for the motion (q, v, a), with its mass
-  /// matrix M and bias forces h, by the fast kernel, and also the Jacobian of the loop equations. The
-  /// returned forces are valid until the next call. Twists are computed only for bodies with loop joints;
-  /// hence joint_wrenches() and differentiate() must not be called afterwards.
+  /// matrix M and bias forces h, and the Jacobian of the loop equations, by a fast kernel. The forces are
+  /// valid until the next call. joint_wrenches() and differentiate() must not be called afterwards.
   std::span<T> force_fast(const T* q, const T* v, const T* a, const Loads<T>& loads) noexcept;
-  /// Computes the residual (A v)' - s'' of all loop equations A v = s' (loops().rows numbers), whose right
-  /// sides s' are not 0 for prescribed motions. The motion is that of the last force() or force_fast(), whose
-  /// accelerations were a. Must be called after make_rows(ConstraintLevel::velocity) or force_fast(). The
-  /// numbers are valid until the next call.
+  /// Computes the residual (A v)' - s'' of the loop equations A v = s' (loops().rows numbers), where s' is
+  /// not 0 for prescribed motions. Must be called after force() and make_rows(ConstraintLevel::velocity), or
+  /// force_fast(), with the accelerations a. The numbers are valid until the next call.
   std::span<const T> acceleration_residual(const T* a) noexcept;
   /// Computes the least drive forces τ (nv) and, unless `lambda` is null, multipliers λ of the loop equations
   /// A v = 0, such that τ + Aᵀ λ = f for the forces f that the spanning tree needs. Drives act on the
-  /// velocities whose indices are in `drives` or, if it is empty, on those of all joints that are not
-  /// passive. Must be called after make_rows(ConstraintLevel::velocity) or force_fast(). Returns false
-  /// without results if some motion has no drive, if λ is wanted and not unique, or if rounding leaves a rank
-  /// open.
+  /// velocities with indices in `drives` or, if it is empty, on those of all joints that are not passive.
+  /// Must be called after make_rows(ConstraintLevel::velocity) or force_fast(). Returns false without results
+  /// if some motion has no drive, if λ is wanted and not unique, or if rounding leaves a rank open.
   bool drive_forces(std::span<const int> drives, const T* f, T* tau, T* lambda) noexcept;
-  /// A bound for decisions about rounding errors: entries of the Jacobian of the loop equations are larger,
-  /// unless they are near 0 by geometry or because of a singularity. It is a tenth of the largest distance
-  /// (m) of a loop joint from the origin of a root body (the body of a branch that is joined to the ground),
-  /// and at most 0.1; it is 0.1 if these distances are 0.
+  /// A bound below which an entry of the Jacobian of the loop equations may be a rounding error: a tenth of
+  /// the largest distance (m) of a loop joint from the root of its branch, at most 0.1 (also if all are 0).
   T considerable_entry() const noexcept;
   /// Computes the velocities v⁺ (nv) after an impact of the loops at q, A v⁺ = -e A v with the Jacobian A of
-  /// the loop equations and the coefficient of restitution e, and the impulses of the equations (D7.12). For
-  /// an equation A v = s' with a prescribed right side, A v - s' replaces A v.
+  /// the loop equations and the coefficient of restitution e, and the impulses of the equations (D7.12). With
+  /// prescribed right sides s', A v - s' replaces A v.
   Solvability impact(const T* q, const T* v, const T& e, T* v_after, T* impulses) noexcept;
-  /// Computes the velocities v⁺ (nv) after an impact and its impulses at the configuration of the last
-  /// factorize(q) or determine_rank(q).
+  /// Computes the velocities v⁺ (nv) after an impact, and the impulses, at the last factorised configuration.
   Solvability impact(const T* v, const T& e, T* v_after, T* impulses, const RowRank& rank = {}) noexcept;
-  /// Computes a step x (nv) towards a closed configuration, with r + R x = 0 for the residual r of the loops
-  /// and its Jacobian R. Of all such steps it is the least one in the norm of the mass matrix (D7.13).
+  /// Computes a step x (nv) towards a closed configuration, r + R x = 0 for the residual r of the loops and
+  /// its Jacobian R, the least in the norm of the mass matrix (D7.13).
   Solvability projection_step(const T* q, T* x, const RowRank& rank = {}) noexcept;
 
-  /// Determines which loop equations are redundant at a closed q. Afterwards the equations are factorised at
-  /// q. If the mass matrix of the spanning tree is singular, `rank` remains unchanged.
+  /// Determines which loop equations are redundant at a closed q, and factorises them there. If the mass
+  /// matrix of the spanning tree is singular, `rank` remains unchanged.
   Solvability determine_rank(const T* q, RowRank& rank) noexcept;
   /// Determines which of the rows A are redundant. The rows must be factorised already, see factorize_rows().
   void determine_rank(RowRank& rank) noexcept;
 
-  /// Computes the poses of the bodies, the joint screws and the frames of the loop joints at q. The second
-  /// overload takes the poses C of the bodies instead of q, in a frame with the axes of the inertial frame
-  /// and the origin `origin`; the joints need not allow these poses.
+  /// Computes the poses of the bodies, the joint screws and the frames of the loop joints at q, or from the
+  /// poses C of the bodies relative to the point `origin` in inertial axes, which the joints need not allow.
   void update_kinematics(const T* q) noexcept;
   void update_kinematics(const SE3<T>* C, const Vec3<T>& origin) noexcept;
   /// Updates the kinematics with the motion of all bodies, and computes the bias forces h (nv) of the tree.
@@ -134,89 +125,82 @@ template <class T> class AXODE_ENTRY LoopSystem {
   void make_rows(ConstraintLevel level) noexcept;
   void make_wrenches(ConstraintLevel level) noexcept;  ///< computes only the wrenches of make_rows(), not the
                                                        ///< entries
-  /// The non-zero entries of the Jacobian of the loop equations, for each loop: column by column along the
-  /// loop's path (see LoopColumn), with one entry for each equation of the loop.
+  /// The non-zero entries of the Jacobian of the loop equations, for each loop: column by column of its
+  /// LoopPath, with one entry for each equation of the loop.
   const std::vector<std::vector<T>>& entries() const { return entries_; }
   /// Writes the entries of the rows A or R of the present level as a dense matrix, m × nv, row by row.
   void write(T* A) const noexcept;
-  /// times() computes out = A x, and add_transposed_times() adds Aᵀ λ to out, with the Jacobian A that
-  /// make_rows() computed last: that of the loop equations for velocities, or that of the residuals.
+  /// Compute out = A x, and add Aᵀ λ to out, with the Jacobian A of the last make_rows(): that of the loop
+  /// equations for velocities, or that of the residuals.
   void times(const T* x, T* out) const noexcept;
   void add_transposed_times(const T* lambda, T* out) const noexcept;
-  /// Computes γ - s'' (D6.7) after move(), where γ is the part of (A v)' without accelerations, and s' are
-  /// the prescribed right sides of the loop equations A v = s'. The second overload takes the twists V of the
-  /// bodies and their rates dV instead, each about the origin of the root body, which is the body of its
-  /// branch that is joined to the ground.
+  /// Computes γ - s'' (D6.7), where A v = s' are the loop equations with prescribed right sides and γ is the
+  /// part of (A v)' without accelerations. The motion is that of the last move() or, in the second overload,
+  /// given by twists V and their rates dV, each about the origin of the root body (the body of its branch on
+  /// the ground).
   void bias(T* gamma) noexcept {
     bias(dynamics_->recursion.motion.bodies.V, dynamics_->recursion.motion.bodies.dV, gamma);
   }
   void bias(const Twist<Spatial, T>* V, const TwistRate<Spatial, T>* dV, T* gamma) const noexcept;
-  /// Computes the rates A v of all loop equations (D6.6) from the twists X of the bodies and, for couplings
-  /// of joints, from the joint velocities x (nv). Each twist is about the origin of the root body, the body
-  /// of its branch that is joined to the ground.
+  /// Computes the rates A v of all loop equations (D6.6) from the joint velocities x (nv) and the twists X of
+  /// the bodies, each about the origin of its root body (the body of its branch that is on the ground).
   void rates(const Twist<Spatial, T>* X, const T* x, T* out) const noexcept;
-  /// Adds the constraint wrenches of the loops for multipliers λ to `on`, the wrenches on the bodies about
-  /// the origins of their root bodies (those joined to the ground), and adds the forces of couplings of
-  /// joints to tau (nv).
+  /// Adds the constraint forces of the loops for multipliers λ: wrenches on the bodies, about the origins of
+  /// their root bodies (those on the ground), to `on`, and those of couplings of joints to tau (nv).
   void add_wrenches(const T* lambda, Wrench<Spatial, T>* on, T* tau) const noexcept;
-  /// Computes the wrenches that the joints transmit if the loop equations have the multipliers λ, W[1] to
-  /// W[n], in inertial axes, each about the origin of its root body, the body of its branch that is joined to
-  /// the ground. Must be called after force() and make_rows(ConstraintLevel::velocity).
+  /// Computes the wrenches W[1] to W[n] that the joints transmit for multipliers λ of the loop equations, in
+  /// inertial axes, each about the origin of its root body (the body of its branch that is joined to the
+  /// ground). Must be called after force() and make_rows(ConstraintLevel::velocity).
   void joint_wrenches(const T* lambda, Wrench<Spatial, T>* W) noexcept;
 
   /// Adds the partial derivatives of (A v)' = A a + γ, for the loop equations A v = 0, by q to by_q and by v
-  /// to by_v (m × nv each), and those of the constraint forces Aᵀ λ by q to constraint_forces_by_q (nv × nv).
-  /// All are stored row by row, with one column for each direction of q or v. They are taken at the motion of
-  /// the last force(). Must be called after make_rows(ConstraintLevel::velocity). See (D6.10) and (D6.11) of
-  /// docs/derivations.
+  /// to by_v (m × nv each), and those of the constraint forces Aᵀ λ by q to constraint_forces_by_q (nv × nv),
+  /// all row by row ((D6.10), (D6.11)). They are taken at the motion of the last force(). Must be called
+  /// after make_rows(ConstraintLevel::velocity).
   void differentiate(const T* lambda, T* by_q, T* by_v, T* constraint_forces_by_q) noexcept;
   /// Computes the rate of Rᵀ λ (nv) for constant λ as the bodies move with the velocities of the last move().
   void differentiate_residuals(const T* lambda, T* rate) noexcept;
 
   /// Updates the kinematics to q, and factorises the mass matrix M of the tree and the rows A.
   Solvability factorize(const T* q, const RowRank& rank = {}) noexcept;
-  /// Factorises the mass matrix of the spanning tree at the present kinematics. factorize() uses the armature
-  /// of the model, and factorize_with_armature() another one (nv, kg m² and kg).
+  /// Factorises the mass matrix of the spanning tree at the present kinematics, with the armature of the
+  /// model or another one (nv, kg m² and kg).
   Solvability factorize() noexcept { return factorize_with_armature(tree().armature.data()); }
   Solvability factorize_with_armature(const T* armature) noexcept;
-  /// Computes Y = D^-½ L⁻ᵀ Aᵀ, G = Yᵀ Y = A M⁻¹ Aᵀ and the sizes of the loop equations, see scale(). M = Lᵀ D
-  /// L is the mass matrix of the spanning tree, and A the Jacobian of the equations whose wrenches were made
-  /// last.
+  /// Computes Y = D^-½ L⁻ᵀ Aᵀ, G = Yᵀ Y = A M⁻¹ Aᵀ and the sizes of the loop equations, with the mass matrix
+  /// M = Lᵀ D L of the spanning tree and the Jacobian A of the equations.
   void factorize_rows() noexcept;
   /// Solves A M⁻¹ Aᵀ λ = -b for the multipliers λ of the loop equations A v = 0, with the mass matrix M of
-  /// the spanning tree. If equations are redundant, λ is the least solution; if they contradict each other,
-  /// it is the least-squares solution (D7.8).
+  /// the spanning tree; λ is the least (least-squares) solution if equations are redundant (D7.8).
   void solve_rows(const T* b, T* lambda, const RowRank& rank = {}) noexcept;
-  /// Sets the filter μ of solve_rows() from the residual of the loops at q. Directions of the multipliers in
-  /// which A M⁻¹ Aᵀ is small compared with μ times the squared sizes of the loop equations are ignored
-  /// (D7.9); A is the Jacobian of the equations and M the mass matrix of the spanning tree. accelerate(),
-  /// impact(q) and projection_step() call this function themselves.
+  /// Sets the filter μ of solve_rows() from the residual of the loops at q: directions of multipliers are
+  /// ignored in which A M⁻¹ Aᵀ is small compared with μ times the squared sizes of the loop equations (D7.9).
+  /// A is the Jacobian of the equations, and M the mass matrix of the spanning tree.
   void set_filter(const T* q, const RowRank& rank) noexcept;
   /// The least pivot of a loop equation in the last solve_rows(), divided by the square of the equation's
-  /// size, scale(); 1 if all equations were far from redundant. If it is near 0, branches of the motion meet,
-  /// and accelerations are those of a mechanism with more degrees of freedom.
+  /// size; 1 if all are far from redundant. If it is near 0, branches of the motion meet, and accelerations
+  /// are those of a mechanism with more degrees of freedom.
   T weakest_row() const { return weakest_row_; }
   /// Adds A M⁻¹ x to b (m numbers) for x (nv). The rows must be factorised.
   void add_response(const T* x, T* b) noexcept;
-  /// Computes the accelerations a that additional forces τ (nv) cause: M a - Aᵀ λ = τ with A a = 0 (D7.14),
-  /// for the mass matrix M of the spanning tree, and the Jacobian A and the multipliers λ of the loop
-  /// equations, which must be factorised.
+  /// Computes the accelerations a that forces τ (nv) add: M a - Aᵀ λ = τ with A a = 0 (D7.14), for the mass
+  /// matrix M of the spanning tree and the factorised loop equations with Jacobian A and multipliers λ.
   void force_response(const T* tau, T* a) noexcept;
   /// Replaces x (nv) by M⁻¹ x.
   void solve(T* x) noexcept { dynamics_->bodies.solve(tree(), x); }
 
-  /// The wrench that loop joint k exerts on its second body for the multipliers λ, about the point origin(k);
-  /// the opposite wrench acts on the first body. Must be called after make_rows() or make_wrenches().
+  /// The wrench of loop joint k on its second body, about the point origin(k), for the multipliers λ; the
+  /// opposite wrench acts on the first body. Must be called after make_rows() or make_wrenches().
   Wrench<Spatial, T> wrench(std::size_t k, const T* lambda) const noexcept;
   Vec3<T> origin(std::size_t k) const noexcept;
   /// The origins of the root bodies in the inertial frame, stored at the index of each root body.
   const Vec3<T>* root_origins() const { return origin_; }
 
-  /// The matrix Y = D^-½ L⁻ᵀ Aᵀ of the last factorize_rows(), nv × m, padded with zero columns to whole
-  /// blocks. A is the Jacobian of the m loop equations, and LᵀD L the mass matrix of the spanning tree.
+  /// The matrix Y = D^-½ L⁻ᵀ Aᵀ (nv × m, padded with zero columns) of the last factorize_rows(), with the
+  /// Jacobian A of the m loop equations and the mass matrix LᵀD L of the spanning tree.
   const RowByRow& Y() const { return Y_; }
   /// The size of each loop equation: the square root of its diagonal entry of A M⁻¹ Aᵀ, with the Jacobian A
-  /// of the equations and the mass matrix M of the spanning tree, or a lower limit if that is larger (D7.7).
+  /// and the mass matrix M of the spanning tree, or a lower limit (D7.7).
   const Vector& scale() const { return scale_; }
   const LoopTable& table() const { return table_; }
   const Link<Spatial, T>& link(int i) const { return link_[i]; }
@@ -240,9 +224,8 @@ template <class T> class AXODE_ENTRY LoopSystem {
   const std::vector<LoopTable::VelocityBlock>& blocks() const {
     return level_ == ConstraintLevel::velocity ? table_.row_blocks : table_.residual_blocks;
   }
-  /// Computes accelerations and multipliers with the fast articulated bodies. Returns false, without results,
-  /// if the mechanism has couplings or coupled joints, or if a pivot or all equations of a loop are too small
-  /// for the fast elimination.
+  /// Computes accelerations and multipliers with fast articulated bodies. Returns false, without results, for
+  /// couplings or coupled joints, or if a pivot or all equations of a loop are too small.
   bool accelerate_fast(const T* q, const T* v, const T* tau, const Loads<T>& loads, T* a, T* lambda,
                        const RowRank& rank) noexcept;
   /// The motion of the two bodies of a loop joint about origin(k).
@@ -272,22 +255,21 @@ template <class T> class AXODE_ENTRY LoopSystem {
   void add_to_velocities(const T* lambda) noexcept;
   /// Calls f(row) for those rows of the present level that are redundant in `rank`.
   template <class F> void each_redundant(const RowRank& rank, const F& f) const;
-  /// Solves A M⁻¹ Aᵀ λ = -b for the multipliers λ of the loop equations A v = 0 by one Cholesky
-  /// factorisation. Returns false, without λ, if a pivot of an independent equation is too small.
+  /// Solves A M⁻¹ Aᵀ λ = -b for the multipliers λ of the loop equations by one Cholesky factorisation.
+  /// Returns false, without λ, if a pivot of an independent equation is too small.
   bool solve_sound_rows(const T* b, T* lambda, const RowRank& rank) noexcept;
   /// Solves G λ = -b by the proximal iteration (D7.8).
   void solve_filtered_rows(const T* b, T* lambda, const RowRank& rank) noexcept;
-  /// Writes the linear system of the multipliers to the memory of factor_: the matrix A M⁻¹ Aᵀ of the loop
-  /// equations A v = 0 with `filter` times the squared sizes of the equations added to its diagonal, and the
-  /// right side -b. Multipliers of redundant equations become 0.
+  /// Sets up the linear system of the multipliers in the memory of factor_: A M⁻¹ Aᵀ plus `filter` times the
+  /// squared sizes of the loop equations on its diagonal, and the right side -b. Multipliers of redundant
+  /// equations become 0.
   void set_rows(const T* b, const T& filter, const RowRank& rank) noexcept;
   SE3<T> pose(const Loop::End& end, int root, const Vec3<T>& O) const noexcept;
   Wrench<Spatial, T> on_first(const State& at, const Wrench<Spatial, T>& W) const {
     return {W.m - cross(at.shift, W.f), W.f};
   }
   /// Moves F_i and F_j, the wrenches of a loop on its first and second body, along the two paths to the
-  /// ground. After the body where the paths meet, F_j is the sum of both. step(i, F) is called for each body
-  /// i on the way, and moves F across the joint of body i.
+  /// ground; F_j becomes the sum of both where the paths meet. step(i, F) moves F across the joint of body i.
   template <class Wrenches, class Step>
   void propagate_to_root(const LoopPath& path, Wrenches& F_i, Wrenches& F_j,
                          const Step& step) const noexcept {
@@ -298,9 +280,8 @@ template <class T> class AXODE_ENTRY LoopSystem {
     F_j.f += F_i.f;
     for (int i = path.meeting; i > 0; i = parent[i]) step(i, F_j);
   }
-  /// These functions compute entries of Y = D^-½ L⁻ᵀ Aᵀ (D7.6) for equations of a loop, rows of its Jacobian
-  /// A: pull_row() for one row, pull_rows() for n rows, pull_rows_fast() for n rows with the fast articulated
-  /// bodies, and pull_loop() for all rows.
+  /// Compute entries of Y = D^-½ L⁻ᵀ Aᵀ (D7.6) for equations of a loop, rows of its Jacobian A: for one row,
+  /// for n rows, for n rows with fast articulated bodies, and for all rows.
   void pull_row(const LoopPath& path, int row, const Wrench<Spatial, T>& first,
                 const Wrench<Spatial, T>& second) noexcept;
   template <int n> void pull_rows(const LoopPath& path, const State& at, int row) noexcept;
@@ -316,8 +297,8 @@ template <class T> class AXODE_ENTRY LoopSystem {
 
     explicit TreeDynamics(Arena& arena) : recursion(arena), bodies(arena) {}
   };
-  /// Scratch memory of accelerate_fast() and force_fast(): the fast kernels, and the motion of the bodies
-  /// about the origins of their root bodies. Its size depends on the instruction set.
+  /// Scratch memory of the fast kernels, and the motion of the bodies about the origins of their root bodies
+  /// (those joined to the ground). Its size depends on the instruction set.
   struct FastKernel {
     using Bodies = typename FastForwardDynamics<T>::Bodies;
     struct OriginMotion {

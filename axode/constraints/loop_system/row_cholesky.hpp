@@ -5,9 +5,8 @@
 namespace axode {
 
 /// Cholesky factorisation A = Rᵀ D R of a symmetric positive definite matrix with some dozens of rows, where
-/// R is upper triangular with a unit diagonal. Rows are stored in blocks of eight numbers, which is faster
-/// than Eigen's decomposition for such sizes. Each row has an additional column for a right side, and is
-/// padded with zeros to whole blocks.
+/// R is upper triangular with a unit diagonal. Rows are stored in blocks of eight numbers for speed, with an
+/// additional column for a right side, and padded with zeros.
 template <class T> class RowCholesky {
  public:
   using Matrix = Eigen::Matrix<T, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
@@ -26,12 +25,12 @@ template <class T> class RowCholesky {
     R_.setZero(m, room(m));
     inverse_.resize(m);
   }
-  /// The memory of the factorisation. Before factorize() it has the matrix on and above the diagonal, and a
-  /// right side b in column m; afterwards it has R without its diagonal, and D⁻¹ R⁻ᵀ b in column m.
+  /// The memory of the factorisation: first the matrix on and above the diagonal and a right side b in column
+  /// m, after factorize() the factor R without its diagonal and D⁻¹ R⁻ᵀ b in column m.
   Matrix& matrix() { return R_; }
 
-  /// Factorises the first m rows, and replaces the right side b in column m by D⁻¹ R⁻ᵀ b. Returns false, and
-  /// leaves no factorisation, as soon as sound(k, D_k) is false for a pivot D_k.
+  /// Factorises the m × m matrix, and replaces the right side b by D⁻¹ R⁻ᵀ b. Returns false, and leaves no
+  /// factorisation, as soon as sound(k, D_k) is false for a pivot D_k.
   template <class Sound> bool factorize(Eigen::Index m, const Sound& sound) noexcept {
     for (Eigen::Index k = 0; k < m; ++k) {
       if (!sound(k, R_(k, k))) return false;
@@ -48,8 +47,8 @@ template <class T> class RowCholesky {
   void factorize(Eigen::Index m) noexcept {
     factorize(m, [](Eigen::Index, const T&) { return true; });
   }
-  /// Computes the solution x for the right side that was in column m of the memory before factorize(), and
-  /// sets this column to 0. x has room(m) entries: m, padded to whole blocks.
+  /// Computes the solution x for the right side in column m of the memory, and sets this column to 0. x has
+  /// room(m) entries, that is m padded to whole blocks.
   void solve_right_side(Eigen::Index m, Eigen::VectorX<T>& x) noexcept {
     for (Eigen::Index k = 0; k < m; ++k) {
       x[k] = R_(k, m);
@@ -69,9 +68,7 @@ template <class T> class RowCholesky {
   }
 
  private:
-  /// Replaces x by R⁻¹ x with the triangular factor R. The entries of x in the block of row k are used one by
-  /// one, and the entry that was computed last is used last: a vector load of numbers that were just written
-  /// one by one would stall.
+  /// Replaces x by R⁻¹ x with the triangular factor R.
   void solve_up(Eigen::Index m, Eigen::VectorX<T>& x) const noexcept {
     for (Eigen::Index k = m; k-- > 0;) {
       const Eigen::Index next = block(k) + width;

@@ -8,8 +8,8 @@
 
 namespace axode {
 
-/// The wrenches F of n consecutive equations of a loop, while they are carried along a path to the ground
-/// (D7.6). Each equation has one lane of a register.
+/// The wrenches F of n consecutive equations of a loop on their way along a path to the ground (D7.6), one in
+/// each lane of a register.
 template <class T, int n> struct RowsInLanes {
   using Rows = Batch<T, std::max(2U, std::bit_ceil(static_cast<unsigned>(n)))>;
   Vec3<Rows> m, f;
@@ -35,12 +35,11 @@ template <class T, int n> struct RowsInLanes {
   /// The vector a, repeated in every lane.
   template <class Vector> static Vec3<Rows> all(const Vector& a) { return spread<Rows, T>(a); }
 
-  /// Refers the wrenches to another point: their moments about a point o become moments about a point p. r is
-  /// the vector from p to o.
+  /// Moves the reference point of the wrenches from o to p; r is the vector from p to o.
   template <class Vector> void move(const Vector& r) { m += cross(all(r), f); }
-  /// Eliminates a joint velocity with the screw S and the articulated-body terms U = M S and D (the pivot)
-  /// from the wrenches F: stores D^-½ u in y, with u = Sᵀ F, one number for each equation, and subtracts x U
-  /// from the wrenches. x is D⁻¹ u, or u if U contains D⁻¹ already. `root` is D^-½.
+  /// Eliminates a joint velocity with the screw S, U = M S for the articulated inertia M, and the pivot D,
+  /// from the wrenches F: stores u / √D in y for u = Sᵀ F, and subtracts x U from F. x is u / D, or u if U
+  /// has been divided by D. `root` is D^-½.
   template <class Vector>
   void eliminate(const Rows& u, const T& root, T* y, const Rows& x, const Vector& U_m, const Vector& U_f) {
     const Rows Y = Rows(root) * u;
@@ -56,9 +55,8 @@ template <int most, class F> void with_number_of_rows(int n, const F& f) {
     if (n < most) return with_number_of_rows<most - 1>(n, f);
   f(std::integral_constant<int, most>());
 }
-/// Divides the equations of a loop into groups, and calls f(first, std::integral_constant<int, n>()) for each
-/// group of n equations from index `first` on. A group has as many equations as one register holds, at most
-/// six; the last group has the rest.
+/// Divides the equations of a loop into groups of as many as one register holds, at most six, and a rest, and
+/// calls f(first, std::integral_constant<int, n>()) for each group of n equations from index `first` on.
 template <class T, class F> void each_register_of_rows(int rows, const F& f) {
   constexpr int most = std::min(6, static_cast<int>(native_lanes<T>));
   for (int first = 0; first < rows; first += most)

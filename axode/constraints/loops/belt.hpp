@@ -5,10 +5,10 @@
 
 namespace axode::loops {
 
-/// The span of a belt that does not stretch, between two pulleys that turn about parallel axes, see (D16.15).
-/// z of the first frame is the direction of the axes, and the origins of the two frames are the centres of
-/// the pulleys. Its equation constrains velocities alone and has no residual: the length of the span depends
-/// on the number of turns of the pulleys, and the pose of a pulley is the same after each turn.
+/// The span of an inextensible belt between two pulleys that turn about parallel axes (D16.15). z of the
+/// first frame is the direction of the axes, and the origins of the two frames are the centres of the
+/// pulleys. Its equation constrains velocities alone, because the pose of a pulley does not show the number
+/// of its turns.
 struct Belt {
   std::array<double, 2> radii = {};  ///< radii of the pulleys with their signs, m; see Loop::radii
 

@@ -4,43 +4,41 @@
 #include "axode/lie/twist.hpp"
 #include "axode/scalar/dual.hpp"
 
-/// A loop joint is a small type with parameters of type double and with members that are templates over the
-/// scalar, where V_i and V_j are the twists of its first and second body:
+/// The interface of the types of loop joints. Their members are templates over the scalar; V_i and V_j are
+/// the twists of the first and second body:
 ///   rows(), residuals()            numbers of equations A v = 0 and of residuals r
 ///   residual(at, r)                computes r, which vanishes if the loop is closed
 ///   wrenches(at, W)                computes W on the second body for unit multipliers: A v = Wᵀ (V_j - V_i)
-/// The following members are optional, and the functions below have a default for each:
+/// The following members are optional:
 ///   residual_wrenches(at, R)       computes R with r' = Rᵀ (V_j - V_i); by default the first columns of W
 ///   wrench_rates(at, m, dW)        computes W' for moving bodies; by default W is evaluated on dual numbers
 ///   bias(at, W, m, gamma)          computes γ = Wᵀ (V'_j - V'_i) + W'ᵀ (V_j - V_i)
-/// A, γ and r are the same in all representations. For multipliers λ, the wrench W λ acts on the second body
-/// j, and -W λ on the first body i.
+/// A, γ and r are the same in all representations. For multipliers λ, the wrench W λ acts on the second body,
+/// and -W λ on the first body.
 namespace axode::loops {
 
 template <class T> using SpatialWrench = Wrench<Spatial, T>;
 template <class T> using LoopWrenches = std::array<SpatialWrench<T>, 6>;
 
-/// The frames of a loop joint on its first body (a) and its second body (b): their axes are expressed in
-/// inertial axes, and their origins are relative to a common point O.
+/// The frames of a loop joint on its first body (a) and its second body (b), in inertial axes, with origins
+/// relative to a common point O.
 template <class T> struct LoopFrames { SE3<T> a, b; };
-/// Spatial twists of the two bodies of a loop joint about the common point O, and their rates. The caller
-/// decides whether the rates include joint accelerations.
+/// The spatial twists of the two bodies of a loop joint about a common point O, and their rates, with or
+/// without joint accelerations.
 template <class T> struct EndMotion { Screw<T> V_i, V_j, dV_i, dV_j; };
 
 template <class T> T power(const SpatialWrench<T>& W, const Screw<T>& X) {
   return dot(W.m, X.w) + dot(W.f, X.v);
 }
 template <class T> Vec3<T> velocity(const Screw<T>& V, const Vec3<T>& p) { return V.v + cross(V.w, p); }
-/// force_at() is the wrench of a force f at the point p. force_rate() is the rate of this wrench for the
-/// rates dp and df of p and f.
+/// The wrench of a force f at the point p, and its rate for the rates dp and df of p and f.
 template <class T> SpatialWrench<T> force_at(const Vec3<T>& p, const Vec3<T>& f) { return {cross(p, f), f}; }
 template <class T>
 SpatialWrench<T> force_rate(const Vec3<T>& p, const Vec3<T>& dp, const Vec3<T>& f, const Vec3<T>& df) {
   return {cross(dp, f) + cross(p, df), df};
 }
 
-/// lift() makes dual numbers of a vector, a screw or a pose and of its rate; the rate of a pose is a spatial
-/// twist.
+/// Make dual numbers of a vector, a screw or a pose and of its rate, which for a pose is a spatial twist.
 template <class T> Vec3<Dual<T, 1>> lift(const Vec3<T>& x, const Vec3<T>& dx) {
   return {{x.x, {dx.x}}, {x.y, {dx.y}}, {x.z, {dx.z}}};
 }

@@ -25,8 +25,7 @@ constexpr LoopJoint loop_joint(LoopKind kind, double pitch, double size, bool wh
   return loops::SubgroupClosure{traits(kind).free, pitch};
 }
 
-/// Whether the table loop_kinds has, for each kind of loop joint, the numbers of equations and residuals that
-/// the kind's C++ type has.
+/// Whether the table loop_kinds has the numbers of equations and residuals of each loop joint's C++ type.
 constexpr bool loop_kinds_have_the_rows_of_their_types() {
   for (const LoopTraits& kind : loop_kinds) {
     const auto agrees = [&](const auto& joint) {

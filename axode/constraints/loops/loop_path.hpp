@@ -6,8 +6,8 @@
 
 namespace axode {
 
-/// A column of the Jacobian of the loop equations with non-zero entries for a loop. It belongs to a joint
-/// screw or to a term of a coupling of joints.
+/// A column of a loop's part of the Jacobian of the loop equations. It belongs to a joint screw, or to a term
+/// of a coupling of joints.
 struct LoopColumn {
   int velocity;
   int screw = -1;     ///< index of the joint screw; -1 for a term of a coupling
@@ -17,8 +17,7 @@ struct LoopColumn {
   double factor = 0;  ///< factor of a term of a coupling
 };
 
-/// The data of a loop that do not depend on q: the indices of its equations, and the paths in the spanning
-/// tree that it closes.
+/// The indices of the equations of a loop, and the paths in the spanning tree that it closes.
 struct LoopPath {
   LoopPath(const Tree<double>& tree, const Loop& joint);
   /// Makes the path of a coupling. A coupling has no bodies: both its ends are the ground.

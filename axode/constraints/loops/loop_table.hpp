@@ -7,8 +7,8 @@
 
 namespace axode {
 
-/// The data of all loops of a mechanism that do not depend on q: the path and the type of each loop joint,
-/// and the path of each coupling of joints, whose equation has constant coefficients.
+/// The paths in the spanning tree of all loops of a mechanism, the type of each loop joint, and the path of
+/// each coupling of joints.
 struct LoopTable {
   using Range = LoopPath::Range;
   /// Consecutive velocities (rows of Y = D^-½ L⁻ᵀ Aᵀ) with non-zero entries for the same loop rows.
@@ -27,8 +27,7 @@ struct LoopTable {
                                                            ///< entries
 
   std::span<const LoopPath> of_couplings() const { return std::span(paths).subspan(joints.size()); }
-  /// Calls f(k, joint) for every loop joint k, with `joint` in its own type. std::visit is not used, because
-  /// it may throw, and the callers are noexcept.
+  /// Calls f(k, joint) for every loop joint k, with `joint` in its own type.
   template <class F> void each(const F& f) const {
     for (std::size_t k = 0; k < joints.size(); ++k) {
       const auto call = [&](const auto* joint) {

@@ -4,9 +4,8 @@
 namespace axode::loops {
 
 /// A sphere or a wheel on the second body that rolls without slip on a plane of the first body. z of the
-/// first frame is the normal of the plane, and z of the second frame is the axis of the wheel. The equation
-/// along the normal has a residual, the distance from the plane; the two tangential equations constrain
-/// velocities alone.
+/// first frame is the normal of the plane, and z of the second frame the axis of the wheel. The equation
+/// along the normal has a residual, the distance; the two tangential ones constrain velocities alone.
 struct RollingContact {
   double radius = 0;  ///< radius of the sphere or wheel, m
   bool wheel = false;
@@ -21,8 +20,8 @@ struct RollingContact {
     const Vec3<T> p = contact(at).p;
     for (const Vec3<T>* e : {&at.a.R.z, &at.a.R.x, &at.a.R.y}) *W++ = force_at(p, *e);
   }
-  /// Computes the time derivatives of the constraint wrenches. The contact point moves along the rim and
-  /// along the plane; the rate d' of the direction d from the contact point to the centre is (D6.9).
+  /// Computes the time derivatives of the constraint wrenches, as the contact point moves along the rim and
+  /// along the plane. The rate d' of the direction d from the contact point to the centre is (D6.9).
   template <class T>
   void wrench_rates(const LoopFrames<T>& at, const EndMotion<T>& m, SpatialWrench<T>* dW) const {
     const Vec3<T>&n = at.a.R.z, &k = at.b.R.z;

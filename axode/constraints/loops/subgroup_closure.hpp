@@ -8,15 +8,12 @@
 
 namespace axode::loops {
 
-/// A loop joint whose free motions form a subgroup of SE(3). The subgroup is given by its free directions ω_x
-/// ω_y ω_z v_x v_y v_z in the frame of the joint, and by the pitch of a helical joint, for which v_z = pitch
-/// ω_z.
+/// A loop joint whose free motions form a subgroup of SE(3), given by its free directions ω_x ω_y ω_z v_x v_y
+/// v_z in the frame of the joint and by the pitch of a helical joint, v_z = pitch ω_z.
 ///
-/// S spans the subalgebra of the joint, and T spans the wrenches with Tᵀ S = 0. The pose D of the second
-/// frame relative to the first is written as D = g E with a motion g in the subgroup, which is removed. The
-/// residual r = Tᵀ (log R_E; r_E), with the rotation R_E and the position r_E of E, vanishes on the whole
-/// subgroup, however far the joint has moved. Tᵀ log D would not be suitable, because it jumps at half a
-/// turn.
+/// S spans the subalgebra of the joint, and T the wrenches with Tᵀ S = 0. The pose of the second frame
+/// relative to the first is D = g E with a motion g in the subgroup, which is removed. The residual r = Tᵀ
+/// (log R_E; r_E), with the rotation R_E and the position r_E of E, vanishes on the whole subgroup.
 struct SubgroupClosure {
   std::array<bool, 6> free{};
   double pitch = 0;  ///< m/rad, 0 unless the joint is helical
@@ -41,7 +38,7 @@ struct SubgroupClosure {
   }
 
   /// Removes from the relative pose D = g E of the two frames the motion g in the subgroup of the joint, and
-  /// returns E (D6.1). If the joint is nearly closed, E is near the identity.
+  /// returns E, which is near the identity if the joint is nearly closed (D6.1).
   template <class T> SE3<T> strip(const SE3<T>& D) const {
     T theta(0);
     SO3<T> turn{};
@@ -68,9 +65,8 @@ struct SubgroupClosure {
     }
   }
   /// Computes the wrenches R with r' = Rᵀ (V_j - V_i) for the residual r of the joint and the twists V_i and
-  /// V_j of its two bodies. D = g E is the pose of the second frame of the joint relative to the first, and g
-  /// the motion in its subgroup that strip() removes. In the frame of the joint r' = P X for X = D⁻¹ D',
-  /// exactly, and P = Tᵀ if D is in the subgroup (D6.4):
+  /// V_j of its two bodies (D6.4). D = g E is the relative pose of the frames of the joint, and g the motion
+  /// in its subgroup that strip() removes. In the frame of the joint r' = P X for X = D⁻¹ D' and
   ///   P = Tᵀ (I - K (Nᵀ K)⁻¹ Nᵀ) B
   /// with B = diag(dexp⁻¹_{-φ}, R_E), φ = log R_E and K = B Ad_E⁻¹ S. S spans the free screws of the joint,
   /// and T the wrenches reciprocal to them. The columns of N are unit vectors of the coordinates of (φ; r_E)

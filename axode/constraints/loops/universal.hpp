@@ -3,9 +3,8 @@
 
 namespace axode::loops {
 
-/// A universal joint: the axes z of the two frames intersect in one point, with a constant angle between
-/// them. The wrenches of its equations are the three forces of a ball joint and one couple perpendicular to
-/// both axes.
+/// A universal joint: the axes z of the two frames intersect at a constant angle. Its wrenches are the three
+/// forces of a ball joint and one couple perpendicular to both axes.
 struct Universal {
   double cosine = 0;  ///< cosine of the angle between the axes
   static constexpr SubgroupClosure ball{{true, true, true}};

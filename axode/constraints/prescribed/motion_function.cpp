@@ -17,8 +17,7 @@ MotionFunction::Function harmonic(const MotionDescription& d) {
   };
 }
 
-/// The ramp from + (to - from) (10 u³ - 15 u⁴ + 6 u⁵) in u = (t - start) / (end - start), constant outside u
-/// from 0 to 1.
+/// The ramp from + (to - from) (10 u³ - 15 u⁴ + 6 u⁵), u = (t - start) / (end - start) limited to 0 to 1.
 MotionFunction::Function ramp(const MotionDescription& d) {
   return [from = d.from, rise = d.to - d.from, start = d.start, length = d.end - d.start](double t) {
     const double u = std::clamp((t - start) / length, 0.0, 1.0), rest = 1 - u;

@@ -18,17 +18,16 @@ class MotionRows {
     MotionFunction function;
   };
 
-  /// Takes the prescribed motions of the model's description, followed by those in `more`. Throws
-  /// std::invalid_argument for a name that is neither that of a joint with one velocity nor that of a rod,
-  /// and for a second motion of one joint or rod.
+  /// Takes the prescribed motions of the model, followed by those in `more`. Throws std::invalid_argument for
+  /// a name that is neither that of a joint with one velocity nor that of a rod, and for a second motion of
+  /// one joint or rod.
   explicit MotionRows(const Model& model, std::span<const PrescribedMotion> more = {});
 
   bool empty() const { return rows_.empty(); }
   std::span<const Row> rows() const { return rows_; }
-  /// The mechanism in which every prescribed motion is a loop equation. For the length of a rod it is the
-  /// rod's own equation, and for a joint that of an additional coupling of joints, with this joint as its
-  /// only term. The coordinates and velocities are those of the original mechanism. Without motions it is the
-  /// original mechanism.
+  /// The mechanism in which every prescribed motion is a loop equation: for the length of a rod the rod's own
+  /// equation, and for a joint that of an additional coupling with this joint as its only term. The
+  /// coordinates and velocities remain the same.
   const Model& model() const { return model_; }
 
   /// Sets the right sides of the motions' rows, in a system of model(), to their values at time t.
@@ -36,14 +35,12 @@ class MotionRows {
   /// Sets all right sides of the motions' rows to 0, so that the system computes responses to forces.
   void release(LoopSystem<double>& system) const { system.prescribe({}); }
 
-  /// The first time after t at which a derivative of a prescribed motion jumps, so that a step of an
-  /// integration should end there; infinite if there is none.
+  /// The first time after t at which a derivative of a prescribed motion jumps; infinite if there is none.
   double next_jump(double t) const;
-  /// Throws std::invalid_argument if the function of a motion is not known at all times from `from` to
-  /// `until`.
+  /// Throws std::invalid_argument if a motion is not known at all times from `from` to `until`.
   void check_times(double from, double until) const;
-  /// The name of the joint or rod whose prescribed motion has the largest absolute entry in `rows`, which has
-  /// one entry for each loop equation; empty if no entry of a motion is larger than the tolerance.
+  /// The name of the joint or rod whose prescribed motion has the largest absolute entry in `rows` (one for
+  /// each loop equation); empty if no entry of a motion is above the tolerance.
   std::string worst(std::span<const double> rows, double tolerance) const;
 
  private:

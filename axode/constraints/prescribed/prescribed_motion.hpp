@@ -9,10 +9,10 @@
 #include "axode/recursion/solvability.hpp"
 
 /// Prescribed motions: the angle or displacement of a joint with one velocity, or the length of a rod,
-/// follows a function s of time. A motion is a loop equation that sets the velocity to s' instead of 0. Its
-/// multiplier is the force that is needed for the motion, in N m for an angle and in N for a length. A
-/// positive force along a rod pushes its ends apart. The power of a motion is its force times s'. See (D12.1)
-/// to (D12.4) of docs/derivations.
+/// follows a function s of time ((D12.1) to (D12.4) of docs/derivations). A motion is a loop equation that
+/// sets the velocity to s' instead of 0. Its multiplier is the force that is needed for the motion, in N m
+/// for an angle and in N for a length; a positive force along a rod pushes its ends apart. Its power is the
+/// force times s'.
 namespace axode {
 
 /// A prescribed motion in addition to those in the description of a mechanism.
@@ -31,12 +31,12 @@ struct DynamicsAtTime {
 };
 
 /// Computes the accelerations at time t (s) of a mechanism of which joints or rods follow prescribed motions,
-/// those of the model and those in `motions`. Also computes the multipliers of the loops and the forces of
-/// the motions. If the motions leave no degree of freedom, this is the inverse dynamics of the motions. q and
-/// v should close the loops and follow the motions; their residuals are not corrected. Loops act as in
-/// forward_dynamics(), and springs are ignored. Throws std::invalid_argument for wrong sizes, numbers that
-/// are not finite, motions of joints or rods that do not exist, and a time at which a motion is not known.
-/// Allocates; O(n + m d + m² d + m³) for n bodies and m equations of loops and motions on paths of d joints.
+/// those of the model and those in `motions`, and the multipliers of the loops and the forces of the motions.
+/// If the motions leave no degree of freedom, this is inverse dynamics. q and v should close the loops and
+/// follow the motions; their residuals are not corrected. Springs are ignored. Throws std::invalid_argument
+/// for wrong sizes, numbers that are not finite, motions of joints or rods that do not exist, and a time at
+/// which a motion is not known. Allocates; O(n + m d + m² d + m³) for n bodies and m equations of loops and
+/// motions on paths of d joints.
 [[nodiscard]] DynamicsAtTime forward_dynamics_at(const Model& model, double t, std::span<const double> q,
                                                  std::span<const double> v, std::span<const double> tau,
                                                  const Loads<double>& loads = {},

@@ -5,28 +5,26 @@
 #include "axode/dynamics/closed_form/coriolis.hpp"
 #include "axode/recursion/loads.hpp"
 
-/// The equations of motion in closed form (section 5 of the paper). Each function evaluates one equation in
-/// matrices of the whole system. It is meant for analysis and for reading the paper; the recursions give the
-/// same results and are faster. Armatures are part of the mass matrix and of the forces. All functions throw
-/// std::invalid_argument for wrong sizes.
+/// The equations of motion in closed form (section 5 of the paper), each as matrices of the whole system, for
+/// analysis. The recursions give the same results and are faster. Mass matrices and drive forces include
+/// armatures. All functions throw std::invalid_argument for wrong sizes.
 namespace axode::closed_form {
 
-/// The inertia matrix diag(M_1, ..., M_n) of all bodies, 6n × 6n, with the 6 × 6 inertia matrices M_i of the
-/// bodies in their frames, in representation Rep.
+/// The inertia matrix diag(M_1, ..., M_n) of all bodies, 6n × 6n, with the 6 × 6 inertia matrices M_i in the
+/// body frames, in representation Rep.
 template <RecursionRepresentation Rep = BodyFixed>
 Eigen::MatrixXd inertia_matrix(const Model& model, std::span<const double> q);
 
-/// The drive forces τ (nv) by the Euler-Jourdain equations (projection equations, Kane's equations): τ = Jᵀ
-/// (M_i V'_i - ad_Vᵀ M_i V_i - W_i^app) (eq. PE). J is the stacked Jacobian of all bodies, and the bracket
-/// has the Newton-Euler equations of body i with its inertia matrix M_i and twist V_i, in representation Rep.
-/// The applied wrenches W_i^app include gravity.
+/// The drive forces τ (nv) by the Euler-Jourdain equations (projection equations, Kane's equations): τ = Σ
+/// J_iᵀ (M_i V'_i - ad_{V_i}ᵀ M_i V_i - W_i^app) (eq. PE), with the Jacobian J_i, the inertia matrix M_i and
+/// the twist V_i of body i in representation Rep. The applied wrenches W_i^app include gravity.
 template <RecursionRepresentation Rep = BodyFixed>
 Eigen::VectorXd projection_equations(const Model& model, std::span<const double> q, std::span<const double> v,
                                      std::span<const double> a, const Loads<double>& loads = {});
 
-/// The drive forces τ (nv) by the projected balance of spatial momentum: τ = (J^s)ᵀ (Π'_i^s - W_i^s,app)
-/// (eq. PEs), with the spatial momenta Π_i^s of the bodies and the applied wrenches W_i^s,app, gravity
-/// included.
+/// The drive forces τ (nv) by the projected balance of spatial momentum: τ = (J^s)ᵀ (Π'_i^s - W_i^s,app) (eq.
+/// PEs), with the spatial Jacobian J^s and momenta Π_i^s of the bodies, and the applied wrenches W_i^s,app
+/// including gravity.
 Eigen::VectorXd momentum_balance(const Model& model, std::span<const double> q, std::span<const double> v,
                                  std::span<const double> a, const Loads<double>& loads = {});
 
@@ -35,22 +33,22 @@ Eigen::VectorXd momentum_balance(const Model& model, std::span<const double> q, 
 template <RecursionRepresentation Rep = BodyFixed>
 Eigen::MatrixXd mass_matrix(const Model& model, std::span<const double> q);
 
-/// The Coriolis matrix C(q, v) in one of its forms, nv × nv, by products of system matrices or, for the form
-/// `christoffel`, by Christoffel symbols. For the forms see CoriolisForm.
+/// The Coriolis matrix C(q, v), nv × nv, in one of the forms of CoriolisForm, by products of system matrices
+/// or, for the form `christoffel`, by Christoffel symbols.
 Eigen::MatrixXd coriolis_matrix(const Model& model, std::span<const double> q, std::span<const double> v,
                                 CoriolisForm form);
 
-/// The drive forces τ (nv) by Lagrange's equations: τ = M a + C v + ∂U/∂q - Q (eq. LE), with the Coriolis
-/// matrix C of the paper (eq. CMat), the potential energy U of gravity and the generalised forces Q of the
-/// loads.
+/// The drive forces τ (nv) by Lagrange's equations: τ = M a + C v + ∂U/∂q - Q (eq. LE), with the mass matrix
+/// M, the Coriolis matrix C of the paper (eq. CMat), the potential energy U of gravity and the generalised
+/// forces Q of the loads.
 Eigen::VectorXd lagrange_equations(const Model& model, std::span<const double> q, std::span<const double> v,
                                    std::span<const double> a, const Loads<double>& loads = {});
 
 /// Christoffel symbols of the first kind with Binet's inertia tensor (eq. GammaBinet with erratum 26), Γ_ijk
 /// = Σ_l tr(Ĵ_li P_l (Ĵ_lj Ĵ_lk)ᵀ) if j is not after k on a path; otherwise j and k are exchanged. Ĵ_li is
-/// the 4×4 matrix of column i of the body-fixed Jacobian of body l. P_l = [[ϑ_l, m c], [m cᵀ, m]] has Binet's
-/// tensor ϑ_l, the mass m and the centre of mass c of body l. The result has nv³ entries, Γ_ijk at [(i nv +
-/// j) nv + k]. Throws std::invalid_argument if a joint has several degrees of freedom. O(n⁴).
+/// the 4×4 matrix of column i of the body-fixed Jacobian of body l, and P_l = [[ϑ_l, m c], [m cᵀ, m]] has
+/// Binet's tensor ϑ_l, the mass m and the centre of mass c of body l. nv³ entries, Γ_ijk at [(i nv + j) nv +
+/// k]. Throws std::invalid_argument if a joint has several degrees of freedom. O(n⁴).
 std::vector<double> christoffel(const Model& model, std::span<const double> q);
 
 }  // namespace axode::closed_form

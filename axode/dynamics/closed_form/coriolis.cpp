@@ -9,8 +9,8 @@ namespace {
 
 template <class T> Wrench<Spatial, T> per_second(const Momentum<Spatial, T>& Pi) { return {Pi.l, Pi.p}; }
 
-/// The 6×6 matrix B of one body in the Coriolis matrix C = Jᵀ (M J' + B J), where J is the stacked spatial
-/// Jacobian and M the spatial inertia. The forms of C differ in B alone.
+/// The 6×6 matrix B of one body in the Coriolis matrix C = Jᵀ (M J' + B J), with the stacked spatial Jacobian
+/// J and the spatial inertia M. The forms of C differ in B alone.
 template <class T>
 TwistToWrench<Spatial, T> body_term(CoriolisForm form, const Inertia<T>& M, const Twist<Spatial, T>& V) {
   switch (form) {

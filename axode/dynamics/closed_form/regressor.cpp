@@ -8,16 +8,15 @@
 namespace axode {
 namespace {
 
-/// The inertia of a body with the value 1 for inertial parameter k and 0 for the others, in the order of the
-/// mass, the first moment (x y z) and the rotational inertia (xx yy zz xy xz yz).
+/// The inertia of a body of which inertial parameter k is 1 and the others are 0, in the order of mass, first
+/// moment (x y z) and rotational inertia (xx yy zz xy xz yz).
 template <class T> Inertia<T> unit_inertia(int k) {
   const auto is = [&](int j) { return T(k == j); };
   return {is(0), {is(1), is(2), is(3)}, {is(4), is(5), is(6), is(7), is(8), is(9)}};
 }
 
-/// Calls f(i, V, V') for every body i with the body-fixed twist V of its frame and the rate V', for the
-/// motion that has been computed in `at`. V' includes gravity if this motion was computed with the ground
-/// accelerated by -g.
+/// Calls f(i, V, V') for every body i with the body-fixed twist V of its frame and the rate V' in the motion
+/// `at`. V' includes gravity if this was computed with the ground accelerated by -g.
 template <class T, class F> void each_body(const Tree<T>& tree, const PosesAndMotion<T>& at, F&& f) {
   for (int i = 1; i <= tree->n; ++i) {
     const Link<BodyFixed, T> user{tree.frame_offset[i]};

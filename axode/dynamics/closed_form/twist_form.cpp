@@ -7,9 +7,8 @@
 namespace axode {
 namespace {
 
-/// Computes the velocities v_i = (SᵀS)⁻¹ Sᵀ (V_i - V_p) of every joint from the twists V_i of its body and
-/// V_p of the predecessor. This is done in the joint frame, because there the columns of the joint screws S
-/// are orthogonal.
+/// Computes the joint velocities v_i = (SᵀS)⁻¹ Sᵀ (V_i - V_p) from the twists V_i of each body and V_p of its
+/// predecessor, in the joint frame, where the columns of the joint screws S are orthogonal.
 template <class Rep, class T>
 void velocities(const Tree<T>& tree, const T* q, const Twist<Rep, T>* V, StateForm<Rep, T>& at) noexcept {
   at.C.run(tree, q);

@@ -7,16 +7,15 @@
 
 namespace axode {
 
-/// The factors of a mass matrix M = LᵀDL. L is lower triangular with a unit diagonal, and D is diagonal. In M
-/// and in L, only entries of velocities on one path to the ground are non-zero. The constructor allocates the
-/// memory. See (D4.7) and (D4.8) of docs/derivations.
+/// The factors of a mass matrix M = LᵀDL, with L lower triangular of unit diagonal and D diagonal, where only
+/// entries of velocities on one path to the ground are non-zero ((D4.7), (D4.8)). The constructor allocates.
 template <class T = double> class MassMatrixFactor {
  public:
   explicit MassMatrixFactor(const Model& model);
-  /// Factorises a mass matrix M (nv × nv, row by row). O(n d²) for a tree of depth d, and O(nv²) to check the
-  /// entries of M. If M is singular, the returned Solvability says so, and the factors must not be used.
-  /// Throws std::invalid_argument for a wrong size, an M that is not symmetric, and a non-zero entry of
-  /// velocities on different paths.
+  /// Factorises a mass matrix M (nv × nv, row by row). If M is singular, the returned Solvability says so,
+  /// and the factors must not be used. Throws std::invalid_argument for a wrong size, an M that is not
+  /// symmetric, and a non-zero entry of velocities on different paths. O(n d²) for a tree of depth d, and
+  /// O(nv²) to check M.
   Solvability factorize(std::type_identity_t<std::span<const T>> M);
   /// Replaces x (nv numbers) by M⁻¹ x, after factorize(). O(n d) for a tree of depth d.
   void solve(std::type_identity_t<std::span<T>> x) const;

@@ -15,9 +15,8 @@ template <class T>
 void load_powers(const Model& model, Workspace<T>& workspace, Numbers<T> q, Numbers<T> v,
                  const std::type_identity_t<Loads<T>>& loads, std::type_identity_t<std::span<T>> power);
 
-/// Computes the inertia of the whole system about its centre of mass, in inertial axes, as if the joints were
-/// locked. Because it is about the centre of mass, its first moment h = m r_com is 0. Armatures do not
-/// contribute. O(n). Throws std::domain_error for a massless model.
+/// Computes the inertia of the whole system about its centre of mass, in inertial axes, with locked joints
+/// and without armatures. O(n). Throws std::domain_error for a massless model.
 template <class T> Inertia<T> centroidal_inertia(const Model& model, Workspace<T>& workspace, Numbers<T> q);
 
 }  // namespace axode

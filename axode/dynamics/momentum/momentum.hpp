@@ -11,13 +11,13 @@ template <class T>
 void momenta(const Model& model, Workspace<T>& workspace, Numbers<T> q, Numbers<T> v,
              std::type_identity_t<std::span<T>> p);
 
-/// The velocities v = M⁻¹ p for given generalised momenta p, O(n). v has nv entries. If M is singular, the
-/// returned Solvability says so, and v is NaN.
+/// The velocities v = M⁻¹ p (nv) for given generalised momenta p, O(n). If M is singular, the returned
+/// Solvability says so, and v is NaN.
 template <class T>
 Solvability from_momenta(const Model& model, Workspace<T>& workspace, Numbers<T> q, Numbers<T> p,
                          std::type_identity_t<std::span<T>> v);
-/// The momentum of the whole system about the inertial origin, the sum Σ Π_i^s over all bodies, O(n).
-/// Armatures do not contribute.
+/// The momentum of the whole system about the inertial origin, Σ Π_i^s over all bodies, without armatures;
+/// O(n).
 template <class T>
 Momentum<Spatial, T> spatial_momentum(const Model& model, Workspace<T>& workspace, Numbers<T> q,
                                       Numbers<T> v);

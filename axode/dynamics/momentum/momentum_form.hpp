@@ -5,16 +5,16 @@
 
 namespace axode {
 
-/// The rates of the state (q, p) with the generalised momenta p = M(q) v: the velocities v = M⁻¹ p and
-///   p'_i = τ_i + J_iᵀ W_i^A + (ad_{V_i} J_i)ᵀ Π_i^A,
-/// where J_i is the joint screw and V_i the twist of body i, Π_i^A is the momentum of the subtree of body i,
-/// and W_i^A is the wrench of gravity and loads on this subtree. O(n), without accelerations and their bias
-/// terms; v and dp have nv entries. If the mass matrix is singular, the returned Solvability names a body,
-/// and v and dp are NaN. See (D5.1) and (D5.9) of docs/derivations.
+/// The equations of motion for the state (q, p) with the generalised momenta p = M(q) v: computes the
+/// velocities v = M⁻¹ p and the rates
+///   p'_i = τ_i + J_iᵀ W_i^A + (ad_{V_i} J_i)ᵀ Π_i^A
+/// (nv each), where J_i is the joint screw and V_i the twist of body i, and Π_i^A and W_i^A are the momentum
+/// of its subtree and the wrench of gravity and loads on it. O(n). If the mass matrix is singular, the
+/// returned Solvability names a body, and v and dp are NaN. See (D5.1) and (D5.9) of docs/derivations.
 ///
-/// This is forward dynamics in the state (q, p). The recursion runs in twists of Rep, on which the results do
-/// not depend. In spatial twists momenta of bodies add up without a transformation. Hybrid twists are those
-/// of Naudet et al., Multibody System Dynamics 10 (2003).
+/// The recursion runs in twists of Rep, on which the results do not depend. In spatial twists momenta of
+/// bodies add up without a transformation. Hybrid twists are those of Naudet et al., Multibody System
+/// Dynamics 10 (2003).
 template <RecursionRepresentation Rep = Spatial, class T>
 Solvability momentum_form(const Model& model, Workspace<T>& workspace, Numbers<T> q, Numbers<T> p,
                           Numbers<T> tau, std::type_identity_t<std::span<T>> v,

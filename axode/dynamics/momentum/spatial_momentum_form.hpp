@@ -5,17 +5,15 @@
 
 namespace axode {
 
-/// The equations of motion for the state (q, Π), where Π are the spatial momenta of all bodies (n + 6n
-/// unknowns; eq. PEs with erratum 24):
+/// The equations of motion for the state (q, Π), where Π are the spatial momenta of all bodies (eq. PEs with
+/// erratum 24):
 ///   (J^s)ᵀ (Π' - W_app) = τ,    M_i^s J_i^s v = Π_i^s
-/// with the spatial Jacobian J^s of all bodies and the applied wrenches W_app, and with the spatial inertia
-/// M_i^s of body i. The function computes the joint velocities v (nv entries), with which q changes, and the
-/// rates dPi of the momenta (n_bodies entries), about the inertial origin. Both equations are solved by
-/// substitution in the block triangular matrix J^s: from the leaves to the roots, then from the roots to the
-/// leaves. The velocities follow from (JᵀMJ) v = JᵀΠ, the projection of the second equation, so that massless
-/// bodies are allowed. O(n); without armatures it takes one elimination of the joints. If JᵀMJ is singular,
-/// the returned Solvability names a body, and all results are NaN. See (D5.8), (D5.10) and (D5.11) of
-/// docs/derivations.
+/// with the spatial Jacobian J^s of all bodies, the applied wrenches W_app, and the spatial inertia M_i^s of
+/// body i. Computes the joint velocities v (nv entries), with which q changes, and the rates dPi of the
+/// momenta (n_bodies entries), about the inertial origin, by substitution in the block triangular matrix J^s.
+/// The velocities follow from the projection (JᵀMJ) v = JᵀΠ of the second equation, so that massless bodies
+/// are allowed. O(n). If JᵀMJ is singular, the returned Solvability names a body, and all results are NaN.
+/// See (D5.8), (D5.10) and (D5.11) of docs/derivations.
 template <class T>
 Solvability spatial_momentum_form(const Model& model, Workspace<T>& workspace, Numbers<T> q,
                                   std::type_identity_t<std::span<const Momentum<Spatial, T>>> Pi,

@@ -12,8 +12,7 @@ template <class T> class MotionSeries;
 template <class T> class PoseSeries;
 
 /// The motion of all bodies of a model as power series in time up to an order: 0 velocity, 1 acceleration, 2
-/// jerk, ... Construct an object for a model and an order, and evaluate it as often as needed; evaluation
-/// allocates nothing. An object is for one thread.
+/// jerk, ... An object is for one thread and many evaluations, which allocate nothing.
 template <class T = double> class AXODE_ENTRY HigherOrderMotion {
  public:
   /// Throws std::invalid_argument for a negative order.
@@ -25,17 +24,17 @@ template <class T = double> class AXODE_ENTRY HigherOrderMotion {
   int order() const;
 
   /// Computes the motion from q and from `rates`, which are v, v', v'', ...: (order + 1) nv numbers, row by
-  /// row, all in the joints' left-trivialised directions. O(n order²).
+  /// row, in the joints' left-trivialised directions. O(n order²).
   void evaluate(Numbers<T> q, Numbers<T> rates);
 
-  /// The k-th time derivative of the components of the twist of a place, a frame or a point on a body, for k
-  /// = 0 (the twist itself) to `order`. The classical jerk and snap of a point are the linear parts of the
-  /// hybrid derivatives for k = 2 and 3.
+  /// The k-th time derivative, k = 0 to `order`, of the components of the twist of a place, a frame or a
+  /// point on a body. Jerk and snap of a point are the linear parts of the hybrid derivatives for k = 2 and
+  /// 3.
   template <RecursionRepresentation Rep = BodyFixed>
   TwistRate<Rep, T> twist_derivative(const Place<T>& place, int k) const;
 
-  /// The k-th time derivative of the Jacobian of a place, a frame or a point on a body, nv columns, for k = 0
-  /// (the Jacobian itself) to `order`.
+  /// The k-th time derivative (0 to `order`) of the Jacobian, nv columns, of a place, a frame or a point on a
+  /// body.
   template <RecursionRepresentation Rep = BodyFixed>
   void jacobian_derivative(const Place<T>& place, int k, std::span<TwistRate<Rep, T>> J) const;
 

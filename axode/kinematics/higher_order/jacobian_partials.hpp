@@ -4,9 +4,8 @@
 #include "axode/kinematics/arguments.hpp"
 #include "axode/kinematics/place.hpp"
 
-/// Partial derivatives of Jacobians with respect to the configuration, of any order, in closed form as nested
-/// screw products. All derivatives are along the joints' left-trivialised directions: d/dε of J(q ⊕ ε e_k) at
-/// ε = 0.
+/// Partial derivatives of Jacobians with respect to the configuration, of any order, as nested screw
+/// products, along the joints' left-trivialised directions: d/dε of J(q ⊕ ε e_k) at ε = 0.
 namespace axode {
 
 /// The largest order of jacobian_derivative_along(), whose cost grows exponentially with the order.
@@ -16,13 +15,12 @@ inline constexpr int largest_partial_order = largest_directional_order;
 
 /// The partial derivatives ∂^ν J / ∂q_αν ... ∂q_α1 of the Jacobian of a place (a frame or a point on a body),
 /// as a dense tensor: nv^(ν + 1) columns; J[((αν nv + ...) nv + α1) nv + j] is the column of velocity j. α1
-/// is the inner derivative (taken first); the order matters only between directions of one spherical, planar
-/// or free joint. Body-fixed: eqs. der1, der2Jb, nthorderBody; spatial: eqs. Jsder, Jsder2, nthorder; hybrid
-/// and mixed: (D15.4) of docs/derivations, which for the first order is eq. Jhder with its cases k < j
-/// (errata 6 to 12). Any order >= 0 is allowed. A column of the result takes at most ν brackets or 2 ν cross
-/// products, O(ν m^(ν + 1)) in all for m joint screws on the path from the place to the ground. The number of
-/// allocations does not depend on the order. During long calls, the caller's function should_continue() is
-/// called from time to time; if it returns false, the call ends early and the tensor is not complete.
+/// is taken first; the order matters only between directions of one spherical, planar or free joint.
+/// Body-fixed: eqs. der1, der2Jb, nthorderBody of the paper; spatial: eqs. Jsder, Jsder2, nthorder; hybrid
+/// and mixed: (D15.4) of docs/derivations, for the first order eq. Jhder with k < j (errata 6 to 12). Any
+/// order ν >= 0 is allowed. O(ν m^(ν + 1)) for m joint screws between the place and the ground; the number of
+/// allocations does not depend on the order. The caller's function should_continue() is called from time to
+/// time; if it returns false, the call ends early and the tensor is not complete.
 template <RecursionRepresentation Rep = BodyFixed, class T>
 void jacobian_partials(const Model& model, Workspace<T>& workspace, Numbers<T> q,
                        const std::type_identity_t<Place<T>>& place, int order,
@@ -31,10 +29,9 @@ void jacobian_partials(const Model& model, Workspace<T>& workspace, Numbers<T> q
 
 /// The directional derivative D_uν ... D_u1 J of the Jacobian of a place (a frame or a point on a body), nv
 /// columns: the tensor of jacobian_partials() contracted with one direction for each derivative. `directions`
-/// has `order` rows of nv numbers, the innermost direction u1 first. The tensor is never built: the function
-/// takes O(m 3^order) screw products for m joint screws on the path to the place, and order may be at most
-/// largest_directional_order. If all directions are equal, HigherOrderMotion is faster, with a time that
-/// grows with the square of the order. The function allocates memory.
+/// has `order` rows of nv numbers, the innermost direction u1 first. O(m 3^order) screw products for m joint
+/// screws between the place and the ground; order is at most largest_directional_order. If all directions are
+/// equal, HigherOrderMotion is faster. Allocates.
 template <RecursionRepresentation Rep = BodyFixed, class T>
 void jacobian_derivative_along(const Model& model, Workspace<T>& workspace, Numbers<T> q,
                                const std::type_identity_t<Place<T>>& place, int order, Numbers<T> directions,

@@ -5,16 +5,16 @@
 
 namespace axode {
 
-/// The motion of a tree as power series in time, to any order. In spatial representation two rules hold for
-/// the spatial twist V_i of body i and the joint screws J of its joint, where p is the predecessor of body i:
+/// The motion of a tree as power series in time, to any order. The spatial twists V_i of the bodies and the
+/// joint screws J of the joint of body i satisfy, with the predecessor p of body i,
 ///
-///     J' = [V_i, J] (eq. timeDerJs),    V_i = V_p + J v (eq. Vsirec).
+///     J' = [V_i, J] (eq. timeDerJs),    V_i = V_p + J v (eq. Vsirec),
 ///
-/// With coefficients J(t) = Σ J_k t^k and so on they read (D3.9)
+/// and for the coefficients of J(t) = Σ J_k t^k and so on (D3.9)
 ///
 ///     V_{i,k} = V_{p,k} + Σ_{l<=k} J_l v_{k-l},    (k + 1) J_{k+1} = Σ_{l<=k} [V_{i,l}, J_{k-l}].
 ///
-/// Every joint screw is one column, whatever the kind of joint. The cost is O(n k²) for order k.
+/// O(n k²) for order k.
 template <class T> class MotionSeries {
  public:
   MotionSeries(const Tree<T>& tree, int order)
@@ -30,14 +30,13 @@ template <class T> class MotionSeries {
   /// Computes the series of all twists V and joint screws J to `order`, from q and from the rates v, v', v'',
   /// ... (order + 1 rows of nv numbers).
   void run(const Tree<T>& tree, const T* q, const T* rates) noexcept { run<false>(tree, q, rates); }
-  /// Computes the series of run() with another reference point: the twists and screws of a subtree on the
-  /// ground are about the origin of its root body at t = 0 instead of the inertial origin, in inertial axes.
+  /// Computes the series of the twists V and joint screws J about the position of the origin of the root body
+  /// (the body of the branch that is joined to the ground) at t = 0, in inertial axes.
   void run_about_roots(const Tree<T>& tree, const T* q, const T* rates) noexcept {
     run<true>(tree, q, rates);
   }
 
-  /// twist(i) has the coefficients 0 to `order` of the power series in time of the spatial twist of body i,
-  /// and screw(s) those of joint screw s.
+  /// The coefficients 0 to `order` of the time series of the spatial twist of body i and of joint screw s.
   const Screw<T>* twist(int i) const { return &V_[i * stride_]; }
   const Screw<T>* screw(int s) const { return &J_[s * stride_]; }
   /// The pose of body i's internal frame at t = 0.
@@ -108,9 +107,8 @@ template <class T> class PoseSeries {
   const Vec3<T>& origin(int k) const { return r_[k]; }
 
   /// Coefficient k of the power series in time X of a spatial screw (w; v), converted to the representation
-  /// Rep at a place (a frame or a point on a body) with the position r: the hybrid screw is (w; v + w × r);
-  /// in body-fixed representation both of its parts, and in mixed representation the angular part, are in the
-  /// axes of the place.
+  /// Rep at a place with the position r. The hybrid screw is (w; v + w × r); both parts of the body-fixed and
+  /// the angular part of the mixed screw are in the axes of the place.
   template <class Rep> Screw<T> coefficient(const Screw<T>* X, int k) const noexcept {
     if constexpr (std::same_as<Rep, Spatial>) {
       return X[k];

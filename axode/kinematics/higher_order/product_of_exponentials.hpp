@@ -4,13 +4,12 @@
 #include "axode/lie/se3.hpp"
 #include "axode/model/model.hpp"
 
-/// Poses by products of exponentials, the paper's own description of a mechanism, for the body frames that
-/// the user placed. The kernels use the joint frames of Tree instead; both give the same poses.
+/// Poses by products of exponentials of joint screws, for the body frames that the user placed.
 namespace axode {
 
-/// The displacement of the body frame by joint i: exp(X q) if the joint has one screw X, otherwise S_self
-/// C_J(q) S_self⁻¹ with the pose S_self of the joint frame on the body and its motion C_J(q). q has only the
-/// coordinates of this joint, or the coordinate of its leader if it is coupled.
+/// The displacement of the body frame by joint i: exp(X q) for one joint screw X, otherwise S_self C_J(q)
+/// S_self⁻¹ with the pose S_self of the joint frame on the body and its motion C_J(q). q has only the
+/// coordinates of this joint or, if it is coupled, of its leader.
 template <class T> SE3<T> joint_displacement(const Model& model, int i, const T* q) {
   const Joint& joint = model.joint(i);
   if (joint.leader || joint.nv == 1) {

@@ -9,8 +9,7 @@
 namespace axode {
 
 /// A joint screw on the path from the ground to a place (a frame or a point on a body): the index of its
-/// joint, the index c of the velocity that moves it, and its components in body-fixed, spatial and hybrid
-/// representation.
+/// joint, the index c of its velocity, and its components in body-fixed, spatial and hybrid representation.
 template <class T> struct PathScrew {
   int joint;
   int c;
@@ -49,9 +48,8 @@ template <class T> struct ScrewPath {
 ///               w_γ1 × (w_γ2 × ... (w_γν × v_γ(ν+1))),  γ the chain of (a, α1, ..., αν)  (D15.4)
 ///   mixed       the angular part of the body-fixed and the linear part of the hybrid derivative
 ///
-/// with w and v of hybrid screws and the position r of the place. A column takes at most ν brackets or 2 ν
-/// cross products. The constructor allocates, and the other functions do not. See
-/// docs/derivations/jacobian-partials.md.
+/// with w and v of hybrid screws and the position r of the place. The constructor allocates, the other
+/// functions do not. See docs/derivations/jacobian-partials.md.
 template <class Rep, class T> class ScrewPartials {
  public:
   ScrewPartials(const ScrewPath<T>& path, int order)
@@ -61,7 +59,7 @@ template <class Rep, class T> class ScrewPartials {
         tails_(static_cast<std::size_t>(order)) {}
 
   /// Calls f(alpha, a, X) with the partial derivative X of every joint screw a along every multi-index alpha
-  /// of directions, of which alpha[0] changes first. Ends early if should_continue() returns false.
+  /// of directions, alpha[0] first. Ends early if should_continue() returns false.
   template <class F> void each(const std::function<bool()>& should_continue, const F& f) {
     std::fill(alpha_.begin(), alpha_.end(), 0);
     for (bool more = true; more;) {
@@ -142,8 +140,7 @@ template <class Rep, class T> class ScrewPartials {
     while (n-- > 0) x = cross(screw(chain_[n]).hybrid.w, x);
     return x;
   }
-  /// Computes the derivatives of the position of the place along the last directions of chain_, those from
-  /// direction k on, for each k.
+  /// Computes the derivatives of the place's position along the directions of chain_ from k on, for each k.
   void put_tails() {
     for (std::size_t k = chain_.size(); k-- > 0;) {
       const Screw<T>& J = screw(chain_[k]).hybrid;
@@ -151,8 +148,8 @@ template <class Rep, class T> class ScrewPartials {
     }
   }
   /// The linear part of the derivative of the hybrid screw a along all directions in chain_: the derivative
-  /// of the position of the place along a and these directions. The first `inward` of them do not lie outward
-  /// of the joint of a.
+  /// of the place's position along a and these. The first `inward` of them do not lie outward of the joint of
+  /// a.
   Vec3<T> linear(int a, std::size_t inward) const {
     const Screw<T>& J = screw(a).hybrid;
     return rotated(inward, inward == chain_.size() ? J.v : cross(J.w, tails_[inward]));
@@ -165,13 +162,11 @@ template <class Rep, class T> class ScrewPartials {
 };
 
 /// Derivatives of the joint screws J_c on the path to a place (a frame or a point on a body) along several
-/// directions u_s at once. For a set S of directions, X^S means D_S X, the derivative along all of them, the
-/// lowest index innermost. With W_i(u) = Σ J_c u_c, summed over the path to body i,
+/// directions u_s at once. For a set S of directions, X^S is D_S X, the derivative along all of them, the
+/// lowest index innermost. By the product rule on D_u J_c = [W_i(u), J_c], with the sum W_i(u) = Σ J_c u_c
+/// over the path to body i,
 ///
-///   D_S J_c = Σ_{A ⊆ S∖s} [W_i(u_s)^A, J_c^{S∖s∖A}],  s the lowest index in S,
-///
-/// by the product rule on D_u J_c = [W_i(u), J_c]. The position r and the transposed rotation Rᵀ of the place
-/// are differentiated in the same way.
+///   D_S J_c = Σ_{A ⊆ S∖s} [W_i(u_s)^A, J_c^{S∖s∖A}],  s the lowest index in S.
 template <class T> class DirectionalDerivatives {
  public:
   DirectionalDerivatives(const ScrewPath<T>& path, int order, const T* directions, int nv)
@@ -219,9 +214,9 @@ template <class T> class DirectionalDerivatives {
     return v;
   }
 
-  /// Differentiates the joint screws begin to end - 1 on the path to a place, which belong to one joint. W_
-  /// has the sum of the screws up to a body, multiplied by a direction, and its derivatives: before the call
-  /// up to the predecessor of the joint's body, and after the call up to this body.
+  /// Differentiates the screws begin to end - 1 of one joint. W_ has the sum of the screws multiplied by a
+  /// direction, and its derivatives: up to the predecessor of the joint's body before the call, and up to
+  /// this body after it.
   void body(int begin, int end, const T* directions, int nv) {
     for (int c = begin; c < end; ++c) J_[c * sets_] = path_.screws[c].spatial;
     for (unsigned S = 0; S < sets_; ++S) {
