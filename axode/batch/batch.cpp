@@ -14,8 +14,8 @@
 namespace axode::batch {
 namespace {
 
-/// Calls a kernel on groups of as many states as a SIMD register has lanes. The last state of a smaller group
-/// is repeated.
+/// Calls a kernel on groups of as many states as a SIMD register has lanes. A smaller group is filled with
+/// its last state.
 template <class S> class LaneCall {
  public:
   LaneCall(StatesOfRow<S>& states, const LaneKernel<S>& kernel)

@@ -24,8 +24,7 @@ using Span = std::span<const double>;
 /// Integrates motions with contact, one after the other, in the same memory.
 class ContactMotion {
  public:
-  /// `goes_on` is a function that is called in the thread of the motion, also within steps that take long. If
-  /// it returns false, the motion ends.
+  /// `goes_on` is called in the thread of the motion, also within long steps; false ends the motion.
   ContactMotion(const Model& model, const ContactShapes& shapes, const Drive& drive, bool joint_losses,
                 const std::function<bool()>& goes_on)
       : drive_(drive),
@@ -45,7 +44,7 @@ class ContactMotion {
     step_.restart();
   }
   /// Computes step k of length h from the present state, and writes the new state to q_1 and v_1. The forces
-  /// tau act if there is no drive. Returns false if the step fails.
+  /// tau act if there is no drive. Returns false on failure.
   bool run(std::size_t k, double h, Span tau, std::span<double> q_1, std::span<double> v_1) {
     tau_ = tau;
     if (step_.run(static_cast<double>(k) * h, h, q_, v_)) return false;

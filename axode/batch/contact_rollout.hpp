@@ -4,19 +4,17 @@
 
 namespace axode::batch {
 
-/// Integrates N motions with contact, K steps of equal length `step` (s) each, see axode::simulate_contact().
-/// tau has nv K N numbers, the drive forces, which are constant in each step. q_out and v_out receive (K + 1)
-/// states for each motion, beginning with the given initial state. `certificates` receives, for each step of
-/// each motion, the relative residual of the laws of contact (K N numbers, see Trajectory::certificates),
-/// unless it is empty. If a motion cannot continue, its later states and certificates are NaN. The monitor,
-/// the caller's function that can end a long call, is called in the calling thread, before and during steps,
-/// with 0 finished motions. If it ends the call, Outcome::done is 0.
+/// Integrates N motions with contact, K steps of equal length `step` (s) each with the method of
+/// axode::simulate_contact(). tau has nv K N numbers, the drive forces, which are constant in each step.
+/// q_out and v_out receive (K + 1) states for each motion, beginning with the given initial state.
+/// `certificates` receives, for each step of each motion, the relative residual of the laws of contact (K N
+/// numbers, see Trajectory::certificates), unless it is empty. If a motion cannot continue, its later states
+/// and certificates are NaN. The monitor, the caller's function that can end a long call, is called in the
+/// calling thread, before and during steps, with 0 finished motions. If it ends the call, Outcome::done is 0.
 ///
-/// The shapes must be those of the model, as `ContactShapes(model, hull_of_mesh)`. If `joint_losses` is set,
-/// damping and dry friction of joints act. Each thread has memory of a fixed size, which all of its motions
-/// use one after the other; no step allocates, see ContactStep. The results do not depend on the number of
-/// threads. Throws std::invalid_argument for arguments that simulate_contact() refuses and for arrays of a
-/// wrong size.
+/// `shapes` are the collision shapes of the model. If `joint_losses` is set, damping and dry friction of
+/// joints act. No step allocates, and the results do not depend on the number of threads. Throws
+/// std::invalid_argument for arguments that simulate_contact() refuses and for arrays of a wrong size.
 Outcome rollout_with_contact(const Model& model, const ContactShapes& shapes, std::span<const double> q,
                              std::span<const double> v, std::span<const double> tau, double step,
                              std::span<double> q_out, std::span<double> v_out,

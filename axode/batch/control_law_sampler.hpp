@@ -13,11 +13,11 @@ template <class S> class ControlLawSampler {
  public:
   ControlLawSampler(const Model& model, const Drive& drive);
 
-  /// Whether the drive can be evaluated in this way: it is a SampledDrive, a ProportionalDerivative whose
-  /// feedforward, if there is one, is a SampledDrive, or a ComputedTorque that drives all joints.
+  /// Whether this class can evaluate the drive: a SampledDrive, a ProportionalDerivative with a SampledDrive
+  /// or nothing as feedforward, or a ComputedTorque that drives all joints.
   bool known() const { return known_; }
-  /// The control law, with its reference at all stages of the steps begin to end - 1. It is valid until the
-  /// next call of law().
+  /// The control law with its reference in the steps begin to end - 1, at all stages, valid until the next
+  /// call.
   const ControlLaw<S>& law(const Tableau& method, double step, std::size_t begin, std::size_t end);
 
  private:

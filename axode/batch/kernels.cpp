@@ -23,7 +23,7 @@ using ArticulatedBodies = FastArticulatedBodies<G, Number>;
 using catalog::Id, catalog::Input;
 
 /// Solves the equations of motion of several states at once, one in each SIMD lane, by the articulated-body
-/// algorithm. The kernels of the functions in the table of functions call it.
+/// algorithm.
 struct ByBodies {
   using T = Number;
   ArticulatedBodies bodies;
@@ -46,8 +46,7 @@ struct ByBodies {
   void inverse(const Tree<S>& tree, Number* matrix) { bodies.inverse(tree, columns, u, matrix); }
 };
 
-/// The number of numbers in all results of a function for one state. Each result has one number for each
-/// velocity, or one for each pair of velocities.
+/// The number of entries of all results of a function for one state: nv or nv² for each result.
 template <Id id> std::size_t results(const Topology& topology) {
   constexpr std::size_t several = id.words().symbols.size(), axes = id.words().shape.size();
   std::size_t n = several;
@@ -55,8 +54,7 @@ template <Id id> std::size_t results(const Topology& topology) {
   return n;
 }
 
-/// Memory for the arguments and the results of a function in the table of functions, with a state in each
-/// SIMD lane, and the kernel of the function.
+/// Memory for the arguments and results of one function, with a state in each SIMD lane, and its kernel.
 template <Id id> struct RowBuffers {
   catalog::Read<Number> given;
   Number* x[catalog::inputs_of_numbers.size()] = {};
@@ -83,8 +81,7 @@ template <Id id> struct RowBuffers {
   }
 };
 
-/// Memory for the coordinates and for a matrix, with a state in each SIMD lane, and the algorithm that
-/// computes the matrix.
+/// Memory for the coordinates and a matrix, a state in each SIMD lane, and the algorithm for the matrix.
 template <class Algorithm> struct MatrixBuffers {
   Number *q, *out;
   Algorithm by;
@@ -293,8 +290,7 @@ class Rollout {
     for (unsigned l = 0; l < lanes; ++l)
       singular_lanes_ |= static_cast<unsigned>(of.maybe_singular[l] != 0) << l;
   }
-  /// Computes the forces τ of a drive, see ControlLaw. `row` has the reference and the feedforward at the
-  /// present stage.
+  /// Computes the drive forces τ by a control law; `row` is its reference and feedforward at this stage.
   void drive(const ControlLaw<S>& law, const S* row, const Number* q, const Number* v) noexcept {
     Dynamics& at = *dynamics_;
     const int nq = tree_->nq, nv = tree_->nv;

@@ -10,9 +10,9 @@
 
 namespace axode::batch {
 
-/// The kernel of a function in the table of functions (axode/table/functions.hpp) for exactly `lanes` states
-/// at once. call() needs scratch memory of bytes(tree) bytes. Arguments and results of the states are
-/// contiguous. call() returns a bit for each state whose mass matrix may be singular.
+/// Computes a function of the table axode/table/functions.hpp for as many states at once as there are SIMD
+/// lanes. call() needs scratch memory of bytes(tree) bytes, takes contiguous states, and returns a bit for
+/// each state whose mass matrix may be singular.
 template <class S> struct LaneKernel {
   std::size_t (*bytes)(const Tree<S>&) = nullptr;
   unsigned (*call)(const Tree<S>&, Arena, const catalog::Read<S>& given, S* out) noexcept = nullptr;
@@ -41,8 +41,8 @@ template <class S> struct CompiledCall {
   unsigned char* maybe_singular;
 };
 
-/// Arguments and results of RolloutKernel::run for `count` motions of K steps, at most as many as there are
-/// SIMD lanes. The states of one motion are contiguous, and so are its forces.
+/// Data of `count` motions (at most one for each SIMD lane) of K steps that are integrated at once. The
+/// states of one motion are contiguous, and so are its forces.
 template <class S> struct Motions {
   const S* tau;              ///< forces, K nv for each motion; not used if there is a control law
   const ControlLaw<S>* law;  ///< the control law, or null if forces are given
@@ -52,8 +52,8 @@ template <class S> struct Motions {
   bool damped;                      ///< whether damping in the joints acts
   const CompiledCall<S>* compiled;  ///< replaces the library's forward dynamics unless it is null
 };
-/// Integrates several motions at once, one in each SIMD lane, by explicit methods. make() allocates an
-/// integrator for a tree and a method, and remove() deletes it.
+/// Integrates several motions at once, one in each SIMD lane, by explicit Runge-Kutta methods. make()
+/// allocates an integrator, and remove() deletes it.
 template <class S> struct RolloutKernel {
   void* (*make)(const Tree<S>&, const Tableau&);
   /// Computes steps k to end - 1 of all motions, beginning with the states of index k. Returns a bit for each
@@ -62,9 +62,9 @@ template <class S> struct RolloutKernel {
   void (*remove)(void*) noexcept;
 };
 
-/// The kernels of one instruction set of the processor. `rows` has an entry for each function in the table of
-/// functions (axode/table/functions.hpp), in its order; the kernel is null if the function cannot be computed
-/// in SIMD lanes. Rollouts need a model without coupled joints, or compiled dynamics.
+/// The kernels for one instruction set of the processor. `rows` has one for each function of the table
+/// axode/table/functions.hpp, in its order; it is null if the function cannot be computed in SIMD lanes.
+/// Rollouts need a model without coupled joints, or compiled dynamics.
 template <class S> struct Kernels {
   int lanes;
   std::array<LaneKernel<S>, catalog::functions_of_state.size()> rows;

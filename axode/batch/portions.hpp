@@ -28,9 +28,9 @@ using Work = std::function<void(std::size_t first, std::size_t count)>;
 
 /// Processes N states in groups of `group` states; the last group may be smaller. Each core that is used runs
 /// one task. A task has a Work of its own, made by make_work(), and takes portions of the groups, one after
-/// the other. The tasks run in the caller's TBB arena, whose threads are awake already. If the monitor, the
-/// caller's function that can end a long call, returns false, the call ends after the current groups. Returns
-/// a number n such that the first n states are done; some later states may be done as well.
+/// the other. If the monitor, the caller's function that can end a long call, returns false, the call ends
+/// after the current groups. Returns a number n such that the first n states are done; some later states may
+/// be done as well.
 std::size_t in_portions(std::size_t N, std::size_t group, int threads, const Monitor& monitor,
                         const std::function<Work()>& make_work);
 

@@ -54,8 +54,7 @@ template <class S> class ScalarRollout {
     if (!model.loops().empty()) loops_ = std::make_shared<ClosedMotion>(model);
   }
 
-  /// Begins at a configuration q at which the loops are closed: determines which loop rows are redundant
-  /// there.
+  /// Begins at a configuration q with closed loops: determines which loop constraints are redundant there.
   void begin(std::span<const S> q) {
     if constexpr (std::same_as<S, double>)
       if (loops_) loops_->determine_rank(q);
@@ -276,8 +275,7 @@ Outcome run_rollouts(const Model& model, const CompiledDynamics<S>& compiled, st
   return outcome;
 }
 
-/// Throws std::invalid_argument for a model with loops, because rollouts in float do not take loops into
-/// account.
+/// Throws std::invalid_argument for a model with loops, which rollouts in float do not take into account.
 bool check_loops(const Model& model, std::span<const float>, std::span<const float>, int, const Monitor&) {
   if (model.loops().empty()) return true;
   throw std::invalid_argument("model \"" + model.name() +

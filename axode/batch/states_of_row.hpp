@@ -9,15 +9,14 @@
 
 namespace axode::batch {
 
-/// The checked arguments and the results of a function in the table of functions (axode/table/functions.hpp)
-/// in N states, with a verdict on each state. If a kernel reports that the mass matrix of a state may be
-/// singular, the library's function for one state computes this state and decides.
+/// Checked arguments and results of one function in N states, and for each state whether it was solvable. If
+/// a kernel reports that the mass matrix of a state may be singular, the library's function for one state
+/// computes this state and decides.
 template <class S> class StatesOfRow {
  public:
   enum Verdict : unsigned char { solved, maybe_singular, singular, not_finite };
 
-  /// Throws std::invalid_argument for wrong sizes, threads < 1, and results that share memory with an
-  /// argument.
+  /// Throws std::invalid_argument for wrong sizes, threads < 1, and results that overlap an argument.
   StatesOfRow(const Model& model, const catalog::Function<S>& row, const catalog::Arguments<S>& given,
               std::span<S> out, int threads)
       : model_(model),
@@ -59,9 +58,9 @@ template <class S> class StatesOfRow {
     return verdicts_.empty() ? &only_verdict_ : &verdicts_[first];
   }
 
-  /// Completes the verdicts on `states` states, beginning with state `first`: whether the mass matrix is
-  /// regular and the results are finite. States whose mass matrix may be singular are computed with the
-  /// library's function for one state, and the results of the other states are checked to be finite.
+  /// Completes the solvability of the states from `first` on, `states` in number: states whose mass matrix
+  /// may be singular are computed with the function for one state, and all other results are checked to be
+  /// finite.
   void settle(std::optional<Workspace<S>>& workspace, std::size_t first, std::size_t states) {
     if (!row_.may_fail) return;
     for (std::size_t k = first; k < first + states; ++k) {

@@ -6,8 +6,7 @@ namespace axode::batch {
 
 template <class S> constexpr int cache_line = static_cast<int>(64 / sizeof(S));
 
-/// Calls f(k) for the first index k of each block of N out of n >= N numbers. The last block overlaps the one
-/// before it unless N divides n.
+/// Calls f(k) for the first index k of each block of N out of n >= N numbers. The last two may overlap.
 template <int N, class F> void each_block(std::ptrdiff_t n, const F& f) {
   std::ptrdiff_t k = 0;
   for (; k + N <= n; k += N) f(k);

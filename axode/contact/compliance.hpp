@@ -15,9 +15,8 @@ struct Compliance {
   double force_at_rest(double gap) const noexcept;
 };
 
-/// The compliance of two surfaces in series: both carry the same force, and the depth of overlap is the sum
-/// of the depths of both. If both are compliant they must have the same exponent. The damping dissipates the
-/// energy that both would dissipate.
+/// The compliance of two surfaces in series: they carry the same force, and their depths add up. If both are
+/// compliant they must have the same exponent. The damping dissipates what both would.
 Compliance in_series(const Compliance& a, const Compliance& b) noexcept;
 
 /// The mean normal force of a step.

@@ -17,9 +17,9 @@ class ContactFinder {
   explicit ContactFinder(ContactShapes shapes, std::size_t capacity = 0);
 
   /// Finds the contact points with a gap below `margin` (m), in ascending order of their pairs of shapes. `C`
-  /// has the pose of the internal frame (the joint frame) of every body in the inertial frame, as BodyPoses
-  /// computes them: n_bodies + 1 entries, entry 0 for the ground, all finite. Returns false if there are more
-  /// points than the capacity; points() then has only as many as fit. Allocates nothing.
+  /// has the pose of the internal frame (the joint frame) of every body in the inertial frame: n_bodies + 1
+  /// entries, entry 0 for the ground, all finite. Returns false if there are more points than the capacity;
+  /// points() then has only as many as fit. Allocates nothing.
   [[nodiscard]] bool find(std::span<const SE3<>> C, double margin) noexcept;
 
   /// The contact points that the last call of find() found.

@@ -38,15 +38,15 @@ constexpr std::string_view to_string(LawBranch branch) {
 }
 
 /// Adds the impulse of one contact to the force and the moment of `out`. `block` is the index of the contact
-/// among the blocks of the problem, `lambda` has the multipliers of all constraint rows of the problem, and
-/// `normal` is the normal for which the rows of the contact were made.
+/// in the problem, `lambda` has the multipliers of all scalar constraints of the problem, and `normal` is the
+/// normal along which those of the contact were made.
 void add_impulse(const VelocityProblem& problem, std::size_t block, const double* lambda,
                  const Vec3<>& normal, ContactForce& out) noexcept;
-/// Whether one contact is open, sticks or slides after a step. `block` is its index among the blocks of the
-/// problem; `lambda` has the multipliers, and `u` the velocities in physical units, of all constraint rows of
-/// the problem. The contact is open if the multiplier of its normal row is not positive. Otherwise it slides
-/// if the velocities of its friction rows have a norm above `at_rest` (m/s), and sticks if not. Angular
-/// velocities of drilling and rolling friction count multiplied by their coefficients, which are lengths.
+/// Whether one contact is open, sticks or slides after a step. It is open if its normal multiplier is not
+/// positive; otherwise it slides if its friction velocities have a norm above `at_rest` (m/s), and sticks if
+/// not. `block` is its index in the problem; `lambda` and `u` are the multipliers, and the velocities in
+/// physical units, of all scalar constraints. Angular velocities of drilling and rolling friction count
+/// multiplied by their coefficients, which are lengths.
 LawBranch branch_after(const VelocityProblem& problem, std::size_t block, const double* lambda,
                        const double* u, double at_rest) noexcept;
 

@@ -6,8 +6,7 @@
 
 namespace axode {
 
-/// A point at which two collision shapes touch or nearly touch. Coordinates are in the inertial frame. T is
-/// the scalar of the poses of the shapes.
+/// A point at which two collision shapes touch or nearly touch, in coordinates of the inertial frame.
 template <class T> struct ContactPointOf {
   int a = 0, b = 0;       ///< the two shapes, numbered as in ContactShapes; a plane is always a
   Vec3<T> point;          ///< half-way between the two surfaces, and on the surface of b if a is a plane, m
@@ -17,8 +16,8 @@ template <class T> struct ContactPointOf {
 };
 using ContactPoint = ContactPointOf<double>;
 
-/// contact_key() makes the key of a contact between the shapes a and b (below 2^20) from the number of the
-/// feature that touches (below 2^24). shapes_of_key() returns the shapes {a, b} of a key.
+/// The number (key) that identifies a contact of the shapes a and b (below 2^20) at a feature (below 2^24).
+/// shapes_of_key() returns the shapes {a, b} of a key.
 constexpr std::uint64_t contact_key(int a, int b, std::uint32_t feature) {
   return std::uint64_t(a) << 44 | std::uint64_t(b) << 24 | feature;
 }

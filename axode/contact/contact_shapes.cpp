@@ -103,8 +103,7 @@ struct Compilation {
 
   int body_of(const std::string& frame) const { return model.frame(model.frame_index(frame)).body; }
 
-  /// The pairs of moving bodies that a joint or a loop joint connects, the smaller index first. Rods and
-  /// belts, which are described by points, do not count, so that their bodies may touch.
+  /// The pairs of moving bodies that a joint (not a rod or a belt) connects, the smaller index first.
   std::set<std::pair<int, int>> joined_bodies() const {
     std::set<std::pair<int, int>> joined;
     const auto join = [&](const std::string& one, const std::string& other) {

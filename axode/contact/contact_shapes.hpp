@@ -42,37 +42,34 @@ struct MeshHull {
   Vec3<> origin;
 };
 /// Callback that returns the hull of the mesh of a shape; the Source is the file in which the shape is
-/// described. It throws std::invalid_argument with a sentence if the mesh has no hull. hull_of_mesh() of
-/// axode/view.hpp is such a function, which reads mesh files.
+/// described. Throws std::invalid_argument if the mesh has no hull. See hull_of_mesh() in axode/view.hpp.
 using MeshHulls = std::function<MeshHull(const ShapeDescription&, const Source&)>;
 
 /// The collision shapes of a model: those of the ground first, then those of the bodies in the order of the
 /// description. Copies are cheap and share the data.
 class ContactShapes {
  public:
-  /// Meshes touch with their convex hulls, and are refused if `hulls` is empty. Throws std::invalid_argument
-  /// with a sentence for a mesh without a hull, for a shape without a size, for two planes that move against
-  /// each other, and for compliant shapes with different exponents that may touch. Allocates.
+  /// Takes the collision shapes of a model; `hulls` gives the convex hulls that stand for meshes. Throws
+  /// std::invalid_argument for a mesh without a hull (or without `hulls`), a shape without a size, two planes
+  /// that move against each other, and compliant shapes with different exponents that may touch. Allocates.
   explicit ContactShapes(const Model& model, const MeshHulls& hulls = {});
 
-  /// The number of moving bodies of the model. The shapes can be used only with models that have this number
-  /// of moving bodies.
+  /// The number of moving bodies of the model from which the shapes were made.
   int n_bodies() const { return data_->n_bodies; }
   int size() const { return static_cast<int>(data_->shapes.size()); }
   const ContactShape& operator[](int i) const { return data_->shapes[i]; }
 
   /// The pairs of shapes (i, j), i < j, that may touch, in ascending order. These are all pairs except those
-  /// of shapes on one body, on two moving bodies that a joint or a loop joint connects, or on the two bodies
-  /// of an ignored pair. Bodies that only a rod or a belt connects may touch.
+  /// of shapes on one body, on two moving bodies that a joint or a loop joint (not a rod or a belt) connects,
+  /// or on the two bodies of an ignored pair.
   std::span<const std::array<int, 2>> pairs() const { return data_->pairs; }
   bool may_touch(int i, int j) const { return data_->may_touch[i * data_->shapes.size() + j] != 0; }
 
-  /// The geometric mean of the frictions of two shapes, the larger restitution, and their compliances in
-  /// series.
+  /// Combines two surfaces: geometric mean of the frictions, larger restitution, compliances in series.
   SurfacePair surface(int i, int j) const;
 
-  /// The number of rows of each contact: 3 (normal and sliding friction), 4 if a shape has drilling friction,
-  /// or 6 if a shape has rolling friction.
+  /// The number of scalar constraints of a contact: 3 (normal and sliding friction), 4 if a shape has
+  /// drilling friction, or 6 if a shape has rolling friction.
   int contact_rows() const;
 
   /// margin() is the gap below which a contact is considered, m. threshold() is the speed of approach below
@@ -92,8 +89,7 @@ class ContactShapes {
   std::shared_ptr<const Data> data_;
 };
 
-/// Throws std::invalid_argument if the shapes were made from a model whose number of bodies differs from that
-/// of `model`.
+/// Throws std::invalid_argument if the shapes were made from a model with another number of bodies.
 void check_shapes(const Model& model, const ContactShapes& shapes);
 
 }  // namespace axode

@@ -24,13 +24,12 @@ struct ShapeDistance {
   bool proved = true;  ///< whether it is proved that no other normal has less overlap
 };
 
-/// Computes the distances between the collision shapes of a mechanism and their Jacobian, for clearances,
-/// inverse kinematics and control. An object is the scratch memory of one thread; no result of evaluate()
-/// depends on an earlier call.
+/// Computes the distances between the collision shapes of a mechanism and their Jacobian. An object is the
+/// scratch memory of one thread; no result of evaluate() depends on an earlier call.
 class Distances {
  public:
   /// Prepares the distances of the given pairs of shapes or, without `pairs`, of all pairs that may touch.
-  /// `shapes` must be made from the model; without them ContactShapes(model) is used, which refuses meshes.
+  /// `shapes` must be made from the model; by default they are ContactShapes(model), which refuses meshes.
   /// Throws std::invalid_argument for a shape that does not exist, for a pair of a shape with itself, for a
   /// pair of two planes, and for a model that ContactShapes refuses. Allocates.
   explicit Distances(const Model& model);

@@ -15,9 +15,9 @@ template <class T> struct ForwardDynamicsDerivatives {
 /// ∂a/∂x = -M⁻¹ ∂τ/∂x for x = q and v, with ∂τ/∂x of inverse_dynamics_derivatives() at the accelerations a.
 /// Directions of q, loads and losses are those of inverse_dynamics_derivatives(). M⁻¹ is applied by
 /// articulated bodies, O(n) for each column, or by products with M⁻¹ if there are at most 100 velocities. No
-/// allocation. If the status is not ok(), all results are NaN. Throws std::invalid_argument as
-/// inverse_dynamics_derivatives() does: for a wrong size, quaternions that are not of unit norm, a load on a
-/// frame that does not exist and results that overlap. See (D1.24) of docs/derivations.
+/// allocation. If the status is not ok(), all results are NaN. Throws std::invalid_argument for a wrong size,
+/// quaternions that are not of unit norm, a load on a frame that does not exist and results that overlap. See
+/// (D1.24) of docs/derivations.
 template <class T>
 Solvability forward_dynamics_derivatives(const Model& model, Workspace<T>& workspace, Numbers<T> q,
                                          Numbers<T> v, Numbers<T> tau,

@@ -4,13 +4,13 @@
 #include "axode/recursion/loads.hpp"
 #include "axode/recursion/solvability.hpp"
 
-/// Derivatives with respect to geometric parameters π (section 6.2), six for each body i. Let B_i be the
-/// pose, relative to the predecessor p, of the frame that body i has while its joint is at zero, and X_i the
-/// screws of the joint in this frame. The parameters change B_i to B_i exp(U π), so that C_i = C_p B_i exp(U
-/// π) exp(X_i q_i), where U is one of the six unit screws of this frame, angular before linear. X_i, the
-/// inertia in the body's frame and the components of loads do not change. Units are those of the result per
-/// rad and per m. No allocation. All functions throw std::invalid_argument for a wrong size, quaternions that
-/// are not of unit norm, and a load on a frame that does not exist.
+/// Derivatives with respect to geometric parameters π (Müller, section 6.2), six for each body i. Let B_i be
+/// the pose, relative to the predecessor p, of the frame that body i has while its joint is at zero, and X_i
+/// the screws of the joint in this frame. The parameters change B_i to B_i exp(U π), so that C_i = C_p B_i
+/// exp(U π) exp(X_i q_i), where U is one of the six unit screws of this frame, angular before linear. X_i,
+/// the inertia in the body's frame and the components of loads do not change. Units are those of the result
+/// per rad and per m. No allocation. All functions throw std::invalid_argument for a wrong size, quaternions
+/// that are not of unit norm, and a load on a frame that does not exist.
 namespace axode {
 
 /// Computes ∂τ/∂π of the forces τ of inverse dynamics at (q, v, a) with respect to the geometric parameters

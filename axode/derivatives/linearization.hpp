@@ -14,21 +14,21 @@ template <class T> struct Linearization { std::span<T> A, B; };
 /// (q, v) with forces τ. The deviating motion has the coordinates q ⊕ δ, with δ in the directions of
 /// integrate(), the velocities v + δv and the forces τ + δτ. With the accelerations a of forward dynamics
 ///     A = [-ad_v  I; ∂a/∂q  ∂a/∂v],    B = [0; ∂a/∂τ],
-/// where ad_v is the bracket of each joint's subgroup with its velocities (`ScrewProd`): two poses C and C
-/// exp(δ) that move with the velocities v and v + δv separate at the rate δ' = δv - [v, δ]. ad_v is 0 at
-/// rest, and for joints with one velocity. The forces of springs, dampers and stops of the model are part of
-/// a. If a = 0 and v = 0, the state is an equilibrium, and A and B are constant; otherwise A and B hold at
-/// this instant only. Loads, losses, units and cost are those of forward_dynamics_derivatives(). No
-/// allocation. Throws std::invalid_argument for loops, prescribed motions, drives with states, a wrong size,
-/// quaternions that are not of unit norm, a load on a frame that does not exist and results that overlap. If
-/// the status is not ok(), all results are NaN.
+/// where ad_v is the bracket of each joint's subgroup with its velocities: two poses C and C exp(δ) that move
+/// with the velocities v and v + δv separate at the rate δ' = δv - [v, δ]. ad_v is 0 at rest, and for joints
+/// with one velocity. The forces of springs, dampers and stops of the model are part of a. If a = 0 and v =
+/// 0, the state is an equilibrium, and A and B are constant; otherwise A and B hold at this instant only.
+/// Loads, losses, units and cost are those of forward_dynamics_derivatives(). No allocation. Throws
+/// std::invalid_argument for loops, prescribed motions, drives with states, a wrong size, quaternions that
+/// are not of unit norm, a load on a frame that does not exist and results that overlap. If the status is not
+/// ok(), all results are NaN.
 template <class T>
 Solvability linearize(const Model& model, Workspace<T>& workspace, Numbers<T> q, Numbers<T> v, Numbers<T> tau,
                       const std::type_identity_t<Linearization<T>>& linear,
                       const std::type_identity_t<Loads<T>>& loads = {});
 
-/// Computes the matrices of linearize() also for models with drives; linearize_with_drives() calls it. `tau`
-/// has the forces of the drives at this state, and A and B leave out the derivatives of these forces.
+/// Computes the matrices of linearize() also for models with drives, whose forces are `tau` at this state; A
+/// and B leave out the derivatives of these forces.
 template <class T>
 Solvability linearize_without_drives(const Model& model, Workspace<T>& workspace, Numbers<T> q, Numbers<T> v,
                                      Numbers<T> tau, const std::type_identity_t<Linearization<T>>& linear,

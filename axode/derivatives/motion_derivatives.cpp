@@ -70,8 +70,8 @@ template <class T> struct MotionTo {
   }
 
   /// Calls f(c, J, ∂V/∂q, ∂V'/∂q, ∂V'/∂v) for every joint screw J that moves the place, a frame or a point on
-  /// a body, with the twist V; c is the index of its velocity, and the derivatives by it are body-fixed
-  /// twists. If several joints share the velocity c, f is called once for each of them.
+  /// a body, with the twist V. c is the index of its velocity, which several joints may share; the
+  /// derivatives are body-fixed twists.
   template <class F> void each_column(const F& f) const noexcept {
     const auto& [link, V, dV] = motion.bodies;
     SE3<T> E = in_body();  // the place in the internal frame of body i

@@ -29,8 +29,7 @@ template <class Rep, class T> struct MotionChange {
   Twist<Rep, T> V, dV;
 };
 /// Computes the changes of the pose, of the twist V and of V' of a place, a frame or a point on a body, along
-/// one direction (dq, dv, da), that is the product of the matrices of motion_derivatives() with this
-/// direction. O(n).
+/// one direction (dq, dv, da). O(n).
 template <RecursionRepresentation Rep, class T>
 MotionChange<Rep, T> motion_jvp(const Model& model, Workspace<T>& workspace, Numbers<T> q, Numbers<T> v,
                                 Numbers<T> a, const std::type_identity_t<Place<T>>& place, Numbers<T> dq,
@@ -45,8 +44,8 @@ template <class Rep, class T> struct MotionWeights {
 /// v and a, nv entries each. They must not overlap.
 template <class T> struct MotionGradients { std::span<T> q, v, a; };
 /// Computes the gradient of the sum of the components of the pose, of the twist V and of V' of a place, a
-/// frame or a point on a body, weighted with w: the transposed matrices of motion_derivatives() times the
-/// weights. O(n). For several places, add the results for each of them.
+/// frame or a point on a body, weighted with w, with respect to q, v and a. O(n). For several places, add the
+/// results.
 template <RecursionRepresentation Rep, class T>
 void motion_vjp(const Model& model, Workspace<T>& workspace, Numbers<T> q, Numbers<T> v, Numbers<T> a,
                 const std::type_identity_t<Place<T>>& place,

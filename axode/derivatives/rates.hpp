@@ -10,15 +10,15 @@ namespace axode {
 
 template <class T> class ForceSeries;
 
-/// Computes the time derivatives τ, τ', τ'', ... of the drive forces along a motion, to any order (section
-/// 6.3); forward_dynamics_rates() is the inverse. A motion is given by q and by the velocities v and their
-/// time derivatives v', v'', ..., in the left-trivialised directions of the joints. Loads are constant in the
-/// representation in which they are given. evaluate() does not allocate; an object is for one thread. See
-/// (D3.9) to (D3.11) of docs/derivations.
+/// Computes the time derivatives τ, τ', τ'', ... of the drive forces along a motion, to any order (Müller,
+/// section 6.3); forward_dynamics_rates() is the inverse. A motion is given by q and by the velocities v and
+/// their time derivatives v', v'', ..., in the left-trivialised directions of the joints. Loads are constant
+/// in the representation in which they are given. evaluate() does not allocate; an object is for one thread.
+/// See (D3.9) to (D3.11) of docs/derivations.
 template <class T = double> class AXODE_ENTRY InverseDynamicsRates {
  public:
   /// Prepares the derivatives of τ up to an order. Throws std::invalid_argument if the order is negative, and
-  /// for a model with loops; inverse_dynamics_rates() is the function that takes loops into account.
+  /// for a model with loops; see inverse_dynamics_rates().
   InverseDynamicsRates(const Model& model, int order);
   ~InverseDynamicsRates();
   InverseDynamicsRates(InverseDynamicsRates&&) noexcept;
@@ -40,9 +40,9 @@ template <class T = double> class AXODE_ENTRY InverseDynamicsRates {
 
 /// Computes τ, τ' and τ'' of inverse dynamics by the Newton-Euler recursion, differentiated twice, in the
 /// representation Rep, which is BodyFixed or Hybrid. `rates` are v, a, jerk and snap (4 nv numbers, row by
-/// row), and `tau` has 3 nv numbers; the two must not overlap. The results are those of InverseDynamicsRates
-/// of order 2, also with loads and losses. O(n), no allocation. Throws std::invalid_argument for a wrong size
-/// and for a model with loops. See (D3.1) to (D3.8) of docs/derivations.
+/// row), and `tau` has 3 nv numbers; the two must not overlap. O(n), no allocation. Throws
+/// std::invalid_argument for a wrong size and for a model with loops. See (D3.1) to (D3.8) of
+/// docs/derivations.
 template <class Rep, class T>
 void second_order_inverse_dynamics(const Model& model, Workspace<T>& workspace, Numbers<T> q,
                                    Numbers<T> rates, std::type_identity_t<std::span<T>> tau,

@@ -29,8 +29,8 @@ void differentiate_joint(const Model& model, int i, const T* q, const T* v, cons
   });
 }
 
-/// Computes the derivatives of the generalised forces of one SpringDescription, with one call operator for
-/// each kind of geometry. Calls add(component, direction, derivative by q, derivative by v) for each entry.
+/// Computes the derivatives of the generalised forces of one spring. Calls add(component, direction,
+/// derivative by q, derivative by v) for each entry.
 template <class T, class Add> class DifferentiateSpring {
  public:
   DifferentiateSpring(const Tree<T>& tree, const ForceLaw& law, const T* q, const T* v,

@@ -1,12 +1,10 @@
 #pragma once
 #include "axode/model/tree.hpp"
 
-/// Functions of one joint for the fast kernels, which call them for joints other than hinges. Each computes
-/// in the frame of the joint, and none is inlined.
+/// Functions of one joint of any kind, in its frame. They are not inlined, because most joints are hinges.
 namespace axode {
 
-/// The pose C_{p,i} of the internal frame of body i relative to that of its predecessor p. Joint i may be of
-/// any kind.
+/// The pose C_{p,i} of the internal frame of body i relative to that of its predecessor p.
 template <class T, class S>
 [[gnu::noinline]] SE3<T> any_joint_pose(const Tree<S>& tree, int i, const T* q) noexcept {
   return with_subgroup(tree->kind[i], T(tree.pitch[i]), [&](const auto& joint) {
@@ -14,8 +12,8 @@ template <class T, class S>
     return joint.pose(cast<T>(tree.B[i]), tree->coupled[i] ? &own : q + tree->iq[i]);
   });
 }
-/// The motion S x of joint i in the joint frame, for velocities or accelerations x (nv) of all joints. S are
-/// the screws of the joint, which may be of any kind.
+/// The motion S x of joint i with screws S in its frame, for velocities or accelerations x (nv) of all
+/// joints.
 template <class T, class S>
 [[gnu::noinline]] Twist<BodyFixed, T> any_joint_twist(const Tree<S>& tree, int i, const T* x) noexcept {
   return with_subgroup(tree->kind[i], T(tree.pitch[i]), [&](const auto& joint) {

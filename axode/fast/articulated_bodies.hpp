@@ -13,8 +13,8 @@ namespace axode {
 /// bodies. The screw of a hinge with axis n is (n; 0). Bias forces are those of zero joint accelerations.
 ///
 /// The elimination of a hinge at the vector r from the predecessor's origin adds Ad_rᵀ M Ad_r - K Ûᵀ to the
-/// predecessor's inertia, with U = M S, D = Sᵀ U + armature, Û = Ad_rᵀ U and K = Û / D. Thus the division and
-/// the congruence depend on M alone. Velocities of one joint are eliminated one after the other.
+/// predecessor's inertia, with U = M S, D = Sᵀ U + armature, Û = Ad_rᵀ U and K = Û / D. Velocities of one
+/// joint are eliminated one after the other.
 template <class G, class T> struct FastArticulatedBodies {
   using Number = typename G::Number;
   using Vector = typename G::Vector;
@@ -36,8 +36,8 @@ template <class G, class T> struct FastArticulatedBodies {
     Articulated M;
     Vector m, f;
   };
-  /// ω, ω' and r'' of a body for zero joint accelerations, ω and ω' also as factors of cross products.
-  /// accelerate() uses w and a for the part of the acceleration that is due to joint accelerations.
+  /// Angular velocity ω, angular acceleration ω' and acceleration r'' of the origin of a body for zero joint
+  /// accelerations. accelerate() uses w and a for the parts that are due to joint accelerations.
   struct Motion {
     Vector w, dw, a;
     Factor w_, dw_;
@@ -79,8 +79,8 @@ template <class G, class T> struct FastArticulatedBodies {
   void update_kinematics_and_bias(const Tree<S>& tree, const T* q, const T* v, Motion* motion) noexcept {
     update_kinematics_and_bias(tree, q, v, motion, [](int, const Matrix&, const Motion&, const Vector&) {});
   }
-  /// Computes axes, origins, inertias and bias wrenches of all bodies, and calls put(i, R, motion, u) for
-  /// every body i with its rotation R; u is the velocity of its origin less that of its predecessor's.
+  /// Computes axes, origins, inertias and bias wrenches of all bodies. Calls put(i, R, motion, u) for every
+  /// body i with its rotation R, its motion, and the velocity u of its origin less that of its predecessor's.
   template <class S, class Put>
   [[gnu::always_inline]] void update_kinematics_and_bias(const Tree<S>& tree, const T* q, const T* v,
                                                          Motion* motion, Put&& put) noexcept {
@@ -203,9 +203,8 @@ template <class G, class T> struct FastArticulatedBodies {
   struct Columns {
     Vec3<Several> m, f;
   };
-  /// Computes M⁻¹ (nv × nv) after factorize(), several columns at once. Entries above the diagonal are
-  /// computed, and those below are copied from them. W (one entry for each body) and u (one for each joint
-  /// screw) are scratch memory.
+  /// Computes M⁻¹ (nv × nv) after factorize(), several columns at once. W (one entry for each body) and u
+  /// (one for each joint screw) are scratch memory.
   template <class S> void inverse(const Tree<S>& tree, Columns* W, Several* u, T* out) noexcept {
     const std::ptrdiff_t nv = tree->nv;
     couple(tree);
@@ -350,9 +349,8 @@ template <class G, class T> struct FastArticulatedBodies {
       if (tree->branches[i]) W[i] = X;
     }
   }
-  /// The backward step for the n screws of a joint from screw s on; F are the wrenches of the subtree. The
-  /// force of F on each screw comes first, then the coupling between the screws, see couple(), so that no
-  /// screw waits for an update of F. If the joint hangs on the ground, F is not updated.
+  /// The backward step for the n screws of a joint from screw s on; F are the wrenches of the subtree. If the
+  /// joint is on the ground, F is not updated.
   template <int n, class RightSide>
   [[gnu::always_inline]] void pass_to_parent(std::integral_constant<int, n>, int s,
                                              const RightSide& right_side, Several* u, bool on_a_body,
@@ -369,7 +367,7 @@ template <class G, class T> struct FastArticulatedBodies {
       unrolled<n>([&](auto k) { F.m += g[k] * vector(c[k].K_m), F.f += g[k] * vector(c[k].K_f); });
   }
   /// The forward step for the n screws of a joint from screw s on: the acceleration of screw k is free(k)
-  /// less the parts by the motion X of the predecessor (0 for the ground) and by other screws, see couple().
+  /// less the parts by the motion X of the predecessor (0 for the ground) and by other screws.
   template <int n, class Free, class Put>
   [[gnu::always_inline]] void set_in_motion(std::integral_constant<int, n>, int s, const Free& free,
                                             const Put& put, bool on_a_body, Columns& X) const noexcept {
@@ -385,8 +383,7 @@ template <class G, class T> struct FastArticulatedBodies {
       X.f += a[k] * vector(c[k].v);
     });
   }
-  /// Calls f(n) with n as a compile-time constant, the number of screws of a joint (1, 3 or 6), so that
-  /// arrays of n entries stay in registers.
+  /// Calls f(n) with n, the number of screws of a joint (1, 3 or 6), as a compile-time constant.
   template <class F> [[gnu::always_inline]] static void with_count(int n, const F& f) {
     if (n == 1)
       f(std::integral_constant<int, 1>{});
@@ -447,8 +444,7 @@ template <class G, class T> struct FastArticulatedBodies {
     return articulated(body[i].Theta, body[i].h, constants<G, T>(tree, i).m);
   }
 
-  /// The pivot threshold of joint screw s. If the pivot is not larger, the mass matrix may be singular, and a
-  /// kernel that tracks rounding errors takes over.
+  /// The pivot of joint screw s at or below which the mass matrix may be singular.
   template <class S> static T floor_of(const Tree<S>& tree, int s) noexcept {
     return T(pivot_threshold<S> * tree.inertia_scale[s]);
   }

@@ -92,9 +92,8 @@ template <class T> struct FastCompositeBodies {
 
  private:
   /// Writes the block of M with rows i, i + 1, ... and columns j, j + 1, ... (j >= i), and its mirror image
-  /// below the diagonal. The blocks in later rows, and those in later columns of the same rows, must be
-  /// written before, because lanes beyond the end of a row spill into the start of the next row: see
-  /// store_row().
+  /// below the diagonal. The blocks in later rows, and in later columns of these rows, must be written
+  /// before, because SIMD lanes beyond the end of a row spill into the next row.
   template <class Real> void write_block(const Tree<Real>& tree, int i, int j, T* out) const noexcept {
     const Arrays<T> one = S;
     const int nv = tree->nv;

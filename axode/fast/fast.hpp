@@ -3,12 +3,10 @@
 
 namespace axode {
 
-/// Tag that is used instead of a representation: the algorithm runs in the frames in which it is fastest,
-/// which may be different ones for different quantities.
+/// Tag in place of a representation, for algorithms that run in the frames in which they are fastest.
 struct Fast {};
 
-/// The choices for algorithms whose results do not depend on the representation: one of the four
-/// representations BodyFixed, Spatial, Hybrid and Mixed, or Fast.
+/// A representation (BodyFixed, Spatial, Hybrid or Mixed) or Fast, for results that do not depend on it.
 template <class Rep>
 concept RecursionChoice = RecursionRepresentation<Rep> || std::same_as<Rep, Fast>;
 

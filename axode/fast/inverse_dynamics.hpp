@@ -50,8 +50,8 @@ template <class G, class T> struct FastInverseDynamics {
   void forward(const Tree<S>& tree, const T* q, const T* v, const T* a, const Vec3<T>& g) noexcept {
     forward(tree, q, v, a, g, [](int, const Motion&, const Vector&) {});
   }
-  /// The forward sweep for the resultant wrenches on all bodies. It also calls put(i, motion, v_J) for every
-  /// body i with its Motion, where v_J is the linear part of the joint motion S v.
+  /// The forward sweep, which computes the resultant wrenches on all bodies. Calls put(i, motion, v_J) for
+  /// every body i with its motion and the linear part v_J of its joint's motion S v.
   template <class S, class Put>
   [[gnu::always_inline]] void forward(const Tree<S>& tree, const T* q, const T* v, const T* a,
                                       const Vec3<T>& g, Put&& put) noexcept {
@@ -138,7 +138,7 @@ template <class T> struct InverseDynamicsRecursion<Fast, T> {
     run(tree, q, v, a, loads, g, [](int, const auto&, const auto&) {});
   }
   /// Computes the wrenches on all bodies under gravity g and the loads. Calls put(i, motion, v_J) for every
-  /// body as FastInverseDynamics::forward() does.
+  /// body i with its motion and the linear part v_J of its joint's motion.
   template <class Put>
   [[gnu::always_inline]] void run(const Tree<T>& tree, const T* q, const T* v, const T* a,
                                   const Loads<T>& loads, const Vec3<T>& g, Put&& put) noexcept {

@@ -62,8 +62,8 @@ template <class T> struct FastInverseMassMatrix {
       }
     }
   }
-  /// Computes M⁻¹_ij = Σ_k X_ki X_kj / D_k for j >= i, and the other entries by symmetry. X = L⁻ᵀ and the
-  /// pivots D are those of factorize().
+  /// Computes M⁻¹_ij = Σ_k X_ki X_kj / D_k for j >= i, and the other entries by symmetry. X is L⁻ᵀ, M is
+  /// LᵀDL.
   template <class S> void multiply(const Tree<S>& tree, T* out) const noexcept {
     const std::ptrdiff_t nv = tree->nv;
     const int* const parent = tree->velocity_parent.data();

@@ -5,8 +5,7 @@
 
 namespace axode {
 
-/// Sine and cosine of the first coordinate of every joint, computed in one sweep. Entry i - 1 belongs to
-/// joint i. Entries of joints whose first coordinate is not an angle are computed but not used.
+/// Sine and cosine of the first coordinate of joint i, in entry i - 1; not used if it is not an angle.
 template <class T> struct JointAngles {
   T* sine;
   T* cosine;

@@ -7,9 +7,9 @@
 
 namespace axode {
 
-/// The SIMD lanes of a sweep in which no body depends on another one. If T is double or float, `width` bodies
-/// are computed at once, one in each lane; if T has lanes of its own, as a Batch has, one body is computed at
-/// a time. Numbers are stored in arrays, one for each component.
+/// SIMD lanes for computations in which no body depends on another one. If T is double or float, `width`
+/// bodies are computed at once, one in each lane; if T has lanes of its own, as a Batch has, one body is
+/// computed at a time. Numbers are stored in arrays, one for each component.
 template <class T> struct Lanes {
   using Number = T;
   static constexpr int width = 1;
@@ -46,8 +46,7 @@ template <std::floating_point T> struct Lanes<T> {
   }
 };
 
-/// The three numbers of a vector in memory, each in all lanes. Loading a number into all lanes costs no more
-/// than loading it into one.
+/// The three numbers of a vector in memory, each loaded into all SIMD lanes.
 template <class Number, class T, class Vector> Vec3<Number> spread(const Vector& a) noexcept {
   const T* const x = reinterpret_cast<const T*>(&a);
   return {Number(x[0]), Number(x[1]), Number(x[2])};

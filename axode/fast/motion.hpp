@@ -98,8 +98,8 @@ template <class T, bool rates, class G = typename FastGeometry<T>::type> struct 
     if constexpr (std::same_as<Rep, Mixed>) angular = transposed<G, T>(R, F.R) * Spread(angular);
     return {angular, linear};
   }
-  /// Changes the motion x of a frame that moves with angular velocity w to the motion of another frame that
-  /// is fixed to it, whose origin is at the vector to.r from the origin of x and whose rotation is to.R.
+  /// Changes the motion x of a frame with the angular velocity w to that of another frame fixed to the same
+  /// body, with the rotation to.R and the origin at to.r from that of x.
   static void carry(Body& x, const Factor& w, const Placed<G>& to) noexcept {
     const Factor d(to.r);
     const Vector w_d = cross(w, d);
@@ -181,7 +181,7 @@ template <class T, bool rates, class G = typename FastGeometry<T>::type> struct 
   }
 
  private:
-  /// The twist and its rate of a body in another body-fixed frame, whose axes are rotated by R relative to
+  /// The twist of a body, and its rate, in another body-fixed frame, whose axes are rotated by R relative to
   /// those of `from` (Rt is Rᵀ) and whose origin is at r.
   static Body seen(const Body& from, const Matrix& Rt, const Factor& r) noexcept {
     const auto of = [&](const Vector& w, const Vector& v) { return Rt * Spread(v + cross(Factor(w), r)); };

@@ -2,13 +2,12 @@
 #include "axode/lie/packed.hpp"
 #include "axode/recursion/articulated_inertia.hpp"
 
-/// The articulated inertia in registers of four lanes, and the steps of the articulated-body algorithm for
-/// PackedArticulatedInertia and for ArticulatedInertia. Both types are symmetric matrices [[A, B], [Bᵀ, L]]
-/// in inertial axes about the origin of a body.
+/// The articulated inertia in registers of four lanes, a symmetric matrix [[A, B], [Bᵀ, L]] in inertial axes
+/// about the origin of a body, and the steps of the articulated-body algorithm for it and for
+/// ArticulatedInertia.
 namespace axode {
 
-/// An articulated inertia [[A, B], [Bᵀ, L]] with all four blocks, stored by their columns. This takes more
-/// numbers than three blocks would, but fewer instructions.
+/// An articulated inertia [[A, B], [Bᵀ, L]] with all four blocks, stored by their columns.
 template <class T> struct PackedArticulatedInertia {
   using Vector = packed::Vector<T>;
   using Spread = packed::Spread<T>;
@@ -84,8 +83,7 @@ auto along_twist(const ArticulatedInertia<Hybrid, T>& M, const Vec3<T>& w, const
   return std::pair(M.A * w + M.B * v, transposed_times(M.B, w) + M.L * v);
 }
 
-/// Eliminates a joint screw S with U = M S and the pivot D: subtracts K Uᵀ with K = U / D from M. The
-/// function is always inlined, because M must stay in registers.
+/// Eliminates a joint screw S with U = M S and the pivot D: subtracts K Uᵀ with K = U / D from M.
 template <class T>
 [[gnu::always_inline]] inline void eliminate(PackedArticulatedInertia<T>& M, const packed::Vector<T>& U_m,
                                              const packed::Vector<T>& U_f, const packed::Vector<T>& K_m,

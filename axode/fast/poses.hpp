@@ -41,7 +41,7 @@ template <class T, class S>
 template <class S> bool is_hinge(const Tree<S>& tree, int i) { return tree->hinges[i] > 0; }
 
 /// The rotation R of a body, and the vector r to its origin from that of its predecessor or from a fixed
-/// point, both in axes that the context names.
+/// point.
 template <class G> struct Placed {
   typename G::Matrix R;
   typename G::Vector r;

@@ -5,8 +5,8 @@
 #include "axode/fast/lanes.hpp"
 #include "axode/scalar/transpose.hpp"
 
-/// Symmetric matrices of n rows. Only square blocks on and above the diagonal are computed, with the columns
-/// of a block in lanes. For the part below the diagonal, these blocks are transposed in registers.
+/// Storage of symmetric matrices by square blocks with their columns in SIMD lanes. Only blocks on and above
+/// the diagonal are computed; those below are their transposes.
 namespace axode {
 
 template <class T> using SquareBlock = std::array<typename Lanes<T>::Number, Lanes<T>::width>;
@@ -31,8 +31,8 @@ template <class T>
 [[gnu::always_inline]] inline void store_row(const typename Lanes<T>::Number& x, int i, int j, int n, T* to) {
   if (i < n) Lanes<T>::store(x, to, (n - i) * n - j);
 }
-/// Stores the rows of a block in rows i, i + 1, ... of M (n × n) from column j on, each by store_row(), in
-/// which lanes beyond the end of a row spill into the next one.
+/// Stores the rows of a block in rows i, i + 1, ... of M (n × n) from column j on. Lanes beyond the end of a
+/// row spill into the next one.
 template <class T>
 [[gnu::always_inline]] inline void store(const SquareBlock<T>& block, int i, int j, int n, T* M) {
   T* const to = M + static_cast<std::ptrdiff_t>(i) * n + j;

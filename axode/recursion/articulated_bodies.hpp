@@ -9,13 +9,12 @@ namespace axode {
 /// M^A is the articulated inertia of a body, with the joints of its subtree free. From the leaves to the
 /// roots each screw S of joint i, which contributes S v to the twist of the body, is eliminated:
 ///   U = M^A S,  D = Sᵀ U + armature,  M^A -= U Uᵀ / D.
-/// After the last screw of a joint, M^A is moved to the predecessor p by `up` of the Link and added there:
-/// M_p^A += up M^A. The velocities of a joint with several degrees of freedom are eliminated one after the
-/// other, as in a chain of joints through massless bodies.
+/// After the last screw of a joint, M^A is moved to the predecessor and added there. The velocities of a
+/// joint with several degrees of freedom are eliminated one after the other, as in a chain of joints through
+/// massless bodies.
 ///
-/// A pivot D is a difference of larger numbers and carries their rounding errors. F estimates how large these
-/// numbers are: it starts from the sizes of the inertias and is updated by the same eliminations as M^A, so
-/// that D is compared with Sᵀ F S + armature.
+/// A pivot D is a difference of larger numbers and carries their rounding errors. F estimates how large they
+/// are; D is compared with Sᵀ F S + armature.
 ///
 /// Coupled joints share a velocity. Such a velocity enters at each of these joints and is eliminated at the
 /// body where their paths meet. On the paths to that body it adds a column to the inertia, called a tie
@@ -68,31 +67,30 @@ template <class Rep, class T> struct ArticulatedBodies {
     put_screws_and_inertias(tree);
     return eliminate_joints(tree, armature);
   }
-  /// Factorises the mass matrix at the configuration for which `links` were computed. Calls check.add(c, D,
-  /// scale) for each velocity c with its pivot D; scale() returns the magnitude of the numbers from which D
-  /// was computed.
+  /// Factorises the mass matrix at the present configuration (in `links`). Calls check.add(c, D, scale) for
+  /// each velocity c with its pivot D; scale() returns the magnitude of the numbers from which D was
+  /// computed.
   template <TreeOf<T> AnyTree, class Check>
   void factorize(const AnyTree& tree, const T* armature, Check& check) noexcept {
     put_screws_and_inertias(tree);
     eliminate_joints(tree, armature, check);
   }
-  /// Computes the joint screws S and the rigid inertias `M_body` at the configuration for which `links` were
-  /// computed.
+  /// Computes the joint screws S and the rigid inertias `M_body` at the present configuration (in `links`).
   template <TreeOf<T> AnyTree> void put_screws_and_inertias(const AnyTree& tree) noexcept {
     joint_columns(tree, links.link, S);
     for (int i = 1; i <= tree->n; ++i) M_body[i] = links.link[i].inertia(tree.M[i]);
   }
-  /// Factorises the mass matrix from `links`, S and `M_body`. Rounding errors of pivots are estimated only if
-  /// a pivot is small, or if the tree has coupled joints.
+  /// Factorises the mass matrix from the joint screws S and the rigid inertias `M_body`. Rounding errors of
+  /// pivots are estimated only if a pivot is small or the tree has coupled joints.
   template <TreeOf<T> AnyTree> Solvability eliminate_joints(const AnyTree& tree, const T* armature) noexcept {
     if (tree->coupled_bodies.empty() && eliminate_fast(tree, armature)) return {};
     PivotCheck<T> check;
     eliminate_joints(tree, armature, check);
     return check.verdict(*tree.operator->());
   }
-  /// Factorises the mass matrix from `links`, S and `M_body`, and estimates the rounding error of every
-  /// pivot. Calls check.add(c, D, scale) for each velocity c with its pivot D; scale() returns the magnitude
-  /// of the numbers from which D was computed.
+  /// Factorises the mass matrix from the joint screws S and the rigid inertias `M_body`, and estimates the
+  /// rounding error of every pivot. Calls check.add(c, D, scale) for each velocity c with its pivot D;
+  /// scale() returns the magnitude of the numbers from which D was computed.
   template <TreeOf<T> AnyTree, class Check>
   void eliminate_joints(const AnyTree& tree, const T* armature, Check& check) noexcept {
     const Topology::Ties& ties = tree->ties;
@@ -138,10 +136,10 @@ template <class Rep, class T> struct ArticulatedBodies {
     backward_sweep(tree, x);
     forward_sweep(tree, x);
   }
-  /// Replaces the drive forces x by the joint accelerations a, after factorize(). Before the call W[i] must
-  /// be the wrench that body i needs to keep its twist, minus the applied wrenches. `bias` has the terms of
-  /// V'_i = down V'_p + S a + bias_i that do not depend on a; bias[0] is the acceleration of the ground. A
-  /// null pointer stands for bias 0. O(n).
+  /// Replaces the drive forces x by the joint accelerations a, after factorize(). W[i] must be the wrench
+  /// that body i needs to keep its twist, minus the applied wrenches. bias[i] is the part of the twist rate
+  /// of body i, relative to its predecessor, that does not depend on a; bias[0] is that of the ground. Null
+  /// is bias 0. O(n).
   template <TreeOf<T> AnyTree>
   void accelerate(const AnyTree& tree, const TwistRate<Rep, T>* bias, T* x) noexcept {
     W[0] = {};
@@ -152,7 +150,7 @@ template <class Rep, class T> struct ArticulatedBodies {
   }
 
   /// The backward sweep of a solution, from the leaves to the roots: u = L⁻ᵀ x for all velocities, with the
-  /// factors of the mass matrix M = Lᵀ D L. Afterwards each_pivot() gives u.
+  /// factors of the mass matrix M = Lᵀ D L.
   template <TreeOf<T> AnyTree> void backward_sweep(const AnyTree& tree, const T* x) noexcept {
     for (int i = 0; i <= tree->n; ++i) W[i] = {};
     clear_ties(tree);
@@ -160,7 +158,8 @@ template <class Rep, class T> struct ArticulatedBodies {
     backward_step_at_ground(tree, x);
   }
   /// The step of the backward sweep at body i. It must follow the steps of all other bodies in the subtree of
-  /// body i, which add their wrenches to W[i]. `bias` is the argument of accelerate(), or null.
+  /// body i, which add their wrenches to W[i]. `bias` has the twist rates, relative to the predecessors, for
+  /// joint accelerations 0, or is null.
   template <TreeOf<T> AnyTree>
   void backward_step(const AnyTree& tree, int i, const T* x,
                      const TwistRate<Rep, T>* bias = nullptr) noexcept {
@@ -191,13 +190,12 @@ template <class Rep, class T> struct ArticulatedBodies {
       if (ties.up[t] >= 0) u_tie[ties.up[t]] += u_tie[t];
     W[tree->parent[i]] += links.link[i].up(W[i]);
   }
-  /// The last step of the backward sweep, for the velocities of coupled joints whose paths meet only at the
-  /// ground.
+  /// The backward sweep at the ground, for velocities of coupled joints on paths that meet only there.
   template <TreeOf<T> AnyTree> void backward_step_at_ground(const AnyTree& tree, const T* x) noexcept {
     for (int t = tree->ties.begin[0]; t < tree->ties.begin[1]; ++t) backward_step_of_tie(tree, 0, t, x);
   }
-  /// Calls f(c, u_c, D_c) for each velocity c that is eliminated at body i, or at the ground if i = 0, with
-  /// its pivot D_c and the number u_c that the last backward_sweep() left for it.
+  /// Calls f(c, u_c, D_c) for each velocity c that is eliminated at body i (0 is the ground), with its pivot
+  /// D_c and its entry u_c of u = L⁻ᵀ x after the backward sweep.
   template <TreeOf<T> AnyTree, class F> void each_pivot(const AnyTree& tree, int i, F&& f) const {
     const Topology::Ties& ties = tree->ties;
     if (i > 0 && ties.own[i] < 0)
@@ -208,7 +206,8 @@ template <class Rep, class T> struct ArticulatedBodies {
   }
 
   /// The forward sweep of a solution, from the roots to the leaves: x = L⁻¹ D⁻¹ u for the factors of the mass
-  /// matrix M = Lᵀ D L. `bias` is the argument of accelerate(), or null.
+  /// matrix M = Lᵀ D L. `bias` has the twist rates, relative to the predecessors, for joint accelerations 0,
+  /// or is null.
   template <TreeOf<T> AnyTree>
   void forward_sweep(const AnyTree& tree, T* x, const TwistRate<Rep, T>* bias = nullptr) noexcept {
     const Topology::Ties& ties = tree->ties;
@@ -237,9 +236,9 @@ template <class Rep, class T> struct ArticulatedBodies {
   }
 
  private:
-  /// Factorises the mass matrix of a tree without coupled joints, without the magnitudes F by which rounding
-  /// errors of pivots are judged. Returns false if a pivot is so small that the mass matrix may be singular;
-  /// the factors are then incomplete.
+  /// Factorises the mass matrix of a tree without coupled joints, without estimates of rounding errors.
+  /// Returns false if a pivot is so small that the mass matrix may be singular; the factors are then
+  /// incomplete.
   template <TreeOf<T> AnyTree> bool eliminate_fast(const AnyTree& tree, const T* armature) noexcept {
     M[0] = {};
     for (int i = 1; i <= tree->n; ++i) M[i] = articulated(links.link[i], M_body[i]);
@@ -259,8 +258,8 @@ template <class Rep, class T> struct ArticulatedBodies {
   template <class AnyTree> void clear_ties(const AnyTree& tree) noexcept {
     for (int t = 0; t < tree->ties.begin[tree->n + 1]; ++t) u_tie[t] = T(0);
   }
-  /// When a tie of a body, the column of a shared velocity, is eliminated: before the screws of the body's
-  /// joint; after them, if this joint is one of those that share the velocity; or later, at a predecessor.
+  /// When a shared velocity of coupled joints (a tie of a body) is eliminated: before the screws of the
+  /// body's joint; after them, if this is one of the joints; or later, at a predecessor.
   enum Turn { before, after, later };
   static Turn turn(const Topology::Ties& ties, int i, int t) {
     return ties.up[t] >= 0 ? later : t == ties.own[i] ? after : before;
@@ -274,22 +273,20 @@ template <class Rep, class T> struct ArticulatedBodies {
     const Turn of_o = turn(ties, i, o), of_t = turn(ties, i, t);
     return of_o > of_t || (of_o == of_t && o > t);
   }
-  /// The entries D_cd of the pivot matrix that couple screw s of body i with the ties of this body, the
-  /// columns of the shared velocities of coupled joints. The pointer is indexed by the number of a tie in
-  /// Topology::Ties.
+  /// The entries of the pivot matrix between screw s of body i and the velocities that coupled joints share
+  /// at this body (its ties), by the number of the tie.
   template <class AnyTree> T* of_screw(const AnyTree& tree, int i, int s) const noexcept {
     const Topology::Ties& ties = tree->ties;
     return D_screw + ties.of_screws[i] + (s - tree->first_screw[i]) * (ties.begin[i + 1] - ties.begin[i]) -
            ties.begin[i];
   }
-  /// Row t of the pivot matrix between the ties, the columns of shared velocities of coupled joints, of one
-  /// group (see Topology::Ties). The pointer is indexed by the number of a tie in Topology::Ties.
+  /// Row t of the pivot matrix between the shared velocities of coupled joints (ties) of one group, by the
+  /// number of the tie. Velocities of different groups are not coupled.
   T* row(const Topology::Ties& ties, int t) const noexcept {
     return D_tie + ties.row[t] - ties.group_begin[t];
   }
 
-  /// Adds screw s of body i, whose joint is coupled, to the tie (the column) of the velocity that this joint
-  /// shares with others.
+  /// Adds screw s of body i, whose joint is coupled, to the column of the velocity that it shares (its tie).
   template <class AnyTree> void enter(const AnyTree& tree, int i, int s) noexcept {
     const Topology::Ties& ties = tree->ties;
     const int own = ties.own[i];
@@ -307,8 +304,8 @@ template <class Rep, class T> struct ArticulatedBodies {
     U_tie[own] += MS;
     scale_tie[own] += F[i] * S[s] | S[s];
   }
-  /// Eliminates the velocity of screw s of body i, and updates the ties of this body (the columns of shared
-  /// velocities) that continue to the predecessor. G = F S with the magnitudes F of the numbers in the
+  /// Eliminates the velocity of screw s of body i, and updates the columns of velocities that coupled joints
+  /// share (ties), if they continue to the predecessor. G is F S with the magnitudes F of the numbers in the
   /// inertia, and `size` is the magnitude of the numbers from which the pivot D is computed.
   template <class AnyTree>
   void eliminate_screw(const AnyTree& tree, int i, int s, const Wrench<Rep, T>& G, const T& size) noexcept {
@@ -348,8 +345,8 @@ template <class Rep, class T> struct ArticulatedBodies {
         if (waits(ties, i, o, t)) row(ties, r)[o] -= k * D_t[o];
     }
   }
-  /// Adds the ties of body i, the columns of shared velocities of coupled joints, to the ties of the
-  /// predecessor for the same velocities, unless they are eliminated at body i.
+  /// Adds the columns of velocities that coupled joints share (ties) of body i to those of the predecessor,
+  /// unless they are eliminated at body i.
   template <class AnyTree> void pass_ties_to_parent(const AnyTree& tree, int i) noexcept {
     const Topology::Ties& ties = tree->ties;
     for (int t = ties.begin[i]; t < ties.begin[i + 1]; ++t) {
@@ -361,9 +358,8 @@ template <class Rep, class T> struct ArticulatedBodies {
     }
   }
 
-  /// The backward step for tie t, the column of a velocity that coupled joints share, which is eliminated at
-  /// body i: it computes u of the velocity, and the contributions to the wrench W[i] and to the ties that are
-  /// eliminated later.
+  /// The backward step for a velocity that coupled joints share (tie t), which is eliminated at body i: it
+  /// computes u of the velocity, and its contributions to the wrench W[i] and to later eliminations.
   template <class AnyTree> void backward_step_of_tie(const AnyTree& tree, int i, int t, const T* x) noexcept {
     const Topology::Ties& ties = tree->ties;
     const T* const D_t = row(ties, t);
@@ -373,8 +369,8 @@ template <class Rep, class T> struct ArticulatedBodies {
     for (int o = ties.group_begin[t]; o < ties.group_end[t]; ++o)
       if (waits(ties, i, o, t)) u_tie[o] += k * D_t[o];
   }
-  /// The forward step for tie t, the column of a velocity that coupled joints share, which is eliminated at
-  /// body i: it computes the entry of x for this velocity from the motion X[i].
+  /// The forward step for a velocity that coupled joints share (tie t), which is eliminated at body i: it
+  /// computes the entry of x for this velocity from the motion X[i] of the body.
   template <class AnyTree> void forward_step_of_tie(const AnyTree& tree, int i, int t, T* x) noexcept {
     const Topology::Ties& ties = tree->ties;
     const T* const D_t = row(ties, t);

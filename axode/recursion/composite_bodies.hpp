@@ -4,10 +4,10 @@
 namespace axode {
 
 /// The composite-body algorithm, which computes the mass matrix. The composite inertia of the subtree of body
-/// i is its inertia M_i plus the composite inertias of its children, moved to body i by `up` of their Links.
-/// For each screw S of joint i, the impulse F that gives this subtree the twist S is transformed from body to
-/// body down to the root. At each joint j on this path, F | S_j is the entry of the mass matrix for the
-/// velocities of S and S_j.
+/// i is its inertia M_i plus the composite inertias of its children, moved to body i. For each screw S of
+/// joint i, the impulse F that gives this subtree the twist S is transformed from body to body down to the
+/// root. At each joint j on this path, F | S_j is the entry of the mass matrix for the velocities of S and
+/// S_j.
 template <class Rep, class T> struct CompositeBodies {
   BodyLinks<Rep, T> links;
   Inertia<T>* M;

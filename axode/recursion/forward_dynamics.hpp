@@ -24,9 +24,8 @@ template <class Rep, class T> struct ForwardDynamicsRecursion {
         W_app(arena.per_body<Wrench<BodyFixed, T>>()),
         x(arena.per_velocity<T>()) {}
 
-  /// Writes the accelerations to `a`, which may share the memory of an argument. If the mass matrix is not
-  /// positive definite or a number is not finite, the result says so; if the mass matrix is singular, all of
-  /// `a` is NaN. O(n).
+  /// Writes the accelerations to `a`, which may share the memory of an argument. Returns whether the mass
+  /// matrix is positive definite and all numbers are finite; if it is singular, `a` is NaN. O(n).
   template <TreeOf<T> AnyTree>
   Solvability run(const AnyTree& tree, const T* q, const T* v, const T* tau, const Loads<T>& loads,
                   T* a) noexcept {

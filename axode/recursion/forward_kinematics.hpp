@@ -5,9 +5,8 @@
 
 namespace axode {
 
-/// The contributions of the joints to the recursions, with the screws S of joint i: the pose C_{p,i} = B
-/// exp(S q) of body i relative to its predecessor p, where B is this pose while the joint is at zero, and S v
-/// and S a in the frame of joint i.
+/// The relative motion of each joint i with the screws S: the pose C_{p,i} = B exp(S q) of body i relative to
+/// its predecessor p, where B is this pose at q = 0, and S v and S a in the frame of the joint.
 template <class T> struct JointMotion {
   SE3<T>* C_pi;
   Twist<BodyFixed, T>* Sv;
@@ -19,8 +18,8 @@ template <class T> struct JointMotion {
         Sa(arena.per_body<TwistRate<BodyFixed, T>>()) {}
 };
 
-/// Computes the pose C_{p,i} of every body i relative to its predecessor p at q (eq. relConf). The coordinate
-/// of a coupled joint is computed from that of its leader.
+/// Computes the pose C_{p,i} of every body i relative to its predecessor p at q (Müller, eq. relConf). The
+/// coordinate of a coupled joint is computed from that of its leader.
 template <class T, TreeOf<T> AnyTree>
 void joint_poses(const AnyTree& tree, const T* q, SE3<T>* C_pi) noexcept {
   each_joint(tree, [&](const auto& joint, int i, bool coupled) {
@@ -51,7 +50,7 @@ void joint_motion(const AnyTree& tree, const T* q, const T* v, const T* a,
 }
 
 /// Poses of the internal frames of all bodies in the inertial frame, C_i = C_p C_{p,i} with the predecessor p
-/// of body i (eqs. POEX, aVbRec2), coupled joints included. It takes 36 products and 33 sums for each body.
+/// of body i (Müller, eqs. POEX, aVbRec2), coupled joints included. 36 products and 33 sums for each body.
 template <class T> struct BodyPoses {
   SE3<T>* C;
 
@@ -78,8 +77,7 @@ template <class F> void each_root(const Topology& topology, F&& f) {
 }
 
 /// Moves the origin of each root body to the inertial origin and stores in `origin` where it was. Forces do
-/// not depend on the inertial origin, but their rounding errors do. Therefore recursions for forces use, for
-/// all bodies of a root's subtree, the origin of the root body at this instant as the inertial origin.
+/// not depend on the inertial origin, but their rounding errors do.
 template <class T> void move_to_roots(const Topology& topology, SE3<T>* C_pi, Vec3<T>* origin) noexcept {
   each_root(topology, [&](int i) {
     origin[i] = C_pi[i].r;
@@ -87,8 +85,8 @@ template <class T> void move_to_roots(const Topology& topology, SE3<T>* C_pi, Ve
   });
 }
 
-/// The Link of every body at a configuration: what this body contributes to a recursion in Rep. The origin of
-/// the root body of each subtree is used as the inertial origin.
+/// The transformations of twists and wrenches between each body and its predecessor in representation Rep
+/// (Link) at a configuration. The origin of the root body of each subtree is used as the inertial origin.
 template <class Rep, class T> struct BodyLinks {
   SE3<T>* C_pi;
   Vec3<T>* origin;  ///< positions of the root bodies in the inertial frame
@@ -104,8 +102,8 @@ template <class Rep, class T> struct BodyLinks {
     joint_poses(tree, q, C_pi);
     return run(tree);
   }
-  /// Computes the links from the poses C_pi of the bodies relative to their predecessors. The positions of
-  /// the root bodies are moved from C_pi to `origin`.
+  /// Computes the transformations (links) from the poses C_pi of the bodies relative to their predecessors,
+  /// and moves the positions of the root bodies from C_pi to `origin`.
   template <TreeOf<T> AnyTree> Link<Rep, T>* run(const AnyTree& tree) noexcept {
     move_to_roots(*tree.operator->(), C_pi, origin);
     link[0] = Link<Rep, T>::root();
@@ -138,12 +136,12 @@ template <class Rep, class T> struct BodyMotion {
         dV(arena.per_body<TwistRate<Rep, T>>()) {}
 };
 
-/// The forward kinematics recursion in any representation (eqs. VbRec, Vsrec, VhRec, cVbRec2, dVsRec,
+/// The forward kinematics recursion in any representation (Müller, eqs. VbRec, Vsrec, VhRec, cVbRec2, dVsRec,
 /// dVhRec2):
 ///   V_i  = down V_p  + S v
 ///   V'_i = down V'_p + S a + bias(V_p, V_i, S v)
-/// with `down` and `bias` of the Link of body i, whose predecessor is p. V'_0 is the acceleration of the
-/// ground: 0, or (0, -g) to include gravity.
+/// where `down` transforms twists from the predecessor p to body i, and `bias` is the velocity term, see
+/// link.hpp. V'_0 is the acceleration of the ground: 0, or (0, -g) to include gravity.
 template <class Rep, class T, TreeOf<T> AnyTree>
 void forward_recursion(const AnyTree& tree, const JointMotion<T>& joints, const Vec3<T>& ground_acceleration,
                        const BodyMotion<Rep, T>& out) noexcept {

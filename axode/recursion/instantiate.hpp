@@ -1,11 +1,9 @@
 #pragma once
 #include "axode/scalar/instruction_set.hpp"
 
-/// Source files that end in `template ... AXODE_T` are compiled once for each scalar, and those that name
-/// AXODE_REP once for each representation and scalar (see cmake/axode_library.cmake), because many
-/// instantiations in one translation unit exhaust a compiler's inlining budget and double the run time.
-/// AXODE_ENTRY marks instantiations that are compiled for each instruction set. An editor, which does not run
-/// the build, uses these defaults:
+/// Defaults for editors of macros that the build defines (see cmake/axode_library.cmake). Source files that
+/// end in `template ... AXODE_T` are compiled once for each scalar, and those that name AXODE_REP once for
+/// each representation and scalar. AXODE_ENTRY marks instantiations for each instruction set.
 #ifndef AXODE_REP
 #define AXODE_REP BodyFixed
 #endif

@@ -36,8 +36,8 @@ template <class T> struct ResolvedLoad {
   }
 };
 
-/// Computes W_app[i], the sum of the applied wrenches on body i in its internal frame, for i = 0 to n. C are
-/// the poses of the internal frames of the bodies.
+/// Computes W_app[i], the sum of the applied wrenches on body i in its internal frame, for i = 0 to n, with
+/// the poses C of these frames.
 template <class T, TreeOf<T> AnyTree>
 void sum_applied(const AnyTree& tree, std::span<const AppliedWrench<T>> wrenches, const SE3<T>* C,
                  Wrench<BodyFixed, T>* W_app) noexcept {
@@ -82,7 +82,7 @@ template <class Rep, class T> struct InverseDynamicsRecursion {
 
   /// Computes the joint wrenches W. The forward sweep computes poses, twists V and their rates V', with
   /// gravity as the acceleration V'_0 = (0, -g) of the ground. The backward sweep, from the leaves to the
-  /// roots, computes the joint wrenches (eqs. aWbRec, bWsRec, bWhRec with erratum 22):
+  /// roots, computes the joint wrenches (Müller, eqs. aWbRec, bWsRec, bWhRec with erratum 22):
   ///   W_i = Σ_children up W_c + M_i V'_i + (velocity terms) - W_i^app
   /// where W_i^app is the sum of the wrenches applied to body i, and `up` moves the wrench W_c from child c
   /// to body i.
@@ -90,8 +90,7 @@ template <class Rep, class T> struct InverseDynamicsRecursion {
   void run(const AnyTree& tree, const T* q, const T* v, const T* a, const Loads<T>& loads) noexcept {
     run(tree, q, v, a, loads, tree.g);
   }
-  /// Computes the joint wrenches W as the overload without g does, but with the gravity g (m/s²) instead of
-  /// that of the tree.
+  /// Computes the joint wrenches W with the gravity g (m/s²) instead of that of the tree.
   template <TreeOf<T> AnyTree>
   void run(const AnyTree& tree, const T* q, const T* v, const T* a, const Loads<T>& loads,
            const Vec3<T>& g) noexcept {
@@ -109,9 +108,10 @@ template <class Rep, class T> struct InverseDynamicsRecursion {
     for (int i = tree->n; i > 0; --i) W[tree->parent[i]] += link[i].up(W[i]);
   }
 
-  /// Computes the generalised forces τ = Sᵀ W of every joint with the screws S (eqs. bWbRec, cWsRec, cWhRec),
-  /// plus the forces against armatures and, if joint_losses is set, against damping and friction. The force
-  /// of a coupled joint, times its ratio, is added to that of its leader. τ may share the memory of v or a.
+  /// Computes the generalised forces τ = Sᵀ W of every joint with the screws S (Müller, eqs. bWbRec, cWsRec,
+  /// cWhRec), plus the forces against armatures and, if joint_losses is set, against damping and friction.
+  /// The force of a coupled joint, times its ratio, is added to that of its leader. τ may share the memory of
+  /// v or a.
   template <TreeOf<T> AnyTree>
   void project(const AnyTree& tree, const T* v, const T* a, bool joint_losses, T* tau) const noexcept {
     joint_terms(tree, v, a, joint_losses, own);

@@ -3,7 +3,7 @@
 #include "axode/lie/representation_change.hpp"
 #include "axode/recursion/articulated_inertia.hpp"
 
-/// The table of representations: what one body contributes to any recursion over a tree.
+/// Transformations between body i and its predecessor p, and the dynamics of a body, in each representation.
 ///
 ///                body-fixed  spatial       hybrid                   mixed
 ///  push, pull    identity    Ad_C          Ad_R                     diag(I, R)       body-fixed <-> Rep
@@ -13,9 +13,8 @@
 ///  inertia       M           Ad_C⁻ᵀMAd_C⁻¹ Ad_R⁻ᵀMAd_R⁻¹            M, see impulse   inertia of body i
 ///  newton_euler  eq. NEb     eq. NEs       eq. NEh                  eq. NEcmixed     wrench on body i
 ///
-/// A Link belongs to body i with predecessor p. A frame on a body is treated as a body that is at rest
-/// relative to it: its Link is a child of the Link of the body, with S v = 0.
-/// The lines down and up are dual to each other, see (D4.1) of docs/derivations.
+/// A Link has those of one body. A frame on a body is treated as a body at rest relative to it, with S v = 0.
+/// Lines down and up are dual to each other, see (D4.1) of docs/derivations. Equations are Müller's.
 namespace axode {
 
 template <class Rep, class T> struct Link;
@@ -86,8 +85,9 @@ template <class T> struct Link<Spatial, T> {
   }
 };
 
-/// Link in hybrid representation: V_i^h = Ad_{r_ip} V_p^h + Ad_R X v with the body-fixed joint screw X
-/// (eq. VhRec). r_pi is the vector from the origin of p to that of i in inertial axes, and r_ip = -r_pi.
+/// The relation between body i and its predecessor p in hybrid representation: V_i^h = Ad_{r_ip} V_p^h + Ad_R
+/// X v with the body-fixed joint screw X (Müller, eq. VhRec). r_pi is the vector from the origin of p to that
+/// of i in inertial axes, and r_ip = -r_pi.
 template <class T> struct Link<Hybrid, T> {
   SO3<T> R;
   Vec3<T> r_pi;
@@ -111,7 +111,7 @@ template <class T> struct Link<Hybrid, T> {
     return transform(r_pi, M);
   }
   /// The bias ad_{r'_ip} V_p + ad_ω (X v) of V'_i with r'_ip = r'_p - r'_i, where X v is the joint motion in
-  /// inertial axes (eqs. recVhdot1, dVhRec2).
+  /// inertial axes (Müller, eqs. recVhdot1, dVhRec2).
   constexpr TwistRate<Hybrid, T> bias(const Twist<Hybrid, T>& V_p, const Twist<Hybrid, T>& V,
                                       const Twist<Hybrid, T>& Sv) const {
     ScrewOperationScope<T>{ScrewOperation::bracket};
@@ -128,8 +128,8 @@ template <class T> struct Link<Hybrid, T> {
   }
 };
 
-/// Link in mixed representation: V^m = (ω^b, r') has the angular part of body-fixed and the linear part of
-/// hybrid twists.
+/// The relation between a body and its predecessor in mixed representation: twists V^m = (ω^b, r') have the
+/// angular part of body-fixed and the linear part of hybrid twists.
 template <class T> struct Link<Mixed, T> {
   SE3<T> C_pi;
   SO3<T> R_p, R;
@@ -149,8 +149,7 @@ template <class T> struct Link<Mixed, T> {
     return {C_pi.R * W.m + cross(C_pi.r, transpose(R_p) * W.f), W.f};
   }
   constexpr Inertia<T> up(const Inertia<T>& M) const { return transform(C_pi, M); }
-  /// The inertia M, moved to the origin of the predecessor. The congruence is computed in the axes of the
-  /// predecessor.
+  /// The articulated inertia M, moved to the origin of the predecessor.
   constexpr ArticulatedInertia<Mixed, T> up(const ArticulatedInertia<Mixed, T>& M) const {
     const ScrewOperationScope<T> scope(ScrewOperation::tensor_transformation);
     const SO3<T> Rt_p = transpose(R_p);
@@ -158,16 +157,14 @@ template <class T> struct Link<Mixed, T> {
         C_pi.r, ArticulatedInertia<Mixed, T>{rotate(C_pi.R, M.A), (C_pi.R * M.B) * R_p, rotate(Rt_p, M.L)});
     return {M_p.A, M_p.B * Rt_p, M.L};
   }
-  /// The bias of V'_i: that of hybrid twists with the angular part in body axes. The angular part is ω_i × (S
-  /// v), because (Rᵀ)' ω^s = -ω × ω = 0.
+  /// The velocity terms of V'_i: those of hybrid twists with the angular part ω_i × (S v) in body axes.
   constexpr TwistRate<Mixed, T> bias(const Twist<Mixed, T>& V_p, const Twist<Mixed, T>& V,
                                      const Twist<Mixed, T>& Sv) const {
     ScrewOperationScope<T>{ScrewOperation::bracket};
     ScrewOperationScope<T>{ScrewOperation::bracket};
     return {cross(V.w, Sv.w), cross(V_p.v - V.v, R_p * V_p.w) + cross(R * V.w, Sv.v)};
   }
-  /// The inertia in body axes. It represents the mixed inertia matrix, whose blocks are in different axes;
-  /// see impulse().
+  /// The inertia in body axes, which stands for the mixed inertia matrix, whose blocks are in different axes.
   template <class InertiaOfBody> constexpr Inertia<T> inertia(const InertiaOfBody& M) const { return M; }
   template <class InertiaOfBody>
   constexpr Wrench<Mixed, T> newton_euler(const InertiaOfBody& M, const Twist<Mixed, T>& V,
@@ -176,8 +173,8 @@ template <class T> struct Link<Mixed, T> {
   }
 };
 
-/// Converts a body-fixed joint screw (eqs. bVsRec, bVhRec2), or the rate of one while the link is at rest, to
-/// Rep.
+/// Converts a body-fixed joint screw, or its rate while the body is at rest, to Rep (Müller, eqs. bVsRec,
+/// bVhRec2).
 template <template <class, class> class V, class Rep, class T>
   requires Motion<V>
 constexpr V<Rep, T> push(const Link<Rep, T>& link, const V<BodyFixed, T>& X) {

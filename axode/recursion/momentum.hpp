@@ -34,8 +34,8 @@ constexpr Wrench<Rep, T> gravity_wrench(const Link<Rep, T>& link, const Inertia<
 /// articulated-body algorithm, whose forward sweep gives the twists V as well, and
 ///   p' = τ + S|(W^c + ad_Vᵀ Π^c)
 /// for each joint screw S, where W^c is the wrench of gravity and loads on the subtree of the joint and Π^c
-/// is the momentum of this subtree. Subtrees are summed up from the leaves to the roots by Link::up. See
-/// momentum_form(), and (D5.1) and (D5.9) of docs/derivations.
+/// is the momentum of this subtree. Subtrees are summed up from the leaves to the roots. See momentum_form(),
+/// and (D5.1) and (D5.9) of docs/derivations.
 template <class Rep, class T> struct MomentumForm {
   ArticulatedBodies<Rep, T> bodies;
   Wrench<Rep, T>* Pi;  ///< momentum of each subtree, l and p
@@ -83,7 +83,7 @@ template <class Rep, class T> struct MomentumForm {
 
  private:
   /// Adds S|(W^c + ad_Vᵀ Π^c) to `force` for every joint screw S, with the wrench W^c on the subtree of the
-  /// joint and its momentum Π^c. The twists V of the bodies are in bodies.X.
+  /// joint and its momentum Π^c. bodies.X has the twists V of the bodies.
   template <class AnyTree> void add_body_forces(const AnyTree& tree, bool has_wrenches) noexcept {
     const auto& link = bodies.links.link;
     g[0] = tree.g;
@@ -107,8 +107,8 @@ template <class Rep, class T> struct MomentumForm {
   }
 };
 
-/// The rates of the state (q, Π) with the spatial momenta Π_i of all bodies, by eq. PEs with the spatial
-/// Jacobian J^s of all bodies, their inertias M_i^s and the applied wrenches W_app:
+/// The rates of the state (q, Π) with the spatial momenta Π_i of all bodies, by Müller's eq. PEs with the
+/// spatial Jacobian J^s of all bodies, their inertias M_i^s and the applied wrenches W_app:
 ///   (J^s)ᵀ (Π' - W_app) = τ,    M_i^s J_i^s v = Π_i^s.
 /// Both equations are solved by substitution in the block triangular matrix J^s: a sweep with (J^s)ᵀ from the
 /// leaves to the roots, and a sweep with J^s from the roots to the leaves. The velocities solve the second

@@ -4,7 +4,7 @@ namespace axode {
 namespace {
 
 /// The part of an error message that names the joints other than `told` that move no mass in any
-/// configuration, as in `; joint "b" moves none either`. The result is empty if there are none.
+/// configuration, as in `; joint "b" moves none either`; empty if there are none.
 std::string others_without_mass(const Model& model, const std::string& named) {
   std::string names;
   int n = 0;

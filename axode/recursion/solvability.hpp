@@ -27,8 +27,7 @@ struct [[nodiscard]] Solvability {
   bool ok() const { return singular_body == 0 && !not_finite && directions == 6 && locked_body == 0; }
   bool operator==(const Solvability&) const = default;
 };
-/// One sentence for the user: whether the mass matrix is positive definite or else the reason, the joint in
-/// question and a remedy.
+/// One sentence: whether the mass matrix is positive definite, or else the reason, the joint and a remedy.
 std::string to_string(const Model& model, const Solvability& solvability);
 
 /// The body whose joint has velocity c. If coupled joints share the velocity, it is the body of their leader.
@@ -38,17 +37,15 @@ inline int body_of_velocity(const Topology& topology, int c) noexcept {
   return i;
 }
 
-/// Relative pivot threshold of the fast kernels. Let the inertia scale of a velocity be the magnitude of the
-/// inertia that the velocity moves at q = 0 (Tree::inertia_scale). If the pivot of a velocity is less than
-/// this part of its inertia scale, the mass matrix may be singular, and a kernel that tracks rounding errors
-/// takes over. The threshold is a third of the digits, so that after two such pivots in a row some digits
-/// remain for the next one. (In other configurations the inertia may be larger than at q = 0.)
+/// Relative threshold for pivots of the mass matrix. If a pivot is less than this part of the inertia that
+/// its velocity moves at q = 0 (Tree::inertia_scale), the mass matrix may be singular, and an algorithm that
+/// tracks rounding errors takes over. The threshold is a third of the digits, so that after two such pivots
+/// in a row some digits remain for the next one.
 template <class T>
 inline constexpr auto pivot_threshold =
     std::conditional_t<std::floating_point<T>, T, double>(unit_roundoff<T> > 1e-10 ? 4e-3 : 1e-6);
 
-/// Determines from the pivots of an elimination whether the mass matrix is singular. See (D4.10) of
-/// docs/derivations.
+/// Determines from the pivots of an elimination whether the mass matrix is singular (D4.10).
 template <class T> class PivotCheck {
  public:
   /// Checks the pivot of velocity c: the inertia that remains after the elimination of other velocities. It
@@ -70,8 +67,7 @@ template <class T> class PivotCheck {
   bool not_finite_ = false;
 };
 
-/// Whether the n numbers x are all finite, by the sum of x - x, which is 0 or NaN. Four sums of registers are
-/// computed side by side, because each addition to one sum has to wait for the addition before.
+/// Whether the n numbers x are all finite, by the sum of x - x, which is 0 or NaN.
 template <std::floating_point T> bool all_finite(std::ptrdiff_t n, const T* x) {
   using Several = Batch<T, native_lanes<T>>;
   constexpr std::ptrdiff_t lanes = native_lanes<T>;
@@ -91,8 +87,8 @@ template <std::floating_point T> bool all_finite(std::ptrdiff_t n, const T* x) {
   return rest == T(0);
 }
 
-/// Returns the verdict of an elimination, completed by whether its n results are finite (for floating-point
-/// T). If the elimination failed, all results are set to NaN.
+/// Returns whether an elimination succeeded and its n results are finite (for floating-point T). If the
+/// elimination failed, all results are set to NaN.
 template <class T> Solvability solved(Solvability verdict, std::ptrdiff_t n, T* results) {
   if (!verdict.ok()) {
     for (std::ptrdiff_t k = 0; k < n; ++k) results[k] = T(std::numeric_limits<double>::quiet_NaN());
@@ -101,8 +97,8 @@ template <class T> Solvability solved(Solvability verdict, std::ptrdiff_t n, T* 
   }
   return verdict;
 }
-/// Returns the verdict of an elimination, completed by whether several arrays of results are finite. If the
-/// elimination failed, all results are set to NaN.
+/// Returns whether an elimination succeeded and several arrays of results are finite. If the elimination
+/// failed, all results are set to NaN.
 template <class T> Solvability solved(Solvability verdict, std::initializer_list<std::span<T>> results) {
   Solvability all = verdict;
   for (const std::span<T>& x : results)

@@ -12,7 +12,7 @@ namespace axode {
 /// results. `inertia_scale` is the magnitude of the inertia of each velocity. A pivot is D_c = zᵀ M z, where
 /// z_c = 1 and z_k are the responses of the later velocities, on which no forces act. Hence scale() is (Σ
 /// |z_k| √inertia_scale_k)². If `check` calls scale() for all pivots, this costs another O(n d²) for a tree
-/// of depth d. z is stored above the diagonal of H. See (D4.7) and (D4.8) of docs/derivations.
+/// of depth d. H is overwritten above its diagonal as well. See (D4.7) and (D4.8) of docs/derivations.
 template <class T, class Check>
 void factorize(const Tree<T>& tree, const T* inertia_scale, T* H, Check& check) noexcept {
   const int nv = tree->nv;

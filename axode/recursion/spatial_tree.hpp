@@ -11,11 +11,9 @@ template <class X> void sum_subtrees(const Topology& topology, X* x) noexcept {
     if (topology.parent[i] > 0) x[topology.parent[i]] += x[i];
 }
 
-/// The quantities from which every formula on joint screws in spatial representation starts: the screws J_i^s
-/// of all joints and the composite inertia M_i^c of the subtree of each joint. Such a formula combines only
-/// bodies in the subtree of one root body. Therefore all quantities are about the origin O of the root body
-/// at this instant, in inertial axes, and no digits are lost if the mechanism is far from the inertial
-/// origin.
+/// The screws J_i^s of all joints in spatial representation, and the composite inertia M_i^c of the subtree
+/// of each joint. They are in inertial axes about the origin O of the root body at this instant, so that no
+/// digits are lost if the mechanism is far from the inertial origin.
 template <class T> struct SpatialTree {
   const Topology* topology = nullptr;
   BodyLinks<Spatial, T> links;
@@ -76,8 +74,7 @@ template <class T> struct SpatialTree {
   }
 };
 
-/// Spatial twists of all bodies and momenta Π_i^A of their subtrees, each about the origin of the root body
-/// at this instant, as in SpatialTree.
+/// Spatial twists of all bodies and momenta Π_i^A of their subtrees, about the origin of the root body.
 template <class T> struct SubtreeMomenta {
   Twist<Spatial, T>* V;
   Momentum<Spatial, T>* Pi;

@@ -9,16 +9,14 @@
 namespace axode::codegen {
 namespace {
 
-/// Writes C for one state. All sines and cosines of a stage, one of the groups of statements of Emitter, are
-/// computed at once, by one call of a function for n angles.
+/// Writes a function in C for one state. Sines and cosines that can be computed together are, by one call.
 class CEmitter : public Emitter {
  public:
   CEmitter(const Recording& recording, const Precision& precision, std::string sine_cosine)
       : Emitter(recording, precision), sine_cosine_(std::move(sine_cosine)) {}
 
  protected:
-  /// Length of the arrays of angles, sines and cosines for this number of angles. The arrays fill whole
-  /// registers, so that the compiler needs no separate loop for remaining angles.
+  /// Length of the arrays for this number of angles, filled up to whole registers.
   virtual int room(std::size_t angles) const {
     const int n = static_cast<int>(angles);
     return n <= 2 ? 2 : n <= 4 ? 4 : (n + 7) / 8 * 8;
@@ -76,8 +74,7 @@ class CEmitter : public Emitter {
   int turned_ = 0;  ///< slots of the array s that sines and cosines have taken so far
 };
 
-/// Writes C that computes several states at once, one in each lane of a vector, with the types and functions
-/// of c_lanes().
+/// Writes a function in C that computes several states at once, one in each lane of a SIMD vector.
 class LanesEmitter final : public CEmitter {
  public:
   using CEmitter::CEmitter;

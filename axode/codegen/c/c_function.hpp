@@ -18,9 +18,9 @@ struct Precision {
   std::string literal(double x) const;
 };
 
-/// The declaration of a recorded function in C, from the names of its arguments and of its result:
-/// `HEAD(const TYPE *AXODE_RESTRICT q, ..., TYPE *AXODE_RESTRICT tauTAIL)`, where HEAD, TYPE and TAIL are the
-/// arguments `head`, `type` and `tail`.
+/// The declaration in C of a recorded function (a list of operations), from the names of its arguments and
+/// result: `HEAD(const TYPE *AXODE_RESTRICT q, ..., TYPE *AXODE_RESTRICT tauTAIL)`, where HEAD, TYPE and TAIL
+/// are the arguments `head`, `type` and `tail`.
 std::string c_declaration(const Recording& recording, const std::string& head, const std::string& type,
                           const std::string& tail);
 /// The declaration of a recorded function NAME in C: `void NAME(const double *AXODE_RESTRICT q, ..., double
@@ -35,15 +35,14 @@ struct Definition {
 };
 /// Writes the definition of a recorded function in C for one state. `sine_cosine` is the name of the function
 /// that computes sines and cosines of n angles at once. A long function is cut into parts, so that compilers
-/// take time in proportion to its length. Numbers that one part computes and a later part uses are kept in an
-/// array.
+/// take time in proportion to its length. Parts pass numbers to later parts in an array.
 Definition c_definition(const Recording& recording, const std::string& name, const std::string& sine_cosine,
                         const Precision& precision);
 /// Writes the definition of a recorded function in C that computes several states at once, one in each lane
-/// of a vector (types axode_lanes and axode_mask, see c_lanes()). It calls the function `sine_cosine` with
-/// `_lanes` added to its name. The function is `static`, returns a mask of the lanes whose mass matrix may be
-/// singular if the recording reports them, and has as last argument the array of numbers that its parts
-/// exchange.
+/// of a vector (types axode_lanes and axode_mask, see c_lanes()). `sine_cosine` with `_lanes` added is the
+/// name of the function for sines and cosines. The function is `static`, returns a mask of the lanes whose
+/// mass matrix may be singular if the recording reports them, and has as last argument the array of numbers
+/// that its parts exchange.
 Definition lanes_definition(const Recording& recording, const std::string& name,
                             const std::string& sine_cosine, const Precision& precision);
 

@@ -18,8 +18,8 @@ struct StatesFunction {
                                ///< lanes
   bool returns_singularity;
 };
-/// Writes the definitions of NAME_states, which computes the function NAME for several states, and of
-/// NAME_scratch, the length of the memory that NAME_states needs.
+/// Writes in C the function NAME_states, which computes the function NAME for several states, and the
+/// constant NAME_scratch, the length of the memory that it needs.
 std::string c_states(const StatesFunction& function, const Precision& precision, int lanes);
 
 }  // namespace axode::codegen

@@ -11,8 +11,8 @@ namespace axode::codegen {
 /// The default prefix of all names in generated C: the name of the model as an identifier.
 std::string prefix_for(const Model& model, Abi abi);
 
-/// The name of each frame of the model as a C identifier. If two names would be equal, alone or with the name
-/// of a representation appended, the later one gets a number.
+/// The name of each frame of the model as a C identifier. Names that would be equal, alone or with the name
+/// of a representation appended, are numbered.
 std::vector<std::string> frame_identifiers(const Model& model, Abi abi);
 
 /// The names PREFIX_FUNCTION of generated functions. The name of the function for a Jacobian or a pose has

@@ -60,9 +60,8 @@ static void @NAME@_lanes(
 }
 #endif
 )";
-/// The function for the states in all lanes, in single precision: it calls the function for n angles, which
-/// the compiler vectorises. Types for lanes would not suit, because angles are reduced in double precision,
-/// and a register holds half as many doubles as floats.
+/// C code for sines and cosines of the states in all SIMD lanes, in single precision: it calls the C function
+/// for n angles. Vector types would not suit, because angles are reduced in double precision.
 constexpr const char* turn_one_by_one = R"(#if AXODE_LANES > 1
 static void @NAME@_lanes(
     const axode_lanes *AXODE_RESTRICT angle, axode_lanes *AXODE_RESTRICT sine,

@@ -11,9 +11,8 @@
 #include "axode/scalar/counted.hpp"
 #include "axode/table/functions.hpp"
 
-/// C source for one mechanism. The functions contain only the operations that this mechanism needs, without
-/// loops and branches over its joints. They are made by running the kernels of the library on Traces, which
-/// record the operations.
+/// C source for one mechanism: functions with only the operations that this mechanism needs, without loops
+/// over its joints. They are made by running the algorithms of the library on numbers that record operations.
 namespace axode::codegen {
 
 /// A function to generate: a function in the table of functions that can be recorded (Words::tape).

@@ -21,8 +21,7 @@ class CudaEmitter final : public Emitter {
   std::string entry(const std::string& array, std::size_t k) const override {
     return "axode_at<" + std::to_string(k) + ">(" + array + ", n)";
   }
-  /// Declares a constant for an entry of an argument in the part of a long function that first needs it, and
-  /// returns its name.
+  /// Returns the name of a constant for an entry of an argument; declares it where a part first needs it.
   std::string read_argument(const Tape::Node& x, std::size_t k) override {
     const std::string& array = recording_.arguments[x.a];
     const std::string name = array + std::to_string(x.b);
@@ -30,8 +29,8 @@ class CudaEmitter final : public Emitter {
     loaded_in_[k] = now_;
     return name;
   }
-  /// The largest number of statements in a part of a function. Parts are long on a GPU, because the numbers
-  /// that one part keeps for the next one are in slow memory.
+  /// The largest number of statements in a part of a long function. Parts are long on a GPU, because they
+  /// exchange numbers by slow memory.
   std::size_t longest_part() const override { return 1500; }
   int stages_of_a_turn() const override { return 0; }
   /// Adds the sine or cosine of node k to a step. One step computes both the sine and the cosine of an angle.

@@ -5,8 +5,7 @@
 
 namespace axode::codegen {
 
-/// The definition in CUDA of axode_at, which reads or writes an entry of the state of a thread. Every file in
-/// CUDA begins with it.
+/// The CUDA function axode_at, which accesses an entry of the state of a thread; every file begins with it.
 extern const char* const cuda_entries;
 
 /// Writes the device function that one thread calls to compute one of n states, which lie side by side in

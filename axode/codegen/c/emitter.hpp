@@ -8,11 +8,10 @@
 
 namespace axode::codegen {
 
-/// Writes the definition of one recorded function in C or CUDA. Its statements are in the order in which the
-/// numbers were recorded, but grouped into stages: those that need sines or cosines of angles of stage k - 1
-/// are in stage k. Thus all sines and cosines of a stage can be computed together, by a step that is called a
-/// turn. Subclasses define the language, and may define another order of statements. A long function is cut
-/// into parts, which exchange numbers by the slots of an array.
+/// Writes one recorded function (a list of operations) in C or CUDA; subclasses define the language.
+/// Statements are grouped into stages, so that the sines and cosines of a stage can be computed together, by
+/// a step that is called a turn: statements that need those of angles of stage k - 1 are in stage k. A long
+/// function is cut into parts, which exchange numbers by the slots of an array.
 class Emitter {
  public:
   using enum Tape::Operation;
@@ -114,8 +113,8 @@ class Emitter {
   }
 
   // Sines and cosines, and the order of the steps.
-  /// The largest number of statements in a part, one of the functions into which a long function is cut. The
-  /// longer a part is, the more time compilers take for each of its statements.
+  /// The largest number of statements in a part of a long function. The longer a part is, the more time
+  /// compilers take for each of its statements.
   virtual std::size_t longest_part() const { return 500; }
   virtual int stages_of_a_turn() const { return 1; }
   /// Adds the sine or cosine of node k to a turn.
@@ -237,8 +236,8 @@ class Emitter {
     }
   }
 
-  /// Cuts the list of steps into parts, each of which becomes a function. Determines for each number the part
-  /// that defines it, the last part that uses it, and the slot of the array that keeps it in between.
+  /// Cuts the list of statements into parts, each of which becomes a function. Determines for each number the
+  /// part that defines it, the last part that uses it, and the slot of the array that keeps it in between.
   void cut() {
     const std::size_t count = std::max(n_parts(), 1),
                       balanced = std::max<std::size_t>((steps_.size() + count - 1) / count, 1);

@@ -5,8 +5,8 @@
 
 namespace axode::codegen {
 
-/// Writes the file of c_source() and, after each function NAME for one state, a function for several states,
-/// which uses vector extensions of the compiler:
+/// Writes C source for a model: each function NAME for one state as by c_source(), and a function for several
+/// states, which uses vector extensions of the compiler:
 ///
 ///     void NAME_states(long count, const T *const *arguments, T *result, T *scratch,
 ///                      unsigned char *maybe_singular)

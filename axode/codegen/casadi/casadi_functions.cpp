@@ -104,8 +104,8 @@ class Accelerations {
   static void subtract(Traces& x, const Traces& y) {
     for (std::size_t k = 0; k < x.size(); ++k) x[k] -= y[k];
   }
-  /// Calls make(composition, state, solution), which returns a recording, for each recorded way to solve with
-  /// the mass matrix (`solution`). Returns the recording with the fewest operations.
+  /// The recording with the fewest operations of all that make(composition, state, solution) returns, where
+  /// `solution` is one of the recorded ways to solve with the mass matrix.
   template <class Make> Recording shortest(const Make& make) const {
     Recording best;
     for (const Recording& solution : solutions_) {
@@ -115,8 +115,7 @@ class Accelerations {
     }
     return best;
   }
-  /// The derivatives of the accelerations a by q, v and tau, as contiguous columns, one for each entry of
-  /// these.
+  /// The derivatives of the accelerations a by each entry of q, v and tau, as contiguous columns.
   Traces by_state(Composition& on, const State& at, const Recording& solution) const {
     Traces columns = on(forces_jacobian_, {at.q, at.v, at.a});
     const std::size_t nv = at.v.size(), moving = at.q.size() + nv;
@@ -131,9 +130,9 @@ class Accelerations {
         columns[(moving + c) * nv + r] = columns[(moving + r) * nv + c];
     return columns;
   }
-  /// The upper triangle of the Hessian d²(w a) of the accelerations a with weights w, from L = mu T_xx, the
-  /// columns of T_x and K = M⁻¹ (mu T_aq), where indices denote derivatives of the inverse dynamics T(q, v,
-  /// a); see Accelerations.
+  /// The upper triangle of the Hessian of the weighted accelerations w a, from L = mu T_xx, the columns of
+  /// T_x and K = M⁻¹ (mu T_aq), where mu = M⁻¹ w and indices denote derivatives of the inverse dynamics T(q,
+  /// v, a).
   Traces curvature(const Traces& L, const Traces& T_x, const std::vector<Traces>& K) const {
     const std::size_t nq = K.size(), nv = static_cast<std::size_t>(model_.nv()), n = nq + 2 * nv,
                       moving = nq + nv;
@@ -263,7 +262,7 @@ class Family {
 
  private:
   /// Calls use(output, input, block) for each block of the Jacobian, the derivatives of one output by one
-  /// input. A block is a vector of columns with the indices of results, or -1.
+  /// input. A block lists, by columns, the indices of the results that are its entries, or -1 for zeros.
   template <class Use> void each_block(const std::vector<int>& places, const Use& use) const {
     const std::size_t m = recordings_[value].results.size();
     std::size_t row = 0;
@@ -313,8 +312,8 @@ class Family {
     }
     return all;
   }
-  /// The derivatives of the gradients of the weighted sum of the results: those with respect to the inputs,
-  /// to the outputs, which are 0, and to the weights, which are the transposed Jacobian.
+  /// The derivatives of the gradient of the weighted sum of the results, by the inputs, by the outputs (0)
+  /// and by the weights (the transposed Jacobian).
   std::vector<CasadiOutput> second_derivatives() {
     Recording& H = recordings_[hessian];
     for (int i = 0; i < n_; ++i)

@@ -27,8 +27,7 @@ struct CasadiOutput {
   std::size_t recording = 0;
   std::vector<int> results{};  ///< for each entry of the pattern: the index of the result
 };
-/// A function that CasADi calls. The arguments of the recordings that it needs are the inputs with equal
-/// names.
+/// A function that CasADi calls. Its inputs have the names of the arguments of the recordings that it needs.
 struct CasadiFunction {
   std::string name;
   std::vector<CasadiInput> inputs;
@@ -48,7 +47,8 @@ struct CasadiFamily {
 /// Makes the functions for CasADi. In CasADi the nq coordinates are independent numbers; hence quaternions
 /// are divided by their norm. Derivatives of forward dynamics are computed from derivatives of the inverse
 /// dynamics T(q, v, a) = tau, derivatives of the inverse mass matrix from derivatives of M, and all other
-/// derivatives by differentiation of recordings. `frames` are the names of all frames as identifiers.
+/// derivatives by differentiation of recorded operations. `frames` are the names of all frames as
+/// identifiers.
 CasadiFamily casadi_family(const Model& model, const Function& function, const std::string& name,
                            std::span<const std::string> frames);
 

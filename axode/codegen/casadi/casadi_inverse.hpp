@@ -9,8 +9,7 @@
 namespace axode::codegen {
 
 /// The first derivatives of A(q) = M⁻¹ for CasADi, computed from derivatives of M and products of matrices in
-/// loops. Without loops the code for a humanoid would be too long for compilers. With weights W of the
-/// entries of A and B = A W A,
+/// loops. With weights W of the entries of A and B = A W A,
 ///
 ///     dA = - A dM A,    d(W·A) = - B·dM.
 class CasadiInverse {
@@ -21,22 +20,20 @@ class CasadiInverse {
   /// One of three derivatives of the mass matrix M: along a direction (nv x nv numbers), the gradient of B·M
   /// by q (nq numbers), where B are weights of the entries of M, or by each coordinate q_k (nq times nv x nv
   /// numbers). The recording has only the results that can differ from 0. `places` are their indices among
-  /// all numbers of the derivative; in a CasadiInverse, those of the third derivative are indices within the
-  /// matrix of one q_k.
+  /// all numbers of the derivative, as the constructor takes them.
   struct Part {
     Recording recording;
     std::vector<int> places;
   };
 
-  /// `entries` are the indices r + nv c of the entries (r, c) of A = M⁻¹ that the generated function for A
-  /// computes. `weights` is the name of the argument with the weights of these entries.
+  /// Takes the indices r + nv c (`entries`) of the entries (r, c) of A = M⁻¹ that the generated function
+  /// computes, and the name `weights` of the argument with their weights.
   CasadiInverse(int nq, int nv, std::vector<int> entries, std::string weights,
                 std::array<Part, kinds> masses);
 
   const Recording& of_masses(Kind kind) const { return masses_[kind].recording; }
-  /// A recording that describes the derivative of A = M⁻¹ of this kind: it has the names of the arguments,
-  /// and for each result the constant 1, or 0 if the result is always 0 and the generated function leaves it
-  /// out.
+  /// Describes the arguments and the sparsity of the derivative of A = M⁻¹ of this kind by a recorded
+  /// function with their names, whose results are the constants 0 (always 0, left out) or 1.
   Recording signature(Kind kind) const;
   /// The operations that a derivative of A takes in addition to the computation of A.
   Operations operations(Kind kind) const;

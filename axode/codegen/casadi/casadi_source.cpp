@@ -54,8 +54,7 @@ constexpr const char* foot = R"(#undef AXODE_EXPORT
 #endif
 )";
 
-/// The definitions of the functions that CasADi calls to inspect the function @F@: its inputs, outputs,
-/// sparsity patterns and memory.
+/// C source, for a function @F@, by which CasADi asks for its inputs, outputs, sparsity and memory.
 constexpr const char* questions = R"(AXODE_EXPORT casadi_int @F@_n_in(void) { return @N_IN@; }
 AXODE_EXPORT casadi_int @F@_n_out(void) { return @N_OUT@; }
 AXODE_EXPORT const char *@F@_name_in(casadi_int i) {
@@ -238,8 +237,7 @@ class File {
     for (const std::size_t k : used(function)) text += block(family, function, k);
     return text + "  }\n  return failed;\n}\n";
   }
-  /// The C statements that call the function of one recording if any of its results is wanted, and copy the
-  /// results.
+  /// The C statements that call one recorded function if any of its results is wanted, and copy the results.
   std::string block(const CasadiFamily& family, const CasadiFunction& function, std::size_t k) {
     const Recording& recording = family.recordings[k];
     std::string wanted, copies, arguments;

@@ -95,9 +95,8 @@ pid_t spawned(const std::vector<std::string>& command, const std::filesystem::pa
   return process;
 }
 
-/// The exit code of a process, or 128 + n if signal n ended it; empty while it runs. If the code is not
-/// available, because SIGCHLD is ignored, the result is 0, and the caller has to look at the files that the
-/// process wrote.
+/// The exit code of a process, or 128 + n if signal n ended it; empty while it runs. It is 0 if the code is
+/// not available, because SIGCHLD is ignored.
 std::optional<int> exit_code(pid_t process, int options) {
   int status = 0;
   pid_t ended = 0;

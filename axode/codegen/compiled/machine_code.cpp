@@ -28,8 +28,7 @@ namespace fs = std::filesystem;
 constexpr std::size_t digits = 32;  // length of a digest; each library in the cache ends with the digest of
                                     // its contents
 
-/// The hash of a text, 128 bits as 32 hexadecimal digits. It does not protect against collisions that
-/// somebody intends.
+/// The hash of a text, 128 bits as 32 hexadecimal digits. It is not cryptographic.
 std::string digest(std::string_view text) {
   std::uint64_t a = 0xcbf29ce484222325U, b = 0x9e3779b97f4a7c15U ^ text.size();
   for (const char c : text) {
@@ -73,8 +72,7 @@ fs::path cache_folder() {
   if (home != nullptr && *home == '/') return fs::path(home) / ".cache" / "axode";
   return {};
 }
-/// Whether a file or folder belongs to this user and only this user can write to it. Code is loaded only from
-/// such files.
+/// Whether a file or folder belongs to this user, who alone can write to it; only such code is loaded.
 bool is_ours(const fs::path& file) {
   struct stat status {};
   return !file.empty() && lstat(file.c_str(), &status) == 0 && !S_ISLNK(status.st_mode) &&
@@ -88,9 +86,8 @@ bool is_usable(const fs::path& folder) {
   return is_ours(folder) && access(folder.c_str(), W_OK | X_OK) == 0;
 }
 
-/// Ensures that one process at a time compiles the source that has a given key in the cache. The lock ends
-/// with the process, even if the process is killed. If the file system has no locks, several processes may
-/// compile under one key.
+/// A lock with which one process at a time compiles the source that has a given key in the cache. It ends
+/// with the process. If the file system has no locks, several processes may compile under one key.
 class Lock {
  public:
   Lock(const fs::path& folder, const std::string& key)
@@ -151,9 +148,8 @@ fs::path temporary_folder() {
       "\", which is not a folder; set TMPDIR or XDG_CACHE_HOME to a folder that can be written to");
 }
 /// Moves the work folders of ended processes into `work`, the work folder of this process, with which they
-/// are removed. `lock` is the lock of this process on the source with the key `key`, which it may or may not
-/// hold. The folders are not removed in place, because this may fail: a compiler that outlives its process
-/// still creates files there. After the move it does not find the folder any more.
+/// are removed. `lock` is the lock of this process, held or not, on the source with the key `key`. To remove
+/// the folders in place might fail, because a compiler that outlives its process still creates files there.
 void collect_abandoned(const fs::path& cache, const fs::path& work, const std::string& key,
                        const Lock& lock) {
   std::error_code failed;

@@ -56,8 +56,7 @@ template <class T> struct Specialised<T>::Code {
   }
 };
 
-/// Calls a compiled function for several states, with scratch memory of its own. Threads do not share one
-/// Call.
+/// Calls a compiled function for several states, with scratch memory of its own, for one thread.
 template <class T> class Specialised<T>::Call {
  public:
   Call(batch::StatesOfRow<T>& states, const typename Code::Entry& entry)

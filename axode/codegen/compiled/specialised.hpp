@@ -31,12 +31,12 @@ class CompilationEnded : public std::runtime_error {
 ///     const Specialised<> fast(arm, {{"inverse_dynamics"}});
 ///     batch::Outcome outcome = batch::run(fast, {"inverse_dynamics"}, {.q = q, .v = v, .a = a}, tau, 4);
 ///
-/// All functions of the library without a Specialised need no compiler at run time.
+/// The library needs a compiler at run time for this class only.
 template <class T = double> class Specialised {
  public:
-  /// Compiles the given functions. Throws std::invalid_argument for arguments that codegen::c_source()
-  /// refuses, for the function `pose`, and if `lanes` is not 1, 2, 4, 8 or 16, and std::runtime_error if
-  /// there is no compiler or it fails.
+  /// Compiles the given functions. Throws std::invalid_argument for wrong names or functions, for the
+  /// function `pose`, and if `lanes` is not 1, 2, 4, 8 or 16, and std::runtime_error if there is no compiler
+  /// or it fails.
   Specialised(const Model& model, std::span<const codegen::Function> functions,
               SpecialisedOptions options = {});
   Specialised(const Model& model, std::initializer_list<codegen::Function> functions,
@@ -64,12 +64,11 @@ template <class T = double> class Specialised {
 namespace batch {
 
 /// Computes a function that the model was specialised for in N states, which are contiguous as in
-/// axode/batch.hpp. Arguments are checked, and threads and the monitor are used, as in batch::run() for a
-/// Model. States whose mass matrix may be singular are computed by the library's own function, which decides.
-/// Results differ from the library's by rounding. The result of a state depends neither on its index nor on
-/// the number of threads, but a call for a single state does not use SIMD lanes and may differ by rounding.
-/// Throws std::invalid_argument for wrong arguments, for a function that was not among those of the
-/// constructor, and for loads.
+/// axode/batch.hpp. Threads and the monitor are used as in batch::run(). States whose mass matrix may be
+/// singular are computed by the library's own function, which decides. Results differ from the library's by
+/// rounding. The result of a state depends neither on its index nor on the number of threads, but a call for
+/// a single state does not use SIMD lanes and may differ by rounding. Throws std::invalid_argument for wrong
+/// arguments, for a function that was not among those of the constructor, and for loads.
 template <class T>
 Outcome run(const Specialised<T>& model, const codegen::Function& function,
             const catalog::Arguments<std::type_identity_t<T>>& given, std::type_identity_t<std::span<T>> out,
@@ -100,8 +99,7 @@ Outcome rollout(const Specialised<T>& model, Numbers<T> q, Numbers<T> v, const D
 
 }  // namespace batch
 
-/// The cache of compiled models in $XDG_CACHE_HOME/axode, or in ~/.cache/axode: its folder, the number of
-/// models, and their size in bytes.
+/// The cache of compiled models in $XDG_CACHE_HOME/axode or ~/.cache/axode: folder, number of models, bytes.
 struct SpecialisedCache {
   std::string folder;  ///< empty if there is no cache
   std::size_t models = 0;

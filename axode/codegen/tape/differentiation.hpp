@@ -5,10 +5,8 @@
 
 #include "axode/codegen/tape/recording.hpp"
 
-/// Recorded functions (lists of operations) that are made from other recorded functions: functions of
-/// functions, and derivatives by the rules of differentiation. A derivative that is always 0, because a
-/// result does not depend on an argument, is the constant 0; hence the results show the sparsity of
-/// derivatives.
+/// Makes recorded functions (lists of operations) from others: functions of functions, and derivatives by the
+/// rules of differentiation. Derivatives that are always 0 are the constant 0, which shows their sparsity.
 namespace axode::codegen {
 
 /// A function that is composed of recorded functions, and recorded on a tape of its own.
@@ -39,8 +37,8 @@ class Composition {
   Recording with(const std::string& result, Traces results);
 
  private:
-  /// The derivatives of the results of `made`, a recording on the tape of this composition, in a direction of
-  /// the arguments. Only the nodes (operations) k with need[k] are differentiated.
+  /// The derivatives of the results of a recording, which was made from this composition, in a direction of
+  /// the arguments. Only the operations k with need[k] are differentiated.
   Traces along(const Recording& made, const std::vector<char>& need, std::span<const Traces> direction) const;
   /// The index of the node of an entry of an argument.
   std::size_t node(std::size_t argument, std::size_t entry) const;
@@ -50,11 +48,11 @@ class Composition {
   std::vector<Traces> inputs_;
 };
 
-/// A recording of the derivatives of the function f by all its arguments x: contiguous columns, one for each
-/// entry of x.
+/// Returns a function that computes the derivatives of f by all its arguments: a column for each of their
+/// entries.
 Recording jacobian_of(const Recording& f);
-/// A recording of the derivative of the results of f in a direction. The recording has the arguments of f
-/// and, for each argument q, an additional argument fwd_q with the direction of q.
+/// Returns a function that computes the derivative of f in a direction. It has the arguments of f and, for
+/// each argument q, an additional argument fwd_q with the direction of q.
 Recording tangent_of(const Recording& f);
 /// Additional arguments of a recording that have a weight for each result.
 struct Weights {
@@ -63,11 +61,11 @@ struct Weights {
   /// Adds the arguments for the weights to a composition and returns their entries.
   Composition::Traces on(Composition& composition) const;
 };
-/// A recording of the gradient of Σ w_k f_k by all arguments of f, one argument after the other. The weights
-/// w are additional arguments, and f_k are the results of f.
+/// Returns a function that computes the gradient of Σ w_k f_k by all arguments of f, one after the other. The
+/// weights w are additional arguments, and f_k are the results of f.
 Recording adjoint_of(const Recording& f, const Weights& weights);
-/// A recording of the second derivatives of Σ w_k f_k by all arguments of f, a square matrix. The weights w
-/// are additional arguments, and f_k are the results of f.
+/// Returns a function that computes the second derivatives of Σ w_k f_k by all arguments of f, a square
+/// matrix. The weights w are additional arguments, and f_k are the results of f.
 Recording hessian_of(const Recording& f, const Weights& weights);
 
 }  // namespace axode::codegen

@@ -24,9 +24,8 @@ using Traces = Composition::Traces;
 template <class Kernel> using OnTape = WithScratch<T, Kernel>;
 
 /// Determines whether the mass matrix may be singular: whether a pivot of its factorisation is small compared
-/// with the inertia of its velocity at q = 0. In float, an arm has such a pivot in a sixth of its states.
-/// Therefore each pivot in float is also compared with the rounding errors of the numbers from which it is
-/// computed, as the library does for such states.
+/// with the inertia of its velocity at q = 0. In float, each pivot is also compared with the rounding errors
+/// of the numbers from which it is computed.
 class SingularityTest {
  public:
   SingularityTest(const Tree<double>& tree, bool single_precision)
@@ -50,8 +49,7 @@ class SingularityTest {
   Trace::Condition has_small_, has_rounding_;
 };
 
-/// A function of a tree of bodies that is being recorded: its tape, and the constants of the tree as numbers
-/// of the tape.
+/// A function of a tree that is being recorded: its tape (list of operations) and the constants of the tree.
 struct Traced {
   Composition on;
   Tree<T> constants;
@@ -72,8 +70,8 @@ struct Traced {
   }
 };
 
-/// Records how the equations of motion are solved, by articulated bodies or by the mass matrix and its sparse
-/// factors. Both ways are body-fixed, because joint screws are then constant and sparse.
+/// Records the operations that solve the equations of motion, by articulated bodies or by sparse factors of
+/// the mass matrix, in body axes, in which joint screws are constant and sparse.
 template <bool factors> struct Solver {
   using T = Trace;
   using Bodies = std::conditional_t<factors, CompositeBodies<BodyFixed, T>, ArticulatedBodies<BodyFixed, T>>;
@@ -128,9 +126,8 @@ template <bool factors> struct Solver {
       for (std::size_t r = 0; r < nv; ++r) matrix[r * nv + c] = x[r];
     }
   }
-  /// Computes the inverse of the mass matrix by solving for all unit vectors. Each solution finds one half of
-  /// the symmetric result first, on its way to the leaves. This half is copied to the other half, so that the
-  /// tape drops the operations for the other half.
+  /// Computes the inverse of the mass matrix by solving for all unit vectors. One half of the symmetric
+  /// result is a copy of the other, so that the operations for it are not recorded.
   void inverse(const Tree<double>& tree, T* matrix) {
     const std::size_t nv = tree->nv;
     for (std::size_t k = 0; k < nv * nv; ++k) matrix[k] = T(k % (nv + 1) == 0);
@@ -140,14 +137,12 @@ template <bool factors> struct Solver {
   }
 };
 
-/// Whether the factors of the mass matrix are exact to rounding. On long paths they are not, because they
-/// lose digits there.
+/// Whether the factors of the mass matrix are exact to rounding, unlike on long paths, where digits are lost.
 bool factors_are_exact(const Tree<double>& tree) {
   return tree->depth <= FastInverseMassMatrix<double>::longest_path;
 }
 
-/// Records a function of the table of functions by running its kernel. Each result of the function has one
-/// number for each velocity or for each pair of velocities.
+/// Records a function of a state by running its kernel. Each result has nv or nv² numbers.
 template <catalog::Id id, class By> Recording record_row(const Tree<double>& tree, bool single_precision) {
   constexpr const catalog::Words& row = id.words();
   Traced traced(tree, row.together);
@@ -169,8 +164,7 @@ template <catalog::Id id, class By> Recording record_row(const Tree<double>& tre
   }
 }
 
-/// Records the mass matrix in the body-fixed representation, because joint screws are then constant and
-/// sparse.
+/// Records the mass matrix in the body-fixed representation, in which joint screws are constant and sparse.
 Recording mass_matrix(const Tree<double>& tree) {
   Traced traced(tree, "M");
   const Traces q = traced.argument("q", tree->nq);
@@ -199,8 +193,7 @@ template <class By> Recording solution(const Tree<double>& tree) {
   return traced.with(std::move(x), by->maybe_singular);
 }
 
-/// The Jacobian of a frame, one column for each velocity. If Rep is BodyFixed, joint screws are computed on
-/// the path from the frame to the ground, otherwise from the poses of the bodies.
+/// The Jacobian of a frame in representation Rep, one column for each velocity.
 template <class Rep> std::vector<Twist<Rep, T>> columns(Traced& traced, const Traces& q, int frame) {
   const Tree<T>& tree = traced.constants;
   std::vector<Twist<Rep, T>> J(tree->nv);
@@ -255,9 +248,8 @@ Recording poses(const Tree<double>& tree, int first, int last) {
 using Articulated = Solver<false>;
 using Factorized = Solver<true>;
 
-/// The two functions that record one function of the table of functions: with articulated bodies, and with
-/// the factors of the mass matrix. by_factors is null for a function that does not solve with the mass
-/// matrix.
+/// Two ways to record one function: by articulated bodies, and by the factors of the mass matrix, which is
+/// null for a function that does not solve with the mass matrix.
 struct Recorder {
   using Of = Recording (*)(const Tree<double>&, bool single_precision);
   Of by_bodies = nullptr, by_factors = nullptr;

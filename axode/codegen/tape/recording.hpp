@@ -37,8 +37,7 @@ Operations operations(const Recording& recording);
 /// Determines for each node whether the results, or the condition `maybe_singular`, depend on it.
 std::vector<char> needed(const Recording& recording);
 
-/// The indices of the nodes (recorded operations) whose results a node uses. Unused entries are 0, the index
-/// of the node of the constant 1.
+/// The indices of the operations whose results a recorded operation uses; unused entries are 0.
 std::array<int, 3> operands(const Tape::Node& node);
 
 }  // namespace axode::codegen

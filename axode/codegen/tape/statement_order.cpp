@@ -51,8 +51,7 @@ class Ordering {
     }
   };
 
-  /// The number of results that need not be kept any more after statement k, less 1 if the result of k itself
-  /// is used later.
+  /// The decrease of the number of live results by statement k, whose own result is live if it is used later.
   int freed(int k) const {
     int count = 0;
     for (const int from : operands_[k]) count += uses_left_[from] == 1;

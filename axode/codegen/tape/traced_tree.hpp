@@ -3,16 +3,14 @@
 
 namespace axode::codegen {
 
-/// The tree of bodies with which the functions of a model are recorded to generate code. It has the dynamics
-/// of the given tree, but more of its constants are 0 or 1. Results differ from those of the given tree by
-/// rounding.
+/// An equivalent tree of bodies from which shorter code is generated: it has the dynamics of the given tree,
+/// but more of its constants are 0 or 1. Results differ from those of the given tree by rounding.
 ///
 /// Entries of rotations, vectors and tensors that are only rounding errors, 1e-15 of the size of the rotation
 /// column, vector or tensor, are set to 0 (or to ±1 in a rotation). The part of a body's inertia whose effect
 /// on the predecessor does not depend on the joint coordinate is moved to the predecessor, or dropped if the
 /// predecessor is the ground: for a hinge the part that is symmetric about its axis, for a prismatic joint
-/// the whole of the rotational inertia, for a spherical joint the mass as a point mass in its centre. For
-/// hinges, the minimal inertial parameters of identification remain.
+/// the whole of the rotational inertia, for a spherical joint the mass as a point mass in its centre.
 ///
 /// Of the constants that describe the bodies, only Tree::B and Tree::M may be read from this tree.
 Tree<double> traced_tree(const Tree<double>& tree);

@@ -21,10 +21,11 @@ int start_vertex(const ConvexShape& shape, int last) {
   return exists ? last : 0;
 }
 
-/// Takes the better of two candidates for the solution. A candidate is a unit normal n, the width s of the
-/// gap between the cores along n, and a point x of their difference; its residual is |x - s n|. Replaces c by
-/// t if t has a larger width, or the same width to rounding and a smaller residual. Otherwise replaces only
-/// the point of c by that of t, if the latter is nearer to s n of c. Returns whether c has changed.
+/// Takes the better of two candidates for the least distance of two cores. A candidate is a unit normal n,
+/// the width s of the gap between the cores along n, and a point x of their difference; its residual is |x -
+/// s n|. Replaces c by t if t has a larger width, or the same width to rounding and a smaller residual.
+/// Otherwise replaces only the point of c by that of t, if the latter is nearer to s n of c. Returns whether
+/// c has changed.
 bool improve(const CorePair& pair, Candidate& c, const Candidate& t) noexcept {
   const bool higher = t.s > c.s + pair.rounding;
   const bool as_high = t.s >= c.s - pair.rounding;
@@ -39,7 +40,7 @@ bool improve(const CorePair& pair, Candidate& c, const Candidate& t) noexcept {
   return true;
 }
 
-/// Makes at most `rounds` proximal steps (D10.7) from the normal of candidate c. Ends earlier if the steps
+/// Improves the normal of candidate c by at most `rounds` proximal steps (D10.7). Ends earlier if the steps
 /// bring no improvement, or if the residual of c vanishes.
 void ascend(CorePair& pair, Candidate& c, int rounds) noexcept {
   double gap = pair.curved ? pair.step / 16 : pair.rounding;
@@ -53,8 +54,8 @@ void ascend(CorePair& pair, Candidate& c, int rounds) noexcept {
   }
 }
 
-/// Computes the distance of two cores as the norm of the point of least norm of their difference. This is the
-/// solution if the cores are apart; if they overlap, c does not change.
+/// Computes the distance of two cores that are apart, as the least norm in their difference, and the
+/// candidate c for it. If the cores overlap, c does not change.
 void approach(CorePair& pair, Candidate& c) noexcept {
   Candidate direct;
   direct.n = c.n;

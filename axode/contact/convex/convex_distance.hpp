@@ -19,15 +19,14 @@ struct ConvexDistance {
   double core_overlap = 0;   ///< overlap of the cores along n, m; 0 if the cores are apart
   double overlap_bound = 0;  ///< proved lower bound of the overlap of the cores, m, see expand()
 
-  /// Whether it is proved that the bodies overlap along no other normal less than along the normal n, to 2e-5
-  /// of the overlap of their cores (see ConvexShape). For cylinders and ellipsoids, normals within 0.0045 rad
-  /// of n are left out of the proof. True if the cores are apart.
+  /// Whether the overlap of the bodies along n is proved to be the least of all normals, to 2e-5 of the
+  /// overlap of their cores (see ConvexShape). For cylinders and ellipsoids the proof leaves out normals
+  /// within 0.0045 rad of n. True if the cores are apart.
   bool proved() const noexcept;
 };
 
-/// The state that convex_distance() leaves for its next call with the same pair of shapes: the normal in the
-/// axes of a, and the hull vertices that were found last. It changes only the time of the next call, not its
-/// result, even if it comes from another pair.
+/// A start for convex_distance(), left by an earlier call: the normal in the axes of a, and the hull vertices
+/// that were found last. It changes only the time of a call, not its result.
 struct WarmStart {
   Vec3<> normal{};
   int vertex_a = 0, vertex_b = 0;

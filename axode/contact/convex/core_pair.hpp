@@ -13,7 +13,7 @@ inline constexpr double infinity = std::numeric_limits<double>::infinity();
 inline constexpr double epsilon = std::numeric_limits<double>::epsilon();
 
 /// A point w = b - a of the difference B - A of two cores. The support function of a core consists of smooth
-/// branches, see support_branch(); branch_a and branch_b are the numbers of those on which a and b lie.
+/// branches; branch_a and branch_b are the numbers of those on which a and b lie.
 struct Vertex {
   Vec3<> w, a;
   int branch_a = 0, branch_b = 0;
@@ -43,8 +43,9 @@ struct Simplex {
   }
 };
 
-/// A candidate for the solution: a unit normal n, the width s of the gap between the cores along n, which is
-/// a lower bound of their distance, and a simplex, which represents the point s n at the solution (D10.3).
+/// A candidate for the least distance of two cores: a unit normal n, the width s of the gap between the cores
+/// along n, which is a lower bound of their distance, and a simplex in the difference of the cores, which at
+/// the solution contains the point s n (D10.3).
 struct Candidate {
   Vec3<> n{};
   double s = -infinity;

@@ -10,8 +10,7 @@ namespace {
 
 constexpr int most_points = 96, most_faces = 192;
 
-/// A polytope of triangles in fixed memory. The normal of a triangle without area is NaN. Such a triangle is
-/// never expanded, and disappears when a neighbour does.
+/// A polytope of triangles in fixed memory. A triangle without area has the normal NaN and is never expanded.
 class Polytope {
  public:
   using Triple = std::array<std::uint8_t, 3>;

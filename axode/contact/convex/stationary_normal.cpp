@@ -12,8 +12,8 @@ namespace {
 /// three vertices of the simplex, and s.
 using Equations = std::array<std::array<double, 7>, 6>;
 
-/// Solves the first `size` equations by Gauss-Jordan elimination with pivots. The solution is in the last
-/// column, which is column `size`. Returns false if the matrix is singular.
+/// Solves linear equations [matrix | right side] by Gauss-Jordan elimination with pivots. The solution
+/// replaces the right side, which is column `size`. Returns false if the matrix is singular.
 bool solve(Equations& m, int size) noexcept {
   for (int c = 0; c < size; ++c) {
     int pivot = c;
@@ -31,8 +31,8 @@ bool solve(Equations& m, int size) noexcept {
   return true;
 }
 
-/// Newton's method for the normal of a candidate. A body that is frozen is replaced by the polytope of its
-/// points in the simplex, so that these points do not move with the normal.
+/// Newton's method for the normal along which the gap of two cores is stationary. A frozen body is replaced
+/// by the polytope of its points in the simplex, which do not move with the normal.
 class Newton {
  public:
   Newton(CorePair& pair, const Candidate& start, bool freeze_a, bool freeze_b)
@@ -66,8 +66,8 @@ class Newton {
   }
 
  private:
-  /// Adds a vertex with a weight to the simplex. Vertices on the same branches of the support functions of
-  /// both bodies become one vertex, unless a body is frozen.
+  /// Adds a vertex with a weight to the simplex. Vertices on the same branches (smooth parts) of the support
+  /// functions of both bodies become one vertex, unless a body is frozen.
   void merge(const Vertex& v, double weight) noexcept {
     Simplex& x = now_.simplex;
     if (!freeze_a_ && !freeze_b_)
@@ -79,8 +79,8 @@ class Newton {
     x.add(v, weight);
   }
 
-  /// Moves the vertices of the simplex to the support points of their branches of the support functions for
-  /// the present normal n. Returns the least height n·w of a vertex w.
+  /// Moves the vertices of the simplex to their support points for the present normal n. Returns the least
+  /// height n·w of a vertex w.
   double move_vertices() noexcept {
     double level = infinity;
     const Vec3<> m = pair_.to_b(-now_.n);

@@ -8,9 +8,8 @@ namespace {
 using Changes = DisplacedMotion::Changes;
 using Across = Eigen::Matrix<double, 3, 6>;
 
-/// The axes of contact_frame() or turned() with their derivatives: the first three numbers are those along
-/// the components of the old normal of turned(), the last three those along the components of the new or only
-/// normal.
+/// The axes of a contact frame with six derivatives: along the three components of the old normal from which
+/// the frame is turned, if there is one, and along those of its own normal.
 struct DisplacedFrame {
   Vec3<Displaced> n, t1, t2;
 };
@@ -30,8 +29,7 @@ DisplacedFrame turned_frame(const DisplacedFrame& axes, const Vec3<Displaced>& n
   return {n, t1, cross(n, t1)};
 }
 
-/// The vector a, as an argument of a function that is differentiated: its components are the numbers `first`
-/// to `first` + 2 of the six along which derivatives are taken.
+/// The vector a, whose components are the variables `first` to `first` + 2 of six for differentiation.
 Vec3<Displaced> along(const Vec3<>& a, std::size_t first) {
   Vec3<Displaced> out = cast<Displaced>(a);
   out.x.dx[first] = out.y.dx[first + 1] = out.z.dx[first + 2] = 1;

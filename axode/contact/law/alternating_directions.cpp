@@ -4,8 +4,7 @@
 
 #include "axode/contact/law/velocity_solver.hpp"
 
-/// The alternating direction method of multipliers, which finds start values for Newton's method. Its linear
-/// systems are (D11.10) of docs/derivations/contact.md.
+/// The alternating direction method of multipliers (D11.10), which finds start values for Newton's method.
 namespace axode {
 namespace {
 
@@ -15,8 +14,8 @@ constexpr double good_start = 1e-6;
 
 }  // namespace
 
-/// Computes out = D⁻¹ Yᵀ Y D⁻¹ a, where Yᵀ Y is the Delassus operator and D is the diagonal matrix of the
-/// scales d of the rows. Overwrites u_ and x_.
+/// Computes out = D⁻¹ Yᵀ Y D⁻¹ a, with the Delassus operator Yᵀ Y and the diagonal matrix D of the scales of
+/// the constraint rows. Overwrites u_ and x_.
 void VelocitySolver::apply_delassus(const Vector& a, Vector& out) noexcept {
   const Eigen::Map<const Eigen::VectorXd> d2(problem_->squared_scales().data(), rows_);
   u_ = a.array() / d2.array().sqrt();
@@ -49,8 +48,8 @@ void VelocitySolver::factorize_shifted(double s) noexcept {
   factorize_with(true);
 }
 
-/// Computes a := (D⁻¹ Yᵀ Y D⁻¹ + s)⁻¹ a by (D11.10), where Yᵀ Y is the Delassus operator and D is the
-/// diagonal matrix of the scales d of the rows.
+/// Computes a := (D⁻¹ Yᵀ Y D⁻¹ + s)⁻¹ a by (D11.10), with the Delassus operator Yᵀ Y and the diagonal matrix
+/// D of the scales of the constraint rows.
 void VelocitySolver::solve_shifted(double s, Vector& a) noexcept {
   const Eigen::Map<const Eigen::VectorXd> d2(problem_->squared_scales().data(), rows_);
   u_ = a.array() / d2.array().sqrt();

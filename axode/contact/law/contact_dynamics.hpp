@@ -24,8 +24,8 @@ struct [[nodiscard]] ContactStatus {
 /// max(gap/h, -5 threshold): the gap may close within the step, and an overlap is removed slowly. For a row
 /// of a loop, r is its position residual divided by h. For all other rows r is 0.
 ///
-/// An object is the scratch memory of one thread and has the results of the last call of solve(). Impulses λ
-/// are in N s and N m s. The rows are those of ContactSystem.
+/// An object is the scratch memory of one thread and keeps the results of solve(). Impulses λ are in N s and
+/// N m s.
 class ContactDynamics {
  public:
   struct Options {
@@ -35,8 +35,8 @@ class ContactDynamics {
         1e-15;  ///< certificate at which the solver stops; it stops earlier if rounding prevents it
   };
 
-  /// The arguments are those of ContactSystem. Throws std::invalid_argument if `contact_rows` is not 3, 4 or
-  /// 6.
+  /// Reserves memory for `capacity` contacts with `contact_rows` constraint rows each. Throws
+  /// std::invalid_argument if `contact_rows` is not 3, 4 or 6.
   explicit ContactDynamics(const Model& model, int contact_rows = 3, std::size_t capacity = 64);
 
   /// Solves for v⁺ and λ at a state (q, v) with drive forces tau. `start` has the impulses of all rows with

@@ -5,7 +5,7 @@
 /// closed loops, (D11.1) of docs/derivations/contact.md.
 namespace axode {
 
-/// The law of a block of rows, for the velocities u of the rows after a step and their impulses λ. For a
+/// The law between the velocities u after a step and the impulses λ of a block of constraint rows. For a
 /// contact, N is the normal row and T are the friction rows.
 enum class ContactLaw {
   contact,       ///< 0 ≤ λ_N ⊥ u_N ≥ 0, and Coulomb's cone |λ_T| ≤ λ_N with u_T = -s λ_T, s ≥ 0
@@ -15,9 +15,10 @@ enum class ContactLaw {
   pressed,  ///< a contact whose normal impulse is given: |λ_T| ≤ bound, u_T = -s λ_T, s ≥ 0, and λ_N = 0
 };
 
-/// Consecutive rows that obey one law together. A contact has its normal row first, and then two rows of
-/// sliding friction, one of drilling and two of rolling friction: 3, 4 or 6 rows. Every other block has one
-/// row. Friction rows are multiplied by their coefficients, so that the cone of every contact is |λ_T| ≤ λ_N.
+/// Consecutive constraint rows that obey one law together. A contact has its normal row first, and then two
+/// rows of sliding friction, one of drilling and two of rolling friction: 3, 4 or 6 rows. Every other block
+/// has one row. Friction rows are multiplied by their coefficients, so that the cone of every contact is
+/// |λ_T| ≤ λ_N.
 struct LawBlock {
   static constexpr int most_rows = 6;
 
@@ -34,24 +35,24 @@ enum class LawBranch {
   slide,  ///< the impulse is on the boundary of its cone or bound
 };
 
-/// Computes λ = resolve(z), the function by which all laws are written (D11.2): λ obeys the law together with
-/// the velocities u if and only if λ = resolve(λ - u/R), for any number R > 0. z and λ have an entry for each
-/// row of the block.
+/// Computes λ = resolve(z), the resolvent of the law of a block (D11.2): λ obeys the law together with the
+/// velocities u if and only if λ = resolve(λ - u/R), for any number R > 0. z and λ have an entry for each row
+/// of the block.
 void resolve(const LawBlock& block, const double* z, double* lambda) noexcept;
 
 template <int rows> using LawMatrix = Eigen::Matrix<double, rows, rows>;
 
-/// Computes the derivative Z of resolve() at the trial impulse z (D11.3) and returns the branch at z. Z is 0
-/// if the block is open or if dry friction of a joint slides, and 1 if the block sticks. If a contact slides,
-/// Z is not symmetric. `rows` must be the number of rows of the block.
+/// Computes the derivative Z of resolve() at the trial impulse z (D11.3) and returns the branch (stick, slide
+/// or open) at z. Z is 0 if the block is open or if dry friction of a joint slides, and 1 if the block
+/// sticks. If a contact slides, Z is not symmetric. `rows` must be the number of rows of the block.
 template <int rows>
 LawBranch differentiate(const LawBlock& block, const double* z, LawMatrix<rows>& Z) noexcept;
 
 /// The branch of the law of a block at the trial impulse z.
 LawBranch branch_of(const LawBlock& block, const double* z) noexcept;
 
-/// Projects z on the friction cone if the block has the law `contact`, and otherwise computes resolve(z). The
-/// result is the resolvent of a convex neighbour of the law, in which sliding contacts part.
+/// Projects z on the friction cone if the block is a contact, and computes resolve(z) otherwise. This is the
+/// resolvent of a convex approximation of the law, in which sliding contacts part.
 void project(const LawBlock& block, const double* z, double* lambda) noexcept;
 
 /// Calls f with the number of rows of a block as a compile-time constant.

@@ -25,9 +25,9 @@ struct Contact {
   std::optional<double> normal_impulse = {};
 };
 
-/// The axes of the rows of a contact: the normal n and two tangents. contact_frame() makes them from the
-/// normal. The tangents are continuous functions of the normal except where n_z changes its sign (Duff et
-/// al., Building an orthonormal basis, revisited, 2017).
+/// The axes of a contact: the normal n and two tangents. contact_frame() makes them from the normal. The
+/// tangents are continuous functions of the normal except where n_z changes its sign (Duff et al., Building
+/// an orthonormal basis, revisited, 2017).
 struct ContactFrame {
   Vec3<> n, t1, t2;
 };
@@ -54,15 +54,14 @@ struct DryJoint {
 /// at a configuration, and its mass matrix M = Lᵀ D L by articulated bodies. The blocks of rows are, in this
 /// order: contacts, with the rows n, t1, t2 for the velocity of the point of body b relative to that of body
 /// a, and then the relative angular velocity about n and about t1, t2; stops; joints with dry friction;
-/// loops, with the rows of loop_jacobian(). Row k of the Jacobian J gives column k of Y = D^-½ L⁻ᵀ Jᵀ; it
-/// takes one sweep to the root along the paths of the two bodies (D11.4). An object is the scratch memory of
-/// one thread.
+/// loops. Row k of the Jacobian J gives column k of Y = D^-½ L⁻ᵀ Jᵀ; it takes one sweep to the root along the
+/// paths of the two bodies (D11.4). An object is the scratch memory of one thread.
 class ContactSystem {
  public:
-  /// `contact_rows` is the number of rows of each contact: 3, or 4 with drilling friction, or 6 with rolling
-  /// friction. `capacity` is the number of contacts for which memory is reserved. The stops are the hard
-  /// stops of the model at finite limits. The dry joints are the joints of one velocity with dry friction, or
-  /// none if `dry_friction` is false. Joints that are coupled to a leader have neither.
+  /// Reserves memory for `capacity` contacts with `contact_rows` rows each: 3, or 4 with drilling friction,
+  /// or 6 with rolling friction. The stops are the hard stops of the model at finite limits. The dry joints
+  /// are the joints of one velocity with dry friction, or none if `dry_friction` is false. Joints that are
+  /// coupled to a leader have neither.
   explicit ContactSystem(const Model& model, int contact_rows = 3, std::size_t capacity = 64,
                          bool dry_friction = true);
 
@@ -71,66 +70,62 @@ class ContactSystem {
   std::span<const JointStop> stops() const { return stops_; }
   std::span<const DryJoint> dry_joints() const { return dry_; }
 
-  /// Computes the poses of the internal frames of all bodies at q (n_bodies + 1 entries), as
-  /// ContactFinder::find() needs them. Afterwards the rows and factors of an earlier set() are no longer
-  /// valid.
+  /// Computes the poses of the internal frames of all bodies at q (n_bodies + 1 entries). Invalidates the
+  /// constraint rows and factors of an earlier set().
   void poses(const double* q, SE3<>* C) noexcept;
   /// Computes the twists of all bodies for the velocities v, at the q of the last call of poses() or set().
   void move_bodies(const double* v) noexcept;
-  /// Computes the velocities of the rows of a contact (contact_rows() numbers) along the given axes, for the
+  /// Computes the relative velocities (contact_rows() numbers) at a contact along the given axes, for the
   /// velocities v of the last call of move_bodies().
   void contact_velocity(const Contact& contact, const ContactFrame& axes, double* u) const noexcept;
   /// An upper bound of the speed of all points of a body that are at most `distance` (m) away from its
   /// origin, m/s, for the velocities v of the last call of move_bodies().
   double speed(int body, double distance) const noexcept;
-  /// Computes the opening of each row of the loops, which is the position residual that the row should make
-  /// 0, at the q of the last call of poses() or set(): one number for each row, rad or m. It is 0 for rows
-  /// that constrain velocities alone, such as the rows of a rolling contact.
+  /// Computes the position residual of each scalar loop constraint (row) at the q of the last call of poses()
+  /// or set(), rad or m. It is 0 for constraints of velocities alone, such as rolling.
   void loop_openings(const double* q, double* openings) noexcept;
 
-  /// Factorises the mass matrix and makes all rows at q. Only stops that are nearer than `stop_margin` (rad
-  /// or m) get rows. Afterwards problem() has the rows in physical units; their terms r are 0, the bounds of
-  /// dry friction are its forces times the step h, and the motion w without impulses has its earlier value.
-  /// Allocates only if there are more contacts than the capacity.
+  /// Factorises the mass matrix and makes all constraint rows at q. Of the hard stops only those nearer than
+  /// `stop_margin` (rad or m) get rows. Afterwards problem() has the rows in physical units, with terms r = 0
+  /// and the friction forces of dry joints times the step h as bounds. Allocates only if there are more
+  /// contacts than the capacity.
   Solvability set(const double* q, std::span<const Contact> contacts, double h,
                   double stop_margin = std::numeric_limits<double>::infinity());
 
-  /// The rows as a VelocityProblem. After set(), the caller sets its terms r (in physical units) and its
-  /// motion w without impulses, and calls finish().
+  /// The constraint rows as a VelocityProblem. The caller sets its terms r (in physical units) and its motion
+  /// w without impulses after set(), and calls its finish().
   VelocityProblem& problem() { return problem_; }
   const VelocityProblem& problem() const { return problem_; }
   std::span<const int> active_stops() const { return active_; }  ///< indices in stops()
   /// The index of the first row of the loops. The rows of contacts, stops and dry joints are before it.
   int first_loop_row() const { return first_loop_row_; }
-  /// Whether a row of the loops constrains positions, so that it has a position residual. Other rows
-  /// constrain velocities alone. `row` is counted from the first row of the problem.
+  /// Whether constraint `row` of the problem, one of the loops, constrains positions, not only velocities.
   bool has_residual(std::size_t row) const {
     return residual_rows_[row - static_cast<std::size_t>(first_loop_row_)] != 0;
   }
-  /// The distances that are left at q, after set(): the gap of each contact, then the distance of each active
-  /// stop from its limit, then the opening of each row of the loops, see loop_openings(); m or rad.
+  /// The distances to the constraints at q, after set(): the gap of each contact, then the distance of each
+  /// active stop from its limit, then the position residual of each row of the loops; m or rad.
   std::span<const double> room() const { return room_; }
 
   /// With the mass matrix M = Lᵀ D L, pull() computes x = D^-½ L⁻ᵀ p from momenta or forces p, and push()
   /// computes v = L⁻¹ D^-½ x, nv numbers each. The two arguments of a call may be the same memory.
   void pull(const double* p, double* x) noexcept;
   void push(const double* x, double* v) noexcept;
-  /// With the Jacobian J of all rows, times() computes their velocities u = J v, and add_transposed_times()
-  /// computes p += Jᵀ λ from their impulses λ. The rows are in physical units, not multiplied by coefficients
-  /// of friction.
+  /// With the Jacobian J of all constraint rows, times() computes their velocities u = J v, and
+  /// add_transposed_times() computes p += Jᵀ λ from their impulses λ. They are in physical units, without
+  /// coefficients of friction.
   void times(const double* v, double* u) const noexcept;
   void add_transposed_times(const double* lambda, double* p) const noexcept;
   /// Writes the Jacobian J of all rows, rows × nv numbers, row by row.
   void write(double* J) const noexcept;
   /// Computes the momenta p = M v (nv) at the configuration of set(), armature included.
   void momenta(const double* v, double* p) noexcept;
-  /// Computes the bias forces h(q, v) (nv) of the tree, by gravity, Coriolis and centrifugal terms and loads,
-  /// at the q of set().
+  /// Computes the forces (nv) of gravity, Coriolis and centrifugal terms and loads at the q of set().
   void bias_forces(const double* q, const double* v, const Loads<>& loads, double* h) noexcept {
     loops_.move(q, v, loads, h);
   }
-  /// The impulse that the contacts give to the ground, (moment; force) about the inertial origin. `lambda`
-  /// has the impulses of the rows of all contacts in physical units.
+  /// The impulse of the contacts on the ground, (moment; force) about the inertial origin, from the impulses
+  /// `lambda` of the rows of all contacts in physical units.
   Wrench<Spatial> on_ground(std::span<const Contact> contacts, const double* lambda) const noexcept;
 
  private:
@@ -141,16 +136,16 @@ class ContactSystem {
   /// Finds the bodies on the paths from bodies a and b to the ground, and the velocities that the
   /// articulated-body algorithm eliminates at these bodies.
   void find_path(int a, int b);
-  /// Writes the column D^-½ L⁻ᵀ Jᵀ of one row by a backward sweep along the path of find_path(). The row of J
-  /// is given by the wrench `on_b` on body b, the opposite of the wrench `on_a` on body a, and the
-  /// generalised forces x.
+  /// Writes the column of Y = D^-½ L⁻ᵀ Jᵀ for one row of J, where M = Lᵀ D L, by a backward sweep along the
+  /// path of find_path(). The row of J is given by the wrench `on_b` on body b, the opposite wrench `on_a` on
+  /// body a, and the generalised forces x.
   void pull_row(int a, int b, const Wrench<Spatial>& on_a, const Wrench<Spatial>& on_b, const double* x,
                 double* Y) noexcept;
   /// Appends a block of rows for the velocities of the path that find_path() found. Sets Y to the part of Y =
   /// D^-½ L⁻ᵀ Jᵀ that belongs to the block, and returns the part of J; both have the same layout.
   double* add_block(ContactLaw law, int rows, double bound, double*& Y, bool compliant = false);
-  /// Adds the rows of a contact. If it is compliant and its normal impulse is not known, its compliance gets
-  /// the index `compliance`, which is then increased.
+  /// Adds the constraint rows of a contact. If it is compliant and its normal impulse is unknown, its
+  /// compliance gets the index `compliance`, which is then increased.
   void add_contact(const Contact& contact, int& compliance);
   void add_unit_row(ContactLaw law, int velocity, double side, double bound);
   void add_loops(const double* q);

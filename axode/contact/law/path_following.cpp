@@ -24,7 +24,7 @@ double VelocitySolver::path_residual(double sigma) noexcept {
 }
 
 /// Writes the Newton step -f'⁻¹ f to dx_ and the unit tangent of the path (D11.10b) to next_, for the
-/// residual f of the last path_residual().
+/// residual f of the equations of the path.
 void VelocitySolver::linearize_path() noexcept {
   factorize_velocities(0);
   u_ = (z_ - lambda_0_).cwiseProduct(R_);

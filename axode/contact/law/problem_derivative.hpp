@@ -7,9 +7,8 @@ namespace axode {
 struct ProblemDerivative {
   Eigen::MatrixXd multipliers;  ///< dλ in scaled rows, rows × directions
   Eigen::MatrixXd motion;       ///< d(w + Y λ), nv × directions
-  /// Whether the motion has a derivative. It may have none if contacts that share a load slide, because
-  /// friction depends on the share of each; or if the changes of the terms r of redundant contacts contradict
-  /// each other.
+  /// Whether the motion has a derivative. It may have none if contacts that share a load slide, or if the
+  /// changes of the given terms r of redundant contacts contradict each other.
   bool unique = true;
   /// Whether a block of rows is within rounding of the boundary between two branches of its law, such as
   /// stick and slide. The derivative is then that of the branch that was taken.
@@ -24,8 +23,7 @@ ProblemDerivative differentiate(const VelocityProblem& problem, const double* la
                                 const Eigen::Ref<const Eigen::MatrixXd>& dx,
                                 const Eigen::Ref<const Eigen::MatrixXd>& du);
 
-/// The derivative of multipliers that obey the laws of a problem along given directions, a column for each
-/// direction.
+/// The derivative of multipliers that obey contact laws, a column for each of the given directions.
 struct LawDerivative {
   Eigen::MatrixXd multipliers;          ///< dλ in scaled rows, rows × directions
   bool unique = true, at_kink = false;  ///< see ProblemDerivative

@@ -81,8 +81,8 @@ void SparseFactor::analyse() noexcept {
   make_lists();
 }
 
-/// Finds the clusters, which are sets of indices that occur in the same groups. All indices are one cluster
-/// at first, and each group splits the clusters of which it has only a part.
+/// Finds the clusters: the sets of matrix indices that occur in the same given groups. All indices are one
+/// cluster at first, and each group splits the clusters of which it has only a part.
 void SparseFactor::find_clusters() noexcept {
   std::fill_n(cluster_of_.begin(), n_, 0);
   size_[0] = n_ + 1;  // one more than its members, so that no group has all of cluster 0

@@ -16,8 +16,7 @@ namespace axode {
 /// occur in no group have rows of the identity.
 class SparseFactor {
  public:
-  /// Size of the square tiles in which products of matrices are computed. Columns of matrices are filled up
-  /// to whole tiles.
+  /// Size of the square tiles in which matrices are multiplied, and to which their columns are filled up.
   static constexpr int tile = 4;
   static constexpr int padded(int n) { return (n + tile - 1) / tile * tile; }
 
@@ -28,19 +27,18 @@ class SparseFactor {
   void begin(int n) noexcept;
   /// Appends a group, given by its indices in ascending order.
   void add_group(std::span<const int> indices) noexcept;
-  /// Ends the list of groups. Finds the order of elimination unless the groups are those of the last call of
-  /// analyse().
+  /// Ends the list of groups of indices; finds the order of elimination if the groups have changed.
   void analyse() noexcept;
   /// The approximate number of multiplications of a factorisation, for the groups of the last analyse().
   double cost() const { return cost_; }
 
   /// Sets A to the identity. `symmetric` says whether all A_g will be symmetric.
   void clear(bool symmetric) noexcept;
-  /// Adds A_g = P Qᵀ for one group. P and Q have a row for each index of the group and `columns` columns.
-  /// Each column begins padded(rows) numbers after the one before it.
+  /// Adds the matrix A_g = P Qᵀ to the rows and columns of one group of indices. P and Q have a row for each
+  /// index of the group and `columns` columns. Columns begin padded(rows) numbers apart.
   void add(int group, const double* P, const double* Q, int columns) noexcept;
-  /// Factorises A. If clear() was called with `symmetric`, A must be positive definite. If A is singular or
-  /// not positive definite, solve() gives numbers that are not finite.
+  /// Factorises A, which must be positive definite if it was declared symmetric. If it is singular or not
+  /// positive definite, solve() gives numbers that are not finite.
   void factorize() noexcept;
   /// Computes x := A⁻¹ x (n numbers), after factorize().
   void solve(double* x) noexcept;
@@ -48,8 +46,7 @@ class SparseFactor {
   bool is_negative() const { return negative_; }
 
  private:
-  /// A range of entries of list_ and source_, in ascending order of their ranks. The rank of an index is its
-  /// place in the order of elimination.
+  /// A range of entries of list_ and source_, in the order of elimination.
   struct List {
     int first = 0, count = 0;
   };
@@ -73,8 +70,8 @@ class SparseFactor {
   }
   template <class F> void each_adjacent(int cluster, const F& f) noexcept;
 
-  /// Adds `sign` times a matrix to A at the rows and columns of a list. The columns of the matrix begin
-  /// `stride` numbers apart.
+  /// Adds `sign` times a matrix to A at the rows and columns of a list of indices. The columns of the matrix
+  /// begin `stride` numbers apart.
   void scatter(const List& list, const double* A, int stride, double sign) noexcept;
   void eliminate(const Node& node) noexcept;
   void eliminate_symmetric(const Node& node) noexcept;

@@ -34,23 +34,22 @@ class VelocityProblem {
 
   /// Allocates memory for `blocks` blocks that have 6 rows each and move all velocities.
   void reserve(std::size_t blocks);
-  /// Removes all blocks, and chooses the number of compliances: each adds a velocity after those of the
-  /// mechanism (D11.26). The memory stays.
+  /// Removes all blocks of rows and sets the number of compliant contacts, each of which adds a velocity to
+  /// those of the mechanism (D11.26).
   void clear(int compliances = 0);
-  /// Appends a block of rows and returns its part of Y, support.size() × rows, column by column. The caller
-  /// must fill this part, and the entries of r and c for these rows, before the next call. `support` are the
-  /// velocities that the block moves, in ascending order; with `compliant` the last one is that of a
-  /// compliance. Allocates where more is needed than was reserved.
+  /// Appends a block of rows and returns its part of Y (D^-½ L⁻ᵀ times the transposed rows of the Jacobian),
+  /// support.size() × rows, column by column. The caller must fill this part, and the entries of r and c for
+  /// these rows, before the next call. `support` are the velocities that the block moves, in ascending order;
+  /// with `compliant` the last one is that of a compliance. Allocates where more is needed than was reserved.
   double* add(ContactLaw law, int rows, std::span<const int> support, double bound = 0,
               bool compliant = false);
-  /// Lets the normal row of a block have the velocity u + C λ, where the block has a compliance, after
-  /// finish().
+  /// Sets the compliance C of a compliant block after finish(): its normal law is then for u + C λ, not u.
   void set_compliance(const Block& block, double C) noexcept;
   double compliance(const Block& block) const noexcept;
-  /// Multiplies the rows by their factors c, and computes the scale d² of each row from the diagonal of the
-  /// Delassus operator Yᵀ Y: the entry of the row; in a contact, for all of its rows, the entry of the normal
-  /// row or half of the largest entry, whichever is larger (D11.6). Adds the motion by the given normal
-  /// impulses of pressed contacts to w.
+  /// Completes the problem: multiplies the constraint rows by their factors c (coefficients of friction, or
+  /// 1), and computes the scale d² of each row from the diagonal of the Delassus operator Yᵀ Y: the entry of
+  /// the row; in a contact, for all of its rows, the entry of the normal row or half of the largest entry,
+  /// whichever is larger (D11.6). Adds the motion by the given normal impulses of pressed contacts to w.
   void finish() noexcept;
   /// Writes the given normal impulses of pressed contacts, which the law leaves out, into a solution.
   void complete(double* lambda) const noexcept;
@@ -72,8 +71,8 @@ class VelocityProblem {
                                                                          b.rows);
   }
   const std::vector<double>& squared_scales() const { return d2_; }
-  /// Whether a row moves masses, after finish(). It is false only for rows of loops that repeat joints of the
-  /// tree. finish() sets Y and r of such a row to 0, and r must remain 0.
+  /// Whether a constraint row moves masses, after finish(). It is false only for rows of loops that repeat
+  /// joints of the tree; their terms Y and r are 0 and must remain so.
   bool moves(std::size_t row) const { return moves_[row] != 0; }
 
   /// Computes x += factor Y λ, for rows() multipliers λ and nv() numbers x.
@@ -99,12 +98,11 @@ class VelocityProblem {
 };
 
 /// Measures how far multipliers λ of scaled rows are from the laws: the norm of the part of the motion by
-/// which the laws fail, divided by that of the motion, both in the metric of the masses (D11.7). It has no
-/// unit; 1e-12 is rounding. It is NaN if a number is not finite. `scratch` is memory for 2 rows() + nv()
-/// numbers.
+/// which the laws fail, divided by that of the motion, both in the metric of the masses (D11.7); 1e-12 is
+/// rounding. It is NaN if a number is not finite. `scratch` is memory for 2 rows() + nv() numbers.
 double certificate(const VelocityProblem& problem, const double* lambda, double* scratch) noexcept;
-/// Computes certificate() if the residual λ - resolve(λ - u/d²) (rows() numbers), with the velocities u and
-/// the scales d² of the rows, and the motion t = Y λ (nv() numbers) are known.
+/// Computes the certificate (the relative error of the laws) of multipliers λ from the residual λ - resolve(λ
+/// - u/d²), with the velocities u and the scales d² of the rows, and from the motion t = Y λ (nv() numbers).
 double certificate_of(const VelocityProblem& problem, const double* residual, const double* t) noexcept;
 
 }  // namespace axode

@@ -12,8 +12,7 @@ namespace {
 /// The number ε of Newton's method on the law (D11.9): it makes the matrix regular, and lets redundant
 /// contacts keep their load.
 constexpr double keep = 1e-9;
-/// The number of columns of Y that are multiplied at once when Y B Yᵀ is added to the matrix of Newton's
-/// method; with the columns of one more block it may be exceeded.
+/// The approximate number of columns of Y that are multiplied at once when Y B Yᵀ is computed.
 constexpr int most_columns = 48;
 constexpr std::size_t matrix_size = LawBlock::most_rows * LawBlock::most_rows;
 
@@ -56,8 +55,7 @@ void VelocitySolver::begin(const VelocityProblem& p) noexcept {
   if (by_multipliers_) p.delassus(Eigen::Map<Eigen::MatrixXd>(G_memory_.data(), rows_, rows_));
 }
 
-/// Finds the groups of blocks that move the same velocities, and the order of elimination of SparseFactor for
-/// these groups.
+/// Finds the groups of blocks that move the same velocities, and the order of elimination for them.
 void VelocitySolver::analyse() noexcept {
   sparse_.begin(problem_->nv());
   std::size_t last = std::numeric_limits<std::size_t>::max();

@@ -20,7 +20,7 @@ struct [[nodiscard]] VelocitySolution {
 /// their dense matrix takes fewer operations. If the certificate, the relative error of the laws, stays above
 /// 1e-9, the solver starts again: from 0, from the results of alternating directions (D11.10), from points on
 /// the path of solutions (D11.10a), and from disturbed multipliers. It returns the multipliers with the least
-/// certificate, and this certificate. It never replaces the laws by other laws.
+/// certificate, and this certificate.
 ///
 /// Matrices in velocities are factorised along the bodies that touch, see SparseFactor, by Cholesky's method
 /// while no contact slides. Matrices in multipliers are dense and take O(rows³).
@@ -29,15 +29,14 @@ class VelocitySolver {
   /// Allocates memory for problems with up to nv velocities and up to `rows` rows.
   void reserve(int nv, int rows);
 
-  /// Callback that ends the search for a solution. It is called if a problem needs further starts, which may
-  /// take seconds, and returns false to end the search. It may be empty.
+  /// Callback before further starts, which may take seconds; the search ends if it returns false. May be
+  /// empty.
   using Monitor = std::function<bool()>;
 
-  /// Improves the multipliers `lambda` of scaled rows from their given values until the certificate, the
-  /// relative error of the laws, is at most `tolerance`, or until rounding prevents progress. Further starts
-  /// are made only while the certificate is above 1e-9. The monitor is called before each further start and
-  /// before each step on the path of solutions; the search ends if it returns false. Requires reserve().
-  /// Allocates nothing, and throws only what the monitor throws.
+  /// Improves the multipliers `lambda` of scaled constraint rows from their given values until the
+  /// certificate, the relative error of the laws, is at most `tolerance`, or until rounding prevents
+  /// progress. Further starts are made only while the certificate is above 1e-9. The search also ends if the
+  /// monitor returns false. Requires reserve(). Allocates nothing, and throws only what the monitor throws.
   VelocitySolution solve(const VelocityProblem& problem, double* lambda, double tolerance = 1e-12,
                          const Monitor& monitor = {});
 
@@ -61,11 +60,9 @@ class VelocitySolver {
   /// Improves the multipliers λ by proximal steps and, while the certificate (the relative error of the laws)
   /// is below 1e-2, by polish(). Returns the certificate.
   double newton(double* lambda, double tolerance, const NewtonOptions& options) noexcept;
-  /// Whether the search goes on: the relative error of the laws is above `accepted`, and the monitor has not
-  /// ended the search.
+  /// Whether to go on: the relative error of the laws is above `accepted`, and the monitor has not ended it.
   bool searches();
-  /// Runs newton() from the multipliers in start_, and takes its result if the laws hold more exactly than
-  /// for the best multipliers so far.
+  /// Runs Newton's method from start_, and keeps the result if its error of the laws is the least so far.
   void improve(double tolerance, const NewtonOptions& options) noexcept;
   /// Makes a proximal step from the multipliers lambda_0_ by Newton's method, until the norm of the residual
   /// is at most `goal`. Writes the new multipliers to resolved_ and the number of Newton steps to
@@ -85,8 +82,7 @@ class VelocitySolver {
   /// factor R of the proximal step. B is Z/R if `kept` is 0. Otherwise B is (1 - (1 - kept) Z)⁻¹ Z/R, with ε
   /// = kept of (D11.9). Returns whether all of them are symmetric.
   bool make_matrices(double kept) noexcept;
-  /// Factorises the matrix 1 + Y B Yᵀ of Newton's method in velocities, with the matrices B of
-  /// make_matrices(). `symmetric` says whether all of them are symmetric.
+  /// Factorises 1 + Y B Yᵀ for Newton's method in velocities; `symmetric` says that all B are symmetric.
   void factorize_with(bool symmetric) noexcept;
   void factorize_velocities(double kept) noexcept;
   /// Factorises the matrix of Newton's method in multipliers, with the derivative Z of resolve() and the
@@ -115,7 +111,7 @@ class VelocitySolver {
   void linearize_path() noexcept;
   bool step_on_path(const PathVector& direction, double length, bool beyond_kink) noexcept;
   /// Follows the path of the solutions of proximal steps with the factor R = exp(σ) d² (D11.10a) as σ falls,
-  /// and runs newton() from points of the path. The path begins at the multipliers in y_.
+  /// and runs Newton's method from its points. The path begins at the multipliers in y_.
   void follow_path(double tolerance);
 
   /// The largest certificate at which no further start is made.

@@ -68,8 +68,9 @@ Clipped<T> clip_by_sides(const Feature<T>& subject, const Feature<T>& polygon, c
   return out;
 }
 
-/// Clips a subject by a polygon and adds the corners of the result as contact points. `n` points from the
-/// polygon to the subject; `flipped` says that the subject belongs to shape a. Returns the least gap.
+/// Clips a polygon or segment, the subject, by a polygon, and adds the corners of the result as contact
+/// points. n points from the polygon to the subject; `flipped` says that the subject belongs to shape a.
+/// Returns the least gap.
 template <class T>
 double clip_by_polygon(const Feature<T>& polygon, double radius_polygon, const Feature<T>& subject,
                        double radius_subject, const Vec3<T>& n, bool flipped, double size,

@@ -16,8 +16,7 @@ double radius_of_ball(const ContactShape& shape) {
   return shape.kind == ShapeKind::capsule ? shape.radius : 0;
 }
 
-/// Adds the contact points of the faces or segments of two shapes that face each other along n, and returns
-/// the least gap, see clip().
+/// Adds the contact points of two faces or segments that face each other along n, and returns the least gap.
 template <class T>
 double clip_along(const ContactShape& a, const SE3<T>& A, const ContactShape& b, const SE3<T>& B,
                   const Vec3<T>& n, PointList<T>& out) noexcept {

@@ -5,10 +5,10 @@
 /// Contact points of convex bodies that may touch with a face. Poses are in the inertial frame.
 namespace axode {
 
-/// Adds the contact points of any two shapes that are not planes. The normal is that of convex_distance().
-/// The points are the corners of the part in which the supporting features of both shapes lie beside each
-/// other, see clip(). If no corner is as near as the distance of the bodies, the midpoint of the nearest
-/// points of convex_distance() is added as well.
+/// Adds the contact points of any two shapes that are not planes. The normal is the direction of the least
+/// distance. The points are the corners of the part in which the supporting features (the facing flat parts)
+/// of both shapes lie beside each other. If no corner is as near as the least distance, the midpoint of the
+/// nearest points is added as well.
 void touch_convex(const ContactShape& a, const SE3<>& A, const ContactShape& b, const SE3<>& B,
                   PointList<>& out) noexcept;
 

@@ -2,8 +2,8 @@
 #include "axode/lie/se3.hpp"
 #include "axode/scalar/dual.hpp"
 
-/// The scalar with which the contact points of two bodies are differentiated by the displacement of one body
-/// relative to the other.
+/// Number type for the automatic differentiation of contact points by the displacement of one body relative
+/// to the other.
 namespace axode {
 
 /// A number and its derivatives along the six components of the displacement of a body.
@@ -15,8 +15,7 @@ template <class T> Vec3<> value(const Vec3<T>& a) { return {value(a.x), value(a.
 template <class T> SO3<> value(const SO3<T>& R) { return {value(R.x), value(R.y), value(R.z)}; }
 template <class T> SE3<> value(const SE3<T>& C) { return {value(C.R), value(C.r)}; }
 
-/// The length of a vector. If the vector is 0, the derivatives of its length are set to 0, so that they are
-/// not NaN.
+/// The length of a vector; at the vector 0 the derivatives of the length are set to 0 instead of NaN.
 template <class T> T length(const Vec3<T>& a) {
   const T square = dot(a, a);
   return square > T(0) ? sqrt(square) : T(0);

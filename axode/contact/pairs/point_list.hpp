@@ -20,8 +20,7 @@ template <class T = double> class PointList {
   }
   double margin() const noexcept { return margin_; }
 
-  /// Adds a point if its gap is below the margin. `feature` is a number below 2^24 that distinguishes the
-  /// points of one pair.
+  /// Adds a point if its gap is below the margin. `feature` (below 2^24) distinguishes the points of a pair.
   void add(const Vec3<T>& point, const Vec3<T>& n, const T& gap, std::uint32_t feature) noexcept {
     if (!(gap < T(margin_))) return;
     if (count_ == memory_.size()) {

@@ -6,12 +6,10 @@
 
 namespace axode {
 
-/// Computes accelerations by forward dynamics, and then M⁻¹ X with the mass matrix M for matrices X of nv
-/// columns. It uses the fast kernel of articulated bodies or, if joints are coupled or M may be singular, the
-/// recursion in hybrid representation.
+/// Computes accelerations by forward dynamics, and products M⁻¹ X with the mass matrix M for matrices X of nv
+/// columns.
 template <class T> struct AccelerationsAndColumns {
-  /// The largest number of velocities for which products with M⁻¹ are used instead of articulated bodies,
-  /// because they are faster.
+  /// The largest number of velocities for which products with M⁻¹ are faster than articulated bodies.
   static constexpr int most_velocities = 100;
   FastForwardDynamics<T> fast;
   using Bodies = typename FastForwardDynamics<T>::Bodies;
@@ -45,8 +43,7 @@ template <class T> struct AccelerationsAndColumns {
     }
   }
   /// Replaces X by M⁻¹ X, given M⁻¹, for a matrix X that has non-zero entries only for pairs of velocities on
-  /// one path to the ground. Products of M⁻¹ with the few entries of a column are faster than articulated
-  /// bodies except on large trees.
+  /// one path to the ground.
   void solve(const Tree<T>& tree, const T* M_inverse, T* matrix) noexcept {
     if (!is_fast || tree->nv > most_velocities) return solve(tree, matrix);
     using L = Lanes<T>;

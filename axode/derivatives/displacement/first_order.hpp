@@ -8,9 +8,9 @@
 
 namespace axode {
 
-/// Computes ∂τ/∂q, ∂τ/∂v and ∂τ/∂a of inverse dynamics. A column is one joint screw, and every screw is
-/// multiplied with all columns of its subtree. The entries of all three matrices take 67 products and sums
-/// for each pair of a screw and a column. See (D1.17) of docs/derivations.
+/// Computes ∂τ/∂q, ∂τ/∂v and ∂τ/∂a of inverse dynamics. Every joint screw is multiplied with all joint screws
+/// of its subtree; the entries of the three matrices take 67 products and sums for each such pair. See
+/// (D1.17) of docs/derivations.
 template <class T> struct FirstOrder {
   using L = Lanes<T>;
   using Number = typename L::Number;
@@ -46,8 +46,8 @@ template <class T> struct FirstOrder {
       if (!loads.wrenches.empty()) load(tree, q, loads.wrenches);
     compose(*tree.operator->(), !loads.wrenches.empty());
   }
-  /// Computes the ScrewEffects, the factors of the derivatives, of all joint screws from the motion and loads
-  /// of the bodies, which must be in `screws`. `loaded` says whether there are loads.
+  /// Computes the factors of the derivatives (ScrewEffects) for all joint screws from the motion of the
+  /// bodies in `screws`. `loaded` says whether there are loads.
   void compose(const Topology& topology, bool loaded) noexcept {
     screws.compose(topology);
     for (int c = 0; c < topology.n_screws; c += L::width) {
@@ -121,8 +121,8 @@ template <class T> struct FirstOrder {
       for (std::ptrdiff_t c = 0; c < tree->nv; ++c) by_v(c, c, T(tree.damping[static_cast<std::size_t>(c)]));
   }
 
-  /// Calls f(given wrench, body, point, moment, force) for each load on a moving body. The vectors are in
-  /// inertial axes, and the point is relative to O, the origin of the root of the body.
+  /// Calls f(given wrench, body, point, moment, force) for each load on a moving body, with vectors in
+  /// inertial axes; the point is relative to the origin of the root of the body.
   template <class F>
   void each_load(const Tree<T>& tree, std::span<const AppliedWrench<T>> wrenches, const F& f) const noexcept {
     for (const AppliedWrench<T>& given : wrenches) {
@@ -147,8 +147,8 @@ template <class T> struct FirstOrder {
   enum Part { S = 0, psi_2 = 6, sigma = 12, U = 18, P = 24, R = 30, psi_1 = 36, t = 39 };
 
  private:
-  /// Multiplies the ScrewEffects of joint screw l with those of the joint screws from `begin` to `end` - 1,
-  /// and writes their five products to `line`.
+  /// Computes the products of which derivatives are made, of factors of joint screw l with those of the joint
+  /// screws from `begin` to `end` - 1: five for each pair, written to `line`.
   void multiply(int l, int begin, int end, bool loaded) noexcept {
     const Arrays<T> e = effect, n = NtS, out = line;  // local copies, so that the compiler knows that no
                                                       // result overwrites them

@@ -1,15 +1,14 @@
 #pragma once
 #include "axode/model/tree.hpp"
 
-/// Geometric parameters π (section 6.2), six for each body i. Let B_i be the pose, relative to the
+/// Geometric parameters π (Müller, section 6.2), six for each body i. Let B_i be the pose, relative to the
 /// predecessor p, of the frame that body i has while its joint is at zero, and X_i the screws of the joint.
 /// The parameters change B_i to B_i exp(U π), which displaces the subtree of joint i along U: C_i = C_p B_i
 /// exp(U π) exp(X_i q_i). U is a unit screw, resolved in the frame that body i has while its joint is at
 /// zero.
 namespace axode {
 
-/// The pose of the frame that body i has while its joint is at zero, relative to the present internal frame
-/// of body i.
+/// The pose of the frame of body i at joint coordinates zero, relative to its present internal frame.
 template <class T> SE3<T> frame_at_zero(const Tree<T>& tree, int i, const T* q) noexcept {
   return with_subgroup(tree->kind[i], tree.pitch[i], [&](const auto& joint) {
     const T own = tree.ratio[i] * q[tree->iq[i]] + tree.offset[i];
@@ -17,8 +16,8 @@ template <class T> SE3<T> frame_at_zero(const Tree<T>& tree, int i, const T* q) 
     return inverse(moved) * tree.frame_offset[i];
   });
 }
-/// Calls f(u, screw) for the six unit screws u = 0 to 5 of a frame, angular before linear. E is the pose of
-/// the frame relative to another frame, in which the screws are expressed.
+/// Calls f(u, screw) for the six unit screws u = 0 to 5 of a frame, angular before linear, each expressed in
+/// another frame, relative to which the frame has the pose E.
 template <class T, class F> void each_unit_screw(const SE3<T>& E, const F& f) noexcept {
   for (int u = 0; u < 6; ++u) {
     const auto one = [&](int k) { return T(u == k); };

@@ -5,9 +5,8 @@
 
 namespace axode {
 
-/// Computes ∂τ/∂π of inverse dynamics with respect to the geometric parameters π, see
-/// geometric_parameters.hpp. A parameter displaces a subtree as a joint does, but has no force of its own.
-/// See (D1.18) of docs/derivations.
+/// Computes ∂τ/∂π of inverse dynamics with respect to geometric parameters π, each of which displaces a
+/// subtree along a unit screw before its joint. See (D1.18) of docs/derivations.
 template <class T> struct GeometryDerivatives {
   using L = Lanes<T>;
   using Number = typename L::Number;
@@ -49,10 +48,10 @@ template <class T> struct GeometryDerivatives {
   }
 
  private:
-  /// Computes the derivatives of the forces on the joint screws S_k for a displacement of the subtree along a
-  /// screw J: U_k|ψ'' + t_k·ω(ψ') + N_kᵀ S_k|J for k from `begin` to `end` - 1. ψ' and ψ'' are the time
-  /// derivatives of J, see CarriedScrew, ω(ψ') is an angular part, U and t are factors of ScrewEffects, and
-  /// N_k is the stiffness of the loads on the subtree of S_k. Writes them to `line`.
+  /// Writes to `line` the derivatives of the joint forces of the screws S_k, k from `begin` to `end` - 1, for
+  /// a displacement of the subtree along a screw J: U_k|ψ'' + t_k·ω(ψ') + N_kᵀ S_k|J. ψ' and ψ'' are the time
+  /// derivatives of J, ω is an angular part, U and t are factors of ScrewEffects, and N_k is the stiffness of
+  /// the loads on the subtree of S_k.
   void multiply(const CarriedScrew<T>& psi, const Motion6<T>& J, int begin, int end, bool loaded) noexcept {
     using Part = typename FirstOrder<T>::Part;
     for (int c = begin; c < end; c += L::width) {

@@ -117,9 +117,8 @@ template <class T> struct MomentumFirstOrder {
       for (std::ptrdiff_t c = 0; c < r; ++c) std::swap(matrix[r * n + c], matrix[c * n + r]);
   }
 
-  /// Computes the MomentumEffects of all joint screws. The recursion of `terms` runs with velocities 0,
-  /// accelerations v and no gravity, so that its rates V' and wrenches F are equal to the twists V and
-  /// momenta Π of the motion.
+  /// Computes the MomentumEffects of all joint screws. To find twists and momenta, `terms` runs inverse
+  /// dynamics at rest with the accelerations v and without gravity.
   void move(const Tree<T>& tree, const T* q) noexcept {
     MovingScrews<T>& screws = terms.screws;
     screws.run(tree, q, zero, v, {});
@@ -142,8 +141,8 @@ template <class T> struct MomentumFirstOrder {
   /// Offsets of the members of MomentumEffects in its array of numbers.
   enum Part { S = 0, psi = 6, eta = 12, U = 18, D = 24, A = 30 };
 
-  /// Multiplies the MomentumEffects of joint screw l with those of the joint screws from `begin` to `end` -
-  /// 1, and writes their six products to `line`.
+  /// Computes the products of which derivatives are made, of factors of joint screw l with those of the joint
+  /// screws from `begin` to `end` - 1: six for each pair, written to `line`.
   void multiply(int l, int begin, int end) noexcept {
     Number x[U];
     for (int k = 0; k < U; ++k) x[k] = Number(effect.array(k)[l]);

@@ -67,8 +67,7 @@ template <class T> struct ScrewEffects {
   }
 };
 
-/// load6() loads six-vectors from the entries from i on, one entry in each lane. set6() stores one six-vector
-/// in entry i.
+/// Loads the six-vectors from entry i on, one in each SIMD lane; set6() stores one six-vector in entry i.
 template <class T> Motion6<typename Lanes<T>::Number> load6(const Arrays<T>& x, int i) {
   return {x.load3(0, i), x.load3(3, i)};
 }
@@ -77,8 +76,7 @@ template <class T> void set6(const Arrays<T>& x, int i, const Motion6<T>& X) {
   x.set3(X.v, 3, i);
 }
 
-/// Sums n arrays, which have an entry for each body, over the subtree of each joint. Writes the sums to
-/// `of_columns`, which has an entry for each joint screw.
+/// Sums n arrays over subtrees, from an entry for each body to one for each joint screw in `of_columns`.
 template <class T>
 void sum_subtrees(const Topology& topology, int n, const Arrays<T>& of_bodies,
                   const Arrays<T>& of_columns) noexcept {
@@ -101,8 +99,8 @@ void sum_subtrees(const Topology& topology, int n, const Arrays<T>& of_bodies,
 }
 
 /// The joint screws of a moving tree, and the quantities on which displacements along them depend, in
-/// inertial axes about the origins of the roots at this instant. A column is one joint screw; the columns of
-/// a subtree are adjacent. The screw of a coupled joint is for a unit velocity of its leader. Takes about 650
+/// inertial axes about the origins of the roots at this instant. A column is one joint screw; columns of a
+/// subtree are adjacent. The screw of a coupled joint is for a unit velocity of its leader. Takes about 650
 /// products and sums for a hinge.
 template <class T> struct MovingScrews {
   using L = Lanes<T>;
@@ -186,8 +184,7 @@ template <class T> struct MovingScrews {
   }
   /// MovingInertia of the bodies from i on, one body in each lane, before compose().
   MovingInertia<Number> bodies(int i) const { return several(moved, i); }
-  /// MovingInertia of the subtrees of the columns from c on, one column in each lane, after compose().
-  /// subtree_of_column() returns that of column c alone.
+  /// MovingInertia of the subtrees of the joint screws from c on, one in each SIMD lane, after compose().
   MovingInertia<Number> subtree_of_columns(int c) const { return several(subtree, c); }
   MovingInertia<T> subtree_of_column(int c) const {
     typename MovingInertia<T>::Entries numbers;
@@ -199,7 +196,7 @@ template <class T> struct MovingScrews {
   Motion6<T> screw(int c) const { return {S.get3(0, c), S.get3(3, c)}; }
 
  private:
-  /// Stores the joint screw S_c of column c, and adds the parts v S_c and a S_c + v [V_p, S_c], with its
+  /// Stores the joint screw S_c (column c), and adds its parts v S_c and a S_c + v [V_p, S_c], with its
   /// velocity v, its acceleration a and the twist V_p of the predecessor, to the twist of the body and its
   /// rate. For a joint with several screws S, the sum of the brackets equals [V_i, S v].
   void add(int c, const Motion6<T>& S_c, const SpatialMotion& p, const T& v, const T& a,

@@ -67,9 +67,8 @@ template <class T> struct TermDerivatives {
 
   explicit TermDerivatives(Arena& arena) : state(arena), zero(arena.per_velocity<T>()) {}
 
-  /// Computes the derivatives of the forces of inverse dynamics by q and v, with loads and gravity g, without
-  /// accelerations, and at the velocities v, or at rest if v is null. A matrix, dq or dv, that is null is
-  /// skipped.
+  /// Computes the derivatives dq and dv of the forces of inverse dynamics by q and v, unless they are null,
+  /// at accelerations 0 and velocities v (0 if null), with loads and gravity g.
   void run(const Tree<T>& tree, const T* q, const T* v, const Loads<T>& loads, const Vec3<T>& g, T* dq,
            T* dv) noexcept {
     std::fill_n(zero, tree->nv, T(0));
@@ -91,8 +90,8 @@ template <class T> struct EnergyGradient {
   explicit EnergyGradient(Arena& arena) : vjp(arena), zero(arena.per_velocity<T>()) {}
 };
 
-/// The joint screws of the bodies on the path from a place (a frame on a body, or a point in it) to the
-/// ground, in the frame of the place, beginning with the last body.
+/// The joint screws from a frame or point to the ground, expressed in its frame, beginning with the last
+/// body.
 template <class T> struct CarryingScrews {
   struct Column {
     int j, c;  ///< indices of body and velocity
@@ -109,9 +108,8 @@ template <class T> struct CarryingScrews {
   }
 };
 
-/// The columns (joint screws) that move the ends of a spring, or of one segment of its path, relative to each
-/// other. They are those of the bodies from each end up to the body at which the paths of both ends meet. In
-/// addition, the derivatives of the coordinate of the spring and of its rate by the positions of these
+/// The joint screws (columns) that move the ends of a spring, or of one segment of its path, relative to each
+/// other, and the derivatives of the coordinate of the spring and of its rate by the positions of these
 /// joints.
 template <class T> struct SpringColumns {
   struct Column {
@@ -138,8 +136,7 @@ template <class T> struct SpringColumns {
     count = n_velocities = 0;
     std::fill_n(listed_, nv_, char(0));
   }
-  /// Adds x and dx to the derivatives of the coordinate of the spring and of its rate by the joint position
-  /// that belongs to velocity c.
+  /// Adds x to the derivative of the spring coordinate, and dx to that of its rate, by joint position c.
   void add(int c, const T& x, const T& dx) noexcept {
     if (!listed_[c]) {
       listed_[c] = 1;

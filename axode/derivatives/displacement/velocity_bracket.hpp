@@ -8,8 +8,7 @@ namespace axode {
 
 /// Adds -ad_v of every joint to its diagonal block of a matrix, whose rows have `width` numbers. ad_v is the
 /// Lie bracket with the velocities v of the joint in its subgroup: with the joint screws S, column k of ad_v
-/// is [S v, S e_k] in the coordinates of the joint. The coordinates are found by products with the columns of
-/// S, because these are unit vectors if the bracket is not 0.
+/// is [S v, S e_k] in the coordinates of the joint.
 template <class T> void subtract_ad(const Tree<T>& tree, const T* v, std::ptrdiff_t width, T* rows) {
   each_joint(tree, [&](const auto& joint, int i, bool coupled) {
     if (coupled) return;

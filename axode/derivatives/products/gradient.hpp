@@ -98,7 +98,7 @@ template <class G, class T> struct InverseDynamicsGradient {
   }
 
   /// Applies a load W on body i. n is the gradient of the power L(X) W | Λ with respect to a displacement X
-  /// of the body that changes the load by L(X) W, see load_change_transposed().
+  /// of the body that changes the load by L(X) W.
   void load(int i, const Wrench<BodyFixed, T>& W, const Wrench<BodyFixed, T>& n) noexcept {
     body[i].m -= Vector(W.m);
     body[i].f -= Vector(W.f);
@@ -106,7 +106,7 @@ template <class G, class T> struct InverseDynamicsGradient {
     body[i].n_f -= Vector(n.f);
   }
 
-  /// The backward sweep, after forward() and load(): adds the gradients of λ·τ by q, v and a to the last
+  /// The backward sweep, from the leaves to the root: adds the gradients of λ·τ by q, v and a to the last
   /// three arguments.
   template <class S>
   void backward(const Tree<S>& tree, const T* v, const T* a, const T* lambda, T* by_q, T* by_v,

@@ -84,7 +84,7 @@ template <class T> struct InverseDynamicsVjp {
   }
 
   /// Calls f(i, u, derivative) with the derivatives of λ·τ with respect to the geometric parameters of all
-  /// bodies: for body i and unit screw u, see geometric_parameters.hpp. Requires run().
+  /// bodies, which displace the subtree of body i along unit screw u before its joint. Requires run().
   template <class F>
   void each_parameter(const Tree<T>& tree, const T* q, const T* v, const T* a, const T* lambda,
                       const F& f) const noexcept {

@@ -7,10 +7,9 @@
 #include "axode/fast/inverse_dynamics.hpp"
 #include "axode/table/functions.hpp"
 
-/// Kernels of functions in the table of functions (axode/table/functions.hpp), of which each row is one
-/// function. They are written once for states in SIMD lanes and for tapes, the recordings from which code is
-/// generated. A kernel takes all its memory in its constructor. run(tree, x, out) reads the inputs x of the
-/// row and writes its results one after the other. Loads and losses are ignored.
+/// Kernels that compute the functions of the table axode/table/functions.hpp, for states in SIMD lanes and
+/// for tapes (recorded operations from which code is generated). run(tree, x, out) reads the inputs x and
+/// writes the results one after the other. Loads and losses are ignored.
 ///
 /// The template parameter By is the algorithm for accelerations, on the scalar By::T:
 ///   accelerate(tree, q, v, tau, a) a = M⁻¹ (τ - h); prepares for the functions below

@@ -156,7 +156,7 @@ template <class T> struct SecondOrder {
     }
   }
   /// Adds -Λ|L(X) L(Y) W of each load W to the matrix K of its body, where X is the outer and Y the inner
-  /// displacement, and a displacement X changes the load by L(X) W; see load_change().
+  /// displacement, and a displacement X changes the load by L(X) W.
   [[gnu::noinline]] void add_load_hessian(const Tree<T>& tree,
                                           std::span<const AppliedWrench<T>> wrenches) noexcept {
     for (int i = 0; i <= tree->n; ++i) K[i] = {};
@@ -203,9 +203,8 @@ template <class T> struct SecondOrder {
       }
   }
 
-  /// The term S_l|hat(A) S_k, with hat(A) X = -ad_Xᵀ A. It is subtracted from the second derivative by the
-  /// velocities of two columns (joint screws) of one joint, because the velocity of one changes σ of the
-  /// other by one bracket less.
+  /// The term S_l|hat(A) S_k, with hat(A) X = -ad_Xᵀ A, by which the second derivative by the velocities of
+  /// two screws of one joint differs from that of two joints.
   T own_bracket(int l, int k) const {
     T sum(0);
     for (int c = 0; c < 6; ++c) sum += curvature.array(AS + c)[k] * first.screws.S.array(c)[l];

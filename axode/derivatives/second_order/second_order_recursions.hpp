@@ -3,9 +3,9 @@
 #include "axode/fast/any_joint.hpp"
 #include "axode/recursion/inverse_dynamics.hpp"
 
-/// Computes τ, τ' and τ'' of a motion by the Newton-Euler recursion, differentiated twice (section 6.3).
-/// `rates` are the rows v, a, jerk and snap of nv numbers each. The results are three rows of nv forces.
-/// O(n). ForceSeries computes the derivatives of any order, as power series in spatial representation.
+/// Computes τ, τ' and τ'' of a motion by the Newton-Euler recursion, differentiated twice (Müller, section
+/// 6.3). `rates` are the rows v, a, jerk and snap of nv numbers each. The results are three rows of nv
+/// forces. O(n).
 namespace axode {
 
 /// A load W and its first two time derivatives in the frame of its body with the twist V: W' = L(V) W, where

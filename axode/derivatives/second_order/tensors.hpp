@@ -76,8 +76,7 @@ template <class T> struct SecondOrderTensors {
 
  private:
   using Part = typename FirstOrder<T>::Part;
-  /// The last of three columns: its index, its velocity, and where the columns of its joint begin and end on
-  /// its path.
+  /// The last of three joint screws (columns): its index, its velocity, the range of its joint on the path.
   struct Last {
     int c;
     std::ptrdiff_t v;
@@ -103,8 +102,7 @@ template <class T> struct SecondOrderTensors {
     store(CoriolisInertia<Number>::of(moved.M, S), B_S);
     store(of_psi, B_psi);
   }
-  /// Appends the columns of body i to those of the path of its predecessor. Returns the index after the last
-  /// of them.
+  /// Appends the joint screws (columns) of body i to those of its path, and returns the index after the last.
   int extend_path(const Topology& topology, int i) noexcept {
     const int p = topology.parent[i];
     int e = begin[i] = p == 0 ? 0 : begin[p] + topology.first_screw[p + 1] - topology.first_screw[p];
@@ -153,8 +151,8 @@ template <class T> struct SecondOrderTensors {
       store(-U_psi - Wrench<Spatial, Number>{cross(psi.w, t), {}}, for_H);
     }
   }
-  /// Multiplies the wrenches of the last of three columns (joint screws), d, with column j of its path, and
-  /// writes the products to `line`. The joint of column j has the columns from begin_j to end_j - 1.
+  /// Multiplies the wrenches of the last of three joint screws (columns), d, with column j of its path, whose
+  /// joint has the columns from begin_j to end_j - 1, and writes the products to `line`.
   void multiply(int j, const Last& d, int begin_j, int end_j) noexcept {
     Number S[6], psi[6];
     for (int k = 0; k < 6; ++k) S[k] = Number(path_S.array(k)[j]), psi[k] = Number(path_psi.array(k)[j]);
@@ -221,9 +219,8 @@ template <class T> struct SecondOrderTensors {
   }
   /// The joint screw of column l of the path.
   Motion6<T> screw(int l) const { return {path_S.get3(0, l), path_S.get3(3, l)}; }
-  /// Subtracts from the second derivatives by the velocities of two columns (joint screws) l and d of one
-  /// joint the terms that occur once less there: the velocity of one column changes σ of the other by one
-  /// bracket less.
+  /// Corrects the second derivatives by the velocities of two screws l and d of one joint: the velocity of
+  /// one changes the motion of the other by one Lie bracket less.
   void put_brackets(std::ptrdiff_t nv, const Last& d, T* vv) noexcept {
     const Inertia<T> M = first.screws.subtree_of_column(d.c).M;
     for (int l = d.begin; l < d.end; ++l) {
