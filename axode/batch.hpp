@@ -17,19 +17,17 @@
 ///
 /// Arrays hold one state after the other: for N states q has nq N numbers, v, a and tau have nv N, mass
 /// matrices have nv nv N (each row by row), and poses of all frames n_frames N entries. Seen as a matrix in
-/// column-major order, each array has one column for each state. N follows from the size of q and may be 0 or
-/// 1. `threads` is the largest number of cores that a call uses. To the last bit, the result of a state
-/// depends neither on its index nor on `threads`. Frames, units and conventions are those of the functions of
-/// equal names for one state. Each call allocates a workspace for each thread. The functions throw
-/// std::invalid_argument for an argument of a wrong size, a quaternion that is not of unit norm (the message
-/// names the state), a result that shares memory with an argument, and threads < 1. See axode/codegen.hpp for
-/// functions that are compiled for one model.
+/// column-major order, each array has one column for each state. N follows from the size of q. `threads` is
+/// the largest number of cores that a call uses. To the last bit, the result of a state depends neither on
+/// its index nor on `threads`. Units and conventions are those of the functions of equal names for one state.
+/// Each call allocates a workspace for each thread. The functions throw std::invalid_argument for an argument
+/// of a wrong size, a quaternion that is not of unit norm (the message names the state), a result that shares
+/// memory with an argument, and threads < 1.
 namespace axode::batch {
 
-/// A function of the caller that is told the progress of a long call and can end it. It is called in the
-/// calling thread, at most every 20 ms, with the number of finished states and the total number. If it
-/// returns false, the call ends early: the states before the returned count (Outcome::done) are complete;
-/// later ones may or may not be.
+/// A function that is told the progress of a long call, the numbers of finished and of all states, at most
+/// every 20 ms in the calling thread. If it returns false, the call ends early: the states before
+/// Outcome::done are complete; later ones may or may not be.
 using Monitor = std::function<bool(std::size_t done, std::size_t of)>;
 
 /// Result of a batch call that can fail: how many states have a singular mass matrix or numbers that are not
@@ -43,17 +41,17 @@ struct [[nodiscard]] Outcome {
   bool ok() const { return singular_states == 0; }
 };
 
-/// Computes a function of the table in axode/catalog.hpp, which is given by its name, in N states. Arrays
-/// hold one state after the other; if the function has several results, those of one state follow each other
-/// in the order of the table. Settings are common to all states. Each argument has the name that it has in
-/// the function for one state:
+/// Computes a function, given by its name in the table of axode/catalog.hpp, in N states. Arrays hold one
+/// state after the other; if the function has several results, those of one state follow each other in the
+/// order of the table. Settings are common to all states. Each argument has the name that it has in the
+/// function for one state:
 ///
 ///     std::vector<double> tau(N * nv);
 ///     const Outcome outcome = batch::run(arm, "inverse_dynamics", {.q = q, .v = v, .a = a}, tau, threads);
 ///
 /// Besides the errors of all functions of axode/batch.hpp, throws std::invalid_argument for a function that
-/// cannot compute several states at once (Words::lanes in its row of the table), for loads, and for joint
-/// losses. If the function cannot fail, the outcome only has the number of finished states.
+/// cannot compute several states at once , for loads (external wrenches), and for joint losses. If the
+/// function cannot fail, the outcome only has the number of finished states.
 template <class T = double>
 Outcome run(const Model& model, catalog::Id function,
             const catalog::Arguments<std::type_identity_t<T>>& given, std::type_identity_t<std::span<T>> out,
@@ -74,11 +72,11 @@ Outcome rollout(const Model& model, std::span<const T> q, Numbers<T> v, Numbers<
                 const Tableau& method = runge_kutta(4), int threads = 1, const Monitor& monitor = {},
                 bool joint_losses = false, const CompiledDynamics<T>& compiled = {});
 
-/// Integrates N motions of K steps of length `step` (s) under a drive that all motions share, a function that
-/// returns the drive forces at a time and state. It is called at every stage of a step. Each thread has a
-/// copy of the drive and calls it for one motion at a time. For most drives of axode/integration/drives.hpp
-/// several motions are computed at once in SIMD registers, and the reference of the drive is evaluated once
-/// for all motions. Throws std::invalid_argument if the drive is empty.
+/// Integrates N motions of K steps of length `step` (s) under a drive, a function that returns the drive
+/// forces at a time and state. Each thread has a copy of the drive and calls it for one motion at a time. For
+/// most drives of axode/integration/drives.hpp several motions are computed at once in SIMD registers, and
+/// the motion that a controller follows is evaluated once for all of them. Throws std::invalid_argument if
+/// the drive is empty.
 template <class T>
 Outcome rollout(const Model& model, std::span<const T> q, Numbers<T> v, const Drive& drive, std::size_t K,
                 double step, std::type_identity_t<std::span<T>> q_out,

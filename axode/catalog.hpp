@@ -14,8 +14,7 @@
 #include "axode/table/check_counts.hpp"
 
 /// The catalogue: a table with a row for each function of a state, such as inverse_dynamics. A row describes
-/// the arguments and the result of the function and has pointers by which it is called. The command line and
-/// the Python package are made from these rows, and tests of the laws of mechanics run over them.
+/// the arguments and the result of the function and has pointers by which it is called.
 namespace axode::catalog {
 
 /// All arguments that a function of the catalogue can have. A function reads only the arguments of its row.
@@ -51,8 +50,7 @@ template <class T> const std::span<const T>& numbers(const Arguments<T>& given, 
   return given.*member_of<T>(input);
 }
 
-/// A span of entries such as screws or poses as a span of the numbers of which they consist, in the same
-/// memory.
+/// A span of entries such as screws or poses as a span of their numbers, in the same memory.
 template <class T, class E> std::span<T> as_numbers(std::span<E> entries) {
   static_assert(sizeof(E) % sizeof(T) == 0);
   return {reinterpret_cast<T*>(entries.data()), entries.size() * (sizeof(E) / sizeof(T))};
@@ -69,15 +67,15 @@ template <class T> struct Function : Words {
   std::size_t size(const Model& model, std::size_t n_loads) const;
 };
 
-/// The rows of all functions, in the order of the documentation. Rep is BodyFixed, Spatial, Hybrid, Mixed or
-/// Fast; functions with a choice of representation give results in Rep or run their recursion in Rep. If Rep
-/// is Fast, the choice that takes the least time, functions without a fast recursion are left out.
+/// The rows of all functions, in the order of the documentation. Rep is the representation of twists and
+/// wrenches (BodyFixed, Spatial, Hybrid or Mixed) in which results are given or recursions run; or Fast, the
+/// choice that takes the least time, for functions with a fast recursion only.
 template <RecursionChoice Rep, class T = double> std::span<const Function<T>> functions();
 /// The row of a function, or nullptr if no function has this name.
 template <RecursionChoice Rep, class T = double> const Function<T>* find(std::string_view name);
 
-/// The name in this library of a function that is called `theirs` in other libraries (`crba` is `mass_matrix`
-/// here) or was called so in earlier versions; empty if there is no such function.
+/// The present name here of a function that is called `theirs` in other libraries (`crba` is `mass_matrix`)
+/// or was so in earlier versions; empty if there is none.
 std::string_view name_here(std::string_view theirs);
 
 }  // namespace axode::catalog

@@ -18,6 +18,5 @@
 #include "axode/constraints/mobility.hpp"
 #include "axode/constraints/prescribed/prescribed_motion.hpp"
 
-/// Mechanisms with closed loops: constraint equations of loop joints, dynamics, assembly (closing the loops),
-/// mobility, small motions and parallel manipulators in task space. Also prescribed motions and equilibria,
-/// which mechanisms without loops can have as well.
+/// Mechanisms with closed loops: constraint equations, dynamics, assembly (closing the loops), mobility,
+/// small motions and parallel manipulators in task space; also prescribed motions and equilibria.

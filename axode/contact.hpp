@@ -7,5 +7,4 @@
 #include "axode/contact/distances.hpp"
 #include "axode/contact/floor.hpp"
 
-/// Contact: collision shapes, the points at which they touch, contact forces at rest, and distances of
-/// shapes.
+/// Contact: collision shapes, the points at which they touch, contact forces at rest, and distances.

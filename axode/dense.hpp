@@ -49,8 +49,8 @@ Eigen::MatrixX<T> jacobians(const Model& model, Workspace<T>& workspace, Numbers
     all.template middleRows<6>(6 * k) = side_by_side.middleCols(k * nv, nv);
   return all;
 }
-/// The Jacobian, 6 × nv, of the motion of a place relative to another place, `base`, as an observer at rest
-/// in `base` sees it. A place is a frame on a body.
+/// The Jacobian, 6 × nv, of the motion of a place (a frame on a body) relative to another place, `base`, as
+/// an observer at rest in `base` sees it.
 template <RecursionRepresentation Rep = BodyFixed, class T>
 Matrix6X<T> relative_jacobian(const Model& model, Workspace<T>& workspace, Numbers<T> q,
                               const std::type_identity_t<Place<T>>& place,

@@ -5,4 +5,4 @@
 #include "axode/drives/linearization.hpp"
 
 /// Drives with states of their own, which act in simulations: motors, controllers, friction with bristles,
-/// and hydraulic cylinders. Also the feed-forward for motors that are connected to their joints by springs.
+/// and hydraulic cylinders. Also the feed-forward for motors on elastic joints.

@@ -19,6 +19,6 @@
 #include "axode/kinematics.hpp"
 
 /// Forces from motion (inverse dynamics), and motion from forces (forward dynamics). Sizes of arguments and
-/// exceptions are those of axode/kinematics.hpp. T is the scalar of the workspace. Rep is the representation
-/// in which the recursion runs: BodyFixed, Spatial, Hybrid, Mixed or, if the results of a function do not
-/// depend on it, Fast, the choice that takes the least time and is the default.
+/// exceptions are as in axode/kinematics.hpp. T is the scalar type, and Rep the representation in which the
+/// recursion runs: BodyFixed, Spatial, Hybrid, Mixed or, if the results of a function do not depend on it,
+/// Fast, the choice that takes the least time and is the default.

@@ -67,9 +67,8 @@ template <class T> Matrix6<T> to_eigen(const Inertia<T>& M) {
 
 namespace detail {
 
-/// Converts a matrix to the type of a matrix with Rows × Cols numbers; Cols may be Eigen::Dynamic. A matrix
-/// whose type has other sizes does not compile. If the sizes are known only at run time and are wrong, the
-/// function throws std::invalid_argument.
+/// Converts a matrix expression to an Eigen matrix with Rows × Cols entries; Cols may be Eigen::Dynamic.
+/// Wrong sizes do not compile or, if they are known only at run time, throw std::invalid_argument.
 template <int Rows, int Cols, class Derived>
 Eigen::Matrix<typename Derived::Scalar, Rows, Cols> shaped(const Eigen::MatrixBase<Derived>& matrix) {
   constexpr auto fits = [](int size, int wanted) {
@@ -136,8 +135,7 @@ template <class T> struct FromEigen<Inertia<T>> {
 }  // namespace detail
 
 /// The quantity of type Result in an Eigen vector or matrix, e.g. from_eigen<SE3<double>>(matrix). Only the
-/// shape is checked. The entries below the diagonal of a symmetric matrix or of an inertia are ignored, and
-/// so is the last row of a pose.
+/// shape is checked. Entries below the diagonal of symmetric matrices and the last row of a pose are ignored.
 template <class Result, class Derived> Result from_eigen(const Eigen::MatrixBase<Derived>& matrix) {
   using From = detail::FromEigen<Result>;
   return From::read(detail::shaped<From::rows, From::cols>(matrix));
@@ -196,15 +194,13 @@ Eigen::Map<Eigen::VectorX<T>> as_eigen(std::span<T, Extent> entries) {
 
 // ------------------------------------------------------------------------ orders of other libraries
 
-/// A 6×n matrix (a vector, a Jacobian) whose first three rows, the angular half, are exchanged with its last
-/// three rows, the linear half. The function is its own inverse.
+/// A 6×n matrix with its first three rows, the angular half, and its last three, the linear half, exchanged.
 template <class Derived> auto exchange_halves(const Eigen::MatrixBase<Derived>& matrix) {
   auto exchanged = detail::shaped<6, Derived::ColsAtCompileTime>(matrix);
   exchanged << matrix.template bottomRows<3>(), matrix.template topRows<3>();
   return exchanged;
 }
-/// The six components of a screw with the linear part before the angular one. This is the order of Pinocchio
-/// and of ROS messages.
+/// The six components of a screw with the linear part first, as in Pinocchio and ROS messages.
 template <class T> Vector6<T> linear_first(const Screw<T>& X) { return exchange_halves(to_eigen(X)); }
 template <template <class, class> class Kind, class Rep, class T>
   requires is_screw_kind<Kind> Vector6<T> linear_first(const Kind<Rep, T>& x) {
@@ -214,8 +210,7 @@ template <template <class, class> class Kind, class Rep, class T>
 template <class T> Matrix6<T> linear_first(const Inertia<T>& M) {
   return exchange_halves(exchange_halves(to_eigen(M)).transpose());
 }
-/// The screw, twist, twist rate, wrench or momentum (type Result) with these six components, linear part
-/// first.
+/// The screw, twist, twist rate, wrench or momentum with the given components, linear part first.
 template <class Result, class Derived>
 Result from_linear_first(const Eigen::MatrixBase<Derived>& components) {
   return from_eigen<Result>(exchange_halves(detail::shaped<6, 1>(components)));
@@ -262,9 +257,8 @@ template <class T> Matrix6<T> ad_matrix(const Screw<T>& X) {
   return matrix6<T>([&](const Screw<T>& Z) { return ad(X, Z); });
 }
 
-/// The following functions return the matrices of dexp at ξ on SO(3) (3×3) or at the screw X on SE(3) (6×6),
-/// of its inverse dexp⁻¹, and of the directional derivatives of both when the argument ξ moves along η or X
-/// along U.
+/// Matrices of dexp, the trivialised derivative of the exponential map, at ξ on SO(3) (3×3) or at the screw X
+/// on SE(3) (6×6), of its inverse dexp⁻¹, and of the derivatives of both when ξ moves along η or X along U.
 template <class T> Eigen::Matrix3<T> dexp_matrix(const Vec3<T>& xi) {
   return matrix3<T>([&](const Vec3<T>& z) { return dexp(xi, z); });
 }

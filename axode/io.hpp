@@ -10,16 +10,14 @@
 /// Reading and writing mechanisms: drawings (docs/drawing-format.md) and the formats of docs/formats.md.
 namespace axode {
 
-/// The joint between the base of a mechanism and the ground, which may be chosen differently from that in the
-/// file.
+/// How the base of a mechanism is joined to the ground: as in its file, fixed, or free.
 enum class Base {
-  /// The joint is as the file says. The root link of a URDF is fixed to the ground; a link of an SDF file to
-  /// which no joint leads is free.
+  /// As in the file: a URDF's root link is fixed to the ground, an SDF link to which no joint leads is free.
   as_described,
   /// Every body that is connected to the ground by a free joint is fixed where it is drawn.
   fixed,
-  /// The one body that is fixed to the ground gets a free joint `free_base`. Nothing changes if no body is
-  /// fixed to the ground and some body is free already.
+  /// The one body that is fixed to the ground gets a free joint `free_base`; nothing changes if none is fixed
+  /// but some body is free.
   free,
 };
 
@@ -35,26 +33,24 @@ enum class Base {
 Model load(const std::filesystem::path& file, Base base = Base::as_described,
            Strictness strictness = Strictness::lenient);
 
-/// All errors and warnings that load() finds in a file, sorted by line. Nothing is thrown for a wrong file; a
-/// file that cannot be read is reported as a fault as well.
+/// All errors and warnings that load() finds in a file, sorted by line. Nothing is thrown: a file that cannot
+/// be read is a fault as well.
 std::vector<Fault> check(const std::filesystem::path& file, Base base = Base::as_described,
                          Strictness strictness = Strictness::lenient);
 
-/// Reads the text of a drawing (the TOML format of this library) into a description, which is not yet built.
-/// Warnings are in Description::warnings. `file_name` is used in messages. Throws ModelError with every fault
-/// that the reader finds.
+/// Reads a drawing (the TOML format of this library) into a description, from which a Model can be built,
+/// with warnings in Description::warnings. `file_name` is used in messages. Throws ModelError with every
+/// fault.
 Description read_drawing_text(std::string_view text, const std::string& file_name,
                               Strictness strictness = Strictness::lenient);
-/// Reads the text of a URDF into a description, which is not yet built. Warnings are in
-/// Description::warnings. `file_name` is used in messages. Throws ModelError with every fault that the reader
-/// finds. Loops are closed by elements `loop_joint` with name and type, an extension of URDF. A loop_joint
-/// holds the elements `link1` and `link2`, each with the attributes link, xyz and rpy of a frame whose z is
-/// the axis of the joint.
+/// Reads a URDF into a description, from which a Model can be built, with warnings in Description::warnings.
+/// `file_name` is used in messages. Throws ModelError with every fault. Loops are closed by elements
+/// `loop_joint` with name and type, an extension of URDF. It holds the elements `link1` and `link2`, each
+/// with the attributes link, xyz and rpy of a frame whose z is the axis of the joint.
 Description read_urdf_text(std::string_view text, const std::string& file_name,
                            Strictness strictness = Strictness::lenient);
-/// Reads the text of an SDF file into a description, which is not yet built. Warnings are in
-/// Description::warnings. `file_name` is used in messages. Throws ModelError with every fault that the reader
-/// finds.
+/// Reads an SDF file into a description, from which a Model can be built, with warnings in
+/// Description::warnings. `file_name` is used in messages. Throws ModelError with every fault.
 Description read_sdf_text(std::string_view text, const std::string& file_name,
                           Strictness strictness = Strictness::lenient);
 

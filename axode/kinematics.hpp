@@ -9,9 +9,9 @@
 #include "axode/kinematics/poses.hpp"
 #include "axode/kinematics/twists.hpp"
 
-/// Poses and motions of bodies and frames. T is the scalar of the workspace, double or float; Rep, the
-/// representation of twists, is BodyFixed, Spatial, Hybrid or Mixed. q has nq, v and a have nv entries.
-/// Results for frames have n_frames entries: the ground, the bodies in the order of the model, and the other
-/// frames, each as the user placed it. Functions that are documented as O(n) allocate nothing. The functions
-/// throw std::invalid_argument for an argument of a wrong size, for a quaternion that is not of unit norm,
-/// and for a result that shares memory with an argument unless the result is correct nevertheless.
+/// Poses and motions of bodies and frames. T is the scalar type, double or float; Rep, the representation of
+/// twists, is BodyFixed, Spatial, Hybrid or Mixed. q has nq, v and a have nv entries. Results for frames have
+/// n_frames entries: the ground, the bodies, and the other frames. Functions that are documented as O(n)
+/// allocate nothing. The functions throw std::invalid_argument for an argument of a wrong size, for a
+/// quaternion that is not of unit norm, and for a result that shares memory with an argument unless the
+/// result is correct nevertheless.

@@ -3,5 +3,4 @@
 #include "axode/view/mesh_hull.hpp"
 #include "axode/view/scene.hpp"
 
-/// Pages for a browser that show mechanisms and their motions; reading of mesh files, and convex hulls of
-/// meshes for contacts.
+/// Web pages that show mechanisms and motions, mesh files, and convex hulls of meshes for contacts.

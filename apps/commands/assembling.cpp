@@ -28,8 +28,8 @@ std::vector<int> velocities_of(const Model& model, const std::vector<std::string
   return found;
 }
 
-/// Throws InputError if the initial state in the description (`given`) has a number for the joint that
-/// differs from `start`, the number with which the prescribed motion of the joint begins.
+/// Throws InputError if the described initial state (`given`) of a joint with a prescribed motion differs
+/// from `start`, the number with which this motion begins.
 void check_start(const std::vector<std::pair<std::string, std::vector<double>>>& given, const char* what,
                  const std::string& joint, double start) {
   constexpr double tolerance = 1e-6;

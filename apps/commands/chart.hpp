@@ -51,12 +51,10 @@ struct Chart {
 /// The file of a picture that an option of a command names.
 class ChartFile {
  public:
-  /// Checks the file name that is given for an option. Throws UsageError if its ending is neither .svg nor
-  /// .png, and InputError if gnuplot is missing.
+  /// Throws UsageError unless the file's name ends in .svg or .png, and InputError if gnuplot is missing.
   ChartFile(std::string option, std::string file);
 
-  /// Draws the chart. If a panel has many lines, only those that change most are drawn; if a line has many
-  /// points, only as many as can be distinguished are drawn. Throws InputError if the file cannot be written.
+  /// Draws the chart into the file. Throws InputError if the file cannot be written.
   void draw(const Chart& chart) const;
 
  private:
@@ -68,9 +66,9 @@ class ChartFile {
 void add_plot_option(CLI::App& command, std::string& file);
 /// Adds the option --columns to a command that draws a chart.
 void add_columns_option(CLI::App& command, std::vector<std::string>& columns);
-/// Keeps only the curves of a chart that the words of --columns name. A word may name all curves of a panel,
-/// a curve by one of its names, or one curve of a panel by the names of the panel and of the curve. If there
-/// are no words, all curves are kept. Throws UsageError if a word names no curve.
+/// Keeps only the curves of a chart that `columns` names; all if it is empty. An entry names all curves of a
+/// panel, a curve by one of its names, or one curve of a panel by the names of the panel and of the curve.
+/// Throws UsageError if an entry names no curve.
 void keep_columns(Chart& chart, const std::vector<std::string>& columns);
 /// The file of a picture that an option names; empty if the option has no value.
 std::optional<ChartFile> chart_file(const std::string& file);

@@ -70,8 +70,8 @@ bool has_frame(const Model& model, std::string_view name) {
   return std::ranges::any_of(model.frames(), [&](const Frame& frame) { return frame.name == name; });
 }
 
-/// Reads from the command line a function of a frame for which code is wanted: `pose:FRAME`, `jacobian:FRAME`
-/// or `jacobian:FRAME:REP` with a representation. The name of a frame may have colons itself.
+/// Parses a request for the code of the pose or the Jacobian of a frame: `pose:FRAME`, `jacobian:FRAME` or
+/// `jacobian:FRAME:REP`, where REP is a representation of twists. Names of frames may contain colons.
 codegen::Function of_a_frame(const Model& model, codegen::Function function, std::string frame) {
   if (frame.empty())
     throw UsageError(function.is("pose")

@@ -33,8 +33,7 @@ error, and nothing is written. A joint of a kind that the format does not have, 
 is always an error. IN is a drawing, a URDF or SDFormat (.sdf, .world); MJCF is read by the Python
 package: axode.load.)";
 
-/// A function that writes a model in a file format and returns a warning for each thing that the format
-/// cannot express.
+/// A function that writes a model in a file format and returns a warning for each thing that is lost.
 using Writer = std::vector<Fault> (*)(const Model&, std::ostream&, Strictness);
 
 std::vector<Fault> write_all(const Model& model, std::ostream& out, Strictness) {

@@ -38,8 +38,8 @@ a free joint unless the drawing says passive = false.)";
 
 constexpr std::size_t most_warnings = 12;
 
-/// One of the numbers that a degree of freedom of a joint has, such as its damping: its name in JSON, its
-/// heading in a table, and the member of Dof that holds it. A number with its default value is not printed.
+/// A property of a degree of freedom of a joint, such as its damping: its name in JSON, its heading in a
+/// table, and the member of Dof that holds it.
 struct DofField {
   const char* name;
   const char* heading;
@@ -83,8 +83,7 @@ Json neutral_center_of_mass(const Model& model) {
   return to_json(center_of_mass(model, workspace, neutral(model)));
 }
 
-/// The number of degrees of freedom of a mechanism with loops in a configuration that closes the loops and is
-/// near the one with all joints at zero; empty if none is found.
+/// The mobility of a mechanism with loops, at a closed configuration near q = 0; empty if none is found.
 std::optional<int> degrees_of_freedom(const Model& model) {
   const AssemblyResult closed = assemble(model, neutral(model));
   if (closed.status != AssemblyStatus::closed) return std::nullopt;
@@ -122,8 +121,7 @@ std::string_view curve_name(const ForceCurve& curve) {
   return names[curve.index()];
 }
 
-/// The names of the frames that a spring connects, in the order of its path; empty if the spring acts on
-/// joints.
+/// The names of the frames that a spring connects, in this order; empty for a spring on joint coordinates.
 std::vector<std::string> places_of(const Model& model, const Spring& spring) {
   std::vector<std::string> names;
   if (const auto* path = std::get_if<Spring::Path>(&spring.geometry))

@@ -82,8 +82,8 @@ bool is_zero(const std::vector<double>& x) {
   return std::ranges::all_of(x, [](double x_k) { return x_k == 0; });
 }
 
-/// The state that the options describe: read from a file or neutral, held by drive forces (--hold), or moved
-/// to an equilibrium (--equilibrium).
+/// The state that the options describe: read from a file or all joints at zero, held by drive forces
+/// (--hold), or moved to an equilibrium (--equilibrium).
 State found_state(const Model& model, const Options& options) {
   State state = options.state.empty() ? neutral_state(model) : read_state(model, options.state);
   if (options.equilibrium || options.hold) {
@@ -259,8 +259,7 @@ std::string matrix_tables(const Linearized& at) {
          table_of(AB, velocity_names(at.model), rows);
 }
 
-/// The largest displacements of a mode as text. A displacement that is out of phase with the largest one is
-/// written with its phase angle.
+/// The largest displacements of a vibration mode as text, with phase angles relative to the largest one.
 std::string shape_text(const Mode& mode, const std::vector<std::string>& names) {
   std::vector<std::size_t> order;
   const auto size = [&](std::size_t k) { return std::abs(mode.shape[static_cast<Index>(k)]); };

@@ -10,8 +10,7 @@
 #include "apps/shell/command_line.hpp"
 #include "apps/shell/commands.hpp"
 
-/// The command `map`: functions of states in Parquet files. Python computes them; this file has the options
-/// and the help.
+/// Options and help of the command `map`, which computes functions of states in Parquet files with Python.
 namespace axode::command {
 namespace {
 
@@ -29,8 +28,7 @@ This command runs `python -m axode map`, which needs pyarrow: pip install pyarro
 AXODE_PYTHON, or else the first python3 on PATH, which is the one of an active virtual environment; the
 command that pip installs uses the Python of its own environment.)";
 
-/// The Python program that the command runs. It removes the working folder from the path on which modules are
-/// searched.
+/// The Python program that the command runs, with the working folder removed from the search path of modules.
 constexpr const char* program = R"(
 import sys
 sys.path[:] = [place for place in sys.path if place]

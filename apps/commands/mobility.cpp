@@ -152,10 +152,9 @@ std::string ranks(const LocalMobility& found) {
   return text;
 }
 
-/// A table for a branch, a smooth family of motions through a configuration of a mechanism. For each
-/// coordinate it has the tangent or tangents of the branch, its curvature or (at a cusp) the next term of its
-/// power series, and whether the coordinate rests along the branch (idle) or only at this configuration (dead
-/// point).
+/// A table for a branch, a smooth curve or surface of configurations of a mechanism through a given one. For
+/// each coordinate it has the tangents, the curvature or (at a cusp) the next term of the power series, and
+/// whether it rests along the branch (idle) or only at this configuration (dead point).
 std::string coordinates_table(const LocalMobility& found, const MotionBranch& branch) {
   std::vector<std::string> headings{"joint"};
   std::vector<std::vector<double>> columns;

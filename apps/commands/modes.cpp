@@ -15,9 +15,8 @@ using Matrix = Eigen::MatrixXd;
 /// Numbers of the balanced matrix below these fractions of its largest number count as 0.
 constexpr double zero_pivot = 1e-12, zero_part = 1e-10;
 
-/// An estimate of the largest angular frequency of the linear system x' = A x of displacements and
-/// velocities, at least 1/s, because a small stiffness may be due to rounding. Its inverse is used as the
-/// unit of time, so that the entries of A for displacements and for velocities have similar sizes.
+/// An estimate of the largest angular frequency of x' = A x, where x has displacements, then velocities; at
+/// least 1/s. Its inverse is the unit of time that gives all entries of A similar sizes.
 double largest_rate(const Matrix& A) {
   const Eigen::Index nv = A.rows() / 2;
   return std::sqrt(std::max(1.0, A.bottomLeftCorner(nv, nv).lpNorm<Eigen::Infinity>()));
@@ -36,11 +35,10 @@ Matrix null_space(const Matrix& A, double scale) {
   return lu.isInvertible() ? Matrix(A.cols(), 0) : Matrix(lu.kernel());
 }
 
-/// The eigenvalues of A other than 0, and their eigenvectors. Bodies that can drift give A a defective
-/// eigenvalue 0, for which an eigenvalue solver would return several scattered numbers. Therefore an
-/// orthogonal Q whose first columns span the null space of A splits it off: QᵀAQ is block triangular, with
-/// the block 0 for the null space and a block A2. The same is done with A2 and so on, until the null space is
-/// empty (Kublanovskaya 1966).
+/// The eigenvalues of A other than 0, and their eigenvectors. An orthogonal Q whose first columns span the
+/// null space of A splits off the defective eigenvalue 0 of bodies that can drift: QᵀAQ is block triangular,
+/// with the block 0 for the null space and a block A2. The same is done with A2 and so on, until the null
+/// space is empty (Kublanovskaya 1966).
 Spectrum nonzero_spectrum(const Matrix& A, double scale) {
   if (A.rows() == 0) return {};
   const Matrix kernel = null_space(A, scale);

@@ -5,9 +5,9 @@
 
 namespace axode::command {
 
-/// A mode of a linear system: the motion exp(λt) times a shape, with the eigenvalue λ. Two conjugate
-/// eigenvalues are one mode, with the eigenvalue of positive imaginary part. A rigid mode, a displacement
-/// that no force opposes, has λ = 0.
+/// A mode of a linear system: a motion exp(λt) times a shape, with the eigenvalue λ. Of two conjugate
+/// eigenvalues it has the one of positive imaginary part. A rigid mode, a displacement that no force opposes,
+/// has λ = 0.
 struct Mode {
   std::complex<double> eigenvalue;  ///< λ, 1/s; real and imaginary parts that are rounding errors are 0
   Eigen::VectorXcd shape;           ///< displacements, half as many as x has entries; the largest is 1
@@ -26,8 +26,7 @@ struct Modes {
   int zeros = 0;          ///< multiplicity of the eigenvalue 0
 };
 
-/// The modes of the linear system x' = A x. The first half of x are displacements, and the second half are
-/// velocities.
+/// The modes of the linear system x' = A x, where x consists of displacements, then their velocities.
 Modes modes(const Eigen::MatrixXd& A);
 
 }  // namespace axode::command

@@ -48,8 +48,7 @@ struct Logarithmic {
 constexpr std::array<std::pair<std::string_view, Logarithmic>, 3> logarithmic_axes{
     {{"x", {true, false}}, {"y", {false, true}}, {"xy", {true, true}}}};
 
-/// The names of the panel and of the curve that a column heading consists of. They are separated by the first
-/// colon with a blank after it, or by the first blank if there is no such colon.
+/// The panel and the curve that a column heading names, separated by the first ": " or else the first blank.
 std::pair<std::string, std::string> split(const std::string& heading) {
   const std::size_t colon = heading.find(": "), end = colon == std::string::npos ? heading.find(' ') : colon;
   if (end == std::string::npos) return {heading, ""};

@@ -94,8 +94,7 @@ with t, q, v, a, tau and the energy, under names; .npz these as arrays: q = nump
 --plot draws q, v, tau, the forces of contacts and the energies over time, and of these what --columns
 names. Ctrl-C ends the motion; the part computed so far is written.)";
 
-/// The drive of a simulation: the constant drive forces of the state and the controller that the options
-/// name.
+/// The drive forces of a simulation: the constant ones of the state plus those of the controller.
 Drive drive_of(const Model& model, const State& state, const Options& options) {
   const Drive constant = [&state](double, std::span<const double>, std::span<const double>,
                                   std::span<double> tau) { std::ranges::copy(state.tau, tau.begin()); };
@@ -163,8 +162,7 @@ Trajectory motion_of(const Model& model, const State& state, const Drive& drive,
                           shapes ? &*shapes : nullptr});
 }
 
-/// Throws UsageError for a word of --columns that names no curve of any motion of the mechanism, before a
-/// motion is computed.
+/// Throws UsageError for a name in --columns that no curve of any motion of the mechanism has.
 void check_columns(const Model& model, const Options& options) {
   if (options.columns.empty()) return;
   // A chart of one state that has forces everywhere has all curves.

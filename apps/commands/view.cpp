@@ -42,8 +42,7 @@ Example:
   axode simulate four_bar.toml --until 5 --samples 500 --output run.csv
   axode view four_bar.toml --motion run.csv --output four_bar.html)";
 
-/// The page of the viewer without a scene. Its file is beside an installed command, or where the build of the
-/// viewer has made it.
+/// The HTML page of the viewer without a mechanism, from an installation or from the build tree.
 std::string empty_page() {
   if constexpr (std::string_view(AXODE_BUILT_PAGE).empty())
     throw InputError(

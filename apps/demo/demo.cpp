@@ -41,8 +41,7 @@ std::string short_number(double x) { return x == 0 ? "0" : fmt::format("{:.1e}",
 
 double microseconds(double seconds) { return std::round(1e8 * seconds) / 100; }
 
-/// The results and the computation times of inverse dynamics of one robot at one state, in the four
-/// representations and by the fast kernels.
+/// Results and computation times of the inverse dynamics of a robot, in each representation of twists.
 struct RepresentationTimes {
   std::array<std::vector<double>, 5> tau;
   std::array<double, 5> time{};

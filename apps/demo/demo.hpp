@@ -2,8 +2,8 @@
 
 namespace axode::command {
 
-/// Prints a demonstration of axode with an arm and a humanoid. Throws std::runtime_error if the files of
-/// these robots are missing or if the results in the four representations do not agree.
+/// Prints a demonstration of axode with an arm and a humanoid. Throws std::runtime_error if their files are
+/// missing or if the results in different representations of twists do not agree.
 void show_demo();
 
 }  // namespace axode::command

@@ -3,8 +3,7 @@
 
 #include "apps/demo/demo.hpp"
 
-/// The command `axode demo` as a program of its own. `make demo` builds it in a quarter of the time that the
-/// whole command takes.
+/// The command `axode demo` as a program of its own, which `make demo` builds.
 int main() {
   try {
     axode::command::show_demo();

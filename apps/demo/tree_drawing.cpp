@@ -15,8 +15,7 @@ namespace {
 constexpr std::size_t deepest_indent = 24;  // largest number of levels that are drawn as branches
 constexpr std::size_t widest_line = 110;
 
-/// Draws the branches (lines of text) in front of each entry of a tree whose entries come in depth-first
-/// order.
+/// Draws the branches (lines of text) in front of the entries of a tree, which come in depth-first order.
 class Branches {
  public:
   std::string before(std::size_t depth, bool last) {

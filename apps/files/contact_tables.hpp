@@ -11,16 +11,14 @@
 /// Writes points of contact and their forces as JSON, as a table and as a chart, for all commands.
 namespace axode::command {
 
-/// A JSON list with an object for each point of contact. `shapes` has the names of the shapes;
-/// ContactForce::a and b are indices into it.
+/// A JSON list of contact points. `shapes` has the names to which the indices ContactForce::a and b refer.
 Json contacts_json(const std::vector<std::string>& shapes, std::span<const ContactForce> contacts);
 
-/// A table with a row for each point of contact: names of the shapes, position, normal, gap, forces and
-/// status.
+/// A table of contact points: names of the shapes, position, normal, gap, forces, and whether they slide.
 std::string contacts_table(const std::vector<std::string>& shapes, std::span<const ContactForce> contacts);
 
-/// Two panels of a chart with the normal forces and the friction forces over the given times, with a curve
-/// for each pair of shapes that presses on each other. Empty if no pair does so at these times.
+/// Two panels of a chart with the normal and the friction forces over the given times, with a curve for each
+/// pair of shapes that press on each other; empty if there is no contact.
 std::vector<Panel> contact_panels(const Trajectory& motion, const std::vector<double>& times);
 
 }  // namespace axode::command

@@ -5,12 +5,10 @@
 #include <string_view>
 #include <vector>
 
-/// CSV: tables of text with a row in each line and commas between cells. A cell in quotes may contain commas,
-/// ends of lines and doubled quotes.
+/// Comma-separated values (CSV). A cell in quotes may contain commas, line ends and doubled quotes.
 namespace axode::command {
 
-/// Calls `row` with the cells of each row that is not empty, and with the number of the first line of the
-/// row; lines count from 1.
+/// Calls row(line, cells) for each row that is not empty, with the number of its first line, from 1.
 void for_rows_of_csv(std::string_view text,
                      const std::function<void(std::size_t line, const std::vector<std::string>& cells)>& row);
 

@@ -5,8 +5,7 @@
 
 #include "axode/lie/twist.hpp"
 
-/// Quantities of mechanics as JSON. Numbers have all digits of the doubles; infinite numbers, which stand for
-/// no limit, are written as null.
+/// Mechanical quantities as JSON, with all digits of the doubles; infinity, which means no limit, is null.
 namespace axode::command {
 
 using Json = nlohmann::ordered_json;

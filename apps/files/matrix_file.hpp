@@ -10,12 +10,10 @@ enum class FileFormat { json, csv, npz };
 /// The format of the file that an option names, by its ending. Throws UsageError for an unknown ending.
 FileFormat file_format(const std::string& file, const char* option = "--output");
 
-/// The matrix as comma-separated values: a line with the names of the columns, then for each row its name and
-/// its numbers, with all digits of the doubles.
+/// The matrix as comma-separated values, with the names of the columns above and those of the rows in front.
 std::string as_csv(const Eigen::MatrixXd& matrix, const std::vector<std::string>& rows,
                    const std::vector<std::string>& columns);
-/// The matrix as comma-separated values: a line with the names of the columns, then the numbers of each row,
-/// without names of rows.
+/// The matrix as comma-separated values, with the names of the columns above.
 std::string as_csv(const Eigen::MatrixXd& matrix, const std::vector<std::string>& columns);
 
 /// A matrix, or a vector (a matrix of one column), and its name.

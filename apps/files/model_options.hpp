@@ -11,8 +11,7 @@ class App;
 
 namespace axode::command {
 
-/// The options of a command that name the files of mechanisms and say how the files are read. They are the
-/// same in all commands.
+/// The options of a command that name the files of mechanisms and say how the files are read.
 struct ModelOptions {
   std::vector<std::string> files;
   std::string base;
@@ -26,8 +25,7 @@ struct ModelOptions {
 
 enum class Files { one, several };
 
-/// Adds the argument for the files, which the help calls `name`, and the options --base and --strict to a
-/// command.
+/// Adds to a command the options --base and --strict and the files, which its help calls `name`.
 void add_model_options(CLI::App& command, ModelOptions& options, Files files = Files::one,
                        const char* name = "MODEL");
 

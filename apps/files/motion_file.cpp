@@ -31,8 +31,7 @@ using Tables = std::map<std::string, Rows, std::less<>>;
 
 // ------------------------------------------------------------------------------------------------------ .csv
 
-/// Collects the columns `what NAME` of a table for all names, side by side, in out[what]. If the first of
-/// them is missing, nothing is collected.
+/// Copies the columns `<what> <name>` of a table, for all names, to out[what]; none if the first is missing.
 void gather(const std::vector<std::string>& headings, const std::vector<std::vector<double>>& lines,
             const std::string& what, const std::vector<std::string>& names, const std::string& file,
             Tables& out) {

@@ -8,8 +8,8 @@
 
 namespace axode::command {
 
-/// A state of a model (q and v), and other arguments of functions of a state, such as accelerations and
-/// loads. The numbers are in the order of the coordinates or velocities of the model.
+/// A state (q, v) of a model, and other arguments of functions of a state, such as accelerations and loads,
+/// in the order of the model's coordinates or velocities.
 struct State {
   std::vector<double> q, v, a;
   std::vector<double> jerk, snap;        ///< the derivatives of a
@@ -45,9 +45,9 @@ struct Sweep {
   std::vector<double> t;  ///< times of the states, or their indices from 0
   bool timed = false;     ///< whether the file has times
 };
-/// Reads a sequence of states from a CSV file with a row for each state, as `axode simulate --output run.csv`
-/// writes it. The columns are t, q NAME, v NAME, a NAME and tau NAME. Any of them may be missing, and a
-/// column `energy` is ignored. Throws InputError if the file does not fit the model.
+/// Reads a sequence of states from a CSV file with a row for each state. The columns are t, q NAME, v NAME, a
+/// NAME and tau NAME, as `axode simulate --output run.csv` writes them; any may be missing. Throws InputError
+/// if the file does not fit the model.
 Sweep read_sweep(const Model& model, const std::string& file);
 
 }  // namespace axode::command

@@ -70,8 +70,7 @@ class StateReader {
 
   void fault(const std::string& sentence) { faults_.push_back(source_ + ": " + sentence); }
 
-  /// The largest depth of nested values that is accepted, because reading deep values needs a deep stack.
-  /// Nothing in a state is nested deeper than the rows of the pose of a target.
+  /// The largest depth of nested JSON values that is accepted; a limit protects the stack.
   static constexpr int deepest = 16;
 
   Json parse(const std::string& text) {
@@ -120,8 +119,8 @@ class StateReader {
     fault(where + "the key " + none_of(key, known, [](std::string_view name) { return name; }));
   }
 
-  /// Reads q, v or a: all numbers in the model's order, or some of them by joint. `indices` returns those of
-  /// a joint's numbers.
+  /// Reads q, v or a: all numbers in the model's order, or a dictionary with those of some joints.
+  /// indices(joint) returns the indices of the numbers of a joint.
   template <class Indices>
   void numbers(const std::string& key, const Json& value, Indices indices, const char* size,
                std::vector<double>& out) {

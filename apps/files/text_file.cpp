@@ -45,9 +45,8 @@ std::optional<fs::path> replaceable(fs::path file) {
   return file;
 }
 
-/// Blocks signals while the object exists: those that would end the program while a file is incomplete, and
-/// SIGXFSZ, the signal of a file that grows beyond the limit of its size, which is reported as an error
-/// instead.
+/// Blocks, while the object exists, the signals that would end the program in the middle of a file, and
+/// SIGXFSZ, the signal of a file that exceeds its size limit, which is reported as an error instead.
 class BlockedSignals {
  public:
   BlockedSignals() {
@@ -83,8 +82,7 @@ class BlockedSignals {
   sigset_t ending_{}, before_{};
 };
 
-/// Writes the text to an open file. Stops early if ended() returns true. Returns 0 or the error number of the
-/// system.
+/// Writes the text to an open file, until ended() is true. Returns 0 or the error number of the system.
 template <class Ended> int write_all(int descriptor, std::string_view text, const Ended& ended) {
   constexpr std::size_t block = std::size_t{1} << 20;
   while (!text.empty()) {
@@ -104,8 +102,7 @@ void write_directly(const std::string& file, std::string_view text) {
   if (error != 0) refuse(file, reason(error));
 }
 
-/// Gives an open file the owner, the group and the permissions of another file, as far as the user is allowed
-/// to.
+/// Gives an open file the owner, group and permissions of the file `of`, as far as the user may do so.
 void take_permissions(int descriptor, const struct stat& of) {
   [[maybe_unused]] const int owner = fchown(descriptor, of.st_uid, static_cast<gid_t>(-1)),
                              group = fchown(descriptor, static_cast<uid_t>(-1), of.st_gid),

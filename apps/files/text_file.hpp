@@ -8,9 +8,9 @@ std::string read_text(const std::string& file);
 
 /// Replaces the contents of a file by the text, or leaves the file as it was and throws InputError.
 ///
-/// The text is written to a new file in the same folder, which is then renamed. The permissions of an
-/// existing file are kept. A symbolic link stays, and its target is replaced. A failure or a signal leaves no
-/// other file. A device, a pipe and an open file of a process (/dev/stdout) are written directly.
+/// The text is written to a new file in the same folder, which is then renamed. Permissions are kept, the
+/// target of a symbolic link is replaced, and a failure or a signal leaves no other file. A device, a pipe
+/// and an open file of a process (/dev/stdout) are written directly.
 void write_text(const std::string& file, const std::string& text);
 
 }  // namespace axode::command

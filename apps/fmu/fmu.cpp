@@ -48,8 +48,7 @@ Parameters, which can be changed before the start, are gravity, masses, centres 
 bodies, points of joints, and constants of springs, for example body.BODY.mass. Directional derivatives are
 exact.)";
 
-/// The contents of the shared library that every FMU (functional mock-up unit, a model as a file for other
-/// programs) contains. Its file is beside an installed command, or in the build tree.
+/// The shared library in every FMU (functional mock-up unit, a model as a file for other programs).
 std::string binary() {
   if constexpr (std::string_view(AXODE_BUILT_FMU).empty())
     throw InputError(

@@ -8,8 +8,7 @@
 namespace axode::command {
 namespace {
 
-/// Returns the result of a call of libzip. Throws std::runtime_error if it is null, because there is no
-/// memory.
+/// Returns a pointer that libzip made. Throws std::runtime_error if it is null, for lack of memory.
 template <class T> T* made(T* thing) {
   if (thing == nullptr) throw std::runtime_error("no archive can be written: there is not enough memory");
   return thing;

@@ -29,8 +29,8 @@ Names velocities_of(Subgroup kind) {
   }
 }
 
-/// A Component, which has a curve in a chart, for each coordinate (or each velocity) of all joints that are
-/// not coupled. names_of() returns the names of those of a kind of joint, lengths last.
+/// A Component, which becomes a curve of a chart, for each coordinate (or velocity) of the joints that are
+/// not coupled. names_of() returns the names for a kind of joint, those of lengths last.
 std::vector<Component> components(const Model& model, Names (*names_of)(Subgroup)) {
   std::vector<Component> all;
   for (int i = 1; i <= model.n_bodies(); ++i) {
@@ -54,8 +54,8 @@ std::string unit_name(Component::Kind kind, const std::vector<std::string_view>&
   return kind == Component::quaternion ? "quaternion" : std::string(units[kind == Component::angle ? 0 : 1]);
 }
 
-/// The units in a list such as "N m, N". An ending " per unit of ..." of the list is appended to each of
-/// them, and " for angles" and " for lengths" are removed.
+/// Splits a list of units such as "N m, N". An ending " per unit of ..." is appended to each unit, and " for
+/// angles" and " for lengths" are removed.
 std::vector<std::string> list_of(const std::string& units) {
   const std::size_t end = std::min(units.find(" per unit"), units.size());
   std::vector<std::string> all;
@@ -79,8 +79,7 @@ std::optional<bool> linear_part(std::string_view name) {
   return std::nullopt;
 }
 
-/// Removes the name of a velocity from the front of the name of a curve, and returns the index of the
-/// velocity; empty if there is none.
+/// Removes a velocity's name from the front of a curve's name and returns its index; empty if none.
 std::optional<std::size_t> take_velocity(std::string_view& name, const std::vector<std::string>& velocities) {
   std::optional<std::size_t> found;
   for (std::size_t k = 0; k < velocities.size(); ++k)

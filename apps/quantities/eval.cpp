@@ -209,8 +209,7 @@ void run(const Options& options, Format format, const std::vector<Quantity>& cho
   print_warnings(ask, options);
 }
 
-/// A table with the smallest and the largest value of each number of a quantity over many states, and the
-/// states at which the number has them.
+/// A table with the extremes of each number of a quantity over many states, and the states that have them.
 std::string extremes(const std::vector<Curve>& curves, const Sweep& sweep) {
   const std::string at = sweep.timed ? "at t" : "at state";
   Table table({"", "smallest", at, "largest", at});

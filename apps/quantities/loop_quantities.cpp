@@ -22,8 +22,8 @@ std::size_t number_of(const Model& model, Rows kind) {
   return static_cast<std::size_t>(kind == Rows::velocities ? model.loops().rows : model.loops().residuals);
 }
 
-/// An answer with the numbers x: for each constraint equation of the loops one number for each of `columns`.
-/// The equations are those of the velocities or those of the position, as `kind` says.
+/// An Answer, the text and JSON that `axode eval` prints, with the array x: for each constraint equation of
+/// the loops, of velocities or of positions as `kind` says, a number for each name in `columns`.
 Answer answer_by_rows(const Question& ask, std::string label, Rows kind, const std::vector<double>& x,
                       const std::vector<std::string>& columns) {
   std::vector<std::string> headings{"loop"};
@@ -45,8 +45,8 @@ Answer answer_by_rows(const Question& ask, std::string label, Rows kind, const s
   return answer;
 }
 
-/// An answer with a matrix that `write` computes. It has a row for each constraint equation of the loops and
-/// a column for each velocity.
+/// An Answer, the text and JSON that `axode eval` prints, with the matrix that `write` computes: a row for
+/// each constraint equation of the loops and a column for each velocity.
 template <class F> Answer matrix_answer(const Question& ask, const char* label, Rows kind, const F& write) {
   LoopWorkspace<> workspace(ask.model);
   std::vector<double> matrix(number_of(ask.model, kind) * ask.state.v.size());

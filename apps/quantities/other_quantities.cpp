@@ -9,9 +9,8 @@
 #include "axode/kinematics/system_matrices.hpp"
 #include "axode/model/inertial_parameters.hpp"
 
-/// The quantities of `axode eval` that are not in the table of functions in axode/catalog.hpp: quantities
-/// with an order of differentiation or with targets, factors of matrices, and equations of motion whose
-/// unknowns are the twists or momenta of the bodies.
+/// The quantities of `axode eval` with an order of differentiation or with targets, factors of matrices, and
+/// equations of motion for the twists or momenta of the bodies.
 namespace axode::command {
 namespace {
 
@@ -88,7 +87,7 @@ Answer jerk_answer(const Question& ask) { return twist_derivative(ask, "jerk", 2
 Answer snap_answer(const Question& ask) { return twist_derivative(ask, "snap", 3); }
 Answer twist_derivative_answer(const Question& ask) { return twist_derivative(ask, "twist", ask.order); }
 
-/// The tensor of derivatives of the given order as nested lists: one index for each derivative, the outermost
+/// A tensor of derivatives as nested lists: one index for each of `order` derivatives, the outermost
 /// derivative first, then six rows of nv entries.
 template <class Column> Json nested(std::span<const Column> tensor, int order, int nv) {
   if (order == 0) return rows_of(tensor);
@@ -190,8 +189,8 @@ Answer mass_matrix_factors_answer(const Question& ask) {
   return answer;
 }
 
-/// An answer for equations of motion whose unknowns are the twists or momenta of the bodies: the velocities
-/// v, and for each body the rate of its six unknowns, of type Rate.
+/// An Answer, the text and JSON that `axode eval` prints, for equations of motion of the twists or momenta of
+/// the bodies: the velocities v, and for each body the rate of its six unknowns.
 template <class Rate>
 Answer body_rates_answer(const Question& ask, std::string label, std::vector<std::string> headings,
                          const char* key, const std::vector<double>& v, const std::vector<Rate>& rates) {

@@ -11,8 +11,7 @@
 #include "axode/model/inertial_parameters.hpp"
 #include "axode/table/check_counts.hpp"
 
-/// The quantities of `axode eval` that are rows of the table of functions in axode/catalog.hpp. Their
-/// results, numbers of any shape, are written as JSON and as tables.
+/// The quantities of `axode eval` that axode/catalog.hpp has, whose results are arrays of numbers.
 namespace axode::command {
 namespace {
 
@@ -43,8 +42,8 @@ std::string rate_axes(Representation representation) {
   }
   return "w' in the frame's own axes; v' = r'' of its origin in inertial axes";
 }
-/// The axes of a wrench and the reference point of its moment, in words. `whose` is "frame" or "body". `own`
-/// describes the point in the body-fixed and mixed representations, and `point` that in the hybrid one.
+/// The axes of a wrench and the point of its moment, in words. `whose` is "frame" or "body"; `own` describes
+/// the point in the body-fixed and mixed representations, `point` that in the hybrid one.
 std::string wrench_axes(Representation representation, const char* whose, const char* own,
                         const std::string& point) {
   switch (representation) {
@@ -127,8 +126,7 @@ SE3<> pose(Reals x) {
   const auto column = [&](std::size_t k) { return Vec3<>{x[k], x[k + 1], x[k + 2]}; };
   return {{column(0), column(3), column(6)}, column(9)};
 }
-/// The mass m and the six numbers of Θ of an inertia about the centre of mass; the first moment, which is 0,
-/// is left out.
+/// The mass and the six moments of inertia about the centre of mass, without the first moment, which is 0.
 std::vector<double> mass_and_inertia(Reals x) {
   std::vector<double> kept{x[0]};
   kept.insert(kept.end(), x.begin() + 4, x.end());
@@ -162,8 +160,7 @@ struct Result {
     for (; axis < axes.size(); ++axis) n *= axes[axis].names.size();
     return n;
   }
-  /// Whether entry k along an axis of the result is left out: if it belongs to a frame, and the user named
-  /// other frames only.
+  /// Whether entry k along an axis of the result is left out, as it belongs to a frame that is not wanted.
   bool left_out(std::size_t axis, std::size_t k) const {
     return row.shape[axis] == Extent::n_frames && !ask.frames.empty() &&
            std::find(ask.frames.begin(), ask.frames.end(), static_cast<int>(k)) == ask.frames.end();
@@ -246,8 +243,8 @@ struct Result {
     }
   }
 
-  /// Adds the numbers of the results to a table. For each axis of the results from `axis` on, the rows have a
-  /// cell with a name along this axis; `before` are the cells in front of them.
+  /// Adds the numbers of the arrays `results` to a table. In front of each number are the cells `before` and
+  /// its names along the axes from `axis` on.
   void tabulate(const std::vector<Reals>& results, std::vector<Cell> before, Table& table,
                 std::size_t axis = 0) const {
     if (on_its_side()) {

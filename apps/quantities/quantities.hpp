@@ -35,17 +35,14 @@ struct Answer {
   Table table;
 };
 
-/// A quantity that `axode eval` can compute: its name, its purpose in a few words, and the function that
-/// answers a question.
+/// A quantity that `axode eval` can compute: its name, its purpose in a few words, and how it is computed.
 struct Quantity {
   std::string_view name, purpose;
   std::function<Answer(const Question&)> answer;
 };
-/// All quantities of `axode eval` in the order of the documentation: the rows of the table in
-/// axode/catalog.hpp, and other quantities.
+/// All quantities of `axode eval`, in the order of the documentation.
 const std::vector<Quantity>& quantities();
-/// The quantities that are not in the table of functions in axode/catalog.hpp, because they take an order of
-/// differentiation or targets, or their results are not only numbers.
+/// The quantities that need an order of differentiation or targets, or whose results are not only numbers.
 std::vector<Quantity> other_quantities();
 /// The quantities about closed loops.
 std::vector<Quantity> loop_quantities();

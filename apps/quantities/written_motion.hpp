@@ -20,14 +20,13 @@ struct WrittenMotion {
   Eigen::MatrixXd x;  ///< states of the drives
 };
 
-/// Evaluates a motion, which was computed under the given drive and loads, at the ends of its steps or, if
-/// `samples` is positive, at the ends of `samples` equal intervals.
+/// Samples a motion, which was computed under the given drive and loads, at the ends of its steps or, if
+/// `samples` is positive, of `samples` equal intervals.
 WrittenMotion written_motion(const Trajectory& motion, const Drive& drive, const Loads<>& loads, int samples);
 
 /// The numbers of a motion as CSV: a line with the names of the columns, then a row for each time.
 std::string csv_of(const Model& model, const WrittenMotion& rows);
-/// All that is known of a motion as JSON. `method` is the name of the integration method, and `coordinates`
-/// that of the kind of coordinates in which it works.
+/// A motion as JSON. `method` names the integration method, and `coordinates` its kind of coordinates.
 Json json_of(const Trajectory& motion, const WrittenMotion& rows, const std::string& method,
              const std::string& coordinates);
 /// The numbers of a motion as the bytes of an .npz file of NumPy.

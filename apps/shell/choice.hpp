@@ -27,9 +27,9 @@ inline constexpr std::array<std::pair<std::string_view, CoriolisForm>, 4> coriol
 inline constexpr std::array<std::pair<std::string_view, WrenchPoint>, 2> wrench_points{
     {{"body", WrenchPoint::body}, {"joint", WrenchPoint::joint}}};
 
-/// A hint for an unknown name, to be appended to a message: `; did you mean "poses"?` with the nearest valid
-/// name, `; it is called "mass_matrix" here` for a name that other libraries use, or `; names that contain
-/// it: "kinetic_energy", ...`. It is empty if there is no similar name.
+/// A hint for an unknown name, as the end of a message: `; did you mean "poses"?` with the nearest valid
+/// name, `; it is called "mass_matrix" here` for a name from other libraries, or `; names that contain it:
+/// "kinetic_energy", ...`. Empty if there is none.
 template <class Range, class NameOf>
 std::string suggestion(std::string_view word, const Range& candidates, NameOf name_of) {
   const std::string_view here = catalog::name_here(word);
@@ -46,8 +46,7 @@ std::string suggestion(std::string_view word, const Range& candidates, NameOf na
   return near.empty() && !holding.empty() ? "; names that contain it: " + holding : near;
 }
 
-/// The sentence `"fre" is none of fixed, free; did you mean "free"?` for an unknown word. `candidates` are
-/// the valid words.
+/// A message for an unknown word, such as `"fre" is none of fixed, free; did you mean "free"?`.
 template <class Range, class NameOf>
 std::string none_of(std::string_view word, const Range& candidates, NameOf name_of) {
   std::string sentence = '"' + std::string(word) + "\" is none of ";
@@ -59,8 +58,7 @@ std::string none_of(std::string_view word, const Range& candidates, NameOf name_
   return sentence + suggestion(word, candidates, name_of);
 }
 
-/// The value that a word stands for. Throws Error if the word is none of the choices; `where` is the
-/// beginning of the message.
+/// The value that a word stands for. Throws Error, with a message that `where` begins, if it is not a choice.
 template <class Error = UsageError, class Value, std::size_t N>
 Value choose(const std::string& where, std::string_view word,
              const std::array<std::pair<std::string_view, Value>, N>& choices) {

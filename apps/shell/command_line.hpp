@@ -7,8 +7,7 @@ class App;
 class Option;
 }  // namespace CLI
 
-/// The commands, arguments and options of the command line, from which shell completion and the manual page
-/// are made.
+/// The structure of the command line, from which shell completion and the manual page are made.
 namespace axode::command {
 
 std::vector<const CLI::App*> commands(const CLI::App& app);

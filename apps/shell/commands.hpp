@@ -7,8 +7,7 @@ namespace CLI {
 class App;
 }
 
-/// The commands of `axode`. Each function adds one command to the command line; the command sets the exit
-/// code when it is run.
+/// The commands of `axode`. Each function adds one command, which sets the exit code when it is run.
 namespace axode::command {
 
 enum ExitCode {

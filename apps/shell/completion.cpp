@@ -11,8 +11,7 @@
 #include "axode/codegen.hpp"
 #include "axode/integration.hpp"
 
-/// Completion of the words of a command line of `axode` in a shell. The shell calls the program for each word
-/// that is to be completed.
+/// Completion in a shell, which calls the program for each word of a command line that is to be completed.
 namespace axode::command {
 namespace {
 
@@ -23,8 +22,8 @@ In ~/.bashrc: source <(axode completion bash). In ~/.zshrc, after compinit: sour
 For fish: axode completion fish > ~/.config/fish/completions/axode.fish. `cmake --install` installs them.
 The scripts call axode with the WORDS of a command line, and axode prints the completions of the last word.)";
 
-/// The scripts for the shells. A shell calls axode with all words after `axode`, the last of which is to be
-/// completed. Each line of the output is a word, a tab and a description; `:files` stands for the names of
+/// The scripts for the shells. They call axode with all words of the command line; the last is to be
+/// completed. Each line of the answer is a word, a tab and a description; `:files` stands for the names of
 /// files.
 constexpr const char* bash = R"sh(# Completion of axode for bash.
 _axode() {
@@ -68,8 +67,7 @@ complete -c axode -f -a '(__axode)'
 constexpr std::array<std::pair<std::string_view, const char*>, 3> shells{
     {{"bash", bash}, {"zsh", zsh}, {"fish", fish}}};
 
-/// The possible completions of the last word of a command line: names of files, which the shell lists itself,
-/// or words, each with a description that may be empty.
+/// The possible completions of a word: names of files, which the shell lists, or words with descriptions.
 struct Offer {
   bool files = false;
   bool list = false;  ///< whether commas separate several words
@@ -91,8 +89,8 @@ void add_values(Offer& offer, const CLI::Option& option) {
   if (type.find('|') != std::string::npos) add(CLI::detail::split(type, '|'), std::identity());
 }
 
-/// Adds the commands and the values of positional arguments, or the options if there are no such words or if
-/// the word to be completed begins like an option.
+/// Adds the commands and the values of positional arguments, or the options if there are none or the word to
+/// be completed begins like one.
 void add_words(Offer& offer, const CLI::App& command, bool is_option, bool with_equals) {
   if (!is_option) {
     for (const CLI::App* sub : commands(command))

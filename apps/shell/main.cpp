@@ -60,8 +60,7 @@ std::string complaint(const CLI::App& app, const CLI::ParseError& error) {
          did_you_mean(extras.front(), command.get_options(), long_name);
 }
 
-/// Throws UsageError if a word of the command line is empty (""), because an empty word is not the same as
-/// none.
+/// Throws UsageError if a word of the command line is empty ("").
 void refuse_empty_words(const CLI::App& command) {
   for (const CLI::Option* option : command.get_options())
     for (const std::string& word : option->results())

@@ -10,8 +10,7 @@
 namespace axode::command {
 namespace {
 
-/// The format of the numbers of one column: six digits for the largest number, without zeros at the end that
-/// all numbers of the column have.
+/// The format of a column's numbers: six digits for the largest, without zeros at the end that all have.
 class NumberStyle {
  public:
   explicit NumberStyle(const std::vector<double>& column) {

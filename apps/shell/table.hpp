@@ -9,8 +9,8 @@ namespace axode::command {
 /// A cell of a table: a text, or a number, which is written with as many decimals as its column needs.
 using Cell = std::variant<std::string, double>;
 
-/// A table for a terminal. Columns of numbers are aligned on the decimal point, with at most six digits for
-/// the largest number of the column; columns without any entry are left out.
+/// A table for a terminal. Numbers are aligned on the decimal point, with six digits for the largest of a
+/// column; empty columns are left out.
 class Table {
  public:
   explicit Table(std::vector<std::string> headings) : headings_(std::move(headings)) {}
@@ -20,12 +20,11 @@ class Table {
   Table& rule();
   bool empty() const { return rows_.empty(); }
 
-  /// All numbers of the table, each with a name. The name consists of the words before the number in its row,
-  /// and of the heading of its column. An empty cell for a word stands for the word in the row above.
+  /// All numbers of the table with names: the words before a number in its row and the heading of its column.
+  /// An empty cell stands for the word in the row above.
   std::vector<std::pair<std::string, double>> numbers() const;
 
-  /// The table as text. It consists of lines that end in a newline; the headings come first and are
-  /// underlined.
+  /// The table as text: the underlined headings, then the rows, each a line that ends in a newline.
   std::string text() const;
 
  private:

@@ -6,8 +6,7 @@
 
 namespace axode::command {
 
-/// Measures the time of one call of a function: the median over batches of calls, each of which is long
-/// enough for the clock.
+/// Measures the time of a call: the median over batches of calls that are long enough for the clock.
 class CallTimer {
  public:
   /// run(n) must call the function n times.

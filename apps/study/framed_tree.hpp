@@ -4,9 +4,7 @@
 
 #include "axode/model/tree.hpp"
 
-/// A tree of bodies whose body frames are not the joint frames, as in Tree, to compare how much algorithms
-/// cost in different frames. Recursions take it instead of a Tree. Drive forces and mass matrices are the
-/// same in all frames.
+/// A Tree with other body frames, to compare the costs of recursions in different frames.
 namespace axode {
 
 struct UserFrames {};        ///< the user's body frames; joint screws may be any screws
@@ -16,8 +14,7 @@ struct ConstructionFrames {
 
 namespace framed {
 
-/// The three terms of the pose C_0 + sin q C_s + cos q C_c of a revolute joint at the angle q. They are no
-/// poses; SE3 is only used to store their entries.
+/// The terms of the pose C_0 + sin q C_s + cos q C_c of a revolute joint at the angle q.
 template <class T> struct Terms { SE3<T> C_0, C_s, C_c; };
 
 /// The three terms of the pose L exp(e_z q) D as a function of q, for poses L and D.
@@ -26,15 +23,13 @@ template <class T> Terms<T> terms(const SE3<T>& L, const SE3<T>& D) {
   return {{along * D.R, L.r + along * D.r}, {sine * D.R, sine * D.r}, {cosine * D.R, cosine * D.r}};
 }
 
-/// A revolute or helical joint with any screw X in the body frame. Its constants contain the pose of the body
-/// at q = 0.
+/// A revolute or helical joint with any constant screw X in the body frame.
 template <class T, class Frames, bool helical> struct Turning : subgroup::VectorCoordinates<T, 1> {
   Terms<T> C;
   Screw<T> X;
   Vec3<T> lead;  ///< translation for q = 1, in the predecessor's frame
 
-  /// L is the pose of the joint frame in the predecessor's frame, and D the pose of the body frame in the
-  /// joint frame.
+  /// Poses: L of the joint frame in the predecessor's frame, and D of the body frame in the joint frame.
   Turning(const SE3<T>& L, const SE3<T>& D, const T& pitch)
       : C(terms(L, D)),
         X(Ad_inv(D, Screw<T>{{T(0), T(0), T(1)}, {T(0), T(0), pitch}})),
@@ -103,8 +98,7 @@ template <class T, class Frames> struct Sliding : subgroup::VectorCoordinates<T,
   Screw<T> column(int) const { return {{}, e}; }
 };
 
-/// The type of the pose of the body frame in the joint frame: a vector for frames at centres of mass, which
-/// are parallel to the joint frames, and SE3 for all others.
+/// The type of the body frame's pose in the joint frame: a vector if both are parallel, otherwise SE3.
 template <class Frames, class T>
 using Offset = std::conditional_t<std::same_as<Frames, MassCenterFrames>, Vec3<T>, SE3<T>>;
 
@@ -126,8 +120,8 @@ template <class T> Wrench<BodyFixed, T> brought_back(const Vec3<T>& d, const Wre
   return {W.m + cross(d, W.f), W.f};
 }
 
-/// A joint with several degrees of freedom whose body frame has the pose D in its joint frame: its pose is L
-/// exp(S q) D, with the pose L of the joint frame at q = 0 in the frame of the predecessor.
+/// A joint with several degrees of freedom, after which the body frame has the pose L exp(S q) D: L is the
+/// pose of the joint frame at q = 0, S its screws, and D the pose of the body frame in the joint frame.
 template <class Joint, class T, class Offset> struct Conjugated {
   static constexpr int nq = Joint::nq, nv = Joint::nv;
   const SE3<T>& L;
@@ -142,9 +136,8 @@ template <class Joint, class T, class Offset> struct Conjugated {
 
 }  // namespace framed
 
-/// The given tree in other body frames, those that the type Frames stands for. Bodies whose new frame is
-/// their joint frame keep their joints. All other bodies get joints with constant screws that need not be
-/// sparse. Members that do not depend on the frames refer to the given tree.
+/// The given tree in the body frames that the type Frames stands for. Where the new frame is the joint frame
+/// the joint stays; all other joints get constant screws that need not be sparse.
 template <class T, class Frames> class FramedTree {
  public:
   static constexpr bool central = std::same_as<Frames, MassCenterFrames>;
@@ -219,15 +212,13 @@ template <class T, class Frames> class FramedTree {
     }
     return D;
   }
-  /// Whether a joint of this kind has the same screws as in its joint frame if the body frame has the pose D
-  /// in the joint frame.
+  /// Whether joint screws are the same in the body frame, whose pose in the joint frame is D.
   static bool keeps_its_joint(Subgroup kind, const SE3<T>& D) {
     const Vec3<T> x = D.R.x - Vec3<T>{T(1), T(0), T(0)}, y = D.R.y - Vec3<T>{T(0), T(1), T(0)};
     const bool at_joint = !(dot(x, x) + dot(y, y) + dot(D.r, D.r) > T(0));
     return at_joint || (central && kind == Subgroup::prismatic);
   }
-  /// Splits each group of joints into two groups: joints that stay the same, and joints that have constants
-  /// of their own.
+  /// Splits each group of joints into those that stay the same and those that get constants of their own.
   void sort_joints(const std::vector<JointGroup>& before, const std::vector<SE3<T>>& in_joint) {
     joint_groups.clear();
     for (const JointGroup& group : before) {

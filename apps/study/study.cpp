@@ -206,9 +206,7 @@ Json as_json(const std::vector<Study>& studies) {
   return out;
 }
 
-/// The horizontal position of a bar in the chart of measured costs. From left to right there are five bars
-/// for the joint frames (four representations and Fast), then four for each other choice of frames, with gaps
-/// between the choices.
+/// The horizontal position of a bar in the chart of costs, grouped by the choice of body frames.
 double place_of(const Effort& effort) {
   const auto number = [](const auto& names, std::string_view name) {
     return static_cast<int>(std::ranges::find(names, name) - names.begin());

@@ -32,20 +32,19 @@ inline constexpr std::array<std::pair<std::string_view, Algorithm>, 6> algorithm
 /// The choice of body frames of the library's own trees. FramedTree has other choices.
 struct JointFrames {};
 
-/// A model, a state, a representation and a choice of body frames, with which algorithms can be run to
-/// measure their cost. As only the cost matters, the numbers of the accelerations are used for drive forces,
-/// and those of the velocities for momenta.
+/// A model at a state with which the costs of algorithms are measured, in a representation of twists and in
+/// chosen body frames. Accelerations also serve as drive forces, and velocities as momenta.
 class Subject {
  public:
   virtual ~Subject() = default;
   virtual bool can(Algorithm algorithm) const = 0;
   virtual void run(Algorithm algorithm, int calls) = 0;
-  /// The result of one call of an algorithm, which must not be `accelerations`. The result of momentum_form
-  /// is the velocities, then the rates of the momenta.
+  /// The result of one call of an algorithm other than `accelerations`; of momentum_form the velocities come
+  /// first, then the rates of the momenta.
   virtual std::vector<double> results_of(Algorithm algorithm) = 0;
 };
-/// Makes a Subject. Rep is BodyFixed, Spatial, Hybrid, Mixed or Fast. If Rep is Fast, Frames must be
-/// JointFrames, and the state must not have loads.
+/// Makes a Subject in a representation Rep of twists: BodyFixed, Spatial, Hybrid or Mixed; or Fast, with
+/// Frames = JointFrames and a state without loads.
 template <class Rep, class Frames>
 std::unique_ptr<Subject> make_subject(const Model& model, const State& state);
 /// The number of operations of one call of an algorithm, which the subject must be able to run.

@@ -25,8 +25,7 @@ using G = Arguments<T>;
 using Out = std::span<T>;
 
 constexpr bool fast = std::same_as<Rep, Fast>;
-/// The representation for functions that must have one of the four: Rep itself. If Rep is Fast, the rows of
-/// these functions are left out of the result, and BodyFixed only lets the code compile.
+/// Rep, or a placeholder if Rep is Fast, for functions that must have one of the four representations.
 using R4 = std::conditional_t<fast, BodyFixed, Rep>;
 
 /// The memory `out` of a result as a span of entries E, such as twists or poses.
@@ -39,8 +38,8 @@ template <class E> void put(const E& result, Out out) { as<E>(out)[0] = result; 
 /// The memory of result k in the memory `out` of n results of equal size.
 Out part(Out out, std::size_t k, std::size_t n) { return out.subspan(k * (out.size() / n), out.size() / n); }
 
-/// The function pointer of a row, which calls the function object F. If F cannot fail and does not return a
-/// Solvability, the default Solvability is returned, which means that there was no failure.
+/// A function pointer that calls the function object F and returns its Solvability (whether and why it
+/// failed), the default one, success, if F cannot fail.
 template <class F, class Scratch> constexpr auto call(const F&) {
   static_assert(std::is_empty_v<F>);
   return [](const Model& m, Scratch& w, const G& g, Out out) -> Solvability {
@@ -53,9 +52,9 @@ template <class F, class Scratch> constexpr auto call(const F&) {
   };
 }
 
-/// Makes a row of the table of functions with the pointers by which the function is called. A function that
-/// takes loops into account has a second pointer, for calls with a LoopWorkspace. The first one calls the
-/// function object F, the second one L, which is F unless another one is given.
+/// Makes a row of the table of functions, with a pointer that calls the function object F. If the function
+/// takes loops into account, a second pointer, for calls with a LoopWorkspace, calls L, which is F by
+/// default.
 template <Id id, class F, class L = F> Function<T> row(const F& of_tree, const L& = {}) {
   constexpr const Words& words = id.words();
   constexpr bool counts_loops = words.counts.loops.word == Word::counted;
@@ -70,8 +69,7 @@ template <Id id, class F, class L = F> Function<T> row(const F& of_tree, const L
   return made;
 }
 
-/// The n results of equal size in the memory `out`. The object converts to any struct of n spans, by which a
-/// function receives its results.
+/// The memory `out` of n results of equal size, which converts to any struct of n spans.
 template <class E, std::size_t n> struct Several {
   Out out;
   template <class S> operator S() const {  // NOLINT(google-explicit-constructor): an argument becomes it
@@ -80,8 +78,7 @@ template <class E, std::size_t n> struct Several {
   }
 };
 
-/// The C++ type of the entries of the result of a row of the table of functions. `In` is the representation;
-/// it is Hybrid if the row has no choice of representation.
+/// The C++ type of the entries of a result, such as twists; `In` is their representation.
 template <Entry entry, class In> auto type_of() {
   if constexpr (entry == number) return std::type_identity<T>();
   if constexpr (entry == vector) return std::type_identity<Vec3<T>>();
@@ -92,9 +89,8 @@ template <Entry entry, class In> auto type_of() {
   if constexpr (entry == momentum) return std::type_identity<Momentum<In, T>>();
 }
 
-/// Makes the row of a function whose parameters are, in this order: the model, the workspace, the arrays of
-/// numbers and the frames that the row names, the results and the loads. If the result is a single entry,
-/// such as one pose, the function returns it instead.
+/// Makes a row for a function with the parameters model, workspace, arrays and frames that the row names,
+/// results and loads, in this order. A result that is a single entry, such as one pose, is returned instead.
 template <Id id, class F> Function<T> in_order(const F&) {
   return row<id>([](auto& m, auto& w, auto& g, auto out) {
     constexpr const Words& words = id.words();

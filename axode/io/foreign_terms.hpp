@@ -4,8 +4,8 @@
 #include <string>
 #include <string_view>
 
-/// Words that other formats and programs use for the keys and values of a drawing, the TOML format of this
-/// library, such as "link" for "body". Messages about unknown keys use them to suggest the right word.
+/// Words of other formats, such as "link" for "body", for keys and values of a drawing, the TOML format of
+/// this library. Messages about unknown keys use them.
 namespace axode::io {
 
 struct ForeignTerm {
@@ -67,8 +67,7 @@ inline constexpr auto foreign_terms = std::to_array<ForeignTerm>({
 });
 // clang-format on
 
-/// Returns a text such as `; it is called "on" here` if `word` is a word of another format for one of the
-/// known keys or values of a drawing; otherwise an empty text.
+/// A text such as `; it is called "on" here` for a word that means a key in `known` elsewhere, or "".
 template <class Range> std::string own_term_for(std::string_view word, const Range& known) {
   const auto is_ours = [&](const ForeignTerm& other) {
     const std::string_view key = other.ours.substr(0, other.ours.find('.'));

@@ -66,8 +66,8 @@ io::Reading refuse_mjcf(std::string_view text, const std::string& file, Strictne
   return unread;
 }
 
-/// Chooses the reader of a file by the ending of its name. If the ending does not decide, it is chosen by the
-/// root element of XML; text that is no XML is read as a drawing (TOML).
+/// Chooses the reader of a file by the ending of its name or else by the root element of its XML; text that
+/// is no XML is read as a drawing (TOML).
 Reader reader_for(const std::filesystem::path& file, std::string_view content) {
   const std::string extension = file.extension().string();
   if (extension == ".toml") return read_drawing;
@@ -99,8 +99,8 @@ Description held(Description description, Base base) {
   return description;
 }
 
-/// The faults that the reader found and those of the description that it returned, sorted by line. If the
-/// reader has found errors, warnings about the description and faults about missing names are left out.
+/// The faults of a file and of its description, sorted by line. If the file has errors, warnings about the
+/// description and faults about missing names are left out.
 std::vector<Fault> all_faults(io::Reading reading, Base base, Strictness strictness) {
   std::vector<Fault> faults = std::move(reading.faults);
   const bool in_part = io::has_error(faults);

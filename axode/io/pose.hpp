@@ -7,8 +7,7 @@
 /// Conversions of rotations from and to the forms in which files give them.
 namespace axode::io {
 
-/// The rotation R_z(yaw) R_y(pitch) R_x(roll): rotations about the fixed axes x, y and z in this order.
-/// `angles` has roll, pitch and yaw in rad.
+/// The rotation R_z(yaw) R_y(pitch) R_x(roll). `angles` has roll, pitch and yaw in rad.
 inline SO3<> from_roll_pitch_yaw(const Vec3<>& angles) {
   const double sr = std::sin(angles.x), cr = std::cos(angles.x), sp = std::sin(angles.y),
                cp = std::cos(angles.y), sy = std::sin(angles.z), cy = std::cos(angles.z);
@@ -18,16 +17,14 @@ inline SO3<> from_roll_pitch_yaw(const Vec3<>& angles) {
 }
 
 /// Roll, pitch and yaw of a rotation (rad), with |pitch| <= π/2; the inverse of from_roll_pitch_yaw(). At
-/// |pitch| = π/2 roll and yaw turn about the same line; one of the possible pairs is returned, and
-/// from_roll_pitch_yaw() still gives the same rotation up to rounding errors.
+/// |pitch| = π/2, where roll and yaw turn about the same line, one of the possible pairs is returned.
 inline Vec3<> to_roll_pitch_yaw(const SO3<>& R) {
   const double yaw = std::atan2(R.x.y, R.x.x), sy = std::sin(yaw), cy = std::cos(yaw);
   return {std::atan2(sy * R.z.x - cy * R.z.y, cy * R.y.y - sy * R.y.x),
           std::atan2(-R.x.z, std::hypot(R.x.x, R.x.y)), yaw};
 }
 
-/// The rotation of a quaternion, which is scaled to norm 1 first. Empty if the norm of the given quaternion
-/// differs from 1 by more than 1e-6.
+/// The rotation of a quaternion, scaled to norm 1; empty if its norm differs from 1 by more than 1e-6.
 inline std::optional<SO3<>> from_quaternion(const Quaternion<>& a) {
   const double size = norm(a);
   if (!(std::abs(size - 1) <= 1e-6)) return std::nullopt;

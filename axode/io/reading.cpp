@@ -13,8 +13,7 @@
 namespace axode::io {
 namespace {
 
-/// The number of bytes of the UTF-8 character at the start of a text; 0 if the text does not start with one
-/// (Unicode 15, table 3-7).
+/// The number of bytes of the UTF-8 character at the start of a text; 0 if there is none.
 std::size_t character_length(std::string_view text) {
   const auto byte = [&](std::size_t k) { return k < text.size() ? static_cast<unsigned char>(text[k]) : 0U; };
   const auto continues = [&](std::size_t k, unsigned low = 0x80, unsigned high = 0xBF) {

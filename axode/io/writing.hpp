@@ -14,16 +14,15 @@ class Unsaid {
  public:
   Unsaid(std::string_view format, Strictness strictness) : format_(format), strictness_(strictness) {}
 
-  /// Adds a fault about an element that the writer leaves out: a warning, or an error if the writer is
-  /// strict. `what` is the predicate of a sentence about the element, such as `is passive`.
+  /// Adds a fault, an error if the writer is strict or else a warning, about an element that is left out.
+  /// `what` is the predicate of a sentence about it, such as `is passive`.
   void leave_out(std::string element, const std::string& what, const Source& source) {
     const bool strict = strictness_ == Strictness::strict;
     faults_.push_back({strict ? Severity::error : Severity::warning, Rule::wrong_value, std::move(element),
                        what + "; " + format_ + " has no word for it" + (strict ? "" : ", and it is left out"),
                        source});
   }
-  /// Adds a fault for each drive and each prescribed motion of a mechanism, and for its initial state, as all
-  /// of them are left out.
+  /// Adds a fault for each drive, each prescribed motion and the initial state, as all of them are left out.
   void leave_out_motions(const Description& d) {
     for (std::size_t k = 0; k < d.drives.size(); ++k)
       leave_out("drive \"" + drive_name(d.drives[k], k) + '"',
@@ -32,8 +31,7 @@ class Unsaid {
       leave_out("motion of \"" + motion.of + '"', "is prescribed", motion.source);
     if (d.state) leave_out("state", "is the initial state of motions", d.state->source);
   }
-  /// Adds an error, even if the writer is lenient, about an element without which bodies and joints would
-  /// move differently.
+  /// Adds an error about an element without which bodies would move differently, in a lenient writer, too.
   void refuse(std::string element, std::string message, const Source& source) {
     faults_.push_back({Severity::error, Rule::wrong_value, std::move(element), std::move(message), source});
   }
@@ -51,8 +49,7 @@ class Unsaid {
   std::vector<Fault> faults_;
 };
 
-/// The predicate of a sentence about a spring, such as `is a bushing between "a" and "b"`, for
-/// Unsaid::leave_out().
+/// The predicate of a sentence about a spring, such as `is a bushing between "a" and "b"`.
 inline std::string said_of(const SpringDescription& spring) {
   const std::string between = "between \"" + spring.between[0] + "\" and \"" + spring.between[1] + '"';
   switch (spring.kind) {

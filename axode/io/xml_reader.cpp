@@ -257,8 +257,7 @@ void XmlReader::read_geometry(const XMLElement& e, ShapeDescription shape, const
   }
 }
 
-/// Reads the kind and the dimensions of a shape from the element e. Returns false if a dimension is missing
-/// or wrong.
+/// Reads the kind and the dimensions of a shape from an element; false if a dimension is missing or wrong.
 bool XmlReader::read_dimensions(const XMLElement& e, const ShapeTraits& kind, const std::string& owner,
                                 ShapeDescription& shape) {
   shape.kind = kind.kind;

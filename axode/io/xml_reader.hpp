@@ -46,8 +46,8 @@ inline constexpr std::array<std::pair<const char*, double Sym3<>::*>, 6> inertia
      {"iyz", &Sym3<>::yz},
      {"izz", &Sym3<>::zz}}};
 
-/// Finds elements, attributes and numbers in an XML text. It collects a fault for each that is wrong or
-/// missing, and one warning for each kind of element and attribute that the format does not know.
+/// Reads elements, attributes and numbers of an XML text. It collects a fault for each that is wrong or
+/// missing, and a warning for each kind of element and attribute that the format does not know.
 class XmlReader {
  protected:
   XmlReader(XmlFormat format, std::string_view text, std::string file, Strictness strictness)
@@ -63,8 +63,7 @@ class XmlReader {
   void error(Rule rule, std::string element, std::string message, int line) {
     note(Severity::error, rule, std::move(element), std::move(message), line);
   }
-  /// The severity of a defect that a lenient reader accepts: an error if the reader is strict, else a
-  /// warning.
+  /// The severity of a defect that is accepted by lenient readers: an error for a strict one, else a warning.
   Severity lenient_severity() const {
     return strictness_ == Strictness::strict ? Severity::error : Severity::warning;
   }
@@ -77,8 +76,7 @@ class XmlReader {
     return count > 1 ? " (" + std::to_string(count) + " times, first here)" : "";
   }
 
-  /// Parses the text and returns its root element. If the text is not XML, or the root element is not that of
-  /// the format, a fault is added and the result is null.
+  /// Parses the text and returns its root element; null, with a fault, if it is not XML of the format.
   const XMLElement* parse(tinyxml2::XMLDocument& document);
 
   /// The child elements of e with the given name, or all child elements if `name` is null.
@@ -86,35 +84,28 @@ class XmlReader {
   static std::string tag(const XMLElement& e) { return '<' + std::string(e.Name()) + '>'; }
   /// The grammar of an element; null if the format does not know it.
   const Grammar* grammar_of(std::string_view element) const;
-  /// Whether an ignored element, attribute or text has a description that begins with `beginning`, such as
-  /// `<xacro:`.
+  /// Whether the description of an ignored part begins with `beginning`, such as `<xacro:`.
   bool is_ignored(std::string_view beginning) const;
-  /// Counts the attributes, child elements and texts of an element that the format does not know, see
-  /// ignore(), and reports child elements that occur too often. `owner` is the name of the element in
-  /// messages.
+  /// Notes attributes, child elements and texts of an element that the format does not know, and reports
+  /// child elements that occur too often. `owner` is the name of the element in messages.
   void inspect(const XMLElement& e, const std::string& owner);
   /// The first child element of e with the given name, after inspect() of this child; null if there is none.
   const XMLElement* child_of(const XMLElement& e, const char* name, const std::string& owner);
-  /// The first child element of e with the given name, which is also checked by inspect(). If there is none,
-  /// a fault is added and the result is null.
+  /// The first child element of e with the given name, after inspect() of it; null, with a fault, if none.
   const XMLElement* required_child(const XMLElement& e, const char* name, const std::string& owner);
   /// The text of an attribute. If the attribute is missing, a fault is added and the result is null.
   const char* required(const XMLElement& e, const char* attribute, const std::string& owner);
-  /// The text of an attribute that is a name. If it is missing, empty or not printable, a fault is added; the
-  /// result is empty if it is missing.
+  /// The text of an attribute that is a name. A fault is added if it is missing, empty or not printable.
   std::string name(const XMLElement& e, const char* attribute, const std::string& owner);
-  /// The text of a child element that is a name. If the child is missing or has no text, a fault is added and
-  /// the result is empty.
+  /// The text of a child element that is a name; empty, with a fault, if it is missing.
   std::string required_text(const XMLElement& e, const char* child, const std::string& owner);
   /// The first text in an element that is not blank, without the blanks around it; empty if there is none.
   static std::string text_of(const XMLElement& e);
-  /// Returns the name `value`, and adds a fault if it is empty (with the message `where_empty`) or has
-  /// control characters.
+  /// Returns the name `value`. It is a fault if it is empty (message `where_empty`) or not printable.
   std::string checked_name(const char* value, const std::string& where_empty, const std::string& owner,
                            int line);
 
-  /// The N numbers in a text. If one of them is wrong or the count is not N, a fault is added and the result
-  /// is empty.
+  /// The N numbers in a text; empty, with a fault, if one of them is wrong or the count is not N.
   template <std::size_t N>
   std::optional<std::array<double, N>> numbers(std::string_view text, const std::string& what,
                                                const std::string& owner, int line,
@@ -130,15 +121,13 @@ class XmlReader {
     std::copy(all->begin(), all->end(), out.begin());
     return out;
   }
-  /// A value of an element: the text of an attribute or, in a format that gives values by elements
-  /// (values_are_elements), of a child element.
+  /// A value of an element: an attribute or, if the format has values_are_elements, a child element.
   struct Value {
     std::string text, what;  ///< `what` is the name of the value in messages
     int line;
   };
   std::optional<Value> value(const XMLElement& e, const char* key) const;
-  /// The N numbers in the value `key` of an element. The result is empty if the value is absent, or if it is
-  /// wrong; in the second case a fault is added.
+  /// The N numbers in the value `key` of an element; empty if it is absent or, with a fault, wrong.
   template <std::size_t N>
   std::optional<std::array<double, N>> numbers(const XMLElement& e, const char* key, const std::string& owner,
                                                Severity severity = Severity::error) {
@@ -149,19 +138,16 @@ class XmlReader {
   std::optional<Vec3<>> vector(const XMLElement& e, const char* key, const std::string& owner,
                                Severity severity = Severity::error);
   double scalar(const XMLElement& e, const char* key, const std::string& owner, double otherwise);
-  /// The limit in the value `key` of an element; `otherwise` if the value is absent. The result is infinite
-  /// if the given magnitude is infinite or at least `unbounded`.
+  /// The limit in the value `key` of an element; `otherwise` if it is absent, infinite from `unbounded` on.
   double bound(const XMLElement& e, const char* key, const std::string& owner, double otherwise,
                double unbounded);
 
-  /// Reads the geometry of a visual or collision element, and appends a copy of `shape` with the kind and the
-  /// dimensions of each complete shape in it to `shapes`. Wrong dimensions are errors only if the reader is
-  /// strict, because they do not affect the motion.
+  /// Reads the geometry of a visual or collision element, and appends a copy of `shape` with kind and
+  /// dimensions for each shape in it to `shapes`. Wrong dimensions are errors only if the reader is strict.
   void read_geometry(const XMLElement& e, ShapeDescription shape, const std::string& owner,
                      std::vector<ShapeDescription>& shapes);
 
-  /// The row of `kinds` whose type is that of an element. If the type is missing or unknown, a fault is added
-  /// and the result is null.
+  /// The entry of `kinds` for the type of an element; null, with a fault, if it is missing or unknown.
   template <class Kind, std::size_t N>
   const Kind* kind_of(const XMLElement& e, const std::string& owner, const std::array<Kind, N>& kinds) {
     const char* type = required(e, "type", owner);
@@ -181,8 +167,7 @@ class XmlReader {
   /// All numbers in a text. If one of them is wrong, a fault is added and the result is empty.
   std::optional<std::vector<double>> numbers(std::string_view text, const std::string& what,
                                              const std::string& owner, int line, Severity severity);
-  /// Adds a fault about a text that has `count` numbers instead of those that are needed. `needed` is a
-  /// phrase such as `6 numbers`.
+  /// Adds a fault about a text with `count` numbers instead of those `needed`, such as `6 numbers`.
   void wrong_count(std::string_view text, const std::string& what, const std::string& needed,
                    std::size_t count, const std::string& owner, int line, Severity severity);
 

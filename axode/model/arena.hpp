@@ -12,9 +12,8 @@ namespace axode {
 // The functions of Arena are always inlined, because code that is compiled for one instruction set must not
 // be shared with callers that are compiled for another one.
 
-/// Scratch memory for one call. A kernel, the code of one algorithm, takes its arrays from it in its
-/// constructor, one after the other, and never gives them back. An arena without memory only counts the bytes
-/// that the constructor would take; footprint() uses this.
+/// Scratch memory for one call. An algorithm takes its arrays from it one after the other and never gives
+/// them back. An arena without memory only counts the bytes that are asked for.
 class Arena {
  public:
   static constexpr std::size_t line = 64;        ///< bytes of a cache line, to which the memory is aligned
@@ -44,11 +43,10 @@ class Arena {
     next_ += -next_ % line;
     return array<U>(n);
   }
-  /// Each of the functions per_body() to per_pair_of_ties() takes an array from the memory, with one entry
-  /// for each element that its name says. per_body() includes the ground. The last three are for coupled
-  /// joints: a tie is a pair of a body and a velocity that several joints share, see Topology::Ties.
-  /// per_tie_and_screw() has an entry for each tie of a body and each screw of its joint, and
-  /// per_pair_of_ties() one for each pair of ties of one group.
+  /// Functions that take an array with an entry for each element in their names; per_body() includes the
+  /// ground. The last three are for coupled joints, where a tie is a pair of a body and a velocity that
+  /// several joints share (Topology::Ties): an entry for each tie, for each tie and screw of the body's
+  /// joint, and for each pair of ties of a body that the elimination couples.
   template <class U> [[gnu::always_inline]] U* per_body() { return array<U>(size(topology_->n + 1)); }
   template <class U> [[gnu::always_inline]] U* per_screw() { return array<U>(size(topology_->n_screws)); }
   template <class U> [[gnu::always_inline]] U* per_velocity() { return array<U>(size(topology_->nv)); }
@@ -59,8 +57,7 @@ class Arena {
   template <class U> [[gnu::always_inline]] U* per_pair_of_ties() {
     return array<U>(topology_->ties.n_pairs);
   }
-  /// Takes an array with an entry for the ground and each body. Its size is rounded up to a multiple of
-  /// most_lanes, so that whole SIMD registers can be stored in it.
+  /// Takes an array with an entry for the ground and each body, padded to whole SIMD registers.
   template <class U> [[gnu::always_inline]] U* per_lane() {
     return array<U>((size(topology_->n) + most_lanes) / most_lanes * most_lanes);
   }

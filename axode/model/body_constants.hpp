@@ -7,8 +7,8 @@
 
 namespace axode {
 
-/// The constants of one body that a sweep over the tree reads: the pose of its joint frame at q = 0 in the
-/// joint frame of its predecessor (rotation B, position r), and its inertia (mass m, first moment of mass h,
+/// The constants of one body in recursions over the tree: the pose of its joint frame at q = 0 in the joint
+/// frame of its predecessor (rotation B, position r), and its inertia (mass m, first moment of mass h,
 /// rotational inertia Theta about the origin). For a hinge with the angle θ, columns(sin θ, cos θ) returns
 /// the rotation R = B exp(e_z θ), and rows(sin θ, cos θ) its transpose.
 template <class G> struct BodyConstants;
@@ -51,8 +51,7 @@ template <std::floating_point T> struct BodyConstants<Packed<T>> {
   const packed::Factor<T>& h_factor() const { return h_; }
 };
 
-/// The constants of all bodies of a tree, with each vector in one SIMD register. The struct is empty if the
-/// scalar T is not a floating-point type.
+/// The constants of all bodies, each vector in a SIMD register; empty if T is not a floating-point type.
 template <class T> struct PackedConstants {};
 template <std::floating_point T> struct PackedConstants<T> { std::vector<BodyConstants<Packed<T>>> body; };
 

@@ -12,8 +12,7 @@
 namespace axode {
 namespace {
 
-/// Calls f(s, joint) for every joint that is not coupled, in the order of the model, where s is the struct of
-/// axode/model/subgroup.hpp with the formulas of the joint.
+/// Calls f(s, joint) for every joint that is not coupled, where s has the formulas of its subgroup of SE(3).
 template <class F> void each_independent_joint(const Model& model, F&& f) {
   for (int i = 1; i <= model.n_bodies(); ++i)
     if (!model.joint(i).leader)
@@ -34,9 +33,8 @@ void check(const Model& model, std::span<const Real> q, const char* argument, do
   }
 }
 
-/// Throws std::invalid_argument if a number in `results` is not finite, because the argument `step` is not
-/// finite or too large. `first` and `count` are the members of Joint that say which numbers are those of a
-/// joint; the message names the joint.
+/// Throws std::invalid_argument, naming the joint and the argument `step`, if a result is not finite. `first`
+/// and `count` are the members of Joint for the first index and the number of a joint's results.
 void check_finite(const Model& model, const char* step, int Joint::*first, int Joint::*count,
                   std::span<const double> results) {
   for (const Joint& joint : model.joints()) {
@@ -48,8 +46,8 @@ void check_finite(const Model& model, const char* step, int Joint::*first, int J
   }
 }
 
-/// The names of the joints, repeated for every coordinate or velocity of the joint (`count` is nq or nv of
-/// the joint). If there are several, the names end in an index: `hip[0]`, `hip[1]`.
+/// A name for every coordinate or velocity (`count` is nq or nv of a joint): that of the joint, with an index
+/// if there are several, as in `hip[0]`.
 std::vector<std::string> numbered(const Model& model, int Joint::*count) {
   std::vector<std::string> names;
   for (const Joint& joint : model.joints())

@@ -8,8 +8,7 @@
 /// Functions on the configuration manifold. A configuration q has nq numbers; a tangent vector has nv, which
 /// are left-trivialised: for each joint they are components in the joint frame of the moved body. Every
 /// function with a q, v or dv among its arguments throws std::invalid_argument if an argument has the wrong
-/// size, if a quaternion in q is not of unit norm (except normalize()), or if the result is not finite
-/// because a step is too large.
+/// size, if a quaternion in q is not of unit norm (except normalize()), or if the result is not finite.
 namespace axode {
 
 /// The configuration with every coordinate 0 and every quaternion the identity.
@@ -19,16 +18,14 @@ std::vector<double> neutral(const Model& model);
 struct InitialState {
   std::vector<double> q, v;  ///< nq and nv numbers
 };
-/// The state in which a motion of the mechanism starts, as InitialStateDescription gives it. Joints that the
-/// description does not name are at zero (quaternions at the identity) and at rest.
+/// The initial state from the description. Joints that it does not name are at zero and at rest.
 InitialState initial_state(const Model& model);
 
 /// A random configuration within the limits, uniform for each joint. Without limits, angles are in [-π, π]
-/// and lengths in [-1, 1] m; with one limit, a coordinate is at most 2π rad or 2 m away from it. Rotations of
-/// spherical and free joints are uniform on SO(3). The same seed gives the same configuration.
+/// and lengths in [-1, 1] m; with one limit, they are at most 2π rad or 2 m away from it. Rotations are
+/// uniform on SO(3). The same seed gives the same result.
 std::vector<double> random_configuration(const Model& model, std::uint64_t seed);
-/// n random configurations, stored one after the other in n * nq numbers. The first one is
-/// random_configuration(model, seed).
+/// n random configurations, n * nq numbers; the first one is random_configuration(model, seed).
 std::vector<double> random_configurations(const Model& model, std::uint64_t seed, std::size_t n);
 
 /// The configuration q with every quaternion scaled to norm 1. Throws std::invalid_argument with the name of
@@ -39,12 +36,11 @@ std::vector<double> normalize(const Model& model, std::span<const double> q);
 std::vector<double> integrate(const Model& model, std::span<const double> q, std::span<const double> dv);
 
 /// Computes q1 ⊖ q0: the tangent vector dv (nv numbers) with q0 ⊕ dv = q1, where q0 ⊕ dv is q0 displaced by
-/// exp(dv) in each joint. Rotations go the shorter way round. Hence q0 ⊕ dv can differ from q1 by whole turns
-/// in the angle of a planar joint and by the sign of a quaternion.
+/// exp(dv) in each joint. Rotations go the shorter way round, so that q0 ⊕ dv can differ from q1 by whole
+/// turns of planar joints and by the sign of quaternions.
 std::vector<double> difference(const Model& model, std::span<const double> q0, std::span<const double> q1);
 
-/// Computes q0 ⊕ s (q1 ⊖ q0): every joint moves along one screw, from q0 at s = 0 to q1 at s = 1. s may be
-/// outside [0, 1].
+/// Computes q0 ⊕ s (q1 ⊖ q0): joints move along constant screws, from q0 at s = 0 to q1 at s = 1, or beyond.
 std::vector<double> interpolate(const Model& model, std::span<const double> q0, std::span<const double> q1,
                                 double s);
 
@@ -53,47 +49,38 @@ std::vector<double> interpolate(const Model& model, std::span<const double> q0, 
 /// joint is R u with the rotation R of the joint and its linear velocity u.
 std::vector<double> coordinate_rates(const Model& model, std::span<const double> q,
                                      std::span<const double> v);
-/// Computes v = E(q)⁺ q': the nv velocities from the rates q' of the nq coordinates. The part of a
-/// quaternion's rate that would change its norm has no influence.
+/// Computes v = E(q)⁺ q', the nv velocities from the nq rates; changes of quaternion norms have no influence.
 std::vector<double> velocities_from_rates(const Model& model, std::span<const double> q,
                                           std::span<const double> dq);
 
-/// coordinate_names() returns a name for each of the nq coordinates, and velocity_names() for each of the nv
-/// velocities: q[k] belongs to coordinate_names(model)[k], and v[k], a[k] and tau[k] belong to
-/// velocity_names(model)[k]. A name is that of the joint, with an index if the joint has several coordinates
-/// or velocities, as in `hip[0]`, `hip[1]`. Coupled and fixed joints have no names here, as they have no
-/// coordinates of their own.
+/// Names of the nq coordinates, and of the nv velocities (also of a and tau). A name is that of the joint,
+/// with an index if the joint has several, as in `hip[0]`, `hip[1]`. Coupled and fixed joints have none.
 std::vector<std::string> coordinate_names(const Model& model);
 std::vector<std::string> velocity_names(const Model& model);
 
-/// velocity_limits() returns the largest speed (rad/s, m/s) and effort_limits() the largest drive force (N m,
-/// N) for each of the nv velocities; an entry is infinite if there is no limit. The limits of coupled joints
-/// are not included, because they hold for these joints and not for the velocity of their leader.
+/// The largest speeds (rad/s, m/s) and drive forces (N m, N) for each of the nv velocities, infinite if there
+/// is no limit. Limits of coupled joints are not included.
 std::vector<double> velocity_limits(const Model& model);
 std::vector<double> effort_limits(const Model& model);
 
-/// The lower and upper limits of the nq coordinates. Limits are infinite if the description gives none, and
-/// for the four numbers of a quaternion.
+/// The lower and upper limits of the nq coordinates, infinite without a limit and for quaternions.
 struct CoordinateLimits {
   std::vector<double> lower, upper;
 };
 CoordinateLimits limits(const Model& model);
 
-/// The configuration in which each coordinate of q that exceeds a limit is set to this limit. Quaternions do
-/// not change.
+/// The configuration q with each coordinate that exceeds a limit set to this limit.
 std::vector<double> clamp(const Model& model, std::span<const double> q);
 
 /// Throws std::invalid_argument if q has another size than nq, or if the norm of a quaternion differs from 1
-/// by more than 1e-6 (1e-4 in float). The message names the argument and the joint.
+/// by more than 1e-6 (1e-4 in float).
 void check_configuration(const Model& model, std::span<const double> q, const char* argument = "q");
 void check_configuration(const Model& model, std::span<const float> q, const char* argument = "q");
 
-/// A sentence about the first number of q and v that is not finite, as in `q of joint "a" is nan`. v may be
-/// empty. The sentence is empty if all numbers are finite.
+/// A sentence about the first number that is not finite, as in `q of joint "a" is nan`; empty if all are.
 std::string first_not_finite(const Model& model, std::span<const double> q, std::span<const double> v);
 
-/// Throws std::invalid_argument if the actual size of an argument is not the expected one. The message has
-/// the name of the argument, both sizes, and `meaning`, the name of the expected size, such as `nq`.
+/// Throws std::invalid_argument if the sizes differ. `meaning` names the expected size, such as `nq`.
 void check_size(const char* argument, std::size_t actual, std::size_t expected, const char* meaning);
 
 }  // namespace axode

@@ -13,11 +13,10 @@
 #include "axode/model/loops.hpp"
 #include "axode/model/springs.hpp"
 
-/// The description of a mechanism as an engineer gives it. ModelBuilder checks a description and compiles it
-/// into a Model.
+/// The description of a mechanism, which ModelBuilder checks and compiles into a Model.
 ///
-/// The mechanism is drawn with every joint at zero. The frame in which it is drawn is called the construction
-/// frame; it is the inertial frame, and the body "ground" rests in it.
+/// The mechanism is drawn with every joint at zero in the construction frame, which is the inertial frame;
+/// the body "ground" rests in it.
 namespace axode {
 
 enum class JointKind {
@@ -52,12 +51,11 @@ struct Dof {
   bool hard_stops = false;  ///< whether the limits are rigid stops; for joints of one velocity
   double restitution = 0;   ///< coefficient of restitution of hard stops, 0 to 1
   /// Loss of the gear while the drive drives the joint, divided by the force F that the gear transmits: the
-  /// drive needs the force (1 + gear_loss) F, so that the efficiency is 1/(1 + gear_loss). It acts only if
-  /// Loads::joint_losses is set. Only joints of one velocity can have a gear.
+  /// drive needs the force (1 + gear_loss) F, so that the efficiency is 1/(1 + gear_loss). Only joints of one
+  /// velocity can have a gear.
   double gear_loss = 0;
   /// Loss of the gear while the joint drives the drive back, divided by the force that the gear transmits; if
-  /// empty, it is gear_loss. The efficiency is 1 - gear_loss_back. A gear with a value of 1 or more locks
-  /// itself: the joint cannot drive it.
+  /// empty, it is gear_loss. The efficiency is 1 - gear_loss_back; a gear with 1 or more locks itself.
   std::optional<double> gear_loss_back = {};
 };
 /// Whether the gear of a joint loses a part of the force that it transmits.
@@ -72,8 +70,7 @@ struct Coupling {
   double ratio = 1, offset = 0;
 };
 
-/// A joint between a body and its predecessor. The frame in which axis and point are given follows from the
-/// type of BodyDescription::geometry.
+/// A joint of a body on its predecessor; BodyDescription::geometry tells the frame of its axis and point.
 struct JointDescription {
   std::string name = {};  ///< empty: `<body>_joint`
   JointKind kind = JointKind::fixed;
@@ -83,17 +80,14 @@ struct JointDescription {
   double pitch = 0;             ///< pitch of a helical joint, m/rad
   std::vector<Dof> dof = {};    ///< one for each degree of freedom, or empty
   std::optional<Coupling> coupling = {};  ///< coupling of a revolute, prismatic or helical joint
-  /// Whether the joint has no drive. If empty, it has a drive unless it is a free joint of a mechanism with
-  /// loops or couplings.
+  /// Whether the joint has no drive; by default only a free joint of a mechanism with loops or couplings.
   std::optional<bool> passive = {};
   Source source = {};  ///< place in a file; empty if it is that of the body
 };
 
 /// Geometry of a body in the construction frame, the inertial frame in which the mechanism is drawn at q = 0.
 /// The axis and the point of its joint are given in this frame and determine the spatial screw Y_i of the
-/// joint. A is the pose of the body frame at q = 0. By default A is the identity; then the origin of the body
-/// frame need not be on the body. InConstructionFrame{{{}, point}} has the origin at the joint. The frame of
-/// the centre of mass is chosen by MassProperties::in.
+/// joint. A is the pose of the body frame at q = 0. By default A is the identity.
 struct InConstructionFrame {
   SE3<> A;
 };
@@ -135,9 +129,8 @@ enum class ShapeKind {
 };
 
 /// The largest coefficient of friction in a contact: a number for sliding, m for drilling and rolling
-/// friction. Larger coefficients are replaced by it. With a coefficient of 1000 a shape slides only on a
-/// surface that is steeper than 89.9 degrees, and the equations of a step with contact can still be solved
-/// with sufficient accuracy.
+/// friction. Larger coefficients are replaced by it, as the equations of contact could not be solved with
+/// sufficient accuracy.
 inline constexpr double most_friction = 1000;
 
 /// How the surface of a shape behaves in contact. Two shapes in contact have the geometric mean of their
@@ -154,8 +147,8 @@ struct ContactProperties {
   double damping = 0;     ///< c, s/m
 };
 
-/// A shape of a body or of the ground, for drawing (visual) or for contacts (collision). Shapes have no
-/// influence on the dynamics, except for collision shapes in simulations with contact.
+/// A shape of a body or of the ground, for drawing (visual) or for contacts (collision). Only contacts of
+/// collision shapes have an influence on the dynamics.
 struct ShapeDescription {
   enum class Role { visual, collision } role = Role::visual;
   std::string name = {};
@@ -190,8 +183,7 @@ struct FrameDescription {
 };
 
 /// A spring and a damper in parallel. The kind determines the coordinate (a length or an angle) on which the
-/// force depends; by default it is the distance of two points. Springs act in simulations, see
-/// spring_forces().
+/// force depends, by default the distance of two points. Springs act in simulations.
 struct SpringDescription {
   /// A point of a tendon. `on` is the name of a body, of a named frame, or "ground".
   struct Point {
@@ -202,8 +194,8 @@ struct SpringDescription {
   SpringKind kind = SpringKind::line;
   std::array<std::string, 2> between = {};  ///< bodies, named frames or "ground"; not for tendons and joints
   std::array<Vec3<>, 2> points = {};        ///< ends of a line, m
-  /// The frame in which `points`, `path` and `frames` are given. body_frame: each in the frame of the body or
-  /// named frame on which it is. construction_frame: all in the inertial frame, at q = 0.
+  /// The frame of `points`, `path` and `frames`: body_frame, that of the body or named frame on which each
+  /// is; construction_frame, the inertial frame at q = 0.
   GivenIn in = GivenIn::body_frame;
   double stiffness = 0;                  ///< stiffness if no curve is given, N/m or N m/rad
   double rest = 0;                       ///< coordinate at which the deflection is 0, m or rad
@@ -219,9 +211,8 @@ struct SpringDescription {
   Source source = {};
 };
 
-/// A joint that closes a loop. There are two ways to describe it: by axis and point in the construction
-/// frame, the inertial frame, so that the loop is closed at q = 0; or by the joint frame on each of the two
-/// bodies (`frames`), so that the loop need not be closed at q = 0.
+/// A joint that closes a loop, given by axis and point in the construction frame (the inertial frame), where
+/// the loop is closed at q = 0, or by the joint frames on the two bodies.
 struct LoopDescription {
   std::string name = {};  ///< empty: `loop 1`, ...; must differ from the names of joints
   /// The bodies, named frames or "ground" that the loop joint connects. The wrench of the loop acts on the
@@ -250,8 +241,7 @@ struct LoopDescription {
 };
 
 /// A coupling Σ factor q = offset of the coordinates of joints with one velocity: a differential, a cable or
-/// a gear train. It is a constraint like a loop joint. If `play` is positive, the coupling only requires |Σ
-/// factor q - offset| <= play/2.
+/// a gear train. With a positive `play` it only requires |Σ factor q - offset| <= play/2.
 struct CouplingDescription {
   std::string name = {};                                   ///< empty: `coupling 1`, ...
   std::vector<std::pair<std::string, double>> terms = {};  ///< joints and their factors
@@ -261,8 +251,7 @@ struct CouplingDescription {
   Source source = {};
 };
 
-/// A prescribed motion: a function of time that the coordinate of a joint of one velocity, or the length of a
-/// rod, follows.
+/// A prescribed motion: a joint coordinate, or the length of a rod, as a function of time.
 struct MotionDescription {
   std::string name = {};  ///< empty: `motion of <joint or rod>`
   std::string of;         ///< joint of one velocity, or loop of kind rod
@@ -279,54 +268,50 @@ struct MotionDescription {
   Source source = {};
 };
 
-/// The input of a drive. It is given in one of three forms: the output of another drive (`from`), a function
-/// of time, or values that change in steps. All members are empty for a kind of drive that has no input.
+/// The input of a drive: the output of another drive (`from`), a function of time, or values that change in
+/// steps; all empty if its kind has no input.
 struct DriveInput {
   std::string from = {};                           ///< name of the drive whose output is the input, or empty
   std::optional<MotionDescription> function = {};  ///< function of time; its `name` and `of` are not used
-  /// Steps: the input is values[k] from times[k] on, and values[0] before times[0]. A constant has one value
-  /// and no time.
+  /// Steps: the input is values[k] from times[k] on, and values[0] before; one value for a constant.
   std::vector<double> times = {}, values = {};
 };
 
-/// A drive with states of its own, see axode/drives.hpp. Drives act in simulations, either on a sum of joint
-/// coordinates or along the line between two points; on a line a positive force pushes the ends apart.
+/// A drive with states of its own (currents, temperatures, ...), which acts in simulations on a sum of joint
+/// coordinates or along the line between two points, whose ends a positive force pushes apart.
 struct DriveDescription {
   std::string name = {};  ///< empty: `drive 1`, ...
   DriveKind kind = DriveKind::dc_motor;
-  /// The joints on which the drive acts, each with a factor: the coordinate of the drive is Σ factor q. The
-  /// joints must have one velocity. Empty if the drive acts along a line.
+  /// The joints of one velocity on which the drive acts, with the factors of its coordinate Σ factor q; empty
+  /// if it acts along a line.
   std::vector<std::pair<std::string, double>> joints = {};
   struct Line {
     std::array<std::string, 2> between = {};  ///< bodies, named frames or "ground"
     std::array<Vec3<>, 2> points = {};        ///< m
-    /// The frame in which `points` are given. body_frame: each in the frame of its body or named frame.
-    /// construction_frame: both in the inertial frame, at q = 0.
+    /// The frame of `points`: body_frame, that of the body or named frame of each; construction_frame, the
+    /// inertial frame at q = 0.
     GivenIn in = GivenIn::body_frame;
   };
   std::optional<Line> line = {};
   /// Parameters by name, see drive_kinds for the names. A parameter that is not given has its standard value.
   std::vector<std::pair<std::string, double>> parameters = {};
-  /// Anti-windup of a PID controller. If true, its integrator stops while the output is saturated and the
-  /// error would increase it further; if false, the integrator follows the limit (back calculation).
+  /// Anti-windup of a PID controller: if true, the integrator stops while the output is saturated and the
+  /// error would increase it further; if false, it follows the limit (back calculation).
   bool conditional = false;
   DriveInput input = {};
-  /// Initial values of states by name. A state that is not given starts at the value that the kind of drive
-  /// chooses.
+  /// Initial values of states by name; other states start at the default of the kind of drive.
   std::vector<std::pair<std::string, double>> initial = {};
   Source source = {};
 };
 
-/// The state in which a motion of the mechanism starts: the coordinates q and velocities v of joints by name.
-/// A joint that is not named starts at 0 (at the identity if it has a quaternion), or with the velocity 0.
+/// The initial state of the mechanism: q and v of joints by name. Other joints start at zero and at rest.
 struct InitialStateDescription {
   std::vector<std::pair<std::string, std::vector<double>>> q = {}, v = {};
   Source source = {};
 };
 
-/// Settings of contact for the whole mechanism: the table [contact] of a drawing, the file format of this
-/// library. Properties of single shapes are in ContactProperties. A mechanism with these settings is
-/// simulated with contact unless the caller names another method of integration.
+/// Settings of contact for the whole mechanism; those of single shapes are in ContactProperties. A mechanism
+/// with these settings is simulated with contact unless the caller names another method of integration.
 struct ContactDescription {
   double friction = 0.6;    ///< coefficient of sliding friction of shapes without one of their own
   double margin = 0.01;     ///< gap below which a contact is considered, m
@@ -352,8 +337,7 @@ struct Description {
   std::vector<Fault> warnings = {};  ///< warnings of the reader that made the description
 };
 
-/// Whether a joint has no drive. If the description leaves it open, only a free joint of a mechanism with
-/// loops or couplings has none.
+/// Whether a joint has no drive: by default only a free joint of a mechanism with loops or couplings.
 inline bool is_passive(const JointDescription& joint, const Description& d) {
   const bool closed = !(d.loops.empty() && d.couplings.empty());
   return joint.passive.value_or(closed && joint.kind == JointKind::free);

@@ -15,8 +15,7 @@ inline bool finite(const Sym3<>& A) {
   return finite(Vec3<>{A.xx, A.yy, A.zz}) && finite(Vec3<>{A.xy, A.xz, A.yz});
 }
 inline bool finite(const Inertia<>& M) { return finite(M.m) && finite(M.h) && finite(M.Theta); }
-/// Whether all numbers of a range are finite. The loop has no branches, so that the compiler can vectorise
-/// it.
+/// Whether all numbers of a range are finite, without branches, so that the compiler can vectorise the loop.
 template <std::ranges::range Numbers> bool finite(const Numbers& x) {
   std::ranges::range_value_t<Numbers> none(0);
   for (const auto x_k : x) none += x_k - x_k;

@@ -19,7 +19,7 @@ struct PolynomialCurve {
   std::vector<double> coefficients;
 };
 /// A piecewise cubic through the points (deflections[k], forces[k]) that is monotone between them, after
-/// Fritsch and Carlson (D16.3). Before the first point and after the last one the curve is a straight line.
+/// Fritsch and Carlson (D16.3). It is a straight line outside the points.
 struct TableCurve {
   std::vector<double> deflections, forces;
 };
@@ -32,17 +32,15 @@ struct GasCurve {
   double exponent = 1;       ///< polytropic exponent; 1: constant temperature
   double ambient = 101'325;  ///< pressure outside, Pa
 };
-/// The curves that a spring may have. Code that depends on the type of curve must handle all of them, as it
-/// uses std::visit.
+/// The curves that a force law may have.
 using ForceCurve = std::variant<LinearCurve, PolynomialCurve, TableCurve, GasCurve>;
 
-/// The signs of force that a spring can exert. A spring that acts in tension exerts no force at negative
-/// deflections, and one that acts in compression none at positive deflections.
+/// Whether a spring exerts forces at all deflections, at positive ones (tension) or negative ones only.
 enum class Acts { both_ways, in_tension, in_compression };
 
-/// A force law as the kernels read it: the tension F = curve(δ) + damping x' at the deflection δ = x - rest
-/// of a coordinate x. If the spring acts in tension or in compression only, F is set to 0 where damping would
-/// reverse the sign of curve(δ).
+/// A force law: the tension F = curve(δ) + damping x' at the deflection δ = x - rest of a coordinate x. If
+/// the spring acts in tension or in compression only, F is set to 0 where damping would reverse the sign of
+/// curve(δ).
 struct ForceLaw {
   ForceCurve curve = {};
   double rest = 0;     ///< coordinate at which the deflection is 0, m or rad
@@ -72,8 +70,7 @@ CurveValue<T> evaluate(const PolynomialCurve& curve, const ForceLaw&, const T& x
   return out;
 }
 
-/// Evaluates the cubic of a TableCurve between the two points that enclose the deflection x, or the straight
-/// line if x is before the first point or after the last one.
+/// Evaluates a TableCurve, a cubic between two points or a straight line outside, at the deflection x.
 template <class T> CurveValue<T> evaluate(const TableCurve& curve, const ForceLaw& law, const T& x) noexcept {
   const std::vector<double>&at = curve.deflections, &F = curve.forces;
   const auto next = std::upper_bound(at.begin(), at.end(), x, [](const T& a, double b) { return a < T(b); });
@@ -88,8 +85,7 @@ template <class T> CurveValue<T> evaluate(const TableCurve& curve, const ForceLa
           U + s * (f + s * (T(0.5) * m + s * (c2 / T(3) + T(0.25) * s * c3)))};
 }
 
-/// Evaluates a GasCurve at the deflection x. All results are NaN if the volume of the chamber is not
-/// positive.
+/// Evaluates a GasCurve at the deflection x; the results are NaN if the volume is not positive.
 template <class T> CurveValue<T> evaluate(const GasCurve& gas, const ForceLaw&, const T& x) noexcept {
   const T A = T(gas.area), V_0 = T(gas.volume), V = V_0 + A * x, n = T(gas.exponent);
   if (!(V > T(0))) {

@@ -10,8 +10,8 @@
 ///
 ///   π = (m, m c_x, m c_y, m c_z, Θ_xx, Θ_yy, Θ_zz, Θ_xy, Θ_xz, Θ_yz).
 ///
-/// They are in the frame of the body, where c is the centre of mass and Θ the rotational inertia about the
-/// origin. They include all bodies that are fixed to the body.
+/// In the body frame c is the centre of mass, and Θ the rotational inertia about the origin. Bodies that are
+/// fixed to the body are included.
 namespace axode {
 
 std::array<double, 10> inertial_parameters(const Inertia<double>& M);

@@ -9,9 +9,8 @@
 
 namespace axode {
 
-/// The kinds of loop joints. A loop joint constrains the relative motion of two bodies, or of a body and the
-/// ground, in addition to the joints of the spanning tree. Rods, rolling contacts and belts are loop joints
-/// as well.
+/// The kinds of loop joints, which constrain the relative motion of two bodies in addition to the joints of
+/// the spanning tree. Rods, rolling contacts and belts are loop joints as well.
 enum class LoopKind {
   fixed,
   revolute,
@@ -27,22 +26,20 @@ enum class LoopKind {
   belt,     ///< span of a belt that does not stretch, from one pulley to another
 };
 
-/// A row of the table of the kinds of loop joints, with everything that depends only on the kind except its
-/// constraint equations, which are in the folder axode/constraints/loops.
+/// The properties of a kind of loop joints, without its equations, which are in axode/constraints/loops.
 struct LoopTraits {
   LoopKind kind;
   std::string_view name;
   int rows;       ///< number of rows of the Jacobian
   int residuals;  ///< number of residuals; fewer than rows if some rows have no position level
   /// The directions among ω_x ω_y ω_z v_x v_y v_z that the joint leaves free. For a helical joint ω_z is free
-  /// and v_z = pitch ω_z follows. A universal joint has the free directions of a spherical joint and one more
-  /// constraint row. For rods, rolling contacts and belts, whose motions do not form a subgroup, all entries
-  /// are false.
+  /// and v_z = pitch ω_z follows. A universal joint has those of a spherical joint, but one more constraint
+  /// equation. For rods, rolling contacts and belts, whose motions do not form a subgroup, all entries are
+  /// false.
   std::array<bool, 6> free;
   bool located;  ///< whether the position of the joint matters and not only its directions
-  /// Names of the members of LoopDescription that describe the joint in the construction frame at q = 0. The
-  /// joint frames of both bodies coincide then, unless `second_axis`, `points` or `center` is among the
-  /// names.
+  /// The members of LoopDescription that describe the joint in the inertial frame at q = 0, where both joint
+  /// frames coincide unless `second_axis`, `points` or `center` is one of them.
   std::array<std::string_view, 5> keys;
 
   constexpr bool has(std::string_view key) const {
@@ -77,8 +74,8 @@ constexpr const LoopTraits& traits(LoopKind kind) {
 }
 constexpr std::string_view to_string(LoopKind kind) { return traits(kind).name; }
 
-/// The name of a loop joint or coupling, and the indices of its rows in the loop Jacobian A, where A v = 0
-/// are the constraints of the velocities, and in the vector of residuals, which are 0 if the loop is closed.
+/// A loop joint or coupling: its name, and the indices of its rows in the loop Jacobian A of the constraints
+/// A v = 0 and in the vector of residuals, which are 0 if the loop is closed.
 struct LoopRows {
   std::string name;
   int first_row = 0, rows = 1;
@@ -94,8 +91,7 @@ struct Loop : LoopRows {
   LoopKind kind{};
   std::array<End, 2> ends = {};
   double pitch = 0;  ///< pitch of a helical joint, m/rad
-  /// Length of a rod or radius of a rolling body, m; for a universal joint the cosine of the angle between
-  /// its axes.
+  /// Length of a rod or radius of a rolling body, m; cosine between the axes of a universal joint.
   double size = 0;
   bool wheel = false;  ///< whether the rolling body is a wheel
   /// Radii of the two pulleys of a belt, m; negative for a pulley that turns clockwise about the axis while
@@ -103,8 +99,8 @@ struct Loop : LoopRows {
   std::array<double, 2> radii = {};
 };
 
-/// A coupling Σ factor q = offset of the coordinates of several joints. Its row of the loop Jacobian is
-/// constant: the factors at the velocities of the joints.
+/// A coupling Σ factor q = offset of the coordinates of several joints. Its row of the loop Jacobian A in A v
+/// = 0 has these factors.
 struct LoopCoupling : LoopRows {
   struct Term {
     int coordinate, velocity;
@@ -114,8 +110,7 @@ struct LoopCoupling : LoopRows {
   double offset = 0;
 };
 
-/// A coupling with play, |Σ factor q - offset| <= play/2. It has no rows in the loop Jacobian. Simulations
-/// treat the ends of the play as contacts, see simulate().
+/// A coupling with play, |Σ factor q - offset| <= play/2. Simulations treat the ends of the play as contacts.
 struct Backlash {
   std::string name;
   std::vector<LoopCoupling::Term> terms = {};

@@ -50,16 +50,14 @@ struct Gear {
   double loss, loss_back;  ///< the lost parts of |F| while the drive drives and while it is driven back
 };
 
-/// A named frame. There is one for the ground, for each moving body, for each body that is fixed to another
-/// one, and for each FrameDescription.
+/// A named frame: of the ground, a moving body, a body fixed to another one, or a FrameDescription.
 struct Frame {
   std::string name;
   int body = 0;  ///< body that the frame moves with
   SE3<> pose;    ///< pose in the frame of that body
 };
 
-/// An immutable mechanism: a tree of bodies, with loops, springs and drives. Copies are cheap and share the
-/// data, and several threads may use one model at the same time.
+/// An immutable mechanism: a tree of bodies, loops, springs and drives. Copies are cheap and thread-safe.
 class Model {
  public:
   // There is no move constructor, so that a model from which another one was made by std::move keeps its
@@ -68,24 +66,21 @@ class Model {
   Model& operator=(const Model&) = default;
 
   const std::string& name() const { return data_->description.name; }
-  /// The number of moving bodies, which is also the number of joints. Body 0 is the ground; bodies 1 to
-  /// n_bodies() are numbered in depth-first order, and the children of a body in the order of the
-  /// description.
+  /// The number of moving bodies and joints. Body 0 is the ground; bodies 1 to n_bodies() are numbered in
+  /// depth-first order, and the children of a body in the order of the description.
   int n_bodies() const { return data_->tree->n; }
   int nq() const { return data_->tree->nq; }
   int nv() const { return data_->tree->nv; }
   int n_frames() const { return data_->tree->n_frames(); }
-  /// The number of joint screws: one for each degree of freedom of every joint. Coupled joints have screws
-  /// too, although they have no velocities of their own. The screws of joint i have the indices
-  /// first_screw(i) to first_screw(i + 1) - 1.
+  /// The number of joint screws: one for each degree of freedom of every joint. Coupled joints have screws,
+  /// too. The screws of joint i have the indices first_screw(i) to first_screw(i + 1) - 1.
   int n_screws() const { return data_->tree->n_screws; }
   int first_screw(int i) const { return data_->tree->first_screw[i]; }
   const Vec3<>& gravity() const { return data_->tree.g; }
 
   const Body& body(int i) const { return data_->bodies[i]; }    ///< i = 0 is the ground
   const Joint& joint(int i) const { return data_->joints[i]; }  ///< i from 1; the joint that moves body i
-  /// Frame f. Frames 0 to n_bodies() are those of the ground and of the bodies; fixed bodies and other named
-  /// frames follow.
+  /// Frame f: 0 to n_bodies() are the ground and the bodies; fixed bodies and other named frames follow.
   const Frame& frame(int f) const { return data_->frames[f]; }
   std::span<const Body> bodies() const { return data_->bodies; }
   /// The joints of bodies 1, 2, ...
@@ -95,10 +90,9 @@ class Model {
   /// Springs, dampers and elastic stops. They act in simulations.
   const Springs& springs() const { return data_->springs; }
   /// Loop joints (with rods, rolling contacts and belts) and couplings. Functions whose documentation does
-  /// not mention loops ignore them and compute with the spanning tree of the bodies alone.
+  /// not mention loops compute with the spanning tree alone.
   const Loops& loops() const { return data_->loops; }
-  /// Prescribed motions of joints and rods, see axode/constraints/prescribed/prescribed_motion.hpp. Functions
-  /// whose documentation does not mention prescribed motions ignore them.
+  /// Prescribed motions of joints and rods; functions whose documentation does not mention them ignore them.
   std::span<const MotionDescription> motions() const { return data_->description.motions; }
   /// Drives with states, see axode/drives.hpp. They act in simulations.
   std::span<const DriveDescription> drives() const { return data_->description.drives; }
@@ -106,8 +100,7 @@ class Model {
   /// The gears with losses, sorted by the index of their velocity.
   std::span<const Gear> gears() const { return data_->gears; }
 
-  /// The index of the body, joint or frame of a name. If there is none, the functions throw
-  /// std::invalid_argument with the unknown name and the nearest known one.
+  /// The index of a body, joint or frame. Throws std::invalid_argument, with the nearest name, if none.
   int body_index(std::string_view name) const;
   int joint_index(std::string_view name) const;
   int frame_index(std::string_view name) const;
@@ -120,8 +113,7 @@ class Model {
   /// The description from which the model was built; edit a copy of it to build another model.
   const Description& description() const { return data_->description; }
   const Topology& topology() const { return *data_->tree.topology(); }
-  /// The numerical data that kernels read, for T = double or float. For another scalar T use
-  /// cast<T>(tree<double>()).
+  /// The numerical data for T = double or float. For another scalar T use cast<T>(tree<double>()).
   template <class T> const Tree<T>& tree() const;
 
  private:

@@ -20,8 +20,7 @@ enum class SpringKind {
   bushing,  ///< the pose of one frame relative to another, with a stiffness for all six directions
 };
 
-/// A row of the table of the kinds of springs, with everything that depends only on the kind. All kinds but
-/// bushings have one coordinate, a length or an angle, and a ForceLaw of it.
+/// The properties of a kind of springs. All but bushings have a ForceLaw of one length or angle.
 struct SpringTraits {
   SpringKind kind;
   std::string_view name;
@@ -55,8 +54,7 @@ using SixBySix = std::array<std::array<double, 6>, 6>;
 
 /// A spring and damper as the kernels read it, see spring_forces().
 struct Spring {
-  /// A path of straight segments through two or more points. The path of a spring of kind `line` has two
-  /// points.
+  /// A path of straight segments through two or more points; the spring of kind `line` has two.
   struct Path {
     struct Point {
       int frame = 0;
@@ -73,8 +71,7 @@ struct Spring {
   struct Torsion {
     std::array<End, 2> ends;
   };
-  /// The coordinate Σ factor q + offset of a spring on joints. For a coupled joint, q is that of its leader,
-  /// and factor and offset contain the ratio and offset of the coupling.
+  /// The coordinate Σ factor q + offset of a spring on joints; for a coupled joint q is that of its leader.
   struct JointSum {
     struct Term {
       int coordinate = 0, velocity = 0;
@@ -100,8 +97,7 @@ struct Spring {
 struct Springs {
   std::vector<int> joints;       ///< joints with a spring or elastic stops in Joint::dof, also coupled joints
   std::vector<Spring> elements;  ///< the springs of the description, in its order
-  /// The lines along which drives act, in the order of the drives of the description. Each is a path of two
-  /// points.
+  /// The lines along which drives act, paths of two points in the order of the drives.
   std::vector<Spring::Path> drive_lines;
 
   bool empty() const { return joints.empty() && elements.empty(); }

@@ -44,8 +44,7 @@ template <class T> constexpr void put(const Quaternion<T>& a, T* out) {
   out[3] = a.w;
 }
 
-/// Common base of the joints whose velocities are the rates of their coordinates, v = q'. N is the number of
-/// coordinates.
+/// Common base of the joints whose N velocities are the rates of their coordinates, v = q'.
 template <class T, int N> struct VectorCoordinates {
   static constexpr int nq = N, nv = N;
   static constexpr bool vector_coordinates = true;
@@ -79,8 +78,7 @@ template <class T> T nearest_turn(const T& angle, const T& to) {
   return angle + whole * round((to - angle) / whole);
 }
 
-/// Writes to q the quaternion of R, x y z w. Of the two signs it has the one that is nearer to the quaternion
-/// `near`.
+/// Writes to q the quaternion of R, x y z w, of the two signs the one nearer to the quaternion `near`.
 template <class T> void nearest_quaternion(const SO3<T>& R, const T* near, T* q) {
   const Quaternion<T> a = quaternion(R);
   const T side = a.x * near[0] + a.y * near[1] + a.z * near[2] + a.w * near[3] < T(0) ? T(-1) : T(1);
@@ -138,8 +136,7 @@ template <class T> struct Helical : VectorCoordinates<T, 1> {
   constexpr Screw<T> column(const SE3<T>& C, int) const { return {C.R.z, cross(C.r, C.R.z) + pitch * C.R.z}; }
 };
 
-/// Spherical joint: rotation about the origin. q = unit quaternion x y z w, v = angular velocity in the
-/// child's joint frame.
+/// Spherical joint: q = unit quaternion x y z w, v = angular velocity in the child's joint frame.
 template <class T> struct Spherical {
   static constexpr int nq = 4, nv = 3, angles = 3;
   static constexpr bool vector_coordinates = false;
@@ -175,8 +172,7 @@ template <class T> struct Spherical {
 };
 
 /// Planar joint: motion in the plane normal to z. q = (θ, x, y), v = (ω; v_x, v_y) in the child's joint
-/// frame. difference() takes the shorter way round, so that q0 ⊕ difference(q0, q1) can differ from q1 by
-/// whole turns of θ.
+/// frame. difference() takes the shorter way round.
 template <class T> struct Planar {
   static constexpr int nq = 3, nv = 3, angles = 1;
   static constexpr bool vector_coordinates = false;
@@ -216,8 +212,7 @@ template <class T> struct Planar {
   }
 };
 
-/// Free joint: every motion is possible. q = (quaternion x y z w, position), v = body-fixed twist (angular;
-/// linear) of the child.
+/// Free joint: q = (quaternion x y z w, position), v = body-fixed twist (angular; linear) of the child.
 template <class T> struct Free {
   static constexpr int nq = 7, nv = 6, angles = 3;
   static constexpr bool vector_coordinates = false;
@@ -284,9 +279,7 @@ template <class T, class F> constexpr decltype(auto) with_subgroup(Subgroup kind
   return f(subgroup::Free<T>{});
 }
 
-/// The directions among ω_x ω_y ω_z v_x v_y v_z that a joint leaves free: for each column of the motion
-/// subspace the first direction with an entry other than 0. A helical joint therefore has ω_z only, and not
-/// v_z = pitch ω_z.
+/// The directions among ω_x ω_y ω_z v_x v_y v_z that a joint leaves free; a helical joint has only ω_z.
 constexpr std::array<bool, 6> free_directions(Subgroup kind) {
   std::array<bool, 6> free{};
   with_subgroup(kind, 1.0, [&](const auto& joint) {

@@ -13,8 +13,7 @@ constexpr std::size_t most_lanes = 16;  // largest number of lanes of any SIMD r
 
 std::size_t size(int n) { return static_cast<std::size_t>(n); }
 
-/// Numbers the coordinates, velocities and screws of the joints in the order of the bodies. A coupled joint
-/// has the indices of the coordinate and velocity of its leader.
+/// Numbers the coordinates, velocities and screws of joints; a coupled joint has the numbers of its leader.
 void number_coordinates(const std::vector<int>& leader, Topology& t) {
   t.iq.assign(size(t.n + 1), 0);
   t.iv.assign(size(t.n + 1), 0);
@@ -66,9 +65,9 @@ void find_subtrees(Topology& t) {
       t.velocity_end.push_back(t.subtree_end[i] <= t.n ? t.iv[t.subtree_end[i]] : t.nv);
 }
 
-/// For each velocity, velocities with larger indices to which the mass matrix couples it. The matrix couples
-/// all velocities on one path to the ground to each other; of each path only the one with the next larger
-/// index is listed, as this suffices for the elimination tree.
+/// For each velocity, later ones to which the mass matrix couples it. It couples all velocities on one path
+/// to the ground; of each path only the next later velocity is listed, as this suffices for the elimination
+/// tree.
 std::vector<std::vector<int>> later_neighbours(const Topology& t) {
   std::vector<std::vector<int>> later(size(t.nv));
   std::multiset<int> path;  // velocities from the ground to the body where the walk is
@@ -91,9 +90,8 @@ std::vector<std::vector<int>> later_neighbours(const Topology& t) {
 }
 
 /// Computes velocity_parent, the elimination tree of the mass matrix, by the algorithm of Liu, and the depth
-/// of this tree. Velocities c are taken from the last to the first. For each later velocity that the mass
-/// matrix couples to c, the root of the tree in which it is becomes a child of c. Paths to the roots are
-/// shortened on the way.
+/// of this tree. Velocities c are taken from the last to the first; the roots of the trees of all later
+/// velocities that the mass matrix couples to c become children of c.
 void find_velocity_parents(Topology& t) {
   const std::vector<std::vector<int>> later = later_neighbours(t);
   std::vector<int> root(size(t.nv), -1);
@@ -119,16 +117,15 @@ int meeting_point(const Topology& t, int i, int j) {
   return i;
 }
 
-/// An entry of a body for the path to the ground from a joint that shares its velocity with others. `leader`
-/// is the joint whose velocity they share. `from` is the child of the body on the path, or the body itself if
-/// the path begins there.
+/// At a body, a path to the ground from a joint that shares the velocity of the joint `leader`. `from` is the
+/// child of the body on the path, or the body itself if the path begins there.
 struct Arrival {
   int leader, from;
 };
 
-/// For each body, the paths to the ground from joints with shared velocities that come to it from its
-/// children or begin at it, in the order of their leaders. meets[l] is the body where the paths of all joints
-/// that share the velocity of joint l meet; paths end there.
+/// For each body, the paths to the ground that pass it or begin at it, from coupled joints, which share the
+/// velocities of their leaders, by which the paths are sorted. A path ends at meets[l], the body where all
+/// paths for the velocity of joint l meet.
 std::vector<std::vector<Arrival>> arrivals(const std::vector<int>& leader, const std::vector<int>& meets,
                                            const Topology& t) {
   std::vector<std::vector<Arrival>> all(size(t.n + 1));
@@ -144,14 +141,13 @@ std::vector<std::vector<Arrival>> arrivals(const std::vector<int>& leader, const
   return all;
 }
 
-/// The ties of body i: pairs of this body and a shared velocity whose path to the ground passes it (see
-/// Topology::Ties). Each tie has an entry: in `leaders` the joint whose velocity it is, and in `group` the
-/// smallest index of a tie in the same group.
+/// The ties of body i, its pairs with shared velocities of coupled joints whose paths to the ground pass it:
+/// for each tie the joint in `leaders` whose velocity it is, and the smallest index of a tie that the
+/// elimination couples to it (`group`).
 struct Groups {
   std::vector<int> leaders, group;
 
-  /// `first_from` is scratch memory with an entry for each body; all entries are -1 before and after the
-  /// call.
+  /// `first_from` is scratch memory with an entry -1 for each body, before and after the call.
   Groups(const std::vector<Arrival>& here, const std::vector<int>& meets, int i,
          std::vector<int>& first_from) {
     for (const auto& [leader, from] : here) {

@@ -6,28 +6,25 @@
 
 namespace axode {
 
-/// A group of bodies whose joints are of one kind, and are all coupled or all not: the bodies by_kind[begin]
-/// to by_kind[end - 1] of a Topology.
+/// Bodies by_kind[begin] to by_kind[end - 1] of a Topology, with joints of one kind, all or none coupled.
 struct JointGroup {
   Subgroup kind;
   bool coupled;  ///< whether the joints are coupled, q_i = ratio q_j + offset; coupled groups come last
   int begin, end;
 };
 
-/// The structure of a tree before its coordinates are numbered. All vectors are indexed by bodies (frame_body
-/// by frames). Body 0 is the ground, whose parent, kind and leader are not used.
+/// The structure of a tree, in vectors indexed by bodies (frame_body by frames). Body 0 is the ground, whose
+/// parent, kind and leader are not used.
 struct Connections {
   std::vector<int> parent;     ///< predecessor of each body, parent[i] < i
   std::vector<Subgroup> kind;  ///< subgroup of the joint that moves the body
-  /// For each body i the index of the joint that joint i follows, its leader; 0 if joint i is not coupled. A
-  /// leader must not follow another joint itself.
+  /// The joint that the joint of a body follows, its leader, which must not follow another one; 0 if none.
   std::vector<int> leader;
   std::vector<int> frame_body;  ///< body that each named frame moves with
 };
 
 /// The integer data of a tree: its structure, and the indices of the coordinates, velocities and screws of
-/// each joint. Body 0 is the ground, and joint i moves body i. Trees of all scalars share one topology. A
-/// comment such as "n + 1" below is the size of the vector.
+/// each joint. Body 0 is the ground, and joint i moves body i. Comments such as "n + 1" are sizes of vectors.
 struct Topology {
   explicit Topology(Connections connections);
 
@@ -46,26 +43,23 @@ struct Topology {
   /// The bodies whose joint is coupled, and the bodies whose joint has a quaternion and is not coupled.
   std::vector<int> coupled_bodies, quaternion_bodies;
   std::vector<int> subtree_end;  ///< n + 1: the bodies that joint i moves are i to subtree_end[i] - 1
-  /// nv: without couplings, the velocities from c on in the subtree that velocity c moves are c to
-  /// velocity_end[c] - 1.
+  /// nv: velocities c to velocity_end[c] - 1 (without couplings) are in the subtree that velocity c moves.
   std::vector<int> velocity_end;
-  /// nv: the parent of each velocity in the elimination tree of M from the last velocity to the first; -1 for
-  /// a root. Row c of L in M = LᵀDL has entries other than 0 in the columns velocity_parent[c], the parent of
-  /// this one, and so on. Without couplings the parent is the preceding velocity on the path to the ground; a
-  /// coupled joint joins the path of its leader with its own.
+  /// nv: the parent of each velocity in the elimination tree of the mass matrix M = LᵀDL, eliminated from the
+  /// last velocity to the first; -1 for a root. Row c of L has entries other than 0 in the columns
+  /// velocity_parent[c], the parent of this one, and so on. Without couplings the parent is the preceding
+  /// velocity on the path to the ground.
   std::vector<int> velocity_parent;
 
   /// Data for the elimination of velocities that several joints share, because joints are coupled, in a sweep
-  /// from the leaves to the ground. A tie is a pair of a body and such a velocity. A velocity has ties with
-  /// the bodies on the paths from its joints to the body where these paths meet, both ends included. At the
-  /// body where the paths meet, the velocity is eliminated before the joint of this body, unless this joint
-  /// has the velocity itself.
+  /// from the leaves to the ground. A tie is a pair of such a velocity and a body on the paths from its
+  /// joints to the body where these paths meet, both ends included. There the velocity is eliminated before
+  /// the joint of this body, unless this joint has the velocity itself.
   ///
-  /// Ties begin[i] to begin[i + 1] - 1 belong to body i; body 0 is the ground. Two ties of a body are in one
-  /// group if the paths of their velocities come through the same child, or if both paths go on to the
-  /// predecessor; a velocity of the body's own joint counts with the latter. Ties of a group are consecutive,
-  /// and ties of different groups are not coupled. The vectors without a size in their comment have one entry
-  /// per tie.
+  /// Ties begin[i] to begin[i + 1] - 1 belong to body i; body 0 is the ground. The elimination couples ties
+  /// of a body only within a group: ties with paths through the same child, and all ties with paths that go
+  /// on to the predecessor or begin here. Ties of a group are consecutive. Vectors without a size in their
+  /// comment have one entry per tie.
   struct Ties {
     std::vector<int> begin;     ///< n + 2: first tie of each body
     std::vector<int> velocity;  ///< velocity of each tie
@@ -77,8 +71,7 @@ struct Topology {
     /// The first pair of each tie. A tie has one pair with each tie of its group, in the order of the group.
     std::vector<std::size_t> row;
     std::size_t n_pairs = 0;  ///< number of pairs of all ties
-    /// n + 2: index of the first pair of body i in arrays with an entry for each pair of a tie of a body and
-    /// a screw of its joint.
+    /// n + 2: index of the first pair (tie of body i, screw of its joint) in arrays of all such pairs.
     std::vector<std::size_t> of_screws;
   } ties;
 

@@ -23,8 +23,8 @@ template <class T = double> struct TreeNumbers {
   Vec3<T> g;                         ///< gravity, m/s²
 };
 
-/// The data of a tree as the kernels read it. The arrow gives access to the integers, which trees of all
-/// scalars share, as in `tree->parent[i]`; the dot gives access to the real numbers, as in `tree.B[i]`.
+/// The data of a tree for recursions. The arrow gives access to the integers, which trees of all scalars
+/// share, as in `tree->parent[i]`; the dot to the real numbers, as in `tree.B[i]`.
 template <class T = double> class Tree : public TreeNumbers<T> {
  public:
   Tree(std::shared_ptr<const Topology> topology, TreeNumbers<T> numbers);
@@ -45,9 +45,8 @@ template <class T = double> class Tree : public TreeNumbers<T> {
   std::shared_ptr<const Topology> topology_;
 };
 
-/// The requirements that kernels have on the type of a tree. Kernels read the integers through the arrow, as
-/// in `tree->parent[i]`, and visit the joints by each_joint(). They read the poses of bodies at q = 0 from B
-/// and their inertias from M only, so that a tree may have any body frames.
+/// The requirements of recursions on the type of a tree: integers through the arrow, as in `tree->parent[i]`,
+/// joints through each_joint(), poses of bodies at q = 0 in B, and inertias in M, for any body frames.
 template <class X, class T>
 concept TreeOf = requires(const X& tree, int i) {
   { tree->parent[i] } -> std::convertible_to<int>;
@@ -100,9 +99,8 @@ template <class T, class F> constexpr decltype(auto) with_joint(const Tree<T>& t
   return with_subgroup(tree->kind[i], tree.pitch[i], f);
 }
 
-/// Calls f(joint, i, coupled) for the joint of every body i, where `joint` is the struct of
-/// axode/model/subgroup.hpp with its formulas. Joints are visited kind by kind, and coupled joints after all
-/// others.
+/// Calls f(joint, i, coupled) for every body i, where `joint` has the formulas of its joint
+/// (axode/model/subgroup.hpp), kind by kind, and coupled joints last.
 template <class T, class F> constexpr void each_joint(const Tree<T>& tree, F&& f) {
   for (const JointGroup& group : tree->joint_groups) {
     if (group.kind == Subgroup::helical) {
@@ -128,8 +126,8 @@ Tree<T>::Tree(std::shared_ptr<const Topology> topology, TreeNumbers<T> numbers)
 }
 
 /// Computes inertia_scale, an upper bound of the inertia that each joint screw moves. For the screw (w; v) it
-/// is |w|² tr Θ + |v|² m plus the armature, with the rotational inertia Θ about the origin of the joint frame
-/// and the mass m of the whole subtree with every joint at zero. The armature of a coupled joint is left out.
+/// is |w|² tr Θ + |v|² m plus the armature, with the rotational inertia Θ about the joint frame's origin and
+/// the mass m of the subtree with all joints at zero. Armatures of coupled joints are left out.
 template <class T> void Tree<T>::set_inertia_scale() {
   std::vector<Inertia<T>> composite(this->M);
   for (int i = topology_->n; i > 0; --i)

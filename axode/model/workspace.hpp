@@ -14,34 +14,30 @@ struct CutTree {};
 inline constexpr CutTree cut_tree;
 
 /// Scratch memory for one thread, so that functions need not allocate. Construct one for a model and pass it
-/// to every call. A workspace holds no results, and no call depends on an earlier one. T is the scalar of the
-/// computation. The memory is proportional to the number of bodies unless joints are coupled.
+/// to every call. It holds no results. T is the scalar of the computation. The memory is proportional to the
+/// number of bodies unless joints are coupled.
 ///
 /// A workspace has memory for the spanning tree of a mechanism only. Functions whose result depends on loops
 /// throw if they get a workspace for a model with loops; they take a LoopWorkspace instead. If the workspace
 /// was made with the tag `cut_tree`, they accept it and compute with the spanning tree, without the loops.
 template <class T = double> class Workspace {
  public:
-  /// Makes a workspace for every function of the library; T is double or float. For other scalars see
-  /// GenericDynamics.
+  /// Makes a workspace for every function of the library; T is double or float.
   explicit Workspace(const Model& model);
   Workspace(const Model& model, CutTree) : Workspace(model) { is_for_cut_tree_ = true; }
-  /// Makes a workspace for kernels (the code of single algorithms) with any scalar. `bytes` is the memory
-  /// that they need, as footprint() returns it.
+  /// Makes a workspace of a number of bytes, as footprint() returns it for an algorithm, for any scalar.
   Workspace(const Topology& topology, std::size_t bytes)
       : made_for_(topology), lines_(bytes / sizeof(Line) + 1) {}
 
   bool is_for_cut_tree() const { return is_for_cut_tree_; }
   std::size_t bytes() const { return lines_.size() * sizeof(Line); }
 
-  /// Returns the whole memory as an arena, from which one call takes its arrays. Whether the workspace is
-  /// large enough for the topology is not checked.
+  /// The whole memory as an arena for one call; whether it suffices for the topology is not checked.
   Arena arena(const Topology& topology) {
     return {topology, reinterpret_cast<std::byte*>(lines_.data()), bytes()};
   }
 
-  /// Throws std::invalid_argument if the workspace was made for a smaller model: one with fewer bodies or
-  /// joint screws, or with fewer coupled joints to eliminate (Topology::Ties).
+  /// Throws std::invalid_argument if the workspace was made for fewer bodies, joint screws or coupled joints.
   void check(const Model& model) const {
     const Extent needed(model.topology());
     if (made_for_.bodies < needed.bodies || made_for_.screws < needed.screws || made_for_.ties < needed.ties)
@@ -68,8 +64,8 @@ template <class T = double> class Workspace {
   std::vector<Line> lines_;
 };
 
-/// A kernel, the code of one algorithm, together with its scratch memory, for any scalar T. An example is
-/// `WithScratch<Dual<double, 3>, InverseDynamicsRecursion<Hybrid, Dual<double, 3>>> dynamics(topology)`.
+/// An algorithm together with its scratch memory, for any scalar T, as in `WithScratch<Dual<double, 3>,
+/// InverseDynamicsRecursion<Hybrid, Dual<double, 3>>> dynamics(topology)`.
 template <class T, class Kernel> class WithScratch {
  public:
   explicit WithScratch(const Topology& topology)

@@ -6,23 +6,19 @@
 
 namespace axode::catalog {
 
-/// A line of text for the documentation of a function. It says which properties of a mechanism (loops,
-/// springs and others) the function takes into account, ignores or refuses.
+/// A sentence on the properties of mechanisms, such as loops, that a function takes into account or refuses.
 std::string to_string(const Counts& counts);
 
-/// The way in which a function is called. It decides which properties of a mechanism (loops and others) the
-/// call can take into account, and what the message of an exception recommends.
+/// How a function is called, which decides whether it can take properties such as loops into account.
 enum class Caller {
   workspace,  ///< C++ with a Workspace, which has the spanning tree only
-  /// The call takes into account every property that the function supports: a call in C++ with a
-  /// LoopWorkspace, in Python, or by the command.
+  /// A call with all properties of the model: in C++ with a LoopWorkspace, in Python, or by the command.
   whole,
   tape  ///< recording for generated and specialised code, of the spanning tree only
 };
 
-/// Throws std::invalid_argument if the model has a property, such as loops, that the function called in this
-/// way does not take into account, so that its result would be that of another mechanism. The message says
-/// what to call instead.
+/// Throws std::invalid_argument, with advice, if the model has a property, such as loops, that the function
+/// does not take into account when it is called in this way, so that its result would be wrong.
 void check_counts(std::string_view function, const Counts& counts, const Model& model, Caller caller);
 inline void check_counts(const Words& row, const Model& model, Caller caller) {
   check_counts(row.name, row.counts, model, caller);
@@ -32,9 +28,8 @@ template <OtherId id> void check_counts(const Model& model, Caller caller = Call
   check_counts(other.name, other.counts, model, caller);
 }
 
-/// The check for a call with a Workspace: throws if the model has loops or prescribed motions that the
-/// function would have to take into account. It costs two comparisons if it does not throw. A workspace that
-/// was made for the spanning tree (CutTree) is always accepted.
+/// The check for a call with a Workspace: throws if the model has loops or prescribed motions that change the
+/// result, unless the workspace was made for the spanning tree (CutTree). It costs two comparisons.
 template <Id row, class T> void check_counts(const Model& model, const Workspace<T>& workspace) {
   constexpr const Counts& counts = row.words().counts;
   constexpr bool motions = counts.motions.word == Word::refused;
@@ -45,8 +40,7 @@ template <Id row, class T> void check_counts(const Model& model, const Workspace
         [[unlikely]]
       check_counts(row.words(), model, Caller::workspace);
 }
-/// The check for a call with a LoopWorkspace: throws if the model has prescribed motions and the function
-/// refuses them.
+/// The check for a LoopWorkspace: throws if the model has prescribed motions and the function refuses them.
 template <Id row> void check_motions(const Model& model) {
   if constexpr (row.words().counts.motions.word == Word::refused)
     if (!model.motions().empty()) [[unlikely]]
@@ -74,10 +68,9 @@ inline std::size_t numbers_of(const Words& row, const Model& model, std::size_t 
   return n;
 }
 
-/// refuse_input(), refuse_result() and refuse_shared() throw std::invalid_argument, and are called when a
-/// check has failed: for an input of `size` numbers instead of the right number (such as nv), for a result
-/// with the wrong number `size` of entries of `width` numbers each, and for a result that shares memory with
-/// the argument or result `with`.
+/// These throw std::invalid_argument: for an input of a wrong `size`, for a result with a wrong number `size`
+/// of entries of `width` numbers each, and for a result that shares memory with the argument or result
+/// `with`.
 [[noreturn]] void refuse_input(Input input, std::size_t size, const Model& model);
 [[noreturn]] void refuse_result(const Words& row, std::size_t result, std::size_t size, std::size_t width,
                                 const Model& model, std::size_t n_loads);

@@ -3,32 +3,25 @@
 
 #include "axode/table/words.hpp"
 
-/// Values of Counts, which says what a function does with properties of mechanisms (loops, springs, ...):
-/// take into account, ignore or refuse. Functions of one family, such as all functions of a given motion,
-/// have the same value in their rows of the table of functions.
+/// Values of Counts, what a function does with properties of mechanisms (loops, springs, ...), that are
+/// common to families of functions, such as all functions of a given motion.
 namespace axode::catalog::table {
 
-/// Phrases of the documentation of functions that ignore springs, dampers and stops, whose forces the caller
-/// must add or subtract.
+/// Advice in the documentation of functions that ignore the forces of springs, dampers and stops.
 inline constexpr std::string_view add_springs = "spring_forces(q, v) are to be added to tau",
                                   subtract_springs = "spring_forces(q, v) are to be subtracted from tau";
-/// Treatment of prescribed motions by functions that compute accelerations, or quantities that follow from
-/// accelerations: they refuse a model with prescribed motions, because accelerations then depend on the time,
-/// which these functions do not know. Functions whose arguments include the accelerations ignore prescribed
-/// motions.
+/// Functions that compute accelerations refuse models with prescribed motions, because accelerations then
+/// depend on the time, which is no argument. Functions of given accelerations ignore prescribed motions.
 inline constexpr Count at_a_time =
     refused("simulate and forward_dynamics_at count them, because they know the time");
 /// Treatment of drives with states: their forces are part of the argument tau.
 inline constexpr Count forces_of_drives = of_the_tree("tau has their forces, which DriveSystem computes");
-/// Treatment of couplings with play by functions that depend on a state (q, v) only: they are ignored,
-/// because the state does not say whether the play is at one of its ends.
+/// Functions of a state (q, v) ignore couplings with play: the state does not say which end is touched.
 inline constexpr Count free_plays = of_the_tree("simulate counts them");
-/// Treatment of contacts of collision shapes and of hard stops by functions that depend on a state (q, v)
-/// only: they are ignored, because contacts act by impulses over a time step.
+/// Functions of a state (q, v) ignore contacts and hard stops, which act by impulses over a time step.
 inline constexpr Count without_contacts =
     of_the_tree("simulate with contact and ContactDynamics count contacts and hard stops");
-/// Treatment of joint losses by functions that take damping and dry friction into account on request, but
-/// refuse the losses of gears, which depend on the force that a gear transmits.
+/// For functions that include damping and dry friction but refuse gear losses, which depend on gear forces.
 inline constexpr Count without_gears{
     Word::partly, "losses of gears are refused; inverse_dynamics, forward_dynamics and simulate count them"};
 /// Returns `counts` with another treatment of joint losses.

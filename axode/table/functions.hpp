@@ -4,10 +4,8 @@
 
 #include "axode/table/families.hpp"
 
-/// The table of functions of a state, which depend on q, v and other numbers at one time. Each row has the
-/// arguments, results and costs of a function, and says which properties of a mechanism it takes into
-/// account. C++, the command, Python and the tests read the rows. The kernels are called in
-/// axode/catalog/functions.cpp.
+/// The table of functions of a state, which depend on q, v and other numbers at one time: their arguments,
+/// results and costs, and which properties of mechanisms they take into account.
 namespace axode::catalog {
 namespace table {
 
@@ -376,8 +374,7 @@ inline constexpr auto functions_of_state = [] {
   });
 }();
 
-/// The index of a row in functions_of_state. The compiler finds it by the name of the function; an unknown
-/// name does not compile.
+/// The index of a function in functions_of_state, found by name at compile time.
 struct Id {
   std::size_t index = 0;
   consteval Id(const char* name) {  // NOLINT(google-explicit-constructor): a name converts to an Id

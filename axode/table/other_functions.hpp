@@ -3,9 +3,7 @@
 
 namespace axode::catalog {
 
-/// A function that is not in the table of functions of a state, because it takes motions with derivatives of
-/// any order or targets, or returns more than numbers. Only its name is given, and which properties of
-/// mechanisms (loops, springs, ...) it takes into account.
+/// A function outside the table of functions of a state, and which properties of mechanisms it allows.
 struct Other {
   std::string_view name;
   Counts counts;
@@ -148,8 +146,7 @@ inline constexpr auto other_functions = std::to_array<Other>({
       .contacts = counted}},
 });
 
-/// The index of a function in other_functions. The compiler finds it by the name; an unknown name does not
-/// compile.
+/// The index of a function in other_functions, found by name at compile time.
 struct OtherId {
   std::size_t index = 0;
   consteval OtherId(const char* name) {  // NOLINT(google-explicit-constructor): a name converts to an OtherId

@@ -74,8 +74,7 @@ constexpr bool refuses_others(const Counts& counts) {
 static_assert(std::ranges::none_of(functions_of_state, refuses_others, &Words::counts));
 static_assert(std::ranges::none_of(other_functions, refuses_others, &Other::counts));
 
-/// How many instances of a property, such as loops, a model has. Only properties that functions can refuse
-/// are counted; the result is 0 for all others.
+/// How many instances of a property, such as loops, a model has; 0 for one that no function refuses.
 std::size_t number_of(Count Counts::*property, const Model& model) {
   if (property == &Counts::loops) return model.loops().all.size();
   if (property == &Counts::motions) return model.motions().size();

@@ -5,12 +5,10 @@
 #include <string_view>
 #include <utility>
 
-/// The types for the rows of the table of functions of a state (functions_of_state): names, arguments,
-/// results and costs as data. They do not depend on the code that computes the functions.
+/// Types for the table of functions of a state: names, arguments, results and costs as data.
 namespace axode::catalog {
 
-/// A value that every row of the table of functions must give explicitly: as the type has no default
-/// constructor, a row without it does not compile.
+/// A value without a default: a row of the table of functions that leaves it out does not compile.
 template <class E> struct Decided {
   E value;
   constexpr Decided(E of) : value(of) {}  // NOLINT(google-explicit-constructor): a row writes the value
@@ -49,8 +47,7 @@ constexpr bool is_of_numbers(Input input) {
 }
 std::string_view to_string(Input input);
 
-/// The kind of the entries of a result. It decides how many numbers an entry has. Entries of six numbers have
-/// the angular part before the linear one.
+/// The kind of the entries of a result. Entries of six numbers have the angular part first.
 enum class Entry {
   number,    ///< one number
   vector,    ///< 3 numbers, in inertial axes
@@ -100,8 +97,8 @@ enum class Word {
   refused,      ///< the call throws if the model has the property
 };
 
-/// What a function does with a property of mechanisms, such as loops, and a sentence that says what to call
-/// instead or in addition. The sentence is required for `refused` and `partly`.
+/// What a function does with a property of mechanisms, such as loops, and a sentence, required for `refused`
+/// and `partly`, that says what to call instead or in addition.
 struct Count {
   Word word;
   std::string_view sentence;
@@ -114,8 +111,7 @@ inline constexpr Count counted{Word::counted}, optional{Word::optional};
 consteval Count of_the_tree(std::string_view besides = {}) { return {Word::of_the_tree, besides}; }
 consteval Count refused(std::string_view instead) { return {Word::refused, instead}; }
 
-/// What a function does with each property of mechanisms. A new property becomes a member here; a row of the
-/// table of functions that leaves a member out does not compile.
+/// What a function does with each property of mechanisms; a row that leaves one out does not compile.
 struct Counts {
   Count loops, passive_joints, springs, joint_losses, motions, drives, plays, contacts;
 };
@@ -134,26 +130,23 @@ static_assert(sizeof(Counts) == properties.size() * sizeof(Count));
 struct Words {
   std::string_view name;     ///< name in C++, in Python and in the command
   std::string_view purpose;  ///< what the function computes: a phrase that can be read alone
-  /// The units of the numbers of the result. A semicolon separates the units of several results. If the unit
-  /// depends on whether velocities are those of angles or of lengths, or on the angular or linear part of
-  /// six-vectors, all units are listed, ordered by how many of these are lengths or linear, 0 first, as in "N
-  /// m, N". "of x" stands for the units of x. "per" stands for division by the unit of a direction, velocity,
-  /// parameter or displacement along the last axes of the result.
+  /// The units of the result; semicolons separate several results. If units depend on whether velocities, or
+  /// the parts of six-vectors, are angular or linear, all are listed by how many of these are linear, 0
+  /// first, as in "N m, N". "of x" stands for the units of x, and "per" for division by the unit of a
+  /// direction, velocity, parameter or displacement along the last axes of the result.
   std::string_view units;
   List<Input, 8> takes;
   Decided<Choice> choice;
   Decided<Entry> entry;
   List<Extent, 3> shape;  ///< axes of the result, outermost first
   Decided<bool> columns;  ///< whether readers see the entries of the last axis as columns
-  /// The symbol of the result. A function with several results of equal shape has several symbols, and its
-  /// results are stored one after the other in this order.
+  /// The symbols of the results, which have equal shapes and are stored one after the other in this order.
   List<std::string_view, 4> symbols;
   std::string_view together;  ///< name of all results together, in SIMD lanes and in generated code
   Decided<Cost> cost;
   Decided<bool> allocates;
   Decided<Memory> memory;
-  /// Whether the call can fail, because the mass matrix M is singular or because results overflow in the
-  /// computation with M⁻¹.
+  /// Whether the call can fail: the mass matrix M is singular, or the computation with M⁻¹ overflows.
   Decided<bool> may_fail;
   std::string_view derivative_of;  ///< name of the function of which it is a derivative; or empty
   Decided<bool> lanes;             ///< whether batches compute several states in SIMD lanes

@@ -39,8 +39,7 @@ std::vector<fs::path> folders_of(const char* variable) {
   return folders;
 }
 
-/// A URI scheme whose paths begin with the name of a package (package:// or model://), and where to search
-/// for packages of this scheme.
+/// A URI scheme for files in packages (package:// or model://), and where its packages are searched.
 struct Library {
   std::string_view scheme;
   std::string_view what;                 ///< word for a package in messages
@@ -53,8 +52,7 @@ constexpr Library ros{
 constexpr Library gazebo{
     "model://", "model", "model.config", "model", {"GZ_SIM_RESOURCE_PATH", "GAZEBO_MODEL_PATH"}, ""};
 
-/// Whether a folder is the package with the given name: either the folder has this name, or its manifest has
-/// it.
+/// Whether a folder is the package with a name, by its own name or by the name in its manifest.
 bool is_package(const fs::path& folder, const std::string& name, const Library& library) {
   if (folder.filename() == name) return true;
   tinyxml2::XMLDocument manifest;
@@ -66,8 +64,7 @@ bool is_package(const fs::path& folder, const std::string& name, const Library& 
   return name_element != nullptr && name_element->GetText() != nullptr && name_element->GetText() == name;
 }
 
-/// All existing folders that may be the package with the given name, the likeliest first. `folder` is the
-/// folder of the file that describes the mechanism.
+/// Existing folders that may be a package, the likeliest first; `folder` is that of the mechanism's file.
 std::vector<fs::path> packages(const std::string& name, const fs::path& folder, const Library& library) {
   std::vector<fs::path> found;
   std::error_code unknown;
@@ -87,8 +84,7 @@ std::vector<fs::path> packages(const std::string& name, const fs::path& folder, 
   return found;
 }
 
-/// Finds the file of `package://name/path` or `model://name/path`, given without the scheme. `folder` is the
-/// folder of the file that describes the mechanism.
+/// Finds a file `package/path` in the packages of a URI scheme; `folder` is that of the mechanism's file.
 FoundMesh in_package(std::string_view name_and_path, const fs::path& folder, const Library& library) {
   const std::size_t slash = name_and_path.find('/');
   const std::string name(name_and_path.substr(0, slash)), what(library.what);
@@ -123,8 +119,7 @@ std::string decoded(std::string_view text) {
   return out;
 }
 
-/// The text without `start` at its beginning. The result has no value if the text does not begin with
-/// `start`.
+/// The text after its beginning `start`; no value if it begins differently.
 std::optional<std::string_view> behind(std::string_view text, std::string_view start) {
   if (!text.starts_with(start)) return std::nullopt;
   return text.substr(start.size());

@@ -28,8 +28,7 @@ template <class T> T number_at(std::string_view bytes, std::size_t place) {
 
 constexpr std::string_view blanks = " \t\r\n\f\v";
 
-/// Removes the next word from a text and returns it; the result is empty at the end of the text. Words are
-/// separated by the characters in `between`.
+/// Removes the next word from a text and returns it; `between` has the characters that separate words.
 std::string_view next_word(std::string_view& text, std::string_view between = blanks) {
   text.remove_prefix(std::min(text.find_first_not_of(between), text.size()));
   const std::string_view word = text.substr(0, text.find_first_of(between));
@@ -52,16 +51,14 @@ template <class T> std::optional<T> number_in(std::string_view word) {
   return number;
 }
 
-/// A word of a file as messages show it: in quotes, cut after 30 characters, and with ? instead of each byte
-/// that is not printable ASCII.
+/// A word for messages: quoted, cut after 30 characters, with ? for bytes that are not printable ASCII.
 std::string shown(std::string_view word) {
   std::string text = "\"";
   for (const char c : word.substr(0, 30)) text += c >= ' ' && c <= '~' ? c : '?';
   return text + (word.size() > 30 ? "...\"" : "\"");
 }
 
-/// Checks a word that must be a coordinate. It must be finite as a float, because the page that shows the
-/// mesh stores coordinates as floats. Returns a sentence about the fault, or an empty text.
+/// A sentence about the fault of a word that must be a number, finite as a float; empty if there is none.
 std::string fault_of_coordinate(std::string_view word) {
   const std::optional<double> x = number_in<double>(word);
   if (x && std::abs(*x) <= std::numeric_limits<float>::max()) return "";
@@ -98,15 +95,13 @@ std::string fault_of_text_stl(std::string_view bytes) {
   return vertices % 3 == 0 ? "" : "it has " + std::to_string(vertices) + " vertices; a triangle takes three";
 }
 
-/// Whether the corner of a face of an OBJ file refers to an existing vertex. `vertices` is the number of
-/// vertices before the face. They count from 1, or backwards from -1 for the last one.
+/// Whether a corner of an OBJ face is one of the `vertices` before it, from 1 on or backwards from -1.
 bool is_vertex(std::string_view word, std::int64_t vertices) {
   const std::optional<std::int64_t> index = number_in<std::int64_t>(word.substr(0, word.find('/')));
   return index && *index != 0 && *index >= -vertices && *index <= vertices;
 }
 
-/// Whether an STL is text. Text files begin with "solid", but some binary ones do so as well; these have zero
-/// bytes near the beginning.
+/// Whether an STL is text, which begins with "solid" and, unlike binary files, has no zero bytes.
 bool is_text_stl(std::string_view bytes) {
   return bytes.starts_with("solid") && bytes.substr(0, 1024).find('\0') == std::string_view::npos;
 }
@@ -174,8 +169,7 @@ std::vector<Vec3<>> vertices_of_obj(std::string_view bytes) {
 
 namespace {
 
-/// Calls f for every element with the given name among `from`, its later siblings and the descendants of all
-/// of them, until f returns a text that is not empty. Returns this text, or an empty one.
+/// The first f(element) that is not empty, of elements with a name among `from`, later siblings, descendants.
 template <class F> std::string first_fault(const tinyxml2::XMLElement* from, const char* name, const F& f) {
   std::string fault;
   for (const tinyxml2::XMLElement* e = from; e != nullptr && fault.empty(); e = e->NextSiblingElement())
@@ -183,8 +177,7 @@ template <class F> std::string first_fault(const tinyxml2::XMLElement* from, con
   return fault;
 }
 
-/// Checks that an array of COLLADA has finite numbers, and as many as its attribute `count` says. Returns a
-/// sentence about the fault, or an empty text.
+/// A sentence about numbers of a COLLADA array that are not finite or not as many as declared, or "".
 std::string fault_of_numbers(const tinyxml2::XMLElement& array) {
   std::string_view text = array.GetText() == nullptr ? "" : array.GetText();
   std::uint64_t count = 0;
@@ -215,8 +208,7 @@ std::string fault_of_dae(std::string_view bytes) {
 
 namespace {
 
-/// Parses JSON. is_discarded() of the result is true if the text is not JSON, or if it is nested more than 64
-/// levels deep and could exhaust the stack.
+/// Parses JSON; is_discarded() of the result is true for text that is no JSON or has more than 64 levels.
 Json parsed(std::string_view text) {
   const auto shallow = [](int depth, Json::parse_event_t, Json&) {
     if (depth > 64) throw std::out_of_range("too deep");
@@ -232,9 +224,8 @@ Json parsed(std::string_view text) {
 constexpr std::array<const char*, 3> compressions{"KHR_draco_mesh_compression", "EXT_meshopt_compression",
                                                   "KHR_texture_basisu"};
 
-/// Checks that a glTF needs no other file, that it uses no compression that the page which shows it cannot
-/// read, and that it has a mesh. Returns a sentence about the fault, or an empty text. Throws Json::exception
-/// if the JSON is not that of a glTF.
+/// Returns a sentence if a glTF needs another file, uses a compression that the viewer cannot read, or has no
+/// mesh; otherwise an empty text. Throws Json::exception if the JSON is not that of a glTF.
 std::string fault_of_references(const Json& json) {
   for (const char* list : {"buffers", "images"})
     for (const Json& each : json.value(list, Json::array()))
@@ -247,8 +238,7 @@ std::string fault_of_references(const Json& json) {
   return json.at("meshes").empty() ? "it has no meshes" : "";
 }
 
-/// Checks that all accessors of a glTF are within its only buffer and that their floats are finite. Returns a
-/// sentence about the fault, or an empty text.
+/// A sentence about accessors of a glTF outside its buffer, or with floats that are not finite; or "".
 std::string fault_of_buffer(const Json& json, std::string_view buffer) {
   const Json views = json.value("bufferViews", Json::array());
   for (const Json& each : json.value("accessors", Json::array())) {
@@ -280,8 +270,7 @@ std::string fault_of_buffer(const Json& json, std::string_view buffer) {
   return "";
 }
 
-/// Parses JSON and returns f(json). If the text is not JSON, or f throws a Json::exception, the result is a
-/// sentence that says so.
+/// Parses JSON and returns f(json), or a sentence if the text is not JSON or f throws a Json::exception.
 template <class F> std::string fault_of_json(std::string_view text, const F& f) {
   const Json json = parsed(text);
   if (json.is_discarded()) return "its JSON chunk is not JSON";

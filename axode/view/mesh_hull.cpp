@@ -51,8 +51,7 @@ class QhullRun {
 
   bool failed() const { return failed_; }
 
-  /// The triangles of the hull as indices of the points. The corners are counter-clockwise when seen from
-  /// outside.
+  /// The triangles of the hull as indices of points, counter-clockwise when seen from outside.
   std::vector<std::array<int, 3>> triangles(const std::vector<Vec3<>>& points) {
     std::vector<std::array<int, 3>> all;
     for (const facetT* facet = qhull_.facet_list; facet != nullptr && facet->next != nullptr;

@@ -105,9 +105,8 @@ Json loops_of(const Model& model) {
   return loops;
 }
 
-/// JSON with the segments of springs that run along points, followed by the lines between two points along
-/// which drives act. Points are in the frames of their bodies. The stiffness of a spring is that at the
-/// deflection 0.
+/// JSON with the segments of springs along points, then the lines along which drives act. Points are in the
+/// frames of their bodies; stiffnesses are those at the deflection 0.
 Json lines_of(const Model& model) {
   Json lines = Json::array();
   const auto end_of = [&](const Spring::Path::Point& end) {
@@ -205,16 +204,15 @@ class Shapes {
     return json;
   }
 
-  /// The meshes that are not shown for one reason: the reason `why`, the element, name and source of the
-  /// first of these meshes, and their number.
+  /// Meshes that are not shown for a reason `why`: their number, and element, name and source of the first.
   struct Missing {
     std::string why, element, first;
     Source source;
     int count = 1;
   };
 
-  /// The index of the mesh with the given name in the list `meshes` of the scene. If the mesh cannot be
-  /// shown, the result is empty and the reason is added to missing_.
+  /// The index of a mesh in the list `meshes` of the scene; if it cannot be shown, the result is empty and
+  /// the reason is added to missing_.
   std::optional<std::size_t> mesh_of(const std::string& name, const std::string& body,
                                      const Source& referenced_from) {
     const auto [known, is_new] = named_.emplace(std::pair(referenced_from.file, name), std::nullopt);
@@ -253,9 +251,8 @@ class Shapes {
   }
 
   std::vector<bool> seen_;  ///< whether the ground and each body have a visible shape
-  /// The indices of meshes in the list `meshes` of the scene, empty for a mesh that cannot be shown. The keys
-  /// of named_ are the file that describes the mechanism and the name of the mesh in it; those of read_ are
-  /// the paths of mesh files.
+  /// The indices of meshes in the list `meshes`, empty for one that cannot be shown: in named_ by the
+  /// describing file and the mesh's name, in read_ by the path.
   std::map<std::pair<std::string, std::string>, std::optional<std::size_t>> named_;
   std::map<std::filesystem::path, std::optional<std::size_t>> read_;
   std::size_t bytes_ = 0;  ///< bytes of all meshes in `meshes`
@@ -305,9 +302,9 @@ ShownMotion thinned(const Model& model, const ShownMotion& motion, std::size_t s
 
 constexpr std::size_t numbers_of_contact = 17;
 
-/// The points of contact of each state of a motion as JSON. A point of contact is a list of 17 numbers: the
-/// indices of the two shapes, position, normal, gap, force, moment, coefficient of friction and status (0
-/// open, 1 stick, 2 slide). The result is null if the points are not known.
+/// The points of contact at each time of a motion as JSON; null if they are unknown. A point is a list of 17
+/// numbers: indices of the two shapes, position, normal, gap, force, moment, coefficient of friction and
+/// status (0 open, 1 stick, 2 slide).
 Json contacts_of(const ShownMotion& motion) {
   if (motion.contacts.empty()) return {};
   Json times = Json::array();
@@ -327,8 +324,8 @@ Json contacts_of(const ShownMotion& motion) {
   return times;
 }
 
-/// JSON with the motion `whole`; null if it has no times. If it would have more than longest_motion numbers,
-/// some states are left out, and a warning is added.
+/// JSON with the motion `whole`; null if it has no times. Of a motion with more than longest_motion numbers
+/// some states are left out, with a warning.
 Json motion_of(const Model& model, const ShownMotion& whole, std::vector<std::string>& warnings) {
   if (whole.t.empty()) return {};
   check(model, whole);
@@ -373,8 +370,7 @@ Json motion_of(const Model& model, const ShownMotion& whole, std::vector<std::st
       {"tensions", numbers.tensions.empty() ? Json() : rows_of(numbers.tensions, N)}};
 }
 
-/// Writes JSON with escapes instead of <, > and &, so that no name in it can end an element of HTML. These
-/// characters occur only in strings of JSON, where escapes are allowed.
+/// Writes JSON with escapes instead of <, > and &, so that it can be embedded in HTML.
 void write_escaped(const std::string& text, std::ostream& out) {
   std::size_t from = 0;
   for (std::size_t at; (at = text.find_first_of("<>&", from)) != std::string::npos; from = at + 1) {

@@ -69,8 +69,7 @@ struct AppendSpring {
   }
 };
 
-/// Appends the forces of all springs between frames to `loads`, and the tensions of springs along points to
-/// `tensions`, one for each segment.
+/// Appends the forces of all springs between frames to `loads`, and the tensions of segments to `tensions`.
 void append_springs(const Model& model, Row q, Row v, Workspace<>& workspace,
                     std::vector<AppliedWrench<>>& loads, std::vector<double>& tensions) {
   if (!model.springs().between_frames()) return;

@@ -9,8 +9,7 @@
 
 namespace axode {
 
-/// A motion that a page shows, stored row by row: N times t (s), N × nq coordinates q and N × nv velocities
-/// v.
+/// A motion to be shown, row by row: N times t (s), N × nq coordinates q and N × nv velocities v.
 struct ShownMotion {
   std::vector<double> t, q, v;
   std::vector<double> a, tau;  ///< accelerations and drive forces, N × nv; empty if not known
@@ -18,8 +17,8 @@ struct ShownMotion {
   std::vector<std::string> contact_shapes;          ///< names of shapes; `contacts` has indices into it
 };
 
-/// Throws std::invalid_argument, with the name of the argument, if a size of a motion does not fit the model,
-/// if the times do not increase, if a number is not finite, or if a quaternion is not of unit norm.
+/// Throws std::invalid_argument if a size does not fit the model, if the times do not increase, if a number
+/// is not finite, or if a quaternion is not of unit norm.
 void check(const Model& model, const ShownMotion& motion);
 
 namespace view {

@@ -36,8 +36,7 @@ class Points {
   double size_ = 0;
 };
 
-/// Whether the description gives a point of a joint. It does not for free joints, nor for prismatic joints
-/// that are described in the inertial frame, which have only a direction.
+/// Whether a joint has a position, unlike free joints and prismatic joints drawn in the inertial frame.
 bool has_point(const Joint& joint, const BodyDescription* body) {
   if (joint.kind != Subgroup::prismatic && joint.kind != Subgroup::free) return true;
   return body == nullptr || !std::holds_alternative<InConstructionFrame>(body->geometry) ||
@@ -95,8 +94,7 @@ Points::Points(const Model& model)
   }
 }
 
-/// Returns the points if there are at most 60, otherwise for each of 60 directions the point that is farthest
-/// in this direction. The page computes the convex hull of the result and must finish quickly.
+/// Returns at most 60 points: all if there are not more, otherwise those farthest in 60 directions.
 std::vector<Vec3<>> corners(const std::vector<Vec3<>>& points) {
   constexpr int directions = 60;
   if (points.size() <= directions) return points;
@@ -217,8 +215,8 @@ ShapeDescription rail(const Body& body, const Dof& dof, double size) {
   return capsule(at + lower * e, at + upper * e, 0.02 * size);
 }
 
-/// The kind of joint in the tree that is drawn like a loop joint of the given kind. Empty if the loop joint
-/// is not drawn: a rolling contact, or a joint whose position does not matter.
+/// The kind of joint whose drawing a loop joint gets. Empty if it is not drawn: a rolling contact, or a loop
+/// joint that constrains only directions.
 std::optional<Subgroup> like_joint(LoopKind kind) {
   const LoopTraits& loop = traits(kind);
   if (!loop.located || loop.has("center")) return std::nullopt;

@@ -18,14 +18,14 @@ struct StandIn {
 /// joints on the ground. seen[i] says whether body i has a visible shape; body 0 is the ground. Poses are in
 /// the body frames.
 ///
-/// A body is drawn between its points, those of its joints, frames, loops, springs and drives: as a bar if
-/// there are two points, and as their rounded convex hull if there are more (of at most 60 of them). A body
-/// with one point is drawn as a bar from this point through the centre of mass if it has the inertia of a
-/// rod. Otherwise it is drawn as a bar from the point to the centre of mass, with a solid that has its mass
-/// and inertia: a cylinder if exactly two principal moments are equal, else an ellipsoid. A body without
-/// points is drawn as this solid alone. A hinge is drawn as a pin, a spherical joint as a ball and a planar
-/// joint as a pad, in the colour of drives unless the joint is passive. A body that slides on the ground is
-/// drawn on a rail if its joint has no point.
+/// A body is drawn between its points, those of its joints, frames, loops, springs and drives: two points as
+/// a bar, more as their rounded convex hull (of at most 60). A body with one point is drawn as a bar from
+/// this point through the centre of mass if it has the inertia of a rod. Otherwise it is drawn as a bar from
+/// the point to the centre of mass, with a solid that has its mass and inertia: a cylinder if exactly two
+/// principal moments are equal, else an ellipsoid. A body without points is drawn as this solid alone. A
+/// hinge is drawn as a pin, a spherical joint as a ball and a planar joint as a pad, in the colour of drives
+/// unless the joint is passive. A body that slides on the ground is drawn on a rail if its joint has no
+/// point.
 std::vector<StandIn> stand_ins(const Model& model, const std::vector<bool>& seen);
 
 }  // namespace axode::view

@@ -20,8 +20,8 @@ template <class Rep, class T> std::size_t footprint_of_representation(const Topo
       t);
 }
 
-/// The scratch memory, in bytes, of the kernel (the code of one algorithm) that needs most of it among those
-/// that use a Workspace<T>. It depends on the instruction set for which the calling code is compiled.
+/// The largest scratch memory, in bytes, of any algorithm that uses a Workspace<T>, for the instruction set
+/// for which the calling code is compiled.
 template <class T> std::size_t largest_footprint(const Topology& t) {
   return std::max(
       {footprint_of_representation<BodyFixed, T>(t), footprint_of_representation<Spatial, T>(t),

@@ -2,8 +2,7 @@
 
 #include "axode/workspace/largest_footprint.hpp"
 
-/// A workspace has memory both for the kernels that are compiled for the chosen instruction set and for those
-/// that are compiled only once, for all of them.
+/// Memory for algorithms that are compiled for the chosen instruction set, and for all others.
 namespace axode {
 
 template <>

@@ -10,12 +10,10 @@
 
 namespace axode::python {
 
-/// The motion that a Python object of type axode.Trajectory shows, with the names of its collision shapes;
-/// null if `given` has another type.
+/// The motion in a Python object of type axode.Trajectory; null if `given` has another type.
 const Trajectory* shown_in(nb::handle given);
 
-/// Points of contact as a list of axode.ContactForce. `shapes` has the names of the shapes; ContactForce::a
-/// and b are indices into it.
+/// A list of axode.ContactForce. `shapes` has the names to which the indices ContactForce::a and b refer.
 inline nb::list contact_list(const std::vector<std::string>& shapes, std::span<const ContactForce> contacts) {
   nb::list all;
   for (const ContactForce& x : contacts)

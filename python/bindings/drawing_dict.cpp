@@ -11,8 +11,7 @@ namespace {
 
 namespace toml = io::toml;
 
-/// Converts Python objects to a TOML document: dicts, lists, tuples, strings, numbers, bools, and arrays and
-/// numbers of numpy.
+/// Converts Python objects (dicts, lists, strings, numbers, arrays of numpy, ...) to a TOML document.
 class Writer {
  public:
   explicit Writer(toml::Document& document) : document_(document) {}

@@ -35,8 +35,8 @@ Numbers one_velocity(const BoundModel& m, const char* name, nb::handle given) {
   return numbers;
 }
 
-/// The reference motion that a controller follows. `q` is either a motion, an axode.Trajectory, or a
-/// configuration to which velocities v and accelerations a belong; v and a may be None.
+/// The reference motion that a controller follows: `q` is an axode.Trajectory, or a configuration with the
+/// velocities v and the accelerations a, which may be None.
 Reference reference(const BoundModel& m, nb::handle q, nb::handle v, nb::handle a) {
   if (const Trajectory* motion = motion_in(q)) {
     for (const auto& [name, given] : {std::pair{"v", v}, {"a", a}})
@@ -92,8 +92,7 @@ Array forces(BoundDrive& drive, double t, ArrayLike q, ArrayLike v) {
   return tau.array();
 }
 
-/// The drives of a mechanism with their states x at a time: the given states or, if `given` is None, those
-/// with which a motion starts.
+/// The drives of a mechanism and their states x: the given ones or, for None, those at the start of a motion.
 struct DrivesAt {
   DrivesAt(const Model& m, double t, std::span<const double> q, std::span<const double> v, nb::handle given)
       : drives(m), x(drives.nx()) {

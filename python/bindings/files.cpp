@@ -25,8 +25,7 @@ std::string drawing_text(const BoundModel& m) {
   write_drawing(m, text);
   return text.str();
 }
-/// A function that writes a model in a file format and returns a warning for each thing that the format
-/// cannot express.
+/// A function that writes a model in a file format and returns a warning for each thing that is lost.
 using ModelWriter = std::vector<Fault> (*)(const Model&, std::ostream&, Strictness);
 std::string written(ModelWriter write, const BoundModel& m, bool strict) {
   std::ostringstream text;

@@ -35,8 +35,8 @@ nb::object call_back(const nb::callable& f, double t, std::span<const double> q,
   return f(t, to_array(q), to_array(v));
 }
 
-/// Calls f(k) for every k from 0 to count - 1. Ctrl-C ends the call. If count > 20, other Python threads run
-/// meanwhile, unless f calls back into Python.
+/// Calls f(k) for 0 <= k < count until Ctrl-C is pressed. If count > 20, other Python threads run meanwhile,
+/// unless f calls back into Python.
 template <class F> void each_of(std::size_t count, const F& f, bool calls_back = false) {
   LongCall call(!calls_back && count > 20);
   const batch::Monitor monitor = call.monitor();
@@ -45,15 +45,13 @@ template <class F> void each_of(std::size_t count, const F& f, bool calls_back =
   call.end();
 }
 
-/// A motion, and the states of it that Python sees: those at the times that the caller gave (`samples`) or,
-/// if none were given, those at the ends of the steps.
+/// A motion, and its states that Python sees: at given times (`samples`), or else at the ends of its steps.
 struct BoundTrajectory {
   Trajectory motion;
   std::optional<Trajectory> samples;
 
   const Trajectory& shown() const { return samples ? *samples : motion; }
-  /// Interpolates the states of the motion at the given times, as far as these are not after the end of the
-  /// motion.
+  /// Interpolates the motion at the given times, as far as these are within it.
   void sample(std::span<const double> times, const Drive& drive, bool calls_back) {
     const Model& model = motion.model();
     std::vector<double> q(static_cast<std::size_t>(model.nq())), v(static_cast<std::size_t>(model.nv()));
@@ -80,8 +78,7 @@ struct BoundTrajectory {
   }
 };
 
-/// A member function of Trajectory that returns numbers row by row, for example nv or nq numbers for each
-/// time.
+/// A member function of Trajectory that returns a number of values (such as nv) for each time.
 using RowsOf = std::span<const double> (Trajectory::*)() const;
 Array rows(const BoundTrajectory& of, RowsOf which, int width) {
   const Trajectory& shown = of.shown();
@@ -90,8 +87,8 @@ Array rows(const BoundTrajectory& of, RowsOf which, int width) {
   return out.array();
 }
 Array rows(const BoundTrajectory& of, RowsOf which) { return rows(of, which, of.motion.model().nv()); }
-/// Calls f(workspace, q, v, numbers) for every state that a motion shows to Python, and returns an array of
-/// the results. f writes its result, an array of the given shape, to `numbers`.
+/// Returns an array of results for the states of a motion: f(workspace, q, v, numbers) writes that of one
+/// state, an array of the given shape, to `numbers`.
 template <class F> Array of_states(const BoundTrajectory& of, const Shape& shape, const F& f) {
   const Trajectory& shown = of.shown();
   NewArray out(shape.times(static_cast<nb::ssize_t>(shown.size())));

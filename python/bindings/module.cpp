@@ -7,8 +7,7 @@
 
 namespace {
 
-/// Sets the attribute `__signature__` of a type that nanobind has made. setattr() refuses this for such a
-/// type.
+/// Sets the attribute `__signature__` of a type of nanobind, for which setattr() refuses it.
 void describe(nanobind::handle type, nanobind::handle signature) {
   if (PyObject_GenericSetAttr(type.ptr(), nanobind::str("__signature__").ptr(), signature.ptr()) != 0)
     throw nanobind::python_error();

@@ -33,8 +33,7 @@ ContactForce contact_from(const double* x) {
           .branch = static_cast<LawBranch>(static_cast<int>(x[16]))};
 }
 
-/// Sets the points of contact of a motion. Python gives them by an axode.Trajectory, or by a tuple (names of
-/// the shapes, points at each time) that axode.viewer has read from a file.
+/// Sets the contact points of a motion: those of an axode.Trajectory, or a tuple (names of shapes, points).
 void set_contacts(nb::handle given, ShownMotion& motion) {
   if (const Trajectory* shown = shown_in(given)) {
     if (shown->contact_shapes.empty()) return;
@@ -54,8 +53,7 @@ void set_contacts(nb::handle given, ShownMotion& motion) {
   }
 }
 
-/// The motion that Python gives as a tuple (t, q, v, a, tau, contacts), of which a, tau and contacts may be
-/// None.
+/// The motion in a tuple (t, q, v, a, tau, contacts), of which a, tau and contacts may be None.
 ShownMotion motion_from(const BoundModel& m, const nb::tuple& given) {
   const auto rows = [&](std::size_t k, const char* name, int width) {
     if (given[k].is_none()) return std::vector<double>{};

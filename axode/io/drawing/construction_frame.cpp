@@ -38,16 +38,15 @@ bool same(const SO3<>& a, const SO3<>& b) {
   return norm(a.x - b.x) <= 10 * noise && norm(a.y - b.y) <= 10 * noise && norm(a.z - b.z) <= 10 * noise;
 }
 
-/// The pose in the body frame of the frame in which axis and point of a joint are given. It is the body frame
-/// itself unless the geometry gives joint frames.
+/// The pose, in the body frame, of the frame in which axis and point of a joint are given: a joint frame if
+/// `geometry` gives joint frames, otherwise the body frame.
 SE3<> given_frame(const Geometry& geometry) {
   const auto* frames = std::get_if<InJointFrames>(&geometry);
   return frames == nullptr ? SE3<>{} : frames->S_self;
 }
 
-/// Expresses the axis and the point of a joint, and the geometry of its body, in the construction frame (the
-/// inertial frame, at q = 0), unless a planar or spherical joint has to keep its joint frames. `at` has the
-/// poses of the body and its joint frame at q = 0.
+/// Expresses the axis and the point of a joint in the inertial frame at q = 0, unless a planar or spherical
+/// joint must keep its joint frames. `at` has the poses of the body and its joint frame at q = 0.
 void move_joint(BodyDescription& body, const Placement& at) {
   JointDescription& joint = body.joint;
   if (!traits(joint.kind).axis && !traits(joint.kind).point) {
@@ -75,8 +74,8 @@ void move_joint(BodyDescription& body, const Placement& at) {
   body.geometry = InConstructionFrame{clean(at.A)};
 }
 
-/// Expresses the centre of mass of a body, and its inertia about this point, in the construction frame: the
-/// inertial frame, at q = 0. A is the pose of the body frame in it.
+/// Expresses the centre of mass of a body, and its inertia about this point, in the inertial frame at q = 0,
+/// where the body frame has the pose A.
 void move_inertia(MassProperties& given, const SE3<>& A) {
   if (given.in == GivenIn::construction_frame) return;
   given.in = GivenIn::construction_frame;

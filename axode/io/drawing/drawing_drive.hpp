@@ -8,7 +8,7 @@
 namespace axode::io {
 
 /// Reads a table [[drive]] of a drawing (a TOML file) into `drive`. Returns false if it has faults. `number`
-/// is its index among the drives of the file, from 0; messages use it for a drive without a name.
+/// is its index in the file, from 0.
 bool read_drive(Table& table, std::size_t number, DriveDescription& drive);
 
 }  // namespace axode::io

@@ -18,8 +18,8 @@ constexpr std::array<std::string_view, 7> size_keys{"pitch",      "lead",   "len
 /// Whether a kind of loop has a key. `lead` is another way to give a pitch.
 bool has_key(LoopKind kind, std::string_view key) { return traits(kind).has(key == "lead" ? "pitch" : key); }
 
-/// Reads the names of the two bodies or named frames that a loop joint connects from the key `between`. If
-/// two named frames are the joint frames of the loop joint, their names are in the key `frames` instead.
+/// Reads the two bodies or named frames that a loop joint connects from the key `between`, or from `frames`
+/// if they are the joint frames of the loop joint.
 void read_ends(Table& table, LoopDescription& loop) {
   const toml::Value* frames = table.look("frames");
   const toml::Array* both = frames == nullptr ? nullptr : frames->array();
@@ -38,8 +38,7 @@ void read_ends(Table& table, LoopDescription& loop) {
   }
 }
 
-/// Reads the keys for the position of a loop joint, and numbers of its kind, such as pitch, length or radii.
-/// A fault is added for each key that is needed but missing.
+/// Reads the position of a loop joint, and numbers such as its pitch, length or radii; reports missing ones.
 void read_place(Table& table, LoopDescription& loop) {
   const bool drawn = !table.has("frames");
   const std::string a_kind = "a " + std::string(to_string(loop.kind)) + " loop";

@@ -5,10 +5,8 @@
 /// The readers of the tables [[loop]] and [[coupling]] of a drawing.
 namespace axode::io {
 
-/// read_loop() reads a table [[loop]] of a drawing (a TOML file) and read_coupling() a table [[coupling]].
-/// `number` is the index of the table in the file, from 0, from which the default name follows. The functions
-/// return false if the table has faults, so that an incomplete loop is left out of the description and causes
-/// no further faults.
+/// These functions read a table [[loop]] or [[coupling]] of a drawing (a TOML file), and return false if it
+/// has faults. `number` is its index in the file, from 0, from which its default name follows.
 bool read_loop(Table& table, std::size_t number, LoopDescription& loop);
 bool read_coupling(Table& table, std::size_t number, CouplingDescription& coupling);
 

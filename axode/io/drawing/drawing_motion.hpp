@@ -10,9 +10,8 @@
 /// The readers of prescribed motions, functions of time and the initial state of a drawing.
 namespace axode::io {
 
-/// Reads a table [[motion]] of a drawing (a TOML file), a prescribed motion, into `motion`. Returns false if
-/// it has faults. `number` is its index among the motions of the file, from 0; messages use it until the
-/// motion has a name.
+/// Reads a table [[motion]] of a drawing (a TOML file), a prescribed motion. Returns false if it has faults.
+/// `number` is its index in the file, from 0.
 bool read_motion(Table& table, std::size_t number, MotionDescription& motion);
 
 /// The names of the kinds of functions of time, in the order of MotionDescription::Kind.

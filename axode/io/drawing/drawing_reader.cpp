@@ -23,9 +23,9 @@ constexpr auto shape_names = names_of(shape_kinds);
 /// The form in which the geometry of a body is given: A, B, or S_prev and S_self.
 enum class GeometryForm { construction, body, joint };
 
-/// Reads the keys for the geometry of a body: A (pose in the inertial frame), B (pose in the frame of the
-/// predecessor), or S_prev and S_self (joint frame on the predecessor and on the body). The result says which
-/// of these were given.
+/// Reads the geometry of a body: its pose A in the inertial frame, its pose B in the frame of the
+/// predecessor, or its joint frames S_prev on the predecessor and S_self on itself. Returns which of these
+/// was given.
 GeometryForm read_geometry(Table& table, BodyDescription& body) {
   const bool has_A = table.has("A"), has_B = table.has("B"),
              has_S = table.has("S_prev") || table.has("S_self"), has_frame = table.has("frame");
@@ -51,9 +51,7 @@ constexpr std::array<std::string_view, 11> dof_keys{"limits",   "velocity", "eff
                                                     "friction", "armature", "gear_loss",  "gear_loss_back",
                                                     "spring",   "stop",     "restitution"};
 
-/// Reads the table of a joint spring or of elastic stops. `what` is the key of this table, `spring` or
-/// `stop`. The table must have a number `stiffness`; it may have a second one, whose name is the argument
-/// `key`.
+/// Reads the table `what` (`spring` or `stop`) of a joint, with numbers `stiffness` and, optionally, `key`.
 void read_elastic(Table& table, std::string_view what, double& stiffness, std::string_view key,
                   double& other) {
   auto inner = table.table(what);
@@ -94,8 +92,7 @@ Dof read_dof(Table& table) {
   return dof;
 }
 
-/// Reads limits, losses, spring and stops of a joint. If the joint has one degree of freedom they are keys of
-/// its own table, otherwise they are in the array `dof`.
+/// Reads limits, losses, spring and stops of each degree of freedom; several are in the array `dof`.
 void read_dofs(Table& table, JointDescription& joint) {
   if (traits(joint.kind).dof == 1) {
     table.refuse("dof", "this joint has one degree of freedom; write limits, velocity, ... beside its axis");
@@ -116,8 +113,7 @@ void read_dofs(Table& table, JointDescription& joint) {
   }
 }
 
-/// Reads the axes, the point and the pitch of a joint, and adds a fault for each that its kind needs and that
-/// is missing, or that its kind does not have.
+/// Reads axes, point and pitch of a joint, and reports those that are missing or that its kind does not have.
 void read_screw(Table& table, GeometryForm form, JointDescription& joint) {
   const JointKind kind = joint.kind;
   const std::string a_kind = "a " + std::string(to_string(kind)) + " joint";
@@ -154,8 +150,7 @@ void read_screw(Table& table, GeometryForm form, JointDescription& joint) {
   }
 }
 
-/// Reads the keys of a joint whose kind is missing or unknown, so that faults in their numbers are reported
-/// as well.
+/// Reads a joint whose kind is missing or unknown, so that faults in its numbers are reported as well.
 void read_of_unknown_kind(Table& table) {
   for (const char* const key : {"axis", "second_axis"}) table.direction(key);
   table.vector("point");
@@ -242,9 +237,8 @@ std::optional<MassProperties> read_inertia(Table& table, GeometryForm form) {
   return given;
 }
 
-/// Reads the key `frame`, if there is one. It chooses the body frame of a body that is given in the
-/// construction frame, the inertial frame at q = 0. Its origin is the point of the joint or the centre of
-/// mass, and its axes are those of the construction frame.
+/// Reads the key `frame`, which moves the origin of the body frame of a body that is given in the inertial
+/// frame at q = 0 to the point of its joint or to its centre of mass.
 void move_frame(Table& table, BodyDescription& body) {
   constexpr std::array<std::string_view, 2> places{"joint", "com"};
   const toml::Value* at = table.look("frame");
@@ -280,8 +274,7 @@ bool has_key(const ShapeTraits& kind, std::string_view key) {
   return key == kind.size || (kind.kind == ShapeKind::mesh && (key == "file" || key == "scale"));
 }
 
-/// Reads a table of a shape. If `given_kind` is set, it is the kind of the shape, and the table has no key
-/// `kind`. The result is empty if the table has faults.
+/// Reads a table of a shape, whose kind is `given_kind` or that of its key `kind`. Empty if it has faults.
 std::optional<ShapeDescription> read_shape(Table& table, const std::string& owner,
                                            std::optional<ShapeKind> given_kind = {}) {
   ShapeDescription shape;
@@ -328,8 +321,7 @@ void read_shapes(Table& owner, const std::string& element, const std::string& ke
     if (auto read = read_shape(shape, element)) shapes.push_back(std::move(*read));
 }
 
-/// Reads the name of a body or frame. Faults that are found later name the table by it or, if there is none,
-/// by its number in the file.
+/// Reads the name of a body or frame, by which, or else by its `number`, faults in its table are reported.
 std::string read_name(Table& table, const std::string& kind, std::size_t number) {
   table.rename(kind + " " + std::to_string(number + 1));
   std::string name = table.name("name", "every " + kind + " needs one");
@@ -362,8 +354,8 @@ bool read_frame(Table& table, std::size_t number, FrameDescription& frame) {
   return true;
 }
 
-/// Reads the array of tables with the given key. `top` is the table of the whole file. read(table, number,
-/// item) returns whether the item is complete; other items are left out.
+/// Reads the array of tables with the given key in the table `top` of the file. read(table, number, item)
+/// returns whether the item is complete; others are left out.
 template <class Item, class Read>
 void read_all(Table& top, std::string_view key, const Read& read, std::vector<Item>& items) {
   std::size_t number = 0;

@@ -13,8 +13,7 @@ constexpr std::array<std::string_view, 2> frame_names{"construction", "body"};
 constexpr std::array<std::string_view, 2> sides{"tension", "compression"};
 constexpr std::array<std::string_view, 3> law_names{"polynomial", "table", "gas"};
 
-/// Names of keys of a table [[spring]]. place_keys say where the spring acts; each kind of spring has some of
-/// them. law_keys describe the force law, which all kinds but bushings have.
+/// Keys of a table [[spring]]: place_keys say where the spring acts, law_keys describe its force law.
 constexpr std::array<std::string_view, 9> place_keys{"between", "points", "path", "axis",     "frames",
                                                      "in",      "terms",  "pose", "rest_pose"};
 constexpr std::array<std::string_view, 4> law_keys{"law", "rest", "preload", "one_sided"};
@@ -52,9 +51,8 @@ void read_path(Table& table, SpringDescription& spring) {
   }
 }
 
-/// Reads the two frames of a torsion spring or bushing. Either they coincide at q = 0 and are given once, in
-/// the inertial frame, by the key whose name is `drawn_by` (`axis` or `pose`), or the key `frames` gives a
-/// frame on each of the two bodies.
+/// Reads the two frames of a torsion spring or bushing: from the key `drawn_by` (`axis` or `pose`), in the
+/// inertial frame, if they coincide at q = 0, or else from `frames`, one on each body.
 void read_frames(Table& table, SpringDescription& spring, std::string_view drawn_by) {
   read_between(table, spring);
   const bool given = table.has("frames");
@@ -90,8 +88,7 @@ void read_terms(Table& table, SpringDescription& spring) {
   spring.terms = table.named_numbers("terms");
 }
 
-/// Reads a 6×6 matrix from a key, which has either the six numbers of the diagonal or six rows of six
-/// numbers.
+/// Reads a 6×6 matrix: the six numbers of its diagonal or six rows of six numbers.
 void read_matrix(Table& table, std::string_view key, SixBySix& A) {
   const toml::Value* node = table.take(key);
   if (node == nullptr) return;

@@ -33,9 +33,9 @@ struct Notes {
   }
 };
 
-/// One table of a drawing (a TOML file that describes a mechanism). Each key that the table may have is read
-/// by one of the functions; finish() then adds a fault for each other key. Functions that read a key return
-/// an empty result if the key is absent, or if its value is wrong; in the second case they add a fault.
+/// One table of a drawing (a TOML file that describes a mechanism). Functions that read a key return an empty
+/// result if it is absent or wrong; a wrong value is reported as a fault. Finally finish() reports the keys
+/// that were not read.
 class Table {
  public:
   Table(const Notes& notes, const toml::Value& table, std::string element)
@@ -133,8 +133,7 @@ class Table {
     const auto m = rows<3>(key, "it needs three rows of three numbers");
     return m ? std::optional(transpose(SO3<>{(*m)[0], (*m)[1], (*m)[2]})) : std::nullopt;
   }
-  /// A pair of names, given as an array of two texts. `need` is the part of a message that says what the key
-  /// needs.
+  /// A pair of names, an array of two texts. Messages about faults contain `need`, what the key needs.
   std::optional<std::array<std::string, 2>> pair_of_names(std::string_view key, std::string_view need);
   /// Pairs of names, given as an array of arrays of two texts; empty if the key is absent.
   std::vector<std::array<std::string, 2>> pairs_of_names(std::string_view key, std::string_view need);
@@ -143,20 +142,17 @@ class Table {
   /// The numbers of an array of any length, which must be finite.
   std::optional<std::vector<double>> list(std::string_view key, std::string_view need);
 
-  /// needed_number() and needed_list() read a number or a list of numbers that must be given. If it is
-  /// missing or wrong, a fault is added and the result is 0 or an empty list. `unit` and `need` are parts of
-  /// the message.
+  /// These functions read a number or a list that must be given; otherwise a fault is added and the result is
+  /// 0 or an empty list. `unit` and `need` are parts of the message.
   double needed_number(std::string_view key, std::string_view unit);
   std::vector<double> needed_list(std::string_view key, std::string_view need);
-  /// The keys of a table inside this one, each with one number or an array of numbers; empty if there is no
-  /// such table.
+  /// The keys of a table in this one, each with one or several numbers; empty if there is no such table.
   std::vector<std::pair<std::string, std::vector<double>>> named_lists(std::string_view key);
-  /// A symmetric tensor, given by three numbers Ixx Iyy Izz, by six numbers Ixx Iyy Izz Ixy Ixz Iyz, or by
-  /// the three rows of a symmetric matrix.
+  /// A symmetric tensor: Ixx Iyy Izz, Ixx Iyy Izz Ixy Ixz Iyz, or the three rows of a symmetric matrix.
   std::optional<Sym3<>> symmetric(std::string_view key);
 
-  /// The rotation that one of the keys `rotation` (rows of a matrix), `quaternion` (x y z w) or `rpy` (roll,
-  /// pitch and yaw, rad) of this table gives; the identity if there is none of them or it is wrong.
+  /// The rotation in `rotation` (rows of a matrix), `quaternion` (x y z w) or `rpy` (roll, pitch and yaw,
+  /// rad); the identity if none of these keys is given or it is wrong.
   SO3<> rotation();
   SE3<> pose() {
     const Vec3<> r = vector("position").value_or(Vec3<>{});
@@ -167,18 +163,15 @@ class Table {
   std::optional<Table> table(std::string_view key);
   std::optional<SE3<>> pose(std::string_view key);
   std::optional<std::array<SE3<>, 2>> pair_of_poses(std::string_view key, std::string_view need);
-  /// The tables of an array of tables; empty if the key is absent. `need` is the part of a message that says
-  /// what the key needs.
+  /// The tables of an array of tables; empty if the key is absent. Messages contain `need`.
   std::vector<Table> tables(std::string_view key, const std::string& need);
 
  private:
-  /// Reads the table inside this one that has the name `key`: calls read(table, name, entry) for each of its
-  /// entries. Returns the names of the entries with the values that read() returned, except those that are
-  /// empty.
+  /// Reads the table `key` in this one with read(table, name, entry) for each entry. Returns the names and
+  /// results, except results that are empty.
   template <class T, class Read>
   std::vector<std::pair<std::string, T>> named(std::string_view key, const Read& read);
-  /// Reads the N numbers of an array into `out`, and returns whether this was possible. A fault is added for
-  /// a number that is not finite, but not for a value that is no array of N numbers.
+  /// Reads an array of N numbers into `out`. A fault is added only for a number that is not finite.
   enum class Found { good, wrong, not_finite };
   template <std::size_t N>
   Found read_numbers(std::string_view key, const toml::Value& value, std::array<double, N>& out,

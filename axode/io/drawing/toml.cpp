@@ -48,8 +48,7 @@ class NumberScan {
     return x.broken ? std::nullopt : std::optional(x.value);
   }
 
-  /// Reads an integer after 0x, 0o or 0b. is_one(c) says whether c is a digit of the base. Empty if the word
-  /// is anything else, or if the number has more than 64 bits.
+  /// Reads an integer of at most 64 bits after 0x, 0o or 0b; empty if there is none. is_one() tells digits.
   std::optional<double> of_base(int base, bool (*is_one)(char)) {
     rest_.remove_prefix(2);
     std::uint64_t value = 0;
@@ -63,8 +62,7 @@ class NumberScan {
     plain_ += rest_[0];
     rest_.remove_prefix(1);
   }
-  /// Reads one or more digits, which may have single underscores between them. Returns false if there is no
-  /// digit.
+  /// Reads one or more digits, with single underscores between them. Returns false if there is none.
   bool digits(bool (*is_one)(char)) {
     if (rest_.empty() || !is_one(rest_[0])) return false;
     while (!rest_.empty() && is_one(rest_[0])) {
@@ -320,8 +318,7 @@ class Parser {
     if (!take("}")) expected("\",\" or \"}\" in a table in braces, all in one line");
     close(table);
   }
-  /// Marks a table in braces, and the tables in it that dotted keys made, as complete: nothing can be added
-  /// to them later.
+  /// Marks a table in braces, with the tables that dotted keys made in it, as closed to additions.
   static void close(Value& table) {
     std::vector<Value*> open{&table};
     while (!open.empty()) {
@@ -369,8 +366,7 @@ class Parser {
     ++at_;
     return text;
   }
-  /// Reads """text""" or '''text''', which may have several lines. The opening quotes, `three`, have been
-  /// read already.
+  /// Reads the rest of a text after its opening quotes `three`, """ or ''', possibly of several lines.
   std::string long_text(std::string_view three) {
     const int first = line_;
     std::string text;
@@ -387,8 +383,7 @@ class Parser {
     for (int more = 0; more < 2 && peek() == three[0]; ++more) text += text_[at_++];
     return text;
   }
-  /// Skips a backslash at the end of a line and all white space after it. Returns false if there is no such
-  /// backslash.
+  /// Skips a backslash at the end of a line and the white space after it; returns false if there is none.
   bool goes_on_in_next_line() {
     std::size_t k = 1;
     if (peek() != '\\') return false;

@@ -105,8 +105,7 @@ class MjcfWriter {
   // ---------------------------------------------------------------- free bodies, and several joints of a
   // body
 
-  /// Makes the world the parent of each body whose free joint is on a body that is fixed to the world,
-  /// because MuJoCo allows free joints on the world only.
+  /// Attaches free joints on bodies that are fixed to the world to the world itself, as MuJoCo requires.
   void hoist_free() {
     for (auto it = order_.order.rbegin(); it != order_.order.rend(); ++it) {
       const int i = *it;
@@ -129,9 +128,8 @@ class MjcfWriter {
   };
 
   /// Removes moving massless bodies, which MuJoCo refuses, and gives their joints to the child in addition to
-  /// its own. A body is removed if it has exactly one child and no shape, if no frame, spring or loop names
-  /// it, if none of the joints is free, and if the child is not fixed to it and gets at most most_joints
-  /// joints.
+  /// its own. Such a body must have one child that is not fixed to it and gets at most most_joints joints,
+  /// none of them free; and no shape, frame, spring or loop.
   void merge_massless() {
     std::unordered_set<std::string> asked;
     for (const FrameDescription& frame : d_.frames) asked.insert(frame.body);
@@ -341,9 +339,8 @@ class MjcfWriter {
 
   // ---------------------------------------------------------------- loops, springs, couplings
 
-  /// The name of a site (MJCF's word for a named frame) at a pose in the frame of `carrier`, which is a body,
-  /// the ground or a named frame. If the pose is the identity and `carrier` is a named frame, this is the
-  /// site of that frame; otherwise a site is added.
+  /// The name of a site (MJCF's word for a named frame) at a pose in the frame `carrier` (a body, the ground
+  /// or a named frame); the site is added unless it is that of a named frame.
   std::string site_on(const std::string& carrier, const std::string& wished, const SE3<>& pose) {
     const auto named = on_body_.find(carrier);
     if (named == on_body_.end()) return site(carrier, wished, pose);
@@ -440,8 +437,7 @@ class MjcfWriter {
   bool has_none(const JointDescription& joint) const {
     return moves_on_its_own(joint) && is_passive(joint, d_);
   }
-  /// Whether some joints are passive (without a drive), so that the others get actuators in MJCF. A file
-  /// without actuators stands for a mechanism in which all joints have drives.
+  /// Whether joints are passive (without a drive), so that the others need actuators to be told apart.
   bool has_passive_joints() const {
     return std::ranges::any_of(d_.bodies, [&](const BodyDescription& body) { return has_none(body.joint); });
   }

@@ -8,8 +8,7 @@
 #include "axode/lie/se3.hpp"
 #include "axode/model/building/fault.hpp"
 
-/// The frames of an SDFormat file: models, links, joints and named frames, whose poses are relative to each
-/// other.
+/// The frames of an SDF file: models, links, joints and named frames, with poses relative to each other.
 namespace axode::io {
 
 class SdfFrames {
@@ -36,28 +35,25 @@ class SdfFrames {
 
   SdfFrames() { add({.kind = Kind::world, .path = "world"}); }
 
-  /// Adds a frame and returns its number. If its path is taken, find() keeps returning the earlier frame, and
-  /// `is_new` is set to false.
+  /// Adds a frame and returns its number. If its path is taken, `is_new` is false, and find() ignores it.
   int add(Frame frame, bool* is_new = nullptr);
-  /// The number of the frame that a name means inside a model; -1 if there is none. The model is given by its
-  /// number, 0 for the world.
+  /// The number of the frame with a name in a model (by its number, 0 for the world); -1 if there is none.
   int find(int model, std::string_view name) const;
-  /// Returns `; did you mean "palm"?` with the name of a frame in the model that is similar to `name`, or an
-  /// empty text.
+  /// A text such as `; did you mean "palm"?` with a similar name in the model, or an empty text.
   std::string nearest(int model, std::string_view name);
 
   Frame& operator[](int k) { return all_[static_cast<std::size_t>(k)]; }
   const Frame& operator[](int k) const { return all_[static_cast<std::size_t>(k)]; }
   int size() const { return static_cast<int>(all_.size()); }
 
-  /// Computes for each frame the frame to which its pose is relative, the link with which it moves, and its
-  /// pose in the world. Names of frames that do not exist, and cycles, are reported.
+  /// Computes for each frame the frame to which it is relative, its link, and its pose in the world. Unknown
+  /// names and cycles are reported.
   void resolve(const Report& report);
 
  private:
   std::string path(int model, std::string_view name) const;
-  /// The numbers of the frames, sorted so that each frame comes after the one that its member `next` names. A
-  /// cycle is reported and cut: `next` of one of its frames becomes the world.
+  /// The numbers of the frames in an order in which each frame comes after the one that its member `next`
+  /// names. A cycle is reported and cut at one of its frames.
   std::vector<int> in_order(int Frame::*next, std::string_view in_a_cycle, const Report& report);
 
   std::vector<Frame> all_;

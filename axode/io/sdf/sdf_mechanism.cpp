@@ -9,9 +9,9 @@
 
 namespace axode::io {
 
-/// The index of the link with which the frame `name` moves; -1 if it moves with the world or with a link of a
-/// static model. `name` is the parent, child or reference body of the joint c, as `role` says. If there is no
-/// such frame, a fault is added and the result is empty; it is also empty for an empty name.
+/// The index of the link with which the frame `name`, which a joint c names as its parent, child or reference
+/// body (`role`), moves; -1 for the world or a static model. Empty if there is no such frame, with a fault,
+/// or for an empty name.
 std::optional<int> SdfMechanism::link_meant(const Connection& c, const std::string& name, const char* role) {
   if (name.empty()) return std::nullopt;
   const int model = frames_[c.frame].model, frame = frames_.find(model, name);
@@ -55,8 +55,7 @@ void SdfMechanism::assemble() {
   for (const int k : named_frames_) add_frame(k);
 }
 
-/// The name that a body or frame gets in the description. One that is called `ground` in the file gets
-/// another name, with a warning, because `ground` is the inertial frame here.
+/// The name of a body or frame; `ground`, the inertial frame here, is replaced, with a warning.
 std::string SdfMechanism::named_here(const std::string& name, int line) {
   if (name != "ground") return name;
   std::string other = name;
@@ -67,8 +66,7 @@ std::string SdfMechanism::named_here(const std::string& name, int line) {
   return other;
 }
 
-/// Finds the parent and child links of a joint. If one is missing or they cannot be connected, a fault is
-/// added and the result is false.
+/// Finds the parent and child links of a joint. Returns false, and adds a fault, if they cannot be connected.
 bool SdfMechanism::connect(Connection& c) {
   const std::string owner = "joint \"" + c.name + '"';
   const auto parent = link_meant(c, c.parent, "parent"), child = link_meant(c, c.child, "child");
@@ -85,10 +83,9 @@ bool SdfMechanism::connect(Connection& c) {
   return c.to >= 0 && c.from != c.to;
 }
 
-/// Chooses the joints of a spanning tree of all links, and returns its root links, to which no joint of the
-/// tree leads. Joints are chosen in the order of the file. A joint is reversed, so that it leads from its
-/// child to its parent, only if no new link can be reached by a joint that is not reversed. All other joints
-/// close loops.
+/// Chooses the joints of a spanning tree of all links, in the order of the file, and returns its root links.
+/// A joint is reversed, so that it leads from child to parent, only if no other joint reaches a new link. All
+/// other joints close loops.
 std::vector<std::size_t> SdfMechanism::grow_tree() {
   std::vector<std::vector<std::size_t>> joints_at(links_.size() + 1);  // the last entry is the world
   const auto at = [&](int k) { return k < 0 ? links_.size() : static_cast<std::size_t>(k); };
@@ -131,8 +128,7 @@ std::vector<std::size_t> SdfMechanism::grow_tree() {
   return roots;
 }
 
-/// Adds the root links to the description, with free joints on the ground. Links of static models become
-/// named frames, and their shapes become shapes of the ground.
+/// Adds the root links with free joints on the ground, and static models as named frames and ground shapes.
 void SdfMechanism::add_roots(const std::vector<std::size_t>& roots) {
   const bool name_is_free =
       std::ranges::none_of(connections_, [](const Connection& c) { return c.name == "free_base"; });
@@ -162,8 +158,8 @@ void SdfMechanism::add(Link& link) {
   link.body.name = name;
 }
 
-/// The components of axis `number` of a joint in the axes of the world. If the frame in which the axis is
-/// expressed does not exist, a fault is added and the frame of the joint is used instead.
+/// The components of axis `number` of a joint in world axes. If the frame in which the axis is expressed does
+/// not exist, a fault is added.
 Vec3<> SdfMechanism::axis_of(const Connection& c, std::size_t number) {
   const Axis& axis = c.axes[number];
   int in = c.frame;
@@ -251,8 +247,7 @@ void SdfMechanism::add_couplings(const Connection& c) {
   }
 }
 
-/// Adds the coupling of a gearbox: relative to the reference body, the angle of the child is -ratio times the
-/// angle of the parent.
+/// Adds a gearbox: relative to the reference body the child turns by -ratio times the angle of the parent.
 void SdfMechanism::add_gearbox(const Connection& c) {
   const auto reference = link_meant(c, c.gear_reference, "reference body");
   if (!reference) return;

@@ -14,8 +14,7 @@
 /// The conversion of the links and joints of an SDF file into the bodies and loops of a description.
 namespace axode::io {
 
-/// A type of joint in SDFormat, with the kind of joint that it becomes in the spanning tree, and the kind of
-/// loop joint that it becomes if it closes a loop.
+/// A type of joint in SDFormat, and the kinds of joint in a tree and of loop joint that it becomes.
 struct SdfKind {
   std::string_view type;
   JointKind kind;
@@ -33,8 +32,8 @@ inline constexpr std::array<SdfKind, 9> sdf_kinds{{
     {"gearbox", JointKind::fixed, LoopKind::fixed},  // becomes a coupling
 }};
 
-/// The part of the reader of SDFormat that turns links, joints and frames into bodies, loops and couplings.
-/// It finds a spanning tree of the links; the other joints close loops.
+/// Turns links, joints and frames of SDFormat into bodies, loops and couplings: it finds a spanning tree of
+/// the links, and the other joints close loops.
 class SdfMechanism : protected XmlReader {
  protected:
   using XmlReader::XmlReader;
@@ -70,8 +69,7 @@ class SdfMechanism : protected XmlReader {
     bool in_tree = false, reversed = false;
   };
 
-  /// The name of the frame with the given path in the description and in messages. If the file has one model
-  /// at the top, the name of this model is left out.
+  /// The name of a frame here, its path without the name of the only model at the top, if there is only one.
   std::string shown(const std::string& path) const {
     return models_at_top_ == 1 && path.starts_with(top_) ? path.substr(top_.size()) : path;
   }
@@ -83,9 +81,8 @@ class SdfMechanism : protected XmlReader {
 
   /// Converts the poses of shapes that are relative to other frames into poses in the frames of their links.
   void finish_shapes();
-  /// Adds the bodies to the description: first the root links, which no joint of the spanning tree moves,
-  /// then the others in the order of their joints in the file. Then it adds loops, couplings and named
-  /// frames.
+  /// Adds bodies (first the roots of the spanning tree, then in the order of their joints), loops, couplings
+  /// and named frames to the description.
   void assemble();
 
   SdfFrames frames_;

@@ -146,8 +146,8 @@ class SdfReader : SdfMechanism {
     return result;
   }
 
-  /// Adds a frame for a model, link, joint or named frame inside a model, and returns its number. If the name
-  /// is missing, reserved, too long or taken, a fault is added and the result is 0.
+  /// Adds a frame for a model, link, joint or named frame inside a model, and returns its number; 0, with a
+  /// fault, if its name is missing, reserved, too long or taken.
   int declare(const XMLElement& e, Kind kind, int model, const std::string& owner) {
     const std::string own = name(e, "name", owner);
     if (own.empty()) return 0;
@@ -298,8 +298,7 @@ class SdfReader : SdfMechanism {
     links_.push_back(std::move(link));
   }
 
-  /// Reads <inertial>. The defaults of SDFormat are 1 kg, 1 kg m² about each axis, and the centre of mass at
-  /// the origin of the link.
+  /// Reads <inertial>. Defaults are 1 kg, 1 kg m² about each axis, and the mass at the link's origin.
   std::optional<MassProperties> read_inertial(const XMLElement& link, const std::string& owner,
                                               bool is_static) {
     const std::size_t faults_before = faults().size();
@@ -405,9 +404,8 @@ class SdfReader : SdfMechanism {
     connections_.push_back(std::move(c));
   }
 
-  /// The pitch of a screw joint, m/rad. A positive <screw_thread_pitch> (m per turn) is a right-handed
-  /// thread, a positive <thread_pitch> (rad/m) a left-handed one. If both are given, <screw_thread_pitch> is
-  /// used; if none is given, it is 1 m.
+  /// The pitch of a screw joint, m/rad: that of <screw_thread_pitch> (m per turn, right-handed), else of
+  /// <thread_pitch> (rad/m, left-handed), else 1 m.
   double read_pitch(const XMLElement& e, const std::string& owner) {
     if (e.FirstChildElement("screw_thread_pitch") != nullptr ||
         e.FirstChildElement("thread_pitch") == nullptr)

@@ -18,8 +18,7 @@ inline constexpr std::array<UrdfKind, 6> urdf_kinds{{{"revolute", JointKind::rev
                                                      {"floating", JointKind::free},
                                                      {"planar", JointKind::planar}}};
 
-/// Whether the element <loop_joint> can describe a loop of a kind completely. It can if the loop is
-/// determined by its two frames. Other programs read only spherical loops.
+/// Whether an element <loop_joint> with its two frames describes a loop of this kind completely.
 constexpr bool in_urdf(LoopKind kind) {
   const std::array<std::string_view, 5>& keys = traits(kind).keys;
   return std::all_of(keys.begin(), keys.end(),

@@ -86,8 +86,7 @@ class UrdfReader : XmlReader {
 
   // ---------------------------------------------------------------- elements and attributes
 
-  /// Whether an attribute of an element that URDF knows contains an expression ${...} of xacro, a macro
-  /// language for URDF files. A fault is added for the first one.
+  /// Whether an attribute has an expression ${...} of the macro language xacro; the first one is reported.
   bool is_xacro(const XMLElement& robot) {
     std::vector<const XMLElement*> open{&robot};
     while (!open.empty()) {
@@ -162,9 +161,7 @@ class UrdfReader : XmlReader {
     }
   }
 
-  /// Chooses another name, with a warning, for a link `ground` that is the child of a joint, because `ground`
-  /// is the name of the inertial frame here. A root link `ground` keeps the name and is the inertial frame
-  /// itself.
+  /// Renames, with a warning, a link `ground` that is the child of a joint: this is the inertial frame here.
   void name_what_is_called_ground(const XMLElement& robot) {
     std::unordered_set<std::string_view> names;
     const XMLElement* called = nullptr;
@@ -241,8 +238,7 @@ class UrdfReader : XmlReader {
     read_geometry(e, std::move(shape), owner, shapes);
   }
 
-  /// The colour of a material. If the element has none, it is the colour that the robot or an earlier shape
-  /// gave to a material of this name.
+  /// The colour of a material, its own or that of an earlier material of the same name.
   std::optional<Color> read_material(const XMLElement& e, const std::string& owner) {
     const char* name = e.Attribute("name");
     if (const XMLElement* color = e.FirstChildElement("color")) {
@@ -256,8 +252,7 @@ class UrdfReader : XmlReader {
 
   // ---------------------------------------------------------------- joints
 
-  /// Reads a <loop_joint>, an extension of URDF that several programs have: a joint between a frame on each
-  /// of two links. The z-axes of these frames are the axis of the joint.
+  /// Reads a <loop_joint>, an extension of URDF: a joint between frames on two links, about their z-axes.
   void read_loop(const XMLElement& e) {
     const std::size_t faults_before = faults().size();
     LoopDescription loop{.name = name(e, "name", "loop_joint"), .source = {file_, e.GetLineNum()}};
@@ -326,8 +321,7 @@ class UrdfReader : XmlReader {
     if (traits(joint.kind).axis) joint.axis = axis;
   }
 
-  /// Reads the limits and losses of a joint, which hold for each of its degrees of freedom. Only revolute and
-  /// prismatic joints have limits of the position.
+  /// Reads losses and limits, those of positions only of revolute and prismatic joints.
   void read_dof(const XMLElement& e, const std::string& owner, const UrdfKind& kind,
                 JointDescription& joint) {
     const XMLElement* limit = child_of(e, "limit", owner);
@@ -372,8 +366,7 @@ class UrdfReader : XmlReader {
     return did_you_mean(link, links_, [](const Link& l) { return l.body.name; });
   }
 
-  /// Adds the bodies to the description: first the root links, which are no child of a joint, then the others
-  /// in the order of their joints in the file.
+  /// Adds the bodies: first the root links, which are no child of a joint, then in the order of their joints.
   void assemble() {
     std::vector<BodyDescription> children;
     for (Connection& c : connections_) {
@@ -411,8 +404,7 @@ class UrdfReader : XmlReader {
     for (BodyDescription& body : children) description().bodies.push_back(std::move(body));
   }
 
-  /// Adds the root links, which are fixed to the ground. A root link with the name `ground` is the ground
-  /// itself.
+  /// Adds the root links, which are fixed to the ground; one with the name `ground` is the ground itself.
   void add_roots() {
     const bool name_is_free = std::none_of(connections_.begin(), connections_.end(),
                                            [&](const Connection& c) { return c.name == "fixed_base"; });

@@ -23,8 +23,7 @@ using io::xml::text;
 /// Relative tolerance of the test whether the origin of a link is on the axis of its joint, as URDF requires.
 constexpr double on_axis = 1e-12;
 
-/// The text of a limit. As URDF cannot express that there is no limit, an infinite limit is written as the
-/// largest number of type double, which readers treat as no limit.
+/// The text of a limit. An infinite one is written as the largest double, because URDF has no infinity.
 std::string limit_text(double x) {
   return text(std::clamp(x, -std::numeric_limits<double>::max(), std::numeric_limits<double>::max()));
 }
@@ -38,8 +37,7 @@ std::string_view urdf_type(const JointDescription& joint) {
   return found == io::urdf_kinds.end() ? "" : found->type;
 }
 
-/// The limits and losses of a joint if all its degrees of freedom have the same ones, as URDF requires; empty
-/// if they differ.
+/// The limits and losses that all degrees of freedom of a joint have; empty if they differ.
 std::optional<Dof> shared_dof(const JointDescription& joint) {
   if (joint.dof.empty()) return Dof{};
   const Dof& first = joint.dof[0];
@@ -156,8 +154,7 @@ class UrdfWriter {
     return norm(a.x - b.x) <= on_axis && norm(a.y - b.y) <= on_axis && norm(a.z - b.z) <= on_axis;
   }
 
-  /// Whether the link of body i can have the frame of this body. In URDF the frame of a link is also the
-  /// frame of the joint that moves it.
+  /// Whether the frame of body i can be that of its link, which in URDF is also the frame of its joint.
   bool can_be_link(int i) const {
     const SE3<>& S = at_[i].S_self;
     const double scale = 1 + norm(at_[i].A.r);
@@ -256,8 +253,7 @@ class UrdfWriter {
     out_ << "    </" << to_string(shape.role) << ">\n";
   }
 
-  /// Writes <inertial>, about the centre of mass and in the axes of the link. A is the pose of the body frame
-  /// in the inertial frame at q = 0.
+  /// Writes <inertial>, about the centre of mass and in the axes of the link; A is the body's pose at q = 0.
   void write_inertial(const MassProperties& given, const SE3<>& A) {
     const SE3<> to_body = given.in == GivenIn::body_frame ? SE3<>{} : inverse(A);
     Sym3<> Theta = rotate(given.axes, given.Theta);

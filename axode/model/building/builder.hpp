@@ -6,8 +6,8 @@
 
 namespace axode {
 
-/// Whether defects of a description that do not prevent a computation are warnings or errors: inertias that
-/// no mass distribution has, masses of 0, and defects of files that other readers accept.
+/// Whether defects that do not prevent a computation, such as masses of 0, inertias that no mass distribution
+/// has, and what other readers of files accept, are warnings or errors.
 enum class Strictness {
   lenient,  ///< such defects are warnings, because files of real robots have them
   strict,   ///< such defects are errors
@@ -37,15 +37,13 @@ class ModelBuilder {
   ModelBuilder& state(InitialStateDescription state);
   ModelBuilder& gravity(const Vec3<>& g);  ///< m/s², in the construction frame
 
-  /// The description of a body of the builder, for changes. Throws std::invalid_argument if no body has the
-  /// name.
+  /// The description of a body, for changes. Throws std::invalid_argument if no body has the name.
   BodyDescription& body(std::string_view name);
   const Description& description() const { return description_; }
 
   /// All errors and warnings about the description. Nothing is thrown for a description with errors.
   std::vector<Fault> check(Strictness strictness = Strictness::lenient) const;
-  /// Builds the model. Throws ModelError with every fault if one of them is an error; if there are only
-  /// warnings, the model keeps them.
+  /// Builds the model, which keeps warnings. Throws ModelError with every fault if one of them is an error.
   Model build(Strictness strictness = Strictness::lenient) const;
 
  private:
@@ -57,8 +55,8 @@ class ModelBuilder {
 /// it, the description does not change. Throws ModelError (rule no_base) if several bodies are fixed to the
 /// ground, or if none is fixed to it or free on it.
 Description with_free_base(Description description);
-/// Fixes all bodies whose predecessor is the ground and whose joint is free: a single one by a joint
-/// `fixed_base`, several by joints without names. Their initial states are left out with a warning.
+/// Fixes all bodies whose joints are free and on the ground: a single one by a joint `fixed_base`, several by
+/// joints without names. Their initial states are left out with a warning.
 Description with_fixed_base(Description description);
 
 /// A new model in which the named joints are fixed at their position in q (nq coordinates of `model`). Joints

@@ -14,12 +14,10 @@
 namespace axode {
 namespace {
 
-/// A mechanism during its compilation into a model. A body that is fixed to another one is merged into the
-/// moving body that carries it, and remains as a named frame.
+/// Compiles a description into a model. Bodies that are fixed to others are merged and become named frames.
 ///
-/// If poses are given in the construction frame (the inertial frame, at q = 0), the relative pose of two
-/// neighbours is computed from the difference of their positions; if a pose is given relative to a neighbour,
-/// the construction frame is not used. Hence no digits are lost if two neighbours are far from its origin.
+/// The relative pose of two neighbours is computed from the difference of their positions, so that no digits
+/// are lost if they are far from the origin.
 class Compiler {
  public:
   explicit Compiler(const Description& description)
@@ -73,10 +71,10 @@ class Compiler {
   }
 
  private:
-  /// The moving body of the model to which a body of the description belongs: the body itself or the body
-  /// into which it is merged. The joint frame of this `carrier` has the pose S F in the frame of the
-  /// described body, where S is usually the joint frame of the latter. The factors are kept apart, because
-  /// both joint frames may be near each other and far from the body frame.
+  /// The moving body `carrier` of the model into which a body of the description is merged, or the body
+  /// itself. The joint frame of the carrier has the pose S F in the frame of the described body, where S is
+  /// usually the joint frame of the latter. The factors are kept apart, because S F may be small while both
+  /// are large.
   struct Carried {
     int carrier = 0;
     SE3<> S, F;
@@ -237,8 +235,8 @@ class Compiler {
   double drawn_coordinate(const Spring::JointSum& joints) const { return joints.offset; }
   double drawn_coordinate(const Spring::Bushing&) const { return 0; }
 
-  /// Compiles spring k of the description. A preload is replaced by the length or angle of rest that gives
-  /// this force at q = 0 (D16.4). If there is none, a fault is added.
+  /// Compiles spring k. A preload is replaced by the length or angle of rest that gives this force at q = 0
+  /// (D16.4); it is a fault if there is none.
   Spring spring(std::size_t k, const Topology& topology, std::vector<Fault>& faults) const {
     const SpringDescription& from = description_.springs[k];
     Spring out{.name = spring_name(from, k), .geometry = Spring::Path{}, .law = {}};
@@ -340,8 +338,8 @@ class Compiler {
     return loops;
   }
 
-  /// A coupled joint has q = ratio q_leader + offset. If its leader is coupled to another joint in turn,
-  /// ratio and offset become those for the last leader of the chain, which has a coordinate of its own.
+  /// Makes ratio and offset of each coupled joint, q = ratio q_leader + offset, those for the last leader in
+  /// a chain of couplings, which has a coordinate of its own.
   void couple() {
     std::unordered_map<std::string_view, int> index;
     for (int i = 1; i < n_bodies(); ++i) index.emplace(joints_[i].name, i);
@@ -372,7 +370,7 @@ class Compiler {
   }
 
   /// Gives the joints the indices of their coordinates and velocities, and sums armature, damping and
-  /// friction over all joints that share a velocity.
+  /// friction of joints that share a velocity.
   void number_joints(const Topology& topology) {
     numbers_.g = description_.gravity;
     for (std::vector<double>* terms : {&numbers_.armature, &numbers_.damping, &numbers_.friction})

@@ -5,8 +5,7 @@
 
 namespace axode {
 
-/// The result of a compilation: the parts of a Model, and the faults that cannot be found before the numbers
-/// are computed.
+/// The parts of a Model, and the faults that are found only when its numbers are computed.
 struct Compilation {
   std::vector<Body> bodies;
   std::vector<Joint> joints;
@@ -16,8 +15,7 @@ struct Compilation {
   Tree<double> tree;
   std::vector<Fault> faults;
 };
-/// Compiles a description into the parts of a model. The description must have passed inspect() without an
-/// error.
+/// Compiles a description that has passed inspect() without errors into the parts of a model.
 Compilation compile(const Description& description);
 
 }  // namespace axode

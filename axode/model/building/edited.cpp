@@ -48,8 +48,7 @@ void check_names_differ(const Description& one, const Description& other, const 
                                 "; give a prefix that makes them differ");
 }
 
-/// The frame on which another mechanism is mounted, with its pose on the body `carrier`. It replaces the
-/// ground of the other mechanism, and the prefix is put before the names of that mechanism.
+/// Where another mechanism is mounted: a pose on the body `carrier`, its new ground, and a prefix for names.
 struct Mount {
   std::string carrier;
   SE3<> pose;
@@ -57,8 +56,7 @@ struct Mount {
 
   std::string renamed(const std::string& name) const { return prefix + name; }
   std::string new_name(const std::string& name) const { return name == "ground" ? carrier : renamed(name); }
-  /// The pose of a body or frame of the mounted mechanism relative to what it becomes: for the ground, which
-  /// the carrier replaces, the pose of the mount on the carrier; for all others the identity.
+  /// The pose of the mounted mechanism's `name` in what it becomes: `pose` for the ground, else the identity.
   SE3<> from(const std::string& name) const { return name == "ground" ? pose : SE3<>{}; }
 };
 
@@ -133,8 +131,8 @@ template <class Part> void mount_all(std::vector<Part>& parts, const Mount& at, 
   }
 }
 
-/// Adds the settings of contact of a mounted mechanism to those of the other one, `into`. If both have
-/// settings, only the ignored pairs are added, and the numbers of `into` are kept.
+/// Adds the contact settings of a mounted mechanism to those of the other one, `into`; where both have
+/// numbers, those of `into` are kept.
 void mount_contact(std::optional<ContactDescription>& contact, const Mount& at,
                    std::optional<ContactDescription>& into) {
   if (!contact) return;
@@ -145,8 +143,7 @@ void mount_contact(std::optional<ContactDescription>& contact, const Mount& at,
     into = std::move(contact);
 }
 
-/// Puts the prefix before the names of all loops and couplings. Those without a name get their default name,
-/// such as `loop 1`, because it would change with the number of loops before it.
+/// Puts the prefix before the names of all loops and couplings, default names such as `loop 1` included.
 void name_loops(Description& description, const std::string& prefix) {
   for (std::size_t k = 0; k < description.loops.size(); ++k)
     description.loops[k].name = prefix + loop_name(description.loops[k], k);
@@ -235,10 +232,10 @@ Model append(const Model& model, std::string_view frame, const Model& other, std
 
 namespace {
 
-/// Throws std::invalid_argument if a joint with several velocities has limits, losses, springs or armatures,
-/// because these act along axes of the body that the joint moves and would act along other axes when the
-/// joint is reversed. Springs, damping and armatures that are equal about all axes of a spherical joint are
-/// allowed, unless `base` says that the joint connects the root body to the ground.
+/// Throws std::invalid_argument if a joint with several velocities, which is to be reversed, has limits,
+/// losses, springs or armatures, as these act along axes of the moved body. Springs, damping and armatures
+/// that are equal about all axes of a spherical joint are allowed unless it is the `base` joint, on the
+/// ground.
 void check_may_be_reversed(const JointDescription& joint, bool base) {
   const auto of_own_axes = [](const Dof& dof) {
     return dof.armature != 0 || dof.damping != 0 || dof.friction != 0 || dof.stiffness != 0;
@@ -262,9 +259,8 @@ void check_may_be_reversed(const JointDescription& joint, bool base) {
         "remove them first");
 }
 
-/// Leaves out the initial state of joints whose coordinates change, with a warning: the joints with several
-/// velocities on the path from the new root to the old one, and, if it is free, the joint `held` that
-/// connected the old root to the ground.
+/// Leaves out, with a warning, the initial state of joints whose coordinates change: those with several
+/// velocities on the path from the new root to the old one and, if free, the joint `held` of the old root.
 void drop_reversed_state(Description& description, const std::vector<std::size_t>& path,
                          const JointDescription& held) {
   std::unordered_set<std::string> reversed;

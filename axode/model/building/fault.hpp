@@ -16,8 +16,7 @@ struct Source {
 
 enum class Severity { warning, error };
 
-/// The rules that descriptions are checked against. Each rule has one name in messages, tests and JSON, which
-/// to_string() returns.
+/// The rules that descriptions are checked against. to_string() returns their names in messages and JSON.
 enum class Rule {
   missing_name,
   duplicate_name,
@@ -70,8 +69,7 @@ std::string to_string(const Fault& fault);
 class ModelError : public std::runtime_error {
  public:
   ModelError(std::string_view model, std::vector<Fault> faults);
-  /// All faults, including warnings, in the order in which the checks found them; load() may sort them by
-  /// line.
+  /// All faults, including warnings.
   std::span<const Fault> faults() const { return faults_; }
 
  private:

@@ -59,8 +59,7 @@ class Inspection {
   void error(Rule rule, std::string element, std::string message, const Source& source) {
     faults_.note(Severity::error, rule, std::move(element), std::move(message), source);
   }
-  /// Returns `; did you mean ...?` with the name in `range` that is nearest to an unknown name, or an empty
-  /// text if none is near or there were too many unknown names.
+  /// A text `; did you mean ...?` with the name in `range` nearest to an unknown name, or an empty text.
   template <class Range, class NameOf>
   std::string nearest(std::string_view name, const Range& range, NameOf name_of) {
     return ++suggestions_ > most_suggestions ? "" : did_you_mean(name, range, name_of);
@@ -154,8 +153,7 @@ class Inspection {
     cycles();
   }
 
-  /// Reports cycles of predecessors. From every body a walk goes from predecessor to predecessor; if it comes
-  /// to a body for the second time, this body is on a cycle.
+  /// Reports cycles of predecessors, the bodies that are met twice on a walk from predecessor to predecessor.
   void cycles() {
     std::unordered_map<std::string_view, const BodyDescription*> seen;  // for each body that was met:
                                                                         // the start of the first such walk

@@ -5,8 +5,7 @@
 
 namespace axode {
 
-/// Finds all errors and warnings about a description that can be found without compiling it. The description
-/// may have any numbers and names.
+/// Finds all errors and warnings about a description, of any numbers and names, without compiling it.
 std::vector<Fault> inspect(const Description& description, Strictness strictness);
 
 }  // namespace axode

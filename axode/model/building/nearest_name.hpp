@@ -12,8 +12,7 @@ struct UnknownName : std::invalid_argument {
   using std::invalid_argument::invalid_argument;
 };
 
-/// The smallest number of insertions, deletions and replacements of single characters that turn one name into
-/// the other.
+/// The Levenshtein distance: the smallest number of inserted, deleted and replaced characters from a to b.
 inline std::size_t edit_distance(std::string_view a, std::string_view b) {
   std::vector<std::size_t> row(b.size() + 1);
   for (std::size_t j = 0; j <= b.size(); ++j) row[j] = j;
@@ -29,12 +28,11 @@ inline std::size_t edit_distance(std::string_view a, std::string_view b) {
   return row[b.size()];
 }
 
-/// The largest number of unknown names in one description for which a similar name is suggested. It is
-/// limited because each unknown name is compared with every known name.
+/// The largest number of unknown names in a description for which similar names are suggested, to save time.
 inline constexpr int most_suggestions = 20;
 
-/// Returns `; did you mean "forearm"?` with the known name nearest to `name`, or an empty text if no known
-/// name is near. name_of(candidate) is the name of a candidate.
+/// A text such as `; did you mean "forearm"?` with the known name nearest to `name`, or an empty text if none
+/// is near. name_of(candidate) is the name of a candidate.
 template <class Range, class NameOf>
 std::string did_you_mean(std::string_view name, const Range& candidates, NameOf name_of) {
   std::string best;

@@ -12,9 +12,9 @@
 namespace axode {
 namespace {
 
-/// Splits a cylindrical or universal joint. Returns a new massless body, whose joint has the first of the two
-/// motions, and gives the joint of `body` the second one. The other arguments are the endings of the names of
-/// the new body and of the two joints, the kinds of the two joints, and the axis of the second one.
+/// Splits a cylindrical or universal joint: returns a new massless body, whose joint has the first motion,
+/// and leaves the second to the joint of `body`. The other arguments are the endings of the new names, the
+/// kinds of the two joints, and the axis of the second one.
 BodyDescription split_off(BodyDescription& body, const char* carrier, JointKind first_kind, const char* first,
                           JointKind second_kind, const char* second, const Vec3<>& second_axis) {
   const std::string name = joint_name(body);
@@ -66,8 +66,7 @@ std::optional<DrawnMass> drawn_mass(const BodyDescription& body) {
   return DrawnMass{A * given.com,
                    std::sqrt(std::max(0.0, trace(given.Theta) / (2 * given.mass) - about_origin))};
 }
-/// For each body its drawn_mass(), the centre of mass and radius of gyration. A body without mass has those
-/// of its first successor in depth-first order that has mass.
+/// For each body centre of mass and radius of gyration, if it is massless of its first descendant with mass.
 std::vector<std::optional<DrawnMass>> first_masses(const Description& expanded,
                                                    const DepthFirstOrder& order) {
   std::vector<std::optional<DrawnMass>> first(expanded.bodies.size());
@@ -77,14 +76,12 @@ std::vector<std::optional<DrawnMass>> first_masses(const Description& expanded,
   }
   return first;
 }
-/// An inertia about an origin at the distance r from the centre of mass has (r / radius of gyration)² times
-/// larger rounding errors. A prismatic joint frame that is further away than this number of radii of gyration
-/// is moved to the centre of mass.
+/// The largest distance of a prismatic joint frame from the centre of mass, in radii of gyration; beyond it
+/// the frame is moved there, because rounding errors of the inertia grow with the square of the distance.
 constexpr double most_radii = 16;
 
-/// Computes the poses of a body and its joint frame at q = 0. `predecessor` has those of the predecessor and
-/// is null if this is the ground; `mass` has the centre of mass and radius of gyration of the body or, if it
-/// has no mass, of a successor.
+/// Computes the poses of a body and its joint frame at q = 0 from those of its predecessor (null for the
+/// ground). `mass` has the centre of mass and radius of gyration of the body or of a descendant.
 Placement reference_placement(const BodyDescription& body, const Placement* predecessor,
                               const std::optional<DrawnMass>& mass) {
   const SE3<> A_predecessor = predecessor == nullptr ? SE3<>{} : predecessor->A;

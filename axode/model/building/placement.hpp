@@ -6,17 +6,14 @@
 
 #include "axode/model/description.hpp"
 
-/// The poses of all bodies and joint frames of a description at q = 0, see Placement. A description may give
-/// them in the construction frame (the inertial frame in which the mechanism is drawn), in body frames or in
-/// joint frames. Also functions for default names and for inertias in other frames.
+/// The poses of all bodies and joint frames of a description at q = 0. It may give them in the construction
+/// frame (the inertial frame in which the mechanism is drawn), in body frames or in joint frames.
 namespace axode {
 
-/// Corrects a pose whose rotation matrix is orthonormal to 1e-6, so that it is orthonormal to working
-/// precision.
+/// The pose with its rotation matrix, orthonormal to 1e-6, made orthonormal to working precision.
 SE3<> orthonormal(const SE3<>& C);
 
-/// The pose A⁻¹ B of B relative to A. No digits are lost if A and B are near each other but far from the
-/// origin.
+/// The pose A⁻¹ B of B relative to A. No digits are lost far from the origin.
 SE3<> relative(const SE3<>& A, const SE3<>& B);
 
 /// The name of the joint of a body: `<body>_joint` if it has no name of its own.
@@ -28,19 +25,17 @@ bool is_drawn(const BodyDescription& body);
 /// The unit vector along an axis of any length but 0.
 Vec3<> direction(const Vec3<>& axis);
 
-/// The description with every cylindrical or universal joint replaced by two joints and a massless body
-/// between them. All joints have names in the result.
+/// The description with every cylindrical or universal joint split in two, and with names for all joints.
 Description expand(const Description& description);
 
-/// The same mechanism with every joint described by its joint frames on the two bodies. Cylindrical and
-/// universal joints are split in two, as by expand(). All other elements are described relative to bodies and
-/// named frames, so that a body can get another predecessor without changes elsewhere. The description must
+/// The same mechanism with every joint, cylindrical and universal ones split in two, described by its joint
+/// frames on the two bodies, and all other elements relative to bodies and named frames. The description must
 /// have no faults.
 Description in_joint_frames(const Description& description);
 
 /// The indices of the bodies of a description in depth-first order, with the children of a body in the order
-/// of the description, and for each body the index of its predecessor, -1 for the ground. Bodies that are not
-/// connected to the ground (unknown predecessor, cycle) are not in `order`.
+/// of the description, and for each body the index of its predecessor, -1 for the ground. Bodies without a
+/// path to the ground are not in `order`.
 struct DepthFirstOrder {
   std::vector<int> order;
   std::vector<int> predecessor;
@@ -56,8 +51,7 @@ struct Placement {
   SE3<> J;       ///< joint frame in the construction frame
 };
 /// The poses of each body and its joint frame at q = 0. The description must have no cylindrical or universal
-/// joints, see expand(). Bodies that are not connected to the ground, which are not in `order`, have identity
-/// poses.
+/// joints; bodies without a path to the ground get identity poses.
 ///
 /// The origin of the joint frame is the point that the description gives for the joint. Its axes are those of
 /// the frame in which the axis is given, turned the shortest way until z is the axis. A spherical joint keeps
@@ -79,8 +73,7 @@ struct DrawnLoop {
 DrawnLoop drawn_loop(const LoopDescription& loop);
 /// The size, as in Loop::size, of a loop whose joint frames are given by LoopDescription::frames.
 double size_of(const LoopDescription& loop);
-/// The name of a loop or coupling with the index k in the description; `loop <k + 1>` or `coupling <k + 1>`
-/// if it has no name of its own.
+/// The name of loop or coupling k in the description; without one, `loop <k + 1>` or `coupling <k + 1>`.
 std::string loop_name(const LoopDescription& loop, std::size_t k);
 std::string coupling_name(const CouplingDescription& coupling, std::size_t k);
 /// The name of a spring with the index k in the description; `spring <k + 1>` if it has no name of its own.
@@ -92,18 +85,15 @@ std::string motion_name(const MotionDescription& motion);
 /// The name of a drive with the index k in the description; `drive <k + 1>` if it has no name of its own.
 std::string drive_name(const DriveDescription& drive, std::size_t k);
 
-/// Converts mass properties into the inertia about the origin and in the axes of another frame. The first
-/// function takes the pose F of the new frame in the frame of `given`. The second one takes the poses J of
-/// the new frame and A of the frame of `given`, both in a third frame. An inertia about the centre of mass is
-/// never expressed about a distant origin on the way, so that no digits are lost.
+/// The inertia about the origin and in the axes of a new frame, from mass properties in the frame of `given`.
+/// Poses: F of the new frame in that frame, or J and A of the two in a third frame, far from whose origin no
+/// digits are lost.
 Inertia<> inertia_in(const SE3<>& F, const MassProperties& given);
 Inertia<> inertia_in(const SE3<>& J, const SE3<>& A, const MassProperties& given);
-/// Mass properties that are given in the body frame, expressed in the frame with the pose S in the body
-/// frame.
+/// Mass properties in the frame with the pose S in the body frame, from those in the body frame.
 MassProperties expressed_in(const SE3<>& S, const MassProperties& given);
 
-/// Removes the entries of the named joints from the initial state of a description, with a warning for each
-/// joint that had one. `why` is the end of the warning, and says what has happened to the joint.
+/// Removes joints from the initial state of a description, with a warning for each, which ends in `why`.
 void leave_out_state(Description& description, const std::unordered_set<std::string>& joints,
                      const char* why);
 

@@ -12,22 +12,19 @@
 namespace axode {
 namespace {
 
-/// The position of a joint of one velocity at q; for a coupled joint it follows from the coordinate of its
-/// leader.
+/// The position of a joint of one velocity at q, of a coupled joint from its leader.
 double coordinate(const Joint& joint, std::span<const double> q) {
   return joint.leader ? joint.leader->ratio * q[joint.iq] + joint.leader->offset : q[joint.iq];
 }
 
-/// The displacement of a joint at q: the pose of its joint frame relative to the same frame at the coordinate
-/// 0.
+/// The displacement of a joint: the pose at q of its joint frame relative to that at the coordinate 0.
 SE3<> displacement(const Joint& joint, std::span<const double> q) {
   const double own = joint.leader ? coordinate(joint, q) : 0;
   const double* q_i = joint.leader ? &own : &q[joint.iq];
   return with_subgroup(joint.kind, joint.pitch, [&](const auto& s) { return s.pose(SE3<>{}, q_i); });
 }
 
-/// Removes the loops between bodies that no longer move relative to each other. All other loops keep their
-/// names, also those with a default name.
+/// Removes the loops between bodies that no longer move relative to each other; others keep their names.
 void drop_still_loops(Description& description) {
   std::unordered_map<std::string_view, std::string_view> carrier{{"ground", "ground"}};
   for (const int d : depth_first_order(description).order) {
@@ -44,8 +41,7 @@ void drop_still_loops(Description& description) {
   });
 }
 
-/// Replaces the terms of locked joints in couplings by a change of the offset, and removes couplings on
-/// locked joints alone.
+/// Moves the terms of locked joints into the offsets of couplings; removes couplings on locked joints alone.
 void lock_terms(Description& description, const Model& model, const std::vector<bool>& is_locked,
                 std::span<const double> q) {
   for (std::size_t k = 0; k < description.couplings.size(); ++k) {
@@ -60,8 +56,7 @@ void lock_terms(Description& description, const Model& model, const std::vector<
   std::erase_if(description.couplings, [](const CouplingDescription& c) { return c.terms.empty(); });
 }
 
-/// Changes a spring whose length of rest is negative into one with the length of rest 0 and the same force.
-/// The length of rest that gives a preload can be negative, but a description must not have a negative one.
+/// Replaces a negative length of rest, which descriptions must not have, by 0 and a curve of the same force.
 void rest_at_zero(SpringDescription& spring) {
   const double rest = std::exchange(spring.rest, 0.0);
   ForceCurve curve = spring.curve.value_or(LinearCurve{spring.stiffness});
@@ -79,10 +74,9 @@ void rest_at_zero(SpringDescription& spring) {
   if (spring.damping == 0) spring.acts = Acts::both_ways;
 }
 
-/// Changes springs for a mechanism with locked joints. A preload is the force at q = 0; as the reduced
-/// mechanism has another configuration at q = 0, it is replaced by the length or angle of rest that gives it.
-/// In a spring on a sum of joint coordinates, the terms of locked joints are replaced by a change of the
-/// rest; it is removed if all its joints are locked.
+/// Adapts springs to locked joints: a preload is replaced by the length or angle of rest that gives it, as
+/// the new configuration at q = 0 is another one; terms of locked joints in springs on joint coordinates move
+/// into the rest, and springs on locked joints alone are removed.
 void lock_springs(Description& description, const Model& model, const std::vector<bool>& is_locked,
                   std::span<const double> q) {
   for (std::size_t k = 0; k < description.springs.size(); ++k) {
@@ -105,8 +99,8 @@ void lock_springs(Description& description, const Model& model, const std::vecto
   });
 }
 
-/// Removes the initial state and the motions of locked joints, and the motions of loops that were removed.
-/// Throws std::invalid_argument if a drive acts on a locked joint.
+/// Removes the initial state and the motions of locked joints and of removed loops. Throws
+/// std::invalid_argument if a drive acts on a locked joint.
 void drop_still_motions(Description& description, const Model& model, const std::vector<bool>& is_locked) {
   const auto locked = [&](const auto& entry) { return is_locked[model.joint_index(entry.first)]; };
   if (description.state) {

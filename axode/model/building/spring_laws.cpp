@@ -5,8 +5,8 @@
 namespace axode {
 namespace {
 
-/// The slopes at its points of a piecewise cubic through the points of a table: means of the slopes of
-/// adjacent secants, reduced where the cubic would not be monotone between two points.
+/// The slopes of a monotone piecewise cubic at the points of a table: means of the slopes of adjacent
+/// secants, reduced where the cubic would not be monotone.
 std::vector<double> monotone_slopes(const TableCurve& table) {
   const std::size_t n = table.deflections.size();
   std::vector<double> secants(n - 1), slopes(n);

@@ -26,8 +26,7 @@ struct DriveParameter {
   double standard;  ///< value if a description gives none; NaN if it must give one
 };
 
-/// A row of the table of the kinds of drives: the name of a kind, its parameters, and whether it has an input
-/// and an output.
+/// A kind of drives: its name, its parameters, and whether it has an input and an output.
 struct DriveTraits {
   DriveKind kind;
   std::string_view name;

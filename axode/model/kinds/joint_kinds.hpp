@@ -12,8 +12,7 @@ struct JointTraits {
   JointKind kind;
   std::string_view name;
   int dof;  ///< degrees of freedom
-  /// Subgroup of the joint. For a cylindrical or universal joint, which becomes two joints, it is the
-  /// subgroup of the second one, which moves the body.
+  /// Subgroup of SE(3) of the joint, or of the second half of a cylindrical or universal joint.
   Subgroup subgroup;
   bool axis;   ///< whether the joint has an axis; for planar joints it is the normal
   bool point;  ///< whether the position of the joint matters

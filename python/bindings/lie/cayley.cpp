@@ -6,8 +6,7 @@
 namespace axode::python {
 namespace {
 
-/// Throws nb::value_error if the rotation R is half a turn, for which the Cayley coordinates are infinite or
-/// determined by rounding errors only.
+/// Throws nb::value_error if R is a rotation by half a turn, for which no Cayley coordinates exist.
 void check_less_than_half_a_turn(const char* argument, const SO3<>& R) {
   constexpr double rounding = 1e-15;  // rounding error of the cosine of half the angle
   if (quaternion(R).w > rounding) return;

@@ -266,9 +266,9 @@ Array acceleration_of(ArrayLike C, ArrayLike M, ArrayLike V, ArrayLike W, Repres
 
 // -------------------------------------------------------------------------- measured at F_j, resolved in F_k
 
-/// Calls f(jk, x, ...) for every item of the given arrays. Python gives the pair of frames jk as a tuple:
-/// position r_j and velocity dr_j of the origin of frame j, rotation R_k and angular velocity w_k of frame k.
-/// Each of the four may be an array of items with further axes in front.
+/// Calls f(jk, x, ...) for every item of arrays. jk is a pair of frames j and k, a tuple in Python: position
+/// r_j and velocity dr_j of the origin of j, rotation R_k and angular velocity w_k of k. Each may be an array
+/// of items.
 template <class F, class... T> Array in_frames(PairOfFrames jk, const F& f, const Given<T>&... given) {
   const nb::handle pair(jk.given);
   if (!PyTuple_Check(jk.given) || nb::len(pair) != 4)

@@ -25,8 +25,8 @@ using namespace nb::literals;
                             .c_str());
 }
 
-/// Reads a function of the model for which code is to be generated: a name, or a tuple ("jacobian", frame),
-/// ("jacobian", frame, representation) or ("pose", frame). `where` is the name of the argument in messages.
+/// Parses a request for generated code: the name of a function, or a tuple ("jacobian", frame), ("jacobian",
+/// frame, representation) or ("pose", frame). `where` names the argument in messages.
 codegen::Function function_from(const Model& model, const std::string& where, nb::handle given) {
   const bool is_tuple = PyTuple_Check(given.ptr());
   if (!is_tuple && !nb::isinstance<nb::str>(given)) wrong_function(where, given);

@@ -7,8 +7,8 @@
 
 namespace axode::python {
 
-/// Reads a list of functions of the model for which code is to be generated. An entry is a name, or a tuple
-/// ("jacobian", frame), ("jacobian", frame, representation) or ("pose", frame).
+/// Parses a list of requests for generated code: names of functions, or tuples ("jacobian", frame),
+/// ("jacobian", frame, representation) or ("pose", frame).
 std::vector<codegen::Function> functions_from(const Model& model, nanobind::handle functions);
 
 }  // namespace axode::python

@@ -15,9 +15,8 @@
 #include "python/bindings/support/bindings.hpp"
 #include "python/bindings/support/xla_ffi.hpp"
 
-/// Functions of the state, and motions, as XLA calls them for axode.jax: from any thread, and without Python.
-/// All arguments of a call have the same leading axes, along which the states are. Numbers are float64 or
-/// float32; float32 numbers are converted to float64 for the computation.
+/// Functions of states that the compiler XLA calls for axode.jax, from any thread and without Python.
+/// Arguments are arrays with an item for each state, of float64 or float32 (computed in float64).
 namespace axode::python {
 
 using namespace nb::literals;
@@ -36,9 +35,8 @@ Model tree_of(const Model& model) {
   return ModelBuilder(std::move(tree)).build();
 }
 
-/// The models that compiled programs of JAX use, by a key that is made of the contents of the model. They are
-/// kept without loops, couplings and prescribed motions, because axode.jax refuses functions that depend on
-/// these before it makes a program.
+/// The models that compiled programs of JAX use, found by a key made of their contents, and kept without
+/// loops, couplings and prescribed motions, which axode.jax has refused before.
 class Mechanisms {
  public:
   void add(const std::string& key, const Model& model) {
@@ -207,8 +205,7 @@ class StatesOf {
                    std::to_string(item));
   }
   /// Scales the quaternions in q to norm 1. Throws std::invalid_argument if a norm differs from 1 by more
-  /// than the tolerance. A state with a NaN in a quaternion is computed with the identity instead, and
-  /// deliver() sets its results to NaN.
+  /// than the tolerance. A NaN is replaced by the identity here, and later by NaN in the results.
   void normalize(Doubles& q, double tolerance) {
     if (model_.topology().quaternion_bodies.empty()) return;
     std::vector<double> numbers(q.all().begin(), q.all().end());
@@ -284,8 +281,7 @@ void evaluate(const catalog::Function<double>& row, const Model& model, const In
   }
 }
 
-/// Calls f(parameters, first, count) for each run of consecutive states that have the same inertial
-/// parameters.
+/// Calls f(parameters, first, count) for each run of successive states with the same inertial parameters.
 template <class F> void each_run(std::span<const double> parameters, std::size_t states, const F& f) {
   const std::size_t item = states == 0 ? 0 : parameters.size() / states;
   for (std::size_t first = 0, end = 0; first < states; first = end) {
@@ -379,10 +375,9 @@ xla::Error* error(const xla::CallFrame& frame, xla::ErrorCode code, const char* 
   return frame.api->new_error(&made);
 }
 
-/// A function that XLA calls. It calls f and converts exceptions to errors of XLA. XLA may also call it only
-/// to ask for the version of the interface. The answer is the version for which this file is written or, if
-/// XLA states an older version, that one. The parts of the interface that are used here have not changed
-/// since its first version.
+/// A function that XLA, the compiler of JAX, calls: it calls f and converts exceptions to errors of XLA. XLA
+/// may also ask for the version of the interface only; it gets that of this file or an older one that it
+/// states.
 template <void (*f)(const Call&)> xla::Error* handler(xla::CallFrame* frame) {
   if (frame->sized.extensions != nullptr) {
     const auto* const asked = static_cast<const xla::MetadataRequest*>(frame->sized.extensions);
@@ -407,9 +402,8 @@ template <void (*f)(const Call&)> xla::Error* handler(xla::CallFrame* frame) {
 
 nb::capsule capsule(xla::Handler* of) { return nb::capsule(reinterpret_cast<void*>(of)); }
 
-/// The structure of a model as a dict. For each joint screw it has the body that the screw moves, the index
-/// of its velocity and the ratio by which this velocity moves it; for each body its predecessor, and for each
-/// frame its body.
+/// The structure of a model as a dict: for each joint screw its body, the index of its velocity and the ratio
+/// by which this moves it; for each body its predecessor; for each frame its body.
 nb::dict structure(const BoundModel& m) {
   nb::list bodies, velocities, ratios, parents, frames;
   for (int i = 1; i <= m->n_bodies(); ++i) {

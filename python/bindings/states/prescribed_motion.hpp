@@ -9,9 +9,8 @@ namespace axode::python {
 
 namespace nb = nanobind;
 
-/// Prescribed motions from a dict with names of joints and rods as keys and functions of time as values. A
-/// function returns the coordinate s of the joint (or the length of the rod) at a time with its derivatives
-/// s', s'' and, optionally, s'''.
+/// Prescribed motions from a dict {name of a joint or rod: function of time}. A function returns the
+/// coordinate s of the joint, or length of the rod, and its derivatives s', s'' and optionally s'''.
 std::vector<PrescribedMotion> motions_from(nb::handle given);
 
 }  // namespace axode::python

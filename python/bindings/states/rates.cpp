@@ -8,16 +8,14 @@
 #include "python/bindings/support/bindings.hpp"
 #include "python/bindings/support/conversions.hpp"
 
-/// Motions with time derivatives of any order: the derivatives of joint velocities that follow from those of
-/// a twist, and the derivatives of drive forces.
+/// Time derivatives of any order: of joint velocities, given those of a twist, and of drive forces.
 namespace axode::python {
 
 using namespace nb::literals;
 
 namespace {
 
-/// A motion of several states: q, and the velocities v and their time derivatives. Each derivative is an
-/// argument of its own in Python.
+/// Several states q, v with time derivatives of v, each of which is an argument of its own in Python.
 struct MotionInTime {
   MotionInTime(const States& of, std::initializer_list<Named> first, nb::args more) : states(of) {
     for (const Named& rate : first) rates.push_back(states.velocities(rate.name, rate.given));

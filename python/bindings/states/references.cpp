@@ -63,8 +63,7 @@ nb::object from_functions(const BoundModel& m, ArrayLike t, nb::handle motions, 
   return bound_trajectory(trajectory_from_functions(*m, all_of(times), motions_from(motions), rest));
 }
 
-/// The limits of velocities or of their derivatives in an argument: one number for all velocities, or one for
-/// each velocity; empty if the argument is None.
+/// Limits of velocities or their derivatives: one number for all, or one for each; empty if None is given.
 std::vector<double> limits_of(const Model& m, const char* name, nb::handle given) {
   if (given.is_none()) return {};
   const Numbers limits(name, {given.ptr()}, Infinities::allowed);
@@ -89,8 +88,8 @@ StraightPath path_between(const BoundModel& m, ArrayLike start, ArrayLike goal) 
   return {*m, from.q(0), to.q(0)};
 }
 
-/// A trajectory that follows a straight path. function(t) returns three lists: the distances along the path
-/// at the time t, their first and their second derivatives.
+/// A trajectory along a straight path. function(t) returns lists with the distances along the path at the
+/// time t and with their first and second derivatives.
 nb::object follow(const StraightPath& of, const std::vector<double>& jumps, double duration,
                   const nb::callable& function) {
   return bound_trajectory(of.follow(jumps, duration, [&](double t, int, std::span<MotionValue> distances) {

@@ -14,16 +14,14 @@
 #include "python/bindings/support/bindings.hpp"
 #include "python/bindings/support/conversions.hpp"
 
-/// Motions from many initial states in steps of equal length. Arguments are prepared and documented in the
-/// Python module axode.simulation.
+/// Motions from many initial states in steps of equal length, for the Python module axode.simulation.
 namespace axode::python {
 
 using namespace nb::literals;
 
 namespace {
 
-/// The input for K steps of all motions: the initial velocities, the length of a step (s), and what drives
-/// the motions, the forces tau or a drive.
+/// The input for K steps of all motions: initial velocities, step length (s), and forces tau or a drive.
 struct Steps {
   std::span<const double> v, tau;
   const Drive* drive;
@@ -41,8 +39,7 @@ batch::Outcome roll(const M& model, const Steps& steps, int threads, std::span<c
   return batch::rollout<S>(model, q, v, tau, steps.length, q_out, v_out, runge_kutta(4), threads, monitor,
                            steps.joint_losses);
 }
-/// Computes the motions with the functions of the library or, if `compiled` is not null, with functions that
-/// were compiled for this model, in their precision.
+/// Computes the motions, with functions that were compiled for the model if `compiled` is not null.
 batch::Outcome roll(const States& states, const BoundSpecialised* compiled, const Steps& steps,
                     std::span<double> q_out, std::span<double> v_out, const batch::Monitor& monitor) {
   const auto in_double = [&](const auto& model) {
@@ -130,8 +127,8 @@ std::tuple<Array, Array> driven_rollout_of(const BoundModel& m, ArrayLike q, Arr
   return motions_of(states, compiled, {velocities.all(), {}, &drive.drive, K, step, joint_losses});
 }
 
-/// The reason why motion n ended early, as text that begins with ": ". To find it, the step that could not be
-/// computed is simulated again; the text is empty if this succeeds.
+/// Why motion n ended early, as text that begins with ": "; its last step is simulated again to find the
+/// reason. Empty if this step then succeeds.
 std::string reason_of_end(const States& states, const ContactShapes& shapes, const Steps& steps,
                           std::size_t n, std::span<const double> q, std::span<const double> v) {
   const std::size_t K = static_cast<std::size_t>(steps.K), nq = static_cast<std::size_t>(states.model().nq()),

@@ -14,8 +14,7 @@ using namespace nb::literals;
 
 namespace {
 
-/// The arguments that are common to all functions of this file: the initial states and the drive forces of
-/// several motions, and the length of a step.
+/// Common arguments of several motions: initial states, drive forces, and the length of a step.
 struct Motions {
   const BoundModel& m;
   States states;
@@ -39,9 +38,8 @@ struct Motions {
     return states.items(name, given, {count, nv()}, "nv numbers in each row");
   }
 
-  /// Calls f(n, should_continue) for every motion n. As a motion may take long, f must call should_continue()
-  /// now and then, so that Ctrl-C is noticed. If motions cannot continue, an error that contains the result
-  /// is thrown at the end.
+  /// Calls f(n, should_continue) for every motion n; f must call should_continue() now and then, so that
+  /// Ctrl-C is noticed. At the end an error that contains the result is thrown if motions could not continue.
   template <class F> void each(double microseconds, NewArray& result, const F& f) const {
     std::vector<Solvability> found(states.count());
     states.each_long(

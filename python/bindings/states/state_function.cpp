@@ -34,9 +34,9 @@ double cost_of(catalog::Cost cost, const Model& model) {
   return cubic_cost(model);
 }
 
-/// Expands entries, such as poses of 12 numbers, to the matrices of numpy, such as 4 × 4 = 16 numbers: from
-/// `packed` to `unpacked` numbers each. The packed entries lie at the front of `numbers`. Beginning with the
-/// last one, f writes each of them in its expanded form to its final place.
+/// Expands entries, such as poses of 12 numbers, to matrices, such as 4 × 4 = 16 numbers, in place: from
+/// `packed` numbers each at the front of `numbers` to `unpacked`. f writes the matrix of one entry; the last
+/// entry comes first.
 template <int packed, int unpacked, class F> void unpack(std::span<double> numbers, const F& f) {
   for (std::size_t k = numbers.size() / unpacked; k-- > 0;) {
     std::array<double, packed> x;

@@ -11,13 +11,11 @@
 
 namespace axode::python {
 
-/// A function for N states, such as one compiled for the model, that is called instead of the function of the
-/// library. Arguments and results hold one state after the other.
+/// A substitute for a function of the library for N states, such as one compiled for the model.
 using Instead = std::function<batch::Outcome(const catalog::Arguments<double>&, std::span<double> out,
                                              const batch::Monitor&)>;
 
-/// The arguments that Python may give to a function of the state (such as inverse_dynamics). Those that the
-/// function does not take keep their default values.
+/// All arguments that functions of a state, such as inverse_dynamics, can have in Python.
 struct Arguments {
   ArrayLike q, v = {}, a = {}, tau = {}, p = {};
   ArrayLike dq = {}, dv = {}, da = {}, dtau = {}, w = {};
@@ -31,8 +29,7 @@ struct Arguments {
   const Instead* instead = nullptr;
 };
 
-/// An input that functions of the state can have as an array of numbers, such as q, and the member of
-/// Arguments that holds it.
+/// An array that functions of a state can take, such as q, and the member of Arguments that holds it.
 struct ArgumentOfState {
   catalog::Input input;
   ArrayLike Arguments::*argument;
@@ -48,22 +45,19 @@ constexpr ArrayLike Arguments::*argument_of(catalog::Input input) {
 }
 inline const char* name_of(catalog::Input input) { return to_string(input).data(); }
 
-/// A function of the table in axode/catalog.hpp, such as inverse_dynamics, for one state or for N states. If
-/// the library has a version for several states at once (Words::lanes), N states are computed in SIMD lanes.
+/// A function of the table in axode/catalog.hpp, such as inverse_dynamics, for one or several states.
 class StateFunction {
  public:
   explicit StateFunction(const char* name);
   /// Calls the function and returns its result. Throws nb::value_error for a wrong argument, SingularError if
   /// a state cannot be computed (for example, because the mass matrix is singular), and NotFiniteError if
-  /// numbers of states overflow; these two errors contain the result.
+  /// numbers overflow; the latter two contain the result.
   Array operator()(const BoundModel& m, const Arguments& given) const;
-  /// Calls the function, and returns the entries of its result as rows. operator() returns some results, such
-  /// as Jacobians, as matrices whose columns are the entries.
+  /// Calls the function, and returns entries such as the columns of Jacobians as rows.
   Array in_rows(const BoundModel& m, const Arguments& given) const;
   /// Calls the function, which must have two results, and returns both.
   std::tuple<Array, Array> both(const BoundModel& m, const Arguments& given) const;
-  /// Calls the function, and returns its result as an array, or several results as a named tuple of the type
-  /// that record_of() names.
+  /// Calls the function, and returns its result as an array, or several results as a named tuple.
   nb::object all(const BoundModel& m, const Arguments& given) const;
 
  private:
@@ -76,20 +70,16 @@ class StateFunction {
   std::vector<ArgumentOfState> takes_;  ///< the arguments that the function takes in addition to q
 };
 
-/// The name of the type in axode.records that holds the results of a function; empty for a function with one
-/// result.
+/// The name of the type in axode.records for several results of a function; empty if it has one.
 std::string record_of(const catalog::Words& row);
 
-/// The signature for Python of a function of the table in axode/catalog.hpp: `def name(self, arguments,
-/// options) -> result`, where the result is an array or a type of axode.records.
+/// The Python signature of a function in axode/catalog.hpp: `def name(self, arguments, options) -> result`.
 std::string signature(const catalog::Words& row, const char* self, const std::string& options);
 
-/// The docstring of a function with one more line before its example. The line says which parts of a
-/// mechanism (such as loops) the function takes into account.
+/// The docstring of a function with a line on the parts of a mechanism (such as loops) that it allows.
 std::string documented(const char* name, std::string doc);
 
-/// The type Parameter, whatever the number: for an index sequence n, `Each<Parameter, n>...` is a list of as
-/// many parameters of this type as the sequence has numbers, possibly none.
+/// The type Parameter: for an index sequence n, `Each<Parameter, n>...` is a list of as many parameters.
 template <class Parameter, std::size_t> using Each = Parameter;
 template <std::size_t> auto argument(const char* name) { return nb::arg(name); }
 template <std::size_t, class Value> auto argument(const char* name, Value&& value) {
@@ -97,8 +87,7 @@ template <std::size_t, class Value> auto argument(const char* name, Value&& valu
 }
 template <std::size_t n> using Times = std::make_index_sequence<n>;
 
-/// Defines functions in Python from their rows in the table of axode/catalog.hpp, which say what arguments,
-/// options and results they have.
+/// Defines functions in Python with the arguments, options and results that axode/catalog.hpp lists.
 class StateFunctions {
  public:
   explicit StateFunctions(nb::module_& module) : module_(module) {}

@@ -10,8 +10,7 @@
 namespace axode::python {
 namespace {
 
-/// The number of items in an argument, the length of its first axis; empty if the argument has the shape of
-/// one item, such as (nq,).
+/// The number of items in an argument, its first axis; empty if it has the shape of one item, such as (nq,).
 std::optional<std::size_t> rows(const Numbers& numbers, const Shape& item) {
   return numbers.axes() == item.axes ? std::nullopt
                                      : std::optional(static_cast<std::size_t>(numbers.length(0)));

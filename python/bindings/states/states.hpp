@@ -17,15 +17,13 @@
 
 namespace axode::python {
 
-/// The following functions return the approximate cost of a computation for one state in microseconds. It
-/// decides whether a call lets other threads run.
+/// The approximate time of a computation for one state, µs; if it is long, other threads run meanwhile.
 double linear_cost(const Model& model);     ///< cost of O(n): a recursion
 double quadratic_cost(const Model& model);  ///< cost of O(n²): a matrix
 double cubic_cost(const Model& model);      ///< cost of O(n³): a tensor
 double loop_cost(const Model& model);       ///< cost of O(n² + m³): a system with m rows of loops
 
-/// The numbers of an argument of a function of the state: either one item (such as nv velocities) for all
-/// states, or an item for each of N states.
+/// The numbers of an argument: either one item (such as nv velocities) for all states, or one for each.
 class Items {
  public:
   Items(Numbers numbers, bool many, nb::ssize_t item_size)
@@ -40,12 +38,10 @@ class Items {
   nb::ssize_t size_, step_;
 };
 
-/// The states with which a function is called from Python: one state, an array of shape (nq,), or N states,
-/// an array of shape (N, nq). The class also calls a function for every state.
+/// The states for which Python calls a function: one state, an array (nq,), or N states, an array (N, nq).
 class States {
  public:
-  /// Reads and checks the states. Throws nb::value_error for a wrong shape, numbers that are not finite, and
-  /// threads < 1.
+  /// Reads the states. Throws nb::value_error for a wrong shape, infinite numbers or NaN, and threads < 1.
   States(const BoundModel& model, ArrayLike q, int threads, const char* name = "q");
 
   const Model& model() const { return bound_; }
@@ -55,16 +51,15 @@ class States {
   std::span<const double> q(std::size_t k) const { return q_[k]; }
   std::span<const double> q() const { return q_.all(); }
 
-  /// Another argument of the call: one item if the call has one state of shape (nq,), otherwise an item for
-  /// each of the N states. `meaning` describes the item in messages.
+  /// Another argument: one item for one state of shape (nq,), otherwise an item for each of the N states.
+  /// `meaning` describes the item in messages.
   Items items(const char* name, ArrayLike given, const Shape& item, const char* meaning) const;
   /// Another argument of the call with nq numbers for each state.
   Items configurations(const char* name, ArrayLike given) const;
   /// Another argument of the call with nv numbers for each state.
   Items velocities(const char* name, ArrayLike given) const;
 
-  /// A new array for the results of the call: one item if the call has one state of shape (nq,), otherwise N
-  /// items.
+  /// A new array for the results: one item for one state of shape (nq,), otherwise N items.
   NewArray result(const Shape& item) const {
     return NewArray(many_ ? item.times(static_cast<nb::ssize_t>(count_)) : item);
   }
@@ -76,8 +71,7 @@ class States {
     const BoundModel::Lease<W> workspace(bound_);
     for (std::size_t k = 0; k < count_; ++k) run(k, [&] { f(*workspace, k); });
   }
-  /// Calls f(), which computes state k. If there are several states, the message of a std::invalid_argument
-  /// names this state.
+  /// Calls f(), which computes state k; of several states, the message of an error names this one.
   template <class F> void run(std::size_t k, const F& f) const {
     if (!many_) return f();
     try {
@@ -92,9 +86,8 @@ class States {
     if (takes_long(microseconds)) released.emplace();
     return f();
   }
-  /// Calls f(monitor) once for all states. If this is to take more than 20 µs, other Python threads run
-  /// meanwhile. f must call monitor(done, of) now and then: it notices Ctrl-C, and f must end when it returns
-  /// false.
+  /// Calls f(monitor) once for all states. Other Python threads run meanwhile if it takes more than 20 µs. f
+  /// must call monitor(done, of) now and then, which notices Ctrl-C, and end when it returns false.
   template <class F> auto unlocked(double microseconds, const F& f) const {
     LongCall call(takes_long(microseconds));
     const auto outcome = f(call.monitor());
@@ -102,8 +95,8 @@ class States {
     return outcome;
   }
 
-  /// Calls f(k, should_continue) for every state k. As a state may take long, f must call should_continue()
-  /// now and then, so that Ctrl-C is noticed, and end when it returns false.
+  /// Calls f(k, should_continue) for every state k. f must call should_continue() now and then, which notices
+  /// Ctrl-C, and end when it returns false.
   template <class F> void each_long(double microseconds, const F& f) const {
     unlocked(microseconds, [&](const batch::Monitor& monitor) {
       const std::thread::id caller = std::this_thread::get_id();
@@ -121,15 +114,14 @@ class States {
     });
   }
 
-  /// Throws SingularError or NotFiniteError, which contain the result, if the computation failed for some
-  /// states. `found` says for each state whether and why it failed; it may be empty. States whose results are
-  /// not finite count as failed too: for these, `otherwise` is the reason if `found` has none. An
-  /// operational-space inertia that does not exist is no failure; its numbers are NaN.
+  /// Throws SingularError or NotFiniteError, which contain the result, if states failed. `found` has the
+  /// verdict of each state and may be empty. States with results that are not finite failed, too, by default
+  /// for the reason `otherwise`; only the NaN of an operational-space inertia that does not exist is no
+  /// failure.
   void refuse(const std::vector<Solvability>& found, NewArray& result,
               const Solvability& otherwise = {.not_finite = true}) const;
-  /// Throws an error of axode.errors about the states with the indices `refused`; the error contains the
-  /// result. `sentence` is about the first of them. If the call has several states, the message has the index
-  /// of that state.
+  /// Throws an error of axode.errors that contains the result, about the states with the indices `refused`.
+  /// `sentence` is about the first of them; its index is in the message if there are several states.
   [[noreturn]] void raise(const char* error, const std::string& sentence,
                           const std::vector<std::size_t>& refused, NewArray& result) const;
 
@@ -165,8 +157,8 @@ class Rows {
   Items items_;
 };
 
-/// Checks that an argument is a dict that has no other keys than `keys` and has the keys `needed`. Throws
-/// nb::value_error or nb::key_error, which name the argument.
+/// A dict with no other keys than `keys` and all keys in `needed`. Throws nb::value_error or nb::key_error,
+/// which name the argument.
 template <std::size_t N>
 nb::dict entries_of(nb::handle given, const std::string& where, const std::array<std::string_view, N>& keys,
                     std::initializer_list<const char*> needed) {
@@ -185,9 +177,8 @@ inline std::span<double> item(const NewArray& out, std::size_t k, const Shape& s
   return {out.data() + k * size, size};
 }
 
-/// Calls f(workspace, k, out) for every state k, and returns an array of the results. f writes the result of
-/// the state, an array of the given shape, to `out`. If f can fail, it returns a Solvability, which says
-/// whether and why it failed.
+/// Returns an array of results for all states: f(workspace, k, out) writes that of state k, an array of the
+/// given shape, to `out`. If f can fail, it returns a Solvability, which says whether and why it did.
 template <class F>
 NewArray each_item(const States& states, double microseconds, const Shape& shape, const F& f) {
   NewArray out = states.result(shape);
@@ -210,8 +201,8 @@ struct Named {
   const char* name;
   ArrayLike given;
 };
-/// Calls f(workspace, q, x, ..., out) for every state and returns an array of the results. The arguments
-/// `more` (such as v and a) have nv numbers for each state; x, ... are those of the state.
+/// Returns an array of results for all states: f(workspace, q, x, ..., out) writes that of one state to
+/// `out`. The x are its items of the arguments `more` (such as v and a) with nv numbers for each state.
 template <class F, class... More>
 NewArray map_states(const BoundModel& model, int threads, double microseconds, const Shape& shape,
                     ArrayLike q, const F& f, const More&... more) {

@@ -52,9 +52,8 @@ class BoundTaskSpace {
   }
   int freedom() { return take()->freedom(); }
 
-  /// Calls f(space, k) for every state k, and returns `result`, to which f writes. f also returns whether the
-  /// state could be computed. If some states could not, throws SingularError or NotFiniteError, which contain
-  /// the result.
+  /// Calls f(space, k) for every state k and returns `result`, to which f writes. If f returned a failure of
+  /// a state, throws SingularError or NotFiniteError, which contain the result.
   template <class F> Array each(const States& states, NewArray result, const F& f) {
     std::vector<TaskVerdict> found(states.count());
     states.unlocked(cost(), [&](const batch::Monitor& monitor) {

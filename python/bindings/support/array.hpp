@@ -6,8 +6,7 @@
 #include <span>
 #include <string>
 
-/// Arrays of numpy. The headers of numpy are included in array.cpp only. Arrays that Python passes are read
-/// without a copy if their layout allows it.
+/// Arrays of numpy. Arrays that Python passes are read without a copy if their layout allows it.
 namespace axode::python {
 
 namespace nb = nanobind;
@@ -27,8 +26,7 @@ struct Shape {
   std::string text() const;  ///< the shape as Python writes it: `(2, 7)`
 };
 
-/// An argument that may hold numbers of any real type in any layout: arrays, lists, tuples. It is annotated
-/// in Python as numpy.typing.ArrayLike.
+/// An argument with real numbers: arrays, lists or tuples; annotated in Python as numpy.typing.ArrayLike.
 struct ArrayLike {
   PyObject* given = nullptr;
 };
@@ -40,9 +38,8 @@ struct Array {
 /// Whether numbers may be infinite, as some limits and pitches are. NaN is never allowed.
 enum class Infinities { refused, allowed };
 
-/// The numbers of an argument as doubles in C order. If the argument is an array with this layout, its memory
-/// is used, otherwise a copy. Throws nb::value_error, which names the argument, for anything but real numbers
-/// that are finite (or infinite, if Infinities allow it).
+/// The numbers of an argument as doubles in C order, copied only if necessary. Throws nb::value_error, which
+/// names the argument, for anything but real numbers that are finite (or infinite, if Infinities allow it).
 class Numbers {
  public:
   Numbers(std::string name, ArrayLike given, Infinities infinities = Infinities::refused);
@@ -79,11 +76,9 @@ class NewArray {
   double* data() const { return data_; }
   std::span<double> all() const { return {data_, static_cast<std::size_t>(size_)}; }
   Array array();  ///< the array, or a number if it has no axes
-  /// The array with its last two axes exchanged, so that numbers that were written column by column become a
-  /// matrix.
+  /// The array with its last two axes exchanged, as a matrix that was written column by column needs it.
   Array transposed();
-  /// A new array with entry k along the axis before the last `axes` axes. If `columns` is true, its last two
-  /// axes are exchanged, because the entries are columns of a matrix.
+  /// A new array: entry k along the axis before the last `axes` axes, transposed if `columns` is true.
   Array part(nb::ssize_t k, int axes, bool columns = false) const;
 
  private:

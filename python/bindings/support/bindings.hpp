@@ -1,8 +1,7 @@
 #pragma once
 #include <nanobind/nanobind.h>
 
-/// The functions by which the files of python/bindings add to the module, one for each file, in the order of
-/// the folders of the library.
+/// The functions by which the files of python/bindings add to the module, in the order of the library.
 namespace axode::python {
 
 void add_lie(nanobind::module_& lie);

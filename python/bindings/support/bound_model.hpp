@@ -12,9 +12,8 @@
 
 namespace axode::python {
 
-/// A Model that Python holds, with workspaces (scratch memory) that calls borrow. There are as many of them
-/// as threads have used the model at the same time. A caller that takes or returns a workspace must hold the
-/// interpreter's lock.
+/// A Model that Python holds, with workspaces (scratch memory), one for each thread that has used it at the
+/// same time. Whoever takes or returns a workspace must hold the interpreter's lock.
 class BoundModel {
  public:
   explicit BoundModel(Model model) : model_(std::move(model)) {}
@@ -55,8 +54,7 @@ class BoundModel {
 /// A frame given by its name or its number, annotated in Python as `str | int`.
 struct FrameName {
   PyObject* given = nullptr;
-  /// The index of the frame. Throws nb::key_error for an unknown name, and nb::value_error for an unknown
-  /// number or another type.
+  /// The index of the frame. Throws nb::key_error for an unknown name, nb::value_error for anything else.
   int in(const Model& model, const char* argument = "frame") const;
 };
 

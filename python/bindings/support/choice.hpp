@@ -15,8 +15,7 @@
 #include "axode/model/building/nearest_name.hpp"
 #include "python/bindings/support/text.hpp"
 
-/// Arguments whose value is one of a few words, annotated in Python as typing.Literal. Anything else causes a
-/// ValueError.
+/// Arguments that are one of a few words, typing.Literal in Python; others cause a ValueError.
 namespace axode::python {
 
 namespace nb = nanobind;

@@ -7,9 +7,8 @@
 #include "axode/eigen.hpp"
 #include "python/bindings/support/array.hpp"
 
-/// Conversions of the library's quantities to arrays of numpy, and back: vectors (3,), twists and wrenches
-/// (6,) with the angular part first, poses (4, 4), inertia matrices (6, 6), quaternions (4,) in the order x y
-/// z w.
+/// Conversions to arrays of numpy and back: vectors (3,), twists and wrenches (6,) with the angular part
+/// first, poses (4, 4), inertia matrices (6, 6), quaternions (4,) in the order x y z w.
 namespace axode::python {
 
 inline void write(const Vec3<>& a, double* to) { to[0] = a.x, to[1] = a.y, to[2] = a.z; }

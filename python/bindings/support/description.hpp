@@ -16,14 +16,13 @@ Description unpacked(nb::handle tuple);
 inline Strictness strictness(bool strict) { return strict ? Strictness::strict : Strictness::lenient; }
 
 /// Builds a mechanism from a dict with the keys of the drawing format (docs/drawing-format.md). Throws
-/// ModelError with every fault, and nb::type_error for objects that a drawing cannot contain. If the dict was
-/// made from a file of another format, `file` is the name of this file and `warnings` are those of its
-/// reader.
+/// ModelError with every fault, and nb::type_error for objects that a drawing cannot contain. If the dict
+/// stems from a file, `file` is its name and `warnings` are those of its reader.
 Model from_dict(const nb::dict& drawing, Base base, Strictness strictness, const std::string& file = "",
                 const std::vector<Fault>& warnings = {});
 nb::dict to_dict(const Model& model);
-/// A joint from a dict with the keys of a joint in the drawing format. Its axis and point are given in the
-/// frame to which the joint is attached. If `joint` is None, the result is a fixed joint.
+/// A joint from a dict with the keys of a joint in the drawing format. Axis and point are given in the frame
+/// to which it is attached. None stands for a fixed joint.
 JointDescription joint_of(nb::handle joint);
 
 }  // namespace axode::python

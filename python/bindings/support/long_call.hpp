@@ -11,8 +11,7 @@ namespace axode::python {
 /// monitor() now and then; it notices Ctrl-C and returns false if the call must end.
 class LongCall {
  public:
-  /// `release` says whether the interpreter's lock is released, so that other Python threads run. Short calls
-  /// keep the lock, because releasing it would take as long as the call.
+  /// `release`: whether other Python threads may run meanwhile, which does not pay off for short calls.
   explicit LongCall(bool release) : released_(release ? PyEval_SaveThread() : nullptr) {}
   ~LongCall() { take_lock(); }
   LongCall(const LongCall&) = delete;
@@ -25,8 +24,7 @@ class LongCall {
       return !interrupted_;
     };
   }
-  /// Ends the call. It must be called when the work is done or was ended early. Throws nb::python_error, for
-  /// example KeyboardInterrupt, if the call was interrupted.
+  /// Ends the call; to be called after the work. Throws nb::python_error if it was interrupted, as by Ctrl-C.
   void end() {
     take_lock();
     if (interrupted_) throw nanobind::python_error();

@@ -7,18 +7,16 @@
 #include "python/bindings/support/conversions.hpp"
 #include "python/bindings/support/long_call.hpp"
 
-/// Extends functions of single items, such as a screw (6,), to arrays of items with any axes in front, (...,
-/// 6).
+/// Extends functions of single items, such as a screw (6,), to arrays of items, such as (..., 6).
 namespace axode::python {
 
-/// The shape of an item of type T in an array, and how an item is read and written. Reading throws
-/// nb::value_error, which names the argument, for numbers that are not an item of this type.
+/// The shape of an item of type T in an array, and its conversion. Reading throws nb::value_error, which
+/// names the argument, for numbers that are no such item.
 template <class T> struct Item;
 template <class T> inline constexpr Infinities infinities_of = Infinities::refused;
 
-/// Checks that a matrix has the structure of an item, such as an inertia. `given` is the matrix from which
-/// the item was read, and `made` the matrix of the item. Throws nb::value_error if they differ by more than
-/// 1e-6 of the largest entry.
+/// Throws nb::value_error if the matrix `given` differs by more than 1e-6 of its largest entry from `made`,
+/// the matrix of the item, such as an inertia, that was read from it.
 void check_structure(const char* argument, const char* expected,
                      const Eigen::Ref<const Eigen::MatrixXd>& given,
                      const Eigen::Ref<const Eigen::MatrixXd>& made);
@@ -105,8 +103,8 @@ template <class T> struct Given {
   ArrayLike array;
 };
 
-/// The shape that has the first `axes` axes of an argument. Throws nb::value_error if a Shape cannot hold
-/// these axes together with those of an item.
+/// The shape of the first `axes` axes of an argument. Throws nb::value_error if these are too many for a
+/// Shape that also has those of an item.
 Shape first_axes(const Numbers& numbers, int axes);
 
 /// The numbers of one argument of a function that is called for arrays of items.
@@ -126,17 +124,15 @@ class Operand {
   nb::ssize_t step_ = 0;
 };
 
-/// The leading axes that the operands have in common: those before the axes of a single item. Throws
-/// nb::value_error if two operands have different leading axes; an operand that is a single item fits all
-/// others.
+/// The axes before those of an item, which all operands must have in common, except operands that are single
+/// items. Throws nb::value_error if they differ.
 Shape common_leading(std::span<const Operand> operands);
 /// The shape that has the axes `leading`, followed by the axes of an item.
 Shape with_item(const Shape& leading, const Shape& item);
 /// Throws the error of an item again, with the index of the item added to the message.
 [[noreturn]] void rethrow_with_place(const nb::builtin_exception& error, const Shape& leading, nb::ssize_t k);
 
-/// The results for all items of a function f of single items: an array or, if f returns a tuple, one array
-/// for each entry of the tuple.
+/// The results of a function for all items: an array or, if it returns a tuple, an array for each entry.
 template <class T> class Results {
  public:
   explicit Results(const Shape& leading) : array_(with_item(leading, Item<T>::shape)) {}
@@ -163,8 +159,8 @@ template <class... T> class Results<std::tuple<T...>> {
   std::tuple<Results<T>...> results_;
 };
 
-/// Calls f for every item of the given arrays and returns the results as arrays. If there are many items,
-/// other Python threads run meanwhile, and Ctrl-C ends the call.
+/// Calls f for every item and returns arrays of the results. If there are many items, other Python threads
+/// run meanwhile, and Ctrl-C ends the call.
 template <class F, class... T> auto map_items(const F& f, const Given<T>&... given) {
   const std::array operands{Operand(given.name, given.array, Item<T>::shape, infinities_of<T>)...};
   const Shape leading = common_leading(operands);

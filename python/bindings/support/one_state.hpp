@@ -3,8 +3,7 @@
 
 namespace axode::python {
 
-/// The state in an argument of a function that takes one state only. Throws nb::value_error for several
-/// states and for any other wrong shape.
+/// The state in an argument of a function of one state. Throws nb::value_error for any other shape.
 inline States one_state(const BoundModel& model, ArrayLike q, const char* name = "q") {
   const Numbers numbers(name, q);
   const Shape expected{model->nq()};

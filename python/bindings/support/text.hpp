@@ -4,14 +4,12 @@
 #include <string>
 #include <string_view>
 
-/// Conversions of texts between Python and C++. A Python str may contain characters that cannot be encoded in
-/// UTF-8, and a C++ string may contain bytes that are not UTF-8.
+/// Conversions of texts between Python and C++, either of which may have texts that are not valid UTF-8.
 namespace axode::python {
 
 namespace nb = nanobind;
 
-/// The text of a Python str in UTF-8. Throws Python's UnicodeEncodeError, which is a ValueError, if the str
-/// cannot be encoded.
+/// The text of a Python str in UTF-8. Throws UnicodeEncodeError, a ValueError, if it cannot be encoded.
 inline std::string text_of(nb::handle string) {
   Py_ssize_t size = 0;
   const char* text = PyUnicode_AsUTF8AndSize(string.ptr(), &size);

@@ -6,28 +6,24 @@
 #include "python/bindings/support/bindings.hpp"
 #include "python/bindings/support/text.hpp"
 
-/// If arguments do not fit a function, the message of nanobind describes the valid arguments by C++ types.
-/// This file replaces that message by a sentence that Python code composes.
+/// Replaces nanobind's message for arguments that do not fit, which names C++ types, by one from Python code.
 namespace axode::python {
 namespace {
 
-/// The beginning of nanobind's function objects (nb_func in its nb_internals.h). Each of them has a field
-/// with the C function that a call runs (vectorcall). Python knows where this field is, but its stable
-/// interface does not tell an extension module.
+/// The beginning of nanobind's function objects (nb_func in its nb_internals.h), with the field for the C
+/// function that a call runs (vectorcall), whose place Python's stable interface does not tell.
 static_assert(NB_VERSION_MAJOR == 3);
 struct Function {
   PyVarObject head;
   vectorcallfunc call;
 };
 
-/// The C functions that calls of nanobind's functions run originally, before this file replaces them (the
-/// field `vectorcall` of the function objects). There are only a few different ones, which depend on the
-/// number and kind of arguments.
+/// The original C functions of nanobind's function objects (field `vectorcall`); only a few different ones.
 std::array<vectorcallfunc, 8> nanobind_calls{};
 /// The Python function that composes a sentence: (function, arguments, keyword arguments) -> str or None.
 nb::handle explanation;
 
-/// If the present Python error is nanobind's error for arguments that do not fit, replaces it by a TypeError
+/// Replaces nanobind's error for arguments that do not fit, if it is the present Python error, by a TypeError
 /// with the sentence that `explanation` returns.
 void explain(PyObject* function, PyObject* const* given, std::size_t count, PyObject* keywords) {
   nb::python_error error;
@@ -51,9 +47,7 @@ void explain(PyObject* function, PyObject* const* given, std::size_t count, PyOb
   error.restore();
 }
 
-/// A mask for the highest two bits of the number of arguments, which are flags. By one of them Python says
-/// that the array element before the arguments may be overwritten, and by the other one nanobind says that
-/// the object is being constructed.
+/// A mask for the two highest bits of the number of arguments, which are flags of Python and of nanobind.
 constexpr std::size_t flags = ~(std::numeric_limits<std::size_t>::max() >> 2);
 
 template <std::size_t k>
@@ -68,8 +62,7 @@ constexpr auto calls = []<std::size_t... k>(std::index_sequence<k...>) {
 }
 (std::make_index_sequence<nanobind_calls.size()>());
 
-/// Makes the Python function `asked` compose the message whenever a nanobind function is called with
-/// arguments that do not fit.
+/// Makes the Python function `asked` write the messages about arguments that do not fit a function.
 void explain_wrong_calls(nb::handle function, nb::handle asked) {
   Function& of = *reinterpret_cast<Function*>(function.ptr());
 #ifndef Py_LIMITED_API

@@ -2,11 +2,9 @@
 #include <cstddef>
 #include <cstdint>
 
-/// The part of XLA's foreign function interface (FFI) that python/bindings uses: the structs in memory by
-/// which XLA calls a function and receives its answer. It is a published C interface with numbered versions,
-/// whose structs contain their own sizes (xla/ffi/api/c_api.h of jaxlib). It is repeated here so that the
-/// package can be built without jaxlib; tests/bridges/jax compares this file with that header, member by
-/// member.
+/// The part that is used here of the foreign function interface of XLA, the compiler of JAX: structs by which
+/// XLA calls a function and gets its answer. They are those of the published C interface xla/ffi/api/c_api.h,
+/// repeated so that no jaxlib is needed; a test compares them member by member.
 namespace axode::xla {
 
 inline constexpr int major_version = 0, minor_version = 3;  ///< version of the interface that this file
@@ -85,8 +83,7 @@ struct CallFrame {
   Attributes attributes;
 };
 
-/// The structs of a call that only asks for the version of the interface; `extensions` of the call then
-/// points to a MetadataRequest.
+/// The structs of a call that only asks for the version; its `extensions` points to a MetadataRequest.
 struct Metadata {
   std::size_t struct_size;
   Version version;

@@ -143,8 +143,7 @@ void check_port(const FaultySubject& at, const DriveDescription& drive) {
     are_finite(at, {{"points[0]", drive.line->points[0]}, {"points[1]", drive.line->points[1]}});
 }
 
-/// For each drive the index of the drive whose output is its input or, if its input is not the output of a
-/// drive, the number of drives. `names` has the name of each drive.
+/// For each drive the index of the drive whose output is its input; the number of drives if there is none.
 std::vector<std::size_t> feeders(const std::vector<DriveDescription>& drives,
                                  const std::vector<std::string>& names) {
   std::unordered_map<std::string_view, std::size_t> index;
@@ -157,9 +156,8 @@ std::vector<std::size_t> feeders(const std::vector<DriveDescription>& drives,
   return feeder;
 }
 
-/// Marks the drives that feed themselves, directly or by way of others. feeder[k] is the drive whose output
-/// is the input of drive k. From each drive a walk goes on to its feeder, and stops at a drive that an
-/// earlier walk has met, so that all walks together take only as many steps as there are drives.
+/// Marks the drives whose input depends on their own output; feeder[k] is the drive whose output is the input
+/// of drive k. From each drive the feeders are followed until a drive was met before, in linear time.
 std::vector<char> drives_on_cycles(const std::vector<std::size_t>& feeder) {
   const std::size_t n = feeder.size();
   std::vector<char> on_cycle(n);

@@ -4,12 +4,10 @@
 
 namespace axode {
 
-/// Checks the parameters, the initial state, the input, and the joints or line of a drive. The numbers of the
-/// drive may have any value, including infinity and NaN. `at` names the drive and collects its faults.
+/// Checks the parameters, initial state, input, and joints or line of a drive, whose numbers may be anything.
 void check_drive(const FaultySubject& at, const DriveDescription& drive);
 
-/// Checks the drives whose input is the output of another drive: the other drive must exist and be a
-/// controller, and no drive may feed itself by way of others.
+/// Checks the drives whose input is the output of another one, which must be a controller; cycles are errors.
 void check_feeding(FaultCollector& faults, const Description& description);
 
 }  // namespace axode

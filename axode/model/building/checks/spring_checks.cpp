@@ -87,8 +87,7 @@ bool check_curve(const FaultySubject& at, const GasCurve& gas) {
   return good && gas.ambient >= 0;
 }
 
-/// Checks the preload of a spring, and warns if the force of a one-sided spring jumps at the deflection 0.
-/// The curve of the spring must have no faults.
+/// Checks the preload of a spring whose curve has no faults, and warns if a one-sided force jumps at 0.
 void check_force(const FaultySubject& at, const SpringDescription& spring) {
   const bool tension = spring.acts == Acts::in_tension;
   if (spring.acts != Acts::both_ways) {
@@ -118,8 +117,7 @@ void check_force(const FaultySubject& at, const SpringDescription& spring) {
 
 constexpr double matrix_tolerance = 1e-9;
 
-/// Whether a symmetric matrix whose diagonal entries are 1 or 0 has a negative eigenvalue. The signs of the
-/// pivots of its Gaussian elimination show this.
+/// Whether a symmetric matrix with diagonal entries of 1 or 0 has a negative eigenvalue, by Gaussian pivots.
 bool has_negative_eigenvalue(SixBySix A) {
   for (std::size_t k = 0; k < 6; ++k) {
     const double pivot = A[k][k];
@@ -137,7 +135,7 @@ bool has_negative_eigenvalue(SixBySix A) {
 }
 
 /// Checks the stiffness or damping matrix A of a bushing: it must be symmetric and have no negative
-/// eigenvalue. As its rows have different units, the matrix is first scaled to diagonal entries of 1 or 0.
+/// eigenvalue. As its rows have different units, it is scaled first.
 void check_matrix(const FaultySubject& at, const std::string& what, const SixBySix& A) {
   SixBySix scaled{};
   for (std::size_t k = 0; k < 6; ++k)

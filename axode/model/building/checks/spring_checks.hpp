@@ -3,8 +3,7 @@
 
 namespace axode {
 
-/// Checks the numbers, frames and force law of a spring. The numbers may have any value, including infinity
-/// and NaN. `at` names the spring and collects its faults.
+/// Checks the numbers, which may be anything, the frames and the force law of a spring.
 void check_spring(const FaultySubject& at, const SpringDescription& spring);
 
 }  // namespace axode

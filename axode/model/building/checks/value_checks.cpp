@@ -42,8 +42,7 @@ bool is_angle(JointKind kind, std::size_t k) {
   }
 }
 
-/// Reports limits of an angle, which are in rad, that look like degrees: one of them is a multiple of 5, is
-/// more than two turns in rad, and is at most 720.
+/// Reports limits of an angle (rad) that look like degrees: a multiple of 5 from two turns in rad up to 720.
 void angle_limits(const FaultySubject& at, const Dof& dof) {
   constexpr double two_turns = 4 * std::numbers::pi, most = 720, round = 5;
   const auto looks_like_degrees = [](double x) {
@@ -86,9 +85,9 @@ void compliance(const FaultySubject& at, const std::string& of_it, const Contact
                                     ", and it has a stiffness; a compliant surface bounces by its damping");
 }
 
-/// Reports an error if a joint cannot have the spring or the stops of its degree of freedom `dof`: stops that
-/// are both hard and elastic, or stops without limits; for a joint of several velocities, stops of any kind
-/// or a spring whose position of rest is not 0.
+/// Reports springs and stops that a degree of freedom `dof` cannot have: stops that are both hard and elastic
+/// or without limits; for joints of several velocities all stops, and springs with a rest position other than
+/// 0.
 void springs(const FaultySubject& at, const JointDescription& joint, const Dof& dof) {
   const bool elastic = dof.stop_stiffness != 0 || dof.stop_damping != 0;
   const bool stops = elastic || dof.hard_stops;
@@ -111,9 +110,8 @@ void springs(const FaultySubject& at, const JointDescription& joint, const Dof& 
   }
 }
 
-/// Reports an error if a joint cannot have the gear losses of its degree of freedom `dof`. A joint of several
-/// velocities, a coupled joint and a passive joint, which has no drive, cannot have any; a gear that locks
-/// itself must have an armature.
+/// Reports gear losses that a degree of freedom `dof` cannot have: those of a joint of several velocities, a
+/// coupled joint or a passive joint (without a drive), and of a self-locking gear without an armature.
 void gear(const FaultySubject& at, const JointDescription& joint, const Dof& dof) {
   if (dof.gear_loss == 0 && !dof.gear_loss_back) return;
   const double back = dof.gear_loss_back.value_or(dof.gear_loss);
@@ -153,8 +151,8 @@ bool check_pose(const FaultySubject& at, const std::string& what, const SE3<>& C
   return false;
 }
 
-/// Checks the numbers and poses of a body with its joint and shapes. Returns whether all numbers are finite
-/// (limits may be infinite) and all poses have a rotation.
+/// Checks a body with its joint and shapes. Returns whether all numbers but limits are finite and the
+/// rotation matrices of all poses are orthonormal.
 bool check_numbers(const BodyDescription& body, FaultCollector& faults) {
   const FaultySubject in_body{faults, "body " + quoted(body.name), body.source};
   const FaultySubject in_joint{faults, "joint " + quoted(joint_name(body)), joint_source(body)};
@@ -199,8 +197,8 @@ bool check_numbers(const BodyDescription& body, FaultCollector& faults) {
   return good;
 }
 
-/// Checks a shape. Returns whether all its numbers are finite and its pose has a rotation. Sizes that are not
-/// positive and colours outside 0 to 1 are errors only if the check is strict.
+/// Checks a shape. Returns whether its numbers are finite and the rotation matrix of its pose is orthonormal.
+/// Sizes that are not positive and colours outside 0 to 1 are errors only if the check is strict.
 bool check_shape(const FaultySubject& at, const ShapeDescription& it) {
   const ShapeTraits& kind = traits(it.kind);
   const std::string of_it = " of a " + std::string(kind.name);

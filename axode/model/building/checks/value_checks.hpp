@@ -30,8 +30,7 @@ struct FaultCollector {
   }
 };
 
-/// An element of a description about which faults are reported: its name in messages, and its place in a
-/// file.
+/// An element of a description whose faults are reported: its name in messages, and its place in a file.
 struct FaultySubject {
   FaultCollector& faults;
   std::string element;
@@ -57,20 +56,18 @@ bool are_finite(const FaultySubject& at, std::initializer_list<std::pair<const c
 bool are_finite(const FaultySubject& at, std::initializer_list<std::pair<const char*, Vec3<>>> values);
 bool are_finite(const FaultySubject& at, const std::string& key, std::span<const double> values);
 
-/// The following three functions check a pose, a shape, or the numbers and poses of a body, and report
-/// faults. They return whether all numbers are finite and all poses have a rotation.
+/// Checks that return whether all numbers are finite and all rotation matrices orthonormal.
 bool check_pose(const FaultySubject& at, const std::string& what, const SE3<>& C);
 bool check_shape(const FaultySubject& at, const ShapeDescription& shape);
 bool check_numbers(const BodyDescription& body, FaultCollector& faults);
-/// The following functions check an element and report its faults. check_joint() and check_inertia() take a
-/// body that has passed check_numbers(). The other functions accept any numbers, including infinity and NaN.
+/// Checks that report the faults of an element. check_joint() and check_inertia() need a body that has passed
+/// check_numbers(); the others accept any numbers, including infinity and NaN.
 void check_joint(const BodyDescription& body, FaultCollector& faults);
 void check_inertia(const BodyDescription& body, FaultCollector& faults);
 void check_loop(const FaultySubject& at, const LoopDescription& loop);
 void check_play(const FaultySubject& at, const CouplingDescription& coupling);
 void check_motion(const FaultySubject& at, const MotionDescription& motion);
-/// Checks the coordinates (if `positions` is true) or velocities of a joint in an initial state. `what` is
-/// their name in messages, q or v.
+/// Checks the coordinates (if `positions`) or velocities of a joint in an initial state; `what` is q or v.
 void check_joint_state(const FaultySubject& at, const char* what, const JointDescription& joint,
                        std::span<const double> numbers, bool positions);
 void check_contact(const FaultySubject& at, const ContactDescription& contact);
