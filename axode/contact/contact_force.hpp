@@ -39,7 +39,7 @@ constexpr std::string_view to_string(LawBranch branch) {
 
 /// Adds the impulse of one contact to the force and the moment of `out`. `block` is the index of the contact
 /// in the problem, `lambda` has the multipliers of all scalar constraints of the problem, and `normal` is the
-/// normal along which those of the contact were made.
+/// normal of the contact from which its constraints were made.
 void add_impulse(const VelocityProblem& problem, std::size_t block, const double* lambda,
                  const Vec3<>& normal, ContactForce& out) noexcept;
 /// Whether one contact is open, sticks or slides after a step. It is open if its normal multiplier is not

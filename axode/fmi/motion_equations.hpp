@@ -89,8 +89,9 @@ class MotionEquations {
   /// The sum of tau and the forces of drives and springs (nv). Writes the rates of x to dx unless it is null.
   std::vector<double> force_sum(const Point& at, Span q, std::vector<double>* dx);
   Derivatives derivatives(const Point& at, Span q);
-  /// Computes derivatives by coordinates `raw` before normalisation: those of the normalised q
-  /// (`normalization`, nq × nq), and the displacement of q on the group (`displacement`, nv × nq).
+  /// Computes the derivatives by the coordinates `raw` before normalisation: those of the normalised q
+  /// (`normalization`, nq × nq), and its displacement along left-trivialised directions for each unit of
+  /// `raw` (`displacement`, nv × nq).
   void seeds(Span raw, Span q, Eigen::MatrixXd& displacement, Eigen::MatrixXd& normalization) const;
   Eigen::MatrixXd rates_by_coordinates(Span q, Span v) const;
 

@@ -50,12 +50,11 @@ class Trajectory {
   /// std::invalid_argument for a time outside the trajectory and for a wrong size.
   void drive_states_at(double time, std::span<double> x) const;
 
-  /// Interpolates q, v and, unless it is empty, a at a time t (s) on the group: q = (q_k ⊕ (t - t_k) z) ⊕
-  /// x(t) in the step of length h that starts at t_k. z is an estimate of the mean velocity of the step for
-  /// joints of several velocities, and 0 for the others; x(t) is the quintic for which q, v and a are right
-  /// at both ends of the step. The error of h z must be less than half a turn. The errors are of order h⁶ in
-  /// q, h⁵ in v and h⁴ in a. Throws std::invalid_argument for a time outside the trajectory and for a wrong
-  /// size.
+  /// Interpolates q, v and, unless it is empty, a at a time (s), on the group of configurations, from q, v
+  /// and a at both ends of the step that contains the time. The errors are of order h⁶ in q, h⁵ in v and h⁴
+  /// in a for steps of length h, which must be short enough that the mean velocity estimated for joints of
+  /// several velocities is wrong by less than half a turn per step. Throws std::invalid_argument for a time
+  /// outside the trajectory and for a wrong size.
   void at(double time, std::span<double> q, std::span<double> v, std::span<double> a = {}) const;
 
   /// Appends the state at the end of a step: the time t (s), q, v, a, the drive forces tau, and the states x
@@ -63,10 +62,10 @@ class Trajectory {
   void append(double t, std::span<const double> q, std::span<const double> v, std::span<const double> a,
               std::span<const double> tau, std::span<const double> x = {}, std::span<const double> dx = {});
 
-  /// Records a jump at the end of the last step: v, a, x and dx are the values just after it, which the
-  /// accessors return from now on; an empty x or dx is left unchanged. The step before the jump is
-  /// interpolated with the former v, a and dx, but with the new x, which may differ from the former x by
-  /// rounding alone.
+  /// Records a jump at the end of the last step: v, a, the states x of the drives and their rates dx are the
+  /// values just after it, which the accessors return from now on; an empty x or dx is left unchanged. The
+  /// step before the jump is interpolated with the former v, a and dx, but with the new x, which may differ
+  /// from the former x by rounding alone.
   void jump(std::span<const double> v, std::span<const double> a, std::span<const double> x = {},
             std::span<const double> dx = {});
 

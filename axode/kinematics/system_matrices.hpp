@@ -12,16 +12,17 @@ namespace axode {
 
 using SystemMatrix = Eigen::SparseMatrix<double>;
 
-/// The matrices of V = A X v, the stacked twists of all bodies, with (I - D) A = I (eqs. VbAX, JbSys). D has
-/// the transformation of the predecessor's twist at the block (i, predecessor(i)), A has products of these
-/// transformations along the paths, and X has the joint screws. A and D are 6n × 6n, and X is 6n × nv.
+/// The factors of the stacked twists V = A X v of all bodies, with A = (I - D)⁻¹ (eqs. VbAX, JbSys). Block
+/// (i, p) of D transforms the twist of the predecessor p to body i. Block (i, j) of A transforms that of body
+/// j on the path from the ground to i. X has the joint screws. A and D are 6n × 6n for n bodies, and X is 6n
+/// × nv.
 struct SystemMatrices {
   SystemMatrix A, D, X;
 };
-/// The matrices of V = A X v, the stacked twists of all bodies, with (I - D) A = I, in representation Rep.
-/// The body-fixed A^b has the blocks Ad_{C_ij} with the pose C_ij of body j relative to body i, and the
-/// hybrid A^h has Ad_{r_ij} with the vector r_ij between their origins. The spatial D has identities, and its
-/// X has the instantaneous joint screws, so that A is the lower block-triangular matrix L of identities.
+/// Computes the matrices A, D and X of V = A X v in representation Rep. The blocks (i, j) of A are Ad_{C_ij}
+/// in the body-fixed representation, with the pose C_ij of body j relative to body i; Ad_{r_ij} in the hybrid
+/// one, with the vector r_ij between their origins; and identities in the spatial one, where X has the joint
+/// screws at q.
 template <RecursionRepresentation Rep = BodyFixed>
 SystemMatrices system_matrices(const Model& model, std::span<const double> q);
 
@@ -34,8 +35,9 @@ struct SpatialFactors {
 SpatialFactors spatial_factors(const Model& model, std::span<const double> q);
 
 /// The matrix a^b(v) = diag(ad_{X_i v_i}), 6n × 6n (eq. ab), with the joint screws X_i in the body frames.
-/// With the body-fixed A and D of (I - D) A = I, the rate of the stacked Jacobian is J^b' = -A^b a^b D^b J^b,
-/// and -A^b a^b J^b if every joint has one degree of freedom (eq. u:Jb_dot matrix).
+/// The rate of the stacked body-fixed Jacobian is J^b' = -A^b a^b D^b J^b, with A and D of
+/// system_matrices<BodyFixed>(), and -A^b a^b J^b if every joint has one degree of freedom (eq. u:Jb_dot
+/// matrix).
 SystemMatrix a_matrix(const Model& model, std::span<const double> v);
 /// The matrix b(V) = diag(ad_{V_1}, ..., ad_{V_n}), 6n × 6n, of the body-fixed or spatial twists V_i of all
 /// bodies (eqs. bb, bs).

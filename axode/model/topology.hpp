@@ -13,8 +13,8 @@ struct JointGroup {
   int begin, end;
 };
 
-/// The structure of a tree, in vectors indexed by bodies (frame_body by frames). Body 0 is the ground, whose
-/// parent, kind and leader are not used.
+/// The structure of a tree, in vectors indexed by bodies (frame_body by frames). Body 0 is the ground; its
+/// entries of parent, kind and leader are not used.
 struct Connections {
   std::vector<int> parent;     ///< predecessor of each body, parent[i] < i
   std::vector<Subgroup> kind;  ///< subgroup of the joint that moves the body
@@ -51,10 +51,9 @@ struct Topology {
   /// velocity on the path to the ground.
   std::vector<int> velocity_parent;
 
-  /// Data for the elimination of velocities that several joints share, because joints are coupled, in a sweep
-  /// from the leaves to the ground. A tie is a pair of such a velocity and a body on the paths from its
-  /// joints to the body where these paths meet, both ends included. There the velocity is eliminated before
-  /// the joint of this body, unless this joint has the velocity itself.
+  /// Data for the elimination of velocities that several coupled joints share, in a sweep from the leaves to
+  /// the ground. A shared velocity is eliminated at the body where the paths from its joints to the ground
+  /// meet. A tie is a pair of such a velocity and a body on these paths up to there, both ends included.
   ///
   /// Ties begin[i] to begin[i + 1] - 1 belong to body i; body 0 is the ground. The elimination couples ties
   /// of a body only within a group: ties with paths through the same child, and all ties with paths that go

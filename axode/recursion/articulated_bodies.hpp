@@ -4,23 +4,18 @@
 
 namespace axode {
 
-/// The articulated-body algorithm, which solves M x = b for the mass matrix M in O(n).
+/// The articulated-body algorithm, which solves M x = b for the mass matrix M in O(n) (Featherstone; (D4.2)
+/// to (D4.11) of docs/derivations).
 ///
-/// M^A is the articulated inertia of a body, with the joints of its subtree free. From the leaves to the
-/// roots each screw S of joint i, which contributes S v to the twist of the body, is eliminated:
+/// From the leaves to the roots each screw S of a joint is eliminated from the articulated inertia M^A, that
+/// of the body with the joints of its subtree free:
 ///   U = M^A S,  D = Sᵀ U + armature,  M^A -= U Uᵀ / D.
-/// After the last screw of a joint, M^A is moved to the predecessor and added there. The velocities of a
-/// joint with several degrees of freedom are eliminated one after the other, as in a chain of joints through
-/// massless bodies.
+/// After the last screw of a joint, M^A is moved to the predecessor and added there. A pivot D is a
+/// difference of larger numbers and carries their rounding errors, which the magnitudes F of these numbers
+/// estimate.
 ///
-/// A pivot D is a difference of larger numbers and carries their rounding errors. F estimates how large they
-/// are; D is compared with Sᵀ F S + armature.
-///
-/// Coupled joints share a velocity. Such a velocity enters at each of these joints and is eliminated at the
-/// body where their paths meet. On the paths to that body it adds a column to the inertia, called a tie
-/// (Topology::Ties): the wrench U_c that a unit of velocity c causes, and the forces D_cd on the other ties d
-/// of the body. Hence the cost of coupled joints grows with the number of their ties. See (D4.2) to (D4.11)
-/// of docs/derivations.
+/// A velocity that coupled joints share is eliminated at the body where the paths from these joints to the
+/// ground meet. On the way there it adds a column to the inertia of each body, called a tie (Topology::Ties).
 template <class Rep, class T> struct ArticulatedBodies {
   BodyLinks<Rep, T> links;
   Inertia<T>* M_body;  ///< rigid inertia of each body, as Link::inertia() returns it
@@ -138,8 +133,8 @@ template <class Rep, class T> struct ArticulatedBodies {
   }
   /// Replaces the drive forces x by the joint accelerations a, after factorize(). W[i] must be the wrench
   /// that body i needs to keep its twist, minus the applied wrenches. bias[i] is the part of the twist rate
-  /// of body i, relative to its predecessor, that does not depend on a; bias[0] is that of the ground. Null
-  /// is bias 0. O(n).
+  /// of body i, less that of its predecessor, that does not depend on a; bias[0] is the twist rate of the
+  /// ground. If it is null, all are 0. O(n).
   template <TreeOf<T> AnyTree>
   void accelerate(const AnyTree& tree, const TwistRate<Rep, T>* bias, T* x) noexcept {
     W[0] = {};
@@ -157,9 +152,9 @@ template <class Rep, class T> struct ArticulatedBodies {
     for (int i = tree->n; i > 0; --i) backward_step(tree, i, x);
     backward_step_at_ground(tree, x);
   }
-  /// The step of the backward sweep at body i. It must follow the steps of all other bodies in the subtree of
-  /// body i, which add their wrenches to W[i]. `bias` has the twist rates, relative to the predecessors, for
-  /// joint accelerations 0, or is null.
+  /// The step of the backward sweep at body i, which must follow the steps of all other bodies in its
+  /// subtree. `bias` has the twist rates, relative to the predecessors, for joint accelerations 0, or is
+  /// null.
   template <TreeOf<T> AnyTree>
   void backward_step(const AnyTree& tree, int i, const T* x,
                      const TwistRate<Rep, T>* bias = nullptr) noexcept {
@@ -258,8 +253,8 @@ template <class Rep, class T> struct ArticulatedBodies {
   template <class AnyTree> void clear_ties(const AnyTree& tree) noexcept {
     for (int t = 0; t < tree->ties.begin[tree->n + 1]; ++t) u_tie[t] = T(0);
   }
-  /// When a shared velocity of coupled joints (a tie of a body) is eliminated: before the screws of the
-  /// body's joint; after them, if this is one of the joints; or later, at a predecessor.
+  /// When the velocity of a tie of a body is eliminated: before the screws of the body's joint; after them,
+  /// if this is one of the joints that share it; or later, at a predecessor.
   enum Turn { before, after, later };
   static Turn turn(const Topology::Ties& ties, int i, int t) {
     return ties.up[t] >= 0 ? later : t == ties.own[i] ? after : before;
@@ -305,7 +300,7 @@ template <class Rep, class T> struct ArticulatedBodies {
     scale_tie[own] += F[i] * S[s] | S[s];
   }
   /// Eliminates the velocity of screw s of body i, and updates the columns of velocities that coupled joints
-  /// share (ties), if they continue to the predecessor. G is F S with the magnitudes F of the numbers in the
+  /// share (ties). G is F S, with the screw S and the magnitudes F of the numbers in the body's articulated
   /// inertia, and `size` is the magnitude of the numbers from which the pivot D is computed.
   template <class AnyTree>
   void eliminate_screw(const AnyTree& tree, int i, int s, const Wrench<Rep, T>& G, const T& size) noexcept {

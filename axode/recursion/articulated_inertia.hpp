@@ -4,8 +4,8 @@
 
 namespace axode {
 
-/// A symmetric matrix [[A, B], [Bᵀ, L]] from twists to wrenches in Rep: the articulated inertia of a body,
-/// with the joints of its subtree free.
+/// The articulated inertia of a body, that with the joints of its subtree free: a symmetric matrix [[A, B],
+/// [Bᵀ, L]] from twists to wrenches in Rep.
 template <class Rep, class T> struct ArticulatedInertia {
   Sym3<T> A;
   Mat3<T> B;
@@ -38,9 +38,8 @@ template <class Rep, class T> constexpr ArticulatedInertia<Rep, T> size_of(const
   return {{t, t, t, o, o, o}, {}, {M.m, M.m, M.m, o, o, o}};
 }
 /// Updates the magnitudes F of the numbers in an articulated inertia M for the elimination of a joint screw S
-/// with U = M S and the pivot D. F becomes its congruence with V -> V - (Uᵀ V / D) S, plus the magnitude of
-/// the U Uᵀ / D that is subtracted from M. G = F S, and f is Sᵀ G plus the magnitude of inertias that move
-/// with S but are not part of M, such as the armature. See (D4.9) of docs/derivations.
+/// with U = M S and the pivot D ((D4.9) of docs/derivations). G is F S, and f is Sᵀ G plus the magnitude of
+/// inertias that move with S but are not part of M, such as the armature.
 template <class Rep, class T>
 constexpr void update_scale(ArticulatedInertia<Rep, T>& F, const Wrench<Rep, T>& G, const T& f,
                             const Wrench<Rep, T>& U, const T& D) {
@@ -51,8 +50,8 @@ constexpr void update_scale(ArticulatedInertia<Rep, T>& F, const Wrench<Rep, T>&
   F.L = F.L + plus_transpose(outer_product(Y.f, U.f)) + Sym3<T>{l, l, l, o, o, o};
 }
 
-/// The congruence of M with Ad_r: the articulated inertia about another point, in the same axes. r is the
-/// vector from that point to the point about which M is given.
+/// The articulated inertia M about another point, in the same axes. r is the vector from that point to the
+/// point about which M is given.
 template <class Rep, class T>
 constexpr ArticulatedInertia<Rep, T> transform(const Vec3<T>& r, const ArticulatedInertia<Rep, T>& M) {
   const ScrewOperationScope<T> scope(ScrewOperation::tensor_translation);

@@ -3,11 +3,11 @@
 
 namespace axode {
 
-/// The composite-body algorithm, which computes the mass matrix. The composite inertia of the subtree of body
-/// i is its inertia M_i plus the composite inertias of its children, moved to body i. For each screw S of
-/// joint i, the impulse F that gives this subtree the twist S is transformed from body to body down to the
-/// root. At each joint j on this path, F | S_j is the entry of the mass matrix for the velocities of S and
-/// S_j.
+/// The composite-body algorithm, which computes the mass matrix (Featherstone). The composite inertia of the
+/// subtree of body i is its own inertia plus the composite inertias of its children, moved to body i. For
+/// each screw S of joint i, the impulse F that gives this subtree the twist S is moved from body to body to
+/// the root. The entry of the mass matrix for the velocities of S and of a joint screw S_j on this path is
+/// the power S_j | F of F along S_j.
 template <class Rep, class T> struct CompositeBodies {
   BodyLinks<Rep, T> links;
   Inertia<T>* M;

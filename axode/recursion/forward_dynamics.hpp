@@ -4,14 +4,14 @@
 
 namespace axode {
 
-/// Forward dynamics in one representation, by the articulated-body algorithm in three passes: the motion for
-/// joint accelerations a = 0 with the wrenches that the bodies need for it, the elimination of the joints
-/// from the leaves to the roots, and the accelerations from the roots to the leaves. See (D4.14) of
-/// docs/derivations.
+/// Forward dynamics in one representation, by the articulated-body algorithm in three passes ((D4.14) of
+/// docs/derivations): the motion for joint accelerations 0 with the wrenches that the bodies need for it, the
+/// elimination of the joints from the leaves to the roots, and the accelerations from the roots to the
+/// leaves.
 template <class Rep, class T> struct ForwardDynamicsRecursion {
   ArticulatedBodies<Rep, T> bodies;
   Twist<Rep, T>* V;
-  TwistRate<Rep, T>* bias;  ///< V'_i - down V'_p at a = 0; entry 0 is the acceleration of the ground, (0, -g)
+  TwistRate<Rep, T>* bias;  ///< V'_i - down(V'_p) at a = 0; entry 0 is that of the ground, (0, -g)
   BodyPoses<T> C;
   Wrench<BodyFixed, T>* W_app;
   T* x;

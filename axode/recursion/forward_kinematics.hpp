@@ -5,8 +5,8 @@
 
 namespace axode {
 
-/// The relative motion of each joint i with the screws S: the pose C_{p,i} = B exp(S q) of body i relative to
-/// its predecessor p, where B is this pose at q = 0, and S v and S a in the frame of the joint.
+/// The relative motion of each joint i with the screws S: the pose B exp(S q) of body i relative to its
+/// predecessor, where B is this pose at q = 0, and S v and S a in the frame of the joint.
 template <class T> struct JointMotion {
   SE3<T>* C_pi;
   Twist<BodyFixed, T>* Sv;
@@ -50,7 +50,7 @@ void joint_motion(const AnyTree& tree, const T* q, const T* v, const T* a,
 }
 
 /// Poses of the internal frames of all bodies in the inertial frame, C_i = C_p C_{p,i} with the predecessor p
-/// of body i (Müller, eqs. POEX, aVbRec2), coupled joints included. 36 products and 33 sums for each body.
+/// of body i (Müller, eqs. POEX, aVbRec2). 36 products and 33 sums for each body.
 template <class T> struct BodyPoses {
   SE3<T>* C;
 
@@ -137,11 +137,12 @@ template <class Rep, class T> struct BodyMotion {
 };
 
 /// The forward kinematics recursion in any representation (Müller, eqs. VbRec, Vsrec, VhRec, cVbRec2, dVsRec,
-/// dVhRec2):
-///   V_i  = down V_p  + S v
-///   V'_i = down V'_p + S a + bias(V_p, V_i, S v)
-/// where `down` transforms twists from the predecessor p to body i, and `bias` is the velocity term, see
-/// link.hpp. V'_0 is the acceleration of the ground: 0, or (0, -g) to include gravity.
+/// dVhRec2) for the twists V_i of the bodies and their rates:
+///   V_i  = down(V_p)  + S v
+///   V'_i = down(V'_p) + S a + bias(V_p, V_i, S v)
+/// down() transforms twists and rates from the predecessor p to body i, and bias() is the part of V'_i that
+/// is due to velocities, see link.hpp. V'_0 is the acceleration of the ground: 0, or (0, -g) to include
+/// gravity.
 template <class Rep, class T, TreeOf<T> AnyTree>
 void forward_recursion(const AnyTree& tree, const JointMotion<T>& joints, const Vec3<T>& ground_acceleration,
                        const BodyMotion<Rep, T>& out) noexcept {

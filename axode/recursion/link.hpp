@@ -3,7 +3,9 @@
 #include "axode/lie/representation_change.hpp"
 #include "axode/recursion/articulated_inertia.hpp"
 
-/// Transformations between body i and its predecessor p, and the dynamics of a body, in each representation.
+/// Link<Rep>: the transformations of twists and wrenches between body i and its predecessor p, and the
+/// dynamics of the body, in each representation. C, R and r are poses, rotations and positions; S v is the
+/// joint motion.
 ///
 ///                body-fixed  spatial       hybrid                   mixed
 ///  push, pull    identity    Ad_C          Ad_R                     diag(I, R)       body-fixed <-> Rep
@@ -13,8 +15,7 @@
 ///  inertia       M           Ad_C⁻ᵀMAd_C⁻¹ Ad_R⁻ᵀMAd_R⁻¹            M, see impulse   inertia of body i
 ///  newton_euler  eq. NEb     eq. NEs       eq. NEh                  eq. NEcmixed     wrench on body i
 ///
-/// A Link has those of one body. A frame on a body is treated as a body at rest relative to it, with S v = 0.
-/// Lines down and up are dual to each other, see (D4.1) of docs/derivations. Equations are Müller's.
+/// `down` and `up` are dual to each other, see (D4.1) of docs/derivations. Equations are Müller's.
 namespace axode {
 
 template <class Rep, class T> struct Link;
@@ -85,9 +86,9 @@ template <class T> struct Link<Spatial, T> {
   }
 };
 
-/// The relation between body i and its predecessor p in hybrid representation: V_i^h = Ad_{r_ip} V_p^h + Ad_R
-/// X v with the body-fixed joint screw X (Müller, eq. VhRec). r_pi is the vector from the origin of p to that
-/// of i in inertial axes, and r_ip = -r_pi.
+/// Link in hybrid representation: V_i^h = Ad_{r_ip} V_p^h + Ad_R X v with the body-fixed joint screw X
+/// (Müller, eq. VhRec). r_pi is the vector from the origin of p to that of i in inertial axes, and r_ip =
+/// -r_pi.
 template <class T> struct Link<Hybrid, T> {
   SO3<T> R;
   Vec3<T> r_pi;
@@ -110,8 +111,8 @@ template <class T> struct Link<Hybrid, T> {
   constexpr ArticulatedInertia<Hybrid, T> up(const ArticulatedInertia<Hybrid, T>& M) const {
     return transform(r_pi, M);
   }
-  /// The bias ad_{r'_ip} V_p + ad_ω (X v) of V'_i with r'_ip = r'_p - r'_i, where X v is the joint motion in
-  /// inertial axes (Müller, eqs. recVhdot1, dVhRec2).
+  /// The part ad_{r'_ip} V_p + ad_ω (X v) of the twist rate V'_i that is due to velocities, with r'_ip = r'_p
+  /// - r'_i and the joint motion X v in inertial axes (Müller, eqs. recVhdot1, dVhRec2).
   constexpr TwistRate<Hybrid, T> bias(const Twist<Hybrid, T>& V_p, const Twist<Hybrid, T>& V,
                                       const Twist<Hybrid, T>& Sv) const {
     ScrewOperationScope<T>{ScrewOperation::bracket};
@@ -128,8 +129,8 @@ template <class T> struct Link<Hybrid, T> {
   }
 };
 
-/// The relation between a body and its predecessor in mixed representation: twists V^m = (ω^b, r') have the
-/// angular part of body-fixed and the linear part of hybrid twists.
+/// Link in mixed representation: twists V^m = (ω^b, r') have the angular part of body-fixed and the linear
+/// part of hybrid twists.
 template <class T> struct Link<Mixed, T> {
   SE3<T> C_pi;
   SO3<T> R_p, R;
@@ -164,7 +165,7 @@ template <class T> struct Link<Mixed, T> {
     ScrewOperationScope<T>{ScrewOperation::bracket};
     return {cross(V.w, Sv.w), cross(V_p.v - V.v, R_p * V_p.w) + cross(R * V.w, Sv.v)};
   }
-  /// The inertia in body axes, which stands for the mixed inertia matrix, whose blocks are in different axes.
+  /// The inertia in body axes, from which impulse() and articulated() make the mixed one.
   template <class InertiaOfBody> constexpr Inertia<T> inertia(const InertiaOfBody& M) const { return M; }
   template <class InertiaOfBody>
   constexpr Wrench<Mixed, T> newton_euler(const InertiaOfBody& M, const Twist<Mixed, T>& V,

@@ -31,11 +31,8 @@ constexpr Wrench<Rep, T> gravity_wrench(const Link<Rep, T>& link, const Inertia<
 }
 
 /// The rates v and p' of the state (q, p) with the momenta p = M v, in one representation: v = M⁻¹ p by the
-/// articulated-body algorithm, whose forward sweep gives the twists V as well, and
-///   p' = τ + S|(W^c + ad_Vᵀ Π^c)
-/// for each joint screw S, where W^c is the wrench of gravity and loads on the subtree of the joint and Π^c
-/// is the momentum of this subtree. Subtrees are summed up from the leaves to the roots. See momentum_form(),
-/// and (D5.1) and (D5.9) of docs/derivations.
+/// articulated-body algorithm, and p' from wrenches and momenta that are summed over subtrees, from the
+/// leaves to the roots ((D5.1) and (D5.9) of docs/derivations). See momentum_form().
 template <class Rep, class T> struct MomentumForm {
   ArticulatedBodies<Rep, T> bodies;
   Wrench<Rep, T>* Pi;  ///< momentum of each subtree, l and p
@@ -82,8 +79,9 @@ template <class Rep, class T> struct MomentumForm {
   }
 
  private:
-  /// Adds S|(W^c + ad_Vᵀ Π^c) to `force` for every joint screw S, with the wrench W^c on the subtree of the
-  /// joint and its momentum Π^c. bodies.X has the twists V of the bodies.
+  /// Adds to `force`, for every joint screw S, the power along S of the wrench W^c + ad_Vᵀ Π^c, with the sum
+  /// W^c of the wrenches on the bodies that the joint moves, and their momentum Π^c. bodies.X has the twists
+  /// V of the bodies.
   template <class AnyTree> void add_body_forces(const AnyTree& tree, bool has_wrenches) noexcept {
     const auto& link = bodies.links.link;
     g[0] = tree.g;
@@ -108,12 +106,12 @@ template <class Rep, class T> struct MomentumForm {
 };
 
 /// The rates of the state (q, Π) with the spatial momenta Π_i of all bodies, by Müller's eq. PEs with the
-/// spatial Jacobian J^s of all bodies, their inertias M_i^s and the applied wrenches W_app:
+/// spatial Jacobians J_i^s of the bodies, J^s of all of them, their inertias M_i^s and the applied wrenches
+/// W_app:
 ///   (J^s)ᵀ (Π' - W_app) = τ,    M_i^s J_i^s v = Π_i^s.
-/// Both equations are solved by substitution in the block triangular matrix J^s: a sweep with (J^s)ᵀ from the
-/// leaves to the roots, and a sweep with J^s from the roots to the leaves. The velocities solve the second
-/// equation, projected by (J^s)ᵀ, and the rates Π' the first one. Without armatures both equations have the
-/// same articulated inertias, which are computed once. See (D5.8), (D5.10) and (D5.11) of docs/derivations.
+/// Both equations are solved in O(n) by a sweep from the leaves to the roots and one from the roots to the
+/// leaves ((D5.8), (D5.10) and (D5.11) of docs/derivations). Without armatures both have the same articulated
+/// inertias, which are computed once.
 template <class T> struct SpatialMomentumForm {
   ArticulatedBodies<Spatial, T> bodies;
   Wrench<Spatial, T>* W;
@@ -132,8 +130,8 @@ template <class T> struct SpatialMomentumForm {
         x(arena.per_velocity<T>()) {}
 
   /// Writes v (nv numbers) and Π' (n wrenches), which may share the memory of arguments. If the mass matrix
-  /// without armatures is singular, v and Π' are NaN. If only the second elimination, with armatures, fails
-  /// or a number is not finite, Π' is NaN. O(n).
+  /// without armatures is singular, v and Π' are NaN. If only that with armatures is singular, or a number is
+  /// not finite, Π' is NaN. O(n).
   Solvability run(const Tree<T>& tree, const T* q, const Momentum<Spatial, T>* Pi, const T* tau,
                   const Loads<T>& loads, T* v, Wrench<Spatial, T>* dPi) noexcept {
     joint_poses(tree, q, bodies.links.C_pi);

@@ -7,12 +7,11 @@
 /// parent is Topology::velocity_parent.
 namespace axode {
 
-/// Factorises the mass matrix H = M = LᵀDL in place (nv × nv, row by row). Calls check.add(c, D_c, scale) for
-/// the pivot D_c of each velocity c, where scale() computes the magnitude of the numbers from which D_c
-/// results. `inertia_scale` is the magnitude of the inertia of each velocity. A pivot is D_c = zᵀ M z, where
-/// z_c = 1 and z_k are the responses of the later velocities, on which no forces act. Hence scale() is (Σ
-/// |z_k| √inertia_scale_k)². If `check` calls scale() for all pivots, this costs another O(n d²) for a tree
-/// of depth d. H is overwritten above its diagonal as well. See (D4.7) and (D4.8) of docs/derivations.
+/// Factorises the mass matrix H = LᵀDL in place (nv × nv, row by row; (D4.7) and (D4.8) of docs/derivations).
+/// H is overwritten above its diagonal as well. Calls check.add(c, D_c, scale) for the pivot D_c of each
+/// velocity c, where scale() computes the magnitude of the numbers from which D_c results, from
+/// `inertia_scale`, the magnitude of the inertia of each velocity. If `check` calls scale() for all pivots,
+/// this costs another O(n d²) for a tree of depth d.
 template <class T, class Check>
 void factorize(const Tree<T>& tree, const T* inertia_scale, T* H, Check& check) noexcept {
   const int nv = tree->nv;

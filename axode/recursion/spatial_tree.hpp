@@ -4,15 +4,14 @@
 
 namespace axode {
 
-/// Replaces x[i] of each body by the sum over the subtree of body i. Nothing is added to x[0], so that the
-/// subtrees of different root bodies are never summed.
+/// Replaces x[i] of each body by the sum over the subtree of body i. x[0] remains unchanged.
 template <class X> void sum_subtrees(const Topology& topology, X* x) noexcept {
   for (int i = topology.n; i > 0; --i)
     if (topology.parent[i] > 0) x[topology.parent[i]] += x[i];
 }
 
 /// The screws J_i^s of all joints in spatial representation, and the composite inertia M_i^c of the subtree
-/// of each joint. They are in inertial axes about the origin O of the root body at this instant, so that no
+/// of each joint, both in inertial axes about the origin O of the root body at this instant, so that no
 /// digits are lost if the mechanism is far from the inertial origin.
 template <class T> struct SpatialTree {
   const Topology* topology = nullptr;

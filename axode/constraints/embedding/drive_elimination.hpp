@@ -6,21 +6,20 @@
 
 namespace axode {
 
-/// Finds drive forces τ and multipliers λ of the loop equations A v = 0, with τ + Aᵀ λ = f for the forces f
-/// that the spanning tree needs, limb by limb ((D18.7) to (D18.9) of docs/derivations). A limb is a part of
-/// the mechanism that is coupled to the rest only through the carrying velocities, those of the joints
-/// between the ground and a body called the platform. First the velocities of each limb without a drive are
-/// eliminated from its rows of A, then the carrying velocities without a drive from the rows that remain.
-/// O(limbs) for limbs of bounded size. The constructor allocates all memory.
+/// Finds drive forces τ and multipliers λ of the loop equations A v = 0 such that τ + Aᵀ λ = f, for the joint
+/// forces f that a motion of the spanning tree needs, by elimination limb by limb ((D18.7) to (D18.9) of
+/// docs/derivations). A limb is a part of the mechanism that is coupled to the rest only through the joints
+/// between the ground and a body called the platform. O(limbs) for limbs of bounded size. The constructor
+/// allocates all memory.
 template <class T> class AXODE_ENTRY DriveElimination {
  public:
   DriveElimination(const Model& model, const LoopTable& table);
 
   /// Computes the drive forces τ (nv) and, unless `lambda` is null, the multipliers λ (loops().rows) with τ +
-  /// Aᵀ λ = f, for the Jacobian A of the loop equations. If there are more drives than needed, τ is the least
-  /// one. `driven` (nv) flags the velocities with drives, entries[k] has the entries of A for loop k, column
-  /// by column, and entries below `considerable` may be rounding errors. Returns false, without results, if
-  /// some motion has no drive, if λ is wanted and not unique, or if rounding leaves a rank open.
+  /// Aᵀ λ = f, for the Jacobian A of the loop equations. If there are more drives than needed, τ has the
+  /// least norm. `driven` (nv) flags the velocities with drives, entries[k] has the entries of A for loop k,
+  /// column by column, and entries below `considerable` may be rounding errors. Returns false, without
+  /// results, if some motion has no drive, if λ is wanted and not unique, or if rounding leaves a rank open.
   bool solve(const std::vector<std::vector<T>>& entries, const T& considerable, const char* driven,
              const T* f, T* tau, T* lambda) noexcept;
 
@@ -43,13 +42,13 @@ template <class T> class AXODE_ENTRY DriveElimination {
   bool eliminate_limbs(const std::vector<std::vector<T>>& entries, const T& considerable,
                        const T* f) noexcept;
   bool eliminate_carrying(const T& considerable, const T* f) noexcept;
-  /// Computes, for each limb, the multipliers of its loop equations that remain after the elimination of its
-  /// passive velocities, from those of the equations that remain after the platform's (`nu`, overwritten).
+  /// Computes, for each limb, the multipliers of the loop equations that its elimination has left over, from
+  /// `nu`, those that the elimination of the platform's velocities has left over. Overwrites `nu`.
   void set_remaining(T* nu) noexcept;
   /// Subtracts from `forces` (nv), at the velocities with drives, the constraint forces of all loop
   /// equations, or only of those that remain after the eliminations. Returns the largest absolute product.
   T subtract_rows(bool only_remaining, T* forces) const noexcept;
-  /// Projects the drive forces `forces` (nv) so that they become the least ones. Returns false if rounding
+  /// Projects the drive forces `forces` (nv) so that they have the least norm. Returns false if rounding
   /// leaves open which loop equations let drives act against each other.
   bool take_least(const T& considerable, T* forces) noexcept;
 

@@ -5,8 +5,8 @@
 
 namespace axode {
 
-/// A limb: velocities that loops and tree connect to those of other limbs only through the joints between the
-/// ground and a body called the platform.
+/// A limb: velocities that are coupled to those of other limbs only through the joints between the ground and
+/// a body called the platform.
 struct Limb {
   std::vector<int> velocities;  ///< indices of velocities, ascending; empty for a loop between the platform
                                 ///< and the ground
@@ -24,12 +24,12 @@ struct Limbs {
 };
 
 /// Divides a mechanism into limbs, parts that are coupled only through the joints between the ground and the
-/// body `platform`, 1 to n; 0 if there is none. `paths` has the paths of all loops in the spanning tree.
+/// body `platform` (1 to n, or 0 for none). `paths` has the paths of all loops in the spanning tree.
 Limbs limbs_of(const Model& model, const std::vector<LoopPath>& paths, int platform);
 
-/// Divides a mechanism into limbs, parts that are coupled only through the joints of a platform. The platform
-/// is the one for which eliminations limb by limb cost least (none, or one of the 16 bodies between the
-/// ground and the most loops). O(nv + m d) for m loop equations on paths of d joints.
+/// Divides a mechanism into limbs, parts that are coupled only through the joints of a body called the
+/// platform. Of the 16 bodies through which most loops pass, and no platform at all, the choice is made for
+/// which eliminations limb by limb cost least. O(nv + m d) for m loop equations on paths of d joints.
 Limbs limbs_of(const Model& model, const std::vector<LoopPath>& paths);
 
 }  // namespace axode

@@ -31,8 +31,8 @@ class LimbClosure {
   double last_norm() const { return last_norm_; }
 
   /// Computes a Newton step that closes the loops of one limb (a chain that carries the platform), from their
-  /// residuals r. Returns false, with a zero step, if the residual is not finite, or at most `reached` and no
-  /// smaller than before.
+  /// residuals r. Returns false, with a zero step, if the norm of the residual is not finite, or if it is at
+  /// most `reached` and has not fallen since the last call.
   bool compute_step(const LoopSystem<double>& system, const Eigen::VectorXd& r) {
     const int n = static_cast<int>(part_.velocities.size());
     matrix_.reset(rows_, n);

@@ -78,8 +78,8 @@ template <class T> class RowElimination {
     return true;
   }
 
-  /// Solves for multipliers μ (rank() numbers, in the order after pivoting) of the pivot rows, with which
-  /// their sum in the eliminated columns, in original order, is b.
+  /// Solves for the multipliers μ of the pivot rows (rank() numbers, in the order after pivoting) with which
+  /// the sum of these rows is b in the eliminated columns; b is in the original order of columns.
   void solve_transposed(const T* b, T* mu) const noexcept {
     for (int j = 0; j < rank_; ++j) {
       T rest = b[column_before(j)];
@@ -94,9 +94,9 @@ template <class T> class RowElimination {
       for (int i = k + 1; i < m_; ++i) mu[k] -= factors(i)[k] * mu[i];
     for (int i = 0; i < m_; ++i) lambda[row_before(i)] = mu[i];
   }
-  /// Solves the pivot rows of the eliminated matrix for the unknowns x of the first columns, in their
-  /// original order. The right side b is in the order of the rows after pivoting. x contains the given values
-  /// of the unknowns without a pivot.
+  /// Solves the pivot rows of the eliminated matrix, with the right side b, for the unknowns x of the first
+  /// columns. b is in the order of the rows after pivoting, and x in the original order of columns. Unknowns
+  /// without a pivot must be given in x.
   void solve(const T* b, T* x) const noexcept {
     for (int k = rank_; k-- > 0;) {
       T rest = b[k];

@@ -87,7 +87,7 @@ class TaskKernel {
   int sort(const RowElimination<double>& matrix, std::vector<int>& velocities);
   void number_columns(const std::vector<int>& velocities);
   /// Fill the matrix of a limb, or of the platform's joint, with its loop equations and eliminate the
-  /// velocities that the others determine. Both return whether the rank is certain.
+  /// velocities that follow from the others. Both return whether the rank is certain.
   bool eliminate(Part& part) noexcept;
   bool eliminate_constraints() noexcept;
   /// Computes N for the independent carrying velocities as task velocities, N_c of (D18.4).

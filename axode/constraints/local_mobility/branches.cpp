@@ -63,8 +63,8 @@ MotionBranch curve(const PolynomialRing& line, Eigen::MatrixXd z) {
   return out;
 }
 
-/// The distance from q, at most 1, up to which the power series z(w) of a branch describes it. It follows
-/// from the largest coefficient of each degree.
+/// The distance from q, at most 1, up to which the power series z(w) of a branch describes it, by the largest
+/// coefficient of each degree.
 double reach_of_germ(const PolynomialRing& ring, const Eigen::MatrixXd& z) {
   double out = 1;
   for (int k = 2; k <= ring.degree(); ++k) {
@@ -81,9 +81,9 @@ Eigen::VectorXd point_at(const MotionBranch& branch, double parameter, Eigen::In
   return x;
 }
 
-/// The point of a branch that has the same projection on its tangent space as the point x, by its power
-/// series, to second order if its dimension is above 1. On a curve, `other_side` selects the other side of a
-/// cusp, where the parameter has the opposite sign.
+/// The point of a branch, by its power series, that has the same projection on its tangent space at q as the
+/// point x; to second order if its dimension is above 1. On a curve with a cusp, `other_side` selects the
+/// other side of the cusp.
 Eigen::VectorXd nearest(const MotionBranch& branch, const Eigen::VectorXd& x, bool other_side) {
   const Eigen::VectorXd tau = branch.T * x;
   if (branch.dimension == 1) {

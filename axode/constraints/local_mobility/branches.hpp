@@ -11,7 +11,7 @@ namespace axode::higher_order {
 /// divided by a characteristic length.
 std::vector<MotionBranch> branches(const Closure& closure, const std::vector<Germ>& germs);
 
-/// The distance from q (at most 1) up to which the power series of a branch describes it: coefficient k is at
+/// The distance from q, at most 1, up to which the power series of a branch describes it: coefficient k is at
 /// most 10 / reach^(k - 1).
 double reach(const MotionBranch& branch);
 

@@ -29,9 +29,9 @@ struct BlowUp {
   Eigen::MatrixXd B, u;
 };
 
-/// Computes the polynomials h_i = g_i(s (e + B v)) / s^(m_i) of a blow-up, the substitution of a direction e
-/// + B v and a distance s for the unknowns; m_i is the lowest degree of g_i (D13.11). They are truncated like
-/// polynomials of `small`.
+/// Computes the polynomials h_i = g_i(s (e + B v)) / s^(m_i) for equations g_i of lowest degree m_i, by the
+/// substitution of a direction e + B v and a distance s for the unknowns (D13.11). The results are truncated
+/// like polynomials of `small`.
 Eigen::MatrixXd divided(const PolynomialRing& ring, const std::vector<Form>& rows, const BlowUp& blow,
                         const PolynomialRing& small) {
   Eigen::MatrixXd g(static_cast<Eigen::Index>(rows.size()), ring.size());

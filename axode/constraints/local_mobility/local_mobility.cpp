@@ -105,10 +105,9 @@ MobilityProbe probe(const PolynomialRings& rings, const Closure& closure, const 
   return out;
 }
 
-/// Draws the conclusions of an analysis of mobility: the local mobility, the kind of the configuration (such
-/// as branch point or shaky), the order at which it is settled, and whether ranks alone prove it. Requires
-/// the rank of the loop equations, the mobility of each order, the branches, and the closed configurations
-/// that lie on no branch.
+/// Derives the conclusions of an analysis of mobility, such as the local mobility, the kind of the
+/// configuration and whether ranks alone prove it, from the rank of the loop equations, the mobility of each
+/// order, the branches, and the closed configurations that lie on no branch.
 void draw_conclusions(LocalMobility& found) {
   std::set<int> dimensions;
   bool all_close = true, all_settled = true, singular = true;

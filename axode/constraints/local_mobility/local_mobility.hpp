@@ -17,9 +17,9 @@ struct ClosureCoordinate {
 };
 
 struct LocalMobilityOptions {
-  /// The highest order K of the expansion of the loop equations; 0 chooses it: 10, 9, 7 and 7 if the loops
-  /// allow velocities of dimension 1, 2, 3 and 4, and 5 for larger dimensions; less if the computation would
-  /// be too long, and up to 4 more if the mobility is not settled at this order.
+  /// The highest order K of the expansion of the loop equations; 0 chooses it: 10, 9, 7, 7 and 5 if the loops
+  /// allow velocities of dimension 1, 2, 3, 4 and more; less if the computation would be too long, and up to
+  /// 4 more if the mobility is not settled at this order.
   int order = 0;
   /// The characteristic length (m) by which lengths are divided; 0 means the mean distance of two joints.
   double length = 0;
@@ -114,12 +114,12 @@ struct LocalMobility {
   bool cusp = false;                   ///< whether some branch is a cusp
   bool kinematic_singularity = false;  ///< whether on every branch the differential mobility is smaller
                                        ///< beside q than at q
-  /// Whether on some branch near q the velocities that the loops allow have a larger dimension than the
-  /// branch, or nothing moves although the loops allow velocities.
+  /// Whether the loop equations allow more velocities than there are finite motions: near q on some branch,
+  /// or at q if there is no finite motion.
   bool shaky = false;
-  /// Whether ranks and roots of polynomials alone prove the result: the loop equations are independent, or
-  /// they allow no velocities, or nothing moves and these velocities have at most dimension 2. Otherwise
-  /// closed configurations found by Newton's method are the numerical evidence.
+  /// Whether ranks and roots of polynomials alone prove the result. They do if the loop equations are
+  /// independent, if they allow no velocities, or if they allow velocities of dimension 1 or 2 but no finite
+  /// motion. Otherwise the numerical evidence is closed configurations that Newton's method found.
   bool decided_by_rank = false;
 };
 

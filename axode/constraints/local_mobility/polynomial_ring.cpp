@@ -6,8 +6,8 @@
 namespace axode::higher_order {
 namespace {
 
-/// Appends to `out` the exponents of all monomials of degree k in the variables after those in `head`, each
-/// after the exponents `head`, with powers of the first variable in descending order.
+/// Appends to `out` the exponents of the monomials in all variables that begin with the given exponents
+/// `head`, and in which the other exponents add up to k, in descending lexicographic order.
 void append_exponents(int variables, int k, std::vector<int>& head, std::vector<std::vector<int>>& out) {
   if (static_cast<int>(head.size()) == variables - 1) {
     out.push_back(head);

@@ -120,9 +120,9 @@ std::span<T> LoopSystem<T>::force_fast(const T* q, const T* v, const T* a, const
   return {forces_.data(), index(model_.nv())};
 }
 
-/// Computes the entries of Y = D^-½ L⁻ᵀ Aᵀ for n equations of a loop from `row` on (D7.6), with the Jacobian
-/// A of the loop equations and the mass matrix LᵀD L of the spanning tree. Wrenches are about the origin of
-/// each body on the path to the ground.
+/// Computes the entries of Y = D^-½ L⁻ᵀ Aᵀ for n equations of a loop (D7.6), with the Jacobian A of the loop
+/// equations and the mass matrix LᵀD L of the spanning tree. `row` is the first of the equations. Wrenches
+/// are about the origin of each body on the path to the ground.
 template <class T>
 template <int n>
 void LoopSystem<T>::pull_rows_fast(const LoopPath& path, const State& at, int row) noexcept {

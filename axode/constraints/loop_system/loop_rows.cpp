@@ -4,16 +4,17 @@
 #include "axode/constraints/loop_system/loop_system.hpp"
 #include "axode/recursion/instantiate.hpp"
 
-/// The scaled loop equations Y = D^-½ L⁻ᵀ Aᵀ for the mass matrix LᵀD L of the spanning tree, their rank, and
-/// their multipliers. See "Redundant rows" of docs/derivations/loop-dynamics.md.
+/// The scaled loop equations Y = D^-½ L⁻ᵀ Aᵀ for the Jacobian A of the loop equations and the mass matrix LᵀD
+/// L of the spanning tree, their rank, and their multipliers. See "Redundant rows" of
+/// docs/derivations/loop-dynamics.md.
 namespace axode {
 namespace {
 
-/// Bounds of the filter μ, a small part of each equation's diagonal entry that is added so that redundant
-/// loop equations can be solved (D7.9). A redundant equation of loops with a residual r appears to have the
-/// size |r| d instead of 0, with the size d of an independent one, so that r² / μ of it would enter a step;
-/// hence μ = (1e4 |r|)². In motions the lower bound of μ is larger, because near a configuration where
-/// branches meet a residual by rounding would be divided by the least singular value of the equations.
+/// Bounds of the filter μ: this part of the squared size of each loop equation is added to its diagonal
+/// entry, so that redundant equations can be solved (D7.9). With the residual r of open loops, μ = (1e4 |r|)²
+/// between these bounds, because a redundant equation of open loops seems to have the size of r. In motions
+/// the lower bound is larger, so that rounding errors of r are not magnified near configurations where
+/// branches meet.
 template <class T> constexpr bool is_float = std::same_as<T, float>;
 template <class T> constexpr T least_filter_in_motion = is_float<T> ? T(1e-4) : T(1e-9);
 template <class T> constexpr T most_filter = is_float<T> ? T(1e-4) : T(1e-6);
@@ -32,8 +33,9 @@ template <class T> void LoopSystem<T>::set_filter(const T* q, const RowRank& ran
 }
 
 /// Computes the column of Y = D^-½ L⁻ᵀ Aᵀ of one loop equation by the backward sweep of the articulated-body
-/// algorithm, with the mass matrix LᵀD L of the spanning tree. It begins with the unit wrench of the equation
-/// on the two bodies of a loop joint, or with the factors of a coupling of joints.
+/// algorithm, with the Jacobian A of the loop equations and the mass matrix LᵀD L of the spanning tree. The
+/// sweep begins with the wrenches `first` and `second` of a unit multiplier on the two bodies of a loop
+/// joint, or with the factors of a coupling of joints.
 template <class T>
 void LoopSystem<T>::pull_row(const LoopPath& path, int row, const Wrench<Spatial, T>& first,
                              const Wrench<Spatial, T>& second) noexcept {
@@ -57,9 +59,9 @@ void LoopSystem<T>::pull_row(const LoopPath& path, int row, const Wrench<Spatial
 }
 
 /// Computes the columns of Y = D^-½ L⁻ᵀ Aᵀ of n equations of a loop at once, if no joints of the tree are
-/// coupled (D7.6); LᵀD L is the mass matrix of the spanning tree. For each joint screw S on the path, with
-/// the articulated inertia M, U = M S and the pivot D, the wrenches F give entries Sᵀ F / √D of Y and become
-/// F - U Sᵀ F / D.
+/// coupled (D7.6). LᵀD L is the factorised mass matrix of the spanning tree and A the Jacobian of the loop
+/// equations. The wrenches that unit multipliers exert on the two bodies of the loop are moved to the ground;
+/// at each joint screw on the path they give one row of entries of Y.
 template <class T>
 template <int n>
 void LoopSystem<T>::pull_rows(const LoopPath& path, const State& at, int row) noexcept {

@@ -20,8 +20,8 @@
 
 namespace axode {
 
-/// The redundant loop equations, as LoopSystem::determine_rank() finds them at a closed configuration; their
-/// multipliers are 0 in solutions with this rank. An integration keeps the rank for a whole step, because
+/// The redundant loop equations that LoopSystem::determine_rank() found at a closed configuration; solutions
+/// with this rank have multipliers 0 for them. An integration keeps the rank for a whole step, because
 /// equations that are redundant by geometry become independent as soon as the loops are a little open.
 struct RowRank {
   std::vector<char> redundant = {};  ///< whether each row of A is redundant; empty before determine_rank()
@@ -44,11 +44,10 @@ enum class ConstraintLevel {
 
 /// The loops of a spanning tree at a state (q, v), and the linear system of its motion under the loops:
 ///   M a + h - Aᵀ λ = τ,   A a + γ = 0
-/// for the accelerations a and the multipliers λ of the loop equations A v = 0, with the bias forces h of the
-/// tree and γ = A' v. Articulated bodies factorise the mass matrix M = Lᵀ D L of the tree. With Y = D^-½ L⁻ᵀ
-/// Aᵀ and w = D^-½ L⁻ᵀ (τ - h), the multipliers satisfy Yᵀ Y λ = -(Yᵀ w + γ). Each column of Y takes one
-/// sweep to the root, along the path of its loop. O(n + m d + m² d + m³) for n bodies and m loop equations on
-/// paths of d joints. See (D7.1) to (D7.6) of docs/derivations.
+/// for the accelerations a and the multipliers λ of the loop equations A v = 0, with the mass matrix M and
+/// the bias forces h of the tree, and γ = A' v. With M = Lᵀ D L, factorised by articulated bodies, and Y =
+/// D^-½ L⁻ᵀ Aᵀ, the multipliers are solutions of Yᵀ Y λ = -(Yᵀ D^-½ L⁻ᵀ (τ - h) + γ) ((D7.1) to (D7.6) of
+/// docs/derivations). O(n + m d + m² d + m³) for n bodies and m loop equations on paths of d joints.
 template <class T> class AXODE_ENTRY LoopSystem {
  public:
   using Vector = Eigen::VectorX<T>;
@@ -90,7 +89,8 @@ template <class T> class AXODE_ENTRY LoopSystem {
   /// if some motion has no drive, if λ is wanted and not unique, or if rounding leaves a rank open.
   bool drive_forces(std::span<const int> drives, const T* f, T* tau, T* lambda) noexcept;
   /// A bound below which an entry of the Jacobian of the loop equations may be a rounding error: a tenth of
-  /// the largest distance (m) of a loop joint from the root of its branch, at most 0.1 (also if all are 0).
+  /// the largest distance (m) of a loop joint from the root body of its branch, at most 0.1; 0.1 if all
+  /// distances are 0.
   T considerable_entry() const noexcept;
   /// Computes the velocities v⁺ (nv) after an impact of the loops at q, A v⁺ = -e A v with the Jacobian A of
   /// the loop equations and the coefficient of restitution e, and the impulses of the equations (D7.12). With
@@ -130,8 +130,8 @@ template <class T> class AXODE_ENTRY LoopSystem {
   const std::vector<std::vector<T>>& entries() const { return entries_; }
   /// Writes the entries of the rows A or R of the present level as a dense matrix, m × nv, row by row.
   void write(T* A) const noexcept;
-  /// Compute out = A x, and add Aᵀ λ to out, with the Jacobian A of the last make_rows(): that of the loop
-  /// equations for velocities, or that of the residuals.
+  /// Compute out = A x, and add Aᵀ λ to out, with the Jacobian A that make_rows() computed last: that of the
+  /// loop equations for velocities, or that of the residuals.
   void times(const T* x, T* out) const noexcept;
   void add_transposed_times(const T* lambda, T* out) const noexcept;
   /// Computes γ - s'' (D6.7), where A v = s' are the loop equations with prescribed right sides and γ is the
@@ -173,13 +173,13 @@ template <class T> class AXODE_ENTRY LoopSystem {
   /// Solves A M⁻¹ Aᵀ λ = -b for the multipliers λ of the loop equations A v = 0, with the mass matrix M of
   /// the spanning tree; λ is the least (least-squares) solution if equations are redundant (D7.8).
   void solve_rows(const T* b, T* lambda, const RowRank& rank = {}) noexcept;
-  /// Sets the filter μ of solve_rows() from the residual of the loops at q: directions of multipliers are
-  /// ignored in which A M⁻¹ Aᵀ is small compared with μ times the squared sizes of the loop equations (D7.9).
-  /// A is the Jacobian of the equations, and M the mass matrix of the spanning tree.
+  /// Sets the filter μ of solve_rows() from the residual of the loops at q: solve_rows() ignores directions
+  /// of multipliers in which A M⁻¹ Aᵀ is small compared with μ times the squared sizes of the loop equations
+  /// (D7.9). A is the Jacobian of the equations, and M the mass matrix of the spanning tree.
   void set_filter(const T* q, const RowRank& rank) noexcept;
   /// The least pivot of a loop equation in the last solve_rows(), divided by the square of the equation's
-  /// size; 1 if all are far from redundant. If it is near 0, branches of the motion meet, and accelerations
-  /// are those of a mechanism with more degrees of freedom.
+  /// size; 1 if all are far from redundant. If it is near 0, the configuration is nearly singular, and
+  /// accelerations are those of a mechanism with more degrees of freedom.
   T weakest_row() const { return weakest_row_; }
   /// Adds A M⁻¹ x to b (m numbers) for x (nv). The rows must be factorised.
   void add_response(const T* x, T* b) noexcept;
@@ -268,8 +268,9 @@ template <class T> class AXODE_ENTRY LoopSystem {
   Wrench<Spatial, T> on_first(const State& at, const Wrench<Spatial, T>& W) const {
     return {W.m - cross(at.shift, W.f), W.f};
   }
-  /// Moves F_i and F_j, the wrenches of a loop on its first and second body, along the two paths to the
-  /// ground; F_j becomes the sum of both where the paths meet. step(i, F) moves F across the joint of body i.
+  /// Moves F_i and F_j, the wrenches of a loop on its first and second body, along the paths of these bodies
+  /// to the ground; F_j becomes the sum of both where the paths meet. step(i, F) moves F across the joint of
+  /// body i.
   template <class Wrenches, class Step>
   void propagate_to_root(const LoopPath& path, Wrenches& F_i, Wrenches& F_j,
                          const Step& step) const noexcept {

@@ -8,8 +8,8 @@
 
 namespace axode {
 
-/// The wrenches F of n consecutive equations of a loop on their way along a path to the ground (D7.6), one in
-/// each lane of a register.
+/// The wrenches that unit multipliers of n consecutive equations of a loop exert, on their way along a path
+/// to the ground (D7.6), one in each lane of a SIMD register.
 template <class T, int n> struct RowsInLanes {
   using Rows = Batch<T, std::max(2U, std::bit_ceil(static_cast<unsigned>(n)))>;
   Vec3<Rows> m, f;
@@ -37,9 +37,9 @@ template <class T, int n> struct RowsInLanes {
 
   /// Moves the reference point of the wrenches from o to p; r is the vector from p to o.
   template <class Vector> void move(const Vector& r) { m += cross(all(r), f); }
-  /// Eliminates a joint velocity with the screw S, U = M S for the articulated inertia M, and the pivot D,
-  /// from the wrenches F: stores u / √D in y for u = Sᵀ F, and subtracts x U from F. x is u / D, or u if U
-  /// has been divided by D. `root` is D^-½.
+  /// Eliminates a joint velocity with the screw S from the wrenches F: stores root u in y and subtracts x U
+  /// from F, for u = Sᵀ F, root = D^-½ with the pivot D, and U = M S for the articulated inertia M. x must be
+  /// u / D, or u if U has been divided by D.
   template <class Vector>
   void eliminate(const Rows& u, const T& root, T* y, const Rows& x, const Vector& U_m, const Vector& U_f) {
     const Rows Y = Rows(root) * u;
@@ -55,8 +55,8 @@ template <int most, class F> void with_number_of_rows(int n, const F& f) {
     if (n < most) return with_number_of_rows<most - 1>(n, f);
   f(std::integral_constant<int, most>());
 }
-/// Divides the equations of a loop into groups of as many as one register holds, at most six, and a rest, and
-/// calls f(first, std::integral_constant<int, n>()) for each group of n equations from index `first` on.
+/// Divides the equations of a loop into groups of as many as one SIMD register holds (at most six), and calls
+/// f(first, std::integral_constant<int, n>()) for each group of n equations from index `first` on.
 template <class T, class F> void each_register_of_rows(int rows, const F& f) {
   constexpr int most = std::min(6, static_cast<int>(native_lanes<T>));
   for (int first = 0; first < rows; first += most)

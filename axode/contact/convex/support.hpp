@@ -4,10 +4,10 @@
 
 #include "axode/contact/convex/convex_shape.hpp"
 
-/// Support functions of cores, h(n) = max of n·x over the points x of the core. A support function consists
-/// of smooth branches, each of which belongs to a vertex, the rim of a cap, or the whole surface of an
-/// ellipsoid. A branch has a number: that of the vertex of a box or hull, 0 or 1 for the upper or lower cap,
-/// 0 for an ellipsoid.
+/// Support functions h(n) = max of n·x over the points x of a core: the box, cylinder, ellipsoid or hull
+/// that, with a ball added to it, is a convex shape. A support function consists of smooth branches, each of
+/// which belongs to a vertex of a box or hull, to one of the two caps of a cylinder (0 is the upper, 1 the
+/// lower one), or to the whole surface of an ellipsoid (0).
 namespace axode::convex {
 
 template <class T> Vec3<T> unit(const Vec3<T>& a) { return (T(1) / norm(a)) * a; }
@@ -32,8 +32,8 @@ inline int sector(const Vec3<>& n) {
   return third(n.x) + 3 * third(n.y) + 9 * third(n.z);
 }
 
-/// The point of the core on one branch of its support function, for the unit normal n in the axes of the
-/// shape.
+/// The point of the core (the shape without the ball that is added to it) that a branch of its support
+/// function gives for the unit normal n, in the axes of the shape.
 inline Vec3<> branch_point(const ConvexShape& shape, int branch, const Vec3<>& n) {
   const Vec3<>& h = shape.size;
   switch (shape.core) {
@@ -50,9 +50,9 @@ inline Vec3<> branch_point(const ConvexShape& shape, int branch, const Vec3<>& n
   return (1 / norm(q)) * Vec3<>{h.x * q.x, h.y * q.y, h.z * q.z} - shape.radius * n;
 }
 
-/// The number of the branch of the support function of a core at the unit normal n. In a hull it is a vertex,
-/// and the search walks over neighbours to ever higher vertices. It starts from the vertex `hint`, or from
-/// the start vertex of the sector of n if that is higher.
+/// The number of the branch of the core's support function at the unit normal n. For a hull it is a vertex,
+/// and the search walks over neighbours to ever higher vertices: from the vertex `hint`, or from the start
+/// vertex of the sector of n if that is higher.
 inline int support_branch(const ConvexShape& shape, const Vec3<>& n, int hint) {
   const Vec3<>& h = shape.size;
   switch (shape.core) {
@@ -85,9 +85,9 @@ inline Vec3<> support_point(const ConvexShape& shape, const Vec3<>& n) {
   return branch_point(shape, support_branch(shape, n, 0), n) + shape.radius * n;
 }
 
-/// The second derivative of the support function of the core at the unit normal n, as a matrix in the basis
-/// of two tangents u and v: the entries uu, uv, vv. It is the inverse of the curvature of the surface, m, and
-/// 0 for boxes and hulls.
+/// The second derivative of the support function of the core (the shape without the ball that is added to it)
+/// at the unit normal n: the entries uu, uv and vv of a matrix in the basis of two tangents u and v. It has
+/// the radii of curvature (in m) as eigenvalues, and is 0 for boxes and hulls.
 inline std::array<double, 3> support_hessian(const ConvexShape& shape, const Vec3<>& n, const Vec3<>& u,
                                              const Vec3<>& v) {
   const Vec3<>& h = shape.size;

@@ -14,7 +14,7 @@ constexpr double good_start = 1e-6;
 
 }  // namespace
 
-/// Computes out = D⁻¹ Yᵀ Y D⁻¹ a, with the Delassus operator Yᵀ Y and the diagonal matrix D of the scales of
+/// Computes out = D⁻¹ Yᵀ Y D⁻¹ a with the Delassus operator Yᵀ Y and the diagonal matrix D of the scales of
 /// the constraint rows. Overwrites u_ and x_.
 void VelocitySolver::apply_delassus(const Vector& a, Vector& out) noexcept {
   const Eigen::Map<const Eigen::VectorXd> d2(problem_->squared_scales().data(), rows_);
@@ -48,8 +48,8 @@ void VelocitySolver::factorize_shifted(double s) noexcept {
   factorize_with(true);
 }
 
-/// Computes a := (D⁻¹ Yᵀ Y D⁻¹ + s)⁻¹ a by (D11.10), with the Delassus operator Yᵀ Y and the diagonal matrix
-/// D of the scales of the constraint rows.
+/// Computes a := (D⁻¹ Yᵀ Y D⁻¹ + s)⁻¹ a for a number s by (D11.10), with the Delassus operator Yᵀ Y and the
+/// diagonal matrix D of the scales of the constraint rows.
 void VelocitySolver::solve_shifted(double s, Vector& a) noexcept {
   const Eigen::Map<const Eigen::VectorXd> d2(problem_->squared_scales().data(), rows_);
   u_ = a.array() / d2.array().sqrt();

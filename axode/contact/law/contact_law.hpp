@@ -6,7 +6,7 @@
 namespace axode {
 
 /// The law between the velocities u after a step and the impulses λ of a block of constraint rows. For a
-/// contact, N is the normal row and T are the friction rows.
+/// contact, the indices N and T mean the normal row and the friction rows.
 enum class ContactLaw {
   contact,       ///< 0 ≤ λ_N ⊥ u_N ≥ 0, and Coulomb's cone |λ_T| ≤ λ_N with u_T = -s λ_T, s ≥ 0
   stop,          ///< 0 ≤ λ ⊥ u ≥ 0
@@ -35,9 +35,9 @@ enum class LawBranch {
   slide,  ///< the impulse is on the boundary of its cone or bound
 };
 
-/// Computes λ = resolve(z), the resolvent of the law of a block (D11.2): λ obeys the law together with the
-/// velocities u if and only if λ = resolve(λ - u/R), for any number R > 0. z and λ have an entry for each row
-/// of the block.
+/// Computes λ = resolve(z), the resolvent of the law of a block (D11.2), with which impulses λ and velocities
+/// u obey the law if and only if λ = resolve(λ - u/R), for any number R > 0. z and λ have an entry for each
+/// row of the block.
 void resolve(const LawBlock& block, const double* z, double* lambda) noexcept;
 
 template <int rows> using LawMatrix = Eigen::Matrix<double, rows, rows>;
@@ -51,8 +51,8 @@ LawBranch differentiate(const LawBlock& block, const double* z, LawMatrix<rows>&
 /// The branch of the law of a block at the trial impulse z.
 LawBranch branch_of(const LawBlock& block, const double* z) noexcept;
 
-/// Projects z on the friction cone if the block is a contact, and computes resolve(z) otherwise. This is the
-/// resolvent of a convex approximation of the law, in which sliding contacts part.
+/// Projects z on the friction cone if the block is a contact, and computes resolve(z) otherwise: the
+/// resolvent of a convex approximation of the law, by which sliding contacts separate.
 void project(const LawBlock& block, const double* z, double* lambda) noexcept;
 
 /// Calls f with the number of rows of a block as a compile-time constant.

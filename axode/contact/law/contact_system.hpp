@@ -33,9 +33,8 @@ struct ContactFrame {
 };
 ContactFrame contact_frame(const Vec3<>& normal) noexcept;
 /// The axes of a contact for another normal: the new t1 is the tangent t1 of `axes`, projected on the plane
-/// that is perpendicular to `normal` and normalised. So the axes do not rotate about the normal, and
-/// velocities at two times can be compared also where contact_frame() jumps. If the old t1 is nearly parallel
-/// to the normal, contact_frame(normal) is returned.
+/// that is perpendicular to `normal` and normalised, so that the axes do not rotate about the normal. If the
+/// old t1 is nearly parallel to the normal, contact_frame(normal) is returned.
 ContactFrame turned(const ContactFrame& axes, const Vec3<>& normal) noexcept;
 
 /// A hard stop at a limit of a joint with one velocity: side (q - limit) ≥ 0, where side is 1 or -1.
@@ -134,11 +133,11 @@ class ContactSystem {
     int body, side;  ///< side: 1 on the path of b, -1 on the path of a, 0 on both
   };
   /// Finds the bodies on the paths from bodies a and b to the ground, and the velocities that the
-  /// articulated-body algorithm eliminates at these bodies.
+  /// articulated-body algorithm eliminates at them.
   void find_path(int a, int b);
-  /// Writes the column of Y = D^-½ L⁻ᵀ Jᵀ for one row of J, where M = Lᵀ D L, by a backward sweep along the
-  /// path of find_path(). The row of J is given by the wrench `on_b` on body b, the opposite wrench `on_a` on
-  /// body a, and the generalised forces x.
+  /// Writes the column of Y = D^-½ L⁻ᵀ Jᵀ for one row of J, with the mass matrix M = Lᵀ D L, by a backward
+  /// sweep along the bodies that find_path() found. The row of J is given by the wrench `on_b` on body b, the
+  /// opposite wrench `on_a` on body a, and the generalised forces x.
   void pull_row(int a, int b, const Wrench<Spatial>& on_a, const Wrench<Spatial>& on_b, const double* x,
                 double* Y) noexcept;
   /// Appends a block of rows for the velocities of the path that find_path() found. Sets Y to the part of Y =

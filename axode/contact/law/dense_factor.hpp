@@ -5,7 +5,7 @@
 namespace axode {
 
 /// Factorises a dense matrix in place by Gauss' elimination with row pivots, in blocks of columns. After
-/// reserve() nothing is allocated for matrices up to that size, except for blocks of large products.
+/// reserve() nothing is allocated for matrices up to that size, except in products of large blocks.
 class DenseFactor {
  public:
   using Matrix = Eigen::MatrixXd;
@@ -14,8 +14,9 @@ class DenseFactor {
   /// The n × n matrix A, which the caller fills before factorize() or factorize_symmetric().
   Eigen::Map<Matrix> matrix(Eigen::Index n) noexcept { return {memory_.data(), n, n}; }
   void factorize(Eigen::Index n) noexcept;
-  /// Factorises a symmetric positive definite matrix by Cholesky's method, which takes half as long. Only the
-  /// entries on and below the diagonal are read. If the matrix is not positive definite, solve() gives NaN.
+  /// Factorises a symmetric positive definite matrix by Cholesky's method, in half the time of factorize().
+  /// Only the entries on and below the diagonal are read. If the matrix is not positive definite, solve()
+  /// gives NaN.
   void factorize_symmetric(Eigen::Index n) noexcept;
   /// Computes x := A⁻¹ x (n numbers) with the factors of A, after factorize() or factorize_symmetric().
   void solve(Eigen::Index n, double* x) const noexcept;

@@ -4,7 +4,8 @@
 #include "axode/contact/law/velocity_solver.hpp"
 
 /// Follows the path of the solutions of proximal steps as their factor R falls from large to small values,
-/// for problems in which Newton's method fails. See "Following the path" of docs/derivations/contact.md.
+/// for contact problems in which Newton's method fails. See "Following the path" of
+/// docs/derivations/contact.md.
 namespace axode {
 namespace {
 
@@ -24,7 +25,7 @@ double VelocitySolver::path_residual(double sigma) noexcept {
 }
 
 /// Writes the Newton step -f'⁻¹ f to dx_ and the unit tangent of the path (D11.10b) to next_, for the
-/// residual f of the equations of the path.
+/// residual f of the equations of the path and its derivative f'.
 void VelocitySolver::linearize_path() noexcept {
   factorize_velocities(0);
   u_ = (z_ - lambda_0_).cwiseProduct(R_);

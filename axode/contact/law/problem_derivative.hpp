@@ -15,10 +15,10 @@ struct ProblemDerivative {
   bool at_kink = false;
 };
 
-/// Differentiates the multipliers λ that solve a problem (D11.11), with the velocities u = Yᵀ (w + Y λ) + r
-/// of its scaled rows, along k changes of its data: dx (nv × k) is dw + dY λ, and du (rows × k) is dYᵀ (w + Y
-/// λ) + dr. If contacts share a load, dλ is not unique; then the dλ of least norm in the metric of the masses
-/// is returned. Allocates; O(rows³).
+/// Differentiates the multipliers λ that solve a problem (D11.11) along k changes of its data. With the
+/// velocities u = Yᵀ (w + Y λ) + r of the scaled rows, dx (nv × k) has the changes dw + dY λ, and du (rows ×
+/// k) the changes dYᵀ (w + Y λ) + dr. If contacts share a load, dλ is not unique; then the dλ of least norm
+/// in the metric of the masses is returned. Allocates; O(rows³).
 ProblemDerivative differentiate(const VelocityProblem& problem, const double* lambda,
                                 const Eigen::Ref<const Eigen::MatrixXd>& dx,
                                 const Eigen::Ref<const Eigen::MatrixXd>& du);

@@ -71,8 +71,8 @@ class VelocityProblem {
                                                                          b.rows);
   }
   const std::vector<double>& squared_scales() const { return d2_; }
-  /// Whether a constraint row moves masses, after finish(). It is false only for rows of loops that repeat
-  /// joints of the tree; their terms Y and r are 0 and must remain so.
+  /// Whether a constraint row moves masses, after finish(). It is false only for loop constraints that a
+  /// joint of the tree satisfies in any motion; their columns of Y and terms r are 0 and must remain so.
   bool moves(std::size_t row) const { return moves_[row] != 0; }
 
   /// Computes x += factor Y λ, for rows() multipliers λ and nv() numbers x.
@@ -97,11 +97,12 @@ class VelocityProblem {
   std::vector<char> moves_;
 };
 
-/// Measures how far multipliers λ of scaled rows are from the laws: the norm of the part of the motion by
-/// which the laws fail, divided by that of the motion, both in the metric of the masses (D11.7); 1e-12 is
-/// rounding. It is NaN if a number is not finite. `scratch` is memory for 2 rows() + nv() numbers.
+/// Measures how far multipliers λ of scaled rows are from the laws: the norm of the part of the motion that
+/// violates the laws, divided by that of the whole motion, both in the metric of the masses (D11.7). Rounding
+/// errors make it 1e-12; it is NaN if a number is not finite. `scratch` is memory for 2 rows() + nv()
+/// numbers.
 double certificate(const VelocityProblem& problem, const double* lambda, double* scratch) noexcept;
-/// Computes the certificate (the relative error of the laws) of multipliers λ from the residual λ - resolve(λ
+/// Computes the certificate of multipliers λ, the relative error of the laws, from the residual λ - resolve(λ
 /// - u/d²), with the velocities u and the scales d² of the rows, and from the motion t = Y λ (nv() numbers).
 double certificate_of(const VelocityProblem& problem, const double* residual, const double* t) noexcept;
 

@@ -9,7 +9,7 @@
 namespace axode {
 namespace {
 
-/// The number ε of Newton's method on the law (D11.9): it makes the matrix regular, and lets redundant
+/// The number ε that Newton's method on the law adds (D11.9) to make its matrix regular, so that redundant
 /// contacts keep their load.
 constexpr double keep = 1e-9;
 /// The approximate number of columns of Y that are multiplied at once when Y B Yᵀ is computed.
@@ -136,7 +136,7 @@ double VelocitySolver::certify(const double* lambda) noexcept {
 }
 
 /// Evaluates a proximal step from the multipliers λ_0 with the factor R at the multipliers λ: writes
-/// resolve(λ_0 - u/R), with the velocities u of the rows, to resolved_, and λ minus this to residual_.
+/// resolve(λ_0 - u/R), with the velocities u of the rows, to resolved_, and λ minus resolved_ to residual_.
 /// Returns the norm of the residual in the metric of the masses.
 double VelocitySolver::multiplier_residual(const Vector& lambda) noexcept {
   const Eigen::Map<const Eigen::MatrixXd> G(G_memory_.data(), rows_, rows_);
@@ -162,7 +162,7 @@ double VelocitySolver::velocity_residual(const Vector& x, Vector& f) noexcept {
 }
 
 /// Steps from `from` along a direction, and halves the length of the step until the residual falls. Returns
-/// false if it does not fall for lengths above 0.01 of the direction.
+/// false if it has not fallen at 0.01 of the full length.
 template <class Residual>
 bool VelocitySolver::search(const Vector& from, const Vector& direction, Vector& to, double& norm,
                             const Residual& residual) noexcept {

@@ -29,14 +29,15 @@ class VelocitySolver {
   /// Allocates memory for problems with up to nv velocities and up to `rows` rows.
   void reserve(int nv, int rows);
 
-  /// Callback before further starts, which may take seconds; the search ends if it returns false. May be
-  /// empty.
+  /// Callback before the solver starts again from other multipliers, which may take seconds; the search ends
+  /// if it returns false. May be empty.
   using Monitor = std::function<bool()>;
 
   /// Improves the multipliers `lambda` of scaled constraint rows from their given values until the
   /// certificate, the relative error of the laws, is at most `tolerance`, or until rounding prevents
-  /// progress. Further starts are made only while the certificate is above 1e-9. The search also ends if the
-  /// monitor returns false. Requires reserve(). Allocates nothing, and throws only what the monitor throws.
+  /// progress. The solver starts again from other multipliers only while the certificate is above 1e-9 and
+  /// the monitor does not return false. Requires reserve(). Allocates nothing, and throws only what the
+  /// monitor throws.
   VelocitySolution solve(const VelocityProblem& problem, double* lambda, double tolerance = 1e-12,
                          const Monitor& monitor = {});
 
@@ -93,9 +94,9 @@ class VelocitySolver {
   void multiply_blocks(Vector& a) const noexcept;
 
   /// Runs the alternating direction method of multipliers from λ = 0 and writes the best multipliers to
-  /// `lambda`. If `on_laws`, its projection is resolve(), so that impulses obey the laws. Otherwise impulses
-  /// are projected on the friction cones, and the tangential speed is added to the normal velocity of each
-  /// contact (De Saxcé's form of the law).
+  /// `lambda`. If `on_laws`, impulses are projected by resolve(), so that they obey the laws. Otherwise
+  /// impulses are projected on the friction cones, and the tangential speed is added to the normal velocity
+  /// of each contact (De Saxcé's form of the law).
   void alternate(double* lambda, bool on_laws) noexcept;
   void apply_delassus(const Vector& a, Vector& out) noexcept;
   double largest_eigenvalue() noexcept;
@@ -111,7 +112,8 @@ class VelocitySolver {
   void linearize_path() noexcept;
   bool step_on_path(const PathVector& direction, double length, bool beyond_kink) noexcept;
   /// Follows the path of the solutions of proximal steps with the factor R = exp(σ) d² (D11.10a) as σ falls,
-  /// and runs Newton's method from its points. The path begins at the multipliers in y_.
+  /// with the scales d² of the rows, and runs Newton's method from its points. The path begins at the
+  /// multipliers in y_.
   void follow_path(double tolerance);
 
   /// The largest certificate at which no further start is made.

@@ -6,8 +6,8 @@
 
 namespace axode {
 
-/// Computes accelerations by forward dynamics, and products M⁻¹ X with the mass matrix M for matrices X of nv
-/// columns.
+/// Computes accelerations by forward dynamics, and products M⁻¹ X of matrices X of nv columns with the
+/// inverse of the mass matrix M.
 template <class T> struct AccelerationsAndColumns {
   /// The largest number of velocities for which products with M⁻¹ are faster than articulated bodies.
   static constexpr int most_velocities = 100;

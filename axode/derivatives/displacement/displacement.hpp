@@ -2,13 +2,13 @@
 #include "axode/lie/inertia.hpp"
 #include "axode/lie/mat3.hpp"
 
-/// Derivatives of body wrenches when a subtree is displaced along a screw J. J may be a joint screw or any
-/// other screw. All quantities are spatial: they are in inertial axes and about one point O for each tree.
+/// Derivatives of body wrenches when a subtree is displaced along a screw J, which may be a joint screw or
+/// any other one. All quantities are in inertial axes and about one point O for each tree.
 ///
 /// In a frame that is displaced with the subtree, only the motion of the base of the subtree changes: by the
 /// velocity ψ' and the acceleration ψ'', the time derivatives of J as a screw that is fixed to the body
 /// before it. This changes the wrench of a body with the inertia M and the twist V by M ψ'' + B ψ', where B X
-/// = M' X - ad_Xᵀ M V is the Coriolis force for the pair of velocities V and X.
+/// = M' X - ad_Xᵀ M V is the Coriolis force for the twists V and X.
 namespace axode {
 
 /// A six-vector of se(3) in inertial axes about O, which may be a twist, the rate of a twist, a screw or the

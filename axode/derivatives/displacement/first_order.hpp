@@ -8,9 +8,8 @@
 
 namespace axode {
 
-/// Computes ∂τ/∂q, ∂τ/∂v and ∂τ/∂a of inverse dynamics. Every joint screw is multiplied with all joint screws
-/// of its subtree; the entries of the three matrices take 67 products and sums for each such pair. See
-/// (D1.17) of docs/derivations.
+/// Computes ∂τ/∂q, ∂τ/∂v and ∂τ/∂a of inverse dynamics by products of every joint screw with the joint screws
+/// of its subtree ((D1.17) of docs/derivations). It takes 67 products and sums for each such pair.
 template <class T> struct FirstOrder {
   using L = Lanes<T>;
   using Number = typename L::Number;
@@ -46,8 +45,8 @@ template <class T> struct FirstOrder {
       if (!loads.wrenches.empty()) load(tree, q, loads.wrenches);
     compose(*tree.operator->(), !loads.wrenches.empty());
   }
-  /// Computes the factors of the derivatives (ScrewEffects) for all joint screws from the motion of the
-  /// bodies in `screws`. `loaded` says whether there are loads.
+  /// Computes the ScrewEffects of all joint screws, whose products are the derivatives, from the motion of
+  /// the bodies in `screws`. `loaded` says whether there are loads.
   void compose(const Topology& topology, bool loaded) noexcept {
     screws.compose(topology);
     for (int c = 0; c < topology.n_screws; c += L::width) {
@@ -147,8 +146,8 @@ template <class T> struct FirstOrder {
   enum Part { S = 0, psi_2 = 6, sigma = 12, U = 18, P = 24, R = 30, psi_1 = 36, t = 39 };
 
  private:
-  /// Computes the products of which derivatives are made, of factors of joint screw l with those of the joint
-  /// screws from `begin` to `end` - 1: five for each pair, written to `line`.
+  /// Multiplies the factors of joint screw l with those of the joint screws from `begin` to `end` - 1, and
+  /// writes five products for each pair to `line`, of which the derivatives consist.
   void multiply(int l, int begin, int end, bool loaded) noexcept {
     const Arrays<T> e = effect, n = NtS, out = line;  // local copies, so that the compiler knows that no
                                                       // result overwrites them

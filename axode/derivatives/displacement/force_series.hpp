@@ -4,13 +4,9 @@
 
 namespace axode {
 
-/// Computes the drive forces τ of a motion as power series in time, to any order. All quantities are in
-/// spatial representation about the origins of the roots at t = 0, where a wrench is the rate of a momentum.
-/// An index k denotes the coefficient of t^k. With the momentum Π = M V of each body, its wrench W, its joint
-/// screws J and the sum F of the wrenches W over its subtree
-///   (k + 1) M_{k+1} = Σ_{l<=k} (-ad_Vᵀ M - M ad_V)_{l, k-l}      Π_k = Σ_{l<=k} M_l V_{k-l}
-///   W_k = (k + 1) Π_{k+1} - (gravity)_k - (loads)_k   τ_k = Σ_{l<=k} J_l|F_{k-l}
-/// It costs O(n k²) up to order k. See (D3.9) to (D3.11) of docs/derivations.
+/// Computes the drive forces τ of a motion as power series in time, to any order k in O(n k²) ((D3.9) to
+/// (D3.11) of docs/derivations). All quantities are in spatial representation about the origins of the roots
+/// at t = 0, where the wrench that a body needs is the rate of its momentum.
 template <class T> class ForceSeries {
  public:
   /// `order` is the order of the series of τ.

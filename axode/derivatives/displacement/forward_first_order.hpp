@@ -4,8 +4,9 @@
 
 namespace axode {
 
-/// Computes ∂a/∂τ = M⁻¹ and ∂a/∂x = -M⁻¹ ∂τ/∂x, x = q and v, of forward dynamics, where M is the mass matrix
-/// and ∂τ/∂x are the derivatives of inverse dynamics at the accelerations a. See (D1.24) of docs/derivations.
+/// Computes ∂a/∂q, ∂a/∂v and ∂a/∂τ of forward dynamics: ∂a/∂τ is the inverse M⁻¹ of the mass matrix, and the
+/// others are -M⁻¹ times ∂τ/∂q and ∂τ/∂v of inverse dynamics at the accelerations a ((D1.24) of
+/// docs/derivations).
 template <class T> struct ForwardFirstOrder {
   AccelerationsAndColumns<T> forward;
   FirstOrder<T> inverse;

@@ -1,11 +1,10 @@
 #pragma once
 #include "axode/model/tree.hpp"
 
-/// Geometric parameters π (Müller, section 6.2), six for each body i. Let B_i be the pose, relative to the
-/// predecessor p, of the frame that body i has while its joint is at zero, and X_i the screws of the joint.
-/// The parameters change B_i to B_i exp(U π), which displaces the subtree of joint i along U: C_i = C_p B_i
-/// exp(U π) exp(X_i q_i). U is a unit screw, resolved in the frame that body i has while its joint is at
-/// zero.
+/// Geometric parameters π (Müller, section 6.2), six for each body i, which displace the subtree of body i
+/// before its joint along a unit screw U: C_i = C_p B_i exp(U π) exp(X_i q_i), with the pose B_i of body i
+/// relative to the predecessor p at joint coordinates zero and the joint screws X_i. U is resolved in the
+/// frame that body i has at joint coordinates zero.
 namespace axode {
 
 /// The pose of the frame of body i at joint coordinates zero, relative to its present internal frame.

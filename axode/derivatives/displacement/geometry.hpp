@@ -48,10 +48,10 @@ template <class T> struct GeometryDerivatives {
   }
 
  private:
-  /// Writes to `line` the derivatives of the joint forces of the screws S_k, k from `begin` to `end` - 1, for
-  /// a displacement of the subtree along a screw J: U_k|ψ'' + t_k·ω(ψ') + N_kᵀ S_k|J. ψ' and ψ'' are the time
-  /// derivatives of J, ω is an angular part, U and t are factors of ScrewEffects, and N_k is the stiffness of
-  /// the loads on the subtree of S_k.
+  /// Writes to `line` the derivatives of the joint forces of the screws from `begin` to `end` - 1 for a
+  /// displacement, along a screw J, of a subtree that contains their joints (D1.18). psi has the time
+  /// derivatives of J as a screw that is fixed to the body before the subtree. `loaded` says whether there
+  /// are loads.
   void multiply(const CarriedScrew<T>& psi, const Motion6<T>& J, int begin, int end, bool loaded) noexcept {
     using Part = typename FirstOrder<T>::Part;
     for (int c = begin; c < end; c += L::width) {

@@ -19,8 +19,8 @@ constexpr Wrench<BodyFixed, T> load_change(Representation representation, const 
   }
   return {};
 }
-/// The gradient of the power L(X) W | Y of the twist Y with respect to the displacement X, where L(X) W is
-/// the change of a load W that load_change() computes.
+/// The gradient, with respect to the displacement X, of the power along a twist Y of the change of a load W
+/// that load_change() computes for X.
 template <class T>
 constexpr Wrench<BodyFixed, T> load_change_transposed(Representation representation,
                                                       const Wrench<BodyFixed, T>& W,
@@ -34,10 +34,10 @@ constexpr Wrench<BodyFixed, T> load_change_transposed(Representation representat
   return {};
 }
 
-/// The stiffness matrix N of loads (wrenches) that are constant in their representations. If a subtree is
+/// The stiffness matrix N of loads (wrenches) that are constant in their representations: if a subtree is
 /// displaced along X, the wrench that balances its loads changes by N X, as seen in a frame that is displaced
-/// with the subtree. N = [[A, -b~], [-f~, 0]] has 15 numbers, which can be summed over loads. See (D1.15) of
-/// docs/derivations.
+/// with the subtree ((D1.15) of docs/derivations). N = [[A, -b~], [-f~, 0]] has 15 numbers, which can be
+/// summed over loads.
 template <class T> struct LoadStiffness {
   Mat3<T> A;
   Vec3<T> b, f;

@@ -4,14 +4,10 @@
 
 namespace axode {
 
-/// Factors from which the derivatives of the momenta M v, and of the part Π|[V, S] of p', are products, for
-/// each joint screw S. With the inertia M and the momentum Π of its subtree, and the twists V_p of the
-/// predecessor and V of the body, they are ψ = [V_p, S], η = [V, S], U = M S, D = M ψ - ad_Sᵀ Π and A = M η -
-/// ad_Sᵀ Π. If the joint of velocity l is before that of velocity k on one path,
-///   d(Mv)_l/dq_k = S_l|D_k   dp'_l/dq_k = η_l|D_k    dp'_l/dv_k = η_l|U_k
-///   d(Mv)_k/dq_l = U_k|ψ_l   dp'_k/dq_l = A_k|ψ_l    dp'_k/dv_l = A_k|S_l
-/// If l and k belong to one joint, the second line holds for any two. See (D5.3) and (D5.4) of
-/// docs/derivations.
+/// The screws and wrenches of one joint screw S from whose products with those of another joint screw the
+/// derivatives of the momenta M v, and of their rates p', follow ((D5.3) and (D5.4) of docs/derivations).
+/// With the twists V_p of the predecessor and V of the body, and the inertia M and the momentum Π of the
+/// subtree, they are ψ = [V_p, S], η = [V, S], U = M S, D = M ψ - ad_Sᵀ Π and A = M η - ad_Sᵀ Π.
 template <class T> struct MomentumEffects {
   Motion6<T> S, psi,
       eta;  ///< ψ = [V_p, S] with the twist of the predecessor, η = [V, S] with that of the body
@@ -20,7 +16,7 @@ template <class T> struct MomentumEffects {
   static constexpr std::size_t size = 36;
   using Entries = std::array<T, size>;
 
-  /// Computes the factors for a joint screw S. M and Pi are the inertia and the momentum of its subtree, V_p
+  /// Computes all members for a joint screw S. M and Pi are the inertia and the momentum of its subtree, V_p
   /// is the twist of the predecessor and V that of the body.
   static constexpr MomentumEffects of(const Inertia<T>& M, const Wrench<Spatial, T>& Pi, const Motion6<T>& S,
                                       const Motion6<T>& V_p, const Motion6<T>& V) {
@@ -34,10 +30,8 @@ template <class T> struct MomentumEffects {
   }
 };
 
-/// Computes the derivatives of (v, p') of momentum_form() by q and p. Let (Mv)_q be the derivative of M v by
-/// q, and F_q and F_v those of p' by q and v, all as functions of (q, v). Then
-///   v_q = -M⁻¹ (Mv)_q, v_p = M⁻¹, p'_q = F_q + F_v v_q, p'_p = F_v M⁻¹.
-/// See (D5.5) of docs/derivations.
+/// Computes the derivatives by q and p of the velocities v = M⁻¹ p and of the rates p' of the momenta, which
+/// momentum_form() computes, from those of M v and p' as functions of (q, v) ((D5.5) of docs/derivations).
 template <class T> struct MomentumFirstOrder {
   using L = Lanes<T>;
   using Number = typename L::Number;
@@ -117,8 +111,8 @@ template <class T> struct MomentumFirstOrder {
       for (std::ptrdiff_t c = 0; c < r; ++c) std::swap(matrix[r * n + c], matrix[c * n + r]);
   }
 
-  /// Computes the MomentumEffects of all joint screws. To find twists and momenta, `terms` runs inverse
-  /// dynamics at rest with the accelerations v and without gravity.
+  /// Computes the MomentumEffects of all joint screws. Twists and momenta are found as the rates of twists
+  /// and the wrenches of a motion at rest with the accelerations v and without gravity.
   void move(const Tree<T>& tree, const T* q) noexcept {
     MovingScrews<T>& screws = terms.screws;
     screws.run(tree, q, zero, v, {});
@@ -141,8 +135,8 @@ template <class T> struct MomentumFirstOrder {
   /// Offsets of the members of MomentumEffects in its array of numbers.
   enum Part { S = 0, psi = 6, eta = 12, U = 18, D = 24, A = 30 };
 
-  /// Computes the products of which derivatives are made, of factors of joint screw l with those of the joint
-  /// screws from `begin` to `end` - 1: six for each pair, written to `line`.
+  /// Multiplies the screws of joint screw l with the wrenches of the joint screws from `begin` to `end` - 1,
+  /// and writes six products for each pair to `line`, of which the derivatives consist.
   void multiply(int l, int begin, int end) noexcept {
     Number x[U];
     for (int k = 0; k < U; ++k) x[k] = Number(effect.array(k)[l]);

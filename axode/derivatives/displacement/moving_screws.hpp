@@ -9,9 +9,8 @@
 
 namespace axode {
 
-/// The quantities of a body on which the change of its wrench depends when it is displaced: inertia M,
-/// Coriolis inertia B and wrench F, in inertial axes about one point for each tree. They can be summed over
-/// bodies. See (D1.11) of docs/derivations.
+/// Inertia M, Coriolis inertia B and wrench F of a body, or their sums over bodies, from which the change of
+/// F follows when the bodies are displaced (D1.11). They are in inertial axes about one point for each tree.
 template <class T> struct MovingInertia {
   Inertia<T> M;
   CoriolisInertia<T> B;
@@ -27,16 +26,11 @@ template <class T> struct MovingInertia {
   }
 };
 
-/// Factors from which the derivatives of τ are products, for each joint screw S. With the inertia M, the
-/// Coriolis inertia B and the wrench F of its subtree, the twists V_p of the predecessor and V of the body,
-/// and the time derivatives ψ' and ψ'' of S as it moves with the predecessor (see CarriedScrew), they are σ =
-/// ψ' + [V, S], U = M S, P = M ψ'' + B ψ' - ad_Sᵀ F, R = M σ + B S, and the moment t of Bᵀ S. If the joint of
-/// velocity l is before that of velocity k on one path,
-///   dτ_l/dq_k = S_l|P_k   dτ_l/dv_k = S_l|R_k   M_lk = S_l|U_k
-///   dτ_k/dq_l = U_k|ψ''_l + t_k·ω(ψ'_l) + N_kᵀS_k|S_l   dτ_k/dv_l = U_k|σ_l + t_k·ω(S_l)
-/// where ω is the angular part and N_k the stiffness of the loads on the subtree, see LoadStiffness; N_k S_k
-/// is added to P_k. If l and k belong to one joint, the second line and M_lk hold for any two. See (D1.16)
-/// and (D1.17) of docs/derivations.
+/// The screws and wrenches of one joint screw S from whose products with those of another joint screw the
+/// derivatives of τ follow ((D1.16) and (D1.17) of docs/derivations). ψ' and ψ'' are the time derivatives of
+/// S as it moves with the predecessor (see CarriedScrew). With the inertia M, the Coriolis inertia B and the
+/// wrench F of the subtree, and the twist V of the body, σ = ψ' + [V, S], U = M S, P = M ψ'' + B ψ' - ad_Sᵀ
+/// F, R = M σ + B S, and t is the moment of Bᵀ S.
 template <class T> struct ScrewEffects {
   Motion6<T> S, psi_2, sigma;
   Wrench<Spatial, T> U, P, R;
@@ -45,9 +39,8 @@ template <class T> struct ScrewEffects {
   static constexpr std::size_t size = 42;
   using Entries = std::array<T, size>;
 
-  /// Computes the factors for a joint screw S, except the contribution of the load stiffness to P. `moved` is
-  /// the sum over the subtree, V_p and dV_p are the twist of the predecessor and its rate, and V is the twist
-  /// of the body.
+  /// Computes all members for a joint screw S, except the part of P due to loads. `moved` is the sum over the
+  /// subtree, V_p and dV_p are the twist of the predecessor and its rate, and V is the twist of the body.
   static constexpr ScrewEffects of(const MovingInertia<T>& moved, const Motion6<T>& S, const Motion6<T>& V_p,
                                    const Motion6<T>& dV_p, const Motion6<T>& V) {
     const CarriedScrew<T> psi(V_p, dV_p, S);
@@ -198,7 +191,7 @@ template <class T> struct MovingScrews {
  private:
   /// Stores the joint screw S_c (column c), and adds its parts v S_c and a S_c + v [V_p, S_c], with its
   /// velocity v, its acceleration a and the twist V_p of the predecessor, to the twist of the body and its
-  /// rate. For a joint with several screws S, the sum of the brackets equals [V_i, S v].
+  /// rate.
   void add(int c, const Motion6<T>& S_c, const SpatialMotion& p, const T& v, const T& a,
            SpatialMotion& next) noexcept {
     set6(S, c, S_c);

@@ -21,9 +21,9 @@ template <class T> struct ForwardJvp {
   explicit ForwardJvp(Arena& arena)
       : forward(arena), jvp(arena), zero(arena.per_velocity<T>()), x(arena.per_velocity<T>()) {}
 
-  /// Computes the change x = M⁻¹ (δτ - ∂τ/∂q δq - ∂τ/∂v δv) of the accelerations of forward dynamics for the
-  /// changes dq, dv and dtau. ∂τ/∂q and ∂τ/∂v are those of inverse dynamics at these accelerations. See
-  /// (D1.24) of docs/derivations.
+  /// Computes the change x = M⁻¹ (dtau - ∂τ/∂q dq - ∂τ/∂v dv) of the accelerations of forward dynamics for
+  /// the changes dq, dv and dtau of its arguments, with the mass matrix M and the derivatives of inverse
+  /// dynamics at these accelerations (D1.24).
   Solvability run(const Tree<T>& tree, const T* q, const T* v, const T* tau, const T* dq, const T* dv,
                   const T* dtau, const Loads<T>& loads) noexcept {
     const Solvability verdict = forward.run(tree, q, v, tau, loads);
@@ -48,9 +48,8 @@ template <class T> struct ForwardVjp {
     if (verdict.ok()) compute_gradient(tree, q, v, w, loads);
     return verdict;
   }
-  /// Computes the gradient of w·a of forward dynamics by q and v. It is the gradient of -μ·τ of inverse
-  /// dynamics at the accelerations a of forward.run(), with μ = M⁻¹ w, which is the gradient by τ. Requires
-  /// forward.run().
+  /// Computes the gradient by q and v of w·a for the accelerations a of forward dynamics, which forward.run()
+  /// must have computed. With μ = M⁻¹ w it is the gradient of -μ·τ of inverse dynamics at a.
   void compute_gradient(const Tree<T>& tree, const T* q, const T* v, const T* w,
                         const Loads<T>& loads) noexcept {
     std::copy_n(w, tree->nv, mu);
@@ -90,8 +89,8 @@ template <class T> struct EnergyGradient {
   explicit EnergyGradient(Arena& arena) : vjp(arena), zero(arena.per_velocity<T>()) {}
 };
 
-/// The joint screws from a frame or point to the ground, expressed in its frame, beginning with the last
-/// body.
+/// The screws of all joints between the ground and a place (a frame or a point on a body), in the axes of the
+/// place, beginning with the joint of the body that carries it.
 template <class T> struct CarryingScrews {
   struct Column {
     int j, c;  ///< indices of body and velocity
@@ -108,9 +107,9 @@ template <class T> struct CarryingScrews {
   }
 };
 
-/// The joint screws (columns) that move the ends of a spring, or of one segment of its path, relative to each
-/// other, and the derivatives of the coordinate of the spring and of its rate by the positions of these
-/// joints.
+/// The joint screws that move the two ends of a spring, or of one segment of a spring over several points,
+/// relative to each other, and the derivatives of the spring's coordinate and of its rate by the positions of
+/// these joints.
 template <class T> struct SpringColumns {
   struct Column {
     int end, body, c;  ///< index of the end, of the body and of the velocity

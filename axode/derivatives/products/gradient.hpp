@@ -3,16 +3,12 @@
 
 namespace axode {
 
-/// Computes the gradient of λ·τ of inverse dynamics with respect to (q, v, a) by two sweeps. Λ is the twist
-/// that a body would have if the joints moved with the velocities λ; it is the adjoint of the wrench of the
-/// body. In the following, S is a screw of joint i, sums are over the subtree of joint i, Λ, V and V' are
-/// those of the predecessor p unless they are inside a sum, and all quantities are in the axes of the body.
-/// With the inertia M, the Coriolis inertia B and the load stiffness N of each body, and the wrench F that
-/// the joint transmits,
-///   A = Σ M Λ, H = Σ Bᵀ Λ (a wrench without force), n = Σ Nᵀ Λ
-///   g = ad_Λᵀ F + ad_Vᵀ (H + ad_Vᵀ A) + ad_V'ᵀ A + n
-///   ∂/∂q = S|g, ∂/∂v = S|(H + ad_{V_p + V_i}ᵀ A), ∂/∂a = S|A
-/// It takes about 380 products and sums for a hinge. See (D1.21) to (D1.23) of docs/derivations.
+/// Computes the gradient of λ·τ, for the forces τ of inverse dynamics and constant weights λ, with respect to
+/// (q, v, a), by the adjoint of the recursive Newton-Euler algorithm ((D1.21) to (D1.23) of
+/// docs/derivations). The forward sweep computes, besides the twist of each body, the twist Λ that the body
+/// would have if the joints moved with the velocities λ. The backward sweep sums wrenches over subtrees,
+/// whose powers along the joint screws are the entries of the gradient. It takes about 380 products and sums
+/// for a hinge.
 template <class G, class T> struct InverseDynamicsGradient {
   using Vector = typename G::Vector;
   using Factor = typename G::Factor;
@@ -26,9 +22,9 @@ template <class G, class T> struct InverseDynamicsGradient {
   struct Body {
     Matrix R;
     Vector r;
-    Vector m, f;      ///< transmitted wrench F
-    Vector A_m, A_f;  ///< the wrench A
-    Vector H, n_m, n_f;
+    Vector m, f;         ///< transmitted wrench F
+    Vector A_m, A_f;     ///< sum A of the wrenches M Λ over the subtree, with the inertias M
+    Vector H, n_m, n_f;  ///< see (D1.21)
   };
   JointAngles<T> angles;
   Motion* motion;
@@ -97,8 +93,9 @@ template <class G, class T> struct InverseDynamicsGradient {
     }
   }
 
-  /// Applies a load W on body i. n is the gradient of the power L(X) W | Λ with respect to a displacement X
-  /// of the body that changes the load by L(X) W.
+  /// Subtracts a load W from the wrench of body i. n is the gradient, with respect to a displacement of the
+  /// body, of the power of W along the twist Λ that the body would have if the joints moved with the
+  /// velocities λ.
   void load(int i, const Wrench<BodyFixed, T>& W, const Wrench<BodyFixed, T>& n) noexcept {
     body[i].m -= Vector(W.m);
     body[i].f -= Vector(W.f);
@@ -106,8 +103,8 @@ template <class G, class T> struct InverseDynamicsGradient {
     body[i].n_f -= Vector(n.f);
   }
 
-  /// The backward sweep, from the leaves to the root: adds the gradients of λ·τ by q, v and a to the last
-  /// three arguments.
+  /// The backward sweep, from the leaves to the root: adds the gradients of λ·τ by q, v and a to by_q, by_v
+  /// and by_a.
   template <class S>
   void backward(const Tree<S>& tree, const T* v, const T* a, const T* lambda, T* by_q, T* by_v,
                 T* by_a) noexcept {
@@ -148,8 +145,8 @@ template <class G, class T> struct InverseDynamicsGradient {
   }
   bool loaded = false;  ///< whether there are loads, so that n is not 0
 
-  /// The wrench g of the subtree of joint i, after backward(): the power g|X is the derivative of λ·τ for a
-  /// displacement of the subtree along a screw X that acts before joint i. V_J is the twist S v of the joint.
+  /// The gradient, a wrench, of λ·τ with respect to a displacement of the whole subtree of body i before its
+  /// joint. Requires backward(). V_J is the twist of the body relative to its predecessor.
   template <class S>
   Wrench<BodyFixed, T> by_displacement(const Tree<S>& tree, int i, const Twist<BodyFixed, T>& V_J, const T* a,
                                        const T* lambda) const noexcept {

@@ -108,7 +108,8 @@ template <class By> struct RowKernel<Id("forward_dynamics_derivatives"), By> {
   }
 };
 /// Computes the change da of the accelerations of forward dynamics along (dq, dv, dτ): da = M⁻¹ (dτ - x),
-/// where x is the change of the forces of inverse dynamics along (dq, dv) at constant accelerations.
+/// with the mass matrix M and the change x of the forces of inverse dynamics along (dq, dv) at constant
+/// accelerations.
 template <class By> struct RowKernel<Id("forward_dynamics_jvp"), By> {
   using T = typename By::T;
   InverseDynamicsJvp<T> jvp;
@@ -124,8 +125,8 @@ template <class By> struct RowKernel<Id("forward_dynamics_jvp"), By> {
     by.solve_one(tree, da);
   }
 };
-/// Computes the gradients of w·a of forward dynamics. The gradient by τ is μ = M⁻¹ w; those by q and v are
-/// the gradients of -μ·τ of inverse dynamics at the accelerations a.
+/// Computes the gradients of w·a of forward dynamics. The gradient by τ is μ = M⁻¹ w with the mass matrix M;
+/// those by q and v are the gradients of -μ·τ of inverse dynamics at the accelerations a.
 template <class By> struct RowKernel<Id("forward_dynamics_vjp"), By> {
   using T = typename By::T;
   InverseDynamicsVjp<T> vjp;

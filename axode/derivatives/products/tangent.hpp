@@ -3,11 +3,9 @@
 
 namespace axode {
 
-/// Computes inverse dynamics and its derivative δτ along one direction (δq, δv, δa): the derivative of the
-/// recursion of FastInverseDynamics on classical accelerations. For a vector x of the predecessor and x' = Rᵀ
-/// x in the axes of the body with the relative rotation R, δ(x') = Rᵀ δx + x' × e_z δq if the joint is a
-/// hinge with the axis e_z. It takes about 340 products and sums for a hinge. See (D1.20) of
-/// docs/derivations.
+/// Computes inverse dynamics and its derivative δτ along one direction (δq, δv, δa) by the differentiated
+/// Newton-Euler recursion on classical accelerations ((D1.20) of docs/derivations). It takes about 340
+/// products and sums for a hinge.
 template <class G, class T> struct InverseDynamicsTangent {
   using Vector = typename G::Vector;
   using Factor = typename G::Factor;

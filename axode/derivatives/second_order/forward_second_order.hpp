@@ -5,12 +5,9 @@
 namespace axode {
 
 /// Computes the second derivatives of w·a of forward dynamics along the pairs of directions (q, q), (q, v),
-/// (v, v) and (τ, q), below qq, qv, vv and tauq; the last one is written to H.aq. `second` must have been run
-/// with the weights μ = -M⁻¹ w at the accelerations a. With the second derivatives H_qq, H_qv, H_vv and Q =
-/// H_aq of μ·τ of inverse dynamics, which it provides,
-///   tauq = M⁻¹ Q    qq = H_qq + P + Pᵀ, P = -tauqᵀ ∂τ/∂q    qv = H_qv - tauqᵀ ∂τ/∂v    vv = H_vv.
-/// No matrix except the results is stored: products with ∂τ/∂q and ∂τ/∂v are added entry by entry. solve(X)
-/// computes X := M⁻¹ X for a matrix X of nv columns. See (D2.9) of docs/derivations.
+/// (v, v) and (τ, q), and writes them to the blocks of H, the last one to H.aq ((D2.9) of docs/derivations).
+/// `second` must have been run with the weights -M⁻¹ w, with the mass matrix M, at the accelerations a of
+/// forward dynamics. solve(X) must compute X := M⁻¹ X for a matrix X of nv columns.
 template <class T, class Real, class Solve>
 void accelerations_from(SecondOrder<T>& second, const Tree<Real>& tree, const Loads<T>& loads,
                         const HessianBlocks<T>& H, const Solve& solve) noexcept {

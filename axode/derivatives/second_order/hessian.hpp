@@ -3,7 +3,8 @@
 #include "axode/recursion/loads.hpp"
 #include "axode/recursion/solvability.hpp"
 
-/// Second derivatives of weighted sums with weights w, as optimal control needs them, without a tensor.
+/// Second derivatives of weighted sums of the forces τ or accelerations a, as optimal control needs them,
+/// without a tensor.
 ///
 /// A matrix of second derivatives has nv × nv numbers, row by row. Its entry [k][l] is the derivative along
 /// direction k, the outer one, of the derivative along direction l, the inner one. For a joint with several

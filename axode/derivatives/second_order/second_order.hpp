@@ -4,11 +4,10 @@
 
 namespace axode {
 
-/// The quantities of a body on which the change of the gradient of λ·τ depends when the tree is displaced. Λ
-/// is the twist that the body would have if the joints moved with the velocities λ. With the inertia M and
-/// the Coriolis inertia B of the body, they are the wrench A = M Λ, the moment H of the wrench Bᵀ Λ, whose
-/// force is 0, and the matrix D of the Coriolis inertia for the twist Λ instead of V. All of them can be
-/// summed over bodies. See (D1.21) and (D2.2) of docs/derivations.
+/// The wrench A = M Λ, the moment H of Bᵀ Λ, and the matrix D of the Coriolis inertia for the twist Λ, of a
+/// body with the inertia M and the Coriolis inertia B. Λ is the twist that the body would have if the joints
+/// moved with the weights λ as velocities. The derivatives of the gradient of λ·τ follow from sums of these
+/// quantities over subtrees ((D1.21) and (D2.2) of docs/derivations).
 template <class T> struct VirtualMomentum {
   Wrench<Spatial, T> A;
   Vec3<T> H;
@@ -24,13 +23,11 @@ template <class T> struct VirtualMomentum {
   constexpr CoriolisInertia<T> B() const { return {D, A.f}; }
 };
 
-/// Factors χ = [Λ_p, S], X, Y, Z and Q from which the second derivatives of λ·τ are products, for each joint
-/// screw S, in addition to the factors ψ', ψ'', σ, U, P and R of ScrewEffects. Λ_p is the twist that the
-/// predecessor would have if the joints moved with the velocities λ. Let qv_lk be the second derivative along
-/// direction l of q and k of v, and so on. If the joint of l is before that of k on one path,
-///   qq_lk = χ_l|P_k + ψ''_l|Y_k + ψ'_l|X_k + S_l|Q_k   qv_lk = χ_l|R_k + ψ'_l|Z_k, qv_kl = σ_l|Y_k + S_l|X_k
-///   vv_lk = S_l|Z_k                                    aq_kl = χ_l|U_k,            aq_lk = S_l|Y_k
-/// See (D2.7) and (D2.8) of docs/derivations.
+/// The screws and wrenches of one joint screw from whose products with those of another joint screw all
+/// second derivatives of λ·τ follow, in addition to those in ScrewEffects ((D2.7) and (D2.8) of
+/// docs/derivations). `chi` is the bracket [Λ_p, S] of the joint screw S with the twist Λ_p that the
+/// predecessor would have if the joints moved with the velocities λ, and `psi_1` is [V_p, S] with its twist
+/// V_p.
 template <class T> struct ScrewCurvature {
   Motion6<T> chi, psi_1;
   Wrench<Spatial, T> X, Y, Z, Q;
@@ -39,9 +36,9 @@ template <class T> struct ScrewCurvature {
   static constexpr std::size_t size = 42;
   using Entries = std::array<T, size>;
 
-  /// Computes the factors for a joint screw S, except Q, which is 0 without loads. `moved` and `momentum` are
-  /// sums over the subtree, V_p is the twist of the predecessor, and Lambda_p is the twist that it would have
-  /// if the joints moved with the velocities λ.
+  /// Computes all members for a joint screw S except Q, which is 0 without loads. `moved` and `momentum` are
+  /// sums over the subtree, V_p is the twist of the predecessor, and Lambda_p the twist that it would have if
+  /// the joints moved with the velocities λ.
   static constexpr ScrewCurvature of(const MovingInertia<T>& moved, const VirtualMomentum<T>& momentum,
                                      const Motion6<T>& S, const Motion6<T>& V_p, const Motion6<T>& Lambda_p) {
     const Motion6<T> chi = ad(Lambda_p, S), psi_1 = ad(V_p, S);
@@ -54,9 +51,9 @@ template <class T> struct ScrewCurvature {
   }
 };
 
-/// Receives the second derivatives along the pairs of directions (q, q), (q, v), (v, v) and (a, q) or, in
-/// forward dynamics, (τ, q), nv × nv numbers each, [outer derivative][inner derivative]. qq is symmetric,
-/// except within joints of several velocities, where the outer displacement comes first.
+/// Receives the second derivatives along the pairs of directions (q, q), (q, v), (v, v) and (a, q), or (τ, q)
+/// in forward dynamics: nv × nv numbers each, [outer derivative][inner derivative]. qq is symmetric, except
+/// within joints of several velocities, where the outer displacement comes first.
 template <class T> struct HessianBlocks { T *qq, *qv, *vv, *aq; };
 
 /// Computes the second partial derivatives of λ·τ of inverse dynamics in O(n d) on paths of d velocities:
@@ -155,8 +152,9 @@ template <class T> struct SecondOrder {
         L::store(numbers[k], momenta.array(static_cast<int>(k)) + i);
     }
   }
-  /// Adds -Λ|L(X) L(Y) W of each load W to the matrix K of its body, where X is the outer and Y the inner
-  /// displacement, and a displacement X changes the load by L(X) W.
+  /// Computes for each body the matrix K of the second derivatives, with the opposite sign, of the power of
+  /// its loads along the twist Λ that it would have if the joints moved with the velocities λ, when the body
+  /// is displaced twice.
   [[gnu::noinline]] void add_load_hessian(const Tree<T>& tree,
                                           std::span<const AppliedWrench<T>> wrenches) noexcept {
     for (int i = 0; i <= tree->n; ++i) K[i] = {};
@@ -203,15 +201,16 @@ template <class T> struct SecondOrder {
       }
   }
 
-  /// The term S_l|hat(A) S_k, with hat(A) X = -ad_Xᵀ A, by which the second derivative by the velocities of
-  /// two screws of one joint differs from that of two joints.
+  /// The term that a second derivative of λ·τ by the velocities of screws l and k of one joint has less than
+  /// for two joints: the power of the wrench -ad_{S_k}ᵀ A along the screw S_l, with the sum A of M Λ over the
+  /// subtree.
   T own_bracket(int l, int k) const {
     T sum(0);
     for (int c = 0; c < 6; ++c) sum += curvature.array(AS + c)[k] * first.screws.S.array(c)[l];
     return sum;
   }
   /// Multiplies the factors of joint screw l with those of the joint screws from `begin` to `end` - 1, and
-  /// writes the products of ScrewCurvature to `line`.
+  /// writes the parts of second derivatives that result to `line`, in six arrays.
   void multiply(int l, int begin, int end, bool loaded) noexcept {
     const Arrays<T> e = first.effect, d = curvature,
                     out = line;  // local copies, so that the compiler knows that no result overwrites them

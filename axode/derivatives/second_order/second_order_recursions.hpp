@@ -8,8 +8,8 @@
 /// forces. O(n).
 namespace axode {
 
-/// A load W and its first two time derivatives in the frame of its body with the twist V: W' = L(V) W, where
-/// L(V) W is the change that load_change() computes. See (D3.4) of docs/derivations.
+/// A load W and its first two time derivatives in the frame on which it acts, whose twist is V: W' is the
+/// change of the load that load_change() computes for the displacement V. See (D3.4) of docs/derivations.
 template <class T> struct LoadRates {
   Wrench<BodyFixed, T> W[3];
 
@@ -39,11 +39,8 @@ template <class T> void drive_rates(const Tree<T>& tree, const T* rates, bool jo
 
 template <class Rep, class T> struct SecondOrderRecursion;
 
-/// The recursion in body-fixed twists. Let S be the twist of a joint relative to the predecessor p, Ad the
-/// inverse transformation from the predecessor to the body, V the twist of the body, and U_k the k-th time
-/// derivative of U = Ad V_p; then
-///   (Ad)' = -ad_S Ad,  V = U + S,  V' = U_1 + S',  ...;  (Adᵀ)' = -Adᵀ ad_Sᵀ.
-/// See (D3.1) to (D3.5) of docs/derivations.
+/// The recursion in body-fixed twists: twists and wrenches are differentiated in the axes of the bodies,
+/// which turn, by (D3.1) to (D3.5) of docs/derivations.
 template <class T> struct SecondOrderRecursion<BodyFixed, T> {
   using V6 = Twist<BodyFixed, T>;
   using W6 = Wrench<BodyFixed, T>;
@@ -122,10 +119,8 @@ template <class T> struct SecondOrderRecursion<BodyFixed, T> {
   }
 };
 
-/// The recursion in hybrid twists. The axes are inertial, so that the derivatives of components are those of
-/// vectors. Let d be the position of the origin of a body relative to that of its predecessor; then d' = v -
-/// v_p with the velocities v and v_p of the origins. Vectors that are fixed to a body rotate with it. See
-/// (D3.6) to (D3.8) of docs/derivations.
+/// The recursion in hybrid twists ((D3.6) to (D3.8) of docs/derivations). The axes are inertial, so that the
+/// derivatives of components are those of vectors.
 template <class T> struct SecondOrderRecursion<Hybrid, T> {
   using V6 = Twist<Hybrid, T>;
   using W6 = Wrench<Hybrid, T>;

@@ -7,17 +7,10 @@ namespace axode {
 /// derivative][inner derivative].
 template <class T> struct SecondDerivatives { T *qq, *qv, *vv, *aq; };
 
-/// Computes the second partial derivatives of all components of inverse dynamics. An entry belongs to three
-/// columns (joint screws) on one path and is computed from the last of them, d; l and j are the other two, in
-/// any order. S, ψ', ψ'', σ, U, t, P and R are those of ScrewEffects; U, t, P and R are of column d. Let
-/// hat(W) X = -ad_Xᵀ W, let B[M; X] be the Coriolis inertia for the inertia M of the subtree of d and the
-/// twist X, B_S = B[M; S_d], and B_ψ = B[M; ψ'_d] plus the change of the Coriolis inertia of the subtree
-/// along S_d. Then all entries are sums of
-///   u = -S_j|hat(U) S_l     b = S_j|B_S S_l     f = S_j|B_S ψ'_l    r = S_j|hat(R) S_l    p = S_j|hat(P) S_l
-///   g = S_j|(B_S σ_l - hat(U) σ_l + B_ψ S_l)          h = -S_j|(hat(U) σ_l + hat(t) S_l) - ψ'_j|B_S S_l
-///   G = S_j|(B_S ψ''_l - hat(U) ψ''_l + B_ψ ψ'_l)     H = -S_j|(hat(U) ψ''_l + hat(t) ψ'_l) - ψ'_j|B_S ψ'_l
-/// It takes O(n d²) on paths of d velocities, and the time to write nv³ zeros: about 400 products and sums
-/// for two columns, and 100 for three in each order of l and j. See (D2.10) to (D2.15) of docs/derivations.
+/// Computes the second partial derivatives of all components of the forces τ of inverse dynamics by (D2.10)
+/// to (D2.15) of docs/derivations. Each entry belongs to three joint screws on one path from the ground and
+/// is a sum of products of wrenches of the outermost of them with the other two. O(n d²) on paths of d
+/// velocities, and the time to write nv³ zeros.
 template <class T> struct SecondOrderTensors {
   using L = Lanes<T>;
   using Number = typename L::Number;
@@ -151,8 +144,8 @@ template <class T> struct SecondOrderTensors {
       store(-U_psi - Wrench<Spatial, Number>{cross(psi.w, t), {}}, for_H);
     }
   }
-  /// Multiplies the wrenches of the last of three joint screws (columns), d, with column j of its path, whose
-  /// joint has the columns from begin_j to end_j - 1, and writes the products to `line`.
+  /// Computes the products (D2.11) of joint screw d with screw j and each screw on the path of d, and writes
+  /// them to `line`. The joint of j, on the same path, has the screws from begin_j to end_j - 1.
   void multiply(int j, const Last& d, int begin_j, int end_j) noexcept {
     Number S[6], psi[6];
     for (int k = 0; k < 6; ++k) S[k] = Number(path_S.array(k)[j]), psi[k] = Number(path_psi.array(k)[j]);
@@ -180,8 +173,8 @@ template <class T> struct SecondOrderTensors {
         store(L::load(out.array(G) + c) + product(S, PS, c), G, c);
       }
   }
-  /// Adds the products of multiply() to the entries of component d of the tensors and, if the joint of column
-  /// j is before that of d, to those of component j.
+  /// Adds the products (D2.11) in `line` to the entries of component d of the tensors and, if the joint of
+  /// screw j is before that of d, to those of component j.
   void put(std::ptrdiff_t nv, int j, const Last& d, int begin_j, int end_j,
            const SecondDerivatives<T>& out) noexcept {
     const std::ptrdiff_t v_j = velocity[j];
@@ -219,8 +212,8 @@ template <class T> struct SecondOrderTensors {
   }
   /// The joint screw of column l of the path.
   Motion6<T> screw(int l) const { return {path_S.get3(0, l), path_S.get3(3, l)}; }
-  /// Corrects the second derivatives by the velocities of two screws l and d of one joint: the velocity of
-  /// one changes the motion of the other by one Lie bracket less.
+  /// Corrects the second derivatives by the velocities of two screws l and d of one joint, for which the
+  /// products of multiply() contain one bracket of the two screws too many.
   void put_brackets(std::ptrdiff_t nv, const Last& d, T* vv) noexcept {
     const Inertia<T> M = first.screws.subtree_of_column(d.c).M;
     for (int l = d.begin; l < d.end; ++l) {

@@ -17,12 +17,12 @@ class ContactRecord {
   }
 
   void clear() noexcept;
-  /// Sets the points of contact at the end of a step, or of a part of it, to `found`. A point with an impulse
-  /// that is not in `found` stays where it was.
+  /// Sets the points of contact at the end of a step, or of a part of it, to `found`. A point that received
+  /// an impulse and is not in `found` stays where it was.
   void locate(std::span<const Contact> found);
   /// Adds the impulses of `contacts`, whose constraints come first in `problem`. lambda are the multipliers
-  /// of all constraints, and u the velocities along them after the impulses. A contact sticks, by its last
-  /// impulse, if its sliding velocity is a rounding error compared with velocity_norm, the norm of all
+  /// of all constraints, and u the velocities along them after the impulses. A contact is recorded as
+  /// sticking if its sliding velocity after the impulse is a rounding error of velocity_norm, the norm of all
   /// velocities.
   void add(const VelocityProblem& problem, std::span<const Contact> contacts, const double* lambda,
            const double* u, double velocity_norm);

@@ -11,10 +11,10 @@
 
 namespace axode {
 
-/// One step of a motion with contact (D11.12). First, impulses act at its start: those for which gaps and
-/// loops are closed at its end and sticking contacts do not slide in its middle. Then follows the motion
-/// without contact, by the midpoint rule. Last, impulses at its end make the velocities obey the laws of
-/// contact.
+/// One step of a motion with contact (D11.12): impulses at its start, the motion without contact by the
+/// midpoint rule, and impulses at its end, which make the velocities obey the laws of contact. The impulses
+/// at the start are those with which gaps and loops are closed at the end of the step and sticking contacts
+/// do not slide in its middle.
 class ContactStep {
  public:
   using Vector = Eigen::VectorXd;
@@ -24,8 +24,8 @@ class ContactStep {
 
   /// Computes the step of length h from (q_0, v_0) at time t, and sets the public members. A step that
   /// violates the laws of contact by more than 1e-9, relative to the motion, is repeated in 4, and then in 16
-  /// parts. Allocates nothing, unless there are more than 64 contacts and more than ever before. Fails if the
-  /// mass matrix is singular, a number is not finite, there are too many points of contact, or the caller's
+  /// parts. Allocates only if there are more than 64 contacts and more than ever before. Fails if the mass
+  /// matrix is singular, a number is not finite, there are too many points of contact, or the caller's
   /// monitor ends the motion.
   Failure run(double t, double h, const Vector& q_0, const Vector& v_0);
 
@@ -76,8 +76,9 @@ class ContactStep {
   double law_error();
   void set_compliances(double h);
   double unresolved_slip(double h) const;
-  /// Sets the right sides of the contact problem at the start of the step from the gaps and velocities of the
-  /// last motion without contact. If `choose` is true, also decides which contacts slide.
+  /// Sets the right sides of the contact problem at the start of the step from the gaps and velocities that
+  /// the motion without contact led to in the last iteration. If `choose` is true, also decides which
+  /// contacts slide.
   void set_r_of_start(double h, bool choose);
   /// Finds the impulses at the end of the free motion, and the state after them.
   Failure land(double t, double h);
@@ -87,9 +88,9 @@ class ContactStep {
   bool overlaps(const Contact& contact) const;  ///< whether its gap is negative beyond rounding
   /// Moves q so that overlaps and loops are closed, by the displacement that moves the masses least (D11.15).
   Failure separate(double t, double h);
-  /// Improves the multipliers lambda of a contact problem until they obey the laws of contact to the
-  /// tolerance, and writes the remaining residual to e. t is the time at which the step begins. Fails if the
-  /// caller's monitor ends the motion.
+  /// Improves the multipliers `lambda` of a contact problem until they obey the laws of contact to the
+  /// tolerance, and writes the remaining residual to `e`. t is the time at which the step begins. Fails if
+  /// the caller's monitor ends the motion.
   Failure solve(double t, const VelocityProblem& problem, std::vector<double>& lambda, double tolerance,
                 double& e);
   void apply(End& end, const Vector& v, Vector& v_after);

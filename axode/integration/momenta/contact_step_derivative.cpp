@@ -13,8 +13,9 @@ using RowMajor = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::Ro
 
 std::size_t index(Eigen::Index k) { return static_cast<std::size_t>(k); }
 
-/// Applies the chain rule to x, which has columns of changes along k directions and then along each
-/// multiplier: x becomes the k total changes when the multipliers change by `by`.
+/// Applies the chain rule to the derivatives x of some quantities, whose first k columns are along k
+/// directions at constant multipliers, and whose other columns are by the multipliers: x becomes the k total
+/// derivatives, with the derivatives `by` of the multipliers along the directions.
 template <class M> void follow(M& x, const Matrix& by) {
   x = (x.leftCols(by.cols()) + x.rightCols(by.rows()) * by).eval();
 }
@@ -55,8 +56,8 @@ ContactStepDerivative::ContactStepDerivative(const Model& model, const ContactSh
       }
 }
 
-/// Differentiates the impulses at the start of a substep (D11.19): columns of changes along k directions, and
-/// then one along each multiplier of these impulses.
+/// Differentiates velocities and momenta after the impulses at the start of a substep (D11.19): along each of
+/// k directions at constant multipliers of these impulses, and then by each multiplier.
 bool ContactStepDerivative::begin(const ContactPart& part, const Matrix& dq, const Matrix& dv,
                                   const ContactDirections& directions, Start& out) {
   const Eigen::Index nv = dq.rows(), k = dq.cols();
@@ -108,8 +109,9 @@ bool ContactStepDerivative::begin(const ContactPart& part, const Matrix& dq, con
   return true;
 }
 
-/// Computes the relative velocities at the contacts in the middle of the motion between impulses and their
-/// changes, in the axes of the start, turned so that the first one is the normal in the middle.
+/// Computes the relative velocities at the contacts in the middle of a substep, between the impulses at its
+/// ends, and their changes. Their axes are those at the start, turned so that the first one is the normal in
+/// the middle.
 bool ContactStepDerivative::take_slip(const ContactPart& part, const Start& start, const Flight& flight,
                                       Slip& out) {
   const int width = system_.contact_rows();

@@ -50,7 +50,7 @@ class ContactStepDerivative {
 
  private:
   /// The mass matrix M at a state (q, v), its factor, the derivative Mv_q of the momenta M v by q, and the
-  /// derivatives F_q and F_v of F = ∂L/∂q by q and v, with the kinetic energy L (nv × nv each).
+  /// derivatives F_q and F_v by q and v of the force ∂L/∂q of the kinetic energy L (nv × nv each).
   struct Momenta {
     Matrix M, Mv_q, F_q, F_v;
     Eigen::LLT<Matrix> factor;
@@ -65,9 +65,8 @@ class ContactStepDerivative {
     Vec3<> u;
     Eigen::Matrix3Xd du;
   };
-  /// The contacts in one configuration and their changes along the directions of differentiation. For each
-  /// contact: point, normal and gap with their derivatives, whether it was found, its changes, its axes, and
-  /// the changes of its axes.
+  /// The contacts in one configuration: for each of them point, normal and gap with their derivatives,
+  /// whether it was found, its axes, and the changes of all these along the directions of differentiation.
   struct Rows {
     std::vector<ContactJet> jets = {};
     std::vector<char> found = {};
@@ -75,16 +74,17 @@ class ContactStepDerivative {
     std::vector<ContactFrame> axes = {};
     std::vector<FrameChanges> daxes = {};
   };
-  /// The joint impulses Jᵀ physical() at one end of a substep: the Jacobian J of contacts, stops, dry
-  /// friction and loops, and for each of its rows a scale c of its multiplier and the scaled multiplier.
+  /// The joint impulses Jᵀ physical() at one end of a substep, with the Jacobian J of contacts, stops, dry
+  /// friction and loops. For each row of J there are a scaled multiplier and its scale c; physical() is their
+  /// product.
   struct Impulses {
     Matrix J;
     Vector c, lambda;  ///< λ in scaled rows
     Vector physical() const { return c.cwiseProduct(lambda); }
   };
 
-  /// The start of a substep. Matrices of changes have k columns along the directions of differentiation, and
-  /// then one along each multiplier of the impulses.
+  /// The start of a substep. Matrices of changes have k columns along the directions of differentiation at
+  /// constant multipliers, and then one for a unit of each multiplier of the impulses.
   struct Start {
     Eigen::Index k = 0;
     Matrix dq, dv, dtau, friction;
@@ -113,8 +113,8 @@ class ContactStepDerivative {
   /// Finds the points, normals and gaps of contacts with gaps up to `margin`, and their changes along the
   /// directions of motion_. Returns false if a contact has no formula that can be differentiated.
   bool find(const std::vector<Contact>& contacts, double margin, Rows& out);
-  /// Changes (rows × k) of the factors that scale the multipliers if the friction coefficients of the shapes
-  /// change by `friction`: multipliers of friction are scaled by the coefficient of friction.
+  /// The changes (rows × k) of the factors that scale the multipliers: for friction they are the coefficients
+  /// of friction. `friction` has the changes of these coefficients for each shape.
   Matrix coefficient_changes(const std::vector<Contact>& contacts, Eigen::Index rows,
                              const Matrix& friction) const;
   /// Changes of the restitution of a contact (1 × k) by those of its shapes.
@@ -124,13 +124,13 @@ class ContactStepDerivative {
                     const std::vector<double>& lambda);
   /// Changes (nv × k) of Jᵀ λ along the directions for constant λ = `physical`, J the constraint Jacobian.
   Matrix impulse_changes(const Vector& q, const Rows& rows, const Vector& physical, const Matrix& dq);
-  /// Changes (rows × k) of J x along the directions for constant velocities x, J the constraint Jacobian;
-  /// writes J x to `u`. motion_ must have run at (q, x).
+  /// The changes (rows × k) of J x along the directions for the constraint Jacobian J and constant velocities
+  /// x; writes J x to `u`. motion_ must have run at (q, x).
   Matrix velocity_changes(const Vector& q, const Vector& x, const Rows& rows, const Matrix& dq, Vector& u);
   void begin_bases(const ContactPart& part, const Vector& v_a, const Matrix& M, const Matrix& dq,
                    const Matrix& dp);
-  /// Changes along k directions of the predicted velocities in the loop constraints, which determine the
-  /// impulses of rolling contacts because these constrain velocities alone.
+  /// The changes along k directions of the predicted velocities in the loop constraints. They determine the
+  /// impulses of those loops that are rolling contacts, which constrain velocities alone.
   Matrix rolling_changes(const ContactPart& part, const Rows& start, const Impulses& first, const Matrix& dp,
                          const Matrix& dq, const Matrix& dv);
   Matrix Ad_transpose(const Vector& y, Matrix x) const;

@@ -77,7 +77,7 @@ void ContactStep::set_r_of_start(double h, bool choose) {
 }
 
 /// The largest displacement (m) by which the end of the step may be wrong because a contact began to stick at
-/// an unknown time within the step.
+/// an unknown time in the step.
 double ContactStep::unresolved_slip(double h) const {
   double most = 0;
   const VelocityProblem& problem = start_.system.problem();

@@ -91,8 +91,9 @@ Vector ContactStepDerivative::frame_velocity(double t) const {
   return e;
 }
 
-/// Adds the changes of the moving frames of floating bases at `time` after the start: those of their
-/// positions times of_place to dq, and those of their velocities times of_velocity to dv.
+/// Adds the changes of the moving frames of floating bases at a time after the start of the substep: those of
+/// their positions, multiplied by of_place, to dq, and those of their velocities, multiplied by of_velocity,
+/// to dv.
 void ContactStepDerivative::add_frame_changes(double time, double of_place, double of_velocity,
                                               const Matrix& dq_moving, Matrix* dq, Matrix* dv) const {
   const Vector e = frame_velocity(time);

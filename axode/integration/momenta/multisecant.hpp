@@ -23,8 +23,9 @@ class Multisecant {
     filled_ = 0;
     has_step_ = false;
   }
-  /// Replaces g = g(x) by the next x. Residuals are measured by the norm of their entries times `weights`.
-  /// All vectors since restart() have one size. Allocates nothing up to the size of reserve().
+  /// Replaces the value g(x) in `g` by the next x. Residuals are measured by the norm of their entries times
+  /// `weights`. All vectors since restart() must have one size. Allocates nothing up to the size of
+  /// reserve().
   void update(std::span<const double> x, std::span<const double> weights, std::span<double> g) {
     const std::size_t n = x.size();
     residual_.resize(n);

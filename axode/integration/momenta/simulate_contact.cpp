@@ -129,7 +129,8 @@ class ContactMotion {
     return {};
   }
   /// The error of a step as a multiple of the tolerances: the root mean square of the differences between the
-  /// whole step and its halves or, if larger, `unresolved`, an error by slip that whole and halves may share.
+  /// whole step and its halves or, if larger, `unresolved`, an error by slip that the differences do not
+  /// show.
   double difference(const Computed& whole, const Computed& halves, double unresolved,
                     const Tolerances& tolerances) {
     const auto nv = static_cast<std::size_t>(whole.v.size());

@@ -39,9 +39,9 @@ class AndersonIteration {
   explicit AndersonIteration(const EnergyNorm& norm) : norm_(&norm) {}
 
   /// Takes a step of the iteration: x and dx are given in parts, and the next x replaces x. The iteration has
-  /// converged if the first part of dx is a rounding error compared with `size`. If dx does not halve within
-  /// four steps but is small, and is_rounding() returns true because dx consists of rounding errors, it has
-  /// also converged, to the x with the least dx.
+  /// converged if the first part of dx is a rounding error compared with `size`, or, with the x of the least
+  /// dx, if dx is small, has not halved in four steps, and is_rounding() says that it consists of rounding
+  /// errors.
   template <class F> Status update(double size, std::initializer_list<Part> parts, const F& is_rounding) {
     constexpr double rounding = 2e-14, noisy = 1e-10, ill_conditioned = 1e-7;
     constexpr int most = 60, patience = 4;

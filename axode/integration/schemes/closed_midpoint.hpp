@@ -13,9 +13,9 @@ namespace axode {
 /// With the residuals r(q) of the loops, their Jacobian R, multipliers λ, and the step length h,
 ///   p_0⁺ = p_0 + h/2 R(q_0)ᵀ λ,   (q_1, p_1⁻) = midpoint step of (q_0, p_0⁺),   r(q_1) = 0.
 /// After the step the caller projects p_1 = p_1⁻ + R(q_1)ᵀ μ so that R M⁻¹ p_1 = 0. Then the method is
-/// symmetric, of second order, and symplectic on the closed configurations if the midpoint rule is. Newton's
-/// matrix is made of M and R at the predicted middle of the step. System is the class of the mechanism, as
-/// for Midpoint, with checked(t, solvability), which fails if a matrix is singular.
+/// symmetric, of second order, and symplectic on the closed configurations if the midpoint rule is. System is
+/// the class of the mechanism, with the functions that Midpoint requires and with checked(t, solvability),
+/// which returns a Failure at time t if a matrix was singular.
 template <class System> class ClosedMidpoint {
  public:
   using Vector = Eigen::VectorXd;

@@ -8,23 +8,21 @@
 
 namespace axode {
 
-/// A step of generalised-α under constraints, on a group with constant mass matrix M (Arnold, Brüls). Φ are
-/// the residuals of joints and loops, B is their Jacobian, λ are the multipliers, and f the forces. With the
-/// mean accelerations â, the parameter β, c = (1 - α_f)/(1 - α_m), and v_1 and x of the unconstrained method,
-/// the equations of the step to q_1 = q_0 ⊕ x are
+/// A step of the generalised-α method under constraints, on a group with constant mass matrix M (Arnold,
+/// Brüls). Φ are the residuals of joints and loops, B is their Jacobian, λ are the multipliers, and f the
+/// forces. The step to q_1 = q_0 ⊕ x has x and v_1 of AlphaMeans, and the acceleration a_1 and
+/// multipliers λ with
 ///   M a_1 = f(q_1, v_1) + ad_{v_1}ᵀ M v_1 + B_1ᵀ λ,   Φ(q_1) = 0                    (index 3)
-/// or, stabilised to index 2, with multipliers η of positions, also B_1 v_1 = 0:
-///   x = h v_0 + h² ((1/2 - β) â_0 + β â_1 + β c M⁻¹ Bᵀ η).
-/// Nonholonomic constraints with the Jacobian N are imposed as N v_1 = 0 in both forms, and also on the
-/// displacement by η. Newton's matrix consists of M and B at the predicted end of the step, where M includes,
-/// also in the term c M⁻¹ Bᵀ η, the inertia that springs, dampers and drives seem to add. System is the class
-/// of the mechanism, as for Rattle, with factorize(t, q, v, c_x, c_v) for this matrix.
+/// or, stabilised to index 2, with additional multipliers η of positions whose displacement is a multiple of
+/// M⁻¹ Bᵀ η, also B_1 v_1 = 0. Nonholonomic constraints are imposed on v_1 in both forms, and also on the
+/// displacement by η. System is the class of the mechanism, as for Rattle, with factorize(t, q, v, c_x, c_v)
+/// for Newton's matrix; c_x and c_v are the derivatives of x and v_1 by a_1.
 template <class System> class ConstrainedAlpha {
  public:
   using Vector = std::vector<double>;
 
-  /// Starts at the state (q_0, v_0), where factorize_with_rank() of the system must have been called, with
-  /// the acceleration a_0 and multipliers lambda_0.
+  /// Starts at the state (q_0, v_0) with the acceleration a_0 and multipliers lambda_0. Requires
+  /// factorize_with_rank() of the system at this state.
   ConstrainedAlpha(System& system, double spectral_radius, bool stabilized, const Vector& q_0,
                    const Vector& v_0, const Vector& a_0, const Vector& lambda_0)
       : q(q_0),

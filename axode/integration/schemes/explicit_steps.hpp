@@ -9,8 +9,8 @@
 #include "axode/integration/schemes/munthe_kaas.hpp"
 
 /// Loops over the steps of explicit methods. The argument `run` is a simulation, such as a SimulationRun,
-/// with the present q, v and a, accelerate() for accelerations, and take_up_to(), which accepts the end of a
-/// step.
+/// with the present q, v and a, accelerate() for accelerations, and take_up_to(), which accepts a step up to
+/// a time.
 namespace axode {
 
 /// Takes equal steps from time 0 to `until`; the last one may be shorter. take(t_1) computes the step to t_1;
@@ -21,8 +21,9 @@ template <class Run, class Take> void each_step(Run& run, double until, double s
     if (Failure failure = take(k == whole ? until : k * step)) run.stop(failure);
 }
 
-/// Advances the motion to t_1, in several steps if friction, drives or plays change, or if a prescribed
-/// motion or an input jumps, in between. `attempt` computes a step, and after() is called after each step.
+/// Advances the motion to t_1, in several steps if discrete statuses of friction, drives or plays change, or
+/// a prescribed motion or an input jumps, before t_1. `attempt` computes a step, and after() is called after
+/// each step.
 template <class Run, class After>
 Failure take_until(Run& run, double t_1, StepEnd& end, const Attempt& attempt, const After& after) {
   while (run.now() < t_1 && !run.done()) {
@@ -76,10 +77,10 @@ template <class Run> void take_steps(Run& run, double until, double step, const 
   each_step(run, until, step, [&](double t_1) { return take_until(run, t_1, end, attempt, [] {}); });
 }
 
-/// Limits of stalling: where a drive force is discontinuous at a state where the motion stays, for example
-/// -sign(v) at rest, steps become ever shorter. The motion ends if `stall_window` attempts advance it by less
-/// than `stall_step` (s) each on average, and more than `stall_ratio` times as many would be needed to the
-/// end.
+/// Limits of stalling. Steps become ever shorter where a drive force is discontinuous at a state that the
+/// motion does not leave, for example -sign(v) at rest. The motion ends if `stall_window` attempts advance it
+/// by less than `stall_step` (s) each on average, and the rest would take more than `stall_ratio` times as
+/// many.
 inline constexpr int stall_window = 10'000;
 inline constexpr double stall_ratio = 1e5, stall_step = 1e-9;
 inline constexpr const char* jumps =
@@ -87,11 +88,10 @@ inline constexpr const char* jumps =
     "without bound; use a method of fixed steps (rk4), and give dry friction as a joint property that "
     "joint_losses counts";
 
-/// Limits near singular configurations, where branches of a motion meet and the rows of the Jacobian of the
-/// loops are linearly dependent, so that the error estimate shows a jump that the motion does not have. Up to
-/// `most_passing` consecutive steps with nearly dependent rows ignore it. A step whose distance from
-/// dependence is below `too_weak` is tried up to `most_shortened` times more, each time shorter by the factor
-/// `shortened`.
+/// Limits near singular configurations, where the rows of the Jacobian of the loops are nearly dependent and
+/// the error estimate jumps although the motion does not. Up to `most_passing` consecutive such steps ignore
+/// the estimate. A step with a distance from dependence below `too_weak` is tried up to `most_shortened`
+/// times more, each time shorter by the factor `shortened`.
 inline constexpr int most_passing = 20, most_shortened = 6;
 inline constexpr double too_weak = 1e-6, shortened = 0.85;
 

@@ -10,12 +10,11 @@
 namespace axode {
 
 /// The floating bases of a mechanism for schemes on (q, p): the root bodies on a free joint without armature,
-/// damping and friction whose subtrees no loop connects to other bodies. Instead of the momentum p of its
-/// joint, a floating base has the state y, the spatial momentum Π^s of its subtree in a moving frame, which
-/// does not rotate and falls with gravity. If no wrench is applied, the frame also moves with the initial
-/// velocity of the centre of mass, so that the linear momentum is 0 and the centre of mass is constant. Hence
-/// every scheme keeps the linear momentum, and the angular momentum about the centre of mass, exact to
-/// rounding if no wrench is applied. Π^s advances by (D5.6), and the moving frame is (D5.7).
+/// damping and friction whose subtrees no loop connects to other bodies. Instead of the momentum of its
+/// joint, a floating base has the state y, the spatial momentum of its subtree in a moving frame, which does
+/// not rotate and falls with gravity (D5.6, D5.7). If no wrench is applied, the frame also moves with the
+/// initial velocity of the centre of mass. Hence every scheme keeps the linear momentum, and the angular
+/// momentum about the centre of mass, exact to rounding if no wrench is applied.
 class FloatingBases {
  public:
   FloatingBases(const Model& model, const double* q, const double* v, bool wrenches)
@@ -58,8 +57,8 @@ class FloatingBases {
     return false;
   }
 
-  /// to_moving_frame() converts q and v of floating bases from the inertial frame to the moving frames at
-  /// time t, and from_moving_frame() converts them back.
+  /// to_moving_frame() converts q and v of floating bases at time t from the inertial frame to the frames
+  /// that move with the bases; from_moving_frame() converts them back.
   void to_moving_frame(double t, double* q, double* v) const { add(-1, t, q, v); }
   void from_moving_frame(double t, double* q, double* v) const { add(1, t, q, v); }
 

@@ -7,11 +7,10 @@
 
 namespace axode {
 
-/// Derivatives of q ⊕ x and dexp⁻¹_{-x} y, the rate of x for the velocity y, on the configurations of a tree:
-/// if q is displaced by η, x by δx and y by δy,
+/// Derivatives of q ⊕ x and of dexp⁻¹_{-x} y, the rate of x for the velocity y, on the configurations of a
+/// tree: if q is displaced by η, x by δx and y by δy,
 ///   q ⊕ x is displaced by Ad_{exp(-x)} η + dexp_{-x} δx,
 ///   dexp⁻¹_{-x} y changes by dexp⁻¹_{-x} δy + (D dexp⁻¹_{-x} y) δx.
-/// For joints of one velocity these four maps of η, δx, δy and δx are 1, 1, 1 and 0.
 class GroupDerivatives {
  public:
   using Matrix = Eigen::MatrixXd;  ///< matrix with a row for each velocity
@@ -49,8 +48,8 @@ class GroupDerivatives {
         });
   }
 
-  /// add() adds to out the product of one of the maps of at(), such as dexp_{-x}, with z for all joints, and
-  /// add_transposed() that of its transpose. z and out have nv rows, and one or more columns.
+  /// add() adds to `out` the product of one of the maps that at() computes, such as dexp_{-x}, with z for all
+  /// joints, and add_transposed() that of its transpose. z and out have nv rows, and one or more columns.
   void add(Block Joints::*map, const Matrix& z, Matrix& out) const {
     add_to(map, z, out, [](const Block& block) -> const Block& { return block; });
   }

@@ -15,10 +15,8 @@ namespace axode {
 /// q_0 ⊕ θ_i, the velocity V_i, the forces f, the Jacobian B_i of joints and loops, and multipliers λ_i:
 ///   M L_i = f(q_i, V_i) + ad_{V_i}ᵀ M V_i + B_iᵀ λ_i with the λ_i for which B_{i+1} V_{i+1} = 0,
 ///   θ_{i+1} = h Σ a_ij K_j,  V_{i+1} = v_0 + h Σ a_ij L_j,  K_i = dexp⁻¹_{-θ_i} V_i.
-/// Velocities satisfy the constraints. Positions leave them by O(h⁴) in a step if a step in the group is not
-/// a motion that the joint allows, and are then projected. System is the class of the mechanism, with the
-/// functions bodies(), forces(t, q, v, f), add_turning(v, f), norm() and velocity_scale(v, h) as for Rattle,
-/// factorize(t, q), and close(t, q, v), which projects q and v.
+/// Velocities satisfy the constraints; positions may leave them by O(h⁴) in a step, and are then projected.
+/// System is the class of the mechanism, as for Rattle, with close(t, q, v), which projects q and v.
 template <class System> class HalfExplicit {
  public:
   using Vector = std::vector<double>;
@@ -59,8 +57,8 @@ template <class System> class HalfExplicit {
   Vector q, v;
 
  private:
-  /// Computes the acceleration L at q_i_ for which the velocity base_ + part L, with the number `part`,
-  /// satisfies the constraints at the next stage, q_next_. Returns whether the iteration converged.
+  /// Computes the acceleration L at q_i_ for which the velocity base_ + part L satisfies the constraints at
+  /// q_next_, the configuration of the next stage. Returns whether the iteration converged.
   bool accelerate(double part, Vector& L) {
     auto& bodies = system_->bodies();
     L.assign(v.size(), 0.0);

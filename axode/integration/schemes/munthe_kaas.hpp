@@ -10,7 +10,7 @@ namespace axode {
 
 /// One step of an explicit Runge-Kutta-Munthe-Kaas method on (q, y), with q on its group and y the velocities
 /// v or the momenta, and possibly other states. States have numbers of the type T, the tree of the type S.
-/// With the coefficients a_ij and c_i of a Tableau,
+/// With the coefficients a_ij and c_i of a Tableau, stage i has
 ///   θ_i = h Σ a_ij K_j,  Y_i = y + h Σ a_ij L_j,
 ///   (V_i, L_i) = (v, y')(t + c_i h, q ⊕ θ_i, Y_i),  K_i = dexp⁻¹_{-θ_i} V_i,
 /// or K_i = dcay⁻¹_{-θ_i} V_i in Cayley coordinates. With one stage the method is Euler's; if y = v, it is

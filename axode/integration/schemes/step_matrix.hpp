@@ -13,8 +13,8 @@ namespace axode {
 /// inverse dynamics ID and q = q_0 ⊕ x. A change δa of a changes v by c_v δa and x by c_x δa, hence
 ///   J = M + c_v ∂r/∂v + c_x ∂r/∂q dexp_{-x}.
 /// System is the class of the mechanism, with residual_derivatives(q, v, a, dr) for the derivatives of r
-/// without those of the options' drive; is_driven(); drive(t, q, v), its forces; norm(), local_coordinates(),
-/// velocity_scale(v, h).
+/// without those of a drive in the options; is_driven(), whether there is such a drive; drive(t, q, v), its
+/// forces; norm(), local_coordinates(), velocity_scale(v, h).
 template <class System> class StepMatrix {
  public:
   using Vector = Eigen::VectorXd;

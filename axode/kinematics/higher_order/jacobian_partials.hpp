@@ -4,8 +4,8 @@
 #include "axode/kinematics/arguments.hpp"
 #include "axode/kinematics/place.hpp"
 
-/// Partial derivatives of Jacobians with respect to the configuration, of any order, as nested screw
-/// products, along the joints' left-trivialised directions: d/dε of J(q ⊕ ε e_k) at ε = 0.
+/// Partial derivatives of any order of Jacobians with respect to the configuration, as nested brackets of
+/// joint screws, along the joints' left-trivialised directions e_k: d/dε of J(q ⊕ ε e_k) at ε = 0.
 namespace axode {
 
 /// The largest order of jacobian_derivative_along(), whose cost grows exponentially with the order.
@@ -14,13 +14,13 @@ inline constexpr int largest_directional_order = 12;
 inline constexpr int largest_partial_order = largest_directional_order;
 
 /// The partial derivatives ∂^ν J / ∂q_αν ... ∂q_α1 of the Jacobian of a place (a frame or a point on a body),
-/// as a dense tensor: nv^(ν + 1) columns; J[((αν nv + ...) nv + α1) nv + j] is the column of velocity j. α1
-/// is taken first; the order matters only between directions of one spherical, planar or free joint.
-/// Body-fixed: eqs. der1, der2Jb, nthorderBody of the paper; spatial: eqs. Jsder, Jsder2, nthorder; hybrid
-/// and mixed: (D15.4) of docs/derivations, for the first order eq. Jhder with k < j (errata 6 to 12). Any
-/// order ν >= 0 is allowed. O(ν m^(ν + 1)) for m joint screws between the place and the ground; the number of
-/// allocations does not depend on the order. The caller's function should_continue() is called from time to
-/// time; if it returns false, the call ends early and the tensor is not complete.
+/// as a dense tensor: nv^(ν + 1) columns; J[((αν nv + ...) nv + α1) nv + j] is the column of velocity j. The
+/// derivative along α1 is taken first; the order matters only between directions of one spherical, planar or
+/// free joint. Body-fixed: Müller's eqs. der1, der2Jb, nthorderBody; spatial: eqs. Jsder, Jsder2, nthorder;
+/// hybrid and mixed: (D15.4) of docs/derivations, for the first order eq. Jhder with k < j (errata 6 to 12).
+/// Any order ν >= 0 is allowed. O(ν m^(ν + 1)) for m joint screws between the place and the ground; the
+/// number of allocations does not depend on the order. The caller's function should_continue() is called from
+/// time to time; if it returns false, the call ends early and the tensor is not complete.
 template <RecursionRepresentation Rep = BodyFixed, class T>
 void jacobian_partials(const Model& model, Workspace<T>& workspace, Numbers<T> q,
                        const std::type_identity_t<Place<T>>& place, int order,

@@ -6,11 +6,11 @@
 namespace axode {
 
 /// The motion of a tree as power series in time, to any order. The spatial twists V_i of the bodies and the
-/// joint screws J of the joint of body i satisfy, with the predecessor p of body i,
+/// joint screws J of body i satisfy, with the predecessor p of body i (Müller, eqs. timeDerJs and Vsirec),
 ///
-///     J' = [V_i, J] (eq. timeDerJs),    V_i = V_p + J v (eq. Vsirec),
+///     J' = [V_i, J],    V_i = V_p + J v,
 ///
-/// and for the coefficients of J(t) = Σ J_k t^k and so on (D3.9)
+/// and hence the coefficients of J(t) = Σ J_k t^k and so on (D3.9)
 ///
 ///     V_{i,k} = V_{p,k} + Σ_{l<=k} J_l v_{k-l},    (k + 1) J_{k+1} = Σ_{l<=k} [V_{i,l}, J_{k-l}].
 ///

@@ -9,7 +9,8 @@
 namespace axode {
 
 /// A joint screw on the path from the ground to a place (a frame or a point on a body): the index of its
-/// joint, the index c of its velocity, and its components in body-fixed, spatial and hybrid representation.
+/// joint, the index c of its velocity, and the screw in body-fixed, spatial and hybrid representation at the
+/// place.
 template <class T> struct PathScrew {
   int joint;
   int c;
@@ -36,20 +37,11 @@ template <class T> struct ScrewPath {
   }
 };
 
-/// The partial derivatives of the joint screws on the path from the root to a place (a frame or a point on a
-/// body), along the multi-indices α of one order ν. Entries of α are indices into path.screws, and α[0] acts
-/// first. The chain β of α has its directions sorted from the root outwards; of several directions of one
-/// joint, the one that acts last comes first. Then ∂_α C = Ĵ_β1 ... Ĵ_βν C with the spatial screws as 4 × 4
-/// matrices and the pose C of the place (D15.1 to D15.4), and the derivatives of the screw J_a are
-///
-///   body-fixed  [...[[J_a, J_β1], J_β2]..., J_βν], or 0 unless all of β lie outward of a  (eq. nthorderBody)
-///   spatial     [J_β1, ...[J_βν, J_a]...], or 0 if one of β lies outward of a or βν is a  (eq. nthorder)
-///   hybrid      the angular part of the spatial derivative; the linear part is ∂_α ∂_a r,
-///               w_γ1 × (w_γ2 × ... (w_γν × v_γ(ν+1))),  γ the chain of (a, α1, ..., αν)  (D15.4)
-///   mixed       the angular part of the body-fixed and the linear part of the hybrid derivative
-///
-/// with w and v of hybrid screws and the position r of the place. The constructor allocates, the other
-/// functions do not. See docs/derivations/jacobian-partials.md.
+/// The partial derivatives, of any order ν, of the joint screws on the path from the ground to a place (a
+/// frame or a point on a body) with respect to the joint coordinates, along left-trivialised directions. Each
+/// is a nested bracket of the joint screws (Müller, eqs. nthorderBody and nthorder; (D15.1) to (D15.4) of
+/// docs/derivations). A multi-index α has ν indices into path.screws; the derivative along α[0] is taken
+/// first. The constructor allocates, the other functions do not.
 template <class Rep, class T> class ScrewPartials {
  public:
   ScrewPartials(const ScrewPath<T>& path, int order)
@@ -59,7 +51,7 @@ template <class Rep, class T> class ScrewPartials {
         tails_(static_cast<std::size_t>(order)) {}
 
   /// Calls f(alpha, a, X) with the partial derivative X of every joint screw a along every multi-index alpha
-  /// of directions, alpha[0] first. Ends early if should_continue() returns false.
+  /// of directions. Ends early if should_continue() returns false.
   template <class F> void each(const std::function<bool()>& should_continue, const F& f) {
     std::fill(alpha_.begin(), alpha_.end(), 0);
     for (bool more = true; more;) {
@@ -148,8 +140,8 @@ template <class Rep, class T> class ScrewPartials {
     }
   }
   /// The linear part of the derivative of the hybrid screw a along all directions in chain_: the derivative
-  /// of the place's position along a and these. The first `inward` of them do not lie outward of the joint of
-  /// a.
+  /// of the place's position along a and these directions. `inward` is the number of directions in chain_
+  /// whose joints are not outward of the joint of a.
   Vec3<T> linear(int a, std::size_t inward) const {
     const Screw<T>& J = screw(a).hybrid;
     return rotated(inward, inward == chain_.size() ? J.v : cross(J.w, tails_[inward]));
@@ -161,12 +153,12 @@ template <class Rep, class T> class ScrewPartials {
   std::vector<Vec3<T>> tails_;  ///< derivative of r along (βk, ..., βν), for each k
 };
 
-/// Derivatives of the joint screws J_c on the path to a place (a frame or a point on a body) along several
-/// directions u_s at once. For a set S of directions, X^S is D_S X, the derivative along all of them, the
-/// lowest index innermost. By the product rule on D_u J_c = [W_i(u), J_c], with the sum W_i(u) = Σ J_c u_c
-/// over the path to body i,
+/// Derivatives of the joint screws J_c on the path to a place (a frame or a point on a body) with respect to
+/// q along several directions u_s, one after the other. D_S X is the derivative of X along the directions
+/// with indices in a set S. By the product rule on D_u J_c = [W_i(u), J_c], where W_i(u) is the twist of body
+/// i for the joint velocities u,
 ///
-///   D_S J_c = Σ_{A ⊆ S∖s} [W_i(u_s)^A, J_c^{S∖s∖A}],  s the lowest index in S.
+///   D_S J_c = Σ_{A ⊆ S∖s} [D_A W_i(u_s), D_{S∖s∖A} J_c],  s the lowest index in S.
 template <class T> class DirectionalDerivatives {
  public:
   DirectionalDerivatives(const ScrewPath<T>& path, int order, const T* directions, int nv)
@@ -214,9 +206,9 @@ template <class T> class DirectionalDerivatives {
     return v;
   }
 
-  /// Differentiates the screws begin to end - 1 of one joint. W_ has the sum of the screws multiplied by a
-  /// direction, and its derivatives: up to the predecessor of the joint's body before the call, and up to
-  /// this body after it.
+  /// Differentiates the screws begin to end - 1, those of one joint, along all sets of directions. W_ has,
+  /// for each direction u, the twist that the joints passed so far cause with the velocities u, and its
+  /// derivatives; before the call they end at the predecessor of the joint's body, after it at this body.
   void body(int begin, int end, const T* directions, int nv) {
     for (int c = begin; c < end; ++c) J_[c * sets_] = path_.screws[c].spatial;
     for (unsigned S = 0; S < sets_; ++S) {
