@@ -3,6 +3,7 @@
 #include "axode/axode.hpp"
 #include "axode/dynamics/generic_dynamics.hpp"
 #include "axode/scalar/dual.hpp"
+#include "axode/table/words.hpp"
 
 using namespace axode;
 
@@ -61,3 +62,58 @@ void fill(const Model& model, std::span<const D> q, std::span<D> tau) {
   inverse_dynamics(model, workspace, q, q, q, tau);
 #endif
 }
+
+constexpr catalog::Words decided{.name = "f",
+                                 .purpose = "f",
+                                 .units = "1",
+                                 .takes = {},
+                                 .choice = catalog::Choice::none,
+                                 .entry = catalog::Entry::number,
+                                 .shape = {},
+                                 .columns = false,
+                                 .symbols = {"f"},
+                                 .together = "",
+                                 .cost = catalog::Cost::linear,
+                                 .allocates = false,
+                                 .memory = catalog::Memory::own,
+                                 .may_fail = false,
+                                 .derivative_of = "",
+                                 .lanes = false,
+                                 .tape = false,
+                                 .counts = {.loops = catalog::counted,
+                                            .passive_joints = catalog::counted,
+                                            .springs = catalog::counted,
+                                            .joint_losses = catalog::optional,
+                                            .motions = catalog::refused("simulate counts them"),
+                                            .drives = catalog::of_the_tree(),
+                                            .plays = catalog::of_the_tree(),
+                                            .contacts = catalog::of_the_tree()}};
+#ifdef row_that_leaves_out_a_count  // expect: to 'axode::catalog::Count' or of 'axode::catalog::Count'
+constexpr catalog::Words undecided{.name = "f",
+                                   .purpose = "f",
+                                   .units = "1",
+                                   .takes = {},
+                                   .choice = catalog::Choice::none,
+                                   .entry = catalog::Entry::number,
+                                   .shape = {},
+                                   .columns = false,
+                                   .symbols = {"f"},
+                                   .together = "",
+                                   .cost = catalog::Cost::linear,
+                                   .allocates = false,
+                                   .memory = catalog::Memory::own,
+                                   .may_fail = false,
+                                   .derivative_of = "",
+                                   .lanes = false,
+                                   .tape = false,
+                                   .counts = {.loops = catalog::counted,
+                                              .passive_joints = catalog::counted,
+                                              .springs = catalog::counted,
+                                              .joint_losses = catalog::optional,
+                                              .motions = catalog::refused("simulate counts them"),
+                                              .drives = catalog::of_the_tree(),
+                                              .plays = catalog::of_the_tree()}};
+#endif
+#ifdef refusal_without_a_sentence  // expect: a refusal says what to call instead
+constexpr catalog::Count bare{catalog::Word::refused};
+#endif
