@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <utility>
 
 #include "axode/constraints/constrained_dynamics.hpp"
 #include "axode/dynamics.hpp"
@@ -205,22 +206,46 @@ bool well_conditioned(const Model& model, const std::vector<double>& q) {
 
 }  // namespace
 
+std::optional<ClosedMechanism> closed(const Description& tree, double length, Random<double>& random) {
+  State<double> state = random_state(ModelBuilder(tree).build(), random);
+  Description description = with_closed_loops(tree, state.q, length, random);
+  Model model = ModelBuilder(description).build();
+  std::vector<double> tau = random_numbers(random, model.nv(), 10);
+  if (model.loops().empty() || !well_conditioned(model, state.q)) return {};
+  for (std::size_t c = 0; c < tau.size(); ++c)
+    if (!model.loops().driven[c]) tau[c] = 0;
+  LoopWorkspace<double> loops(model);
+  if (!impact(model, loops, state.q, state.v, 0.0, state.v).ok() ||
+      !forward_dynamics(model, loops, state.q, state.v, tau, state.a, {}, state.loads()).ok())
+    return {};
+  return ClosedMechanism{{std::move(description), std::move(model), std::move(state)}, std::move(tau)};
+}
+
+MechanismAtAState in_units(const Units& units, const MechanismAtAState& drawn) {
+  Description description = in_units(units, drawn.description);
+  set_last_description(description);
+  Model model = ModelBuilder(description).build();
+  State<double> state = in_units(units, model, drawn.state);
+  return {std::move(description), std::move(model), std::move(state)};
+}
+
 ClosedMechanism closed_mechanism(Random<double>& random, TreeRecipe recipe) {
+  const Units units{.length = std::exchange(recipe.scale, 1)};
   recipe.always_mass = true;
-  for (;;) {
-    const Description tree = random_description(random, recipe);
-    State<double> state = random_state(ModelBuilder(tree).build(), random);
-    Description description = with_closed_loops(tree, state.q, recipe.length, random);
-    Model model = ModelBuilder(description).build();
-    std::vector<double> tau = random_numbers(random, model.nv(), 10);
-    if (model.loops().empty() || !well_conditioned(model, state.q)) continue;
-    for (std::size_t c = 0; c < tau.size(); ++c)
-      if (!model.loops().driven[c]) tau[c] = 0;
-    LoopWorkspace<double> loops(model);
-    if (impact(model, loops, state.q, state.v, 0.0, state.v).ok() &&
-        forward_dynamics(model, loops, state.q, state.v, tau, state.a, {}, state.loads()).ok())
-      return {std::move(description), std::move(model), std::move(state), std::move(tau)};
-  }
+  std::optional<ClosedMechanism> drawn;
+  while (!drawn) drawn = closed(random_description(random, recipe), recipe.length, random);
+  if (units.length == 1) return *std::move(drawn);
+  return {in_units(units, *drawn), in_units(units, drawn->model, Ask{.tau = drawn->tau}).tau};
+}
+
+MechanismAtAState mechanism_at_a_state(Random<double>& random, TreeRecipe recipe) {
+  if (recipe.loops > 0 && random.number(0, 1) < recipe.loops) return closed_mechanism(random, recipe);
+  const Units units{.length = std::exchange(recipe.scale, 1)};
+  Description description = random_description(random, recipe);
+  Model model = ModelBuilder(description).build();
+  State<double> state = random_state(model, random);
+  const MechanismAtAState drawn{std::move(description), std::move(model), std::move(state)};
+  return units.length == 1 ? drawn : in_units(units, drawn);
 }
 
 }  // namespace axode::test

@@ -1,14 +1,27 @@
 #pragma once
 #include "tests/support/random_tree.hpp"
+#include "tests/support/units.hpp"
 
-/// Random mechanisms with loops of all kinds, each with a known state at which its loops are closed.
+/// Random mechanisms at a state: trees, and mechanisms with loops of all kinds at a state that keeps their
+/// loops closed.
 namespace axode::test {
 
-/// A mechanism with loops and a motion that keeps them closed: r(q) = 0, A v = 0 and A a + γ = 0.
-struct ClosedMechanism {
-  Description description;  ///< the names of its redundant loops end in "again"
+struct MechanismAtAState {
+  Description description;
   Model model;
   State<double> state;
+};
+
+/// The same mechanism at the same state, in other units.
+MechanismAtAState in_units(const Units& units, const MechanismAtAState& drawn);
+
+/// A random mechanism with the lengths of the recipe, at a random state. The part of them that the recipe
+/// names are closed mechanisms, and the others are trees.
+MechanismAtAState mechanism_at_a_state(Random<double>& random, TreeRecipe recipe = {});
+
+/// A mechanism with loops and a motion that keeps them closed: r(q) = 0, A v = 0 and A a + γ = 0. The names
+/// of its redundant loops end in "again".
+struct ClosedMechanism : MechanismAtAState {
   std::vector<double> tau;  ///< the drive forces under which the accelerations are state.a with the loads
                             ///< state.wrenches; 0 at passive joints
 };
@@ -21,8 +34,12 @@ struct ClosedMechanism {
 Description with_closed_loops(Description tree, const std::vector<double>& q, double length,
                               Random<double>& random);
 
-/// Draws a tree in which every body has a mass, loops on it, and a motion that keeps them closed. Which rows
-/// of the loops are independent is clear, far from rounding, and at least one velocity is free.
+/// Draws loops on a tree, in which every body must have a mass, and a motion that keeps them closed. Which
+/// rows of the loops are independent is clear, far from rounding, and at least one velocity is free. Lengths
+/// are of the order of `length`. Empty if the loops that were drawn are not so.
+std::optional<ClosedMechanism> closed(const Description& tree, double length, Random<double>& random);
+
+/// Draws trees in which every body has a mass until one of them can be closed().
 ClosedMechanism closed_mechanism(Random<double>& random, TreeRecipe recipe = {.most_bodies = 12});
 
 }  // namespace axode::test

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <limits>
 
+#include "tests/support/units.hpp"
+
 namespace axode::test {
 namespace {
 
@@ -279,7 +281,10 @@ Description with_springs(Description tree, Random<double>& random, bool losses) 
 Description random_description(Random<double>& random, const TreeRecipe& recipe) {
   Description tree = described(random_mechanism(random, recipe), random);
   const bool springs = recipe.springs > 0 && random.number(0, 1) < recipe.springs;
-  return springs ? with_springs(std::move(tree), random) : tree;
+  if (springs) tree = with_springs(std::move(tree), random);
+  if (recipe.scale != 1) tree = in_units({.length = recipe.scale}, std::move(tree));
+  set_last_description(tree);
+  return tree;
 }
 
 AtMostBodies::AtMostBodies(int bodies) : before_(drawing.most_bodies) { drawing.most_bodies = bodies; }

@@ -49,10 +49,10 @@ struct Mechanism {
   std::string name(int i) const { return i < 0 ? "ground" : bodies[static_cast<std::size_t>(i)].name; }
 };
 
-/// How random trees are drawn: their size and what may occur in them.
+/// How random mechanisms are drawn: their size and what may occur in them.
 struct TreeRecipe {
   int most_bodies = 60;   ///< the largest number of moving bodies
-  double length = 0.3;    ///< the typical length of a body, m
+  double length = 0.3;    ///< the typical length of a body before the factor `scale`, m
   bool composite = true;  ///< whether there are cylindrical and universal joints
   bool couplings = true;
   bool always_mass = false;  ///< every body has a mass
@@ -60,7 +60,9 @@ struct TreeRecipe {
   double springs =
       0.5;  ///< the part of described mechanisms with springs and stops on joints and springs between frames
   bool friction = false;  ///< damping and Coulomb friction on every joint, and not only on some
-  double far = 0;         ///< how far the mechanism is from the origin, m
+  double far = 0;         ///< how far the mechanism is from the origin before the factor `scale`, m
+  double loops = 0;  ///< the part of mechanisms at a state that are closed by loops, see random_loops.hpp
+  double scale = 1;  ///< the factor of all lengths of described mechanisms and of their states
 };
 
 bool has_one_velocity(JointKind kind);
@@ -84,7 +86,7 @@ Description described(const Mechanism& mechanism, Random<double>& random);
 /// Without losses these springs and stops conserve energy.
 Description with_springs(Description tree, Random<double>& random, bool losses = true);
 
-/// The description of a random mechanism, with springs for the part of them that the recipe names.
+/// The description of a random tree, with springs for the part of them that the recipe names.
 Description random_description(Random<double>& random, const TreeRecipe& recipe = {});
 
 /// As long as this object exists, no random mechanism that this thread draws has more moving bodies than

@@ -2,6 +2,7 @@
 
 #include <stdexcept>
 
+#include "axode/constraints/loops.hpp"
 #include "tests/support/functions.hpp"
 
 namespace axode::test {
@@ -27,7 +28,12 @@ template <class T> const catalog::Function<T>& function_of(const Case& c, std::s
 template <class T> class SubjectOf : public Subject {
  public:
   SubjectOf(const Case& c, const Model& model, const Model& workspace_of)
-      : case_(c), model_(model), workspace_(workspace_of) {}
+      : case_(c),
+        model_(model),
+        workspace_(model.loops().empty() ? Workspace<T>(workspace_of)
+                                         : Workspace<T>(workspace_of, cut_tree)) {
+    if (!model.loops().empty()) loops_.emplace(workspace_of);
+  }
 
   Answer call(std::string_view wanted, const Ask& ask) override {
     return call(wanted, ask, function_of<T>(case_, wanted).size(model_, ask.loads.wrenches.size()));
@@ -36,7 +42,9 @@ template <class T> class SubjectOf : public Subject {
     const catalog::Function<T>& function = function_of<T>(case_, wanted);
     const Arguments<T> arguments(ask);
     std::vector<T> out(size);
-    const Solvability solvability = function.call(model_, workspace_, arguments.given(), out);
+    const Solvability solvability = loops_ && function.call_with_loops != nullptr
+                                        ? function.call_with_loops(model_, *loops_, arguments.given(), out)
+                                        : function.call(model_, workspace_, arguments.given(), out);
     return {cast<double>(out), solvability};
   }
 
@@ -44,6 +52,7 @@ template <class T> class SubjectOf : public Subject {
   Case case_;
   Model model_;
   Workspace<T> workspace_;
+  std::optional<LoopWorkspace<T>> loops_;  ///< for mechanisms with loops
 };
 
 }  // namespace

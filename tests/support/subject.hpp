@@ -90,7 +90,8 @@ struct Answer {
   Solvability solvability;
 };
 
-/// A model whose functions are called in the way of a case.
+/// A model whose functions are called in the way of a case. If it has loops, functions count them if their
+/// rows say so, and the others are of the cut tree.
 class Subject {
  public:
   virtual ~Subject() = default;

@@ -7,7 +7,7 @@ Trial::Trial(const Case& c, Model built, const State<double>& at)
 Trial::Trial(const Case& c, const Model& built, Random<double>& random)
     : Trial(c, built, random_state(built, random)) {}
 Trial::Trial(const Case& c, Random<double> random, const TreeRecipe& recipe)
-    : Trial(c, ModelBuilder(random_description(random, recipe)).build(), random) {}
+    : Trial(c, mechanism_at_a_state(random, recipe)) {}
 Trial::~Trial() = default;
 
 Trial Trial::by(const Case& other) const { return {other, model, state}; }

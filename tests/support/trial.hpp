@@ -4,17 +4,20 @@
 #include <vector>
 
 #include "tests/support/dense.hpp"
+#include "tests/support/random_loops.hpp"
 #include "tests/support/subject.hpp"
 
 namespace axode::test {
 
-/// A random tree and a state of it, with the quantities that laws compare, computed in the way of one case.
+/// A random mechanism and a state of it, with the quantities that laws compare, computed in the way of one
+/// case.
 class Trial {
  public:
   using Numbers = std::vector<double>;
 
   Trial(const Case& c, Model built, const State<double>& at);
   Trial(const Case& c, const Model& built, Random<double>& random);
+  Trial(const Case& c, const MechanismAtAState& drawn) : Trial(c, drawn.model, drawn.state) {}
   Trial(const Case& c, Random<double> random, const TreeRecipe& recipe = {});
   ~Trial();
 
