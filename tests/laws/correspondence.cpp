@@ -1,7 +1,5 @@
 #include "tests/laws/correspondence.hpp"
 
-#include <unordered_map>
-
 namespace axode::test {
 
 Correspondence::Correspondence(const Model& a, const Model& b, const NameOfOther& name_in_b) : a_(a), b_(b) {
@@ -45,6 +43,30 @@ std::vector<Six> Correspondence::of_frames(const std::vector<Six>& in_b) const {
   std::vector<Six> out;
   for (const int f : frame_) out.push_back(in_b.at(static_cast<std::size_t>(f)));
   return out;
+}
+
+Description with_parts_of(const Description& first, Description second, const Shift& shift) {
+  std::unordered_map<std::string, const JointDescription*> joints;
+  for (const BodyDescription& body : first.bodies) joints.emplace(body.joint.name, &body.joint);
+  for (BodyDescription& body : second.bodies)
+    if (const auto found = joints.find(body.joint.name); found != joints.end())
+      body.joint.dof = found->second->dof, body.joint.passive = found->second->passive;
+
+  second.springs = first.springs, second.loops = first.loops, second.couplings = first.couplings;
+  for (SpringDescription& spring : second.springs) {
+    const auto from = [&](const std::string& frame) {
+      return spring.in == GivenIn::construction_frame ? shift.construction_frame : shift.of(frame);
+    };
+    for (std::size_t k = 0; k < 2; ++k) {
+      const SE3<> D = from(spring.between[k]);
+      spring.points[k] = D * spring.points[k], spring.frames[k] = D * spring.frames[k];
+    }
+    for (SpringDescription::Point& it : spring.path) it.point = from(it.on) * it.point;
+  }
+  for (LoopDescription& loop : second.loops)
+    for (std::size_t k = 0; k < 2; ++k) loop.frames->at(k) = shift.of(loop.between[k]) * loop.frames->at(k);
+  set_last_description(second);
+  return second;
 }
 
 void make_loads_spatial(const Model& model, State<double>& state) {

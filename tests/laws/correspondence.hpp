@@ -2,6 +2,7 @@
 #include <array>
 #include <functional>
 #include <string>
+#include <unordered_map>
 #include <vector>
 
 #include "tests/laws/law.hpp"
@@ -44,6 +45,24 @@ class Correspondence {
   Model a_, b_;
   std::vector<int> joint_, frame_;
 };
+
+/// Where the frames of one description of a mechanism are in those of another one: the pose of its
+/// construction frame, and the poses of the frames of bodies and of named frames that are not the same in
+/// both.
+struct Shift {
+  SE3<> construction_frame = {};
+  std::unordered_map<std::string, SE3<>> frames = {};
+
+  SE3<> of(const std::string& frame) const {
+    const auto found = frames.find(frame);
+    return found == frames.end() ? SE3<>{} : found->second;
+  }
+};
+
+/// The second description of a mechanism, with all that the first one has on its joints and between its
+/// bodies: drives, springs, stops, loops and couplings. Joints of the second one that the first one lacks
+/// stay as they are. The loops of the first one are given by frames.
+Description with_parts_of(const Description& first, Description second, const Shift& shift = {});
 
 /// Changes all loads of a state into the spatial representation, where they do not depend on the body frames.
 void make_loads_spatial(const Model& model, State<double>& state);
