@@ -1,9 +1,11 @@
 #include "axode/kinematics/higher_order/product_of_exponentials.hpp"
 #include "tests/laws/law.hpp"
 #include "tests/support/series.hpp"
+#include "tests/support/units.hpp"
 
 /// Poses, twists and accelerations of all frames: three ways to compute poses agree, and every rate equals
-/// the time derivative of its quantity.
+/// the time derivative of its quantity. These quantities are of the tree: they know neither springs nor
+/// loops.
 namespace axode::test {
 namespace {
 
@@ -13,7 +15,7 @@ INSTANTIATE_TEST_SUITE_P(Laws, Kinematics, testing::ValuesIn(cases()), name_of);
 TEST_P(Kinematics, TwistsAreTheRatesOfPoses) {
   Comparison rate("rate", GetParam().agreement());
   for_seeds(250, [&](std::uint64_t seed) {
-    Trial trial(GetParam(), Random<double>(seed));
+    Trial trial(GetParam(), Random<double>(seed), elsewhere(seed));
     const std::vector<SE3<>> C = trial.poses();
     const std::vector<Six> V = trial.twists();
     std::vector<Vec3<>> dC;  // the columns of C V^b, with V^b as a matrix
@@ -30,7 +32,7 @@ TEST_P(Kinematics, TwistsAreTheRatesOfPoses) {
 TEST_P(Kinematics, AccelerationsAreTheRatesOfTwists) {
   Comparison rate("rate", GetParam().agreement());
   for_seeds(250, [&](std::uint64_t seed) {
-    Trial trial(GetParam(), Random<double>(seed));
+    Trial trial(GetParam(), Random<double>(seed), elsewhere(seed));
     rate.expect_equal(trial.accelerations(),
                       rates_of_twists(GetParam().representation, trial.model, trial.state));
   });
@@ -39,7 +41,7 @@ TEST_P(Kinematics, AccelerationsAreTheRatesOfTwists) {
 TEST_P(Kinematics, TwistsAndAccelerationsChangeRepresentation) {
   Comparison twist("twist", GetParam().agreement()), acceleration("acceleration", GetParam().agreement());
   for_seeds(250, [&](std::uint64_t seed) {
-    Trial trial(GetParam(), Random<double>(seed));
+    Trial trial(GetParam(), Random<double>(seed), elsewhere(seed));
     const Representation from = GetParam().representation;
     const std::vector<SE3<>> C = trial.poses();
     const std::vector<Six> V = trial.twists(), dV = trial.accelerations();
@@ -75,7 +77,7 @@ template <class T> std::array<std::vector<SE3<>>, 2> by_screws(const Trial& tria
 TEST_P(Poses, AreProductsOfExponentialsOfBodyAndOfSpatialScrews) {
   Comparison by_X("X", GetParam().agreement()), by_Y("Y", GetParam().agreement());
   for_seeds(2000, [&](std::uint64_t seed) {
-    Trial trial(GetParam(), Random<double>(seed));
+    Trial trial(GetParam(), Random<double>(seed), elsewhere(seed));
     std::vector<SE3<>> C = trial.poses();
     C.resize(trial.n_bodies() + 1);  // of the ground and the bodies
     const auto [C_X, C_Y] = GetParam().single ? by_screws<float>(trial) : by_screws<double>(trial);
@@ -88,11 +90,14 @@ TEST_P(Poses, OfEveryJointAtZeroAreThoseDrawn) {
   Comparison pose("pose", GetParam().agreement());
   for_seeds(500, [&](std::uint64_t seed) {
     Random<double> random(seed);
-    const Mechanism drawn = random_mechanism(random, {.couplings = false});
-    const Model model = ModelBuilder(described(drawn, random)).build();
+    const TreeRecipe recipe = elsewhere(seed, {.couplings = false});
+    const Mechanism drawn = random_mechanism(random, recipe);
+    const Description tree = with_springs(described(drawn, random), random);
+    const Model model = ModelBuilder(in_units({.length = recipe.scale}, tree)).build();
     Trial trial(GetParam(), model, State<double>{neutral(model), {}, {}});
     const std::vector<SE3<>> C = trial.poses();
-    const auto compare = [&](const std::string& name, const SE3<>& A) {
+    const auto compare = [&](const std::string& name, SE3<> A) {
+      A.r = recipe.scale * A.r;
       pose.expect_equal(C[static_cast<std::size_t>(model.frame_index(name))], A);
     };
     for (const DrawnBody& body : drawn.bodies) compare(body.name, body.A);

@@ -6,15 +6,16 @@
 #include "tests/support/functions.hpp"
 #include "tests/support/refused_arguments.hpp"
 
-/// The linear system at a state describes the difference of two neighbouring motions, in the limit.
+/// The linear system at a state describes the difference of two neighbouring motions, in the limit. It
+/// refuses mechanisms with loops.
 namespace axode::test {
 namespace {
 
 using Eigen::MatrixXd, Eigen::VectorXd;
 using Numbers = Trial::Numbers;
 
-/// The linear system counts springs, but forward dynamics leaves them out, so that the mechanisms for which
-/// the two are compared have none.
+/// The linear system counts springs, and forward dynamics leaves them out. Where the two are compared, the
+/// forces of springs are added to the drive forces.
 class Linearized : public Law {};
 INSTANTIATE_TEST_SUITE_P(Laws, Linearized, testing::ValuesIn(scalars()), name_of);
 class LinearizedInDouble : public Law {};
@@ -71,6 +72,12 @@ VectorXd rate_of_difference(const Model& model, const Numbers& q0, const Numbers
   return rate;
 }
 
+/// The arguments with the forces of springs added to the drive forces.
+Ask with_springs(Trial& trial, Ask ask) {
+  ask.tau = numbers(vector(ask.tau) + vector(trial.call("spring_forces", ask)));
+  return ask;
+}
+
 /// The rate of the deviation x of a motion from the one through the state `at`, if the drive forces of the
 /// deviating motion are larger by dtau.
 VectorXd rate_of_deviation(Trial& trial, const Ask& at, const VectorXd& x, const VectorXd& dtau) {
@@ -80,7 +87,7 @@ VectorXd rate_of_deviation(Trial& trial, const Ask& at, const VectorXd& x, const
   ask.v = numbers(vector(at.v) + x.tail(nv)), ask.tau = numbers(vector(at.tau) + dtau);
   VectorXd rate(2 * nv);
   rate << rate_of_difference(trial.model, at.q, at.v, ask.q, ask.v),
-      vector(trial.call("forward_dynamics", ask));
+      vector(trial.call("forward_dynamics", with_springs(trial, ask)));
   return rate;
 }
 
@@ -88,7 +95,7 @@ TEST_P(LinearizedInDouble, IsTheLimitOfDifferencesOfMotions) {
   Comparison of_displacements("delta'", 1e-9), of_velocities("dv'", 1e-6);
   for_seeds(100, [&](std::uint64_t seed) {
     Random<double> random(seed);
-    Trial trial(GetParam(), Random<double>(seed), {.most_bodies = 8, .always_mass = true, .springs = 0});
+    Trial trial(GetParam(), Random<double>(seed), {.most_bodies = 8, .always_mass = true});
     const Eigen::Index nv = trial.model.nv();
     if (nv == 0) return;
     const Ask ask = any(trial, random);
@@ -109,25 +116,40 @@ TEST_P(LinearizedInDouble, IsTheLimitOfDifferencesOfMotions) {
 }
 
 TEST_P(Linearized, HasTheDerivativesOfForwardDynamicsBelow) {
+  Comparison of_springs("da/dtau K", GetParam().agreement());
+  int with = 0, without = 0;
   for_seeds(100, [&](std::uint64_t seed) {
     Random<double> random(seed);
-    Trial trial(GetParam(), Random<double>(seed), {.always_mass = true, .springs = 0});
+    Trial trial(GetParam(), Random<double>(seed), {.always_mass = true});
     const Eigen::Index nv = trial.model.nv();
     const Ask ask = any(trial, random);
     const System linear = linearized(GetParam(), trial.model, ask);
-    const Answer derivatives = trial.answer("forward_dynamics_derivatives", ask);
+    const Answer derivatives = trial.answer("forward_dynamics_derivatives", with_springs(trial, ask));
     EXPECT_EQ(linear.solvability, derivatives.solvability);
-    if (!linear.solvability.ok()) return;
-    const auto block = [&](Eigen::Index k) {
-      const Numbers& all = derivatives.numbers;
+    if (!linear.solvability.ok() || nv == 0) return;
+    const auto block = [&](const Numbers& all, Eigen::Index k) {
       return matrix(trial.model.nv(), Numbers(all.begin() + k * nv * nv, all.begin() + (k + 1) * nv * nv));
     };
-    EXPECT_EQ(MatrixXd(linear.A.bottomLeftCorner(nv, nv)), block(0));
-    EXPECT_EQ(MatrixXd(linear.A.bottomRightCorner(nv, nv)), block(1));
-    EXPECT_EQ(MatrixXd(linear.B.bottomRows(nv)), block(2));
+    const Numbers K = trial.call("spring_force_derivatives", ask);
+    const MatrixXd da_dtau = block(derivatives.numbers, 2);
+    for (Eigen::Index k = 0; k < 2; ++k) {  // by q, by v
+      const MatrixXd found = linear.A.block(nv, k * nv, nv, nv), of_tree = block(derivatives.numbers, k);
+      if (trial.model.springs().empty()) {
+        EXPECT_EQ(found, of_tree);
+        continue;
+      }
+      const MatrixXd by_springs = block(K, k);
+      of_springs.expect_equal(
+          found, MatrixXd(of_tree + product(da_dtau, by_springs)),
+          std::max(largest_entry(of_tree), largest_entry(da_dtau) * largest_entry(by_springs)));
+    }
+    ++(trial.model.springs().empty() ? without : with);
+    EXPECT_EQ(MatrixXd(linear.B.bottomRows(nv)), da_dtau);
     EXPECT_TRUE(linear.B.topRows(nv).isZero(0));
     EXPECT_TRUE(linear.A.topRightCorner(nv, nv).isIdentity(0));
   });
+  EXPECT_GT(with, 0);
+  EXPECT_GT(without, 0);
 }
 
 TEST_P(Linearized, KeepsADisplacementAlongTheMotion) {  // because [v, v] = 0
@@ -188,14 +210,15 @@ TEST(LinearizationResults, OfWrongSizesOrInSharedMemoryAreRefused) {
               testing::StartsWith("v has 3 entries"));
 }
 
-TEST_P(Linearized, InTheMemoryOfQOrTauIsRight) {
+/// With springs, q and tau are read again while results are written, so that the call is refused.
+TEST_P(Linearized, InTheMemoryOfQOrTauIsRightOrRefused) {
+  int right = 0, refusals = 0;
   with_scalar(GetParam(), [&](auto scalar) {
     using T = decltype(scalar);
     for_seeds(50, [&](std::uint64_t seed) {
       Random<double> random(seed);
       const Model model =
-          ModelBuilder(described(random_mechanism(random, {.most_bodies = 8, .always_mass = true}), random))
-              .build();
+          ModelBuilder(random_description(random, {.most_bodies = 8, .always_mass = true})).build();
       const Arguments<T> at(model, random);
       Workspace<T> workspace(model);
       const std::size_t n = at.v.size();
@@ -204,14 +227,27 @@ TEST_P(Linearized, InTheMemoryOfQOrTauIsRight) {
       if (n == 0 || !apart.ok() || at.q.size() > A.size()) return;
       std::ranges::copy(at.q, A_in_place.begin());
       std::ranges::copy(at.tau, B_in_place.begin());
-      const Solvability in_place =
-          linearize(model, workspace, std::span(A_in_place).first(at.q.size()), at.v,
-                    std::span(B_in_place).first(n), {A_in_place, B_in_place}, at.given().loads);
-      EXPECT_EQ(in_place, apart);
+      const auto call = [&](std::span<const T> q, std::span<const T> tau) {
+        return linearize(model, workspace, q, at.v, tau, {A_in_place, B_in_place}, at.given().loads);
+      };
+      const std::span<const T> q = std::span(A_in_place).first(at.q.size()),
+                               tau = std::span(B_in_place).first(n);
+      if (!model.springs().empty()) {
+        ++refusals;
+        EXPECT_THAT(message_of([&] { (void)call(q, at.tau); }),
+                    testing::StartsWith("linear.A shares memory with q"));
+        EXPECT_THAT(message_of([&] { (void)call(at.q, tau); }),
+                    testing::StartsWith("linear.B shares memory with tau"));
+        return;
+      }
+      ++right;
+      EXPECT_EQ(call(q, tau), apart);
       EXPECT_EQ(A_in_place, A);
       EXPECT_EQ(B_in_place, B);
     });
   });
+  EXPECT_GT(right, 0);
+  EXPECT_GT(refusals, 0);
 }
 
 }  // namespace

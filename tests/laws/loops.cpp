@@ -15,8 +15,12 @@ using Eigen::MatrixXd, Eigen::VectorXd;
 
 /// A mechanism with loops and the Jacobian A of its loops at its state.
 struct Closed : ClosedMechanism {
-  explicit Closed(std::uint64_t seed) : Closed(Random<double>(seed)) {}
-  explicit Closed(Random<double> random) : ClosedMechanism(closed_mechanism(random)), loops(model) {
+  explicit Closed(std::uint64_t seed)
+      : Closed(Random<double>(seed), elsewhere(seed, {.most_bodies = 12, .loops = 1})) {}
+  Closed(Random<double> random, const TreeRecipe& recipe)
+      : ClosedMechanism(closed_mechanism(random, recipe)),
+        longest(std::max(1.0, recipe.scale)),
+        loops(model) {
     Numbers all(rows() * state.v.size());
     loop_jacobian(model, loops, state.q, all);
     A = matrix(static_cast<int>(rows()), all);
@@ -31,6 +35,7 @@ struct Closed : ClosedMechanism {
     return std::max({largest(tau), largest(M) * largest(state.a), largest_entry(A) * largest(lambda)});
   }
 
+  double longest;  ///< the order of the lengths, at least 1 m
   LoopWorkspace<double> loops;
   MatrixXd A;
 };
@@ -44,7 +49,7 @@ TEST(Loops, AreClosedAndStayClosed) {
     const auto& [q, v, a, wrenches] = closed.state;
     Numbers r(static_cast<std::size_t>(closed.model.loops().residuals)), gamma(closed.rows());
     loop_residual(closed.model, closed.loops, q, r);
-    residual.expect_equal(r, Numbers(r.size()), 1);
+    residual.expect_equal(r, Numbers(r.size()), closed.longest);
     velocities.expect_equal(VectorXd(closed.A * vector(v)), VectorXd(VectorXd::Zero(closed.A.rows())),
                             std::max(1.0, largest_entry(closed.A)));
     loop_bias(closed.model, closed.loops, q, v, gamma);
