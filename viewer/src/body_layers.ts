@@ -16,7 +16,7 @@ import { format } from "./element";
 import { ball, hinge, plate, quarteredBall, rod, screwThread, slider, triad } from "./glyphs";
 import { ellipsoid, principalAxes } from "./inertia";
 import { Instances, type Item } from "./instances";
-import { matrixOf } from "./kinematics";
+import { matrixOf, placeOfJoint } from "./kinematics";
 import { Labels } from "./labels";
 import type { Layer, View } from "./layers";
 import { colors } from "./palette";
@@ -155,10 +155,10 @@ function joints(view: View): Layer | null {
   const { scene, stage } = view;
   const symbols = new Map<string, { make: (sides: number) => BufferGeometry; items: Item[] }>();
   const color = (joint: Joint) => (joint.leader ? colors.coupled : joint.passive ? colors.passive : colors.driven);
-  scene.bodies.slice(1).forEach(({ joint, S_self, mass, com }, k) => {
+  scene.bodies.slice(1).forEach((body, k) => {
+    const { joint } = body;
     if (joint.kind === "free") return;
-    const pose = matrixOf(S_self);
-    if (joint.kind === "prismatic" && mass > 0) pose.setPosition(...com); // it has a direction and no place
+    const pose = matrixOf(body.S_self).setPosition(placeOfJoint(body));
     const lead = drawnLead(joint.pitch, stage.unit);
     const make = {
       revolute: hinge,

@@ -61,6 +61,15 @@ export class Tree {
   }
 }
 
+/**
+ * The point of body i, in its own frame, at which its joint is drawn. A prismatic joint may have a direction and no place,
+ * and a free one has neither; they are drawn at the centre of mass.
+ */
+export function placeOfJoint({ joint: { kind }, S_self, mass, com }: Body): Vector3 {
+  const hasNoPlace = (kind === "prismatic" || kind === "free") && mass > 0;
+  return hasNoPlace ? new Vector3(...com) : new Vector3(S_self[0], S_self[1], S_self[2]);
+}
+
 /** The normal of the planes in which all bodies move; null if there are none. */
 export function planeNormal(scene: Scene, poses: readonly Matrix4[]): Vector3 | null {
   let normal: Vector3 | null = null;

@@ -1,4 +1,5 @@
 import {
+  Box3,
   BoxGeometry,
   CylinderGeometry,
   DoubleSide,
@@ -15,7 +16,7 @@ import {
 import { ConvexGeometry } from "three/addons/geometries/ConvexGeometry.js";
 import { mergeVertices } from "three/addons/utils/BufferGeometryUtils.js";
 import { Instances, type Item } from "./instances";
-import { matrixOf } from "./kinematics";
+import { matrixOf, placeOfJoint } from "./kinematics";
 import type { Part } from "./meshes";
 import { colors } from "./palette";
 import { drawsOnProcessor, MANY } from "./processor";
@@ -168,15 +169,27 @@ export function plain(body: number): string {
   return body === 0 ? colors.ground : colors.bodies[(body - 1) % colors.bodies.length];
 }
 
+/** The point of a plane, the plane z = 0 of a pose, that is nearest to a point. */
+function footOn(plane: Matrix4, point: Vector3): Vector3 {
+  const normal = new Vector3().setFromMatrixColumn(plane, 2);
+  const height = point.clone().sub(new Vector3().setFromMatrixPosition(plane)).dot(normal);
+  return point.clone().addScaledVector(normal, -height);
+}
+
 /**
- * The extent of the scene at these poses: points at the ends of its shapes, its joints and centres of mass.
+ * The extent of the scene at these poses: points at the ends of its shapes, its joints and centres of mass. The origin of a
+ * body does not count, since it may be far from the body, and a plane, which has no end, counts by its point nearest to them.
  */
 export function reach(scene: Scene, poses: readonly Matrix4[], meshes: readonly Part[][]): Vector3[] {
   const points: Vector3[] = [];
+  const planes: Matrix4[] = [];
   const corner = new Vector3();
   for (const shape of scene.shapes) {
-    if (shape.kind === "plane") continue; // it has no end
     const pose = poses[shape.body].clone().multiply(matrixOf(shape.pose));
+    if (shape.kind === "plane") {
+      planes.push(pose);
+      continue;
+    }
     for (const { geometry, local } of pieces(shape, meshes, coarse)) {
       if (!geometry.boundingBox) geometry.computeBoundingBox();
       const { min, max } = geometry.boundingBox!;
@@ -189,9 +202,8 @@ export function reach(scene: Scene, poses: readonly Matrix4[], meshes: readonly 
   }
   scene.bodies.forEach((body, i) => {
     if (i === 0) return;
-    points.push(new Vector3().setFromMatrixPosition(poses[i]));
-    points.push(new Vector3(...body.com).applyMatrix4(poses[i]));
-    points.push(new Vector3(...(body.S_self.slice(0, 3) as [number, number, number])).applyMatrix4(poses[i]));
+    if (body.mass > 0) points.push(new Vector3(...body.com).applyMatrix4(poses[i]));
+    points.push(placeOfJoint(body).applyMatrix4(poses[i]));
   });
   for (const { ends } of scene.lines ?? []) {
     for (const { body, point } of ends) points.push(new Vector3(...point).applyMatrix4(poses[body]));
@@ -199,5 +211,7 @@ export function reach(scene: Scene, poses: readonly Matrix4[], meshes: readonly 
   for (const frame of scene.frames) {
     points.push(new Vector3().setFromMatrixPosition(poses[frame.body].clone().multiply(matrixOf(frame.pose))));
   }
+  const middle = new Box3().setFromPoints(points).getCenter(new Vector3());
+  for (const plane of planes) points.push(footOn(plane, middle));
   return points;
 }

@@ -23,6 +23,7 @@ import {
   type Object3D,
 } from "three";
 import { OrbitControls } from "three/addons/controls/OrbitControls.js";
+import { heightOfGround } from "./ground";
 import { Instances } from "./instances";
 import { palettes } from "./palette";
 import { drawsOnProcessor } from "./processor";
@@ -209,8 +210,7 @@ export class Stage {
     this.radius = Math.max(whole.radius, size);
     this.centre.copy(whole.center);
     this.points = ever;
-    const floor = Math.min(0, ...ever.map((point) => point.dot(this.up)));
-    this.layGround(floor < -1e-3 * size ? floor : 0);
+    this.layGround(heightOfGround(ever, this.up, size));
     this.camera.near = 0.01 * size;
     this.camera.far = 60 * this.radius;
     this.controls.maxDistance = 40 * this.radius; // so that nothing lies behind the far plane

@@ -1,7 +1,7 @@
 import { Group, Vector3 } from "three";
 import { Arrows } from "./arrows";
 import { format } from "./element";
-import { matrixOf } from "./kinematics";
+import { matrixOf, placeOfJoint } from "./kinematics";
 import type { Layer, View } from "./layers";
 import { colors } from "./palette";
 import { screwOf, twistAbout, wrenchAbout, type Screw } from "./screws";
@@ -45,11 +45,7 @@ export function vectorLayers(view: View): Layer[] {
     return scene.bodies.slice(1).map((_, k) => ({ body: k + 1, point: point(k + 1), at: (sample) => samples[sample][k], now: () => state.screw(kind, k + 1) }));
   };
   const chosen = (bearers: Bearer[]) => () => (state.everyBody ? bearers : bearers.filter(({ body }) => body === state.selected));
-  // Prismatic joints may have a direction and no place, and free ones have neither.
-  const joint = (i: number) => {
-    const { joint: { kind }, S_self, mass } = scene.bodies[i];
-    return (kind === "prismatic" || kind === "free") && mass > 0 ? centre(i) : new Vector3().setFromMatrixPosition(matrixOf(S_self));
-  };
+  const joint = (i: number) => placeOfJoint(scene.bodies[i]);
   const twists = ofBodies("twists", centre);
   const wrenches = ofBodies("wrenches", joint);
   const momenta = ofBodies("momenta", centre);
