@@ -3,8 +3,8 @@ import { TORN, type Arrival } from "./closure";
 import { element, format, freshId } from "./element";
 import { expQuaternion, logQuaternion } from "./kinematics";
 import { hasQuaternion } from "./motion";
+import { colorOfBody } from "./palette";
 import { degrees, type Joint } from "./scene";
-import { plain } from "./shapes";
 import type { State } from "./state";
 
 /** One number that a slider sets. */
@@ -62,7 +62,7 @@ function jointRow(state: State, body: number, joint: Joint, length: number, chos
   const name = element("b", { title: `moves ${scene.bodies[body].name}` }, joint.name);
   const root = element("div", { class: "joint", role: "group", "aria-label": joint.name });
   const swatch = element("i", { class: "swatch", "aria-hidden": "true" });
-  swatch.style.background = plain(body);
+  swatch.style.background = colorOfBody(body);
   root.append(element("div", { class: "joint-name" }, swatch, name, element("span", {}, kind + (joint.passive ? ", passive" : ""))));
   root.addEventListener("focusin", () => state.selected !== body && state.select(body));
 

@@ -1,6 +1,7 @@
 import uPlot from "uplot";
 import "uplot/dist/uPlot.min.css";
 import { element } from "./element";
+import { colors, strokeOfBody } from "./palette";
 import type { JointKind, Scene } from "./scene";
 import type { State } from "./state";
 import { tickText } from "./ticks";
@@ -19,9 +20,6 @@ interface Quantity {
   curves: Curve[];
 }
 
-/** The colours of curves. The first ones have the hues of the colours of bodies, in their order. */
-const STROKES = ["#3b82c4", "#d9a21b", "#2f9e58", "#d05a3a", "#7d63c9", "#1795a3", "#d66fb0", "#8a9a22", "#5f6b76", "#8c5a2f"];
-const HUES = 8;
 const HEIGHT = 150;
 
 const UNITS = {
@@ -88,15 +86,15 @@ function quantities(scene: Scene): Quantity[] {
 function drawnCurves({ curves }: Quantity, body: number | null): Curve[] {
   const asked = curves.filter((curve) => body === null || curve.body === 0 || curve.body === body);
   const range = ({ values }: Curve) => values.reduce((a, b) => Math.max(a, b), -Infinity) - values.reduce((a, b) => Math.min(a, b), Infinity);
-  const most = new Set([...asked].sort((a, b) => range(b) - range(a)).slice(0, STROKES.length));
+  const most = new Set([...asked].sort((a, b) => range(b) - range(a)).slice(0, colors.curves.length));
   return asked.filter((curve) => most.has(curve));
 }
 
 /** The colours of curves: those of their bodies if that tells them apart. */
 function strokes(curves: readonly Curve[]): string[] {
-  const ofBodies = curves.map(({ body }) => (body - 1) % HUES);
-  const apart = curves.every(({ body }) => body > 0) && new Set(ofBodies).size === curves.length;
-  return curves.map((_, k) => STROKES[apart ? ofBodies[k] : k]);
+  const ofBodies = curves.filter(({ body }) => body > 0).map(({ body }) => strokeOfBody(body));
+  const apart = new Set(ofBodies).size === curves.length;
+  return apart ? ofBodies : curves.map((_, k) => colors.curves[k]);
 }
 
 /** Plots over time, each of which can be switched off. A click or drag in a plot moves the time cursor. */
@@ -166,7 +164,7 @@ export class Plots {
   private draw(quantity: Quantity): void {
     const { name, unit } = quantity;
     const curves = drawnCurves(quantity, this.body);
-    const colors = strokes(curves);
+    const stroke = strokes(curves);
     const all = quantity.curves.length;
     const chosen = curves.length < all && this.body === null ? `; the ${curves.length} of ${all} that change most` : "";
     const box = element("div", { class: "drawing", role: "img", "aria-label": `${name} over time` });
@@ -191,7 +189,7 @@ export class Plots {
           { label: "t" },
           ...curves.map(({ label }, k) => ({
             label,
-            stroke: colors[k],
+            stroke: stroke[k],
             width: 1.4,
             pxAlign: 0,
             points: { show: false },

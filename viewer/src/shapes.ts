@@ -18,7 +18,7 @@ import { mergeVertices } from "three/addons/utils/BufferGeometryUtils.js";
 import { Instances, type Item } from "./instances";
 import { matrixOf, placeOfJoint } from "./kinematics";
 import type { Part } from "./meshes";
-import { colors } from "./palette";
+import { colorOfBody, colors } from "./palette";
 import { drawsOnProcessor, MANY } from "./processor";
 import type { Scene, Shape } from "./scene";
 
@@ -138,7 +138,7 @@ export function shapeGroup(scene: Scene, shapes: readonly Shape[], meshes: reado
       made.items.push({
         body: shape.body,
         pose: pose.clone().multiply(piece.local),
-        color: own ? "#ffffff" : collision ? colors.collision : shape.color ? rgb(shape.color) : plain(shape.body),
+        color: own ? "#ffffff" : collision ? colors.collision : shape.color ? rgb(shape.color) : colorOfBody(shape.body),
       });
     }
   }
@@ -162,11 +162,6 @@ function apart(pose: Matrix4, depth: number): void {
 
 function rgb(color: readonly number[]): string {
   return `rgb(${color.slice(0, 3).map((part) => Math.round(255 * Math.min(1, Math.max(0, part)))).join(",")})`;
-}
-
-/** The colour of a body whose shapes have no colour of their own. */
-export function plain(body: number): string {
-  return body === 0 ? colors.ground : colors.bodies[(body - 1) % colors.bodies.length];
 }
 
 /** The point of a plane, the plane z = 0 of a pose, that is nearest to a point. */
