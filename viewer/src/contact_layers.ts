@@ -4,6 +4,7 @@ import { format } from "./element";
 import type { Layer, View } from "./layers";
 import type { Moment } from "./motion";
 import { colors } from "./palette";
+import { scaleOf, toArrow } from "./scale";
 
 /** What holds at a point of contact: it has no force, sticks, or slides. */
 type Status = "open" | "stick" | "slide";
@@ -79,21 +80,21 @@ function forces({ state, stage }: View, samples: Contact[][], most: number, now:
   const root = new Group();
   const arrows = STATUS.map((status) => new Arrows(most, colors.contacts[status].color, false));
   root.add(...arrows);
-  const sizes = samples.flatMap((list) => list.map(({ force }) => force.length())).filter((size) => size > 0).sort((a, b) => a - b);
-  // An impact is a force of one step that would make all
-  // others invisible, so the scale is that of most forces.
-  const usual = sizes.length > 0 ? sizes[Math.floor(0.95 * (sizes.length - 1))] : 0;
+  // An impact is a force of one step that would make all others invisible.
+  const scale = scaleOf(samples.map((list) => list.reduce((most, { force }) => Math.max(most, force.length()), 0)));
   let hint = "";
   const update = () => {
     const unit = stage.unit * state.symbolScale;
     const long = LONGEST * stage.unit * state.arrowScale;
     STATUS.forEach((status, k) => {
-      const of = now().filter((contact) => contact.status === status && usual > 0);
-      arrows[k].show(of.map(({ point, force }) => ({ from: point, vector: force.clone().multiplyScalar(long / usual) })), unit);
+      const of = now().filter((contact) => contact.status === status && scale.most > 0);
+      arrows[k].show(of.map(({ point, force }) => ({ from: point, vector: toArrow(force.clone(), scale, long) })), unit);
     });
-    hint = state.moment ? `on the second shape; ${format(usual)} N is ${LONGEST} units long, ${NAMES}` : NO_MOTION;
+    hint = state.moment ? `on the second shape; longest ${format(scale.most)} N${scale.clips ? " and more" : ""}, ${NAMES}` : NO_MOTION;
   };
-  return { id: "contact-forces", title: "Contact forces", hint: () => hint, swatch: colors.contacts.slide.color, on: true, over: true, root, update };
+  const scales = () =>
+    scale.most > 0 ? [{ color: colors.contacts.stick.color, heads: 1, unit: "N", each: scale.most / (LONGEST * stage.unit * state.arrowScale), clips: scale.clips }] : [];
+  return { id: "contact-forces", title: "Contact forces", hint: () => hint, swatch: colors.contacts.slide.color, on: true, over: true, root, update, scales };
 }
 
 function cones({ state, stage }: View, most: number, now: () => Contact[]): Layer {

@@ -21,8 +21,8 @@ export interface Layer {
   root: Object3D;
   /** Whether the layer is drawn over the bodies, so that these do not hide it. */
   over?: boolean;
-  /** Arrows of the layer, each with what a metre of an arrow is. */
-  scales?: () => { color: string; heads: number; unit: string; each: number }[];
+  /** Arrows of the layer, each with what a metre of an arrow is, and whether longer ones are clipped. */
+  scales?: () => { color: string; heads: number; unit: string; each: number; clips: boolean }[];
   /** Updates the layer after a change of the state. It is called only while the layer is on. */
   update: () => void;
   /** Draws the layer in other colours, if some of its colours depend on the background. */

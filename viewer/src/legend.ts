@@ -20,9 +20,9 @@ export function fillLegend(place: HTMLElement, layers: readonly Layer[], stage: 
   return () => {
     const pixel = stage.pixel * stage.distance;
     const entries = layers.flatMap((layer) => (layer.on && layer.scales ? layer.scales().map((scale) => ({ ...scale, title: layer.title })) : []));
-    const bars = entries.map(({ color, heads, unit, each, title }) => {
+    const bars = entries.map(({ color, heads, unit, each, clips, title }) => {
       const value = round125(LONGEST * pixel * each);
-      return { color, heads, title, text: `${value < 1e-3 || value >= 1e5 ? value.toExponential(0) : value} ${unit}`, length: value / (each * pixel) };
+      return { color, heads, title, text: `${value < 1e-3 || value >= 1e5 ? value.toExponential(0) : value} ${unit}${clips ? ", longer arrows clipped" : ""}`, length: value / (each * pixel) };
     });
     const now = JSON.stringify(bars);
     if (now === written) return;

@@ -4,6 +4,7 @@ import { format } from "./element";
 import { matrixOf, placeOfJoint } from "./kinematics";
 import type { Layer, View } from "./layers";
 import { colors } from "./palette";
+import { scaleOf, toArrow, type Scale } from "./scale";
 import { screwOf, twistAbout, wrenchAbout, type Screw } from "./screws";
 
 /** Something that has a screw in a motion, and the point of a body at which the arrows of the screw stand. */
@@ -33,6 +34,11 @@ interface Kind {
 
 /** The length of the longest arrow in a motion, in units of symbols. */
 const LONGEST = 4.5;
+
+/** What the longest arrow stands for. */
+function said({ most, clips }: Scale, unit: string): string {
+  return `${format(most)} ${unit}${clips ? " and more" : ""}`;
+}
 
 /** The layers of twists, wrenches of joints and loops, forces of springs, and momenta. */
 export function vectorLayers(view: View): Layer[] {
@@ -84,29 +90,33 @@ function layer(view: View, kind: Kind): Layer | null {
   root.add(first, second);
   const about = (spatial: Screw, point: Vector3) => (state.representation === "spatial" ? spatial : dual ? wrenchAbout(spatial, point) : twistAbout(spatial, point));
 
-  const known = new Map<boolean, [number, number]>();
-  const largest = (): [number, number] => {
-    const spatial = state.representation === "spatial";
-    const found = known.get(spatial) ?? [0, 0];
-    if (known.has(spatial)) return found;
-    known.set(spatial, found);
-    history.indices.forEach((index, k) => {
+  const known = new Map<boolean, [Scale, Scale]>();
+  const found = (): [Scale, Scale] => {
+    const largest = history.indices.map((index, k) => {
+      const most = [0, 0];
       for (const { body, point, at } of kind.scaledWith ?? bearers) {
         const { w, v } = about(screwOf(at(index)), point.clone().applyMatrix4(history.poses[k][body]));
-        found[0] = Math.max(found[0], w.length());
-        found[1] = Math.max(found[1], v.length());
+        most[0] = Math.max(most[0], w.length());
+        most[1] = Math.max(most[1], v.length());
       }
+      return most;
     });
+    const [w, v] = [0, 1].map((k) => scaleOf(largest.map((most) => most[k])));
     const size = stage.radius;
-    if (found[0] < NEGLIGIBLE * size * found[1]) found[0] = 0;
-    if (found[1] * size < NEGLIGIBLE * found[0]) found[1] = 0;
-    return found;
+    if (w.most < NEGLIGIBLE * size * v.most) w.most = 0;
+    if (v.most * size < NEGLIGIBLE * w.most) v.most = 0;
+    return [w, v];
+  };
+  const scalesNow = (): [Scale, Scale] => {
+    const spatial = state.representation === "spatial";
+    if (!known.has(spatial)) known.set(spatial, found());
+    return known.get(spatial)!;
   };
 
   const long = () => LONGEST * stage.unit * state.arrowScale;
   let hint = "";
   const update = () => {
-    const most = largest();
+    const scaled = scalesNow();
     const [w, v]: { from: Vector3; vector: Vector3 }[][] = [[], []];
     for (const { body, point, now } of kind.drawn()) {
       const spatial = now();
@@ -114,17 +124,18 @@ function layer(view: View, kind: Kind): Layer | null {
       const at = point.clone().applyMatrix4(state.tree.poses[body]);
       const screw = about(spatial, at);
       const from = state.representation === "spatial" ? new Vector3() : at;
-      if (most[0] > 0) w.push({ from, vector: screw.w.multiplyScalar(long() / most[0]) });
-      if (most[1] > 0) v.push({ from, vector: screw.v.multiplyScalar(long() / most[1]) });
+      if (scaled[0].most > 0) w.push({ from, vector: toArrow(screw.w, scaled[0], long()) });
+      if (scaled[1].most > 0) v.push({ from, vector: toArrow(screw.v, scaled[1], long()) });
     }
     first.show(w, stage.unit * state.symbolScale);
     second.show(v, stage.unit * state.symbolScale);
     const where = state.representation === "spatial" ? "about the inertial origin" : kind.where;
-    hint = state.moment ? `${where}; longest ${format(most[0])} ${units[0]} (two heads), ${format(most[1])} ${units[1]}` : "play or scrub: this pose is not of the motion";
+    hint = state.moment ? `${where}; longest ${said(scaled[0], units[0])} (two heads), ${said(scaled[1], units[1])}` : "play or scrub: this pose is not of the motion";
   };
   const scales = () => {
-    const most = largest();
-    return [0, 1].filter((k) => most[k] > 0).map((k) => ({ color: kind.colors[k], heads: 2 - k, unit: units[k], each: most[k] / long() }));
+    return scalesNow()
+      .map(({ most, clips }, k) => ({ color: kind.colors[k], heads: 2 - k, unit: units[k], each: most / long(), clips }))
+      .filter(({ each }) => each > 0);
   };
   return { id: kind.id, title: kind.title, hint: () => hint, swatch: kind.colors[0], on: false, over: true, root, update, scales };
 }
@@ -137,18 +148,18 @@ function springForces({ scene, state, stage }: View): Layer | null {
   const arrows = new Arrows(2 * lines.length, colors.spring, false);
   const root = new Group();
   root.add(arrows);
-  const most = tensions.reduce((largest, row) => row.reduce((x, tension) => Math.max(x, Math.abs(tension)), largest), 0);
+  const scale = scaleOf(tensions.map((row) => row.reduce((x, tension) => Math.max(x, Math.abs(tension)), 0)));
   const long = () => LONGEST * stage.unit * state.arrowScale;
   const update = () => {
     const vectors = lines.flatMap(({ ends }, k) => {
       const tension = state.tension(k);
       const [a, b] = ends.map(({ body, point }) => new Vector3(...point).applyMatrix4(state.tree.poses[body]));
-      if (!tension || most === 0) return [];
-      const pull = b.clone().sub(a).setLength((tension / most) * long());
+      if (!tension || scale.most === 0) return [];
+      const pull = toArrow(b.clone().sub(a).setLength(tension), scale, long());
       return [{ from: a, vector: pull }, { from: b, vector: pull.clone().negate() }];
     });
     arrows.show(vectors, stage.unit * state.symbolScale);
   };
-  const scales = () => (most > 0 ? [{ color: colors.spring, heads: 1, unit: "N", each: most / long() }] : []);
-  return { id: "spring-forces", title: "Forces of springs", hint: () => `on the bodies at their ends; longest ${format(most)} N`, swatch: colors.spring, on: false, over: true, root, update, scales };
+  const scales = () => (scale.most > 0 ? [{ color: colors.spring, heads: 1, unit: "N", each: scale.most / long(), clips: scale.clips }] : []);
+  return { id: "spring-forces", title: "Forces of springs", hint: () => `on the bodies at their ends; longest ${said(scale, "N")}`, swatch: colors.spring, on: false, over: true, root, update, scales };
 }
