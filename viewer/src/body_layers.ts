@@ -12,6 +12,7 @@ import {
   Vector3,
 } from "three";
 import { along } from "./axode";
+import { paintEdges } from "./edges";
 import { format } from "./element";
 import { ball, hinge, plate, quarteredBall, rod, screwThread, slider, triad } from "./glyphs";
 import { ellipsoid, principalAxes } from "./inertia";
@@ -61,7 +62,7 @@ function shapes(view: View, id: string, title: string, swatch: string, on: boole
   const chosen = scene.shapes.filter(which);
   if (chosen.length === 0) return null;
   const root = shapeGroup(scene, chosen, view.meshes);
-  const parts = root.children as Instances[];
+  const parts = root.children.filter((part) => part instanceof Instances);
   let painted = -1;
   const update = () => {
     for (const part of parts) part.place(state.tree.poses, 1);
@@ -71,7 +72,7 @@ function shapes(view: View, id: string, title: string, swatch: string, on: boole
   };
   stage.bodies.add(root);
   const hint = () => (id === "stand-ins" ? "drawn where a body has no shape" : count(chosen.length, "shape"));
-  return { id, title, hint, swatch, on, root, update };
+  return { id, title, hint, swatch, on, root, update, paint: ({ edge }) => paintEdges(edge) };
 }
 
 function ground({ stage }: View): Layer {

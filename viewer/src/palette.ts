@@ -6,11 +6,13 @@ export interface Palette {
   grid: string;
   text: string;
   halo: string;
+  /** Edges around bodies. */
+  edge: string;
 }
 
 export const palettes: Record<"light" | "dark", Palette> = {
-  light: { back: "#f4f6f8", grid: "#8b98a6", text: "#1d2630", halo: "#f4f6f8" },
-  dark: { back: "#14181d", grid: "#66737f", text: "#e4e9ee", halo: "#14181d" },
+  light: { back: "#f4f6f8", grid: "#8b98a6", text: "#1d2630", halo: "#f4f6f8", edge: "#2b333c" },
+  dark: { back: "#14181d", grid: "#66737f", text: "#e4e9ee", halo: "#14181d", edge: "#07090b" },
 };
 
 export const colors = {

@@ -15,6 +15,7 @@ import {
 } from "three";
 import { ConvexGeometry } from "three/addons/geometries/ConvexGeometry.js";
 import { mergeVertices } from "three/addons/utils/BufferGeometryUtils.js";
+import { edgesOf } from "./edges";
 import { Instances, type Item } from "./instances";
 import { matrixOf, placeOfJoint } from "./kinematics";
 import type { Part } from "./meshes";
@@ -115,7 +116,7 @@ function material(opacity: number, collision: boolean, mesh: boolean): MeshStand
   });
 }
 
-/** The shapes of one layer. Shapes of the same appearance are drawn together. */
+/** The shapes of one layer, with edges if one cannot see through them. Shapes of the same appearance are drawn together. */
 export function shapeGroup(scene: Scene, shapes: readonly Shape[], meshes: readonly Part[][]): Group {
   const depth = scene.bodies.map(() => 0);
   scene.bodies.forEach((body, i) => i > 0 && (depth[i] = depth[body.predecessor] + 1));
@@ -147,6 +148,9 @@ export function shapeGroup(scene: Scene, shapes: readonly Shape[], meshes: reado
     const drawn = new Instances(geometry, material, items);
     drawn.castShadow = !material.transparent;
     group.add(drawn);
+    const isSolid = !material.transparent && !(material as MeshStandardMaterial).wireframe;
+    const edges = isSolid ? edgesOf(drawn) : null;
+    if (edges) group.add(edges);
   }
   return group;
 }

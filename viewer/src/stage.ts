@@ -23,6 +23,7 @@ import {
   type Object3D,
 } from "three";
 import { OrbitControls } from "three/addons/controls/OrbitControls.js";
+import { EDGES, sizeEdges } from "./edges";
 import { heightOfGround } from "./ground";
 import { Instances } from "./instances";
 import { palettes } from "./palette";
@@ -115,6 +116,7 @@ export class Stage {
     if (width === 0 || height === 0) return;
     this.setPixelRatio();
     this.renderer.setSize(width, height, false);
+    sizeEdges(width, height);
     this.camera.aspect = width / height;
     this.camera.updateProjectionMatrix();
     this.invalidate();
@@ -190,6 +192,9 @@ export class Stage {
     ++this.frames;
     this.keepInView();
     this.beforeFrame();
+    // Edges are left out where frames take too long.
+    if (this.resolution.scale === 1) this.camera.layers.enable(EDGES);
+    else this.camera.layers.disable(EDGES);
     this.renderer.clear();
     this.renderer.render(this.space, this.camera);
     this.renderer.clearDepth();
