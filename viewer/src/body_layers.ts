@@ -8,18 +8,17 @@ import {
   Matrix4,
   MeshStandardMaterial,
   SphereGeometry,
-  TorusGeometry,
   Vector3,
 } from "three";
-import { along } from "./axode";
 import { paintEdges } from "./edges";
-import { format } from "./element";
-import { ball, hinge, plate, quarteredBall, rod, screwThread, slider, triad } from "./glyphs";
+import { count, format } from "./element";
+import { ball, hinge, plate, quarteredBall, screwThread, slider, triad } from "./glyphs";
 import { ellipsoid, principalAxes } from "./inertia";
 import { Instances, type Item } from "./instances";
 import { matrixOf, placeOfJoint } from "./kinematics";
 import { Labels } from "./labels";
 import type { Layer, View } from "./layers";
+import { loopLayers } from "./loops";
 import { colors } from "./palette";
 import { sidesOfSymbols } from "./processor";
 import type { Joint, Scene, Shape } from "./scene";
@@ -37,14 +36,10 @@ export function bodyLayers(view: View): Layer[] {
     frames(view),
     names(view),
     joints(view),
-    loops(view),
+    ...loopLayers(view),
     centres(view),
     ellipsoids(view),
   ].filter((layer) => layer !== null);
-}
-
-function count(n: number, what: string): string {
-  return `${n} ${what}${n === 1 ? "" : "s"}`;
 }
 
 /** A layer of groups of instances. */
@@ -187,63 +182,6 @@ function joints(view: View): Layer | null {
     },
     ...[...symbols.values()].map(({ make, items }) => new Instances(make(sidesOfSymbols(items.length)), material, items)),
   );
-}
-
-/**
- * The ends of a loop joint count as open if their distance is more than this part of the size of the scene.
- */
-const OPEN = 1e-4;
-
-function loops({ scene, state, stage }: View): Layer | null {
-  if (scene.loops.length === 0) return null;
-  // The frames of a plane and of what rolls on it are not where they touch.
-  const ends = scene.loops.flatMap((loop) => (loop.kind === "rolling" ? [] : loop.ends));
-  const rings = new Instances(
-    new TorusGeometry(0.4, 0.07, 10, 32),
-    new MeshStandardMaterial({ roughness: 0.5 }),
-    ends.map(({ body, pose }) => ({ body, pose: matrixOf(pose), color: colors.loop, symbol: true })),
-  );
-  const rods = new Instances(
-    rod(0.05, 0, 1),
-    new MeshStandardMaterial({ roughness: 0.5 }),
-    scene.loops.map(() => ({ body: 0, pose: new Matrix4(), color: colors.loop })),
-  );
-  const root = new Group();
-  root.add(rings, rods);
-  let open = 0;
-  const update = () => {
-    const unit = stage.unit * state.symbolScale;
-    rings.place(state.tree.poses, unit);
-    open = 0;
-    scene.loops.forEach((loop, k) => {
-      const [a, b] = loop.ends.map(({ body, pose }) => new Vector3(...pose.slice(0, 3)).applyMatrix4(state.tree.poses[body]));
-      const between = b.clone().sub(a);
-      const length = between.length();
-      if (length > OPEN * stage.radius && apartIsOpen(loop.kind)) ++open;
-      const item = rods.items[k];
-      item.color = apartIsOpen(loop.kind) ? colors.open : colors.loop;
-      item.pose = length > 0 && loop.kind !== "rolling" ? along({ centre: a, e: between.divideScalar(length) }) : new Matrix4();
-      item.pose.scale(new Vector3(unit, unit, loop.kind === "rolling" ? 0 : Math.max(length, 1e-9)));
-    });
-    rods.paint();
-    rods.place(state.tree.poses, 1);
-  };
-  return {
-    id: "loops",
-    title: "Loop joints",
-    hint: () =>
-      open > 0 ? `${count(open, "loop")} stand${open === 1 ? "s" : ""} open, red` : count(scene.loops.length, "loop"),
-    swatch: colors.loop,
-    on: true,
-    over: true,
-    root,
-    update,
-  };
-}
-
-/** Whether the two ends of a loop joint of this kind must be at the same point. */
-function apartIsOpen(kind: string): boolean {
-  return ["fixed", "revolute", "spherical", "universal"].includes(kind);
 }
 
 function centres(view: View): Layer | null {

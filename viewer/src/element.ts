@@ -39,3 +39,8 @@ export function format(x: number): string {
   const text = magnitude < 1e-3 || magnitude >= 1e5 ? x.toExponential(3) : String(Number(x.toPrecision(4)));
   return text.replaceAll("-", "−");
 }
+
+/** A number of things in words. */
+export function count(n: number, what: string, many = `${what}s`): string {
+  return `${n} ${n === 1 ? what : many}`;
+}

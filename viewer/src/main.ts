@@ -2,7 +2,7 @@ import "./page.css";
 import { listenAround } from "./around";
 import { fillBodyPanel } from "./body_panel";
 import { control } from "./controls";
-import { byId, element } from "./element";
+import { byId, count, element } from "./element";
 import { History } from "./history";
 import { fillJointPanel } from "./joint_panel";
 import { fillLayerPanel } from "./layer_panel";
@@ -19,10 +19,6 @@ import { Stage } from "./stage";
 import { State } from "./state";
 import { makeTabs } from "./tabs";
 import { fillWarnings } from "./warnings";
-
-function count(n: number, what: string, many = `${what}s`): string {
-  return `${n} ${n === 1 ? what : many}`;
-}
 
 async function show(scene: Scene): Promise<void> {
   const { motion } = scene;

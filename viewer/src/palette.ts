@@ -28,6 +28,7 @@ export const colors = {
   driven: "#e08a1e",
   passive: "#8b95a0",
   coupled: "#8d63c9",
+  rod: "#9aa3ad",
   loop: "#b8479e",
   open: "#e02f2f",
   spring: "#4f7d3c",
