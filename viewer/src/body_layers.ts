@@ -10,6 +10,7 @@ import {
   SphereGeometry,
   Vector3,
 } from "three";
+import { couplings } from "./couplings";
 import { paintEdges } from "./edges";
 import { count, format } from "./element";
 import { ball, hinge, plate, quarteredBall, screwThread, slider, triad } from "./glyphs";
@@ -31,6 +32,7 @@ export function bodyLayers(view: View): Layer[] {
     shapes(view, "shapes", "Shapes", colors.bodies[0], true, (s) => s.role === "visual" && !s.stand_in),
     shapes(view, "stand-ins", "Stand-ins", colors.bodies[1], true, (s) => s.stand_in),
     springs(view),
+    couplings(view),
     shapes(view, "collision", "Collision shapes", colors.collision, false, (s) => s.role === "collision"),
     ground(view),
     frames(view),

@@ -29,6 +29,7 @@ export const colors = {
   passive: "#8b95a0",
   coupled: "#8d63c9",
   rod: "#9aa3ad",
+  belt: "#3a424b",
   loop: "#b8479e",
   open: "#e02f2f",
   spring: "#4f7d3c",

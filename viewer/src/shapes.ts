@@ -15,6 +15,7 @@ import {
 } from "three";
 import { ConvexGeometry } from "three/addons/geometries/ConvexGeometry.js";
 import { mergeVertices } from "three/addons/utils/BufferGeometryUtils.js";
+import { rims } from "./couplings";
 import { edgesOf } from "./edges";
 import { Instances, type Item } from "./instances";
 import { matrixOf, placeOfJoint } from "./kinematics";
@@ -210,6 +211,7 @@ export function reach(scene: Scene, poses: readonly Matrix4[], meshes: readonly 
   for (const frame of scene.frames) {
     points.push(new Vector3().setFromMatrixPosition(poses[frame.body].clone().multiply(matrixOf(frame.pose))));
   }
+  points.push(...rims(scene, poses));
   const middle = new Box3().setFromPoints(points).getCenter(new Vector3());
   for (const plane of planes) points.push(footOn(plane, middle));
   return points;
