@@ -146,7 +146,7 @@ Json couplings_of(const Model& model) {
 /// The shapes of a model and the meshes that they use, as JSON. Each mesh file is read once.
 class Shapes {
  public:
-  explicit Shapes(const Model& model) : seen_(static_cast<std::size_t>(model.n_bodies()) + 1) {
+  explicit Shapes(const Model& model) : visuals_(static_cast<std::size_t>(model.n_bodies()) + 1) {
     std::unordered_map<std::string_view, int> frame;
     for (int f = 0; f < model.n_frames(); ++f) frame.emplace(model.frame(f).name, f);
     const Description& description = model.description();
@@ -156,7 +156,7 @@ class Shapes {
       for (const ShapeDescription& shape : body.shapes)
         add(shape, model.frame(frame.at(body.name)),
             body.source.file.empty() ? description.source : body.source);
-    for (const view::StandIn& other : view::stand_ins(model, seen_)) {
+    for (const view::StandIn& other : view::stand_ins(model, seen_bodies())) {
       Json json = json_of(other.shape, other.body, other.shape.pose, /*stand_in=*/true);
       if (!other.hull.empty()) {
         json["kind"] = "hull";
@@ -181,10 +181,17 @@ class Shapes {
     Json json = json_of(shape, on.body, on.pose * shape.pose, false);
     if (shape.kind == ShapeKind::mesh) {
       const std::optional<std::size_t> mesh = mesh_of(shape.file, on.name, referenced_from);
-      if (!mesh) return;
+      if (!mesh) {
+        if (shape.role == ShapeDescription::Role::visual) ++visuals_[on.body].lost;
+        return;
+      }
       json["mesh"] = *mesh;
     }
-    if (shape.role == ShapeDescription::Role::visual) seen_[on.body] = true;
+    if (shape.role == ShapeDescription::Role::visual) {
+      ++visuals_[on.body].shown;
+    } else if (shape.kind != ShapeKind::plane) {
+      visuals_[on.body].collision.push_back(shapes.size());
+    }
     shapes.push_back(std::move(json));
   }
 
@@ -193,6 +200,25 @@ class Shapes {
               {"pose", axode::json_of(pose)},
               {"role", to_string(shape.role)},
               {"name", shape.name},
+  /// Whether the ground and each body can be seen. If most of a body is in meshes that are not shown, its
+  /// collision shapes are shown in their place, and if it has none it counts as not seen.
+  std::vector<bool> seen_bodies() {
+    std::vector<bool> seen;
+    for (const Visuals& body : visuals_) {
+      const bool is_lost = body.lost > 0 && body.lost >= body.shown;
+      if (is_lost) {
+        for (const std::size_t k : body.collision) {
+          Json solid = shapes[k];
+          solid["role"] = to_string(ShapeDescription::Role::visual);
+          solid["color"] = Json();
+          shapes.push_back(std::move(solid));
+        }
+      }
+      seen.push_back(is_lost ? !body.collision.empty() : body.shown > 0);
+    }
+    return seen;
+  }
+
               {"kind", to_string(shape.kind)}};
     const ShapeTraits& kind = traits(shape.kind);
     if (!kind.size.empty()) json["size"] = axode::json_of(shape.size);
@@ -250,7 +276,13 @@ class Shapes {
     return known->second = read->second;
   }
 
-  std::vector<bool> seen_;  ///< whether the ground and each body have a visible shape
+  /// The visual shapes of a body: how many are shown, and how many are meshes that are not; and its collision
+  /// shapes by their places in `shapes`.
+  struct Visuals {
+    int shown = 0, lost = 0;
+    std::vector<std::size_t> collision = {};
+  };
+  std::vector<Visuals> visuals_;  ///< of the ground and of each body
   /// The indices of meshes in the list `meshes`, empty for one that cannot be shown: in named_ by the
   /// describing file and the mesh's name, in read_ by the path.
   std::map<std::pair<std::string, std::string>, std::optional<std::size_t>> named_;
