@@ -158,10 +158,15 @@ class Shapes {
             body.source.file.empty() ? description.source : body.source);
     for (const view::StandIn& other : view::stand_ins(model, seen_bodies())) {
       Json json = json_of(other.shape, other.body, other.shape.pose, /*stand_in=*/true);
-      if (!other.hull.empty()) {
+      if (other.form == view::StandIn::Form::hull) {
         json["kind"] = "hull";
         json["radius"] = other.shape.radius;
         for (const Vec3<>& point : other.hull) json["points"].push_back(axode::json_of(point));
+      } else if (other.form == view::StandIn::Form::thread) {
+        json["kind"] = "thread";
+        json["lead"] = other.lead;
+      } else if (other.form == view::StandIn::Form::socket) {
+        json["kind"] = "socket";
       }
       shapes.push_back(std::move(json));
     }
@@ -195,11 +200,6 @@ class Shapes {
     shapes.push_back(std::move(json));
   }
 
-  static Json json_of(const ShapeDescription& shape, int body, const SE3<>& pose, bool stand_in) {
-    Json json{{"body", body},
-              {"pose", axode::json_of(pose)},
-              {"role", to_string(shape.role)},
-              {"name", shape.name},
   /// Whether the ground and each body can be seen. If most of a body is in meshes that are not shown, its
   /// collision shapes are shown in their place, and if it has none it counts as not seen.
   std::vector<bool> seen_bodies() {
@@ -219,6 +219,11 @@ class Shapes {
     return seen;
   }
 
+  static Json json_of(const ShapeDescription& shape, int body, const SE3<>& pose, bool stand_in) {
+    Json json{{"body", body},
+              {"pose", axode::json_of(pose)},
+              {"role", to_string(shape.role)},
+              {"name", shape.name},
               {"kind", to_string(shape.kind)}};
     const ShapeTraits& kind = traits(shape.kind);
     if (!kind.size.empty()) json["size"] = axode::json_of(shape.size);

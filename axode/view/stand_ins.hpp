@@ -5,27 +5,34 @@
 
 namespace axode::view {
 
-/// A placeholder shape for a body, a joint or a mount on the ground, to which the description gives no shape.
+/// A placeholder shape for a body, joint or mount that the description gives no shape.
 struct StandIn {
+  /// What `shape` stands for, if it is none of the kinds of shapes.
+  enum class Form {
+    as_described,
+    hull,    ///< the convex hull of balls of radius shape.radius about points
+    thread,  ///< a rod like the cylinder `shape`, in which a thread is cut
+    socket,  ///< the half of a hollow ball where z > 0
+  };
   int body = 0;  ///< body to which the shape belongs; 0 is the ground
   ShapeDescription shape;
-  /// If `hull` is not empty, the shape is the convex hull of balls of radius shape.radius about these points,
-  /// which are given in the frame with the pose shape.pose.
-  std::vector<Vec3<>> hull = {};
+  Form form = Form::as_described;
+  std::vector<Vec3<>> hull = {};  ///< the points of a hull in the frame shape.pose
+  double lead = 0;                ///< how far a thread advances in a turn, m; negative if it is left-handed
 };
 
-/// Placeholder shapes for bodies without a visible shape, for their joints, and for the mounts of these
-/// joints on the ground. seen[i] says whether body i has a visible shape; body 0 is the ground. Poses are in
-/// the body frames.
+/// Placeholders for bodies without a visible shape, for their joints, and for the mounts of these joints on
+/// the ground; `seen` says of the ground and of each body whether it has a visible shape.
 ///
-/// A body is drawn between its points, those of its joints, frames, loops, springs and drives: two points as
-/// a bar, more as their rounded convex hull (of at most 60). A body with one point is drawn as a bar from
-/// this point through the centre of mass if it has the inertia of a rod. Otherwise it is drawn as a bar from
-/// the point to the centre of mass, with a solid that has its mass and inertia: a cylinder if exactly two
-/// principal moments are equal, else an ellipsoid. A body without points is drawn as this solid alone. A
-/// hinge is drawn as a pin, a spherical joint as a ball and a planar joint as a pad, in the colour of drives
-/// unless the joint is passive. A body that slides on the ground is drawn on a rail if its joint has no
-/// point.
+/// A body is drawn between the points of its joints, frames, loops, springs and drives: as a bar between two
+/// points, and as their rounded convex hull if there are more (of at most 60 corners). Heavier bodies are
+/// thicker. A body with one point reaches from it through the centre of mass, as a bar if the inertia is that
+/// of a rod, otherwise with the solid that has its mass and inertia: a cylinder if two principal moments are
+/// equal, an ellipsoid if not, and smaller than the bodies around it. A free body without points is that solid.
+/// Bodies that are fixed to the ground are drawn likewise; what else is on the ground has a mount. Joints are
+/// drawn by kind (parts_of()), in the colour of drives unless the joint is passive. The bodies of a planar
+/// mechanism lie above each other (levels_of()). A body that slides and whose joint has no point is on a rail.
+/// Poses are in the body frames.
 std::vector<StandIn> stand_ins(const Model& model, const std::vector<bool>& seen);
 
 }  // namespace axode::view

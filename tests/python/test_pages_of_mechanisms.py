@@ -47,6 +47,16 @@ def written(file, folder):
     return page, Scene(page.read_text(encoding="utf-8")).scene
 
 
+def z_axis(pose):
+    x, y, z, w = pose[3:]
+    return np.array([2 * (x * z + w * y), 2 * (y * z - w * x), 1 - 2 * (x * x + y * y)])
+
+
+def distance_across(offsets, axis):
+    """The least length of vectors without their parts along an axis, which may be zero."""
+    return np.linalg.norm(offsets - np.outer(offsets @ axis, axis), axis=1).min()
+
+
 @pytest.mark.parametrize("file", MECHANISMS, ids=lambda file: file.stem)
 def test_every_body_is_drawn_where_its_joints_are(file, tmp_path):
     page, scene = written(file, tmp_path)
@@ -70,12 +80,19 @@ def test_every_body_is_drawn_where_its_joints_are(file, tmp_path):
     for i, body in enumerate(bodies[1:], 1):
         size = np.ptp([*places[i], [0, 0, 0]], axis=0).max()
         assert i in drawn or body["mass"] == 0 or size < 1e-9, f"{body['name']} is not drawn"
+    # Bodies of a planar mechanism lie above each other along the axes of their hinges, and a rail has mounts at its ends.
+    axes = [np.zeros(3)] + [z_axis(body["S_self"]) * (body["joint"]["kind"] == "revolute") for body in bodies[1:]]
+    ends_of_rails = [
+        np.array(shape["pose"][:3]) + side * shape["length"] / 2 * z_axis(shape["pose"])
+        for shape in scene["shapes"] if shape["body"] == 0 and shape["kind"] == "capsule" for side in (-1, 1)
+    ]
     for shape in scene["shapes"]:
         if not shape["stand_in"] or not places[shape["body"]]:
             continue
         points = np.array(shape.get("points", [[0, 0, 0]])) + shape["pose"][:3]
         size = max(shape.get("radius", 0) + shape.get("length", 0), max(shape.get("size", [0])), *np.ptp(points, axis=0))
-        away = min(np.linalg.norm(points - place, axis=1).min() for place in places[shape["body"]])
+        around = places[shape["body"]] + (ends_of_rails if shape["body"] == 0 else [])
+        away = min(distance_across(points - place, axes[shape["body"]]) for place in around)
         assert away <= size + 1e-9, f"a part of {bodies[shape['body']]['name']} of {size} m is {away} m from its joints"
 
 

@@ -2,10 +2,8 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <map>
 
 #include "axode/integration.hpp"
-#include "axode/view/stand_ins.hpp"
 #include "tests/model/random_loops.hpp"
 #include "tests/support/random_tree.hpp"
 #include "tests/support/shared_files.hpp"
@@ -17,12 +15,9 @@ namespace {
 
 using testing::HasSubstr;
 
-Model shipped(const std::string& file) { return load(AXODE_SOURCE_DIR "/examples/robots/" + file); }
-
 double distance(const Eigen::Isometry3d& C, const SE3<>& expected) {
   return (C.matrix() - to_eigen(expected)).cwiseAbs().maxCoeff();
 }
-SE3<> pose_of(const Json& x) { return from_eigen<SE3<>>(pose_from(x).matrix()); }
 
 Model random_model(std::uint64_t seed) {
   Random<double> random(seed);
@@ -331,198 +326,6 @@ TEST(Page, RefusesAPageWithoutAPlaceForTheScene) {
   EXPECT_EQ(out.str(), "");
 }
 
-/// The points of joints, frames and loop ends on a body, in its frame.
-std::vector<Eigen::Vector3d> points_on(const Json& scene, std::size_t body) {
-  std::vector<Eigen::Vector3d> points;
-  const auto add = [&](const Json& pose) { points.push_back(pose_from(pose).translation()); };
-  for (std::size_t i = 1; i < scene["bodies"].size(); ++i) {
-    const Json& other = scene["bodies"][i];
-    if (i == body) add(other["S_self"]);
-    if (other["predecessor"] == body) add(other["S_prev"]);
-  }
-  for (const Json& frame : scene["frames"])
-    if (frame["body"] == body) add(frame["pose"]);
-  for (const Json& loop : scene["loops"])
-    for (const Json& end : loop["ends"])
-      if (end["body"] == body) add(end["pose"]);
-  return points;
-}
-double distance_to_nearest(const Eigen::Vector3d& point, const std::vector<Eigen::Vector3d>& others) {
-  double nearest = INFINITY;
-  for (const Eigen::Vector3d& other : others) nearest = std::min(nearest, (point - other).norm());
-  return nearest;
-}
-
-TEST(StandIns, ASliderOnTheGroundHasARailAlongItsWay) {
-  const Model model = shipped("slider_crank.toml");
-  const Json scene = scene_of(model, neutral(model));
-  int rails = 0;
-  for (const Json& shape : scene["shapes"]) {
-    if (shape["body"] != 0 || shape["kind"] != "capsule") continue;
-    ++rails;
-    const Eigen::Isometry3d pose = pose_from(shape["pose"]);
-    EXPECT_LT((pose.linear().col(2).cwiseAbs() - Eigen::Vector3d::UnitX()).norm(), 1e-12);
-    const int slider = model.n_bodies();
-    const SE3<> A = model.body(slider).A;
-    const Eigen::Vector3d off = to_eigen(A * center_of_mass(model.body(slider).M)) - pose.translation();
-    EXPECT_LT(off.tail<2>().norm(), 1e-12);
-  }
-  EXPECT_EQ(rails, 1);
-}
-
-TEST(StandIns, ReachFromPointToPointOfTheirBody) {
-  for (const std::string name : {"arm7.toml", "four_bar.toml", "gough.toml", "humanoid.urdf", "leg.toml"}) {
-    const Model model = shipped(name);
-    const Json scene = scene_of(model, neutral(model));
-    std::vector<bool> seen(static_cast<std::size_t>(model.n_bodies()) + 1);
-    int bars = 0;
-    for (const Json& shape : scene["shapes"]) {
-      EXPECT_EQ(shape["stand_in"], true);
-      const auto i = shape["body"].get<std::size_t>();
-      seen[i] = true;
-      std::vector<Eigen::Vector3d> points = points_on(scene, i);
-      const Eigen::Isometry3d pose = pose_from(shape["pose"]);
-      if (shape["kind"] == "hull") {
-        EXPECT_GT(shape["points"].size(), 2U);
-        for (const Json& point : shape["points"])
-          EXPECT_LT(distance_to_nearest(pose * Eigen::Vector3d(point[0], point[1], point[2]), points), 1e-12);
-      } else if (shape["kind"] == "capsule") {
-        const Eigen::Vector3d half = pose.linear().col(2) * shape["length"].get<double>() / 2;
-        EXPECT_LT(distance_to_nearest(pose.translation() - half, points), 1e-12);
-        const Json& com = scene["bodies"][i]["com"];
-        const Eigen::Vector3d center(com[0], com[1], com[2]);
-        points.insert(points.end(), {center, 2 * center - (pose.translation() - half)});
-        EXPECT_LT(distance_to_nearest(pose.translation() + half, points), 1e-12);
-        ++bars;
-      } else if (i != 0 && !shape["color"].is_null()) {  // a part that stands for a joint
-        EXPECT_LT(distance_to_nearest(pose.translation(), points), 1e-12);
-      }
-    }
-    EXPECT_GT(bars, 0) << name;
-    for (int i = 1; i <= model.n_bodies(); ++i)
-      EXPECT_TRUE(seen[i] || model.body(i).M.m == 0) << name << ": " << model.body(i).name;
-  }
-}
-
-/// A boom on a pin, which a cylinder and a spring hold.
-constexpr const char* boom = R"(format = "axode drawing 1"
-
-[[body]]
-name = "boom"
-joint = { kind = "revolute", axis = "y", point = [0, 0, 1] }
-mass = 1
-com = [1, 0, 1]
-inertia = [1, 1, 1]
-
-[[spring]]
-between = ["boom", "ground"]
-points = [[2, 0, 1], [2, 0, 3]]
-stiffness = 10
-
-[[drive]]
-kind = "hydraulic_cylinder"
-between = ["ground", "boom"]
-points = [[1, 0, 0], [1, 0, 0.5]]
-stroke = 1
-area_a = 1
-area_b = 1
-dead_volume_a = 1
-dead_volume_b = 1
-bulk_modulus = 1
-valve = 1
-supply_pressure = 1
-valve_time = 1
-input = 0
-)";
-
-TEST(StandIns, ReachToTheEndsOfSpringsAndDrives) {
-  const Model model = ModelBuilder(read_drawing_text(boom, "boom")).build();
-  const Json scene = scene_of(model, neutral(model));
-  ASSERT_EQ(scene["lines"].size(), 2U);
-  for (const bool driven : {false, true}) {
-    const Json& line = scene["lines"][driven ? 1 : 0];
-    EXPECT_EQ(line["driven"], driven);
-    EXPECT_EQ(line["ends"][0]["body"], driven ? 0 : 1);
-  }
-  EXPECT_EQ(scene["lines"][0]["stiffness"], 10);
-  int mounts = 0;
-  for (const Json& shape : scene["shapes"]) {
-    mounts += shape["body"] == 0 && shape["kind"] == "box" ? 1 : 0;
-    if (shape["body"] == 1 && shape["kind"] != "cylinder") {
-      EXPECT_EQ(shape["kind"], "hull");
-      EXPECT_EQ(shape["points"].size(), 3U);
-    }
-  }
-  EXPECT_EQ(mounts, 3);
-}
-
-TEST(StandIns, APlateJoinsTheTopsOfLegs) {
-  const Model model = shipped("gough.toml");
-  const Json scene = scene_of(model, neutral(model));
-  const Json plate =
-      *std::ranges::find_if(scene["shapes"], [](const Json& shape) { return shape["kind"] == "hull"; });
-  EXPECT_EQ(plate["body"], model.body_index("platform"));
-  EXPECT_EQ(plate["points"].size(), 6U);
-}
-
-/// A page computes the convex hull of a body. If a body has very many points, the page gets only the
-/// outermost ones.
-TEST(StandIns, OfManyPointsHaveTheCornersOfTheirHull) {
-  ModelBuilder builder("hedgehog");
-  builder.add(BodyDescription{.name = "body",
-                              .joint = {.kind = JointKind::free},
-                              .inertia = MassProperties{.mass = 1, .Theta = {1, 1, 1}}});
-  Random<double> random(1);
-  for (int k = 0; k < 70'000; ++k) {
-    const Vec3<> inside = random.vector();
-    builder.add(FrameDescription{
-        .name = std::to_string(k), .body = "body", .pose = {{}, (k < 6 ? 1 : 0.5) / norm(inside) * inside}});
-  }
-  const Model model = builder.build();
-  const std::vector<view::StandIn> parts = view::stand_ins(model, {false, false});
-  ASSERT_EQ(parts.size(), 1U);
-  EXPECT_GT(parts[0].hull.size(), 6U);
-  EXPECT_LE(parts[0].hull.size(), 60U);
-  for (const Vec3<>& point : parts[0].hull) EXPECT_GT(norm(point + parts[0].shape.pose.r), 0.49);
-}
-
-TEST(StandIns, DrivesHaveAColorOfTheirOwnAndHingesOnTheGroundAMount) {
-  const Model model = shipped("four_bar.toml");
-  std::map<std::string, int> pins;
-  int mounts = 0;
-  const Json scene = scene_of(model, neutral(model));
-  for (const Json& shape : scene["shapes"]) {
-    mounts += shape["body"] == 0;
-    pins[shape["color"].dump()] += shape["kind"] == "cylinder";
-  }
-  EXPECT_EQ(mounts, 2);  // those of the crank and the rocker
-  const int driven = static_cast<int>(std::ranges::count(model.joints(), false, &Joint::passive));
-  EXPECT_EQ(driven, 1);
-  EXPECT_EQ(pins["[0.88,0.54,0.12,1.0]"], driven);
-  EXPECT_EQ(pins["[0.31,0.36,0.42,1.0]"], 2 + 2);  // those of two passive joints and of both ends of the loop
-}
-
-TEST(StandIns, AnAxisymmetricBodyIsTheCylinderWithItsInertia) {
-  for (const double ratio : {0.1, 0.9, 1.4, 1.9}) {  // the moment of inertia about the axis, divided by that
-                                                     // across it
-    const double m = 3, across = 0.4, along = ratio * across;
-    const Model model =
-        ModelBuilder("wheel")
-            .add(BodyDescription{.name = "wheel",
-                                 .joint = {.kind = JointKind::free},
-                                 .inertia = MassProperties{.mass = m, .Theta = {across, along, across}}})
-            .build();
-    const Json shape = scene_of(model, neutral(model))["shapes"][0];
-    ASSERT_EQ(shape["kind"], "cylinder") << ratio;
-    const double r2 = std::pow(shape["radius"].get<double>(), 2),
-                 l2 = std::pow(shape["length"].get<double>(), 2);
-    EXPECT_NEAR(m * r2 / 2, along, 1e-12);
-    EXPECT_NEAR(m * (r2 / 4 + l2 / 12), across, 1e-12);
-    EXPECT_NEAR(std::abs(pose_from(shape["pose"]).linear()(1, 2)), 1,
-                1e-12);  // the axis of the cylinder is y
-  }
-}
-
 TEST(FirstConfiguration, ClosesLoopsThatCanBeClosed) {
   for (const std::string name :
        {"andrews.toml", "bricard.toml", "cart.toml", "five_bar_arm.toml", "four_bar.toml", "gough.toml",
@@ -536,54 +339,6 @@ TEST(FirstConfiguration, ClosesLoopsThatCanBeClosed) {
   }
   const Model arm = shipped("arm7.toml");
   EXPECT_EQ(first_configuration(arm), neutral(arm));
-}
-
-TEST(StandIns, AnEllipsoidHasTheInertiaOfItsBody) {
-  for (std::uint64_t seed = 1; seed <= 50; ++seed) {
-    Random<double> random(seed);
-    const Inertia<> M = random.inertia();
-    const Model model =
-        ModelBuilder("stone")
-            .add(BodyDescription{
-                .name = "stone", .joint = {.kind = JointKind::free}, .inertia = mass_properties(M)})
-            .build();
-    const Json scene = scene_of(model, neutral(model));
-    ASSERT_EQ(scene["shapes"].size(), 1U);
-    const Json& shape = scene["shapes"][0];
-    ASSERT_EQ(shape["kind"], "ellipsoid");
-    const auto a = shape["size"].get<std::vector<double>>();
-    const auto square = [](double x) { return x * x; };
-    const Inertia<> solid{M.m,
-                          {},
-                          {M.m / 5 * (square(a[1]) + square(a[2])), M.m / 5 * (square(a[0]) + square(a[2])),
-                           M.m / 5 * (square(a[0]) + square(a[1]))}};
-    EXPECT_LT((to_eigen(transform(pose_of(shape["pose"]), solid)) - to_eigen(M)).cwiseAbs().maxCoeff(),
-              2e-3 * to_eigen(M).cwiseAbs().maxCoeff())
-        << "seed " << seed;
-  }
-}
-
-TEST(StandIns, OnlyWhereNothingIsSeen) {
-  const auto shapes = [](std::vector<ShapeDescription> own) {
-    const Model model = ModelBuilder("stone")
-                            .add(BodyDescription{.name = "stone",
-                                                 .joint = {.kind = JointKind::free},
-                                                 .inertia = MassProperties{.mass = 1, .Theta = {1, 1, 1}},
-                                                 .shapes = std::move(own)})
-                            .build();
-    return scene_of(model, neutral(model))["shapes"];
-  };
-  const auto stand_ins_in = [](const Json& all) {
-    return std::ranges::count_if(all, [](const Json& shape) { return shape["stand_in"] == true; });
-  };
-  using enum ShapeKind;
-  const auto visual = ShapeDescription::Role::visual, collision = ShapeDescription::Role::collision;
-  EXPECT_EQ(stand_ins_in(shapes({})), 1);
-  EXPECT_EQ(stand_ins_in(shapes({{.role = visual, .kind = sphere, .radius = 1}})), 0);
-  EXPECT_EQ(stand_ins_in(shapes({{.role = collision, .kind = sphere, .radius = 1}})), 1);
-  const Json missing = shapes({{.role = visual, .kind = mesh, .file = "no.stl"}});
-  EXPECT_EQ(missing.size(), 1U);
-  EXPECT_EQ(stand_ins_in(missing), 1);
 }
 
 }  // namespace

@@ -5,12 +5,16 @@
 #include <string>
 #include <vector>
 
+#include "axode/eigen.hpp"
+#include "axode/io.hpp"
 #include "axode/view.hpp"
 
 /// A scene, read in the way in which a page reads it.
 namespace axode::test {
 
 using Json = nlohmann::json;
+
+inline Model shipped(const std::string& file) { return load(AXODE_SOURCE_DIR "/examples/robots/" + file); }
 
 inline Json scene_of(const Model& model, std::span<const double> q, const SceneOptions& options = {}) {
   std::ostringstream out;
@@ -26,6 +30,8 @@ inline Eigen::Isometry3d pose_from(const Json& x) {
   C.translation() = Eigen::Vector3d(x[0].get<double>(), x[1].get<double>(), x[2].get<double>());
   return C;
 }
+
+inline SE3<> pose_of(const Json& x) { return from_eigen<SE3<>>(pose_from(x).matrix()); }
 
 /// The displacement J(q) of the frame of a body by its joint.
 inline Eigen::Isometry3d motion_of(const Json& bodies, const Json& joint, std::span<const double> q) {

@@ -90,7 +90,7 @@ export function helix(radius: number, lead: number, turns: number, tube: number,
 }
 
 /** Merges geometries of three.js and geometries of this file. */
-function together(...parts: BufferGeometry[]): BufferGeometry {
+export function together(...parts: BufferGeometry[]): BufferGeometry {
   return mergeGeometries(
     parts.map((part) => {
       const bare = part.index ? part.toNonIndexed() : part;

@@ -41,12 +41,14 @@ export interface Shape {
   pose: Pose;
   role: "visual" | "collision";
   name: string;
-  kind: "box" | "sphere" | "cylinder" | "capsule" | "ellipsoid" | "mesh" | "hull" | "plane";
+  kind: "box" | "sphere" | "cylinder" | "capsule" | "ellipsoid" | "mesh" | "hull" | "plane" | "thread" | "socket";
   size: Vec3;
   radius: number;
   length: number;
   scale: Vec3;
   mesh: number;
+  /** How far a thread advances in a turn, m. */
+  lead: number;
   /** Points of a hull, which is the convex hull of balls of this radius about these points. */
   points: Vec3[];
   color: [number, number, number, number] | null;

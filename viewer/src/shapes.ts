@@ -17,6 +17,7 @@ import { ConvexGeometry } from "three/addons/geometries/ConvexGeometry.js";
 import { mergeVertices } from "three/addons/utils/BufferGeometryUtils.js";
 import { rims } from "./couplings";
 import { edgesOf } from "./edges";
+import { helix, rod, together } from "./glyphs";
 import { Instances, type Item } from "./instances";
 import { matrixOf, placeOfJoint } from "./kinematics";
 import type { Part } from "./meshes";
@@ -72,6 +73,19 @@ function hull(shape: Shape): BufferGeometry {
   return geometry;
 }
 
+const threads = new WeakMap<Shape, BufferGeometry>();
+
+/** A rod about z with a thread. */
+function thread(shape: Shape): BufferGeometry {
+  const known = threads.get(shape);
+  if (known) return known;
+  const { radius: r, length: l, lead } = shape;
+  const tube = Math.min(0.22 * r, 0.3 * Math.abs(lead));
+  const geometry = together(rod(r - tube, -l / 2, l / 2, 20), helix(r - tube, lead, l / Math.abs(lead), tube, 20));
+  threads.set(shape, geometry);
+  return geometry;
+}
+
 /** The parts of which a shape is drawn: geometries of size 1, scaled and moved. */
 function pieces(shape: Shape, meshes: readonly Part[][], solid: typeof fine): { geometry: BufferGeometry; material: Material | null; local: Matrix4 }[] {
   const { box, sphere, dome, cylinder, tube } = solid;
@@ -94,6 +108,10 @@ function pieces(shape: Shape, meshes: readonly Part[][], solid: typeof fine): { 
       return [scaled(tube, r, r, l), scaled(dome, r, r, r, l / 2), scaled(dome, r, -r, -r, -l / 2)];
     case "hull":
       return [scaled(hull(shape), 1, 1, 1)];
+    case "thread":
+      return [scaled(thread(shape), 1, 1, 1)];
+    case "socket":
+      return [scaled(dome, r, r, r)];
     case "plane":
       return [scaled(box, PLANE, PLANE, PLANE / 1000, -PLANE / 2000)];
     case "mesh":
@@ -130,10 +148,10 @@ export function shapeGroup(scene: Scene, shapes: readonly Shape[], meshes: reado
     if (shape.stand_in) apart(pose, depth[shape.body]);
     for (const piece of pieces(shape, meshes, solid)) {
       const own = shape.color || collision ? null : piece.material;
-      const key = `${piece.geometry.uuid} ${opacity} ${own?.uuid ?? ""}`;
+      const key = `${piece.geometry.uuid} ${shape.kind} ${opacity} ${own?.uuid ?? ""}`;
       const made = gathered.get(key) ?? {
         geometry: piece.geometry,
-        material: own ?? material(opacity, collision, shape.kind === "mesh"),
+        material: own ?? material(opacity, collision, shape.kind === "mesh" || shape.kind === "socket"),
         items: [],
       };
       gathered.set(key, made);

@@ -1,0 +1,34 @@
+#pragma once
+#include <array>
+#include <vector>
+
+#include "axode/view/stand_ins.hpp"
+
+namespace axode::view {
+
+/// One of the two bodies at a joint.
+struct JointSide {
+  int body = 0;
+  SE3<> pose;          ///< of the joint in the frame of the body; z is its axis
+  bool drawn = false;  ///< whether a stand-in of the body reaches to the joint
+  double radius = 0;   ///< of the bar of the body there, m
+  double height = 0;   ///< of the bar above the point of the joint, along its axis, m
+  Vec3<> towards;  ///< direction from the joint to the rest of the body in the frame of the joint, or zero
+};
+
+/// A joint as it is drawn.
+struct DrawnJoint {
+  Subgroup kind{};
+  double pitch = 0;                ///< of a helical joint, m/rad
+  double radius = 0;               ///< the size of its parts, m
+  std::array<double, 4> color{};   ///< of the part that shows whether a drive moves it
+  std::array<JointSide, 2> sides;  ///< the predecessor and the body, or both bodies of a loop joint
+};
+
+/// The parts of a joint. A hinge is a pin: in the fork of the predecessor, or, if the bodies are drawn at
+/// different heights, through an eye of each. A spherical joint is a ball in a socket, a helical one a thread
+/// in a nut, a planar one a pad on a plate and a prismatic one a sleeve. Parts of bodies that are not drawn are
+/// left out. Free joints have no parts.
+std::vector<StandIn> parts_of(const DrawnJoint& joint);
+
+}  // namespace axode::view
