@@ -45,8 +45,8 @@ std::vector<StandIn> stacked_hinge(const DrawnJoint& joint) {
   return parts;
 }
 
-/// A tongue of the body between two cheeks of the predecessor, and a pin through all. There is no cheek on the
-/// side to which the body goes on along the axis.
+/// A tongue of the body between two cheeks of the predecessor, and a pin through all. There is no cheek on
+/// the side to which the body goes on along the axis.
 std::vector<StandIn> forked_hinge(const DrawnJoint& joint) {
   const auto& [a, b] = joint.sides;
   const double r = joint.radius, R = eye(joint);

@@ -27,8 +27,8 @@ struct DrawnJoint {
 
 /// The parts of a joint. A hinge is a pin: in the fork of the predecessor, or, if the bodies are drawn at
 /// different heights, through an eye of each. A spherical joint is a ball in a socket, a helical one a thread
-/// in a nut, a planar one a pad on a plate and a prismatic one a sleeve. Parts of bodies that are not drawn are
-/// left out. Free joints have no parts.
+/// in a nut, a planar one a pad on a plate and a prismatic one a sleeve. Parts of bodies that are not drawn
+/// are left out. Free joints have no parts.
 std::vector<StandIn> parts_of(const DrawnJoint& joint);
 
 }  // namespace axode::view

@@ -114,7 +114,8 @@ void Points::add_fixed_bodies(const Model& model) {
   }
   for (int i = 1; i <= model.n_bodies(); ++i) {
     if (model.body(i).predecessor != 0 || !joints_[i] || model.joint(i).kind == Subgroup::free) continue;
-    // A joint of several axes has bodies in between that no description names; they come before their last one.
+    // A joint of several axes has bodies in between that no description names; they come before their last
+    // one.
     int last = i;
     while (find(described, model.body(last).name) == nullptr && last < model.n_bodies()) ++last;
     const BodyDescription* body = find(described, model.body(last).name);

@@ -8,8 +8,8 @@
 
 namespace axode::view {
 
-/// The points between which the bodies of a model are drawn: those of their joints, frames, loops, springs and
-/// drives, in the frames of the bodies.
+/// The points between which the bodies of a model are drawn: those of their joints, frames, loops, springs
+/// and drives, in the frames of the bodies.
 class Points {
  public:
   explicit Points(const Model& model);

@@ -271,9 +271,9 @@ void Draughtsman::draw_loop(const Loop& loop) {
   for (StandIn& part : parts_of(joint_between(*kind, a, b, true))) put(std::move(part));
 }
 
-/// The rail through the centre of mass of a body that slides, on its predecessor, with what holds it: as long as
-/// the limits of the joint or, without limits, as far to both sides as the mechanism is long, and on a moving
-/// predecessor as long as this.
+/// The rail through the centre of mass of a body that slides, on its predecessor, with what holds it: as long
+/// as the limits of the joint or, without limits, as far to both sides as the mechanism is long, and on a
+/// moving predecessor as long as this.
 void Draughtsman::add_rail(int i) {
   const Body& body = model_.body(i);
   if (body.predecessor != 0 && seen(body.predecessor)) return;

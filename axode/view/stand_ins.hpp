@@ -28,11 +28,11 @@ struct StandIn {
 /// points, and as their rounded convex hull if there are more (of at most 60 corners). Heavier bodies are
 /// thicker. A body with one point reaches from it through the centre of mass, as a bar if the inertia is that
 /// of a rod, otherwise with the solid that has its mass and inertia: a cylinder if two principal moments are
-/// equal, an ellipsoid if not, and smaller than the bodies around it. A free body without points is that solid.
-/// Bodies that are fixed to the ground are drawn likewise; what else is on the ground has a mount. Joints are
-/// drawn by kind (parts_of()), in the colour of drives unless the joint is passive. The bodies of a planar
-/// mechanism lie above each other (levels_of()). A body that slides and whose joint has no point is on a rail.
-/// Poses are in the body frames.
+/// equal, an ellipsoid if not, and smaller than the bodies around it. A free body without points is that
+/// solid. Bodies that are fixed to the ground are drawn likewise; what else is on the ground has a mount.
+/// Joints are drawn by kind (parts_of()), in the colour of drives unless the joint is passive. The bodies of
+/// a planar mechanism lie above each other (levels_of()). A body that slides and whose joint has no point is
+/// on a rail. Poses are in the body frames.
 std::vector<StandIn> stand_ins(const Model& model, const std::vector<bool>& seen);
 
 }  // namespace axode::view

@@ -258,8 +258,8 @@ TEST(StandIns, OnlyWhereNothingIsSeen) {
   EXPECT_EQ(stand_ins_in(missing), 1);
 }
 
-/// A body whose mesh is lost is drawn as its collision shapes, or else by a stand-in, also if a small part of it
-/// is left.
+/// A body whose mesh is lost is drawn as its collision shapes, or else by a stand-in, also if a small part of
+/// it is left.
 TEST(StandIns, ReplaceMeshesThatAreLost) {
   using enum ShapeKind;
   const auto visual = ShapeDescription::Role::visual, collision = ShapeDescription::Role::collision;

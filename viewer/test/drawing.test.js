@@ -52,6 +52,21 @@ test("a plane reaches as far as to the point nearest to the bodies", () => {
   assert.ok(Math.max(...extent(builder.scene).map(({ y }) => y)) < 1);
 });
 
+test("a thread reaches as far as its rod, and a socket as half of a ball", () => {
+  const builder = new SceneBuilder("screw");
+  const body = builder.body("screw", 0, "helical", frameAt([0, 0, 0]), { pitch: 0.01 });
+  builder.shape(body, "thread", { radius: 0.1, length: 1, lead: -0.1 });
+  const heights = extent(builder.scene).map(({ z }) => z);
+  near(Math.min(...heights), -0.5, 0.03);
+  near(Math.max(...heights), 0.5, 0.03);
+  near(Math.max(...extent(builder.scene).map(({ x }) => x)), 0.1, 0.01);
+  builder.scene.shapes = [];
+  builder.shape(body, "socket", { radius: 0.2 });
+  const points = extent(builder.scene);
+  near(Math.min(...points.map(({ z }) => z)), 0, 1e-6);
+  near(Math.max(...points.map(({ z }) => z)), 0.2, 1e-6);
+});
+
 test("the ground lies at the lowest point, and at zero where that is nearly the lowest", () => {
   const up = new Vector3(0, 0, 1);
   const heightOf = (...heights) => source.ground.heightOfGround(heights.map((z) => new Vector3(3, 1, z)), up, 1);
