@@ -174,26 +174,28 @@ export class Stage {
     this.pending = requestAnimationFrame(() => {
       // A browser that is not done with the frames before calls late.
       if (this.resolution.took(performance.now() - this.asked)) this.setPixelRatio();
-      this.draw();
+      this.draw(false);
       window.clearTimeout(this.untilRest);
       this.untilRest = window.setTimeout(() => this.rest(), REST);
     });
   }
 
-  /** Draws in full resolution when the scene comes to rest. */
+  /** Draws in full resolution and with edges when the scene comes to rest. */
   private rest(): void {
-    if (this.pending || !this.resolution.rest()) return;
+    if (this.pending) return;
+    const isCoarse = this.resolution.rest();
+    if (!isCoarse && !drawsOnProcessor()) return;
     this.setPixelRatio();
-    this.draw();
+    this.draw(true);
   }
 
-  private draw(): void {
+  /** Draws a frame. A processor draws no edges while the scene moves, since frames would take too long. */
+  private draw(rests: boolean): void {
     this.pending = 0;
     ++this.frames;
     this.keepInView();
     this.beforeFrame();
-    // Edges are left out where frames take too long.
-    if (this.resolution.scale === 1) this.camera.layers.enable(EDGES);
+    if (rests || !drawsOnProcessor()) this.camera.layers.enable(EDGES);
     else this.camera.layers.disable(EDGES);
     this.renderer.clear();
     this.renderer.render(this.space, this.camera);
@@ -345,7 +347,7 @@ export class Stage {
   png(): Promise<Blob> {
     if (this.pending) cancelAnimationFrame(this.pending);
     if (this.resolution.rest()) this.setPixelRatio();
-    this.draw(); // what is drawn is kept until this task ends
+    this.draw(true); // what is drawn is kept until this task ends
     return new Promise((resolve, reject) => {
       this.canvas.toBlob((blob) => (blob ? resolve(blob) : reject(new Error("No picture could be made."))), "image/png");
     });
