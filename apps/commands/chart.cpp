@@ -12,7 +12,9 @@
 #include <filesystem>
 #include <memory>
 #include <optional>
+#include <set>
 
+#include "apps/commands/curve_colors.hpp"
 #include "apps/files/json_text.hpp"
 #include "apps/files/text_file.hpp"
 #include "apps/shell/choice.hpp"
@@ -156,6 +158,33 @@ double round_step(double whole, double most) {
   return 10 * power;
 }
 
+/// The power of ten of the first digit of a positive number.
+int power_of_ten(double x) { return static_cast<int>(std::floor(std::log10(x) + 1e-9)); }
+
+/// The numbers beside a linear axis.
+struct Ticks {
+  double step = 0;            ///< from number to number; 0 if gnuplot chooses it
+  std::string format = "%h";  ///< that of gnuplot
+  std::size_t width = 8;      ///< characters of the longest number
+};
+
+/// Numbers with so many digits that no two of them look alike, at most `most` of them in a range.
+Ticks ticks_in(double low, double high, double most) {
+  const double step = round_step(high - low, most);
+  const double first = step * std::floor(low / step), last = step * std::ceil(high / step);
+  const double largest = std::max(std::abs(first), std::abs(last));
+  if (step == 0 || !std::isfinite(largest)) return {};
+  const int decimals = std::max(0, -power_of_ten(step)), power = power_of_ten(largest),
+            digits = power - power_of_ten(step);
+  const std::size_t sign = low < 0 ? 1 : 0;
+  const std::size_t fixed =
+      sign + static_cast<std::size_t>(std::max(power, 0) + 1 + decimals) + (decimals > 0 ? 1 : 0);
+  const std::size_t floating =
+      fmt::format("{:.{}e}", largest, digits).size() - 2 + sign + (std::abs(power) >= 10 ? 1 : 0);
+  if ((decimals <= 5 && power < 6) || fixed <= floating) return {step, fmt::format("%.{}f", decimals), fixed};
+  return {step, fmt::format("%.{}te%T", digits), floating};
+}
+
 /// Writes a chart as a script for gnuplot.
 class Script {
  public:
@@ -167,12 +196,17 @@ class Script {
       for (const Curve* curve : panels_.back()) legend_ = std::max(legend_, width(in_legend(*curve)) + 4);
     }
     const int rows = (static_cast<int>(chart.panels.size()) + chart.columns - 1) / chart.columns;
+    std::size_t longest = 0;
+    for (std::size_t k = 0; k < panels_.size(); ++k)
+      if (!panels_[k].empty())
+        longest = std::max(longest, chart.panels[k].log_y ? 6 : y_ticks(panels_[k]).width);
+    left_ = 36 + 10 * static_cast<int>(longest);
     right_ = legend_ == 0 ? 20 : 40 + 9 * static_cast<int>(legend_);
     titles_ =
         std::ranges::any_of(chart.panels, [](const Panel& panel) { return !panel.title.empty(); }) ? 16 : 0;
     gap_ = titles_ +
            (std::ranges::any_of(chart.panels, [&](const Panel& panel) { return slanted(panel); }) ? 104 : 62);
-    size_ = {chart.columns * (left + chart.width + right_), top + rows * (chart.height + gap_) + bottom()};
+    size_ = {chart.columns * (left_ + chart.width + right_), top + rows * (chart.height + gap_) + bottom()};
   }
 
   bool empty() const {
@@ -189,8 +223,8 @@ class Script {
         "set border 3 linecolor rgb \"#777777\"\nset tics nomirror textcolor rgb \"#222222\"\n"
         "set grid linetype 1 linecolor rgb \"#e4e4e4\"\nset style fill solid 1 noborder\n";
     text_ += fmt::format("set multiplot\nset label 1 {} at screen {},{} left font \",15\"\n",
-                         literal(shortened(chart_.title, static_cast<std::size_t>(size_[0] - left) / 11)),
-                         1.0 * left / size_[0], 1 - 20.0 / size_[1]);
+                         literal(shortened(chart_.title, static_cast<std::size_t>(size_[0] - left_) / 11)),
+                         1.0 * left_ / size_[0], 1 - 20.0 / size_[1]);
     for (std::size_t k = 0; k < panels_.size(); ++k)
       if (!panels_[k].empty()) panel(k);
     if (chart_.legend == Chart::below_all) text_ += legend_below();
@@ -198,14 +232,14 @@ class Script {
   }
 
  private:
-  static constexpr int left = 92, top = 44;
+  static constexpr int top = 44;
   int bottom() const { return chart_.legend == Chart::below_all ? 48 : 0; }
 
   void panel(std::size_t place) {
     const Panel& panel = chart_.panels[place];
     const int row = static_cast<int>(place) / chart_.columns,
               column = static_cast<int>(place) % chart_.columns;
-    const double x0 = column * (left + chart_.width + right_) + left;
+    const double x0 = column * (left_ + chart_.width + right_) + left_;
     const double y1 = size_[1] - top - titles_ - row * (chart_.height + gap_);
     const double y0 = y1 - chart_.height;
     text_ += fmt::format(
@@ -216,20 +250,21 @@ class Script {
                          literal(panel.x_axis));
     // gnuplot's own label of the axis would be moved out of the picture by long numbers beside the axis.
     text_ += fmt::format("set label 2 {} at screen {},{} center rotate by 90\n", literal(panel.y_axis),
-                         (x0 - left + 12) / size_[0], (y0 + y1) / 2 / size_[1]);
+                         (x0 - left_ + 12) / size_[0], (y0 + y1) / 2 / size_[1]);
     text_ += panel.axes_through_zero
                  ? "set xzeroaxis lt 1 lc rgb \"#777777\"\nset yzeroaxis lt 1 lc rgb \"#777777\"\n"
                  : "unset xzeroaxis\nunset yzeroaxis\n";
-    text_ += axis('x', panel.log_x) + axis('y', panel.log_y) +
+    const std::vector<const Curve*>& curves = panels_[place];
+    text_ += axis('x', panel.log_x, x_ticks(panel, curves)) + axis('y', panel.log_y, y_ticks(curves)) +
              fmt::format("set boxwidth {} absolute\n", panel.bar_width);
-    text_ += ranges(panels_[place].front()->kind);
-    if (panel.log_x && powers_of_ten(panels_[place]) < 2)
+    text_ += ranges(curves.front()->kind);
+    if (const auto [low, high] = y_range(curves); !panel.log_y && is_constant(curves))
+      text_ += fmt::format("set yrange [{:.17g}:{:.17g}]\n", low, high);
+    if (panel.log_x && powers_of_ten(curves) < 2)
       text_ += "set autoscale x\n";  // the axis ends at the next
                                      // powers of ten
     if (panel.x_range)
       text_ += fmt::format("set xrange [{}:{}]\n", panel.x_range->first, panel.x_range->second);
-    text_ += fmt::format("set ytics {}\nset xtics norotate autofreq\n",
-                         panel.log_y ? "autofreq" : y_step(panels_[place]));
     if (!panel.x_ticks.empty()) {
       std::string ticks;
       for (const auto& [x, name] : panel.x_ticks)
@@ -237,11 +272,11 @@ class Script {
       text_ += "set xtics (" + ticks + ") scale 0" + (slanted(panel) ? " rotate by 20 right\n" : "\n");
     }
     legend(place, x0 + chart_.width + 16, y1);
-    const std::vector<const Curve*>& curves = panels_[place];
+    const std::vector<std::string> colors = colors_of(curves);
     std::string plots;
     for (std::size_t k = 0; k < curves.size(); ++k) {
       data(*curves[k], k);
-      plots += (k == 0 ? "plot " : ", ") + plotted(*curves[k], k);
+      plots += (k == 0 ? "plot " : ", ") + plotted(*curves[k], k, colors[k]);
     }
     text_ += plots + "\nunset label 1\nunset label 2\n";
   }
@@ -253,25 +288,50 @@ class Script {
     return 7 * longest * panel.x_ticks.size() > static_cast<std::size_t>(chart_.width);
   }
 
-  static std::string axis(char name, bool logarithmic) {
-    if (logarithmic) return fmt::format("set logscale {0} 10\nset format {0} \"%.0te%T\"\n", name);
-    return fmt::format("unset logscale {0}\nset format {0} \"%h\"\n", name);
+  static std::string axis(char name, bool logarithmic, const Ticks& ticks) {
+    const std::string step = logarithmic || ticks.step == 0 ? "autofreq" : fmt::format("{:.9g}", ticks.step);
+    return fmt::format("{0} logscale {1}{2}\nset format {1} \"{3}\"\nset {1}tics {4}{5}\n",
+                       logarithmic ? "set" : "unset", name, logarithmic ? " 10" : "",
+                       logarithmic ? "%.0te%T" : ticks.format, name == 'x' ? "norotate " : "", step);
   }
 
   /// The distance of the tick marks on the vertical axis, as text for gnuplot.
   std::string y_step(const std::vector<const Curve*>& curves) const {
     double low = curves.front()->kind == Curve::bars ? 0 : curves.front()->y.front(), high = low;
     for (const Curve* curve : curves)
-      for (const double y : curve->y) low = std::min(low, y), high = std::max(high, y);
-    const double step = round_step(high - low, chart_.height / 30.0);
-    return step > 0 ? fmt::format("{:.9g}", step) : "autofreq";
+      for (const double x : curve->*numbers) low = std::min(low, x), high = std::max(high, x);
+    return {low, high};
+  }
+
+  /// Whether all numbers of a panel are equal to rounding.
+  static bool is_constant(const std::vector<const Curve*>& curves) {
+    const auto [low, high] = extent(curves, &Curve::y);
+    return curves.front()->kind == Curve::line &&
+           high / 2 - low / 2 <= 1e-13 * std::max(std::abs(low), std::abs(high));
+  }
+
+  /// The range of the vertical axis, which has a height even if the curves have none.
+  static std::pair<double, double> y_range(const std::vector<const Curve*>& curves) {
+    auto [low, high] = extent(curves, &Curve::y);
+    if (curves.front()->kind == Curve::bars) low = std::min(low, 0.0), high = std::max(high, 0.0);
+    if (!is_constant(curves)) return {low, high};
+    const double part = low == 0 ? 1 : 0.01 * std::abs(low);
+    return {low - part, high + part};
+  }
+
+  Ticks y_ticks(const std::vector<const Curve*>& curves) const {
+    const auto [low, high] = y_range(curves);
+    return ticks_in(low, high, chart_.height / 30.0);
+  }
+  Ticks x_ticks(const Panel& panel, const std::vector<const Curve*>& curves) const {
+    if (!panel.x_ticks.empty()) return {};
+    const auto [low, high] = extent(curves, &Curve::x);
+    return ticks_in(low, high, chart_.width / 90.0);
   }
 
   /// The number of powers of ten in the horizontal range of the curves.
   static double powers_of_ten(const std::vector<const Curve*>& curves) {
-    double low = curves.front()->x.front(), high = low;
-    for (const Curve* curve : curves)
-      for (const double x : curve->x) low = std::min(low, x), high = std::max(high, x);
+    const auto [low, high] = extent(curves, &Curve::x);
     return std::floor(std::log10(high)) - std::ceil(std::log10(low)) + 1;
   }
 
@@ -312,51 +372,63 @@ class Script {
         "[0:1]\n"
         "set yrange [0:1]\nset key inside center center horizontal Left reverse noautotitle\n",
         1.0 * bottom() / size_[1]);
+    const std::vector<std::string> colors = colors_of(panels_[0]);
     for (std::size_t k = 0; k < panels_[0].size(); ++k) {
       const Curve& curve = *panels_[0][k];
       const std::string line = curve.kind == Curve::marks ? "lines linewidth 1.5" : "boxes";
       text += fmt::format("{} NaN with {} linecolor rgb \"{}\" title {}", k == 0 ? "plot" : ",", line,
-                          color_of(curve, k), literal(in_legend(curve)));
+                          colors[k], literal(in_legend(curve)));
     }
     return text + "\n";
   }
 
-  static std::string_view color_of(const Curve& curve, std::size_t k) {
-    if (curve.kind == Curve::marks) return "#000000";
-    return palette[curve.color < 0 ? k % palette.size() : static_cast<std::size_t>(curve.color)];
+  /// The colours of the bodies of curves if these tell the curves apart; else those that the curves name, or
+  /// the next ones of the palette. Marks are black.
+  static std::vector<std::string> colors_of(const std::vector<const Curve*>& curves) {
+    std::vector<std::string> of_bodies, colors;
+    for (std::size_t k = 0; k < curves.size(); ++k) {
+      const Curve& curve = *curves[k];
+      if (curve.body > 0) of_bodies.push_back(color_of_body(curve.body));
+      const std::size_t place = curve.color < 0 ? k : static_cast<std::size_t>(curve.color);
+      colors.emplace_back(curve.kind == Curve::marks ? "#000000"
+                                                     : curve_palette[place % curve_palette.size()]);
+    }
+    const std::set<std::string> different(of_bodies.begin(), of_bodies.end());
+    return different.size() == curves.size() ? of_bodies : colors;
   }
 
   void data(const Curve& curve, std::size_t k) {
     text_ += fmt::format("$d{} << END\n", k);
     for (const std::size_t i : thinned(curve.y))
-      text_ += fmt::format("{:.9g} {:.9g}\n", curve.x[i], curve.y[i]);
+      text_ += fmt::format("{:.15g} {:.15g}\n", curve.x[i], curve.y[i]);
     text_ += "END\n";
   }
 
-  static std::string plotted(const Curve& curve, std::size_t k) {
+  static std::string plotted(const Curve& curve, std::size_t k, const std::string& color) {
     std::string style;
     switch (curve.kind) {
       case Curve::line:
         style = fmt::format("with {} linewidth 1.8 dashtype {}",
                             curve.y.size() <= most_dots ? "linespoints pointtype 7 pointsize 0.4" : "lines",
-                            k < palette.size() / 2 ? "1" : "(8,4)");
+                            k < most_lines / 2 ? "1" : "(8,4)");
         break;
       case Curve::points: style = "with points pointtype 7 pointsize 1"; break;
       case Curve::bars:  // bars are hatched if their colour has been used before
-        style = k < palette.size() ? "with boxes"
-                                   : fmt::format("with boxes fillstyle pattern {}", k / palette.size());
+        style = k < curve_palette.size()
+                    ? "with boxes"
+                    : fmt::format("with boxes fillstyle pattern {}", k / curve_palette.size());
         break;
       case Curve::marks: style = "with vectors nohead linewidth 1.5"; break;
     }
     return fmt::format("$d{} using {} {} linecolor rgb \"{}\" {}", k,
-                       curve.kind == Curve::marks ? "($1-0.5):2:(1):(0)" : "1:2", style, color_of(curve, k),
+                       curve.kind == Curve::marks ? "($1-0.5):2:(1):(0)" : "1:2", style, color,
                        curve.name.empty() ? "notitle" : "title " + literal(in_legend(curve)));
   }
 
   const Chart& chart_;
   std::vector<std::vector<const Curve*>> panels_;
   std::size_t legend_ = 0;
-  int right_, gap_, titles_;
+  int left_, right_, gap_, titles_;
   std::array<int, 2> size_;
   std::string text_;
 };

@@ -24,6 +24,7 @@ struct Curve {
   Kind kind = line;
   int color = -1;  ///< index in the palette; -1: index of the curve in its panel, or black for marks
   std::vector<std::string> of = {};  ///< further names by which --columns finds the curve
+  int body = 0;  ///< the body whose colour it has if that tells the curves of its panel apart; 0 for none
 };
 
 struct Panel {

@@ -315,7 +315,7 @@ std::string verdict(const Linearized& at) {
 /// A chart of the poles, which are the eigenvalues of A, and of the natural frequencies of oscillating modes.
 Chart chart_of(const Linearized& at) {
   std::array<Curve, 3> poles{
-      Curve{.name = "dies out", .color = 0}, {.name = "keeps on", .color = 6}, {.name = "grows", .color = 7}};
+      Curve{.name = "dies out", .color = 0}, {.name = "keeps on", .color = 8}, {.name = "grows", .color = 3}};
   Curve frequencies{.kind = Curve::bars, .color = 0};
   for (std::size_t k = 0; k < at.modes.all.size(); ++k) {
     const Mode& mode = at.modes.all[k];

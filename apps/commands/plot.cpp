@@ -5,12 +5,15 @@
 #include <array>
 #include <cmath>
 #include <filesystem>
+#include <map>
 #include <memory>
 #include <set>
 
 #include "apps/commands/chart.hpp"
 #include "apps/files/csv_file.hpp"
+#include "apps/files/model_options.hpp"
 #include "apps/files/text_file.hpp"
+#include "apps/quantities/components.hpp"
 #include "apps/shell/choice.hpp"
 #include "apps/shell/commands.hpp"
 
@@ -21,6 +24,7 @@ namespace {
 struct Options {
   std::vector<std::string> tables, columns;
   std::string picture, logarithmic;
+  ModelOptions mechanism;
   bool bars = false;
 };
 
@@ -32,9 +36,12 @@ elbow" are the curves pin and elbow of the panel q. Cells that are empty or not 
 on logarithmic axes also numbers that are not above 1e-307. Each table has its own panels, side by side; a
 chart has room for 60 panels.
 
+With --model, the mechanism of the motion in a table, each panel has one unit, and a curve has the name of
+its joint and the colour of its body in the viewer.
+
 Example:
   axode simulate four_bar.toml --until 2 --output run.csv
-  axode plot run.csv --output run.svg
+  axode plot run.csv --model four_bar.toml --output run.svg
   axode plot run.csv --columns crank_joint,energy --output crank.svg
 
 With --bars the first column has names, and each number is a bar.)";
@@ -58,8 +65,9 @@ std::pair<std::string, std::string> split(const std::string& heading) {
 /// Reads a table from a CSV file and makes the panels of a chart.
 class TableReader {
  public:
-  TableReader(const std::string& file, bool bars, Logarithmic log, std::size_t most_panels)
-      : file_(file), bars_(bars), log_(log), most_panels_(most_panels) {}
+  TableReader(const std::string& file, const std::map<std::string, ColumnOfMotion>& known, bool bars,
+              Logarithmic log, std::size_t most_panels)
+      : file_(file), known_(known), bars_(bars), log_(log), most_panels_(most_panels) {}
 
   std::vector<Panel> panels() {
     for_rows_of_csv(read_text(file_), [&](std::size_t line, const std::vector<std::string>& cells) {
@@ -73,13 +81,11 @@ class TableReader {
       throw InputError(file_ + ": expected a line with the names of columns, and numbers below it");
     std::vector<Panel> panels;
     for (std::size_t k = 0; k < curves_.size(); ++k) {
-      auto panel = std::ranges::find(panels, of_panels_[k], &Panel::y_axis);
+      const auto& [name, y_axis] = of_panels_[k];
+      auto panel = std::ranges::find(panels, y_axis, &Panel::y_axis);
       if (panel == panels.end()) {
-        panels.push_back({.y_axis = of_panels_[k],
-                          .x_ticks = ticks_,
-                          .log_x = log_.x,
-                          .log_y = log_.y,
-                          .name = of_panels_[k]});
+        panels.push_back(
+            {.y_axis = y_axis, .x_ticks = ticks_, .log_x = log_.x, .log_y = log_.y, .name = name});
         panel = panels.end() - 1;
       }
       panel->curves.push_back(std::move(curves_[k]));
@@ -96,17 +102,27 @@ class TableReader {
       throw InputError(
           file_ +
           ": there is only one column; the first one is the horizontal axis, and the others are drawn");
-    x_axis_ = cells.front();
+    x_axis_ = with_unit(cells.front());
     for (std::size_t k = 1; k < cells.size(); ++k) {
-      auto [panel, curve] = split(cells[k]);
-      of_panels_.push_back(std::move(panel));
-      curves_.push_back({.name = std::move(curve), .kind = bars_ ? Curve::bars : Curve::line});
+      auto [panel, name] = split(cells[k]);
+      Curve curve{.name = std::move(name)};
+      const auto known = known_.find(cells[k]);
+      if (known != known_.end()) panel = known->second.symbol;
+      if (known != known_.end() && known->second.component) curve = curve_of(*known->second.component);
+      curve.kind = bars_ ? Curve::bars : Curve::line;
+      curves_.push_back(std::move(curve));
+      of_panels_.emplace_back(panel, known == known_.end() ? panel : panel + ", " + known->second.unit);
     }
-    const std::size_t count = std::set<std::string>(of_panels_.begin(), of_panels_.end()).size();
+    const std::size_t count = std::set(of_panels_.begin(), of_panels_.end()).size();
     if (count > most_panels_)
       throw InputError(fmt::format(
           "{}: its columns make {} panels, one of each first word; a chart has {} places, {} for this table",
           file_, count, most_places, most_panels_));
+  }
+
+  std::string with_unit(const std::string& heading) const {
+    const auto known = known_.find(heading);
+    return known == known_.end() ? heading : heading + ", " + known->second.unit;
   }
 
   double number(std::size_t line, const std::string& cell) const {
@@ -142,11 +158,13 @@ class TableReader {
   }
 
   const std::string& file_;
+  const std::map<std::string, ColumnOfMotion>& known_;
   bool bars_;
   Logarithmic log_;
   std::size_t most_panels_;
   std::string x_axis_;
-  std::vector<std::string> of_panels_;
+  std::vector<std::pair<std::string, std::string>>
+      of_panels_;  ///< the name and the axis of each curve's panel
   std::vector<Curve> curves_;
   std::vector<std::pair<double, std::string>> ticks_;
   std::size_t rows_ = 0;
@@ -158,12 +176,14 @@ void run(const Options& options, int& exit_code) {
   if (options.bars && (logarithmic.x || logarithmic.y))
     throw UsageError("--bars excludes --log; bars begin at 0, which has no logarithm");
   const ChartFile picture("--output", options.picture);
+  std::map<std::string, ColumnOfMotion> known;
+  if (!options.mechanism.files.empty()) known = columns_of_motion(load(options.mechanism));
   std::vector<std::vector<Panel>> of_tables;
   std::size_t rows = 0;
   Chart chart{.columns = static_cast<int>(options.tables.size())};
   for (const std::string& table : options.tables) {
     of_tables.push_back(
-        TableReader(table, options.bars, logarithmic, most_places / options.tables.size()).panels());
+        TableReader(table, known, options.bars, logarithmic, most_places / options.tables.size()).panels());
     rows = std::max(rows, of_tables.back().size());
     of_tables.back().front().title = std::filesystem::path(table).stem().string();
   }
@@ -190,6 +210,13 @@ void add_plot(CLI::App& app, int& exit_code) {
   plot->add_option("--output", options->picture, "The .svg or .png to draw")->required()->type_name("FILE");
   plot->add_option("--log", options->logarithmic, "Logarithmic axes; default: none")
       ->type_name(words(logarithmic_axes));
+  CLI::Option* model = plot->add_option("--model", options->mechanism.files,
+                                        "The drawing (.toml), URDF or SDFormat that moves")
+                           ->type_name("FILE")
+                           ->expected(1);
+  plot->add_option("--base", options->mechanism.base, "How its base is held; as the file says if left out")
+      ->type_name("fixed|free")
+      ->needs(model);
   add_columns_option(*plot, options->columns);
   plot->add_flag("--bars", options->bars, "Bars instead of curves");
   plot->footer(footer);

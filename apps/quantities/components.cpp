@@ -43,8 +43,8 @@ std::vector<Component> components(const Model& model, Names (*names_of)(Subgroup
       const std::string_view name = names[k];
       Component::Kind kind = Component::length;
       if (k + lengths < names.size()) kind = name.starts_with('q') ? Component::quaternion : Component::angle;
-      all.push_back(
-          {joint.name + (name.empty() ? "" : " " + std::string(name)), kind, joint.name, model.body(i).name});
+      all.push_back({joint.name + (name.empty() ? "" : " " + std::string(name)), kind, joint.name,
+                     model.body(i).name, i});
     }
   }
   return all;
@@ -94,17 +94,37 @@ std::optional<std::size_t> take_velocity(std::string_view& name, const std::vect
 std::vector<Component> coordinate_components(const Model& model) { return components(model, coordinates_of); }
 std::vector<Component> velocity_components(const Model& model) { return components(model, velocities_of); }
 
+std::map<std::string, ColumnOfMotion> columns_of_motion(const Model& model) {
+  std::map<std::string, ColumnOfMotion> columns{{"t", {"t", "s"}}, {"energy", {"energy", "J"}}};
+  const auto add = [&](const std::string& symbol, const std::vector<std::string>& names,
+                       const std::vector<Component>& components, const std::vector<std::string_view>& units) {
+    for (std::size_t k = 0; k < names.size(); ++k)
+      columns.insert(
+          {symbol + " " + names[k], {symbol, unit_name(components[k].kind, units), components[k]}});
+  };
+  const std::vector<std::string> velocities = velocity_names(model);
+  add("q", coordinate_names(model), coordinate_components(model), {"rad", "m"});
+  add("v", velocities, velocity_components(model), {"rad/s", "m/s"});
+  add("a", velocities, velocity_components(model), {"rad/s^2", "m/s^2"});
+  add("tau", velocities, velocity_components(model), {"N m", "N"});
+  return columns;
+}
+
+Curve curve_of(const Component& component) {
+  return {.name = component.name, .of = {component.joint, component.body}, .body = component.index};
+}
+
 void add_panels(Chart& chart, const std::string& symbol, const std::vector<Component>& components,
                 const std::vector<std::string_view>& units, const std::vector<double>& x,
                 const Eigen::MatrixXd& columns) {
   for (const Component::Kind kind : {Component::angle, Component::quaternion, Component::length}) {
     Panel panel{.y_axis = symbol + ", " + unit_name(kind, units), .name = symbol};
     for (std::size_t k = 0; k < components.size(); ++k) {
-      const auto& [name, of_kind, joint, body] = components[k];
-      if (of_kind != kind) continue;
+      if (components[k].kind != kind) continue;
       const auto column = columns.col(static_cast<Eigen::Index>(k));
-      panel.curves.push_back(
-          {.name = name, .x = x, .y = {column.begin(), column.end()}, .of = {joint, body}});
+      Curve& curve = panel.curves.emplace_back(curve_of(components[k]));
+      curve.x = x;
+      curve.y = {column.begin(), column.end()};
     }
     if (!panel.curves.empty()) chart.panels.push_back(std::move(panel));
   }
@@ -125,6 +145,7 @@ std::vector<Panel> panels_by_unit(const Model& model, const std::string& quantit
       const Component& component = components[*k];
       lengths += component.kind == Component::length ? 1 : 0;
       curve.of.insert(curve.of.end(), {component.joint, component.body});
+      curve.body = component.index;
       name += component.name + " ";
     }
     if (name.empty() || lengths >= each.size()) return units;

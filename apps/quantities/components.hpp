@@ -1,5 +1,7 @@
 #pragma once
 #include <Eigen/Core>
+#include <map>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -16,6 +18,7 @@ struct Component {
   std::string name;  ///< name of the joint, and of the direction if it has several numbers
   Kind kind;
   std::string joint, body;  ///< names by which --columns finds the curve
+  int index;                ///< index of the body
 };
 
 std::vector<Component> coordinate_components(const Model& model);

@@ -168,6 +168,23 @@ TEST(Plot, RefusesAWrongColumnBeforeTheMotion) {
   EXPECT_THAT(no_plot.err, HasSubstr("--columns requires --plot"));
 }
 
+TEST(Plot, HasCurvesInTheColoursOfTheirBodies) {
+  const TemporaryFolder folder;
+  const std::string csv = folder.file("run.csv"), svg = folder.file("run.svg");
+  const auto has = [&](const char* color) { return contents(svg).find(color) != std::string::npos; };
+  const auto of_second_body = [&] { return has("rgb(217, 162,  27)") && !has("rgb( 59, 130, 196)"); };
+  const auto draw = [&](std::vector<std::string> words) {
+    words.insert(words.end(), {"--columns", "q elbow"});
+    EXPECT_EQ(axode(words).err, "");
+  };
+  draw({"simulate", two_bars, "--until", "0.1", "--output", csv, "--plot", svg});
+  EXPECT_TRUE(of_second_body());
+  draw({"plot", csv, "--output", svg});
+  EXPECT_FALSE(of_second_body()) << "a table alone does not say which bodies there are";
+  draw({"plot", csv, "--output", svg, "--model", two_bars});
+  EXPECT_TRUE(of_second_body());
+}
+
 TEST(Plot, OfALinearSystemHasItsPolesAndFrequencies) {
   const TemporaryFolder folder;
   const std::string file = folder.file("poles.svg");
@@ -255,7 +272,7 @@ TEST(PlotOfATable, HasBarsOfEachNameBesideEachOther) {
   ASSERT_EQ(axode({"plot", csv, "--bars", "--output", svg}).code, 0);
   for (const char* said : {"model", "ratio", "one", "two", "arm", "humanoid", "leg"})
     EXPECT_THAT(texts_of(svg), Contains(said));
-  auto first = bars_in(svg, " 68, 119, 170"), second = bars_in(svg, "238, 119,  51");
+  auto first = bars_in(svg, " 59, 130, 196"), second = bars_in(svg, "217, 162,  27");
   std::erase_if(first, [](const auto& bar) { return bar.second - bar.first < 30; });  // those of the legend
   std::erase_if(second, [](const auto& bar) { return bar.second - bar.first < 30; });
   ASSERT_EQ(first.size(), 2);
@@ -264,6 +281,55 @@ TEST(PlotOfATable, HasBarsOfEachNameBesideEachOther) {
     EXPECT_NEAR(first[k].second, second[k].first, 2);
     EXPECT_LT(second[k].second, second[k + 1].first);
   }
+}
+
+TEST(PlotOfATable, HasNumbersThatDifferBesideItsAxes) {
+  const TemporaryFolder folder;
+  const std::string svg = folder.file("x.svg");
+  const auto drawn = [&](const std::string& table) {
+    EXPECT_EQ(axode({"plot", "-", "--output", svg}, table).err, "");
+    return texts_of(svg);
+  };
+  EXPECT_THAT(drawn("t,e\n0,1.16563\n1,1.165630002\n"),
+              testing::IsSupersetOf({"1.1656300000", "1.1656300002", "1.1656300004", "1.1656300020"}));
+  EXPECT_THAT(drawn("t,e\n0,0.2\n1,-0.3\n"), testing::IsSupersetOf({"0.20", "0.15", "0.00", "-0.30"}));
+  EXPECT_THAT(drawn("t,e\n1000000.25,0\n1000001,2e-8\n"),
+              testing::IsSupersetOf({"1000000.4", "1000001.0", "2.0e-9", "2.0e-8"}));
+  EXPECT_THAT(drawn("t,e\n0,7\n1,7\n2,7\n"), testing::IsSupersetOf({"6.94", "7.00", "7.06"}));
+  EXPECT_THAT(drawn("t,e\n0,0\n1,0\n"), testing::IsSupersetOf({"-1.0", "0.0", "1.0"}));
+}
+
+TEST(PlotOfATable, HasRoomForLongNumbers) {
+  const TemporaryFolder folder;
+  const std::string svg = folder.file("x.svg");
+  ASSERT_EQ(axode({"plot", "-", "--output", svg}, "t,energy\n0,1.16563\n1,1.165630002\n").code, 0);
+  const std::string text = contents(svg);
+  std::smatch label, number;
+  const std::string at = R"(translate\(([0-9.]+),[0-9.]+\))";
+  const std::regex of_label(at + R"~( rotate\(-90\)"[^>]*>\s*<text>energy)~"),
+      of_number(at + R"~("[^>]*text-anchor="end">\s*<text>1\.165630)~");
+  ASSERT_TRUE(std::regex_search(text, label, of_label));
+  ASSERT_TRUE(std::regex_search(text, number, of_number));
+  const double width = 12 * 0.6 * 12;  // of twelve characters of 12 pixels
+  EXPECT_LT(std::stod(label[1]) + 6, std::stod(number[1]) - width);
+}
+
+TEST(PlotOfATable, HasAUnitInEachPanelIfTheModelIsKnown) {
+  const TemporaryFolder folder;
+  const std::string csv = folder.file("run.csv"), svg = folder.file("run.svg"),
+                    machine = robot("machine.toml");
+  ASSERT_EQ(axode({"simulate", machine, "--until", "0.1", "--output", csv}).code, 0);
+  const Outcome outcome = axode({"plot", csv, "--model", machine, "--output", svg});
+  EXPECT_EQ(outcome.err, "");
+  EXPECT_THAT(texts_of(svg),
+              testing::IsSupersetOf({"q, rad", "q, m", "q, quaternion", "v, rad/s", "v, m/s", "a, rad/s^2",
+                                     "a, m/s^2", "tau, N m", "tau, N", "energy, J", "t, s", "air bearing x",
+                                     "ball qw", "feed"}));
+  ASSERT_EQ(axode({"plot", csv, "--model", machine, "--output", svg, "--columns", "q table,energy"}).code, 0);
+  EXPECT_THAT(texts_of(svg), testing::AllOf(Contains("air bearing angle"), Contains("q, rad"),
+                                            Not(Contains("feed")), Not(Contains("v, m/s"))));
+  EXPECT_THAT(axode({"plot", csv, "--base", "free", "--output", svg}).err,
+              HasSubstr("--base requires --model"));
 }
 
 TEST(PlotOfATable, LeavesOutWhatCannotBeDrawn) {
@@ -276,7 +342,7 @@ TEST(PlotOfATable, LeavesOutWhatCannotBeDrawn) {
   const std::string tiny = folder.write("tiny.csv", "x,y\n1,5e-324\n2,1e-310\n3,1e-300\n4,1e300\n");
   const Outcome drawn = axode({"plot", tiny, "--output", svg, "--log", "y"});
   EXPECT_EQ(drawn.err, "");
-  for (const char* said : {"1e-300", "1e300", "3", "4"}) EXPECT_THAT(texts_of(svg), Contains(said));
+  for (const char* said : {"1e-300", "1e300", "3.0", "4.0"}) EXPECT_THAT(texts_of(svg), Contains(said));
   EXPECT_THAT(texts_of(svg), Not(Contains("1")));
   EXPECT_EQ(axode({"plot", "-", "--output", svg}, "x,y\n1,2\n").code, 0);
 }
@@ -297,10 +363,10 @@ TEST(PlotOfATable, HatchesBarsWhoseColourComesAgain) {
     EXPECT_EQ(axode({"plot", "-", "--bars", "--output", svg}, headings + "\n" + numbers + "\n").code, 0);
     return contents(svg);
   };
-  EXPECT_THAT(draw(8), Not(HasSubstr("url(#gpPat")));
-  const std::string seventeen = draw(17);
-  EXPECT_THAT(seventeen, HasSubstr("url(#gpPat1"));
-  EXPECT_THAT(seventeen, HasSubstr("url(#gpPat2"));
+  EXPECT_THAT(draw(10), Not(HasSubstr("url(#gpPat")));
+  const std::string many = draw(21);
+  EXPECT_THAT(many, HasSubstr("url(#gpPat1"));
+  EXPECT_THAT(many, HasSubstr("url(#gpPat2"));
 }
 
 TEST(PlotOfATable, NamesWhatIsWrong) {
