@@ -1,10 +1,10 @@
 /**
- * Draws the pictures of docs/ that show the viewer, in a headless Chromium: docs/viewer.png,
- * docs/bricard.png, which moves, and one picture of each mechanism that comes with axode in docs/gallery.
- * After `make build`: node tools/draw_viewer.mjs [NAME ...]
+ * Draws the pictures of docs/ that show the viewer, in a headless Chromium: docs/viewer.png, docs/bricard.png, which moves,
+ * and one picture of each mechanism that comes with axode in docs/gallery. The commands below the pictures in docs/gallery.md
+ * make the motions. After `make build`: node tools/draw_viewer.mjs [NAME ...]
  */
 import { execFileSync } from "node:child_process";
-import { mkdirSync, mkdtempSync, rmSync, writeFileSync } from "node:fs";
+import { cpSync, mkdirSync, mkdtempSync, readFileSync, rmSync, writeFileSync } from "node:fs";
 import { createRequire } from "node:module";
 import { tmpdir } from "node:os";
 import { join } from "node:path";
@@ -16,61 +16,56 @@ const build = join(source, "build/release");
 const { chromium } = createRequire(join(build, "viewer/package.json"))("playwright-core");
 
 /**
- * A picture: the file of a mechanism, the state and options with which it is simulated
- * (none for a mechanism at rest), and what is shown: layers, the chosen body, the
- * time, and what the page has besides the view. `orbit` turns and lifts the camera, in
- * rad, and zooms. A picture with `frames` moves through the times from 0 to `until`.
+ * A picture: what is shown of a motion: layers, the chosen body, the time, and what the page has besides the view. `orbit`
+ * turns and lifts the camera, in rad, and zooms. A picture with `frames` moves through the times from 0 to `until`. A picture
+ * that is not in the gallery has `commands` of its own.
  */
 const SMALL = { width: 460, height: 320 };
 const TRACED = ["traces"];
 const PICTURES = {
   viewer: {
-    robot: "arm7.toml", state: { q: { A1: -0.6, A2: 0.4, A4: -1.3, A6: 0.8 } }, target: { q: { A1: 1.2, A2: 1.3, A4: -0.9, A6: 1.2 } },
-    simulate: ["--pd", "300,60", "--until", "1.5", "--samples", "150"], layers: ["screw-axis", "fixed-axode", "moving-axode"], body: "link 4",
-    time: 0.3, orbit: [0, 0.1, 1.15], show: "page", width: 1000, height: 700, file: "docs/viewer.png",
+    commands: `echo '{"q": {"A1": -0.6, "A2": 0.4, "A4": -1.3, "A6": 0.8}}' > state.json
+echo '{"q": {"A1": 1.2, "A2": 1.3, "A4": -0.9, "A6": 1.2}}' |
+  axode simulate arm7.toml --state state.json --target - --pd 300,60 --until 1.5 --samples 150 --output run.csv
+axode view arm7.toml --motion run.csv`,
+    layers: ["screw-axis", "fixed-axode", "moving-axode"], body: "link 4", time: 0.3, orbit: [0, 0.1, 1.15], show: "page",
+    width: 1000, height: 700, file: "docs/viewer.png",
   },
   bricard: {
-    robot: "bricard.toml", state: { v: { "hinge 0": 3 } }, simulate: ["--assemble", "--until", "4.15", "--samples", "250"],
     layers: ["fixed-axode", "moving-axode", "screw-axis"], body: "rod 3", frames: 52, until: 4.15, orbit: [0, 0, 1.2], show: "plots",
     width: 920, height: 400, file: "docs/bricard.png",
   },
-  andrews: { robot: "andrews.toml", simulate: ["--state", { tau: { beta: 0.033 } }, "--until", "0.03", "--samples", "300"], layers: TRACED, time: 0.012, ...SMALL },
-  arm7: { robot: "arm7.toml", state: { q: { A1: 0.5, A2: 0.6, A4: -1.2, A6: 0.9 } }, ...SMALL },
-  cart: { robot: "cart.toml", orbit: [0.3, 0.2, 1.1], ...SMALL },
-  double_pendulum: { robot: "double_pendulum.toml", simulate: ["--until", "1.4", "--samples", "400"], layers: TRACED, time: 0.9, ...SMALL },
-  five_bar_arm: { robot: "five_bar_arm.toml", simulate: ["--state", { v: { "left drive": 2, "right drive": -1 } }, "--assemble", "--until", "1", "--samples", "300"], layers: TRACED, time: 0.2, ...SMALL },
-  four_bar: { robot: "four_bar.toml", simulate: ["--state", { v: { crank_joint: 12 } }, "--assemble", "--until", "1", "--samples", "300"], layers: TRACED, time: 0.1, ...SMALL },
-  gough: { robot: "gough.toml", ...SMALL },
-  governor: { robot: "governor.toml", orbit: [-0.6, -0.1, 1.1], ...SMALL },
-  humanoid: { robot: "humanoid.urdf", ...SMALL },
-  leg: { robot: "leg.toml", ...SMALL },
-  machine: { robot: "machine.toml", ...SMALL },
-  n_four_bar: { robot: "n_four_bar.toml", simulate: ["--until", "4", "--samples", "300"], layers: TRACED, time: 0.5, ...SMALL },
-  slider_crank: { robot: "slider_crank.toml", simulate: ["--until", "1", "--samples", "300"], time: 0.3, ...SMALL },
+  andrews: { layers: TRACED, time: 0.012, ...SMALL },
+  arm7: { time: 0.7, ...SMALL },
+  cart: { time: 2, orbit: [0.3, 0.1, 1.2], ...SMALL },
+  delta: { time: 0.6, orbit: [0, 0, 0.95], ...SMALL },
+  double_pendulum: { layers: TRACED, time: 0.9, ...SMALL },
+  five_bar_arm: { layers: TRACED, time: 0.2, ...SMALL },
+  four_bar: { layers: TRACED, time: 0.1, ...SMALL },
+  gough: { time: 0.6, ...SMALL },
+  governor: { time: 0.35, orbit: [-0.6, -0.1, 1.1], ...SMALL },
+  humanoid: { time: 0.3, ...SMALL },
+  leg: { time: 0.3, ...SMALL },
+  machine: { time: 0.4, ...SMALL },
+  n_four_bar: { layers: TRACED, time: 0.5, ...SMALL },
+  quadruped: { time: 0.2, ...SMALL },
+  slider_crank: { time: 0.3, ...SMALL },
 };
+
+/** The commands below each picture of the gallery, by the name of the picture. */
+const page = readFileSync(join(source, "docs/gallery.md"), "utf8");
+const blocks = page.matchAll(/^!\[[^\]]*\]\((?:gallery\/)?(\w+)\.png\)$(?:(?!^!\[)[^])*?^```\n([^]*?)^```$/gm);
+const COMMANDS = Object.fromEntries([...blocks].map(([, name, commands]) => [name, commands.trim()]));
 
 const folder = mkdtempSync(join(tmpdir(), "axode-"));
-const axode = (words) => execFileSync(join(build, "axode"), words);
-const json = (name, value) => {
-  const file = join(folder, name);
-  writeFileSync(file, JSON.stringify(value));
-  return file;
-};
+cpSync(join(source, "examples/robots"), folder, { recursive: true });
 
-/** Writes the page of a picture, with its motion if it has one. */
-function pageOf({ robot, state, target, simulate }) {
-  const model = join(source, "examples/robots", robot);
-  const page = join(folder, "page.html");
-  const from = state ? ["--state", json("state.json", state)] : [];
-  if (!simulate) {
-    axode(["view", model, ...from, "--output", page]);
-    return page;
-  }
-  const run = join(folder, "run.csv");
-  const words = simulate.map((word) => (typeof word === "string" ? word : json("state.json", word)));
-  axode(["simulate", model, ...from, ...(target ? ["--target", json("target.json", target)] : []), ...words, "--output", run]);
-  axode(["view", model, "--motion", run, "--output", page]);
-  return page;
+/** Runs the commands of a picture, the last of which writes its page. */
+function pageOf(name, commands = COMMANDS[name]) {
+  if (!commands) throw new Error(`docs/gallery.md has no commands below the picture "${name}"`);
+  const script = `${commands} --output page.html`;
+  execFileSync("sh", ["-ec", script], { cwd: folder, env: { ...process.env, PATH: `${build}:${process.env.PATH}` } });
+  return join(folder, "page.html");
 }
 
 /**
@@ -93,6 +88,14 @@ function arrange(show) {
   time.style.borderTop = "0";
   const drawings = document.querySelector(".drawings");
   if (drawings) [drawings.style.maxHeight, drawings.style.paddingTop] = ["none", "8px"];
+}
+
+/** Hides that the page is drawn in software, where the viewer would leave out what costs time. Runs before the page. */
+function drawAll() {
+  const extension = WebGL2RenderingContext.prototype.getExtension;
+  WebGL2RenderingContext.prototype.getExtension = function (name) {
+    return name === "WEBGL_debug_renderer_info" ? null : extension.call(this, name);
+  };
 }
 
 /** The pixels of a PNG. Runs in the page. */
@@ -120,7 +123,8 @@ for (const [name, picture] of Object.entries(PICTURES)) {
   const { width, height, layers = [], body, time, frames = 1, until = 0, orbit = [0, 0, 1] } = picture;
   const tab = await browser.newPage({ viewport: { width, height } });
   tab.setDefaultTimeout(120_000);
-  await tab.goto(`file://${pageOf(picture)}`);
+  await tab.addInitScript(drawAll);
+  await tab.goto(`file://${pageOf(name, picture.commands)}`);
   await tab.waitForSelector("#canvas[data-ready]");
   await tab.evaluate(arrange, picture.show ?? "view");
   await tab.waitForTimeout(300);

@@ -82,6 +82,18 @@ def test_a_mechanism_that_stands_still_as_drawn_says_how_it_moves(drawing, robot
         assert_moves("run.csv")
 
 
+@pytest.mark.parametrize("file", sorted(path.name for path in axode.robots.iterdir()))
+def test_the_gallery_has_a_picture_and_commands_that_move_every_mechanism(file, robots, installed):
+    page = (SOURCE / "docs/gallery.md").read_text(encoding="utf-8")
+    sections = [part for part in re.split(r"^##+ ", page, flags=re.MULTILINE) if f"(../examples/robots/{file})" in part]
+    assert len(sections) == 1
+    picture, commands = re.search(r"^!\[.*\]\((.*)\)$.*?^```\n(.*?)\n```$", sections[0], re.MULTILINE | re.DOTALL).groups()
+    assert (SOURCE / "docs" / picture).exists()
+    assert commands.splitlines()[-1].startswith(f"axode view {file} ")
+    subprocess.run(["sh", "-ec", f"{commands} --output page.html"], env=installed, check=True, capture_output=True)
+    assert_moves("run.csv")
+
+
 def test_every_link_leads_somewhere():
     done = subprocess.run([sys.executable, SOURCE / "tools/check_links.py"], capture_output=True, text=True)
     assert done.returncode == 0, done.stdout
@@ -115,6 +127,14 @@ def test_nothing_is_installed_by_the_name_of_a_package_that_is_in_no_index():
     for pattern in ("README.md", "docs/**/*.md", "python/axode/**/*.py", "apps/**/*.cpp"):
         for file in SOURCE.glob(pattern):
             assert not re.search(r"pip install ['\"]?axode\b", file.read_text(encoding="utf-8")), file
+
+
+def test_no_bar_in_code_ends_the_cell_of_a_table():
+    for file in [SOURCE / "README.md", *SOURCE.glob("docs/**/*.md")]:
+        for line in file.read_text(encoding="utf-8").splitlines():
+            if line.startswith("|"):
+                cells = re.split(r"(?<!\\)\|", line)
+                assert all(cell.count("`") % 2 == 0 for cell in cells), f"{file}: {line}"
 
 
 def test_every_name_that_the_page_for_newcomers_gives_exists():
