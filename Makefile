@@ -65,10 +65,15 @@ docs: python ## Build the site of the documentation, build/site/index.html, and 
 	build/venv/bin/sphinx-build --quiet --fail-on-warning --keep-going --doctree-dir build/doctrees docs build/site
 	python3 tools/check_links.py build/site
 
-pictures: build python build/venv/tests ## Redraw the pictures of docs/ that need no measurement; look at each of them
+pictures: build python build/venv/tests ## Redraw the pictures of docs/, with MEASURE=1 also those of times; look at each of them
 	node tools/draw_viewer.mjs
 	build/venv/bin/python tools/draw_mechanisms.py docs/mechanisms.svg
 	build/venv/bin/python examples/python/02_representations.py docs/representations.svg
+	build/venv/bin/python tools/motion_study.py docs/integration.md --only heavy_top chain humanoid
+ifdef MEASURE
+	python3 tools/comparative_study.py build/release/axode docs/comparative-study.md
+	$(MAKE) bench
+endif
 
 lint: deps ## Check the format of all sources, and the library with clang-tidy
 	clang-format-14 --dry-run -Werror $(SOURCES)

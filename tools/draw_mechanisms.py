@@ -1,4 +1,4 @@
-"""Draws the mechanisms with loops that come with the package in their drawn configuration: closed, with every joint
+"""Draws all mechanisms with loops that come with the package in their drawn configuration: closed, with every joint
 at zero.
 
     build/venv/bin/python tools/draw_mechanisms.py docs/mechanisms.svg
@@ -22,8 +22,7 @@ XY, XZ = np.eye(3)[[0, 1]], np.eye(3)[[0, 2]]
 Y_UP = np.array([[1, 0, -0.45], [0, 1, -0.3]])  # where x, y, z point on paper, as columns
 Z_UP = np.array([[-0.45, 1, 0], [-0.3, 0, 1]])
 FROM_ABOVE = np.array([[1, -0.5, 0], [0.2, 0.5, 1]])
-VIEWS = {"slider_crank": XY, "four_bar": XY, "n_four_bar": XY, "five_bar_arm": XY, "andrews": XY, "bricard": Y_UP,
-         "gough": Z_UP, "governor": XZ, "leg": XZ, "cart": FROM_ABOVE}
+COLUMNS = 4
 BODIES = ["#4477aa", "#ee7733", "#228833", "#aa3377", "#999933", "#66ccee", "#cc3311"]
 LOOP, SPRING = "#cc3311", "#777777"
 HINGE = {"marker": "o", "markersize": 4, "markerfacecolor": "white", "markeredgecolor": "black", "linestyle": "none"}
@@ -54,6 +53,19 @@ def points_on(body, drawing):
     points += [frame["position"] for frame in drawing.get("frame", []) if frame["on"] == name]
     points = list(dict.fromkeys(map(tuple, points)))
     return np.array(points if len(points) > 1 else [*points, tuple(body["com"])])
+
+
+def view_of(drawing):
+    """Where x, y, z point on paper: the plane of a planar mechanism, from above for wheels, else with gravity down."""
+    points = np.concatenate([points_on(body, drawing) for body in drawing["body"]])
+    thickness = np.ptp(points, axis=0)
+    if any(loop["kind"] == "rolling" for loop in drawing["loop"]):
+        return FROM_ABOVE
+    if thickness[2] == 0:
+        return XY
+    if thickness[1] == 0:
+        return XZ
+    return Y_UP if drawing["gravity"][1] < 0 else Z_UP
 
 
 def outline(corners):
@@ -99,10 +111,15 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("svg", type=Path, help="the file to draw")
     arguments = parser.parse_args()
-    figure, panels = pyplot.subplots(2, 5, figsize=(11, 5.4), layout="constrained")
-    for (name, view), axes in zip(VIEWS.items(), panels.flat, strict=True):
-        draw(tomllib.loads((ROBOTS / f"{name}.toml").read_text(encoding="utf-8")), view, axes)
-        axes.set_title(f"{name}.toml", fontsize="small")
+    drawings = {file.name: tomllib.loads(file.read_text(encoding="utf-8")) for file in sorted(ROBOTS.glob("*.toml"))}
+    closed = {name: drawing for name, drawing in drawings.items() if "loop" in drawing}
+    rows = -(-len(closed) // COLUMNS)
+    figure, panels = pyplot.subplots(rows, COLUMNS, figsize=(11, 2.7 * rows), layout="constrained")
+    for axes in panels.flat[len(closed):]:
+        axes.set_axis_off()
+    for (name, drawing), axes in zip(closed.items(), panels.flat, strict=False):
+        draw(drawing, view_of(drawing), axes)
+        axes.set_title(name, fontsize="small")
     kinds = {"joint": HINGE, "slide": SLIDE, "joint on the ground": ON_GROUND, "closes a loop": CLOSING}
     handles = [pyplot.Line2D([], [], **kind) for kind in kinds.values()]
     handles += [pyplot.Line2D([], [], color=LOOP, linestyle="--"), pyplot.Line2D([], [], color=SPRING, linestyle=":")]
