@@ -26,10 +26,7 @@ extern char** environ;
 namespace axode::command {
 namespace {
 
-/// Colours of curves that people with a colour vision deficiency can distinguish, too.
-constexpr std::array<std::string_view, 8> palette{"#4477aa", "#ee7733", "#228833", "#aa3377",
-                                                  "#999933", "#33bbee", "#000000", "#cc3311"};
-constexpr std::size_t most_lines = palette.size(), most_points = 2000, longest_name = 60;
+constexpr std::size_t most_lines = 8, most_points = 2000, longest_name = 60;
 constexpr std::size_t most_dots = 50;  ///< a line with at most this number of points has dots at its
                                        ///< points
 
@@ -65,7 +62,8 @@ class TemporaryFile {
   std::unique_ptr<std::FILE, int (*)(std::FILE*)> file_;
 };
 
-/// Runs gnuplot with the script on its standard input and returns the output; empty if it is not installed.
+/// Runs gnuplot, which reads the script from standard input, and returns its output; empty if gnuplot is not
+/// installed.
 std::optional<Outcome> gnuplot(const std::string& script) {
   TemporaryFile in, out, err;
   in.write(script);
@@ -87,8 +85,9 @@ std::optional<Outcome> gnuplot(const std::string& script) {
 // -----------------------------------------------------------------------------------------------------
 // script
 
-/// The text as a string literal of gnuplot. All bytes except letters and blanks become octal escapes; control
-/// characters become blanks, and bytes that are not UTF-8 question marks.
+/// The text as a string literal of gnuplot. All bytes except letters and blanks are written as octal numbers.
+/// Digits are written so, too, because gnuplot would take a digit after such a number for a part of it.
+/// Control characters become blanks, and bytes that are not UTF-8 become question marks.
 std::string literal(const std::string& text) {
   const std::string valid =
       Json::parse(Json(text).dump(-1, ' ', false, Json::error_handler_t::replace)).get<std::string>();
@@ -119,7 +118,8 @@ double range(const Curve& curve) {
   return high / 2 - low / 2;  // high - low could overflow
 }
 
-/// The curves of a panel that are drawn. Of too many lines these are the ones that change most, in order.
+/// The curves of a panel that are drawn. If a panel has more lines than can be drawn, these are the lines
+/// that change most, in their original order.
 std::vector<const Curve*> chosen(const Panel& panel) {
   std::vector<const Curve*> curves;
   for (const Curve& curve : panel.curves)
@@ -132,8 +132,8 @@ std::vector<const Curve*> chosen(const Panel& panel) {
   return curves;
 }
 
-/// The indices of the points of a line that are drawn. A line with too many points is divided into equal
-/// parts, of which the lowest and highest points are drawn.
+/// The indices of the points of a line that are drawn. If a line has more points than can be drawn, it is
+/// divided into parts of equal length, and the lowest and the highest point of each part are drawn.
 std::vector<std::size_t> thinned(const std::vector<double>& y) {
   std::vector<std::size_t> places;
   const std::size_t parts = y.size() <= most_points ? y.size() : most_points / 2;
@@ -148,8 +148,8 @@ std::vector<std::size_t> thinned(const std::vector<double>& y) {
   return places;
 }
 
-/// The distance of the tick marks on an axis: the smallest step of 1, 2 or 5 times a power of ten such that
-/// the length `whole` has at most `most` steps; 0 if `whole` is not positive and finite.
+/// The distance of the numbers at an axis: the smallest step of 1, 2 or 5 times a power of ten such that the
+/// length `whole` has at most `most` steps; 0 if `whole` is not positive and finite.
 double round_step(double whole, double most) {
   if (!(whole > 0) || !std::isfinite(whole)) return 0;
   const double power = std::pow(10, std::floor(std::log10(whole / most)));
@@ -295,9 +295,9 @@ class Script {
                        logarithmic ? "%.0te%T" : ticks.format, name == 'x' ? "norotate " : "", step);
   }
 
-  /// The distance of the tick marks on the vertical axis, as text for gnuplot.
-  std::string y_step(const std::vector<const Curve*>& curves) const {
-    double low = curves.front()->kind == Curve::bars ? 0 : curves.front()->y.front(), high = low;
+  static std::pair<double, double> extent(const std::vector<const Curve*>& curves,
+                                          std::vector<double> Curve::*numbers) {
+    double low = (curves.front()->*numbers).front(), high = low;
     for (const Curve* curve : curves)
       for (const double x : curve->*numbers) low = std::min(low, x), high = std::max(high, x);
     return {low, high};
@@ -329,7 +329,8 @@ class Script {
     return ticks_in(low, high, chart_.width / 90.0);
   }
 
-  /// The number of powers of ten in the horizontal range of the curves.
+  /// The number of powers of ten in the horizontal range of the curves. A logarithmic axis that ends where
+  /// its curves end has no other numbers.
   static double powers_of_ten(const std::vector<const Curve*>& curves) {
     const auto [low, high] = extent(curves, &Curve::x);
     return std::floor(std::log10(high)) - std::ceil(std::log10(low)) + 1;
@@ -363,7 +364,8 @@ class Script {
         x / size_[0], y / size_[1], literal(note(chart_.panels[place])));
   }
 
-  /// The commands of gnuplot that draw the legend of the first panel below the chart.
+  /// The commands of gnuplot for the legend of the first panel, which is drawn below the chart and as wide as
+  /// the chart, as the legend of an empty plot.
   std::string legend_below() const {
     std::string text = fmt::format(
         "set lmargin at screen 0\nset rmargin at screen 1\nset bmargin at screen 0\nset tmargin at screen "

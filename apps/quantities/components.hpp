@@ -24,16 +24,29 @@ struct Component {
 std::vector<Component> coordinate_components(const Model& model);
 std::vector<Component> velocity_components(const Model& model);
 
-/// Appends to a chart a panel for each kind of components (angles, lengths, quaternions). The curve of
-/// component k has the numbers in column k of `columns` over x. `units` are the units of angles and of
-/// lengths.
+/// What a column of `axode simulate` measures.
+struct ColumnOfMotion {
+  std::string symbol;                       ///< t, q, v, a, tau or energy
+  std::string unit;                         ///< as "rad/s"
+  std::optional<Component> component = {};  ///< of q, v, a and tau
+};
+
+/// The columns of `axode simulate` whose units are known, by their names.
+std::map<std::string, ColumnOfMotion> columns_of_motion(const Model& model);
+
+/// A curve without numbers that has the names and the body of a component.
+Curve curve_of(const Component& component);
+
+/// Appends to a chart a panel for each kind of the components (angles, lengths, quaternions), with a curve
+/// for each component. The curve of component k has the numbers in column k over x. `units` are the units of
+/// angles and of lengths.
 void add_panels(Chart& chart, const std::string& symbol, const std::vector<Component>& components,
                 const std::vector<std::string_view>& units, const std::vector<double>& x,
                 const Eigen::MatrixXd& columns);
 
-/// Panels with the curves of a quantity, one panel for each unit. The unit of a curve follows from the
-/// velocity at the front of its name, or from the component of a twist, wrench or pose at the end. `units` is
-/// a list such as "N m, N", with the angular unit first.
+/// Panels with the curves of a quantity, one panel for each unit. The unit of a curve follows from its name,
+/// as `axode eval` gives it: from the names of velocities at the front, or from the component of a twist,
+/// wrench or pose at the end. `units` is a list such as "N m, N", with the angular unit first.
 std::vector<Panel> panels_by_unit(const Model& model, const std::string& quantity, const std::string& units,
                                   const std::vector<Curve>& curves);
 

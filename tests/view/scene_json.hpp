@@ -16,6 +16,14 @@ using Json = nlohmann::json;
 
 inline Model shipped(const std::string& file) { return load(AXODE_SOURCE_DIR "/examples/robots/" + file); }
 
+/// A mechanism that comes with the library, without the shapes of its drawing.
+inline Model without_shapes(const std::string& file) {
+  Description d = shipped(file).description();
+  d.shapes.clear();
+  for (BodyDescription& body : d.bodies) body.shapes.clear();
+  return ModelBuilder(std::move(d)).build();
+}
+
 inline Json scene_of(const Model& model, std::span<const double> q, const SceneOptions& options = {}) {
   std::ostringstream out;
   write_scene(model, q, out, options);

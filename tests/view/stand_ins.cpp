@@ -44,7 +44,7 @@ int mounts_in(const Json& scene) {
 }
 
 TEST(StandIns, ASliderOnTheGroundHasARailAlongItsWay) {
-  const Model model = shipped("slider_crank.toml");
+  const Model model = without_shapes("slider_crank.toml");
   const Json scene = scene_of(model, neutral(model));
   int rails = 0;
   for (const Json& shape : scene["shapes"]) {
@@ -62,7 +62,7 @@ TEST(StandIns, ASliderOnTheGroundHasARailAlongItsWay) {
 
 TEST(StandIns, ReachFromPointToPointOfTheirBody) {
   for (const std::string name : {"arm7.toml", "humanoid.urdf", "leg.toml"}) {
-    const Model model = shipped(name);
+    const Model model = without_shapes(name);
     const Json scene = scene_of(model, neutral(model));
     std::vector<bool> seen(static_cast<std::size_t>(model.n_bodies()) + 1);
     int bars = 0;
@@ -146,7 +146,7 @@ TEST(StandIns, ReachToTheEndsOfSpringsAndDrives) {
 }
 
 TEST(StandIns, APlateJoinsTheTopsOfLegs) {
-  const Model model = shipped("gough.toml");
+  const Model model = without_shapes("gough.toml");
   const Json scene = scene_of(model, neutral(model));
   const Json plate =
       *std::ranges::find_if(scene["shapes"], [](const Json& shape) { return shape["kind"] == "hull"; });
@@ -176,7 +176,7 @@ TEST(StandIns, OfManyPointsHaveTheCornersOfTheirHull) {
 }
 
 TEST(StandIns, DrivesHaveAColorOfTheirOwnAndHingesOnTheGroundAMount) {
-  const Model model = shipped("four_bar.toml");
+  const Model model = without_shapes("four_bar.toml");
   std::map<std::string, int> pins;
   const Json scene = scene_of(model, neutral(model));
   for (const Json& shape : scene["shapes"]) {
@@ -320,7 +320,7 @@ TEST(StandIns, ATrunkThatIsFixedToTheGroundIsDrawnAndHasNoMounts) {
 }
 
 TEST(StandIns, AnArmStandsOnAMount) {
-  const Model model = shipped("arm7.toml");
+  const Model model = without_shapes("arm7.toml");
   EXPECT_EQ(mounts_in(scene_of(model, neutral(model))), 1);
 }
 
@@ -366,7 +366,7 @@ TEST(Levels, BodiesThatMeetHaveDifferentOnes) {
   for (const char* file :
        {"four_bar.toml", "andrews.toml", "slider_crank.toml", "n_four_bar.toml", "five_bar_arm.toml"}) {
     SCOPED_TRACE(file);
-    const Model model = shipped(file);
+    const Model model = without_shapes(file);
     const auto levels = view::levels_of(model, 0.01 * view::Points(model).size(), {0, 0, 1});
     ASSERT_TRUE(levels.has_value());
     EXPECT_EQ(levels->of[0], 0);
@@ -378,7 +378,7 @@ TEST(Levels, BodiesThatMeetHaveDifferentOnes) {
       EXPECT_NE(levels->of[loop.ends[0].body], levels->of[loop.ends[1].body]);
   }
   for (const char* file : {"bricard.toml", "gough.toml", "arm7.toml", "delta.toml"}) {
-    const Model model = shipped(file);
+    const Model model = without_shapes(file);
     EXPECT_FALSE(view::levels_of(model, 1e-3, {0, 0, 1}).has_value()) << file;
   }
 }
