@@ -14,9 +14,9 @@
 #include <optional>
 #include <set>
 
-#include "apps/commands/curve_colors.hpp"
 #include "apps/files/json_text.hpp"
 #include "apps/files/text_file.hpp"
+#include "apps/quantities/curve_colors.hpp"
 #include "apps/shell/choice.hpp"
 #include "apps/shell/commands.hpp"
 #include "apps/shell/table.hpp"

@@ -50,8 +50,8 @@ bool has_definite_combination(const std::vector<Eigen::MatrixXd>& forms) {
 
 /// The mobility by a test of second order: whether velocities x with A x = 0 for the loop equations, spanned
 /// by `kernel`, belong to finite motions. They must satisfy n·γ(q, x) = 0 for each dependency nᵀ A = 0, where
-/// γ is the part of (A x)' that is quadratic in x. If a combination of the forms n·γ is definite, only x = 0 is
-/// left and the mechanism is shaky; otherwise branches may meet.
+/// γ is the part of (A x)' that is quadratic in x. If a combination of the forms n·γ is definite, only x = 0
+/// is left and the mechanism is shaky; otherwise branches may meet.
 Mobility second_order(LoopSystem<double>& system, std::span<const double> q, const Eigen::MatrixXd& kernel,
                       const Eigen::MatrixXd& dependencies) {
   const Eigen::Index f = kernel.cols();

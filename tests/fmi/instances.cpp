@@ -449,7 +449,7 @@ TEST(FmuErrors, NameTheThing) {
   EXPECT_THAT(set("q.A1", std::nan("")),
               HasSubstr("variable \"q.A1\" cannot be set to a number that is not finite"));
   EXPECT_THAT(set("der(v.A1)", 1), HasSubstr("variable \"der(v.A1)\" is computed"));
-  EXPECT_THAT(refusal([&] { instance.step(0, 0.1); }), HasSubstr("after the initialization"));
+  EXPECT_THAT(refusal([&] { instance.step(0, 0.1); }), HasSubstr("before the initialization had ended"));
   EXPECT_EQ(set("body.link 1.mass", -1), "nothing was refused");
   instance.enter_initialization(0, {});
   EXPECT_THAT(refusal([&] { instance.exit_initialization(); }), HasSubstr("mass"));

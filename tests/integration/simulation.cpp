@@ -247,6 +247,7 @@ TEST(Simulation, InBetweenFollowsBodiesThatTurnFast) {
   const Trajectory exact = simulate(model, q, v, 2, {1e-13, 1e-13, 0, 0.02});
   for (const auto& [name, method] : methods)
     for (const auto& [kind, coordinates] : coordinate_kinds) {
+      if (method.adapts && method.touches) continue;  // its steps are limited to a fiftieth of the motion
       SCOPED_TRACE(testing::Message() << name << ", " << kind);
       SimulationOptions options;
       options.coordinates = coordinates;

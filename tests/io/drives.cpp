@@ -99,7 +99,8 @@ TEST(EditedMechanisms, TakeTheirDrivesWithThem) {
       [&] {
         reduced(model, std::array<std::string_view, 1>{"one_joint"}, {{0.0, 0.0}});
       },
-      testing::ThrowsMessage<std::invalid_argument>(HasSubstr("has the drive \"the dc_motor\"")));
+      testing::ThrowsMessage<std::invalid_argument>(
+          HasSubstr("cannot be locked: the drive \"the dc_motor\" acts on it")));
 }
 
 }  // namespace

@@ -33,7 +33,7 @@ void VelocityProblem::reserve(std::size_t blocks) {
 }
 
 void VelocityProblem::clear(int compliances) {
-  w.conservativeResize(joint_velocities_ + compliances);
+  w.resize(joint_velocities_ + compliances);
   w.tail(compliances).setZero();
   blocks_.clear();
   supports_.clear();

@@ -1,4 +1,4 @@
-#include "apps/commands/curve_colors.hpp"
+#include "apps/quantities/curve_colors.hpp"
 
 #include <fmt/format.h>
 
