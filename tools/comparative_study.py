@@ -2,14 +2,16 @@
 
     tools/comparative_study.py build/release/axode                              # prints the tables
     tools/comparative_study.py build/release/axode docs/comparative-study.md
+    tools/comparative_study.py build/release/axode docs/comparative-study.md --counts
 
-The numbers are those of `axode study` for chains of 7 and 36 hinges, and for the arm and the humanoid of
-examples/robots. The second line also draws the plot beside the page. Times need a machine that does nothing else.
+The numbers are those of `axode study` for chains of hinges, and for the arm and the humanoid of examples/robots. The
+second line also draws the plot beside the page. Times need a machine that does nothing else; the third line writes
+only the tables without times.
 """
 
 import argparse
-import csv
 import datetime
+import json
 import subprocess
 import tempfile
 from pathlib import Path
@@ -18,34 +20,38 @@ from page import Page, table
 
 SOURCE = Path(__file__).resolve().parents[1]
 MODELS = ["chain7", "chain36", "arm7", "humanoid"]
-ALGORITHMS = ["inverse_dynamics", "forward_dynamics", "mass_matrix", "inverse_mass_matrix", "momentum_form"]
+TIMED = ["inverse_dynamics", "forward_dynamics", "mass_matrix", "inverse_mass_matrix"]
+ALGORITHMS = [*TIMED, "momentum_form"]
+PARALLEL = ["chain7", "chain36", "chain100", "humanoid"]
 PER_HINGE = ["inverse_dynamics", "forward_dynamics"]
 REPRESENTATIONS = ["body", "spatial", "hybrid", "mixed"]
 KINDS = ["mul", "add", "div", "sqrt", "sin_cos"]
 
 
 def drawings(command, folder):
-    """Files of the four models, and of chains of 8 and 9 hinges."""
-    for n in [7, 8, 9, 36]:
+    """The files of all models, by name."""
+    paths = {"arm7": SOURCE / "examples/robots/arm7.toml"}
+    for n in [7, 8, 9, 36, 100]:
         chain = subprocess.run([SOURCE / "tools/make_chain.py", str(n)], check=True, capture_output=True)
-        (folder / f"chain{n}.toml").write_bytes(chain.stdout)
-    robots = SOURCE / "examples/robots"
-    humanoid = folder / "humanoid.toml"
-    subprocess.run([command, "convert", robots / "humanoid.urdf", humanoid, "--base", "free"], check=True,
-                   capture_output=True)
-    paths = [folder / "chain7.toml", folder / "chain36.toml", robots / "arm7.toml", humanoid]
-    return paths, [folder / "chain8.toml", folder / "chain9.toml"]
+        paths[f"chain{n}"] = folder / f"chain{n}.toml"
+        paths[f"chain{n}"].write_bytes(chain.stdout)
+    paths["humanoid"] = folder / "humanoid.toml"
+    subprocess.run([command, "convert", SOURCE / "examples/robots/humanoid.urdf", paths["humanoid"], "--base", "free"],
+                   check=True, capture_output=True)
+    return paths
 
 
-def study(command, paths, *options):
-    """The rows of `axode study`, as {(model, algorithm, frames, representation): row}. Models are named as files."""
-    rows = {}
-    for path in paths:
-        with tempfile.NamedTemporaryFile(suffix=".csv") as file:
-            subprocess.run([command, "study", path, "--csv", file.name], check=True, capture_output=True)
-            for row in csv.DictReader(Path(file.name).read_text(encoding="utf-8").splitlines()):
-                rows[path.stem, row["algorithm"], row["frames"], row["representation"]] = row
-    return rows
+def studied(command, paths, *options):
+    """What `axode study` finds, by the name of the model."""
+    run = subprocess.run([command, "study", *paths.values(), "--format", "json", *options], check=True,
+                         capture_output=True)
+    return dict(zip(paths, json.loads(run.stdout), strict=True))
+
+
+def efforts(studies):
+    """The rows of the tables of algorithms, as {(model, algorithm, frames, representation): row}."""
+    return {(model, row["algorithm"], row["frames"], row["representation"]): row
+            for model, study in studies.items() for row in study["efforts"]}
 
 
 def operations(row):
@@ -53,8 +59,10 @@ def operations(row):
 
 
 def cell(row):
-    """Operations and microseconds."""
-    us = float(row["ns"]) / 1000
+    """Operations, and microseconds if they were measured."""
+    if "ns" not in row:
+        return f"{operations(row):,}"
+    us = row["ns"] / 1000
     return f"{operations(row):,} · {us:.2f}" if us < 10 else f"{operations(row):,} · {us:.1f}"
 
 
@@ -80,26 +88,55 @@ def per_hinge(rows, algorithm):
     return table(["frames", *REPRESENTATIONS], lines, "-----")
 
 
+def contraction(studies):
+    """The table of forward dynamics by contraction of the tree, beside that by articulated bodies."""
+    lines = []
+    for model in PARALLEL:
+        serial, *_, last = studies[model]["contraction"]
+        lines.append([model, *(f"{number:,}" for number in (
+            serial["operations"], serial["longest_path"], last["operations"], last["rounds"], last["longest_path"]))])
+    header = ["model", "articulated bodies", "longest path", "contraction", "rounds", "longest path"]
+    return table(header, lines, "-:::::")
+
+
+def counted(command, folder):
+    """The tables without times, by the names of their parts of the page."""
+    studies = studied(command, drawings(command, folder), "--counts")
+    rows = efforts(studies)
+    parts = {"momentum_form": costs(rows, "momentum_form")}
+    parts |= {f"{algorithm} per hinge": per_hinge(rows, algorithm) for algorithm in PER_HINGE}
+    parts["contraction"] = contraction(studies)
+    return parts
+
+
+def timed(command, folder):
+    """The tables with times."""
+    paths = drawings(command, folder)
+    rows = efforts(studied(command, {model: paths[model] for model in MODELS}))
+    parts = {algorithm: costs(rows, algorithm) for algorithm in TIMED}
+    parts["date"] = f"The tables and the plot were made on {datetime.date.today()}.\n"
+    return parts
+
+
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("command", type=Path, help="the command axode, of a release build")
     parser.add_argument("page", type=Path, nargs="?", help="the page to refresh, docs/comparative-study.md")
+    parser.add_argument("--counts", action="store_true", help="only the tables without times")
     arguments = parser.parse_args()
     command = arguments.command.resolve()
     with tempfile.TemporaryDirectory() as folder:
-        models, chains = drawings(command, Path(folder))
-        rows = study(command, models)
-        of_chains = study(command, chains)
-        parts = {algorithm: costs(rows, algorithm) for algorithm in ALGORITHMS}
-        parts |= {f"{algorithm} per hinge": per_hinge(of_chains, algorithm) for algorithm in PER_HINGE}
-        parts["date"] = f"The tables and the plot were made on {datetime.date.today()}.\n"
+        parts = counted(command, Path(folder))
+        if not arguments.counts:
+            parts |= timed(command, Path(folder))
         for name, text in parts.items():
             print(f"{name}\n{text}", flush=True)
             if arguments.page:
                 Page(arguments.page).part(name, text)
-        if arguments.page:
-            subprocess.run([command, "study", *models, "--plot", arguments.page.with_suffix(".svg")], check=True,
-                           capture_output=True)
+        if arguments.page and not arguments.counts:
+            paths = drawings(command, Path(folder))
+            subprocess.run([command, "study", *(paths[model] for model in MODELS), "--plot",
+                            arguments.page.with_suffix(".svg")], check=True, capture_output=True)
 
 
 if __name__ == "__main__":

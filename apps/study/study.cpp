@@ -23,6 +23,7 @@ namespace {
 struct Options {
   ModelOptions mechanisms;
   std::string csv, plot, format = "table";
+  bool counts = false;
 };
 
 constexpr const char* footer = R"(Example:
@@ -39,6 +40,10 @@ and the fast path, which belongs to no representation. The columns are:
   M Ad, M Ad_R, M Ad_r           inertias transformed by a pose, a rotation, a translation
   ad                             Lie brackets, of twists with twists or wrenches
   ns                             time of one call in one thread, median, nanoseconds
+
+Forward dynamics by contraction of the tree is an algorithm for parallel processors, which is only
+counted. The longest path has the operations that wait for each other if there is a processor for each
+body; without compressions the algorithm is that of articulated bodies.
 
 All of them are algorithms for trees: a mechanism with loops or couplings is refused. The results do not
 depend on the frames; see docs/comparative-study.md. The CSV has a line for each row of the tables. The
@@ -110,11 +115,11 @@ bool needs_mass_matrix_inverse(Algorithm algorithm) {
          algorithm == Algorithm::momentum_form;
 }
 
-Study studied(const Model& model) {
+Study studied(const Model& model, bool with_times) {
   constexpr int rounds = 6, batches = 50;  // there are several rounds, so that a temporary load of the
                                            // machine slows all variants alike
   const State state = random_state(model);
-  Study study{model.name(), model.n_bodies(), model.nv(), {}, {}};
+  Study study{model.name(), model.n_bodies(), model.nv(), {}, {}, {}};
   Workspace<> workspace(model);
   std::vector<double> inverse(static_cast<std::size_t>(model.nv()) * static_cast<std::size_t>(model.nv()));
   const Solvability solvability = inverse_mass_matrix<Hybrid>(model, workspace, state.q, inverse);
@@ -122,18 +127,23 @@ Study studied(const Model& model) {
     study.left_out = "forward_dynamics, inverse_mass_matrix and momentum_form are left out: " +
                      to_string(model, solvability);
 
+  if (solvability.ok()) study.contraction = contraction_counts(model, state);
   const std::vector<Variant> variants = variants_of(model, state);
   std::vector<CallTimer> timers;
   for (const auto& [name, algorithm] : algorithms)
     for (const Variant& variant : variants) {
       if (!variant.subject->can(algorithm) || (!solvability.ok() && needs_mass_matrix_inverse(algorithm)))
         continue;
-      study.efforts.push_back({algorithm, variant.frames, variant.representation,
-                               variant.operations(algorithm, model, state), 0});
+      study.efforts.push_back({algorithm,
+                               variant.frames,
+                               variant.representation,
+                               variant.operations(algorithm, model, state),
+                               {}});
+      if (!with_times) continue;
       timers.emplace_back(
           [&subject = *variant.subject, algorithm = algorithm](int calls) { subject.run(algorithm, calls); });
     }
-  for (int round = 0; round < rounds; ++round) {
+  for (int round = 0; round < rounds && with_times; ++round) {
     show_progress(fmt::format("{}: round {} of {}", model.name(), round + 1, rounds));
     for (CallTimer& timer : timers) timer.sample(batches);
   }
@@ -142,7 +152,18 @@ Study studied(const Model& model) {
   return study;
 }
 
-double nanoseconds(const Effort& effort) { return std::round(1e10 * effort.seconds) / 10; }
+/// The time of an effort that was measured.
+double nanoseconds(const Effort& effort) { return std::round(1e10 * *effort.seconds) / 10; }
+
+void print_contraction(const std::vector<ContractionCount>& counts) {
+  if (counts.empty()) return;
+  Table table({"compressions", "rounds", "operations", "longest path"});
+  for (const ContractionCount& count : counts)
+    table.row({Cell(static_cast<double>(count.compressions)), Cell(static_cast<double>(count.rounds)),
+               Cell(static_cast<double>(count.operations.total())),
+               Cell(static_cast<double>(count.longest_path))});
+  fmt::print("\n{}\n{}", in(Ink::heading, "forward_dynamics by contraction of the tree"), table.text());
+}
 
 void print(const Study& study) {
   fmt::print("{}\n", in(Ink::heading, fmt::format("{}: {} moving bodies, nv = {}", study.model, study.bodies,
@@ -151,7 +172,7 @@ void print(const Study& study) {
   for (const auto& [name, algorithm] : algorithms) {
     std::vector<std::string> headings{"frames", "representation"};
     for (const Column& column : columns) headings.emplace_back(column.heading);
-    headings.emplace_back("ns");
+    if (study.timed()) headings.emplace_back("ns");
     Table table(headings);
     std::string_view frames;
     for (const Effort& effort : study.efforts) {
@@ -164,11 +185,12 @@ void print(const Study& study) {
         const long count = column.count(effort.operations);
         row.push_back(count == 0 ? Cell("") : Cell(static_cast<double>(count)));
       }
-      row.emplace_back(nanoseconds(effort));
+      if (effort.seconds) row.emplace_back(nanoseconds(effort));
       table.row(std::move(row));
     }
     if (!table.empty()) fmt::print("\n{}\n{}", in(Ink::heading, name), table.text());
   }
+  print_contraction(study.contraction);
 }
 
 std::string as_csv(const std::vector<Study>& studies) {
@@ -180,7 +202,7 @@ std::string as_csv(const std::vector<Study>& studies) {
       out += fmt::format("{},{},{},{},{},{}", quoted(study.model), study.bodies, study.velocities,
                          word_for(effort.algorithm, algorithms), effort.frames, effort.representation);
       for (const Column& column : columns) out += fmt::format(",{}", column.count(effort.operations));
-      out += fmt::format(",{}\n", nanoseconds(effort));
+      out += effort.seconds ? fmt::format(",{}\n", nanoseconds(effort)) : ",\n";
     }
   return out;
 }
@@ -194,13 +216,18 @@ Json as_json(const std::vector<Study>& studies) {
                {"frames", effort.frames},
                {"representation", effort.representation}};
       for (const Column& column : columns) row[std::string(column.name)] = column.count(effort.operations);
-      row["ns"] = nanoseconds(effort);
+      if (effort.seconds) row["ns"] = nanoseconds(effort);
       efforts.push_back(row);
     }
     out.push_back({{"model", study.model},
                    {"bodies", study.bodies},
                    {"velocities", study.velocities},
                    {"efforts", efforts}});
+    for (const ContractionCount& count : study.contraction)
+      out.back()["contraction"].push_back({{"compressions", count.compressions},
+                                           {"rounds", count.rounds},
+                                           {"operations", count.operations.total()},
+                                           {"longest_path", count.longest_path}});
     if (!study.left_out.empty()) out.back()["left_out"] = study.left_out;
   }
   return out;
@@ -226,7 +253,7 @@ Panel panel_of(const Study& study, Algorithm algorithm) {
     if (effort.algorithm != algorithm) continue;
     const Operations& all = effort.operations;
     const double sum = static_cast<double>(all.products + all.sums + all.divisions + all.roots + all.angles);
-    const double microseconds = 1e6 * effort.seconds, x = place_of(effort);
+    const double microseconds = 1e6 * *effort.seconds, x = place_of(effort);
     if (scale == 0) scale = microseconds / sum;
     Curve& bars = panel.curves[static_cast<std::size_t>(
         std::ranges::find(ways_to_compute, effort.representation) - ways_to_compute.begin())];
@@ -254,6 +281,7 @@ Chart chart_of(const std::vector<Study>& studies) {
 void run(const Options& options) {
   const Format format = choose("--format", options.format, formats);
   const std::optional<ChartFile> plot = chart_file(options.plot);
+  if (options.counts && plot) throw InputError("--plot: the chart shows times, which --counts leaves out");
   const std::vector<Model> models = load_all(options.mechanisms);
   for (std::size_t k = 0; k < models.size(); ++k) {
     const std::string& file = options.mechanisms.files[k];
@@ -268,7 +296,7 @@ void run(const Options& options) {
   }
   std::vector<Study> studies;
   studies.reserve(models.size());
-  for (const Model& model : models) studies.push_back(studied(model));
+  for (const Model& model : models) studies.push_back(studied(model, !options.counts));
   if (!options.csv.empty()) write_text(options.csv, as_csv(studies));
   if (plot) plot->draw(chart_of(studies));
   if (format == Format::json) {

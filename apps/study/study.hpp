@@ -1,12 +1,14 @@
 #pragma once
 #include <array>
 #include <memory>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <utility>
 #include <vector>
 
 #include "apps/files/state.hpp"
+#include "apps/study/contraction_counts.hpp"
 #include "apps/study/framed_tree.hpp"
 #include "axode/scalar/counted.hpp"
 
@@ -56,13 +58,16 @@ struct Effort {
   Algorithm algorithm;
   std::string_view frames, representation;
   Operations operations;
-  double seconds;
+  std::optional<double> seconds;  ///< of one call, if it was measured
 };
 struct Study {
   std::string model;
   int bodies, velocities;
   std::vector<Effort> efforts;  ///< sorted by algorithm, then by frames, then by representation
-  std::string left_out;         ///< if some algorithms cannot run, a sentence that says why
+  std::vector<ContractionCount> contraction;
+  std::string left_out;  ///< if some algorithms cannot run, a sentence that says why
+
+  bool timed() const { return !efforts.empty() && efforts.front().seconds.has_value(); }
 };
 
 }  // namespace axode::command

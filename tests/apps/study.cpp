@@ -120,6 +120,21 @@ joint = { kind = "revolute", axis = "z", point = [0, 0, 0] }
   EXPECT_THAT(contents(csv), Not(HasSubstr(",forward_dynamics,")));
 }
 
+TEST(Study, CountsWithoutTimes) {
+  const TemporaryFolder folder;
+  const std::string csv = folder.file("study.csv");
+  const Outcome outcome = axode({"study", robot("arm7.toml"), "--counts", "--csv", csv, "--format", "json"});
+  ASSERT_EQ(outcome.code, 0) << outcome.err;
+  const Json study = Json::parse(outcome.out)[0];
+  for (const Json& effort : study["efforts"]) EXPECT_FALSE(effort.contains("ns"));
+  for (const std::string& line : split(contents(csv), '\n'))
+    EXPECT_TRUE(line.ends_with(',') || line == header) << line;
+  EXPECT_EQ(study["contraction"][0]["compressions"], 0);
+  EXPECT_EQ(study["contraction"][0]["rounds"], 7);
+  EXPECT_LT(study["contraction"][0]["longest_path"], study["contraction"][0]["operations"]);
+  EXPECT_EQ(axode({"study", robot("arm7.toml"), "--counts", "--plot", folder.file("x.svg")}).code, 1);
+}
+
 TEST(Study, SetsTheBaseFree) {
   const TemporaryFolder folder;
   const std::string csv = folder.file("study.csv");

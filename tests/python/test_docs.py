@@ -151,18 +151,24 @@ def test_every_name_that_the_page_for_newcomers_gives_exists():
             assert re.search(rf"(?:[\w>&] |class ){name}[ ({{]", headers), name
 
 
-def test_the_comparative_study_has_the_counts_of_the_command(monkeypatch):
+def test_the_comparative_study_has_the_counts_of_the_command(monkeypatch, tmp_path):
     command = SOURCE / "build/release/axode"
     if not command.exists():
         pytest.skip("there is no build/release/axode; `make build` builds it")
     monkeypatch.syspath_prepend(SOURCE / "tools")
     import comparative_study
 
-    column = comparative_study.MODELS.index("arm7") + 2
     page = (SOURCE / "docs/comparative-study.md").read_text(encoding="utf-8")
-    rows = comparative_study.study(command, [Path(str(axode.robots / "arm7.toml"))])
+
+    def part(name):
+        return re.search(f"<!-- {name} -->\n(.*?)<!-- end -->", page, re.DOTALL)[1]
+
+    for name, text in comparative_study.counted(command, tmp_path).items():
+        assert part(name) == text, name
+    column = comparative_study.MODELS.index("arm7") + 2
+    rows = comparative_study.efforts(
+        comparative_study.studied(command, {"arm7": axode.robots / "arm7.toml"}, "--counts"))
     for algorithm in comparative_study.ALGORITHMS:
-        table = re.search(f"<!-- {algorithm} -->\n(.*?)<!-- end -->", page, re.DOTALL)[1]
-        cells = [[cell.strip() for cell in line.split("|")[1:-1]] for line in table.splitlines()[2:]]
+        cells = [[cell.strip() for cell in line.split("|")[1:-1]] for line in part(algorithm).splitlines()[2:]]
         counted = [comparative_study.operations(row) for key, row in rows.items() if key[1] == algorithm]
         assert [int(line[column].split(" ")[0].replace(",", "")) for line in cells] == counted, algorithm

@@ -1,0 +1,31 @@
+#pragma once
+#include <limits>
+#include <vector>
+
+#include "axode/model/tree.hpp"
+
+namespace axode::command {
+
+/// The order in which a tree is contracted to the ground. A node is a segment of the tree, named by its first
+/// body: a body, or a chain of bodies. A step joins a node with the node above it by the joint between them.
+/// It rakes a node without children, or it compresses two nodes with one child each. Steps that do not name
+/// the same nodes can be made at the same time, and the number of rounds grows with log n. See Miller and
+/// Reif, Parallel tree contraction and its application, FOCS 1985.
+struct ContractionPlan {
+  struct Step {
+    int upper, lower;  ///< first bodies; upper is 0 for the ground
+    bool upper_single,
+        lower_single;  ///< whether the node is one body, with all nodes that were raked into it
+    bool rake;         ///< whether the lower node has no children
+  };
+  std::vector<Step> steps;
+  std::vector<double> least_pivot;  ///< n_screws: a segment may be singular if a pivot is not larger
+  int rounds = 0, compressions = 0;
+
+  /// Plans for a tree without coupled joints. Compresses only in the first rounds; with 0 rounds the plan is
+  /// the articulated-body algorithm. A node whose inertia does not determine the accelerations of the joint
+  /// above it, such as a massless body, is not compressed with the node above before others are joined to it.
+  explicit ContractionPlan(const Tree<double>& tree, int most_rounds = std::numeric_limits<int>::max());
+};
+
+}  // namespace axode::command
