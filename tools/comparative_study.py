@@ -99,12 +99,32 @@ def contraction(studies):
     return table(header, lines, "-:::::")
 
 
+def ways(studies, algorithms):
+    """The table of the ways to compute the same, with products and sums of one more hinge."""
+    def rows(model):
+        return [row for row in studies[model]["ways"] if row["algorithm"] in algorithms]
+
+    lines, last = [], None
+    models = ["chain7", "chain36", "humanoid"]
+    for nine, eight, *of_models in zip(rows("chain9"), rows("chain8"), *map(rows, models), strict=True):
+        more = " + ".join(str(nine[kind] - eight[kind]) for kind in ("mul", "add"))
+        name = [nine["algorithm"] if nine["algorithm"] != last else ""] if len(algorithms) > 1 else []
+        lines.append([*name, nine["way"], nine["representation"], more,
+                      *(f"{operations(row):,}" for row in of_models)])
+        last = nine["algorithm"]
+    header = [*(["algorithm"] if len(algorithms) > 1 else []), "way", "representation", "one more hinge", *models]
+    return table(header, lines, "-" * (len(header) - 4) + "::::")
+
+
 def counted(command, folder):
     """The tables without times, by the names of their parts of the page."""
     studies = studied(command, drawings(command, folder), "--counts")
     rows = efforts(studies)
     parts = {"momentum_form": costs(rows, "momentum_form")}
     parts |= {f"{algorithm} per hinge": per_hinge(rows, algorithm) for algorithm in PER_HINGE}
+    parts["screws once"] = ways(studies, ["inverse_dynamics"])
+    parts["acceleration forms"] = ways(studies, ["accelerations"])
+    parts["higher orders"] = ways(studies, ["jerks", "second_order_inverse_dynamics", "inverse_dynamics_derivatives"])
     parts["contraction"] = contraction(studies)
     return parts
 

@@ -41,6 +41,8 @@ and the fast path, which belongs to no representation. The columns are:
   ad                             Lie brackets, of twists with twists or wrenches
   ns                             time of one call in one thread, median, nanoseconds
 
+Where the paper has several ways to compute the same, or only some representations have an algorithm, these
+are compared in joint frames.
 Forward dynamics by contraction of the tree is an algorithm for parallel processors, which is only
 counted. The longest path has the operations that wait for each other if there is a processor for each
 body; without compressions the algorithm is that of articulated bodies.
@@ -119,7 +121,7 @@ Study studied(const Model& model, bool with_times) {
   constexpr int rounds = 6, batches = 50;  // there are several rounds, so that a temporary load of the
                                            // machine slows all variants alike
   const State state = random_state(model);
-  Study study{model.name(), model.n_bodies(), model.nv(), {}, {}, {}};
+  Study study{model.name(), model.n_bodies(), model.nv(), {}, {}, {}, {}};
   Workspace<> workspace(model);
   std::vector<double> inverse(static_cast<std::size_t>(model.nv()) * static_cast<std::size_t>(model.nv()));
   const Solvability solvability = inverse_mass_matrix<Hybrid>(model, workspace, state.q, inverse);
@@ -143,17 +145,50 @@ Study studied(const Model& model, bool with_times) {
       timers.emplace_back(
           [&subject = *variant.subject, algorithm = algorithm](int calls) { subject.run(algorithm, calls); });
     }
+  std::vector<std::unique_ptr<WaySubject>> subjects;
+  for (const Way& way : ways()) {
+    study.ways.push_back({way, operations(way, model, state), {}});
+    if (!with_times) continue;
+    subjects.push_back(make_subject(way, model, state));
+    timers.emplace_back([&subject = *subjects.back()](int calls) { subject.run(calls); });
+  }
   for (int round = 0; round < rounds && with_times; ++round) {
     show_progress(fmt::format("{}: round {} of {}", model.name(), round + 1, rounds));
     for (CallTimer& timer : timers) timer.sample(batches);
   }
   show_progress("");
-  for (std::size_t k = 0; k < timers.size(); ++k) study.efforts[k].seconds = timers[k].median();
+  for (std::size_t k = 0; k < timers.size(); ++k)
+    (k < study.efforts.size() ? study.efforts[k].seconds : study.ways[k - study.efforts.size()].seconds) =
+        timers[k].median();
   return study;
 }
 
+/// A count in a table, where 0 is left out.
+Cell cell(long count) { return count == 0 ? Cell("") : Cell(static_cast<double>(count)); }
 /// The time of an effort that was measured.
-double nanoseconds(const Effort& effort) { return std::round(1e10 * *effort.seconds) / 10; }
+template <class Measured> double nanoseconds(const Measured& effort) {
+  return std::round(1e10 * *effort.seconds) / 10;
+}
+
+void print_ways(const std::vector<WayEffort>& ways) {
+  std::vector<std::string> headings{"algorithm", "way", "representation"};
+  for (const Column& column : columns) headings.emplace_back(column.heading);
+  headings.emplace_back("in all");
+  if (ways.front().seconds) headings.emplace_back("ns");
+  Table table(headings);
+  std::string_view algorithm;
+  for (const WayEffort& effort : ways) {
+    if (!algorithm.empty() && effort.way.algorithm != algorithm) table.rule();
+    std::vector<Cell> row{std::string(effort.way.algorithm == algorithm ? "" : effort.way.algorithm),
+                          std::string(effort.way.name), std::string(word_for(effort.way.representation))};
+    algorithm = effort.way.algorithm;
+    for (const Column& column : columns) row.push_back(cell(column.count(effort.operations)));
+    row.push_back(cell(effort.operations.total()));
+    if (effort.seconds) row.emplace_back(nanoseconds(effort));
+    table.row(std::move(row));
+  }
+  fmt::print("\n{}\n{}", in(Ink::heading, "several ways, in joint frames"), table.text());
+}
 
 void print_contraction(const std::vector<ContractionCount>& counts) {
   if (counts.empty()) return;
@@ -181,15 +216,13 @@ void print(const Study& study) {
       std::vector<Cell> row{std::string(effort.frames == frames ? "" : effort.frames),
                             std::string(effort.representation)};
       frames = effort.frames;
-      for (const Column& column : columns) {
-        const long count = column.count(effort.operations);
-        row.push_back(count == 0 ? Cell("") : Cell(static_cast<double>(count)));
-      }
+      for (const Column& column : columns) row.push_back(cell(column.count(effort.operations)));
       if (effort.seconds) row.emplace_back(nanoseconds(effort));
       table.row(std::move(row));
     }
     if (!table.empty()) fmt::print("\n{}\n{}", in(Ink::heading, name), table.text());
   }
+  print_ways(study.ways);
   print_contraction(study.contraction);
 }
 
@@ -223,6 +256,14 @@ Json as_json(const std::vector<Study>& studies) {
                    {"bodies", study.bodies},
                    {"velocities", study.velocities},
                    {"efforts", efforts}});
+    for (const WayEffort& effort : study.ways) {
+      Json row{{"algorithm", effort.way.algorithm},
+               {"way", effort.way.name},
+               {"representation", word_for(effort.way.representation)}};
+      for (const Column& column : columns) row[std::string(column.name)] = column.count(effort.operations);
+      if (effort.seconds) row["ns"] = nanoseconds(effort);
+      out.back()["ways"].push_back(row);
+    }
     for (const ContractionCount& count : study.contraction)
       out.back()["contraction"].push_back({{"compressions", count.compressions},
                                            {"rounds", count.rounds},

@@ -10,6 +10,7 @@
 #include "apps/files/state.hpp"
 #include "apps/study/contraction_counts.hpp"
 #include "apps/study/framed_tree.hpp"
+#include "apps/study/ways.hpp"
 #include "axode/scalar/counted.hpp"
 
 /// Compares the cost of algorithms, representations and choices of body frames.
@@ -64,6 +65,7 @@ struct Study {
   std::string model;
   int bodies, velocities;
   std::vector<Effort> efforts;  ///< sorted by algorithm, then by frames, then by representation
+  std::vector<WayEffort> ways;
   std::vector<ContractionCount> contraction;
   std::string left_out;  ///< if some algorithms cannot run, a sentence that says why
 

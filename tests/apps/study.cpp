@@ -129,6 +129,8 @@ TEST(Study, CountsWithoutTimes) {
   for (const Json& effort : study["efforts"]) EXPECT_FALSE(effort.contains("ns"));
   for (const std::string& line : split(contents(csv), '\n'))
     EXPECT_TRUE(line.ends_with(',') || line == header) << line;
+  for (const Json& effort : study["ways"]) EXPECT_FALSE(effort.contains("ns"));
+  EXPECT_EQ(study["ways"][0]["mul"], study["efforts"][0]["mul"]) << "the library's way comes first";
   EXPECT_EQ(study["contraction"][0]["compressions"], 0);
   EXPECT_EQ(study["contraction"][0]["rounds"], 7);
   EXPECT_LT(study["contraction"][0]["longest_path"], study["contraction"][0]["operations"]);

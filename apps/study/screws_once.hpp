@@ -1,0 +1,59 @@
+#pragma once
+#include "axode/recursion/forward_kinematics.hpp"
+
+namespace axode::command {
+
+/// Inverse dynamics with every joint screw transformed once, J = push S, as sections 4.2 and 4.3 of the paper
+/// have it, where InverseDynamicsRecursion transforms S v, S a and the wrench back:
+///   V_i = down V_p + J v,  V'_i = down V'_p + J a + bias(V_p, V_i, J v),  τ = J | W.
+/// For trees without coupled joints and without loads.
+template <class Rep, class T> struct ScrewsOnce {
+  BodyLinks<Rep, T> links;
+  Twist<Rep, T>* J;
+  Twist<Rep, T>* V;
+  TwistRate<Rep, T>* dV;
+  Wrench<Rep, T>* W;
+
+  explicit ScrewsOnce(Arena& arena)
+      : links(arena),
+        J(arena.per_screw<Twist<Rep, T>>()),
+        V(arena.per_body<Twist<Rep, T>>()),
+        dV(arena.per_body<TwistRate<Rep, T>>()),
+        W(arena.per_body<Wrench<Rep, T>>()) {}
+
+  template <TreeOf<T> AnyTree>
+  void run(const AnyTree& tree, const T* q, const T* v, const T* a, T* tau) noexcept {
+    const Link<Rep, T>* link = links.run(tree, q);
+    joint_columns(tree, link, J);
+    V[0] = {};
+    dV[0] = {{}, -tree.g};
+    W[0] = {};
+    for (int i = 1; i <= tree->n; ++i) {
+      const int p = tree->parent[i];
+      const Twist<Rep, T> V_p = V[p], Jv = motion(tree, i, v), Ja = motion(tree, i, a);
+      V[i] = link[i].down(V_p) + Jv;
+      dV[i] = link[i].down(dV[p]) + TwistRate<Rep, T>{Ja.w, Ja.v} + link[i].bias(V_p, V[i], Jv);
+      W[i] = link[i].newton_euler(tree.M[i], V[i], dV[i]);
+    }
+    for (int i = tree->n; i > 0; --i) {
+      const int first = tree->first_screw[i];
+      for (int s = first; s < tree->first_screw[i + 1]; ++s) {
+        const int c = tree->iv[i] + s - first;
+        tau[c] = (W[i] | J[s]) + tree.armature[c] * a[c];
+      }
+      W[tree->parent[i]] += link[i].up(W[i]);
+    }
+  }
+
+ private:
+  /// J x of joint i.
+  template <class AnyTree> Twist<Rep, T> motion(const AnyTree& tree, int i, const T* x) const noexcept {
+    const int first = tree->first_screw[i];
+    const T* const x_i = x + tree->iv[i];
+    Twist<Rep, T> sum = x_i[0] * J[first];
+    for (int s = first + 1; s < tree->first_screw[i + 1]; ++s) sum += x_i[s - first] * J[s];
+    return sum;
+  }
+};
+
+}  // namespace axode::command
