@@ -16,14 +16,17 @@ import subprocess
 import tempfile
 from pathlib import Path
 
+from make_chain import drawing
 from page import Page, table
 
 SOURCE = Path(__file__).resolve().parents[1]
 MODELS = ["chain7", "chain36", "arm7", "humanoid"]
 TIMED = ["inverse_dynamics", "forward_dynamics", "mass_matrix", "inverse_mass_matrix"]
 ALGORITHMS = [*TIMED, "momentum_form"]
+SHAPES, SHAPED_KINDS, SHAPED_BODIES = ["chain", "tree", "star"], ["revolute", "prismatic", "spherical"], 31
 PARALLEL = ["chain7", "chain36", "chain100", "humanoid"]
 PER_HINGE = ["inverse_dynamics", "forward_dynamics"]
+PER_BODY = ["inverse_dynamics", "forward_dynamics", "mass_matrix"]
 REPRESENTATIONS = ["body", "spatial", "hybrid", "mixed"]
 KINDS = ["mul", "add", "div", "sqrt", "sin_cos"]
 
@@ -32,12 +35,21 @@ def drawings(command, folder):
     """The files of all models, by name."""
     paths = {"arm7": SOURCE / "examples/robots/arm7.toml"}
     for n in [7, 8, 9, 36, 100]:
-        chain = subprocess.run([SOURCE / "tools/make_chain.py", str(n)], check=True, capture_output=True)
         paths[f"chain{n}"] = folder / f"chain{n}.toml"
-        paths[f"chain{n}"].write_bytes(chain.stdout)
+        paths[f"chain{n}"].write_text(drawing(n))
     paths["humanoid"] = folder / "humanoid.toml"
     subprocess.run([command, "convert", SOURCE / "examples/robots/humanoid.urdf", paths["humanoid"], "--base", "free"],
                    check=True, capture_output=True)
+    return paths
+
+
+def shapes(folder):
+    """The files of chains, binary trees and stars of each kind of joint, by (shape, kind)."""
+    paths = {}
+    for shape in SHAPES:
+        for kind in SHAPED_KINDS:
+            paths[shape, kind] = folder / f"{shape}_{kind}.toml"
+            paths[shape, kind].write_text(drawing(SHAPED_BODIES, kind, shape))
     return paths
 
 
@@ -116,6 +128,15 @@ def ways(studies, algorithms):
     return table(header, lines, "-" * (len(header) - 4) + "::::")
 
 
+def per_body(studies, algorithm):
+    """Operations for each body, by the shape of the tree and the kind of its joints."""
+    rows = efforts(studies)
+    return table(["tree", "joints", *REPRESENTATIONS], [
+        [shape if kind == SHAPED_KINDS[0] else "", kind,
+         *(f"{operations(rows[(shape, kind), algorithm, 'joint', name]) / SHAPED_BODIES:.0f}" for name in REPRESENTATIONS)]
+        for shape in SHAPES for kind in SHAPED_KINDS], "--::::")
+
+
 def counted(command, folder):
     """The tables without times, by the names of their parts of the page."""
     studies = studied(command, drawings(command, folder), "--counts")
@@ -126,6 +147,8 @@ def counted(command, folder):
     parts["acceleration forms"] = ways(studies, ["accelerations"])
     parts["higher orders"] = ways(studies, ["jerks", "second_order_inverse_dynamics", "inverse_dynamics_derivatives"])
     parts["contraction"] = contraction(studies)
+    of_shapes = studied(command, shapes(folder), "--counts")
+    parts |= {f"{algorithm} per body": per_body(of_shapes, algorithm) for algorithm in PER_BODY}
     return parts
 
 
