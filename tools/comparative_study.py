@@ -152,6 +152,21 @@ def counted(command, folder):
     return parts
 
 
+def rounding(command, folder):
+    """The tables of rounding errors of the chain of 36 hinges."""
+    chain = folder / "chain36.toml"
+    chain.write_text(drawing(36))
+    rows = studied(command, {"chain36": chain}, "--counts", "--rounding")["chain36"]["rounding"]
+    names = ["body", "spatial", "inertial", "hybrid", "mixed"]
+
+    def lines(algorithm):
+        return [[f"{row['distance']:g}", f"{row['heaviness']:g}", f"{row['condition']:.0e}",
+                 *(f"{row[algorithm][name]:.0e}" for name in names)] for row in rows]
+
+    return {f"{algorithm} rounding": table(["m", "heavier", "condition", *names], lines(algorithm), ":" * 8)
+            for algorithm in PER_HINGE}
+
+
 def timed(command, folder):
     """The tables with times."""
     paths = drawings(command, folder)
@@ -169,7 +184,7 @@ def main():
     arguments = parser.parse_args()
     command = arguments.command.resolve()
     with tempfile.TemporaryDirectory() as folder:
-        parts = counted(command, Path(folder))
+        parts = counted(command, Path(folder)) | rounding(command, Path(folder))
         if not arguments.counts:
             parts |= timed(command, Path(folder))
         for name, text in parts.items():

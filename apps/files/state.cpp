@@ -24,15 +24,17 @@ State neutral_state(const Model& model) {
           .targets = {}};
 }
 
-State random_state(const Model& model) {
-  std::mt19937_64 bits(7);
+State random_state(const Model& model) { return random_state(model, 7); }
+
+State random_state(const Model& model, unsigned seed) {
+  std::mt19937_64 bits(seed);
   const auto random = [&](double largest) {
     std::vector<double> x(model.nv());
     for (double& x_k : x) x_k = largest * (static_cast<double>(bits() >> 11) * 0x1p-52 - 1);
     return x;
   };
   State state = neutral_state(model);
-  state.q = random_configuration(model, 7);
+  state.q = random_configuration(model, seed);
   state.v = random(1);
   state.a = random(2);
   return state;

@@ -26,6 +26,8 @@ State neutral_state(const Model& model);
 
 /// A random state in motion without forces. It is the same in every call.
 State random_state(const Model& model);
+/// One of several such states.
+State random_state(const Model& model, unsigned seed);
 
 /// Reads a state from a JSON file, or from standard input if `file` is "-":
 ///

@@ -3,6 +3,10 @@
 
 namespace axode::command {
 
+/// The point about which spatial twists are: the origins of the root bodies, as in the library, or the
+/// inertial origin, as in the paper.
+enum class SpatialOrigin { of_roots, inertial };
+
 /// Inverse dynamics with every joint screw transformed once, J = push S, as sections 4.2 and 4.3 of the paper
 /// have it, where InverseDynamicsRecursion transforms S v, S a and the wrench back:
 ///   V_i = down V_p + J v,  V'_i = down V'_p + J a + bias(V_p, V_i, J v),  τ = J | W.
@@ -22,8 +26,16 @@ template <class Rep, class T> struct ScrewsOnce {
         W(arena.per_body<Wrench<Rep, T>>()) {}
 
   template <TreeOf<T> AnyTree>
-  void run(const AnyTree& tree, const T* q, const T* v, const T* a, T* tau) noexcept {
-    const Link<Rep, T>* link = links.run(tree, q);
+  void run(const AnyTree& tree, const T* q, const T* v, const T* a, T* tau,
+           SpatialOrigin origin = SpatialOrigin::of_roots) noexcept {
+    const Link<Rep, T>* link = links.link;
+    if (origin == SpatialOrigin::of_roots) {
+      links.run(tree, q);
+    } else {
+      joint_poses(tree, q, links.C_pi);
+      links.link[0] = Link<Rep, T>::root();
+      for (int i = 1; i <= tree->n; ++i) links.link[i] = link[tree->parent[i]].child(links.C_pi[i]);
+    }
     joint_columns(tree, link, J);
     V[0] = {};
     dV[0] = {{}, -tree.g};

@@ -23,7 +23,7 @@ namespace {
 struct Options {
   ModelOptions mechanisms;
   std::string csv, plot, format = "table";
-  bool counts = false;
+  bool counts = false, rounding = false;
 };
 
 constexpr const char* footer = R"(Example:
@@ -121,7 +121,7 @@ Study studied(const Model& model, bool with_times) {
   constexpr int rounds = 6, batches = 50;  // there are several rounds, so that a temporary load of the
                                            // machine slows all variants alike
   const State state = random_state(model);
-  Study study{model.name(), model.n_bodies(), model.nv(), {}, {}, {}, {}};
+  Study study{model.name(), model.n_bodies(), model.nv(), {}, {}, {}, {}, {}};
   Workspace<> workspace(model);
   std::vector<double> inverse(static_cast<std::size_t>(model.nv()) * static_cast<std::size_t>(model.nv()));
   const Solvability solvability = inverse_mass_matrix<Hybrid>(model, workspace, state.q, inverse);
@@ -200,6 +200,21 @@ void print_contraction(const std::vector<ContractionCount>& counts) {
   fmt::print("\n{}\n{}", in(Ink::heading, "forward_dynamics by contraction of the tree"), table.text());
 }
 
+void print_rounding(const std::vector<RoundingErrors>& rounding) {
+  if (rounding.empty()) return;
+  Table table({"algorithm", "m", "heavier", "condition", "body", "spatial", "inertial", "hybrid", "mixed"});
+  const auto add = [&](const char* algorithm, const RoundingErrors& row, const RoundingErrors::Of& of) {
+    std::vector<Cell> cells{Cell(algorithm), Cell(row.distance), Cell(row.heaviness)};
+    for (const double x : {row.condition, of.body, of.spatial, of.inertial, of.hybrid, of.mixed})
+      cells.emplace_back(fmt::format("{:.0e}", x));
+    table.row(std::move(cells));
+  };
+  for (const RoundingErrors& row : rounding) add("inverse_dynamics", row, row.inverse_dynamics);
+  table.rule();
+  for (const RoundingErrors& row : rounding) add("forward_dynamics", row, row.forward_dynamics);
+  fmt::print("\n{}\n{}", in(Ink::heading, "rounding errors"), table.text());
+}
+
 void print(const Study& study) {
   fmt::print("{}\n", in(Ink::heading, fmt::format("{}: {} moving bodies, nv = {}", study.model, study.bodies,
                                                   study.velocities)));
@@ -224,6 +239,7 @@ void print(const Study& study) {
   }
   print_ways(study.ways);
   print_contraction(study.contraction);
+  print_rounding(study.rounding);
 }
 
 std::string as_csv(const std::vector<Study>& studies) {
@@ -269,6 +285,20 @@ Json as_json(const std::vector<Study>& studies) {
                                            {"rounds", count.rounds},
                                            {"operations", count.operations.total()},
                                            {"longest_path", count.longest_path}});
+    for (const RoundingErrors& row : study.rounding) {
+      const auto as_object = [](const RoundingErrors::Of& of) {
+        return Json{{"body", of.body},
+                    {"spatial", of.spatial},
+                    {"inertial", of.inertial},
+                    {"hybrid", of.hybrid},
+                    {"mixed", of.mixed}};
+      };
+      out.back()["rounding"].push_back({{"distance", row.distance},
+                                        {"heaviness", row.heaviness},
+                                        {"condition", row.condition},
+                                        {"inverse_dynamics", as_object(row.inverse_dynamics)},
+                                        {"forward_dynamics", as_object(row.forward_dynamics)}});
+    }
     if (!study.left_out.empty()) out.back()["left_out"] = study.left_out;
   }
   return out;
@@ -337,7 +367,10 @@ void run(const Options& options) {
   }
   std::vector<Study> studies;
   studies.reserve(models.size());
-  for (const Model& model : models) studies.push_back(studied(model, !options.counts));
+  for (const Model& model : models) {
+    studies.push_back(studied(model, !options.counts));
+    if (options.rounding && studies.back().left_out.empty()) studies.back().rounding = rounding_errors(model);
+  }
   if (!options.csv.empty()) write_text(options.csv, as_csv(studies));
   if (plot) plot->draw(chart_of(studies));
   if (format == Format::json) {

@@ -10,6 +10,7 @@
 #include "apps/files/state.hpp"
 #include "apps/study/contraction_counts.hpp"
 #include "apps/study/framed_tree.hpp"
+#include "apps/study/rounding.hpp"
 #include "apps/study/ways.hpp"
 #include "axode/scalar/counted.hpp"
 
@@ -67,7 +68,8 @@ struct Study {
   std::vector<Effort> efforts;  ///< sorted by algorithm, then by frames, then by representation
   std::vector<WayEffort> ways;
   std::vector<ContractionCount> contraction;
-  std::string left_out;  ///< if some algorithms cannot run, a sentence that says why
+  std::vector<RoundingErrors> rounding;  ///< if asked for
+  std::string left_out;                  ///< if some algorithms cannot run, a sentence that says why
 
   bool timed() const { return !efforts.empty() && efforts.front().seconds.has_value(); }
 };

@@ -3,6 +3,7 @@
 
 #include "apps/study/contraction_plan.hpp"
 #include "apps/study/matrix6.hpp"
+#include "apps/study/screws_once.hpp"
 #include "axode/recursion/forward_kinematics.hpp"
 #include "axode/recursion/solvability.hpp"
 
@@ -47,13 +48,14 @@ template <class T> class TreeContraction {
   /// Writes the accelerations (nv) to `a`. Returns false if a pivot is so small that the mass matrix, or the
   /// inertia of a segment, may be singular.
   template <class Schedule = OneByOne>
-  bool run(const Tree<T>& tree, const T* q, const T* v, const T* tau, T* a, Schedule&& schedule = {}) {
+  bool run(const Tree<T>& tree, const T* q, const T* v, const T* tau, T* a, Schedule&& schedule = {},
+           SpatialOrigin origin = SpatialOrigin::of_roots) {
     schedule.meet();
     for (int i = 1; i <= tree->n; ++i)
       schedule.at(i, [&] {
         Node& node = nodes_[i];
         with_joint(tree, i, [&](const auto& joint) { node.C_pi = joint.pose(tree.B[i], q + tree->iq[i]); });
-        if (tree->parent[i] == 0) node.C_pi.r = {};
+        if (tree->parent[i] == 0 && origin == SpatialOrigin::of_roots) node.C_pi.r = {};
         node.along = node.C_pi;
       });
     put_poses(schedule);

@@ -137,6 +137,23 @@ TEST(Study, CountsWithoutTimes) {
   EXPECT_EQ(axode({"study", robot("arm7.toml"), "--counts", "--plot", folder.file("x.svg")}).code, 1);
 }
 
+TEST(Study, LosesDigitsWithTheDistanceOnlyAboutTheInertialOrigin) {
+  const Outcome outcome = axode({"study", robot("arm7.toml"), "--counts", "--rounding", "--format", "json"});
+  ASSERT_EQ(outcome.code, 0) << outcome.err;
+  const Json study = Json::parse(outcome.out)[0];
+  ASSERT_EQ(study["rounding"].size(), 12U);
+  for (const Json& row : study["rounding"]) {
+    for (const char* representation : {"body", "spatial", "hybrid", "mixed"})
+      EXPECT_LT(row["inverse_dynamics"][representation], 1e-13) << row.dump();
+    if (row["heaviness"] != 1) continue;
+    for (const char* representation : {"body", "spatial", "hybrid", "mixed"})
+      EXPECT_LT(row["forward_dynamics"][representation], 1e-11) << row.dump();
+    if (row["distance"] < 1e4) continue;
+    EXPECT_GT(row["inverse_dynamics"]["inertial"], 1e-10) << row.dump();
+    EXPECT_GT(row["forward_dynamics"]["inertial"], 1e-9) << row.dump();
+  }
+}
+
 TEST(Study, SetsTheBaseFree) {
   const TemporaryFolder folder;
   const std::string csv = folder.file("study.csv");
