@@ -1,5 +1,5 @@
 #include "apps/study/study.hpp"
-#include "tests/apps/hinge_chain.hpp"
+#include "tests/model/hinge_chain.hpp"
 #include "tests/laws/law.hpp"
 
 /// The cost of the kernels: their operations on numbers and on screws, in each representation and with each

@@ -2,7 +2,7 @@
 
 #include "apps/study/contraction_counts.hpp"
 #include "apps/study/study.hpp"
-#include "tests/apps/hinge_chain.hpp"
+#include "tests/model/hinge_chain.hpp"
 #include "tests/laws/law.hpp"
 
 /// Forward dynamics by contraction of the tree gives the accelerations of the articulated-body algorithm,

@@ -1,7 +1,7 @@
 #include "apps/study/ways.hpp"
 
 #include "axode/derivatives.hpp"
-#include "tests/apps/hinge_chain.hpp"
+#include "tests/model/hinge_chain.hpp"
 #include "tests/laws/law.hpp"
 
 /// The ways of the study to compute the same give the same, on trees with all kinds of joints, and take as
