@@ -1,8 +1,8 @@
 #include "apps/study/ways.hpp"
 
 #include "axode/derivatives.hpp"
-#include "tests/model/hinge_chain.hpp"
 #include "tests/laws/law.hpp"
+#include "tests/model/hinge_chain.hpp"
 
 /// The ways of the study to compute the same give the same, on trees with all kinds of joints, and take as
 /// many operations as the paper counts.
