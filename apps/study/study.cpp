@@ -391,6 +391,9 @@ void add_study(CLI::App& app, int& exit_code) {
   add_model_options(*study, options->mechanisms, Files::several);
   study->add_option("--csv", options->csv, "Write the numbers to this file")->type_name("FILE");
   add_plot_option(*study, options->plot);
+  study->add_flag("--counts", options->counts, "Count only, and leave the times out");
+  study->add_flag("--rounding", options->rounding,
+                  "Add rounding errors against the distance from the origin and the condition of M");
   study->add_option("--format", options->format, "Output format; default: table")->type_name(words(formats));
   study->footer(footer);
   study->callback([options, &exit_code] {

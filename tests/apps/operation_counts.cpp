@@ -1,6 +1,6 @@
 #include "apps/study/study.hpp"
-#include "tests/model/hinge_chain.hpp"
 #include "tests/laws/law.hpp"
+#include "tests/model/hinge_chain.hpp"
 
 /// The cost of the kernels: their operations on numbers and on screws, in each representation and with each
 /// choice of body frames.

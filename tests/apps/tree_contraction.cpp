@@ -2,8 +2,8 @@
 
 #include "apps/study/contraction_counts.hpp"
 #include "apps/study/study.hpp"
-#include "tests/model/hinge_chain.hpp"
 #include "tests/laws/law.hpp"
+#include "tests/model/hinge_chain.hpp"
 
 /// Forward dynamics by contraction of the tree gives the accelerations of the articulated-body algorithm,
 /// whatever is compressed, in a number of rounds that grows with log n.

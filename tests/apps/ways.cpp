@@ -85,8 +85,9 @@ Operations operations_of(std::string_view algorithm, std::string_view name, Repr
   return command::operations({algorithm, name, representation}, model, {.q = q, .v = q, .a = q});
 }
 
-/// Sections 4.2 and 4.3 of the paper count n transformations of screws and n of inertias in spatial twists, and
-/// n rotations of screws and n of inertias with 3 n - 3 translations in hybrid ones. The ground is a body here.
+/// Sections 4.2 and 4.3 of the paper count n transformations of screws and n of inertias in spatial twists,
+/// and n rotations of screws and n of inertias with 3 n - 3 translations in hybrid ones. The ground is a
+/// body here.
 TEST(ScrewsOnce, TakeThePapersTransformations) {
   using Screws = std::array<long, n_screw_operations>;
   for (const int n : {1, 7, 36}) {
