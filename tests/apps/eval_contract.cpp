@@ -9,6 +9,7 @@
 #include "axode/io.hpp"
 #include "axode/lie/representation_change.hpp"
 #include "tests/apps/run_command.hpp"
+#include "tests/support/comparison.hpp"
 
 namespace axode::test {
 namespace {
@@ -48,12 +49,6 @@ Numbers drive_forces(const std::string& file, const Json& state, std::vector<std
 template <class Six> Numbers six(const Six& x) {
   const auto& [a, b] = x;
   return {a.x, a.y, a.z, b.x, b.y, b.z};
-}
-
-double largest(const Numbers& x) {
-  double largest = 0;
-  for (const double x_k : x) largest = std::max(largest, std::abs(x_k));
-  return largest;
 }
 
 double difference(const Numbers& x, const Numbers& y) {
