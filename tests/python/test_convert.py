@@ -394,7 +394,7 @@ def test_followers_off_their_place_are_refused(way):
     q, v = to(m, [[0.3], [0.4]], [[1.0], [1.0]])
     off = q.copy()
     off[1, -1] += 1e-8
-    with pytest.raises(ValueError, match='q: joint "c" follows joint "b" and is off .* in state 1'):
+    with pytest.raises(ValueError, match='q: joint "c" follows joint "b" and differs by .* from its coupling in state 1'):
         back(m, off, v)
     np.testing.assert_allclose(back(m, off, v, tolerance=1e-6)[0], [[0.3], [0.4]])
     v[0, 1] = 5
