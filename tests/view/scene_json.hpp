@@ -17,8 +17,8 @@ using Json = nlohmann::json;
 inline Model shipped(const std::string& file) { return load(AXODE_SOURCE_DIR "/examples/robots/" + file); }
 
 /// A mechanism that comes with the library, without the shapes of its drawing.
-inline Model without_shapes(const std::string& file) {
-  Description d = shipped(file).description();
+inline Model without_shapes(const std::string& file, Base base = Base::as_described) {
+  Description d = load(AXODE_SOURCE_DIR "/examples/robots/" + file, base).description();
   d.shapes.clear();
   for (BodyDescription& body : d.bodies) body.shapes.clear();
   return ModelBuilder(std::move(d)).build();

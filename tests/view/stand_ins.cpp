@@ -308,13 +308,13 @@ TEST(StandIns, AreNoFartherFromTheirBodyThanItIsLong) {
 }
 
 TEST(StandIns, ATrunkThatIsFixedToTheGroundIsDrawnAndHasNoMounts) {
-  const std::string file = AXODE_SOURCE_DIR "/examples/robots/humanoid.urdf";
-  const Json fixed = scene_of(load(file), neutral(load(file)));
+  const Model on_ground = without_shapes("humanoid.urdf");
+  const Json fixed = scene_of(on_ground, neutral(on_ground));
   int trunks = 0;
   for (const Json& shape : fixed["shapes"]) trunks += shape["body"] == 0 && shape["kind"] == "hull";
   EXPECT_EQ(trunks, 1);
   EXPECT_EQ(mounts_in(fixed), 0);
-  const Model free = load(file, Base::free);
+  const Model free = without_shapes("humanoid.urdf", Base::free);
   const Json floating = scene_of(free, neutral(free));
   for (const Json& shape : floating["shapes"]) EXPECT_NE(shape["body"], 0);
 }
