@@ -31,7 +31,6 @@ class Exact {
     friend Exact sqrt(const Exact& a) { return std::sqrt(a.x_); }
     friend Exact sin(const Exact& a) { return std::sin(a.x_); }
     friend Exact cos(const Exact& a) { return std::cos(a.x_); }
-    friend Exact atan2(const Exact& a, const Exact& b) { return std::atan2(a.x_, b.x_); }
     friend Exact abs(const Exact& a) { return std::abs(a.x_); }
     friend bool operator<(const Exact& a, const Exact& b) { return a.x_ < b.x_; }
     friend bool operator>(const Exact& a, const Exact& b) { return a.x_ > b.x_; }

@@ -6,7 +6,7 @@
 #include <random>
 
 #include "axode/contact/contacts_at_rest.hpp"
-#include "axode/dynamics/momentum/energy.hpp"
+#include "axode/dynamics/momentum/momentum.hpp"
 #include "axode/integration/momenta/simulate_contact.hpp"
 #include "tests/contact/scene.hpp"
 

@@ -1,3 +1,5 @@
+#include <gmock/gmock.h>
+
 #include "axode/constraints/absolute/absolute_system.hpp"
 #include "axode/constraints/loops.hpp"
 #include "axode/dynamics.hpp"

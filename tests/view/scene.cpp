@@ -3,7 +3,9 @@
 
 #include <cmath>
 
+#include "axode/constraints.hpp"
 #include "axode/integration.hpp"
+#include "axode/kinematics.hpp"
 #include "tests/model/random_loops.hpp"
 #include "tests/support/random_tree.hpp"
 #include "tests/support/shared_files.hpp"

@@ -6,6 +6,7 @@
 #include "axode/view/levels.hpp"
 #include "axode/view/points.hpp"
 #include "axode/view/stand_ins.hpp"
+#include "tests/model/random_mechanism.hpp"
 #include "tests/support/random_tree.hpp"
 #include "tests/support/shared_files.hpp"
 #include "tests/view/scene_json.hpp"
