@@ -22,9 +22,8 @@ In ~/.bashrc: source <(axode completion bash). In ~/.zshrc, after compinit: sour
 For fish: axode completion fish > ~/.config/fish/completions/axode.fish. `cmake --install` installs them.
 The scripts call axode with the WORDS of a command line, and axode prints the completions of the last word.)";
 
-/// The scripts for the shells. They call axode with all words of the command line; the last is to be
-/// completed. Each line of the answer is a word, a tab and a description; `:files` stands for the names of
-/// files.
+/// The scripts for the shells. They call axode with all words of the command line, the last to be completed.
+/// Each line of its output is a word, a tab and a description; `:files` means the names of files.
 constexpr const char* bash = R"sh(# Completion of axode for bash.
 _axode() {
   mapfile -t COMPREPLY < <(

@@ -76,9 +76,9 @@ class Walker {
   /// Marks the velocities of the joints in a loop. Throws std::invalid_argument for rolling contacts and
   /// belts.
   void mark(const Loop& loop) {
-    if (loop.kind == LoopKind::rolling || loop.kind == LoopKind::belt)
-      throw std::invalid_argument("loop \"" + loop.name + "\" is a " +
-                                  (loop.kind == LoopKind::belt ? "belt" : "rolling contact") +
+    const bool belt = traits(loop.kind).has("radii");
+    if (loop.kind == LoopKind::rolling || belt)
+      throw std::invalid_argument("loop \"" + loop.name + "\" is a " + (belt ? "belt" : "rolling contact") +
                                   ": it constrains velocities, and no product of "
                                   "exponentials describes it; remove it to find the mobility of the others");
     for (const Loop::End& end : loop.ends)
