@@ -64,6 +64,19 @@ std::vector<std::vector<int>> bodies_at_pins(std::vector<Hinge> hinges, double c
   return pins;
 }
 
+/// The levels of the bodies that meet at a pin.
+struct LevelsAtPin {
+  std::vector<bool> taken = {};
+  int first_free = 1;  ///< the lowest level from 1 on that no body at the pin has
+
+  bool has(int level) const { return level < std::ssize(taken) && taken[level]; }
+  void take(int level) {
+    if (std::ssize(taken) <= level) taken.resize(static_cast<std::size_t>(level) + 1);
+    taken[level] = true;
+    while (has(first_free)) ++first_free;
+  }
+};
+
 }  // namespace
 
 std::optional<Levels> levels_of(const Model& model, double close, const Vec3<>& up) {
@@ -85,17 +98,16 @@ std::optional<Levels> levels_of(const Model& model, double close, const Vec3<>& 
   for (std::size_t pin = 0; pin < pins.size(); ++pin)
     for (const int i : pins[pin]) pins_of[i].push_back(static_cast<int>(pin));
   std::vector<int> level(static_cast<std::size_t>(model.n_bodies()) + 1);
+  std::vector<LevelsAtPin> taken(pins.size());
   for (int i = 1; i <= model.n_bodies(); ++i) {
     if (model.joint(i).kind == Subgroup::prismatic) {  // a slider is in its rail
       level[i] = level[model.body(i).predecessor];
-      continue;
+    } else {
+      for (const int pin : pins_of[i]) level[i] = std::max(level[i], taken[pin].first_free);
+      level[i] = std::max(level[i], 1);
+      while (std::ranges::any_of(pins_of[i], [&](int pin) { return taken[pin].has(level[i]); })) ++level[i];
     }
-    std::vector<int> taken;
-    for (const int pin : pins_of[i])
-      for (const int j : pins[pin])
-        if (j < i) taken.push_back(level[j]);
-    level[i] = 1;
-    while (std::ranges::find(taken, level[i]) != taken.end()) ++level[i];
+    for (const int pin : pins_of[i]) taken[pin].take(level[i]);
   }
   return Levels{std::move(level), n};
 }

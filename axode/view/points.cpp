@@ -94,6 +94,7 @@ Points::Points(const Model& model)
     for (const Vec3<>& point : all_[i]) reference_.push_back(model.body(i).A * point);
   size_ = std::ranges::max(lengths_);
   for (const auto& [name, points] : fixed_) size_ = std::max(size_, diagonal(points));
+  for (const std::vector<Vec3<>>& points : all_) distinct_.push_back(distinct(points));
 }
 
 void Points::add_fixed_bodies(const Model& model) {

@@ -17,7 +17,7 @@ class Points {
   /// Point of the joint of body i; empty if the joint has no point.
   const std::optional<Vec3<>>& joint(int i) const { return joints_[i]; }
   /// The corners of the points on a body, no two of which are nearer than a hundredth of the size.
-  std::vector<Vec3<>> distinct(int body) const { return distinct(all_[body]); }
+  const std::vector<Vec3<>>& distinct(int body) const { return distinct_[body]; }
   /// The points on each body that is fixed to the ground, by its name: its joints, its centre of mass, the
   /// bodies that are fixed to it, and its origin if that is on the body.
   const std::map<std::string, std::vector<Vec3<>>>& fixed() const { return fixed_; }
@@ -46,7 +46,7 @@ class Points {
   void add_fixed_bodies(const Model& model);
 
   std::vector<std::optional<Vec3<>>> joints_;
-  std::vector<std::vector<Vec3<>>> all_;
+  std::vector<std::vector<Vec3<>>> all_, distinct_;
   std::map<std::string, std::vector<Vec3<>>> fixed_;
   std::vector<double> lengths_;
   std::vector<Vec3<>> reference_;  ///< all points in the reference configuration, in the inertial frame

@@ -185,7 +185,7 @@ Vec3<> Draughtsman::offset(int i) const {
 void Draughtsman::draw_body(int i) {
   const Inertia<>& M = model_.body(i).M;
   const double size = points_.size(), radius = radii_[i];
-  const std::vector<Vec3<>> own = points_.distinct(i);
+  const std::vector<Vec3<>>& own = points_.distinct(i);
   if (own.size() > 1) {
     put(between(i, own, radius, 0.01 * size), offset(i));
   } else if (M.m > 0) {
@@ -213,7 +213,7 @@ JointSide Draughtsman::side(int body, const SE3<>& pose) const {
     return side;
   }
   side.radius = radii_[body];
-  const std::vector<Vec3<>> own = points_.distinct(body);
+  const std::vector<Vec3<>>& own = points_.distinct(body);
   const Inertia<>& M = model_.body(body).M;
   side.drawn = side.drawn && (own.size() > 1 || M.m > 0);
   Vec3<> middle = own.size() < 2 && M.m > 0 ? center_of_mass(M) : pose.r;
@@ -302,7 +302,7 @@ void Draughtsman::add_rail(int i) {
   const auto is_on_rail = [&](const Vec3<>& p) {
     return norm(p - ends[0] - std::clamp(dot(e, p - ends[0]), 0.0, upper - lower) * e) <= 2 * thickest;
   };
-  const std::vector<Vec3<>> own = points_.distinct(body.predecessor);
+  const std::vector<Vec3<>>& own = points_.distinct(body.predecessor);
   const Inertia<>& M = model_.body(body.predecessor).M;
   if (std::ranges::any_of(own, is_on_rail) || M.m == 0) return;
   const Vec3<> com = center_of_mass(M), middle = 0.5 * (ends[0] + ends[1]);
@@ -326,7 +326,7 @@ void Draughtsman::draw_line_end(int body, const Vec3<>& point) {
 /// The bodies that are fixed to the ground, and mounts under what is on none of them.
 void Draughtsman::draw_ground() {
   if (seen(0) || points_.size() == 0) return;
-  const double close = 0.01 * points_.size(), r = radii_[0];
+  const double close = 0.01 * points_.size(), r = radii_[0], lowest = points_.lowest(up_);
   std::vector<Vec3<>> held;  // points on fixed bodies that are drawn, and points that have a mount
   for (const auto& [name, all] : points_.fixed()) {
     const std::vector<Vec3<>> own = points_.distinct(all);
@@ -334,7 +334,7 @@ void Draughtsman::draw_ground() {
     put(between(0, own, r, close));
     held.insert(held.end(), all.begin(), all.end());
     const Vec3<> foot = *std::ranges::min_element(own, {}, [&](const Vec3<>& p) { return dot(up_, p); });
-    if (dot(up_, foot) <= points_.lowest(up_) + close) add_mount(foot - r * up_);
+    if (dot(up_, foot) <= lowest + close) add_mount(foot - r * up_);
   }
   std::vector<Vec3<>> feet;
   for (const Vec3<>& point : mounts_) {

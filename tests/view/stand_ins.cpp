@@ -384,6 +384,19 @@ TEST(Levels, BodiesThatMeetHaveDifferentOnes) {
   }
 }
 
+/// Bodies on one pin are stacked in their order, and so are drawings with very many of them.
+TEST(Levels, BodiesOnOnePinAreStacked) {
+  ModelBuilder builder("fan");
+  const int n = 5000;
+  for (int k = 0; k < n; ++k)
+    builder.add(BodyDescription{.name = std::to_string(k),
+                                .joint = {.kind = JointKind::revolute, .axis = {0, 0, 1}},
+                                .inertia = MassProperties{.mass = 1, .com = {1, 0, 0}, .Theta = {1, 1, 1}}});
+  const auto levels = view::levels_of(builder.build(), 0.01, {0, 0, 1});
+  ASSERT_TRUE(levels.has_value());
+  for (int i = 0; i <= n; ++i) EXPECT_EQ(levels->of[i], i);
+}
+
 TEST(Levels, AreFoundQuicklyForLongChains) {
   ModelBuilder builder("chain");
   const int n = 3000;
