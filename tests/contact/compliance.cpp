@@ -238,6 +238,17 @@ TEST(CompliantContact, KeepsTheMomentumOfTwoBodies) {
   EXPECT_GT(distance(last(motion, true), v), 0.1) << "they have touched";
 }
 
+TEST(CompliantContact, StopsIfItsForcesOverflow) {
+  const Model model = Scene({.friction = 0.5, .stiffness = 1e6})
+                          .add("ball", ShapeKind::sphere, 0.1, {.friction = 0.5})
+                          .build();
+  const std::vector<double> v{0, 0, 0, 0, 0, -1e150};
+  const Trajectory motion = simulate_contact(model, at({0, 0, 0.3}), v, 0.01, 1e-3);
+  EXPECT_FALSE(motion.complete);
+  EXPECT_EQ(motion.stop_reason.find("at t = 0.000000 s: the impulses of contacts are not finite"), 0U)
+      << motion.stop_reason;
+}
+
 TEST(CompliantContact, RefusesWhatItCannotDo) {
   const auto message = [](const auto& call) {
     try {

@@ -77,6 +77,9 @@ Failure ContactStep::run(double t, double h, const Vector& q_0, const Vector& v_
     record_.clear();
     for (int k = 0; k < parts; ++k) {
       if (Failure failure = attempt(t + k * h / parts, h / parts, q_part_, v_part_)) return failure;
+      if (std::isnan(certificate))
+        return {t + k * h / parts,
+                "the impulses of contacts are not finite; reduce speeds, stiffnesses or masses"};
       worst = std::max(certificate, worst);
       slip = std::max(unresolved, slip);
       any = any || touched;
