@@ -98,9 +98,10 @@ void VelocityProblem::finish() noexcept {
 /// d² of a block (D11.6).
 double VelocityProblem::scale(const Block& b) const noexcept {
   const auto Y = columns(b);
-  double largest = 0;
-  for (int k = 0; k < b.rows; ++k) largest = std::max(largest, Y.col(k).squaredNorm());
-  return std::max(Y.col(0).squaredNorm(), largest / 2);
+  const double normal = Y.col(0).squaredNorm();
+  double largest = normal;
+  for (int k = 1; k < b.rows; ++k) largest = std::max(largest, Y.col(k).squaredNorm());
+  return std::max(normal, largest / 2);
 }
 
 void VelocityProblem::set_compliance(const Block& b, double C) noexcept {

@@ -52,7 +52,8 @@ void add_table(nb::module_& module) {
           for (const auto& row : rows)
             if (row.name == function) catalog::check_counts(row.name, row.counts, *m, catalog::Caller::tape);
         };
-        check(catalog::functions_of_state), check(catalog::other_functions);
+        check(catalog::functions_of_state);
+        check(catalog::other_functions);
       },
       "m"_a, "function"_a,
       "Raises ValueError if the function of a state, as compiled or traced code, would not count everything "
