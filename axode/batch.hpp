@@ -25,8 +25,8 @@
 /// memory with an argument, and threads < 1.
 namespace axode::batch {
 
-/// A function that is told the progress of a long call, the numbers of finished and of all states, at most
-/// every 20 ms in the calling thread. If it returns false, the call ends early: the states before
+/// A function that a long call calls with the numbers of finished and of all states, at most every 20 ms, in
+/// the calling thread. If it returns false, the call ends early: the states before
 /// Outcome::done are complete; later ones may or may not be.
 using Monitor = std::function<bool(std::size_t done, std::size_t of)>;
 

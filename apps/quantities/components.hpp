@@ -24,7 +24,7 @@ struct Component {
 std::vector<Component> coordinate_components(const Model& model);
 std::vector<Component> velocity_components(const Model& model);
 
-/// What a column of `axode simulate` measures.
+/// The quantity, the unit and the component of a column of `axode simulate`.
 struct ColumnOfMotion {
   std::string symbol;                       ///< t, q, v, a, tau or energy
   std::string unit;                         ///< as "rad/s"

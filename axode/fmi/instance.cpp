@@ -26,8 +26,8 @@ constexpr double usual_norm_error = 1e-6;
 /// be 0, up to its error in time, the margin is thus negative and the status changes.
 constexpr double indicator_shift = 1e-9;
 
-/// Which properties of mechanisms FMUs of each kind take into account, and which they refuse, besides
-/// contact, hard stops and dry friction.
+/// The properties of mechanisms that FMUs of each kind take into account or refuse. Contact, hard stops and
+/// dry friction are refused elsewhere.
 constexpr catalog::Counts of_co_simulation{.loops = catalog::counted,
                                            .passive_joints = catalog::counted,
                                            .springs = catalog::counted,

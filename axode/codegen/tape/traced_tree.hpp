@@ -12,7 +12,7 @@ namespace axode::codegen {
 /// predecessor is the ground: for a hinge the part that is symmetric about its axis, for a prismatic joint
 /// the whole of the rotational inertia, for a spherical joint the mass as a point mass in its centre.
 ///
-/// Of the constants that describe the bodies, only Tree::B and Tree::M may be read from this tree.
+/// Callers may read the constants Tree::B and Tree::M of the bodies from this tree, and no other ones.
 Tree<double> traced_tree(const Tree<double>& tree);
 
 }  // namespace axode::codegen

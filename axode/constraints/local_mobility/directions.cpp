@@ -19,7 +19,7 @@ constexpr double same_root = 1e-3;       // roots that rounding has separated fr
 constexpr double same_direction = 1e-4;  // two directions that a search has found are the same if they are
                                          // closer than this
 
-/// Of x and -x, the vector whose first entry that is not 0 is positive.
+/// The one of the vectors x and -x whose first entry that is not 0 is positive.
 Eigen::VectorXd on_half_sphere(const Eigen::VectorXd& x) {
   for (const double entry : x)
     if (std::abs(entry) > coefficient_tolerance) return entry > 0 ? x : Eigen::VectorXd(-x);

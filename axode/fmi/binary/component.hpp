@@ -21,7 +21,7 @@ namespace axode::fmi {
 /// The status that an interface function returns to the importing program, a number of the FMI standard.
 enum Status : int { ok, warning, discard, error, fatal };
 
-/// What the importing program's pointer to an instance of an FMU points to: the instance and a log function.
+/// An instance of an FMU with its log function. The importing program holds a pointer to it.
 struct Component {
   std::unique_ptr<Instance> instance;
   std::function<void(Status, const char*)> log;

@@ -6,8 +6,8 @@
 
 namespace axode {
 
-/// What the derivative of a substep with contact (a whole step, unless it was repeated in parts) needs: the
-/// states, the impulses, and which contacts slide and bounce.
+/// The states, impulses, and sliding and bouncing contacts of a substep with contact, from which its
+/// derivative is computed. A substep is a whole step, unless that was repeated in parts.
 struct ContactPart {
   using Vector = Eigen::VectorXd;
   /// The distance of a joint from a stop (rad or m) up to which the stop is closed at the end of a step.

@@ -41,7 +41,7 @@ class SimulationRun {
 
   /// Computes the residual r (nv numbers) of the equations of motion, which is 0 if a_t are the
   /// accelerations: ID(q, v, a) - τ by inverse dynamics or, with loops, a - FD(q, v, τ) by forward dynamics.
-  /// Its entries for velocities that stick by dry friction are those of a.
+  /// For a velocity that sticks by dry friction, the entry of r is the acceleration in a_t.
   Failure residual(double t, const Vector& q_t, const Vector& v_t, const Vector& a_t, Vector& r);
   double size_of_residual(const Vector& r) const {
     return loops_ ? norm_.of_velocities(r) : norm_.of_forces(r);

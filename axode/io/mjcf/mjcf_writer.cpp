@@ -437,7 +437,7 @@ class MjcfWriter {
   bool has_none(const JointDescription& joint) const {
     return moves_on_its_own(joint) && is_passive(joint, d_);
   }
-  /// Whether joints are passive (without a drive), so that the others need actuators to be told apart.
+  /// Whether some joints have no drive. Then the others get actuators, by which readers recognise drives.
   bool has_passive_joints() const {
     return std::ranges::any_of(d_.bodies, [&](const BodyDescription& body) { return has_none(body.joint); });
   }

@@ -28,9 +28,9 @@ Vec3<> direction(const Vec3<>& axis);
 /// The description with every cylindrical or universal joint split in two, and with names for all joints.
 Description expand(const Description& description);
 
-/// The same mechanism with every joint, cylindrical and universal ones split in two, described by its joint
-/// frames on the two bodies, and all other elements relative to bodies and named frames. The description must
-/// have no faults.
+/// Describes a mechanism by the joint frames on the two bodies of each joint, and all other elements relative
+/// to bodies and named frames. Cylindrical and universal joints are split in two. The description must have
+/// no faults.
 Description in_joint_frames(const Description& description);
 
 /// The indices of the bodies of a description in depth-first order, with the children of a body in the order

@@ -341,8 +341,7 @@ def slices(file: str, rows_per_part: int) -> tuple[Any, list[Slice]]:
     return opened.schema_arrow, parts
 
 
-#: The row group that this thread reads: its key, the
-#: batches to come, and the number of the first row in them.
+#: The row group that this thread reads: its key, its remaining batches, and the number of their first row.
 reading = threading.local()
 
 
