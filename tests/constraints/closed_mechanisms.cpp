@@ -436,6 +436,31 @@ TEST(RedundantRows, AreNamedByTheirWrenches) {
   EXPECT_EQ(found.redundant[2].wrench.substr(0, 21), "force along (0, 0, 1)");
 }
 
+/// The points of a drawing are rounded, so that a loop which repeats a hinge may lie beside its axis.
+TEST(RedundantRows, LeaveARepeatedHingeFreeWhateverItsRounding) {
+  const Vec3<> axis{0, 1, 0};
+  const Numbers q{0.3}, v{2}, tau{0};
+  for (const double length : {1e-3, 1.0, 1e3})
+    for (const Vec3<>& place : {Vec3<>{}, Vec3<>{50, -70, 30}})
+      for (const double beside : {0.0, 1e-17, 1e-16, 1e-15, 1e-14}) {
+        SCOPED_TRACE(testing::Message() << beside << " at " << place.x << ", lengths x " << length);
+        const Vec3<> p = length * place;
+        Description d{.name = "hinge", .gravity = {0, 0, -9.81}, .bodies = {}, .frames = {}};
+        d.bodies.push_back(bar("arm", "ground", JointKind::revolute, axis, p, p + length * Vec3<>{1, 0, 0}));
+        const Model once = ModelBuilder(d).build();
+        d.loops.push_back(
+            {.between = {"ground", "arm"}, .axis = axis, .point = p + length * beside * Vec3<>{1, 0, 0}});
+        const Model twice = ModelBuilder(d).build();
+        Workspace<double> alone(once);
+        LoopWorkspace<double> loops(twice);
+        Numbers expected(1), a(1), lambda(5);
+        ASSERT_TRUE(forward_dynamics(once, alone, q, v, tau, expected).ok());
+        ASSERT_TRUE(forward_dynamics(twice, loops, q, v, tau, a, lambda).ok());
+        EXPECT_NEAR(a[0], expected[0], 1e-12 * std::abs(expected[0]));
+        EXPECT_EQ(largest(lambda), 0) << "no wrench acts at the loop";
+      }
+}
+
 /// A nut on two parallel threads is constrained twice; the redundant wrench is a force along the threads with
 /// a couple that depends on their pitch.
 TEST(RedundantRows, AreNamedWithTheirPitch) {

@@ -38,10 +38,8 @@ template <class F> void for_seeds(int count, const F& law) {
 
 /// The recipe with the mechanism of a seed at another place or of another size: of every eight seeds two are
 /// as the recipe says, two are far from the origin, two a thousand times smaller, and two a thousand times
-/// larger. Recipes with loops stay as they are: in the rows of loops that others imply, the rounding of long
-/// lengths is not negligible.
+/// larger.
 inline TreeRecipe elsewhere(std::uint64_t seed, TreeRecipe recipe = {}) {
-  if (recipe.loops > 0) return recipe;
   switch (seed / 2 % 4) {
     case 1: recipe.far = 30; break;
     case 2: recipe.scale = 1e-3; break;

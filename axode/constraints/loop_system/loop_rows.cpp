@@ -20,6 +20,10 @@ template <class T> constexpr T least_filter_in_motion = is_float<T> ? T(1e-4) : 
 template <class T> constexpr T most_filter = is_float<T> ? T(1e-4) : T(1e-6);
 /// A row needs no filter if its pivot is larger than this part of d², where d is the size of the row.
 template <class T> constexpr T sound_part = is_float<T> ? T(1e-2) : T(1e-3);
+/// A row that is smaller than this part of d consists of rounding errors, and is replaced by zeros. The
+/// size of a row of zeros is so large that its multiplier is 0.
+template <class T> constexpr T vanishing_part = is_float<T> ? T(1e-4) : T(1e-9);
+constexpr float size_of_a_row_of_zeros = 1e15f;
 template <class T> constexpr T converged = is_float<T> ? T(1e-5) : T(1e-12);
 constexpr int most_steps = 5;
 
@@ -98,7 +102,8 @@ template <class T> void LoopSystem<T>::factorize_rows() noexcept {
   multiply_rows();
   // If the terms of a row cancel, for example because a loop repeats a joint of the tree, only rounding
   // errors remain. The size of a row is therefore at least a part of the size of its terms. The terms are
-  // those of the wrench on either end alone, with moment and force apart, about the origin of the loop.
+  // those of the wrench on either end alone, with moment and force apart, about the origin of the loop, and
+  // those of the force on the mass between this end and the body where the paths meet, as if it were free.
   constexpr T least_part = T(1e-4);
   const Topology& topology = *tree().operator->();
   for (std::size_t k = 0; k < at_.size(); ++k) {
@@ -107,7 +112,12 @@ template <class T> void LoopSystem<T>::factorize_rows() noexcept {
     T by_moment(0), by_force(0);
     for (std::size_t e = 0; e < 2; ++e) {
       const Vec3<T> place = e == 0 ? a.r - at_[k].shift : b.r;
-      for (int i = path.ends[e].body; i > 0; i = topology.parent[i])
+      const int end = path.ends[e].body;
+      T mass(0);
+      if (end > path.meeting)
+        for (int i = end + 1; i < topology.subtree_end[end]; ++i) mass += tree().M[i].m;
+      for (int i = end; i > 0; i = topology.parent[i]) {
+        if (i > path.meeting) mass += tree().M[i].m;
         for (int s = topology.first_screw[i]; s < topology.first_screw[i + 1]; ++s) {
           const Twist<Spatial, T>& S = dynamics_->bodies.S[s];
           const T root = root_[topology.iv[i] + s - topology.first_screw[i]];
@@ -115,12 +125,20 @@ template <class T> void LoopSystem<T>::factorize_rows() noexcept {
           by_moment += root * root * dot(S.w, S.w);
           by_force += root * root * dot(v, v);
         }
+      }
+      if (mass > T(0)) by_force += T(1) / mass;
     }
     for (int r = 0; r < count(path); ++r) {
       const Wrench<Spatial, T>& W = at_[k].W[index(r)];
       const Vec3<T> m = W.m - cross(b.r, W.f);
-      T& scale = scale_[first(path) + r];
+      const int row = first(path) + r;
+      T& scale = scale_[row];
       scale = std::max(scale, least_part * sqrt(dot(m, m) * by_moment + dot(W.f, W.f) * by_force));
+      if (!(sqrt(G_(row, row)) < vanishing_part<T> * scale)) continue;
+      Y_.col(row).setZero();
+      G_.row(row).setZero();
+      G_.col(row).setZero();
+      scale = size_of_a_row_of_zeros;
     }
   }
 }
