@@ -90,7 +90,7 @@ Example:
   echo '{"q": {"pin": 2}}' | axode simulate double_pendulum.toml --state - --until 10 --output run.csv --plot run.svg
 
 The ending of FILE says what is written by --output: .json all that is known; .csv a row for each time
-with t, q, v, a, tau and the energy, under names; .npz these as arrays: q = numpy.load("run.npz")["q"].
+with t, q, v, a, tau, the energy and loads, under names; .npz these as arrays: q = numpy.load("run.npz")["q"].
 --plot draws q, v, tau, the forces of contacts and the energies over time, and of these what --columns
 names. Ctrl-C ends the motion; the part computed so far is written.)";
 

@@ -49,6 +49,35 @@ void gather(const std::vector<std::string>& headings, const std::vector<std::vec
     for (const std::size_t k : at) rows.numbers.push_back(line[k]);
 }
 
+/// Gathers the columns `load moment: NAME x` to `load force: NAME z` of all frames NAME of a model that have
+/// them as the tables "loads" and "load_frames".
+void gather_loads(const Model& model, const std::vector<std::string>& headings, Tables& out,
+                  const std::vector<std::vector<double>>& lines) {
+  const std::map<std::string_view, std::size_t> places = [&] {
+    std::map<std::string_view, std::size_t> all;
+    for (std::size_t k = 0; k < headings.size(); ++k) all.emplace(headings[k], k);
+    return all;
+  }();
+  std::vector<std::size_t> at;
+  Rows frames{0, 1, {}};
+  for (int f = 0; f < model.n_frames(); ++f) {
+    std::vector<std::size_t> of_frame;
+    for (const char* what : {"load moment: ", "load force: "})
+      for (const char* axis : {" x", " y", " z"})
+        if (const auto found = places.find(what + model.frame(f).name + axis); found != places.end())
+          of_frame.push_back(found->second);
+    if (of_frame.size() != 6) continue;
+    at.insert(at.end(), of_frame.begin(), of_frame.end());
+    frames.numbers.push_back(f);
+    ++frames.rows;
+  }
+  if (at.empty()) return;
+  Rows& loads = out["loads"] = {lines.size(), at.size(), {}};
+  for (const std::vector<double>& line : lines)
+    for (const std::size_t k : at) loads.numbers.push_back(line[k]);
+  out["load_frames"] = std::move(frames);
+}
+
 Tables read_csv(const Model& model, const std::string& file) {
   std::vector<std::string> headings;
   std::vector<std::vector<double>> lines;
@@ -69,6 +98,7 @@ Tables read_csv(const Model& model, const std::string& file) {
   gather(headings, lines, "q", coordinate_names(model), file, tables);
   for (const char* what : {"v", "a", "tau"})
     gather(headings, lines, what, velocity_names(model), file, tables);
+  gather_loads(model, headings, tables, lines);
   return tables;
 }
 
@@ -120,7 +150,24 @@ void read_contacts(const Json& json, const std::string& file, ShownMotion& motio
   }
 }
 
-Tables read_json(const std::string& file, ShownMotion& motion) {
+/// Reads the names of the loaded frames in the JSON that `axode simulate` writes, as a table of their numbers.
+void read_load_frames(const Model& model, const Json& json, const std::string& file, Tables& out) {
+  if (!json.contains("load_frames")) return;
+  Rows& frames = out["load_frames"] = {0, 1, {}};
+  try {
+    for (const Json& name : json["load_frames"]) {
+      frames.numbers.push_back(model.frame_index(name.get<std::string>()));
+      ++frames.rows;
+    }
+  } catch (const Json::exception& error) {
+    refuse(fmt::format("{}: `load_frames`: {}; write the file with `axode simulate --output`", file,
+                       reason_of(error)));
+  } catch (const std::invalid_argument& wrong) {
+    refuse(fmt::format("{}: `load_frames`: {}", file, wrong.what()));
+  }
+}
+
+Tables read_json(const Model& model, const std::string& file, ShownMotion& motion) {
   const auto shallow = [&](int depth, Json::parse_event_t, Json&) {
     if (depth > 8) refuse(file + ": it is nested deeper than a motion");
     return true;
@@ -133,7 +180,7 @@ Tables read_json(const std::string& file, ShownMotion& motion) {
   }
   if (!json.is_object()) refuse(file + ": expected an object with t, q and v");
   Tables tables;
-  for (const char* name : {"t", "q", "v", "a", "tau"}) {
+  for (const char* name : {"t", "q", "v", "a", "tau", "loads"}) {
     if (!json.contains(name)) continue;
     Rows& rows = tables[name];
     const auto wrong = [&] {
@@ -151,6 +198,7 @@ Tables read_json(const std::string& file, ShownMotion& motion) {
     }
   }
   read_contacts(json, file, motion);
+  read_load_frames(model, json, file, tables);
   return tables;
 }
 
@@ -208,7 +256,7 @@ Tables read_npz(const std::string& file) {
                                                          zip_discard);
   if (archive == nullptr) refuse(file + ": it cannot be read as an .npz");
   Tables tables;
-  for (const char* name : {"t", "q", "v", "a", "tau"}) {
+  for (const char* name : {"t", "q", "v", "a", "tau", "loads", "load_frames"}) {
     const std::string entry = fmt::format("{}.npy", name), where = fmt::format("{}: {}", file, entry);
     zip_stat_t properties;
     zip_stat_init(&properties);
@@ -225,6 +273,20 @@ Tables read_npz(const std::string& file) {
   return tables;
 }
 
+/// Sets the loads of a motion: the moment and the force on each of the frames, in inertial axes about the
+/// origin of the frame.
+void set_loads(const std::vector<double>& frames, const std::vector<double>& numbers, ShownMotion& motion) {
+  const double* W = numbers.data();
+  for (std::size_t k = 0; k < motion.t.size() && !numbers.empty(); ++k) {
+    std::vector<AppliedWrench<>>& loads = motion.loads.emplace_back();
+    for (const double frame : frames) {
+      loads.emplace_back(static_cast<int>(frame), Representation::hybrid, Vec3<>{W[0], W[1], W[2]},
+                         Vec3<>{W[3], W[4], W[5]});
+      W += 6;
+    }
+  }
+}
+
 }  // namespace
 
 ShownMotion read_motion(const Model& model, const std::string& file) {
@@ -232,7 +294,7 @@ ShownMotion read_motion(const Model& model, const std::string& file) {
   ShownMotion motion;
   switch (file_format(file, "--motion")) {
     case FileFormat::csv: tables = read_csv(model, file); break;
-    case FileFormat::json: tables = read_json(file, motion); break;
+    case FileFormat::json: tables = read_json(model, file, motion); break;
     case FileFormat::npz: tables = read_npz(file); break;
   }
   const std::size_t N = tables["t"].rows;
@@ -250,6 +312,13 @@ ShownMotion read_motion(const Model& model, const std::string& file) {
   motion.v = take("v", model.nv(), " (times x nv)", true);
   motion.a = take("a", model.nv(), " (times x nv)", false);
   motion.tau = take("tau", model.nv(), " (times x nv)", false);
+  const std::vector<double> frames = std::move(tables["load_frames"].numbers);
+  for (const double frame : frames)
+    if (!(frame >= 0 && frame < model.n_frames()))
+      refuse(fmt::format("{}: load_frames: model \"{}\" has no frame number {}", file, model.name(), frame));
+  set_loads(frames,
+            take("loads", 6 * static_cast<int>(frames.size()), " (times x 6 per loaded frame)", false),
+            motion);
   try {
     check(model, motion);
   } catch (const std::invalid_argument& wrong) {

@@ -1,5 +1,6 @@
 #include "apps/quantities/written_motion.hpp"
 
+#include <algorithm>
 #include <utility>
 
 #include "apps/files/contact_tables.hpp"
@@ -9,6 +10,7 @@
 #include "axode/drives.hpp"
 #include "axode/eigen.hpp"
 #include "axode/model/building/placement.hpp"
+#include "axode/view.hpp"
 
 namespace axode::command {
 namespace {
@@ -16,6 +18,25 @@ namespace {
 std::vector<std::string> motion_names(const Model& model) {
   std::vector<std::string> names;
   for (const MotionDescription& motion : model.motions()) names.push_back(motion_name(motion));
+  return names;
+}
+
+/// Adds the wrench of each load to the six columns of its frame in row k; C has the poses of all frames.
+void add_loads(std::span<const AppliedWrench<>> loads, const std::vector<SE3<>>& C, Eigen::Index k,
+               WrittenMotion& rows) {
+  for (const AppliedWrench<>& load : loads) {
+    const auto on = std::ranges::lower_bound(rows.load_frames, load.frame) - rows.load_frames.begin();
+    const Wrench<Hybrid> W = view::wrench_in<Hybrid>(load, C[static_cast<std::size_t>(load.frame)]);
+    rows.loads.row(k).segment<6>(6 * on) += to_eigen(W).transpose();
+  }
+}
+
+/// The names of the columns of loads: moments, then forces, of each frame.
+std::vector<std::string> load_names(const Model& model, const std::vector<int>& frames) {
+  std::vector<std::string> names;
+  for (const int frame : frames)
+    for (const char* what : {"load moment: ", "load force: "})
+      for (const char* axis : {" x", " y", " z"}) names.push_back(what + model.frame(frame).name + axis);
   return names;
 }
 
@@ -42,7 +63,13 @@ WrittenMotion written_motion(const Trajectory& motion, const Drive& drive, const
                      .tau = Eigen::MatrixXd(N, nv),
                      .motion_forces = Eigen::MatrixXd(N, motions),
                      .drive_states = {motion.drive_states().begin(), motion.drive_states().end()},
-                     .x = Eigen::MatrixXd(N, static_cast<Eigen::Index>(motion.nx()))};
+                     .x = Eigen::MatrixXd(N, static_cast<Eigen::Index>(motion.nx())),
+                     .load_frames = {},
+                     .loads = {}};
+  const std::vector<AppliedWrench<>> constant(loads.wrenches.begin(), loads.wrenches.end());
+  rows.load_frames = view::loaded_frames({&constant, 1});
+  rows.loads = Eigen::MatrixXd::Zero(N, 6 * std::ssize(rows.load_frames));
+  std::vector<SE3<>> C(static_cast<std::size_t>(model.n_frames()));
   DriveSystem drives(model);
   std::vector<double> q(static_cast<std::size_t>(model.nq())), v(static_cast<std::size_t>(model.nv())), a(v),
       tau(v), x(motion.nx()), dx(x);
@@ -64,6 +91,10 @@ WrittenMotion written_motion(const Trajectory& motion, const Drive& drive, const
     rows.kinetic_energy[k] = kinetic_energy(model, workspace, std::span<const double>(q), v);
     rows.energy[k] = rows.kinetic_energy[k] + potential_energy(model, workspace, std::span<const double>(q)) +
                      elastic_energy(model, workspace, std::span<const double>(q));
+    if (!rows.load_frames.empty()) {
+      poses(model, workspace, std::span<const double>(q), C);
+      add_loads(loads.wrenches, C, k, rows);
+    }
     if (motions == 0) continue;
     add_spring_forces(model, workspace, q, v, tau);
     const DynamicsAtTime found = forward_dynamics_at(model, t, q, v, tau, loads);
@@ -81,8 +112,9 @@ std::string csv_of(const Model& model, const WrittenMotion& rows) {
   for (const char* what : {"v ", "a ", "tau "}) add(what, velocity_names(model));
   names.push_back("energy");
   add("x ", rows.drive_states);
+  add("", load_names(model, rows.load_frames));
   Eigen::MatrixXd all(rows.t.size(), static_cast<Eigen::Index>(names.size()));
-  all << rows.t, rows.q, rows.v, rows.a, rows.tau, rows.energy, rows.x;
+  all << rows.t, rows.q, rows.v, rows.a, rows.tau, rows.energy, rows.x, rows.loads;
   return as_csv(all, names);
 }
 
@@ -126,6 +158,10 @@ Json json_of(const Trajectory& motion, const WrittenMotion& rows, const std::str
     json["drive_states"] = rows.drive_states;
     json["x"] = lists(rows.x);
   }
+  if (!rows.load_frames.empty()) {
+    for (const int frame : rows.load_frames) json["load_frames"].push_back(model.frame(frame).name);
+    json["loads"] = lists(rows.loads);
+  }
   return json;
 }
 
@@ -134,6 +170,11 @@ std::string npz_of(const WrittenMotion& rows) {
                                  {"a", rows.a},       {"tau", rows.tau}, {"energy", rows.energy, true}};
   if (rows.motion_forces.cols() > 0) arrays.push_back({"motion_forces", rows.motion_forces});
   if (rows.x.cols() > 0) arrays.push_back({"x", rows.x});
+  if (!rows.load_frames.empty()) {
+    const Eigen::Map<const Eigen::VectorXi> frames(rows.load_frames.data(), std::ssize(rows.load_frames));
+    arrays.push_back({"load_frames", frames.cast<double>(), true});
+    arrays.push_back({"loads", rows.loads});
+  }
   return as_npz(arrays);
 }
 

@@ -18,6 +18,10 @@ struct WrittenMotion {
   Eigen::MatrixXd motion_forces;  ///< force that each prescribed motion needs
   std::vector<std::string> drive_states;
   Eigen::MatrixXd x;  ///< states of the drives
+  /// The frames on which loads act, and for each of them six columns: the moment and the force in inertial
+  /// axes, about the origin of the frame.
+  std::vector<int> load_frames;
+  Eigen::MatrixXd loads;
 };
 
 /// Samples a motion, which was computed under the given drive and loads, at the ends of its steps or, if

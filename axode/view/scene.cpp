@@ -332,6 +332,7 @@ ShownMotion thinned(const Model& model, const ShownMotion& motion, std::size_t s
     copy(motion.a, out.a, model.nv(), k);
     copy(motion.tau, out.tau, model.nv(), k);
     if (!motion.contacts.empty()) out.contacts.push_back(motion.contacts[k]);
+    if (!motion.loads.empty()) out.loads.push_back(motion.loads[k]);
   }
   out.contact_shapes = motion.contact_shapes;
   return out;
@@ -361,6 +362,17 @@ Json contacts_of(const ShownMotion& motion) {
   return times;
 }
 
+/// The places of frames as JSON: the name of each, the body to which it belongs, and its origin in the frame of
+/// the body.
+Json places_of(const Model& model, const std::vector<int>& frames) {
+  Json places = Json::array();
+  for (const int f : frames) {
+    const Frame& frame = model.frame(f);
+    places.push_back({{"name", frame.name}, {"body", frame.body}, {"point", json_of(frame.pose.r)}});
+  }
+  return places;
+}
+
 /// JSON with the motion `whole`; null if it has no times. Of a motion with more than longest_motion numbers
 /// some states are left out, with a warning.
 Json motion_of(const Model& model, const ShownMotion& whole, std::vector<std::string>& warnings) {
@@ -371,6 +383,7 @@ Json motion_of(const Model& model, const ShownMotion& whole, std::vector<std::st
   std::size_t numbers_in_all = whole.t.size() * width;
   for (const std::vector<ContactForce>& contacts : whole.contacts)
     numbers_in_all += numbers_of_contact * contacts.size();
+  for (const std::vector<AppliedWrench<>>& loads : whole.loads) numbers_in_all += 6 * loads.size();
   const std::size_t stride = (numbers_in_all + longest_motion - 1) / longest_motion;
   if (stride > 1)
     warnings.push_back(to_string(
@@ -384,7 +397,7 @@ Json motion_of(const Model& model, const ShownMotion& whole, std::vector<std::st
   const std::size_t N = motion.t.size();
   Json series = Json::array();
   bool all_finite = finite(numbers.twists) && finite(numbers.wrenches) && finite(numbers.momenta) &&
-                    finite(numbers.loop_wrenches) && finite(numbers.tensions);
+                    finite(numbers.loop_wrenches) && finite(numbers.tensions) && finite(numbers.loads);
   for (const auto& [name, unit, labels, values] : numbers.series) {
     all_finite = all_finite && finite(values);
     series.push_back({{"name", name}, {"unit", unit}, {"labels", labels}, {"values", rows_of(values, N)}});
@@ -404,6 +417,8 @@ Json motion_of(const Model& model, const ShownMotion& whole, std::vector<std::st
       {"wrenches", screws_of(numbers.wrenches, N, model.n_bodies())},
       {"momenta", screws_of(numbers.momenta, N, model.n_bodies())},
       {"loop_wrenches", screws_of(numbers.loop_wrenches, N, static_cast<int>(model.loops().joints.size()))},
+      {"load_frames", places_of(model, numbers.load_frames)},
+      {"loads", screws_of(numbers.loads, N, static_cast<int>(numbers.load_frames.size()))},
       {"tensions", numbers.tensions.empty() ? Json() : rows_of(numbers.tensions, N)}};
 }
 

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <map>
 #include <optional>
+#include <set>
 #include <span>
 #include <stdexcept>
 
@@ -70,30 +71,41 @@ struct AppendSpring {
 };
 
 /// Appends the forces of all springs between frames to `loads`, and the tensions of segments to `tensions`.
-void append_springs(const Model& model, Row q, Row v, Workspace<>& workspace,
-                    std::vector<AppliedWrench<>>& loads, std::vector<double>& tensions) {
-  if (!model.springs().between_frames()) return;
-  std::vector<SE3<>> C(static_cast<std::size_t>(model.n_frames()));
-  std::vector<Twist<Spatial>> V(C.size());
-  poses<double>(model, workspace, q, C);
-  twists<Spatial, double>(model, workspace, q, v, V);
+/// C has the poses and V the spatial twists of all frames.
+void append_springs(const Model& model, Row q, Row v, const std::vector<SE3<>>& C,
+                    const std::vector<Twist<Spatial>>& V, std::vector<AppliedWrench<>>& loads,
+                    std::vector<double>& tensions) {
   for (const Spring& spring : model.springs().elements)
     std::visit(AppendSpring{model, spring.law, q, v, C, V, loads, tensions}, spring.geometry);
 }
 
-/// Computes the constraint forces of the loops, the Lagrange multipliers `lambda`, under the drive forces tau
-/// and the forces of springs. Returns false if the mass matrix is singular or a number is not finite.
-bool find_multipliers(const Model& model, Row q, Row v, Row tau, Workspace<>& workspace,
-                      LoopWorkspace<>& of_loops, std::vector<double>& lambda) {
+/// Computes the constraint forces of the loops, the Lagrange multipliers `lambda`, under the drive forces
+/// tau, the forces of springs and loads. Returns false if the mass matrix is singular or a number is not
+/// finite.
+bool find_multipliers(const Model& model, Row q, Row v, Row tau, std::span<const AppliedWrench<>> loads,
+                      Workspace<>& workspace, LoopWorkspace<>& of_loops, std::vector<double>& lambda) {
   std::vector<double> forces(tau.begin(), tau.end()), a(forces);
   add_spring_forces<double>(model, workspace, q, v, forces);
-  return forward_dynamics<double>(model, of_loops, q, v, forces, a, lambda).ok();
+  return forward_dynamics<double>(model, of_loops, q, v, forces, a, lambda, {.wrenches = loads}).ok();
 }
 
 /// Appends the six numbers of each screw (angular, linear) to `out`.
 template <class Screws> void append(const Screws& screws, std::vector<double>& out) {
   for (const auto& [angular, linear] : screws)
     out.insert(out.end(), {angular.x, angular.y, angular.z, linear.x, linear.y, linear.z});
+}
+
+/// Appends the sum of the loads on each of the frames to `out`, as spatial wrenches; C has the poses of all
+/// frames.
+void append_loads(std::span<const AppliedWrench<>> loads, const std::vector<int>& frames,
+                  const std::vector<SE3<>>& C, std::vector<double>& out) {
+  std::vector<Wrench<Spatial>> sums(frames.size());
+  for (const AppliedWrench<>& load : loads) {
+    const auto on = std::ranges::lower_bound(frames, load.frame) - frames.begin();
+    sums[static_cast<std::size_t>(on)] +=
+        view::wrench_in<Spatial>(load, C[static_cast<std::size_t>(load.frame)]);
+  }
+  append(sums, out);
 }
 
 /// The normal forces of a motion with contacts, N: for each time and each pair of shapes between which there
@@ -148,12 +160,27 @@ void check(const Model& model, const ShownMotion& motion) {
       if (!std::isfinite(sum.x + sum.y + sum.z + contact.gap + contact.friction))
         throw std::invalid_argument("motion.contacts: a number is not finite");
     }
+  if (!motion.loads.empty()) check_size("motion.loads", motion.loads.size(), N, "a list for each time");
+  for (const std::vector<AppliedWrench<>>& at_once : motion.loads)
+    for (const AppliedWrench<>& load : at_once) {
+      if (load.frame < 0 || load.frame >= model.n_frames())
+        throw std::invalid_argument("motion.loads: there is no frame " + std::to_string(load.frame));
+      if (const Vec3<> sum = load.m + load.f; !std::isfinite(sum.x + sum.y + sum.z))
+        throw std::invalid_argument("motion.loads: a number is not finite");
+    }
   for (std::size_t k = 0; k < N; ++k) {
     if (k > 0 && !(motion.t[k] > motion.t[k - 1]))
       throw std::invalid_argument("motion.t: time " + std::to_string(k) + " is " + to_text(motion.t[k]) +
                                   " after " + to_text(motion.t[k - 1]) + "; times must increase");
     check_configuration(model, row(motion.q, k, model.nq()), "motion.q");
   }
+}
+
+std::vector<int> view::loaded_frames(std::span<const std::vector<AppliedWrench<>>> loads) {
+  std::set<int> frames;
+  for (const std::vector<AppliedWrench<>>& at_once : loads)
+    for (const AppliedWrench<>& load : at_once) frames.insert(load.frame);
+  return {frames.begin(), frames.end()};
 }
 
 view::MotionNumbers view::numbers_of(const Model& model, const ShownMotion& motion) {
@@ -166,7 +193,10 @@ view::MotionNumbers view::numbers_of(const Model& model, const ShownMotion& moti
   Workspace<> workspace(model);
   std::optional<LoopWorkspace<>> of_loops;
   if (loops) of_loops.emplace(model);
+  out.load_frames = loaded_frames(motion.loads);
+  const bool with_places = model.springs().between_frames() || !out.load_frames.empty();
   std::vector<Twist<Spatial>> V(static_cast<std::size_t>(model.n_frames()));
+  std::vector<SE3<>> C(V.size());
   std::vector<Wrench<Spatial>> W(static_cast<std::size_t>(model.n_bodies()));
   std::vector<Momentum<Spatial>> Pi(W.size());
   std::vector<double> lambda(static_cast<std::size_t>(model.loops().rows));
@@ -188,13 +218,17 @@ view::MotionNumbers view::numbers_of(const Model& model, const ShownMotion& moti
     append(std::span(V).subspan(1, W.size()), out.twists);
     body_momenta<Spatial, double>(model, workspace, q, v, Pi);
     append(Pi, out.momenta);
+    if (with_places) poses<double>(model, workspace, q, C);
     std::vector<AppliedWrench<>> loads;
-    append_springs(model, q, v, workspace, loads, out.tensions);
+    if (!motion.loads.empty()) loads = motion.loads[k];
+    append_loads(loads, out.load_frames, C, out.loads);
+    const std::size_t given = loads.size();
+    append_springs(model, q, v, C, V, loads, out.tensions);
     if (!with_wrenches) continue;
     const Row a = row(motion.a, k, model.nv());
     if (loops) {
-      with_wrenches =
-          find_multipliers(model, q, v, row(motion.tau, k, model.nv()), workspace, *of_loops, lambda);
+      with_wrenches = find_multipliers(model, q, v, row(motion.tau, k, model.nv()),
+                                       std::span(loads).first(given), workspace, *of_loops, lambda);
       joint_wrenches<Spatial, double>(model, *of_loops, q, v, a, lambda, W, {.wrenches = loads});
       loop_wrenches<Spatial, double>(model, *of_loops, q, lambda, of_loops_and_couplings);
       append(std::span(of_loops_and_couplings).first(model.loops().joints.size()), out.loop_wrenches);

@@ -1,11 +1,14 @@
 #pragma once
 #include <array>
 #include <cstddef>
+#include <span>
 #include <string>
 #include <vector>
 
 #include "axode/contact/contact_force.hpp"
+#include "axode/lie/representation_change.hpp"
 #include "axode/model/model.hpp"
+#include "axode/recursion/loads.hpp"
 
 namespace axode {
 
@@ -15,6 +18,9 @@ struct ShownMotion {
   std::vector<double> a, tau;  ///< accelerations and drive forces, N × nv; empty if not known
   std::vector<std::vector<ContactForce>> contacts;  ///< points of contact, N lists; empty if not known
   std::vector<std::string> contact_shapes;          ///< names of shapes; `contacts` has indices into it
+  /// Wrenches on frames that act beside gravity, drives, springs and contacts, N lists; empty if there are
+  /// none.
+  std::vector<std::vector<AppliedWrench<>>> loads;
 };
 
 /// Throws std::invalid_argument if a size does not fit the model, if the times do not increase, if a number
@@ -22,6 +28,16 @@ struct ShownMotion {
 void check(const Model& model, const ShownMotion& motion);
 
 namespace view {
+
+/// The wrench of a load on a frame with the pose C, in the representation Rep.
+template <class Rep> Wrench<Rep> wrench_in(const AppliedWrench<>& load, const SE3<>& C) {
+  return with_representation(load.representation, [&](auto given) {
+    return change<Rep>(C, Wrench<decltype(given)>{load.m, load.f});
+  });
+}
+
+/// The frames on which loads act at some time, each of them once, in the order of the model.
+std::vector<int> loaded_frames(std::span<const std::vector<AppliedWrench<>>> loads);
 
 /// Quantities that are computed from a motion and shown in addition to its states.
 struct MotionNumbers {
@@ -38,12 +54,17 @@ struct MotionNumbers {
   /// Spatial wrenches of the loop joints on their second bodies: six numbers for each time and loop joint.
   /// Empty if the model has no loop joints or `wrenches` is empty.
   std::vector<double> loop_wrenches;
+  /// The frames on which loads act, and the sums of these loads as spatial wrenches: six numbers for each time
+  /// and frame.
+  std::vector<int> load_frames;
+  std::vector<double> loads;
   /// Tensions of the segments of springs along points, N: a number for each time and segment. A negative
   /// tension pushes the ends apart.
   std::vector<double> tensions;
 };
 /// Computes energies, the total momentum about the inertial origin, twists, wrenches, momenta and tensions of
-/// a motion, and the normal forces of its contacts.
+/// a motion, and the normal forces of its contacts. The wrenches of joints and loops are those under the
+/// loads of the motion.
 MotionNumbers numbers_of(const Model& model, const ShownMotion& motion);
 
 }  // namespace view

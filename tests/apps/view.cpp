@@ -91,6 +91,33 @@ TEST_F(View, ShowsTheMotionOfEveryKindOfFile) {
   }
 }
 
+/// The loads of a simulation, in the order of their frames, are the same in every kind of file.
+TEST_F(View, ShowsTheLoadsOfASimulation) {
+  nlohmann::json first;
+  for (const char* ending : {"csv", "json", "npz"}) {
+    const std::string file = folder_.file(std::string("run.") + ending);
+    const Outcome simulated =
+        axode({"simulate", robot("arm7.toml"), "--state", "-", "--until", "0.1", "--samples", "4", "--output",
+               file},
+              R"({"loads": [{"frame": "flange", "representation": "hybrid", "wrench": [0, 0, 0, 0, 0, -20]},
+                            {"frame": "link 3", "wrench": [1, 0, 0, 0, 0, 0]},
+                            {"frame": "flange", "wrench": [0, 0, 2, 0, 0, 0]}]})");
+    ASSERT_EQ(simulated.code, 0) << simulated.err;
+    ASSERT_EQ(view({robot("arm7.toml"), "--motion", file, "--output", page_}).code, 0);
+    const nlohmann::json motion = scene_in(page_)["motion"];
+    ASSERT_EQ(motion["load_frames"].size(), 2U);
+    EXPECT_EQ(motion["load_frames"][0]["name"], "link 3");
+    EXPECT_EQ(motion["load_frames"][1]["name"], "flange");
+    ASSERT_EQ(motion["loads"].size(), 5U);
+    EXPECT_EQ(motion["loads"][0],
+              nlohmann::json({{1.0, 0.0, 0.0, 0.0, 0.0, 0.0}, {0.0, 0.0, 2.0, 0.0, 0.0, -20.0}}));
+    if (first.is_null()) first = motion["loads"];
+    EXPECT_EQ(motion["loads"], first) << ending;
+  }
+  EXPECT_TRUE(view({pendulum, "--motion", simulated("csv"), "--output", page_}).err.empty());
+  EXPECT_TRUE(scene_in(page_)["motion"]["loads"].is_null());
+}
+
 TEST_F(View, AMotionNeedsNoAccelerationsAndForces) {
   const std::string file =
       folder_.write("run.csv", "t,q pin,\"q elbow\",v pin,v elbow,note\r\n0,1,2,3,4,5\r\n\n1,2,3,4,5,6\n");
@@ -139,6 +166,14 @@ TEST_F(View, RefusesMotionsThatDoNotFitInOneSentence) {
               HasSubstr("q must have a row for each time and a number in each column"));
   EXPECT_THAT(json(R"({"t": [0], "q": [[1, 2]]})"),
               HasSubstr("v is 0 x 0; model \"double pendulum\" takes 1 x 2"));
+  const std::string load_free = R"({"t": [0], "q": [[1, 2]], "v": [[1, 2]], )";
+  EXPECT_THAT(
+      json(load_free + R"("loads": [[1, 2]]})"),
+      HasSubstr("loads is 1 x 2; model \"double pendulum\" takes 1 x 0 (times x 6 per loaded frame)"));
+  EXPECT_THAT(json(load_free + R"("load_frames": ["tipp"], "loads": [[1, 2, 3, 4, 5, 6]]})"),
+              HasSubstr("`load_frames`: "));
+  EXPECT_THAT(json(load_free + R"("load_frames": [7], "loads": [[1, 2, 3, 4, 5, 6]]})"),
+              HasSubstr("`load_frames`: "));
   const std::string whole = contents(simulated("npz"));
   for (const std::size_t cut : {std::size_t{0}, std::size_t{10}, whole.size() / 2, whole.size() - 1})
     npz(whole.substr(0, cut));

@@ -201,39 +201,78 @@ TEST(SceneOfAMotion, MomentaOfBodiesAddUpAndEnergyIsKept) {
 }
 
 /// The power of the wrench that a joint transmits equals the powers of its drive, its spring and its rotor.
-/// This holds with and without loops and springs between bodies.
+void expect_powers_at_joints(const Model& model, const ShownMotion& motion, const Json& scene) {
+  const Json& wrenches = scene["motion"]["wrenches"];
+  ASSERT_TRUE(wrenches.is_array());
+  for (std::size_t k = 0; k < motion.t.size(); ++k) {
+    const std::span<const double> q = std::span(motion.q).subspan(k * model.nq(), model.nq());
+    const std::vector<Eigen::Isometry3d> C = poses_of(scene, q);
+    for (int i = 1; i <= model.n_bodies(); ++i) {
+      const Joint& joint = model.joint(i);
+      const Eigen::Matrix<double, 6, 1> W = six(wrenches[k][i - 1]);
+      for (int d = 0; d < joint.nv; ++d) {
+        const Dof& dof = joint.dof[d];
+        if (joint.leader || (dof.stiffness != 0 && joint.nv > 1)) continue;
+        const Screw<> X = Ad(from_eigen<SE3<>>(C[i].matrix()), model.body(i).X[d]);
+        const std::size_t c = k * model.nv() + joint.iv + d;
+        const double spring = dof.stiffness == 0 ? 0 : -dof.stiffness * (q[joint.iq] - dof.rest),
+                     expected = motion.tau[c] + spring - dof.armature * motion.a[c];
+        EXPECT_NEAR(W.dot(to_eigen(X)), expected, 1e-8 * (1 + W.norm()))
+            << joint.name << " at " << motion.t[k];
+      }
+    }
+  }
+}
+
+/// The law of powers holds with and without loops and springs between bodies.
 TEST(SceneOfAMotion, JointWrenchesDoThePowerOfDrivesSpringsAndRotors) {
   for (const char* file : {"humanoid.urdf", "arm7.toml", "double_pendulum.toml", "four_bar.toml",
                            "andrews.toml", "governor.toml", "bricard.toml"}) {
     SCOPED_TRACE(file);
     const Model model = shipped(file);
-    const ShownMotion motion = motion_of(model, 0.02);
+    ShownMotion motion = motion_of(model, 0.02);
+    expect_powers_at_joints(model, motion, scene_of(model, neutral(model), {.motion = motion}));
+    motion.a.clear();
+    EXPECT_TRUE(scene_of(model, neutral(model), {.motion = motion})["motion"]["wrenches"].is_null());
+  }
+}
+
+/// Loads in every representation on the frame `tip`, and one on another body. Their spatial wrenches are those
+/// by hand, and the law of powers holds for a motion under them.
+TEST(SceneOfAMotion, LoadsAreShownAndActInTheWrenchesOfJoints) {
+  const Vec3<> m{0.3, -0.2, 0.5}, f{2, -1, 3};
+  for (const auto& [file, tip] : {std::pair{"arm7.toml", "flange"}, {"four_bar.toml", "tip"}}) {
+    SCOPED_TRACE(file);
+    const Model model = shipped(file);
+    const int frame = model.frame_index(tip);
+    SimulationOptions options;
+    for (const Representation representation :
+         {Representation::body, Representation::spatial, Representation::hybrid, Representation::mixed})
+      options.loads.emplace_back(frame, representation, m, f);
+    options.loads.emplace_back(1, Representation::spatial, f, m);
+    const AssemblyResult closed =
+        assemble(model, neutral(model), std::vector<double>(static_cast<std::size_t>(model.nv()), 0.1));
+    ShownMotion motion = shown(simulate(model, closed.q, closed.v, 0.02, {}, options));
+    motion.loads.assign(motion.t.size(), options.loads);
     const Json scene = scene_of(model, neutral(model), {.motion = motion});
-    const Json& wrenches = scene["motion"]["wrenches"];
-    ASSERT_TRUE(wrenches.is_array());
-    const Json free_of_wrenches = [&] {
-      ShownMotion without = motion;
-      without.a.clear();
-      return scene_of(model, neutral(model), {.motion = without});
-    }();
-    EXPECT_TRUE(free_of_wrenches["motion"]["wrenches"].is_null());
+    expect_powers_at_joints(model, motion, scene);
+    const Json &places = scene["motion"]["load_frames"], &loads = scene["motion"]["loads"];
+    ASSERT_EQ(places.size(), 2U);
+    EXPECT_EQ(places[0]["name"], model.frame(1).name);
+    EXPECT_EQ(places[1]["name"], tip);
+    EXPECT_EQ(places[1]["body"], model.frame(frame).body);
+    ASSERT_EQ(loads.size(), motion.t.size());
     for (std::size_t k = 0; k < motion.t.size(); ++k) {
       const std::span<const double> q = std::span(motion.q).subspan(k * model.nq(), model.nq());
-      const std::vector<Eigen::Isometry3d> C = poses_of(scene, q);
-      for (int i = 1; i <= model.n_bodies(); ++i) {
-        const Joint& joint = model.joint(i);
-        const Eigen::Matrix<double, 6, 1> W = six(wrenches[k][i - 1]);
-        for (int d = 0; d < joint.nv; ++d) {
-          const Dof& dof = joint.dof[d];
-          if (joint.leader || (dof.stiffness != 0 && joint.nv > 1)) continue;
-          const Screw<> X = Ad(from_eigen<SE3<>>(C[i].matrix()), model.body(i).X[d]);
-          const std::size_t c = k * model.nv() + joint.iv + d;
-          const double spring = dof.stiffness == 0 ? 0 : -dof.stiffness * (q[joint.iq] - dof.rest),
-                       expected = motion.tau[c] + spring - dof.armature * motion.a[c];
-          EXPECT_NEAR(W.dot(to_eigen(X)), expected, 1e-8 * (1 + W.norm()))
-              << joint.name << " at " << motion.t[k];
-        }
-      }
+      const Eigen::Isometry3d C = poses_of(scene, q)[static_cast<std::size_t>(model.frame(frame).body)] *
+                                  Eigen::Isometry3d(to_eigen(model.frame(frame).pose));
+      const Eigen::Vector3d M = to_eigen(m), F = to_eigen(f), p = C.translation(), R_m = C.linear() * M,
+                            R_f = C.linear() * F;
+      Eigen::Matrix<double, 6, 1> expected;
+      expected << R_m + p.cross(R_f) + M + M + p.cross(F) + R_m + p.cross(F), R_f + F + F + F;
+      EXPECT_LT((six(loads[k][1]) - expected).norm(), 1e-12 * expected.norm());
+      expected << F, M;
+      EXPECT_LT((six(loads[k][0]) - expected).norm(), 1e-12 * expected.norm());
     }
   }
 }
@@ -284,6 +323,12 @@ TEST(Scene, RefusesStatesAndMotionsThatDoNotFit) {
   EXPECT_EQ(refusal(model, q, motion), "motion.t: time 1 is 1 after 1; times must increase");
   motion = good, motion.v[9] = INFINITY;
   EXPECT_EQ(refusal(model, q, motion), "motion.v: number 9 is inf; it must be finite");
+  motion = good, motion.loads.resize(1);
+  EXPECT_EQ(refusal(model, q, motion), "motion.loads has 1 entries; expected a list for each time = 2");
+  motion = good, motion.loads = {{{99, Representation::body, {}, {}}}, {}};
+  EXPECT_EQ(refusal(model, q, motion), "motion.loads: there is no frame 99");
+  motion = good, motion.loads = {{{1, Representation::body, {NAN, 0, 0}, {}}}, {}};
+  EXPECT_EQ(refusal(model, q, motion), "motion.loads: a number is not finite");
   motion = good, motion.v.assign(14, 1e200);
   EXPECT_THAT(refusal(model, q, motion), HasSubstr("overflow"));
   const Model humanoid = load(AXODE_SOURCE_DIR "/examples/robots/humanoid.urdf", Base::free);

@@ -22,7 +22,7 @@ export function fillLayerPanel(panel: HTMLElement, layers: readonly Layer[], sta
   return () => {
     for (const { layer, box, hint } of rows) {
       box.checked = layer.on;
-      const text = layer.on || !layer.id.match(/axode|axis|traces|twists|wrenches|forces|momenta/) ? layer.hint() : "";
+      const text = layer.on || !layer.id.match(/axode|axis|traces|twists|wrenches|loads|forces|momenta/) ? layer.hint() : "";
       if (hint.textContent !== text) hint.textContent = text;
     }
   };

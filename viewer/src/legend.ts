@@ -13,16 +13,18 @@ export function round125(x: number): number {
 
 /**
  * Fills the legend of the arrows that are drawn: for each colour a bar as long as an arrow of a round number
- * at the point at which the camera looks. Returns the function that updates it.
+ * at the point at which the camera looks, with the name of the layer if there are several. Returns the function that
+ * updates it.
  */
 export function fillLegend(place: HTMLElement, layers: readonly Layer[], stage: Stage): () => void {
   let written = "";
   return () => {
     const pixel = stage.pixel * stage.distance;
     const entries = layers.flatMap((layer) => (layer.on && layer.scales ? layer.scales().map((scale) => ({ ...scale, title: layer.title })) : []));
+    const several = new Set(entries.map(({ title }) => title)).size > 1;
     const bars = entries.map(({ color, heads, unit, each, clips, title }) => {
       const value = round125(LONGEST * pixel * each);
-      return { color, heads, title, text: `${value < 1e-3 || value >= 1e5 ? value.toExponential(0) : value} ${unit}${clips ? ", longer arrows clipped" : ""}`, length: value / (each * pixel) };
+      return { color, heads, title, text: `${value < 1e-3 || value >= 1e5 ? value.toExponential(0) : value} ${unit}${clips ? ", longer arrows clipped" : ""}${several ? ` (${title.toLowerCase()})` : ""}`, length: value / (each * pixel) };
     });
     const now = JSON.stringify(bars);
     if (now === written) return;

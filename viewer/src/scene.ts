@@ -116,6 +116,10 @@ export interface Motion {
    * Spatial wrenches of the loop joints on their second bodies: for each sample and then for each loop joint.
    */
   loop_wrenches?: number[][][] | null;
+  /** The frames on which loads act, each as a point of a body. */
+  load_frames?: { name: string; body: number; point: Vec3 }[];
+  /** Spatial wrenches of the loads: for each sample and then for each of the frames. */
+  loads?: number[][][] | null;
   /** Tensions of the lines, N: for each sample and then for each line. */
   tensions?: number[][] | null;
 }
@@ -177,7 +181,8 @@ export function readScene(text: string): Scene {
   if (motion) {
     const k = motion.t.length;
     if (k === 0) fail("its motion has no sample");
-    for (const key of ["q", "v", "tau", "twists", "wrenches", "momenta", "contacts", "loop_wrenches",
+    motion.load_frames?.forEach((frame) => body(frame.body, `the load on "${frame.name}"`));
+    for (const key of ["q", "v", "tau", "twists", "wrenches", "momenta", "contacts", "loop_wrenches", "loads",
                        "tensions"] as const) {
       const samples = motion[key];
       if (samples && samples.length !== k) fail(`its motion has ${samples.length} samples of ${key} and ${k} of t`);

@@ -94,6 +94,11 @@ export class State {
     return this.numbered(this.scene.motion?.loop_wrenches, k);
   }
 
+  /** The spatial wrench of the loads on loaded frame k at the shown time; null if the scene has none. */
+  load(k: number): Screw | null {
+    return this.numbered(this.scene.motion?.loads, k);
+  }
+
   private numbered(samples: readonly number[][][] | null | undefined, k: number): Screw | null {
     if (!samples || !this.moment) return null;
     const { index, fraction } = this.moment;

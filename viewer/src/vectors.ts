@@ -30,6 +30,8 @@ interface Kind {
   drawn: () => Bearer[];
   /** All bearers whose arrows have the same scale. */
   scaledWith?: Bearer[];
+  /** Whether it is shown at first. */
+  on?: boolean;
 }
 
 /** The length of the longest arrow in a motion, in units of symbols. */
@@ -40,7 +42,7 @@ function said({ most, clips }: Scale, unit: string): string {
   return `${format(most)} ${unit}${clips ? " and more" : ""}`;
 }
 
-/** The layers of twists, wrenches of joints and loops, forces of springs, and momenta. */
+/** The layers of twists, wrenches of joints and loops, loads, forces of springs, and momenta. */
 export function vectorLayers(view: View): Layer[] {
   const { scene, state } = view;
   const motion = scene.motion!;
@@ -57,11 +59,13 @@ export function vectorLayers(view: View): Layer[] {
   const momenta = ofBodies("momenta", centre);
   const ofLoops = loopBearers(view);
   const forces = [...wrenches, ...ofLoops];
+  const loads = loadBearers(view);
   const wrench = { units: ["N m", "N"], dual: true, colors: colors.wrenches } as const;
   return [
     layer(view, { id: "twists", title: "Twists", units: ["rad/s", "m/s"], dual: false, colors: colors.twists, where: "at the centre of mass", bearers: twists, drawn: chosen(twists) }),
     layer(view, { ...wrench, id: "wrenches", title: "Wrenches of joints", where: "at the joint", bearers: wrenches, drawn: chosen(wrenches), scaledWith: forces }),
     layer(view, { ...wrench, id: "loop-wrenches", title: "Wrenches of loops", where: "at the loop joint, on its second body", bearers: ofLoops, drawn: () => ofLoops, scaledWith: forces }),
+    layer(view, { ...wrench, id: "loads", title: "Loads", where: "at the frame on which it acts", bearers: loads, drawn: () => loads, on: true }),
     springForces(view),
     layer(view, { id: "momenta", title: "Momenta", units: ["N m s", "N s"], dual: true, colors: colors.momenta, where: "at the centre of mass", bearers: momenta, drawn: chosen(momenta) }),
   ].filter((made) => made !== null);
@@ -76,6 +80,12 @@ function loopBearers({ scene, state }: View): Bearer[] {
     at: (sample) => samples[sample][k],
     now: () => state.loopWrench(k),
   }));
+}
+
+function loadBearers({ scene, state }: View): Bearer[] {
+  const { load_frames: frames, loads: samples } = scene.motion!;
+  if (!frames || !samples) return [];
+  return frames.map(({ body, point }, k) => ({ body, point: new Vector3(...point), at: (sample) => samples[sample][k], now: () => state.load(k) }));
 }
 
 /** Moments up to this part of the forces, and forces up to this part of the moments, have no arrows. */
@@ -137,7 +147,7 @@ function layer(view: View, kind: Kind): Layer | null {
       .map(({ most, clips }, k) => ({ color: kind.colors[k], heads: 2 - k, unit: units[k], each: most / long(), clips }))
       .filter(({ each }) => each > 0);
   };
-  return { id: kind.id, title: kind.title, hint: () => hint, swatch: kind.colors[0], on: false, over: true, root, update, scales };
+  return { id: kind.id, title: kind.title, hint: () => hint, swatch: kind.colors[0], on: kind.on ?? false, over: true, root, update, scales };
 }
 
 /** The forces of springs and dampers on the bodies at both of their ends. */

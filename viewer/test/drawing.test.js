@@ -13,7 +13,7 @@ const source = {};
 let server;
 before(async () => {
   server = await createServer({ root, configFile: false, logLevel: "error", server: { middlewareMode: true, hmr: false, ws: false, watch: null }, optimizeDeps: { noDiscovery: true } });
-  for (const name of ["couplings", "ground", "kinematics", "loops", "palette", "scale", "shapes", "state"]) {
+  for (const name of ["couplings", "ground", "history", "kinematics", "loops", "palette", "scale", "shapes", "state", "vectors"]) {
     source[name] = await server.ssrLoadModule(`/src/${name}.ts`);
   }
 });
@@ -102,6 +102,20 @@ test("a rod reaches from one end of its loop to the other", () => {
   });
 });
 
+test("bodies move in planes if their hinges are parallel and no slider leads out of the planes", () => {
+  const normalOf = (...joints) => {
+    const builder = new SceneBuilder("planes");
+    joints.forEach(([kind, axis], k) => builder.body(`b${k}`, k, kind, frameAt([0.1 * k, 0, 0], axis)));
+    const normal = source.kinematics.planeNormal(builder.scene, poses(builder.scene, builder.scene.q).map((C) => new Matrix4().set(...C.flat())));
+    return normal?.toArray().map((x) => Math.abs(Math.round(x)));
+  };
+  const [x, z] = [[1, 0, 0], [0, 0, 1]];
+  assert.deepEqual(normalOf(["revolute", z], ["prismatic", x], ["revolute", z]), [0, 0, 1]);
+  assert.equal(normalOf(["revolute", z], ["prismatic", z]), undefined);
+  assert.equal(normalOf(["revolute", z], ["revolute", x]), undefined);
+  assert.equal(normalOf(["prismatic", x]), undefined);
+});
+
 test("nothing is drawn between the ends of a closed loop, and a line between those of an open one", () => {
   for (const closed of [true, false]) {
     const scene = fourBar();
@@ -111,6 +125,33 @@ test("nothing is drawn between the ends of a closed loop, and a line between tho
     const [[gap]] = matricesOf(layer);
     const size = gap.getMaxScaleOnAxis();
     assert.ok(closed ? size === 0 : size > 0.01, `it is ${size} m long`);
+  }
+});
+
+test("the force of a load stands at its frame, and the longest one has the length that the legend names", () => {
+  const scene = fourBar();
+  const at = [0.1, 0.2, 0];
+  scene.motion.load_frames = [{ name: "tip", body: 2, point: at }];
+  const force = (k) => [0, 0, 10 + (k % 2)];
+  const C = scene.motion.q.map((q) => poses(scene, q)[2]);
+  const places = C.map((C_k) => new Vector3(...apply(C_k, at)));
+  scene.motion.loads = places.map((p, k) => [[...p.clone().cross(new Vector3(...force(k))).toArray(), ...force(k)]]);
+  const state = new source.state.State(scene);
+  const layer = source.vectors.vectorLayers({ scene, state, stage, history: new source.history.History(scene) }).find(({ id }) => id === "loads");
+  for (const k of [0, 31]) {
+    state.setTime(scene.motion.t[k]);
+    layer.update();
+    const [, second] = layer.root.children;
+    const [shafts, heads] = second.children;
+    assert.deepEqual([shafts.count, heads.count], [1, 1]);
+    const [shaft, head] = [new Matrix4(), new Matrix4()];
+    shafts.getMatrixAt(0, shaft);
+    heads.getMatrixAt(0, head);
+    const [from, tip] = [shaft, head].map((matrix) => new Vector3().setFromMatrixPosition(matrix));
+    near(from.distanceTo(places[k]), 0, 1e-6);
+    const [scale] = layer.scales();
+    assert.deepEqual([scale.heads, scale.unit], [1, "N"]);
+    near(tip.distanceTo(from) * scale.each, force(k)[2], 1e-4);
   }
 });
 
@@ -202,7 +243,16 @@ test("bodies have edges, and arrows that are clipped a legend that says so", { s
     const moved = await browser.open(scene);
     await moved.page.evaluate(() => (window.axode.setLayer("wrenches", true), window.axode.setTime(1)));
     await moved.page.waitForFunction(() => document.querySelector("#legend").textContent.includes("longer arrows clipped"));
-    assert.deepEqual([heard, moved.heard], [[], []]);
+    // A load of 20 N stands at the point of its frame, and the legend has its scale.
+    const loaded = movingArm();
+    loaded.motion.load_frames = [{ name: "flange", body: loaded.bodies.length - 1, point: [0, 0, 0.3] }];
+    loaded.motion.loads = loaded.motion.t.map(() => [[0, 0, 0, 0, 0, -20]]);
+    const pulled = await browser.open(loaded);
+    assert.equal(await pulled.page.evaluate(() => window.axode.layers().loads), true);
+    await pulled.page.waitForFunction(() => document.querySelector("#legend").textContent.match(/\d N$/));
+    await pulled.page.click("#tab-layers");
+    await pulled.page.waitForFunction(() => document.querySelector("#layers").textContent.includes("at the frame on which it acts; longest"));
+    assert.deepEqual([heard, moved.heard, pulled.heard], [[], [], []]);
   } finally {
     await browser.close();
   }
