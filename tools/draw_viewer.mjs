@@ -49,6 +49,7 @@ axode view arm7.toml --motion run.csv`,
   machine: { time: 0.4, ...SMALL },
   n_four_bar: { layers: TRACED, time: 0.5, ...SMALL },
   quadruped: { time: 0.2, ...SMALL },
+  radial_drill: { time: 1.2, orbit: [0.15, -0.1, 1.15], ...SMALL },
   slider_crank: { time: 0.3, ...SMALL },
 };
 

@@ -72,15 +72,15 @@ export function placeOfJoint({ joint: { kind }, S_self, mass, com }: Body): Vect
 
 /** The normal of the planes in which all bodies move; null if there are none. */
 export function planeNormal(scene: Scene, poses: readonly Matrix4[]): Vector3 | null {
-  let normal: Vector3 | null = null;
+  const axes: Record<"revolute" | "prismatic", Vector3[]> = { revolute: [], prismatic: [] };
   for (const [i, { joint, S_self }] of scene.bodies.entries()) {
-    if (i === 0 || joint.kind === "prismatic") continue;
-    if (joint.kind !== "revolute") return null;
-    const axis = new Vector3(0, 0, 1).transformDirection(poses[i].clone().multiply(matrixOf(S_self)));
-    normal ??= axis;
-    if (Math.abs(axis.dot(normal)) < 0.9999) return null;
+    if (i === 0) continue;
+    if (joint.kind !== "revolute" && joint.kind !== "prismatic") return null;
+    axes[joint.kind].push(new Vector3(0, 0, 1).transformDirection(poses[i].clone().multiply(matrixOf(S_self))));
   }
-  return normal;
+  const normal = axes.revolute[0] ?? null;
+  const isPlanar = axes.revolute.every((axis) => Math.abs(axis.dot(normal)) > 0.9999) && axes.prismatic.every((axis) => !normal || Math.abs(axis.dot(normal)) < 0.01);
+  return isPlanar ? normal : null;
 }
 
 /** The mass of all bodies and their centre of mass. */
