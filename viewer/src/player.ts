@@ -1,6 +1,8 @@
 import { element, format, freshId } from "./element";
 import type { State } from "./state";
 
+/** While a motion plays, its time is written once in this many milliseconds: each writing takes a layout of the page. */
+const WRITING = 50;
 const SPEEDS = [0.05, 0.1, 0.25, 0.5, 1, 2, 5, 10];
 
 /** Plays a motion. It has the time cursor and the controls that move it. */
@@ -9,6 +11,8 @@ export class Player {
   private loop = true;
   private speed = 1;
   private last = 0;
+  /** When the time was last written. */
+  private written = 0;
   private readonly start: number;
   private readonly end: number;
   private readonly button: HTMLButtonElement;
@@ -121,7 +125,11 @@ export class Player {
     if (this.state.moment === null && this.playing) {
       this.playing = false; // somebody took the bodies out of the motion
     }
-    this.button.textContent = this.playing ? "Pause" : "Play";
+    const text = this.playing ? "Pause" : "Play";
+    if (this.button.textContent !== text) this.button.textContent = text;
+    const now = performance.now();
+    if (this.playing && now - this.written < WRITING) return;
+    this.written = now;
     this.scrub.value = String(this.state.t);
     this.scrub.setAttribute("aria-valuetext", `${format(this.state.t)} s`);
     this.clock.textContent = `${this.state.t.toFixed(3)} / ${this.end.toFixed(3)} s`;

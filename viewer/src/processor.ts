@@ -14,6 +14,13 @@ function asked(): boolean {
   return !!context && !!names && /swiftshader|llvmpipe|softpipe/i.test(String(context.getParameter(names.UNMASKED_RENDERER_WEBGL)));
 }
 
+/**
+ * Layers of the camera for things of which a processor draws a simpler form while the scene moves: the simpler forms, and the
+ * things themselves.
+ */
+export const MOVING = 2;
+export const RESTING = 3;
+
 /** If there are more things of a kind than this, each of them is small on the screen. */
 export const MANY = 60;
 

@@ -6,7 +6,9 @@ import {
   FrontSide,
   Group,
   IcosahedronGeometry,
+  InstancedMesh,
   Matrix4,
+  MeshLambertMaterial,
   MeshStandardMaterial,
   SphereGeometry,
   Vector3,
@@ -22,7 +24,7 @@ import { Instances, type Item } from "./instances";
 import { matrixOf, placeOfJoint } from "./kinematics";
 import type { Part } from "./meshes";
 import { colorOfBody, colors } from "./palette";
-import { drawsOnProcessor, MANY } from "./processor";
+import { drawsOnProcessor, MANY, MOVING, RESTING } from "./processor";
 import type { Scene, Shape } from "./scene";
 
 /** Geometries of size 1; round ones have `sides` sides. */
@@ -123,34 +125,48 @@ function pieces(shape: Shape, meshes: readonly Part[][], solid: typeof fine): { 
   }
 }
 
-function material(opacity: number, collision: boolean, mesh: boolean): MeshStandardMaterial {
-  return new MeshStandardMaterial({
-    roughness: 0.62,
-    metalness: 0.05,
+/** A material without gloss, if a processor draws, because gloss would take a third of the time for a frame. */
+function material(opacity: number, collision: boolean, mesh: boolean): MeshStandardMaterial | MeshLambertMaterial {
+  const seen = {
     opacity,
     transparent: opacity < 1,
     depthWrite: opacity === 1,
     side: mesh ? DoubleSide : FrontSide,
     wireframe: collision,
-  });
+  };
+  return drawsOnProcessor() ? new MeshLambertMaterial(seen) : new MeshStandardMaterial({ ...seen, roughness: 0.62, metalness: 0.05 });
+}
+
+/** Draws things in a simpler form while the scene moves. */
+function simplerWhileMoving(things: Instances, geometry: BufferGeometry): InstancedMesh {
+  const simpler = new InstancedMesh(geometry, things.material, things.items.length);
+  simpler.instanceMatrix = things.instanceMatrix;
+  simpler.instanceColor = things.instanceColor;
+  simpler.frustumCulled = false;
+  simpler.layers.set(MOVING);
+  things.layers.set(RESTING);
+  return simpler;
 }
 
 /** The shapes of one layer, with edges if one cannot see through them. Shapes of the same appearance are drawn together. */
 export function shapeGroup(scene: Scene, shapes: readonly Shape[], meshes: readonly Part[][]): Group {
   const depth = scene.bodies.map(() => 0);
   scene.bodies.forEach((body, i) => i > 0 && (depth[i] = depth[body.predecessor] + 1));
-  const gathered = new Map<string, { geometry: BufferGeometry; material: Material; items: Item[] }>();
+  const gathered = new Map<string, { geometry: BufferGeometry; simpler: BufferGeometry; material: Material; items: Item[] }>();
   const solid = solidsFor(shapes.length);
+  const simple = drawsOnProcessor() && solid === fine ? coarse : solid;
   for (const shape of shapes) {
     const collision = shape.role === "collision";
     const opacity = collision ? 0.5 : (shape.color?.[3] ?? 1);
     const pose = matrixOf(shape.pose);
     if (shape.stand_in) apart(pose, depth[shape.body]);
-    for (const piece of pieces(shape, meshes, solid)) {
+    const simpler = pieces(shape, meshes, simple);
+    for (const [k, piece] of pieces(shape, meshes, solid).entries()) {
       const own = shape.color || collision ? null : piece.material;
       const key = `${piece.geometry.uuid} ${shape.kind} ${opacity} ${own?.uuid ?? ""}`;
       const made = gathered.get(key) ?? {
         geometry: piece.geometry,
+        simpler: simpler[k].geometry,
         material: own ?? material(opacity, collision, shape.kind === "mesh" || shape.kind === "socket"),
         items: [],
       };
@@ -163,10 +179,11 @@ export function shapeGroup(scene: Scene, shapes: readonly Shape[], meshes: reado
     }
   }
   const group = new Group();
-  for (const { geometry, material, items } of gathered.values()) {
+  for (const { geometry, simpler, material, items } of gathered.values()) {
     const drawn = new Instances(geometry, material, items);
     drawn.castShadow = !material.transparent;
     group.add(drawn);
+    if (simpler !== geometry) group.add(simplerWhileMoving(drawn, simpler));
     const isSolid = !material.transparent && !(material as MeshStandardMaterial).wireframe;
     const edges = isSolid ? edgesOf(drawn) : null;
     if (edges) group.add(edges);

@@ -5,6 +5,7 @@ import {
   DirectionalLight,
   Group,
   HemisphereLight,
+  Light,
   LineBasicMaterial,
   LineSegments,
   Matrix4,
@@ -27,7 +28,7 @@ import { EDGES, sizeEdges } from "./edges";
 import { heightOfGround } from "./ground";
 import { Instances } from "./instances";
 import { palettes } from "./palette";
-import { drawsOnProcessor } from "./processor";
+import { drawsOnProcessor, MOVING, RESTING } from "./processor";
 import { Resolution } from "./resolution";
 
 /** The scene counts as resting if nothing was drawn for this many milliseconds. */
@@ -189,16 +190,18 @@ export class Stage {
     this.draw(true);
   }
 
-  /** Draws a frame. A processor draws no edges while the scene moves, since frames would take too long. */
+  /** Draws a frame. A processor draws no edges and simpler forms while the scene moves, since frames would take too long. */
   private draw(rests: boolean): void {
     this.pending = 0;
     ++this.frames;
     this.keepInView();
     this.beforeFrame();
-    if (rests || !drawsOnProcessor()) this.camera.layers.enable(EDGES);
-    else this.camera.layers.disable(EDGES);
-    this.renderer.clear();
-    this.renderer.render(this.space, this.camera);
+    const simply = drawsOnProcessor() && !rests;
+    const { layers } = this.camera;
+    for (const layer of simply ? [EDGES, RESTING] : [MOVING]) layers.disable(layer);
+    for (const layer of simply ? [MOVING] : [EDGES, RESTING]) layers.enable(layer);
+    this.renderer.render(this.space, this.camera); // its background clears the canvas
+    if (!this.over.children.some((child) => child.visible && !(child instanceof Light))) return;
     this.renderer.clearDepth();
     this.renderer.render(this.over, this.camera);
   }
@@ -337,6 +340,7 @@ export class Stage {
   pick(x: number, y: number): number | null {
     const { clientWidth: width, clientHeight: height } = this.canvas;
     const ray = new Raycaster();
+    ray.layers.enable(RESTING);
     ray.setFromCamera(new Vector2((2 * x) / width - 1, 1 - (2 * y) / height), this.camera);
     const visible: Object3D[] = this.bodies.children.filter((layer) => layer.visible);
     const hit = ray.intersectObjects(visible, true).find(({ object }) => object instanceof Instances);
