@@ -14,6 +14,7 @@ import warnings
 import weakref
 import webbrowser
 import zipfile
+from collections.abc import Callable, Sequence
 from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
 from pathlib import Path
 from typing import Any
@@ -24,6 +25,7 @@ from numpy.typing import ArrayLike, NDArray
 from . import _axode
 from .support import signatures
 from ._axode import Model, Trajectory
+from .records import Load
 from .support.written_files import replacing
 
 __all__ = ["Viewer", "view"]
@@ -31,8 +33,9 @@ __all__ = ["Viewer", "view"]
 PAGE = Path(__file__).parent / "share/axode/viewer/page.html"
 Contacts = tuple[list[str], list[NDArray[np.float64]]]
 """The names of the collision shapes, and for each time the points of contact, 17 numbers each, as in a page."""
-Motion = tuple[Any, Any, Any, Any, Any, Trajectory | Contacts | None]
-"""t, q, v, a and tau, the latter two perhaps None, and the contacts."""
+Motion = tuple[Any, Any, Any, Any, Any, Trajectory | Contacts | None, list[Load] | None]
+"""t, q, v, a and tau, the latter two perhaps None, the contacts, and the loads with a wrench for each time."""
+Loads = Sequence[Load] | Callable[[float, NDArray[np.float64], NDArray[np.float64]], Sequence[Load]]
 
 
 def _contacts_in(found: dict[str, Any], file: Path) -> Contacts | None:
@@ -49,6 +52,29 @@ def _contacts_in(found: dict[str, Any], file: Path) -> Contacts | None:
     except (KeyError, OverflowError, TypeError, ValueError) as error:
         raise ValueError(f"motion: the contacts in {file} lack a key or have a wrong value; "
                          "write the file with `axode simulate --output`") from error
+
+
+def _loads_in(frames: Sequence[Any], numbers: Any, file: Path) -> list[Load]:
+    """The loads in a file of `axode simulate`: a moment and a force for each frame, in inertial axes about its origin."""
+    rows = np.asarray(numbers, dtype=np.float64)
+    if rows.ndim != 2 or rows.shape[1] != 6 * len(frames):
+        raise ValueError(f"motion: the loads in {file} have the shape {rows.shape}; {len(frames)} loaded frames have "
+                         f"{6 * len(frames)} columns")
+    return [Load(frame=frame, representation="hybrid", wrench=rows[:, 6 * k:6 * k + 6]) for k, frame in enumerate(frames)]
+
+
+def _loads_of(motion: Motion, loads: Loads) -> list[Load]:
+    """The loads that were given to `simulate`. If a function computes them, there is a wrench for each time."""
+    if not callable(loads):
+        return list(loads)
+    t, q, v = (np.asarray(x, dtype=np.float64) for x in motion[:3])
+    sums: dict[tuple[str | int, Any], NDArray[np.float64]] = {}
+    for k in range(len(t)):
+        for load in loads(float(t[k]), q[k].copy(), v[k].copy()):
+            of = load["frame"], load.get("representation", "body")
+            sums.setdefault(of, np.zeros((len(t), 6)))[k] += np.asarray(load["wrench"], dtype=np.float64)
+    return [Load(frame=frame, representation=representation, wrench=wrench)
+            for (frame, representation), wrench in sums.items()]
 
 
 def _table_in(file: Path) -> tuple[list[str], NDArray[np.float64]]:
@@ -76,7 +102,9 @@ def _motion_in(m: Model, file: Path) -> Motion:
     if file.suffix == ".npz":
         try:
             with np.load(file, allow_pickle=False) as arrays:
-                found = {name: arrays[name] for name in names if name in arrays}
+                found = {name: arrays[name] for name in (*names, "loads", "load_frames") if name in arrays}
+            if "load_frames" in found:
+                found["load_frames"] = [int(frame) for frame in found["load_frames"]]
         except (zipfile.BadZipFile, EOFError, TypeError, ValueError) as error:
             raise ValueError(f"motion: {file} is not an .npz of arrays") from error
     elif file.suffix == ".json":
@@ -90,6 +118,10 @@ def _motion_in(m: Model, file: Path) -> Motion:
                  for what, wanted in columns.items() if all(column in place for column in wanted)}
         if "t" in found:
             found["t"] = found["t"][:, 0]
+        of_frames = {frame: [f"load {what}: {frame} {axis}" for what in ("moment", "force") for axis in "xyz"]
+                     for frame in m.frame_names}
+        found["load_frames"] = [frame for frame, wanted in of_frames.items() if all(column in place for column in wanted)]
+        found["loads"] = numbers[:, [place[column] for frame in found["load_frames"] for column in of_frames[frame]]]
     else:
         raise ValueError(f"motion: {file} is none of .csv, .json, .npz")
     missing = [name for name in names[:3] if not isinstance(found, dict) or name not in found]
@@ -98,14 +130,15 @@ def _motion_in(m: Model, file: Path) -> Motion:
     if len(found["t"]) == 0:
         raise ValueError(f"motion: {file} has no states")
     t, q, v, a, tau = (found.get(name) for name in names)
-    return t, q, v, a, tau, _contacts_in(found, file)
+    loads = _loads_in(found["load_frames"], found["loads"], file) if found.get("load_frames") and "loads" in found else None
+    return t, q, v, a, tau, _contacts_in(found, file), loads
 
 
 def _motion_of(m: Model, motion: Trajectory | str | os.PathLike[str] | None) -> Motion | None:
     if motion is None:
         return None
     if isinstance(motion, Trajectory):
-        return motion.t, motion.q, motion.v, motion.a, motion.tau, motion
+        return motion.t, motion.q, motion.v, motion.a, motion.tau, motion, None
     if not isinstance(motion, (str, os.PathLike)):
         raise TypeError(f"motion is of type {type(motion).__name__}; expected a Trajectory, which has times as well, such as "
                         "`simulate` gives, or the name of a file .csv, .json or .npz with t, q and v")
@@ -236,11 +269,15 @@ class Viewer:
     """
 
     def __init__(self, m: Model, q: ArrayLike | None = None,
-                 motion: Trajectory | str | os.PathLike[str] | None = None) -> None:
+                 motion: Trajectory | str | os.PathLike[str] | None = None, loads: Loads | None = None) -> None:
         if not PAGE.exists():
             raise RuntimeError("this build of axode has no viewer; build it with npm installed")
         self._m = m
         self._motion = _motion_of(m, motion)
+        if loads is not None:
+            if self._motion is None:
+                raise ValueError(f'loads are shown in a motion of model "{m.name}"; give motion as well')
+            self._motion = (*self._motion[:-1], _loads_of(self._motion, loads))
         self._q: Any = q if q is not None else _axode.first_configuration(m) if self._motion is None else np.asarray(self._motion[1])[0]
         self._server: _Server | None = None
         self._finalizer: Any = None
@@ -298,10 +335,12 @@ class Viewer:
 
 
 def view(m: Model, q: ArrayLike | None = None, motion: Trajectory | str | os.PathLike[str] | None = None, *,
-         output: str | os.PathLike[str] | None = None) -> Viewer:
+         loads: Loads | None = None, output: str | os.PathLike[str] | None = None) -> Viewer:
     """Shows a mechanism, at q (nq,), or in its initial state with loops closed, and a motion of it: in a notebook there, otherwise in a browser.
 
     motion: from `simulate`, or the .csv, .json or .npz that `axode simulate --output` has written.
+    loads: the loads of the motion, as `simulate` took them, which a Trajectory does not have. They are drawn, and act in
+        the wrenches of joints. Files that `axode simulate --output` has written have their own.
     output: a file of HTML to write instead of showing it; it needs no other file and no network.
 
     `Viewer.push(q)` moves it on the page, `Viewer.save(path)` writes the page, `Viewer.close()` ends the connection.
@@ -319,7 +358,7 @@ def view(m: Model, q: ArrayLike | None = None, motion: Trajectory | str | os.Pat
     >>> page.read_text().startswith("<!doctype html>")
     True
     """
-    viewer = Viewer(m, q, motion)
+    viewer = Viewer(m, q, motion, loads)
     if output is not None:
         viewer.save(output)
     elif not _is_in_notebook():

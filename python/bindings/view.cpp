@@ -6,6 +6,7 @@
 
 #include "axode/model/configuration.hpp"
 #include "python/bindings/contact_force.hpp"
+#include "python/bindings/states/states.hpp"
 #include "python/bindings/support/bindings.hpp"
 #include "python/bindings/support/conversions.hpp"
 #include "python/bindings/support/long_call.hpp"
@@ -53,7 +54,16 @@ void set_contacts(nb::handle given, ShownMotion& motion) {
   }
 }
 
-/// The motion in a tuple (t, q, v, a, tau, contacts), of which a, tau and contacts may be None.
+/// Sets the loads of a motion with coordinates q: axode.Loads with one wrench, or one for each time.
+void set_loads(const BoundModel& m, ArrayLike q, nb::handle given, ShownMotion& motion) {
+  const States states(m, q, 1, "motion.q");
+  const AppliedLoads loads(states, {given.ptr()}, false);
+  for (std::size_t k = 0; k < states.count() && loads.count() > 0; ++k)
+    loads.with(
+        k, [&](const Loads<>& now) { motion.loads.emplace_back(now.wrenches.begin(), now.wrenches.end()); });
+}
+
+/// The motion in a tuple (t, q, v, a, tau, contacts, loads). All but t, q and v may be None.
 ShownMotion motion_from(const BoundModel& m, const nb::tuple& given) {
   const auto rows = [&](std::size_t k, const char* name, int width) {
     if (given[k].is_none()) return std::vector<double>{};
@@ -67,6 +77,10 @@ ShownMotion motion_from(const BoundModel& m, const nb::tuple& given) {
   ShownMotion motion{rows(0, "motion.t", 0), rows(1, "motion.q", m->nq()), rows(2, "motion.v", m->nv()),
                      rows(3, "motion.a", m->nv()), rows(4, "motion.tau", m->nv())};
   if (!given[5].is_none()) set_contacts(given[5], motion);
+  if (const nb::object loads = given[6]; !loads.is_none()) {
+    const nb::object q = given[1];
+    set_loads(m, {q.ptr()}, loads, motion);
+  }
   return motion;
 }
 
@@ -101,12 +115,12 @@ void add_view(nb::module_& module) {
       },
       "m"_a, nb::sig("def first_configuration(m: Model) -> numpy.typing.NDArray[numpy.float64]"),
       "The configuration that a page shows first if no other is given; see axode.viewer.");
-  module.def(
-      "viewer_page", &page_of, "m"_a, "empty_page"_a, "q"_a, "motion"_a.none(), "live"_a,
-      nb::sig("def viewer_page(m: Model, empty_page: str, q: numpy.typing.ArrayLike, "
-              "motion: tuple[typing.Any, typing.Any, typing.Any, typing.Any, typing.Any, typing.Any] | None, "
-              "live: str) -> tuple[str, list[str], list[str]]"),
-      "The page of a scene, its warnings, and the files of its meshes; see axode.viewer.");
+  module.def("viewer_page", &page_of, "m"_a, "empty_page"_a, "q"_a, "motion"_a.none(), "live"_a,
+             nb::sig("def viewer_page(m: Model, empty_page: str, q: numpy.typing.ArrayLike, "
+                     "motion: tuple[typing.Any, typing.Any, typing.Any, typing.Any, typing.Any, typing.Any, "
+                     "typing.Any] | None, "
+                     "live: str) -> tuple[str, list[str], list[str]]"),
+             "The page of a scene, its warnings, and the files of its meshes; see axode.viewer.");
 }
 
 }  // namespace axode::python

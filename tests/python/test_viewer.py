@@ -147,6 +147,50 @@ def test_motions_and_files_of_motions_are_the_same(tmp_path):
     assert scene_in((tmp_path / "other.html").read_text(encoding="utf-8"))["q"] == [1, 1]
 
 
+def test_loads_of_a_motion_are_shown_however_they_are_given(tmp_path):
+    page = tmp_path / "page.html"
+    weight = axode.Load(frame="flange", representation="hybrid", wrench=[0, 0, 0, 0, 0, -20])
+    times = np.linspace(0, 0.2, 5)
+    motion = axode.simulate(ARM, np.full(7, 0.3), np.zeros(7), until=0.2, times=times, loads=[weight])
+
+    def shown(given, loads=None):
+        axode.view(ARM, motion=given, loads=loads, output=page)
+        return scene_in(page.read_text(encoding="utf-8"))["motion"]
+
+    scene = shown(motion, [weight])
+    assert [(frame["name"], frame["body"]) for frame in scene["load_frames"]] == [("flange", 7)]
+    flange = ARM.frame_names.index("flange")
+    for k, q in enumerate(motion.q):
+        place = axode.poses(ARM, q)[flange, :3, 3]
+        np.testing.assert_allclose(scene["loads"][k][0], [*np.cross(place, [0, 0, -20]), 0, 0, -20], atol=1e-12)
+    assert shown(motion, lambda t, q, v: [weight]) == scene
+    assert shown(motion)["loads"] is None
+    assert shown(motion)["wrenches"] != scene["wrenches"]
+    growing = shown(motion, lambda t, q, v: [{**weight, "wrench": [0, 0, 0, 0, 0, -20 * t]}] if t > 0.1 else [])
+    np.testing.assert_allclose([row[0][5] for row in growing["loads"]], np.where(times > 0.1, -20 * times, 0), atol=1e-12)
+
+    row = np.tile([0.0, 0, 0, 0, 0, -20], (5, 1))
+    arrays = {"t": motion.t, "q": motion.q, "v": motion.v, "a": motion.a, "tau": motion.tau, "loads": row}
+    np.savez(tmp_path / "run.npz", load_frames=[float(flange)], **arrays)
+    (tmp_path / "run.json").write_text(json.dumps({name: array.tolist() for name, array in arrays.items()} | {"load_frames": ["flange"]}))
+    with (tmp_path / "run.csv").open("w", newline="") as file:
+        writer = csv.writer(file, quoting=csv.QUOTE_NONNUMERIC)
+        writer.writerow(["t", *(f"q {name}" for name in ARM.coordinate_names),
+                         *(f"{what} {name}" for what in ("v", "a", "tau") for name in ARM.velocity_names),
+                         *(f"load {what}: flange {axis}" for what in ("moment", "force") for axis in "xyz")])
+        for k in range(5):
+            writer.writerow([motion.t[k], *motion.q[k], *motion.v[k], *motion.a[k], *motion.tau[k], *row[k]])
+    for ending in ("npz", "json", "csv"):
+        assert shown(tmp_path / f"run.{ending}") == scene
+    (tmp_path / "run.json").write_text(json.dumps({name: array.tolist() for name, array in arrays.items()} | {"load_frames": ["flange"] * 2}))
+    with pytest.raises(ValueError, match="2 loaded frames have 12 columns"):
+        shown(tmp_path / "run.json")
+    with pytest.raises(ValueError, match="give motion as well"):
+        axode.view(ARM, loads=[weight], output=page)
+    with pytest.raises(KeyError, match='no frame "flang"; did you mean "flange"'):
+        shown(motion, [{**weight, "frame": "flang"}])
+
+
 def test_states_and_motions_that_do_not_fit_are_refused(tmp_path, no_thread_is_left):
     page = tmp_path / "page.html"
     motion = axode.simulate(PENDULUM, [2, 0.5], [0.1, 0.2], until=0.1)
