@@ -88,7 +88,7 @@ function ground({ stage }: View): Layer {
  * Where the axes of a body are drawn: at its origin if that is on the body, and else at its joint. The origin
  * of a body that is drawn in the construction frame may be metres away from it.
  */
-function placeOfFrame(scene: Scene, i: number): Vector3 {
+export function placeOfFrame(scene: Scene, i: number): Vector3 {
   if (i === 0) return new Vector3();
   const { com, S_self } = scene.bodies[i];
   const joint = new Vector3(S_self[0], S_self[1], S_self[2]);

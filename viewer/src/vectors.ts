@@ -1,10 +1,12 @@
 import { Group, Vector3 } from "three";
 import { Arrows } from "./arrows";
+import { placeOfFrame } from "./body_layers";
 import { format } from "./element";
 import { matrixOf, placeOfJoint } from "./kinematics";
 import type { Layer, View } from "./layers";
 import { colors } from "./palette";
 import { scaleOf, toArrow, type Scale } from "./scale";
+import type { Vec3 } from "./scene";
 import { screwOf, twistAbout, wrenchAbout, type Screw } from "./screws";
 
 /** Something that has a screw in a motion, and the point of a body at which the arrows of the screw stand. */
@@ -65,7 +67,7 @@ export function vectorLayers(view: View): Layer[] {
     layer(view, { id: "twists", title: "Twists", units: ["rad/s", "m/s"], dual: false, colors: colors.twists, where: "at the centre of mass", bearers: twists, drawn: chosen(twists) }),
     layer(view, { ...wrench, id: "wrenches", title: "Wrenches of joints", where: "at the joint", bearers: wrenches, drawn: chosen(wrenches), scaledWith: forces }),
     layer(view, { ...wrench, id: "loop-wrenches", title: "Wrenches of loops", where: "at the loop joint, on its second body", bearers: ofLoops, drawn: () => ofLoops, scaledWith: forces }),
-    layer(view, { ...wrench, id: "loads", title: "Loads", where: "at the frame on which it acts", bearers: loads, drawn: () => loads, on: true }),
+    layer(view, { ...wrench, id: "loads", title: "Loads", where: "at the frame on which it acts, or at the joint of a body whose origin is not on it", bearers: loads, drawn: () => loads, on: true }),
     springForces(view),
     layer(view, { id: "momenta", title: "Momenta", units: ["N m s", "N s"], dual: true, colors: colors.momenta, where: "at the centre of mass", bearers: momenta, drawn: chosen(momenta) }),
   ].filter((made) => made !== null);
@@ -85,7 +87,8 @@ function loopBearers({ scene, state }: View): Bearer[] {
 function loadBearers({ scene, state }: View): Bearer[] {
   const { load_frames: frames, loads: samples } = scene.motion!;
   if (!frames || !samples) return [];
-  return frames.map(({ body, point }, k) => ({ body, point: new Vector3(...point), at: (sample) => samples[sample][k], now: () => state.load(k) }));
+  const place = (name: string, body: number, point: Vec3) => (scene.bodies[body].name === name ? placeOfFrame(scene, body) : new Vector3(...point));
+  return frames.map(({ name, body, point }, k) => ({ body, point: place(name, body, point), at: (sample) => samples[sample][k], now: () => state.load(k) }));
 }
 
 /** Moments up to this part of the forces, and forces up to this part of the moments, have no arrows. */
