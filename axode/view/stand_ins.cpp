@@ -356,9 +356,28 @@ void Draughtsman::add_mount(const Vec3<>& middle) {
   put({0, std::move(mount)});
 }
 
+/// The bodies that need no placeholder: those with shapes, and the massless body inside a cylindrical joint
+/// between two of them. The point of such a joint may be anywhere on its axis, far from both bodies.
+std::vector<bool> complete(const Model& model, const std::vector<bool>& seen) {
+  std::vector<bool> out = seen;
+  std::vector<int> successors(seen.size());
+  for (int i = 1; i <= model.n_bodies(); ++i)
+    ++successors[static_cast<std::size_t>(model.body(i).predecessor)];
+  for (int i = 1; i <= model.n_bodies(); ++i) {
+    const int between = model.body(i).predecessor;
+    if (!seen[i] || model.joint(i).kind != Subgroup::prismatic || between == 0 || successors[between] > 1)
+      continue;
+    const int before = model.body(between).predecessor;
+    const bool is_inside = model.body(between).M.m == 0 && model.joint(between).kind == Subgroup::revolute;
+    if (is_inside && (before == 0 || seen[before])) out[between] = true;
+  }
+  return out;
+}
+
 }  // namespace
 
-std::vector<StandIn> stand_ins(const Model& model, const std::vector<bool>& seen) {
+std::vector<StandIn> stand_ins(const Model& model, const std::vector<bool>& with_shapes) {
+  const std::vector<bool> seen = complete(model, with_shapes);
   Draughtsman draughtsman(model, seen);
   for (int i = 1; i <= model.n_bodies(); ++i) {
     if (!seen[i]) draughtsman.draw_body(i);

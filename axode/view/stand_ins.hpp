@@ -22,7 +22,8 @@ struct StandIn {
 };
 
 /// Placeholders for bodies without a visible shape, for their joints, and for the mounts of these joints on
-/// the ground; `seen` says of the ground and of each body whether it has a visible shape.
+/// the ground; `with_shapes` says of the ground and of each body whether it has a visible shape. The massless
+/// body inside a cylindrical joint between two bodies with shapes has none.
 ///
 /// A body is drawn between the points of its joints, frames, loops, springs and drives: as a bar between two
 /// points, and as their rounded convex hull if there are more (of at most 60 corners). Heavier bodies are
@@ -33,6 +34,6 @@ struct StandIn {
 /// Joints are drawn by kind (parts_of()), in the colour of drives unless the joint is passive. The bodies of
 /// a planar mechanism lie above each other (levels_of()). A body that slides and whose joint has no point is
 /// on a rail. Poses are in the body frames.
-std::vector<StandIn> stand_ins(const Model& model, const std::vector<bool>& seen);
+std::vector<StandIn> stand_ins(const Model& model, const std::vector<bool>& with_shapes);
 
 }  // namespace axode::view

@@ -261,6 +261,16 @@ TEST(StandIns, OnlyWhereNothingIsSeen) {
 
 /// A body whose mesh is lost is drawn as its collision shapes, or else by a stand-in, also if a small part of
 /// it is left.
+TEST(StandIns, ACylindricalJointBetweenBodiesWithShapesHasNone) {
+  const auto stand_ins_in = [](const Model& model) {
+    const Json scene = scene_of(model, neutral(model));
+    return std::ranges::count_if(scene["shapes"],
+                                 [](const Json& shape) { return shape["stand_in"] == true; });
+  };
+  EXPECT_EQ(stand_ins_in(shipped("radial_drill.toml")), 0);
+  EXPECT_GT(stand_ins_in(without_shapes("radial_drill.toml")), 5);
+}
+
 TEST(StandIns, ReplaceMeshesThatAreLost) {
   using enum ShapeKind;
   const auto visual = ShapeDescription::Role::visual, collision = ShapeDescription::Role::collision;
