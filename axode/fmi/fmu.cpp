@@ -28,11 +28,15 @@ std::string identifier_of(const std::string& name) {
   return out.empty() ? "mechanism" : out;
 }
 
-/// The mechanism as the text of a drawing, without its shapes.
+/// The mechanism as the text of a drawing, with the shapes that touch.
 std::string drawing_of(const Model& model) {
   Description description = model.description();
-  description.shapes.clear();
-  for (BodyDescription& body : description.bodies) body.shapes.clear();
+  const bool touches = description.contact.has_value();
+  const auto is_superfluous = [touches](const ShapeDescription& shape) {
+    return !touches || shape.role != ShapeDescription::Role::collision;
+  };
+  std::erase_if(description.shapes, is_superfluous);
+  for (BodyDescription& body : description.bodies) std::erase_if(body.shapes, is_superfluous);
   std::ostringstream out;
   write_drawing(ModelBuilder(std::move(description)).build(), out);
   return out.str();

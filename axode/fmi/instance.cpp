@@ -9,7 +9,6 @@
 #include "axode/io.hpp"
 #include "axode/model/building/builder.hpp"
 #include "axode/model/configuration.hpp"
-#include "axode/table/check_counts.hpp"
 
 namespace axode::fmi {
 namespace {
@@ -26,25 +25,6 @@ constexpr double usual_norm_error = 1e-6;
 /// be 0, up to its error in time, the margin is thus negative and the status changes.
 constexpr double indicator_shift = 1e-9;
 
-/// The properties of mechanisms that FMUs of each kind take into account or refuse. Contact, hard stops and
-/// dry friction are refused elsewhere.
-constexpr catalog::Counts of_co_simulation{.loops = catalog::counted,
-                                           .passive_joints = catalog::counted,
-                                           .springs = catalog::counted,
-                                           .joint_losses = catalog::optional,
-                                           .motions = catalog::counted,
-                                           .drives = catalog::counted,
-                                           .plays = catalog::counted,
-                                           .contacts = catalog::of_the_tree()};
-constexpr catalog::Counts of_model_exchange{.loops = catalog::counted,
-                                            .passive_joints = catalog::counted,
-                                            .springs = catalog::counted,
-                                            .joint_losses = catalog::optional,
-                                            .motions = catalog::counted,
-                                            .drives = catalog::counted,
-                                            .plays = catalog::refused("export it for co-simulation"),
-                                            .contacts = catalog::of_the_tree()};
-
 Model read(std::string_view drawing) {
   return ModelBuilder(read_drawing_text(drawing, "mechanism.toml")).build();
 }
@@ -54,37 +34,6 @@ std::string open_at(double t) {
 }
 
 }  // namespace
-
-void check_supported(const Model& model, const Settings& settings, Kind kind) {
-  const bool exchange = kind == Kind::model_exchange;
-  const std::string fmu = exchange ? "an FMU for model exchange" : "an FMU for co-simulation";
-  catalog::check_counts(fmu, exchange ? of_model_exchange : of_co_simulation, model, catalog::Caller::whole);
-  const auto refuse = [&](const std::string& property, const std::string& where, const char* instead) {
-    throw std::invalid_argument(fmu + " does not count " + property + ", and " + where + " of model \"" +
-                                model.name() + "\" has it; " + instead);
-  };
-  if (model.description().contact)
-    throw std::invalid_argument(fmu + " does not count contact, and model \"" + model.name() +
-                                "\" has settings of contact; remove [contact], or simulate it with axode");
-  for (const Joint& joint : model.joints())
-    for (const Dof& dof : joint.dof) {
-      const std::string where = "joint \"" + joint.name + '"';
-      if (dof.hard_stops)
-        refuse("a hard stop", where, "give its stop a stiffness, or simulate it with axode");
-      const bool rubs = settings.joint_losses && dof.friction != 0,
-                 gear_loses = settings.joint_losses && has_gear_losses(dof);
-      if (exchange && rubs)
-        refuse("dry friction", where, "export it for co-simulation, or without joint losses");
-      if (exchange && gear_loses)
-        refuse("a loss of a gear", where, "export it for co-simulation, or without joint losses");
-      if (!rubs && !gear_loses) continue;
-      const std::string losses = "dry friction or losses of gears ";
-      if (std::ranges::find(model.motions(), joint.name, &MotionDescription::of) != model.motions().end())
-        refuse(losses + "of a joint that follows a motion", where, "export it without joint losses");
-      if (!model.loops().backlashes.empty())
-        refuse(losses + "together with play", where, "export it without joint losses");
-    }
-}
 
 Instance::Instance(Kind kind, std::string_view drawing, std::string_view settings)
     : kind_(kind),
@@ -160,12 +109,7 @@ void Instance::prepare() {
 }
 
 void Instance::start_stepping() {
-  Tolerances tolerances;
-  if (tolerance_) {
-    tolerances.relative = *tolerance_;
-    tolerances.absolute = 0.01 * *tolerance_;
-  }
-  motion_.emplace(model_, settings_, at_.t, at_.q, at_.v, tolerances);
+  motion_.emplace(model_, settings_, at_.t, at_.q, at_.v, tolerance_);
   motion_->set_forces(at_.tau, applied(at_.wrenches, table_.loads()));
 }
 
@@ -366,12 +310,12 @@ Instance::Event Instance::update_discrete_states() {
 
 // Derivatives.
 
-/// Whether dry friction, losses of gears or play act, so that accelerations have no derivatives.
+/// Whether contact, dry friction, losses of gears or play act, so that accelerations have no derivatives.
 bool Instance::has_jumps() const {
   const auto rubs = [](const Joint& joint) {
     return std::ranges::any_of(joint.dof, [](const Dof& dof) { return dof.friction != 0; });
   };
-  return !model_.loops().backlashes.empty() ||
+  return moves_with_contact(model_) || !model_.loops().backlashes.empty() ||
          (settings_.joint_losses && (!model_.gears().empty() || std::ranges::any_of(model_.joints(), rubs)));
 }
 
@@ -421,7 +365,8 @@ std::optional<Eigen::Index> Instance::column(const Variable& known) const {
 Eigen::MatrixXd Instance::jacobian(References unknowns, References knowns) {
   prepare();
   if (has_jumps())
-    throw std::runtime_error("there are no derivatives with dry friction, losses of gears or play");
+    throw std::runtime_error(
+        "there are no derivatives with contact, hard stops, dry friction, losses of gears or play");
   if (!jacobian_) jacobian_ = equations_.jacobian(at_, table_.frames());
   const Eigen::MatrixXd& all = *jacobian_;
   Eigen::MatrixXd J = Eigen::MatrixXd::Zero(static_cast<Eigen::Index>(unknowns.size()),

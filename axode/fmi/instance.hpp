@@ -4,18 +4,12 @@
 #include <string_view>
 #include <vector>
 
+#include "axode/fmi/check_supported.hpp"
 #include "axode/fmi/motion_equations.hpp"
 #include "axode/fmi/stepped_motion.hpp"
 #include "axode/fmi/variables.hpp"
 
 namespace axode::fmi {
-
-/// The kinds of FMUs: the importing program integrates (model exchange), or the FMU (co-simulation).
-enum class Kind { model_exchange, co_simulation };
-
-/// Throws std::invalid_argument if the mechanism has a property that FMUs of the given kind do not support,
-/// such as contact, hard stops or, in model exchange, dry friction.
-void check_supported(const Model& model, const Settings& settings, Kind kind);
 
 /// An instance of an FMU (Functional Mock-up Unit), independent of the version of FMI. All functions throw
 /// std::runtime_error or std::invalid_argument with a sentence for the log. A copy of an Instance is a saved

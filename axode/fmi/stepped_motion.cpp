@@ -2,18 +2,35 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <limits>
 #include <stdexcept>
 #include <utility>
 
 #include "axode/eigen.hpp"
+#include "axode/integration/methods.hpp"
+#include "axode/integration/momenta/simulate_contact.hpp"
 #include "axode/integration/schemes/explicit_steps.hpp"
 
 namespace axode::fmi {
+namespace {
+
+constexpr double usual_step_with_contact =
+    std::ranges::find(methods, std::string_view("contact"), [](const auto& row) { return row.first; })
+        -> second.usual_step;
+
+}  // namespace
+
+bool moves_with_contact(const Model& model) {
+  return model.description().contact || std::ranges::any_of(model.joints(), [](const Joint& joint) {
+           return std::ranges::any_of(joint.dof, &Dof::hard_stops);
+         });
+}
 
 std::shared_ptr<SteppedMotion::Fixed> SteppedMotion::fixed(const Model& model, const Settings& settings) {
-  auto made =
-      std::make_shared<Fixed>(Fixed{model, {}, std::vector<double>(static_cast<std::size_t>(model.nv()))});
+  auto made = std::make_shared<Fixed>(
+      Fixed{.model = model, .tau = std::vector<double>(static_cast<std::size_t>(model.nv()))});
+  if (moves_with_contact(model)) made->shapes.emplace(model);
   made->options.joint_losses = settings.joint_losses;
   made->options.drive = [&tau = made->tau](double, Span, Span, std::span<double> out) {
     std::ranges::copy(tau, out.begin());
@@ -26,15 +43,19 @@ std::shared_ptr<SteppedMotion::Fixed> SteppedMotion::fixed(const Model& model, c
 }
 
 SteppedMotion::SteppedMotion(const Model& model, const Settings& settings, double t, Span q, Span v,
-                             const Tolerances& tolerances)
+                             std::optional<double> tolerance)
     : fixed_(fixed(model, settings)),
       tau_(fixed_->tau),
       t_0_(t),
-      tolerances_(tolerances),
+      adapts_(tolerance.has_value()),
       run_(fixed_->model, q, v, 0, fixed_->options) {
   if (t != 0 && !(model.motions().empty() && model.drives().empty()))
     throw std::invalid_argument("co-simulation starts at t = " + std::to_string(t) +
                                 " s; a mechanism with prescribed motions or drives starts at 0 s");
+  if (tolerance) {
+    tolerances_.relative = *tolerance;
+    tolerances_.absolute = 0.01 * *tolerance;
+  }
   // Forces change only at communication points, where steps end, so that long steps cannot miss a change.
   if (model.motions().empty()) tolerances_.largest_step = std::numeric_limits<double>::infinity();
   check();
@@ -55,7 +76,8 @@ void SteppedMotion::set_forces(Span tau, std::vector<AppliedWrench<>> loads) {
   tau_.assign(tau.begin(), tau.end());
   loads_ = std::move(loads);
   act();
-  if (!changed) return;
+  // After a step with contact, accelerations are the means over the step, and sticking joints are not known.
+  if (!changed || (fixed_->shapes && run_.now() > 0)) return;
   if (Failure failure = run_.forces_changed()) run_.stop(failure);
   check();
 }
@@ -68,10 +90,31 @@ void SteppedMotion::act() {
 
 void SteppedMotion::advance(double t) {
   act();
+  if (fixed_->shapes) return advance_with_contact(t);
   if (Failure failure = run_.continue_until(t - t_0_)) run_.stop(failure);
   take_adapted_steps(run_, t - t_0_, tolerances_);
   check();
   forget_past();
+}
+
+void SteppedMotion::advance_with_contact(double t) {
+  const double before = run_.now(), h = t - t_0_ - before;
+  Tolerances tolerances = tolerances_;
+  tolerances.largest_step = h;
+  const double parts = std::ceil(h / usual_step_with_contact - 1e-9);
+  const Trajectory part =
+      adapts_ ? simulate_contact(fixed_->model, *fixed_->shapes, q(), v(), h, tolerances, fixed_->options)
+              : simulate_contact(fixed_->model, *fixed_->shapes, q(), v(), h, h / std::max(1.0, parts),
+                                 fixed_->options);
+  if (!part.complete)
+    throw std::runtime_error("in the communication step from t = " + std::to_string(this->t()) +
+                             " s, where times count from its start, the motion ends " + part.stop_reason);
+  const std::size_t last = part.size() - 1, nv = tau_.size();
+  run_.a = (as_eigen(part.v(last)) - as_eigen(part.v(last - 1))) / (part.t()[last] - part.t()[last - 1]);
+  run_.q = as_eigen(part.q(last));
+  run_.v = as_eigen(part.v(last));
+  run_.trajectory = Trajectory(fixed_->model);
+  run_.trajectory.append(before + h, q(), v(), a(), part.tau().subspan(last * nv, nv));
 }
 
 /// Removes all states of the trajectory except the last one.

@@ -1,25 +1,33 @@
 #pragma once
 #include <memory>
+#include <optional>
 #include <span>
 #include <vector>
 
+#include "axode/contact/contact_shapes.hpp"
 #include "axode/fmi/variables.hpp"
 #include "axode/integration/runs/simulation_run.hpp"
 
 namespace axode::fmi {
 
+/// Whether a co-simulation of the mechanism is a simulation with contact: collision shapes touch if the
+/// mechanism has settings of contact, and joints stop at hard stops.
+bool moves_with_contact(const Model& model);
+
 /// A motion in a co-simulation, integrated from one communication point to the next as by simulate(): loops
 /// are closed at the end of each step, and steps end where dry friction, drives or couplings with play
-/// change. Drive forces and loads are constant between communication points.
+/// change. If moves_with_contact(), it is integrated as by simulate_contact() instead, and its state at a
+/// communication point is (q, v) alone. Drive forces and loads are constant between communication points.
 class SteppedMotion {
  public:
   using Span = std::span<const double>;
 
-  /// Starts at the state (q, v) at time t (s), with the initial states of drives in the description. Throws
-  /// std::invalid_argument for a state in which a motion cannot start, and if t is not 0 and the mechanism
-  /// has prescribed motions or drives.
+  /// Starts at the state (q, v) at time t (s), with the initial states of drives in the description. Without
+  /// a relative tolerance, the tolerances of simulate() hold, and a motion with contact takes steps of a
+  /// constant length. Throws std::invalid_argument for a state in which a motion cannot start, and if t is
+  /// not 0 and the mechanism has prescribed motions or drives.
   SteppedMotion(const Model& model, const Settings& settings, double t, Span q, Span v,
-                const Tolerances& tolerances);
+                std::optional<double> tolerance);
   /// A copy continues independently; both write their forces to one memory before they integrate.
   SteppedMotion(const SteppedMotion& other);
 
@@ -31,6 +39,7 @@ class SteppedMotion {
   double t() const { return t_0_ + run_.now(); }
   Span q() const { return {run_.q.data(), static_cast<std::size_t>(run_.q.size())}; }
   Span v() const { return {run_.v.data(), static_cast<std::size_t>(run_.v.size())}; }
+  /// The accelerations; after a step of a motion with contact, their means over the last step.
   Span a() const { return {run_.a.data(), static_cast<std::size_t>(run_.a.size())}; }
   /// The drives with their present discrete statuses and inputs.
   const DriveSystem& drives() { return run_.drives().system(); }
@@ -41,6 +50,7 @@ class SteppedMotion {
   /// The model, the options and the forces, to which the integration refers; copies of a motion share them.
   struct Fixed {
     Model model;
+    std::optional<ContactShapes> shapes = {};  ///< empty unless moves_with_contact()
     SimulationOptions options = {};
     std::vector<double> tau;
     std::vector<AppliedWrench<>> loads = {};
@@ -48,12 +58,14 @@ class SteppedMotion {
   static std::shared_ptr<Fixed> fixed(const Model& model, const Settings& settings);
   void check() const;
   void forget_past();
+  void advance_with_contact(double t);
   void act();
 
   std::shared_ptr<Fixed> fixed_;
   std::vector<double> tau_;
   std::vector<AppliedWrench<>> loads_;
   double t_0_;
+  bool adapts_;  ///< whether a motion with contact is adapted to the tolerances
   Tolerances tolerances_;
   SimulationRun run_;
 };

@@ -511,8 +511,6 @@ TEST(FmuErrors, RefuseInOneSentenceWhatAKindDoesNotCount) {
               HasSubstr("does not count a loss of a gear, and joint \"pin\""));
   EXPECT_EQ(refused(with_gear, Kind::model_exchange, {}), "nothing was refused");
   EXPECT_EQ(refused(with_gear, Kind::co_simulation, losses), "nothing was refused");
-  EXPECT_THAT(refused(shipped("quadruped.toml"), Kind::co_simulation, {}),
-              HasSubstr("an FMU for co-simulation does not count contact, and model \"quadruped\""));
   ModelBuilder geared(shipped("double_pendulum.toml"));
   geared.add(CouplingDescription{.name = "gear", .terms = {{"pin", 1}, {"elbow", -2}}, .play = 0.1});
   EXPECT_THAT(refused(geared.build(), Kind::model_exchange, {}),

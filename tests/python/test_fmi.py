@@ -272,9 +272,22 @@ def test_faults_of_a_master_are_named_in_its_log(exported, version, capfd):
     driven.close()
 
 
+@pytest.mark.parametrize("version", VERSIONS)
+def test_a_co_simulation_touches_as_axode_does(exported, version):
+    m = axode.load(axode.robots / "quadruped.toml")
+    fmu = exported(m, version, kinds=["co_simulation"])
+    assert fmpy_validation.validate_fmu(fmu) == []
+    q, v = m.initial_state()
+    motion = axode.simulate(m, q, v, 0.1, method="contact", step=1e-3)
+    result = fmpy.simulate_fmu(fmu, fmi_type="CoSimulation", stop_time=0.1, output_interval=0.01)
+    at = ends_of(result, m)
+    assert np.allclose(at[0], motion.q[-1], rtol=0, atol=1e-6)
+    assert np.allclose(at[1], motion.v[-1], rtol=0, atol=1e-5)
+
+
 def test_what_an_fmu_does_not_count_is_refused(tmp_path):
     quadruped = axode.load(axode.robots / "quadruped.toml")
-    with pytest.raises(ValueError, match='does not count contact, and model "quadruped" has settings of contact'):
+    with pytest.raises(ValueError, match='for model exchange does not count contact, and model "quadruped" has settings of'):
         axode.fmi.export(quadruped, tmp_path / "a.fmu")
     arm = axode.load(axode.robots / "arm7.toml")
     with pytest.raises(KeyError, match='has no frame "hand"'):

@@ -1,0 +1,98 @@
+#include "axode/fmi/check_supported.hpp"
+
+#include <algorithm>
+#include <stdexcept>
+#include <string>
+
+#include "axode/fmi/stepped_motion.hpp"
+#include "axode/table/check_counts.hpp"
+
+namespace axode::fmi {
+namespace {
+
+/// The properties of mechanisms that FMUs of each kind take into account or refuse, for co-simulation without
+/// and with contact. Contact, hard stops and losses of joints are refused elsewhere.
+constexpr catalog::Counts of_co_simulation{.loops = catalog::counted,
+                                           .passive_joints = catalog::counted,
+                                           .springs = catalog::counted,
+                                           .joint_losses = catalog::optional,
+                                           .motions = catalog::counted,
+                                           .drives = catalog::counted,
+                                           .plays = catalog::counted,
+                                           .contacts = catalog::of_the_tree()};
+constexpr catalog::Count without_contact = catalog::refused("remove [contact] and the hard stops of joints");
+constexpr catalog::Counts of_motions_with_contact{.loops = catalog::counted,
+                                                  .passive_joints = catalog::counted,
+                                                  .springs = catalog::counted,
+                                                  .joint_losses = catalog::optional,
+                                                  .motions = without_contact,
+                                                  .drives = without_contact,
+                                                  .plays = without_contact,
+                                                  .contacts = catalog::counted};
+constexpr catalog::Counts of_model_exchange{.loops = catalog::counted,
+                                            .passive_joints = catalog::counted,
+                                            .springs = catalog::counted,
+                                            .joint_losses = catalog::optional,
+                                            .motions = catalog::counted,
+                                            .drives = catalog::counted,
+                                            .plays = catalog::refused("export it for co-simulation"),
+                                            .contacts = catalog::of_the_tree()};
+
+const catalog::Counts& counts(const Model& model, Kind kind) {
+  if (kind == Kind::model_exchange) return of_model_exchange;
+  return moves_with_contact(model) ? of_motions_with_contact : of_co_simulation;
+}
+
+/// Throws std::invalid_argument for a collision shape that is a mesh, whose file an FMU does not contain.
+void refuse_meshes(const std::string& fmu, const Model& model) {
+  const auto refuse_in = [&](const std::vector<ShapeDescription>& shapes, const std::string& where) {
+    for (const ShapeDescription& shape : shapes)
+      if (shape.role == ShapeDescription::Role::collision && shape.kind == ShapeKind::mesh)
+        throw std::invalid_argument(fmu + " does not count contact of meshes, and " + where + " of model \"" +
+                                    model.name() + "\" has the collision shape \"" + shape.file +
+                                    "\"; give it boxes, spheres, cylinders, capsules or ellipsoids");
+  };
+  refuse_in(model.description().shapes, "the ground");
+  for (const BodyDescription& body : model.description().bodies)
+    refuse_in(body.shapes, "body \"" + body.name + '"');
+}
+
+}  // namespace
+
+void check_supported(const Model& model, const Settings& settings, Kind kind) {
+  const bool exchange = kind == Kind::model_exchange, touches = !exchange && moves_with_contact(model);
+  const std::string fmu = exchange  ? "an FMU for model exchange"
+                          : touches ? "an FMU for co-simulation with contact"
+                                    : "an FMU for co-simulation";
+  catalog::check_counts(fmu, counts(model, kind), model, catalog::Caller::whole);
+  const auto refuse = [&](const std::string& property, const std::string& where, const char* instead) {
+    throw std::invalid_argument(fmu + " does not count " + property + ", and " + where + " of model \"" +
+                                model.name() + "\" has it; " + instead);
+  };
+  if (exchange && model.description().contact)
+    throw std::invalid_argument(
+        fmu + " does not count contact, and model \"" + model.name() +
+        "\" has settings of contact; export it for co-simulation, or remove [contact]");
+  if (model.description().contact) refuse_meshes(fmu, model);
+  for (const Joint& joint : model.joints())
+    for (const Dof& dof : joint.dof) {
+      const std::string where = "joint \"" + joint.name + '"';
+      if (exchange && dof.hard_stops)
+        refuse("a hard stop", where, "export it for co-simulation, or give its stop a stiffness");
+      const bool rubs = settings.joint_losses && dof.friction != 0,
+                 gear_loses = settings.joint_losses && has_gear_losses(dof);
+      if (exchange && rubs)
+        refuse("dry friction", where, "export it for co-simulation, or without joint losses");
+      if (exchange && gear_loses)
+        refuse("a loss of a gear", where, "export it for co-simulation, or without joint losses");
+      if (touches && gear_loses) refuse("a loss of a gear", where, "export it without joint losses");
+      if (!rubs && !gear_loses) continue;
+      const std::string losses = "dry friction or losses of gears ";
+      if (std::ranges::find(model.motions(), joint.name, &MotionDescription::of) != model.motions().end())
+        refuse(losses + "of a joint that follows a motion", where, "export it without joint losses");
+      if (!model.loops().backlashes.empty())
+        refuse(losses + "together with play", where, "export it without joint losses");
+    }
+}
+
+}  // namespace axode::fmi

@@ -1,0 +1,187 @@
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "axode/integration.hpp"
+#include "tests/fmi/instance_of.hpp"
+
+/// Co-simulations with contact and hard stops.
+namespace axode::test {
+namespace {
+
+using fmi::Instance;
+using fmi::Kind;
+using fmi::Role;
+using testing::HasSubstr;
+
+constexpr double drop = 0.5;
+
+/// A ball that hops straight up and down on the floor.
+Model hopping_ball(double restitution) {
+  ShapeDescription floor{
+      .role = ShapeDescription::Role::collision, .name = "floor", .kind = ShapeKind::plane};
+  ShapeDescription skin = floor;
+  skin.name = "skin";
+  skin.kind = ShapeKind::sphere;
+  skin.radius = 0.1;
+  skin.contact.restitution = restitution;
+  Description d = ModelBuilder("ball")
+                      .gravity({0, 0, -10})
+                      .add({.name = "ball",
+                            .joint = {.name = "rail", .kind = JointKind::prismatic, .axis = {0, 0, 1}},
+                            .inertia = MassProperties{.mass = 2, .Theta = {0.01, 0.01, 0.01, 0, 0, 0}},
+                            .shapes = {skin}})
+                      .build()
+                      .description();
+  d.shapes = {floor};
+  d.contact.emplace();
+  return ModelBuilder(d).build();
+}
+
+/// The same motion by a hard stop.
+Model stopped_slide(double restitution) {
+  Description d = hopping_ball(restitution).description();
+  d.contact.reset();
+  d.shapes.clear();
+  d.bodies[0].shapes.clear();
+  d.bodies[0].joint.dof = {{.lower = 0.1, .upper = 5, .hard_stops = true, .restitution = restitution}};
+  return ModelBuilder(d).build();
+}
+
+/// Advances by equal communication steps from time `from` (s).
+void advance(Instance& instance, int steps, double h, double from = 0) {
+  for (int k = 0; k < steps; ++k) instance.step(from + k * h, h);
+}
+
+TEST(FmuContact, FollowsTheClosedFormOfABounce) {
+  constexpr double e = 0.6, g = 10, speed = 3.1622776601683795, first = speed / g;
+  for (const Model& model : {hopping_ball(e), stopped_slide(e)}) {
+    const fmi::VariableTable table = variables_of(model);
+    Instance instance = instance_of(model, Kind::co_simulation);
+    start(instance, table, {{0.1 + drop}}, {{0}}, 1e-9);
+    advance(instance, 5, 0.1);
+    const double t = 0.5 - first;
+    EXPECT_NEAR(values(instance, reference(table, "q.rail"))[0], 0.1 + e * speed * t - g * t * t / 2, 1e-7);
+    EXPECT_NEAR(values(instance, reference(table, "v.rail"))[0], e * speed - g * t, 1e-7);
+    EXPECT_NEAR(values(instance, reference(table, "der(v.rail)"))[0], -g, 1e-6);
+  }
+}
+
+/// Each communication step begins without the impulses of the last one, from which the library continues.
+TEST(FmuContact, IsThatOfTheLibraryInStepsOfTheUsualLengthWithoutATolerance) {
+  const Model model = load(AXODE_SOURCE_DIR "/examples/robots/quadruped.toml");
+  const fmi::VariableTable table = variables_of(model);
+  const InitialState at = initial_state(model);
+  SimulationOptions options;
+  options.joint_losses = true;
+  const Trajectory motion = simulate_contact(model, at.q, at.v, 0.1, 1e-3, options);
+  ASSERT_TRUE(motion.complete) << motion.stop_reason;
+  Instance instance = instance_of(model, Kind::co_simulation, {.joint_losses = true});
+  start(instance, table, at.q, at.v);
+  advance(instance, 10, 0.01);
+  const std::vector<double> q = values(instance, references(table, Role::coordinate)),
+                            v = values(instance, references(table, Role::velocity));
+  for (std::size_t k = 0; k < q.size(); ++k) EXPECT_NEAR(q[k], motion.q(motion.size() - 1)[k], 1e-6);
+  for (std::size_t k = 0; k < v.size(); ++k) EXPECT_NEAR(v[k], motion.v(motion.size() - 1)[k], 1e-5);
+}
+
+TEST(FmuContact, CarriesForcesOfTheMaster) {
+  const Model model = hopping_ball(0);
+  const fmi::VariableTable table = variables_of(model);
+  Instance instance = instance_of(model, Kind::co_simulation);
+  start(instance, table, {{0.1}}, {{0}});
+  advance(instance, 2, 0.05);
+  EXPECT_NEAR(values(instance, reference(table, "q.rail"))[0], 0.1, 1e-12);
+  EXPECT_NEAR(values(instance, reference(table, "der(v.rail)"))[0], 0, 1e-9);
+  instance.set(reference(table, "tau.rail"), std::vector{24.0});
+  advance(instance, 2, 0.05, 0.1);
+  EXPECT_NEAR(values(instance, reference(table, "q.rail"))[0], 0.1 + 2 * 0.1 * 0.1 / 2, 1e-12);
+  EXPECT_NEAR(values(instance, reference(table, "der(v.rail)"))[0], 2, 1e-9);
+}
+
+TEST(FmuContact, ContinuesAsItWasSaved) {
+  const Model model = load(AXODE_SOURCE_DIR "/examples/robots/quadruped.toml");
+  const fmi::VariableTable table = variables_of(model);
+  const InitialState at = initial_state(model);
+  Instance instance = instance_of(model, Kind::co_simulation);
+  start(instance, table, at.q, at.v);
+  advance(instance, 2, 0.01);
+  const Instance saved(instance);
+  advance(instance, 2, 0.01, 0.02);
+  Instance again(saved);
+  advance(again, 2, 0.01, 0.02);
+  for (const Role role : {Role::coordinate, Role::velocity, Role::acceleration})
+    EXPECT_EQ(values(again, references(table, role)), values(instance, references(table, role)));
+}
+
+TEST(FmuContact, KeepsTheShapesThatTouchInTheDrawing) {
+  const Model model = load(AXODE_SOURCE_DIR "/examples/robots/quadruped.toml");
+  const auto count = [](const Description& d, ShapeDescription::Role role) {
+    std::ptrdiff_t n = std::ranges::count(d.shapes, role, &ShapeDescription::role);
+    for (const BodyDescription& body : d.bodies)
+      n += std::ranges::count(body.shapes, role, &ShapeDescription::role);
+    return n;
+  };
+  const auto kept = [](const Model& of) {
+    for (const fmi::FmuFile& file : fmi::fmu_files(of, {.kinds = {Kind::co_simulation}}, ""))
+      if (file.name == "resources/mechanism.toml") return read_drawing_text(file.contents, "");
+    return Description{};
+  };
+  using enum ShapeDescription::Role;
+  EXPECT_GT(count(model.description(), collision), 4);
+  EXPECT_EQ(count(kept(model), collision), count(model.description(), collision));
+  EXPECT_EQ(count(kept(model), visual), 0);
+  Description without = model.description();
+  without.contact.reset();
+  EXPECT_EQ(count(kept(ModelBuilder(without).build()), collision), 0);
+}
+
+TEST(FmuContact, IsRefusedInOneSentenceWhereItDoesNotAct) {
+  const auto refusal = [](const Model& model, Kind kind, const fmi::Settings& settings = {}) -> std::string {
+    try {
+      check_supported(model, settings, kind);
+    } catch (const std::exception& error) {
+      return error.what();
+    }
+    return "nothing was refused";
+  };
+  const Model ball = hopping_ball(0.5);
+  EXPECT_EQ(refusal(ball, Kind::co_simulation), "nothing was refused");
+  EXPECT_EQ(refusal(ball, Kind::model_exchange),
+            "an FMU for model exchange does not count contact, and model \"ball\" has settings of contact; "
+            "export it for co-simulation, or remove [contact]");
+  Description d = ball.description();
+  d.bodies[0].shapes[0].kind = ShapeKind::mesh;
+  d.bodies[0].shapes[0].file = "ball.stl";
+  EXPECT_EQ(
+      refusal(ModelBuilder(d).build(), Kind::co_simulation),
+      "an FMU for co-simulation with contact does not count contact of meshes, and body \"ball\" of "
+      "model \"ball\" has the collision shape \"ball.stl\"; give it boxes, spheres, cylinders, capsules "
+      "or ellipsoids");
+  d = ball.description();
+  d.motions = {{.of = "rail", .coefficients = {0, 1}}};
+  EXPECT_EQ(refusal(ModelBuilder(d).build(), Kind::co_simulation),
+            "an FMU for co-simulation with contact does not count prescribed motions, and model \"ball\" has "
+            "1; remove [contact] and the hard stops of joints");
+  d = ball.description();
+  d.bodies[0].joint.dof = {{.gear_loss = 0.2}};
+  EXPECT_THAT(refusal(ModelBuilder(d).build(), Kind::co_simulation, {.joint_losses = true}),
+              HasSubstr("does not count a loss of a gear, and joint \"rail\""));
+
+  const fmi::VariableTable table = variables_of(ball);
+  Instance instance = instance_of(ball, Kind::co_simulation);
+  start(instance, table, {{1}}, {{0}});
+  std::vector<double> one(1);
+  try {
+    instance.directional_derivative(reference(table, "der(v.rail)"), reference(table, "q.rail"), one, one);
+    ADD_FAILURE() << "nothing was refused";
+  } catch (const std::runtime_error& error) {
+    EXPECT_STREQ(error.what(),
+                 "there are no derivatives with contact, hard stops, dry friction, losses of gears or play");
+  }
+}
+
+}  // namespace
+}  // namespace axode::test
