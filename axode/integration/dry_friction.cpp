@@ -77,6 +77,8 @@ int DryFriction::apply_friction(const Matrix& compliance, Span own, const Energy
   }
   find_forces(*std::ranges::max_element(own));
   for (Eigen::Index i = 0; i < k; ++i)
+    sticking_joint(i).set_margin(sticking_joint(i).friction, a_[i], tolerance_[i], own[at(i)]);
+  for (Eigen::Index i = 0; i < k; ++i)
     for (std::size_t c = 0; c < a.size(); ++c)
       a[c] += compliance(static_cast<Eigen::Index>(c), i) * sticking_joint(i).force;
   for (Eigen::Index i = 0; i < k; ++i) {
@@ -112,9 +114,10 @@ int DryFriction::apply_with_gears(const Matrix& compliance, Span own, const Ener
     Joint& joint = joints_[resisting_joints_[at(i)]];
     if (joint.direction != 0) continue;
     const double a_i = gear_forces_.a()[i], bound = gear_forces_.bound(i, a_i < 0 ? -1 : 1);
-    const double slip =
-        std::abs(a_i) / (by_friction * own[at(i)] * bound + by_largest * norm.alone(joint.velocity, size));
+    const double tolerance = by_friction * own[at(i)] * bound + by_largest * norm.alone(joint.velocity, size);
+    const double slip = std::abs(a_i) / tolerance;
     joint.force = gear_forces_.x()[i];
+    joint.set_margin(gear_forces_.bound(i, joint.force > 0 ? -1 : 1), a_i, tolerance, own[at(i)]);
     violation_ = std::max(violation_, slip);
     a[at(joint.velocity)] = slip > 1 ? a_i : 0;
   }
@@ -253,6 +256,12 @@ bool DryFriction::reverses(Span v_0, Span a_0, Span v_1, Span a_1, double h) con
     if (least < none * std::max(y_0, y_1)) return true;
   }
   return false;
+}
+
+double DryFriction::reserve(std::size_t k, Span v) const {
+  constexpr double least = 1e-12;
+  const Joint& joint = joints_[k];
+  return joint.direction == 0 ? joint.margin : joint.direction * v[at(joint.velocity)] + least;
 }
 
 double DryFriction::time_to_stop(Span v, Span a) const {

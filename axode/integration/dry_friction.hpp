@@ -1,5 +1,6 @@
 #pragma once
 #include <Eigen/Core>
+#include <cmath>
 #include <initializer_list>
 #include <span>
 #include <vector>
@@ -37,6 +38,14 @@ class DryFriction {
   /// Indices of velocities that stick, or have gears with losses: their friction depends on accelerations.
   const std::vector<int>& resisting() const { return resisting_; }
   bool has_gears() const { return has_gears_; }
+  /// The number of velocities with dry friction or gears with losses, and the index of the k-th of them.
+  std::size_t size() const { return joints_.size(); }
+  int velocity(std::size_t k) const { return joints_[k].velocity; }
+  /// A number that is negative if the k-th of these velocities, one of v, must stop or begin to slide. While
+  /// it slides, this is the velocity in the direction of sliding, plus 1e-12. While it sticks, this is the
+  /// distance (N m or N) of its friction force from the bound in the last apply_friction() and, if the force
+  /// is at its bound, minus the force that would be missing to hold it.
+  double reserve(std::size_t k, Span v) const;
 
   /// Starts at the velocities v: joints with dry friction slide in their direction, or stick if at rest.
   void start(Span v);
@@ -84,10 +93,17 @@ class DryFriction {
   struct Joint {
     int velocity;
     double friction;
-    int direction;     ///< direction of sliding, 1 or -1; 0 while the joint sticks
-    double force;      ///< the friction force while the joint sticks
-    Gear gear = {};    ///< without losses if the joint has no such gear
-    double slope = 0;  ///< derivative of the loss of a moving gear by the force that it transmits
+    int direction;      ///< direction of sliding, 1 or -1; 0 while the joint sticks
+    double force;       ///< the friction force while the joint sticks
+    double margin = 0;  ///< the result of reserve() while the joint sticks
+    Gear gear = {};     ///< without losses if the joint has no such gear
+    double slope = 0;   ///< derivative of the loss of a moving gear by the force that it transmits
+
+    /// Sets `margin` for a bound of the friction force and the acceleration a of this velocity, which slides
+    /// if |a| is above `tolerance`. `own` is the acceleration by a unit force.
+    void set_margin(double bound, double a, double tolerance, double own) {
+      margin = bound - std::abs(force) + (2 * tolerance - std::abs(a)) / own;
+    }
   };
   static std::size_t at(Eigen::Index c) { return static_cast<std::size_t>(c); }
   Joint& sticking_joint(Eigen::Index i) { return joints_[sticking_joints_[at(i)]]; }

@@ -30,17 +30,7 @@ void SimulationRun::start_plays() {
         "coupling \"" + plays_.name(0) +
         "\" has play, and joints have dry friction or gears with losses; a simulation "
         "counts one of both: set joint_losses to false or the friction to 0");
-  constexpr double tolerance = 1e-9;
-  for (std::size_t k = 0; k < plays_.size(); ++k) {
-    const double x = plays_.deflection(k, as_span(q)), half = plays_.half(k);
-    if (std::abs(x) > half + tolerance * (1 + half))
-      throw std::invalid_argument("coupling \"" + plays_.name(k) + "\" is " + std::to_string(x) +
-                                  " from the middle of its play at the start; its play is " +
-                                  std::to_string(2 * half) + " from end to end");
-    if (half - std::abs(x) > plays_.gap_resolution(k, as_span(q))) continue;
-    const int side = x > 0 ? upper : lower;
-    if (!(side * plays_.rate(k, as_span(v)) < 0)) meet_end(k, side);
-  }
+  note_plays(plays_.start(as_span(q), as_span(v), engagement()));
   if (Failure failure = settle_plays()) {
     stop(failure);
     return;
@@ -61,6 +51,21 @@ void SimulationRun::engage_plays() {
   loops_->determine_rank(as_span(q));
 }
 
+Plays::Engage SimulationRun::engagement() {
+  return [this] {
+    engage_plays();
+    return loops_ ? &*loops_ : nullptr;
+  };
+}
+
+/// Adds events of plays at the present time to the trajectory.
+void SimulationRun::note_plays(Plays::Events events) {
+  for (Trajectory::PlayEvent& event : events) {
+    event.t = now();
+    trajectory.play_events.push_back(std::move(event));
+  }
+}
+
 /// Computes for each play (backlash of a coupling) a number that becomes negative when the play must change:
 /// the gap to the nearer end if it is free, and the force with which the end pushes if it is at an end.
 Failure SimulationRun::reserves(double t, const StepEnd& end, std::vector<double>& out) {
@@ -71,8 +76,7 @@ Failure SimulationRun::reserves(double t, const StepEnd& end, std::vector<double
     if (Failure failure = accelerate(t, as_span(end.q), as_span(end.v), as_span(a_end))) return failure;
   }
   for (std::size_t k = 0; k < plays_.size(); ++k)
-    out[k] = plays_.side(k) == 0 ? plays_.gap(k, as_span(end.q)) + plays_.gap_resolution(k, as_span(end.q))
-                                 : -plays_.side(k) * loops_->multiplier(plays_.name(k));
+    out[k] = plays_.reserve(k, as_span(end.q), loops_ ? &*loops_ : nullptr);
   return {};
 }
 
@@ -83,8 +87,7 @@ double SimulationRun::time_of_dip(double t_1, const StepEnd& end) const {
   for (std::size_t k = 0; k < plays_.size(); ++k)
     for (const int side : {upper, lower}) {
       if (plays_.side(k) != 0) continue;
-      const double g_0 = plays_.half(k) - side * plays_.deflection(k, as_span(q)),
-                   g_1 = plays_.half(k) - side * plays_.deflection(k, as_span(end.q)),
+      const double g_0 = plays_.gap_to(k, side, as_span(q)), g_1 = plays_.gap_to(k, side, as_span(end.q)),
                    d_0 = -side * h * plays_.rate(k, as_span(v)),
                    d_1 = -side * h * plays_.rate(k, as_span(end.v));
       if (!(d_0 < 0 && d_1 > 0)) continue;
@@ -171,23 +174,7 @@ Failure SimulationRun::take_up_to_play(double t_1, StepEnd& end, const Attempt& 
 
 /// Changes plays with a negative `reserve`: a free one meets its end, and one at an end becomes free.
 Failure SimulationRun::change_plays(const std::vector<double>& reserve) {
-  std::vector<std::size_t> reaching;  // a play that leaves its end now does not meet it again
-  bool released = false;
-  for (std::size_t k = 0; k < plays_.size(); ++k) {
-    if (!(reserve[k] < 0)) continue;
-    if (plays_.side(k) == 0) {
-      reaching.push_back(k);
-      continue;
-    }
-    trajectory.play_events.push_back({plays_.name(k), now(), plays_.side(k), false});
-    plays_.set_side(k, 0);
-    released = true;
-  }
-  if (released) engage_plays();
-  for (const std::size_t k : reaching) {
-    const int side = plays_.deflection(k, as_span(q)) > 0 ? upper : lower;
-    if (side * plays_.rate(k, as_span(v)) > 0) meet_end(k, side);
-  }
+  note_plays(plays_.change(reserve, as_span(q), as_span(v), engagement()));
   if (Failure failure = settle_plays()) return failure;
   plays_.allow_overshoot(as_span(q));
   trajectory.jump(as_span(v), as_span(a), as_span(drives_.x), as_span(drives_.dx));
@@ -195,46 +182,13 @@ Failure SimulationRun::change_plays(const std::vector<double>& reserve) {
   return {};
 }
 
-/// Computes the impact of play (backlash) k on its lower or upper end (`side` -1 or 1). Another play at an
-/// end becomes free if the impact would pull there.
-void SimulationRun::meet_end(std::size_t k, int side) {
-  const double speed = side * plays_.rate(k, as_span(v)), e = plays_.restitution(k, speed);
-  plays_.set_side(k, side);
-  Vector v_after;
-  const auto pulled = [&](std::size_t j) {
-    return j != k && plays_.side(j) != 0 && plays_.side(j) * loops_->multiplier(plays_.name(j)) > 0;
-  };
-  for (bool again = true; again;) {
-    engage_plays();
-    v_after = v;
-    if (!loops_->bounce(as_span(q), e, as_span(v_after))) break;
-    again = false;
-    for (std::size_t j = 0; j < plays_.size(); ++j)
-      if (pulled(j)) {
-        plays_.set_side(j, 0);
-        again = true;
-      }
-  }
-  trajectory.play_events.push_back(
-      {plays_.name(k), now(), side, true, e == 0, speed, -side * loops_->multiplier(plays_.name(k))});
-  v = v_after;
-  if (e == 0) return;
-  plays_.set_side(k, 0);
-  engage_plays();
-}
-
 /// Computes the accelerations at the present state. A play at an end that would be pulled becomes free.
 Failure SimulationRun::settle_plays() {
   for (;;) {
     if (Failure failure = accelerate_now()) return failure;
-    bool released = false;
-    for (std::size_t k = 0; k < plays_.size(); ++k) {
-      if (plays_.side(k) == 0 || !(plays_.side(k) * loops_->multiplier(plays_.name(k)) > 0)) continue;
-      trajectory.play_events.push_back({plays_.name(k), now(), plays_.side(k), false});
-      plays_.set_side(k, 0);
-      released = true;
-    }
-    if (!released) return {};
+    Plays::Events released = plays_.release_pulled(loops_ ? &*loops_ : nullptr);
+    if (released.empty()) return {};
+    note_plays(std::move(released));
     engage_plays();
   }
 }

@@ -5,7 +5,6 @@
 #include "axode/derivatives/spring_derivatives.hpp"
 #include "axode/dynamics/forward_dynamics.hpp"
 #include "axode/dynamics/inverse_dynamics.hpp"
-#include "axode/dynamics/mass_matrix/mass_matrix.hpp"
 #include "axode/dynamics/springs.hpp"
 #include "axode/eigen.hpp"
 #include "axode/kinematics/check_arguments.hpp"
@@ -182,7 +181,10 @@ Failure SimulationRun::accelerate(double t, Span q_t, Span v_t, std::span<double
     weakest_row_ = std::min(weakest_row_, loops_->weakest_row());
     if (std::string why = loops_->unfollowed(q_t, v_t, a_t); !why.empty()) return {t, std::move(why)};
   }
-  return friction_.resisting().empty() ? Failure{} : apply_friction(t, q_t, v_t, a_t);
+  if (friction_.resisting().empty()) return {};
+  const Solvability held = response_.apply(model_, workspace_, loops_ ? &*loops_ : nullptr, friction_, norm_,
+                                           q_t, v_t, as_span(std::as_const(through_gears_)), a_t);
+  return held.ok() ? Failure{} : Failure{t, to_string(model_, held)};
 }
 
 Failure SimulationRun::residual(double t, const Vector& q_t, const Vector& v_t, const Vector& a_t,
@@ -291,29 +293,6 @@ void SimulationRun::add_resistance_of_drive(double t, Span q_t, Span v_t, double
 }
 
 // Dry friction.
-
-/// Changes the accelerations a_t without the friction that depends on accelerations to those with it.
-Failure SimulationRun::apply_friction(double t, Span q_t, Span v_t, std::span<double> a_t) {
-  const std::vector<int>& resisting = friction_.resisting();
-  columns_.resize(model_.nv(), static_cast<Eigen::Index>(resisting.size()));
-  own_.resize(resisting.size());
-  if (loops_) {
-    loops_->factorize(q_t);
-  } else {
-    compliance_.resize(model_.nv(), model_.nv());
-    static_cast<void>(inverse_mass_matrix(model_, workspace_, q_t, as_span(compliance_)));
-  }
-  Vector column(model_.nv());
-  for (std::size_t k = 0; k < resisting.size(); ++k) {
-    const int c = resisting[k];
-    own_[k] = loops_ ? loops_->unit_force_response(c, as_span(column)) : compliance_(c, c);
-    if (!loops_) column = compliance_.col(c);
-    columns_.col(static_cast<Eigen::Index>(k)) = column;
-  }
-  const int locked = friction_.apply_friction(columns_, own_, norm_, v_t, as_span(through_gears_), a_t);
-  if (locked < 0) return {};
-  return {t, to_string(model_, {.locked_body = body_of_velocity(model_.topology(), locked)})};
-}
 
 void SimulationRun::begin_step() {
   friction_.reset_violation();

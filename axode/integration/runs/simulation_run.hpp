@@ -11,6 +11,7 @@
 #include "axode/integration/closed_motion.hpp"
 #include "axode/integration/dry_friction.hpp"
 #include "axode/integration/runs/drive_states.hpp"
+#include "axode/integration/runs/friction_response.hpp"
 #include "axode/integration/runs/plays.hpp"
 #include "axode/integration/schemes/energy_norm.hpp"
 #include "axode/integration/simulation.hpp"
@@ -105,6 +106,8 @@ class SimulationRun {
   /// Whether forces or motions are functions of time.
   bool is_driven_in_time() const { return options_.drive || (loops_ && !loops_->motions().rows().empty()); }
   DriveStates& drives() { return drives_; }
+  /// The friction of joints, with the directions in which they slide at present.
+  const DryFriction& friction() const { return friction_; }
   const Tree<double>& tree() const { return model_.tree<double>(); }
   LocalCoordinates local_coordinates() const { return options_.local_coordinates; }
   ConfigurationGroup<double> group() const { return ConfigurationGroup<double>(tree(), local_coordinates()); }
@@ -161,16 +164,16 @@ class SimulationRun {
   Failure take_under_friction(double t_1, StepEnd& end, const Attempt& attempt);
   Failure end_at_switch(double& t_1, StepEnd& end, const Attempt& attempt);
   Failure switch_drives();
-  Failure apply_friction(double t, Span q_t, Span v_t, std::span<double> a_t);
   Failure ensure_accelerations(double t, StepEnd& end);
   void start_plays();
   void engage_plays();
+  Plays::Engage engagement();
+  void note_plays(Plays::Events events);
   Failure reserves(double t, const StepEnd& end, std::vector<double>& out);
   double time_of_dip(double t_1, const StepEnd& end) const;
   Failure take_up_to_play(double t_1, StepEnd& end, const Attempt& attempt);
   Failure find_change(double& t_1, StepEnd& end, const Attempt& attempt, std::vector<double>& reserve);
   Failure change_plays(const std::vector<double>& reserve);
-  void meet_end(std::size_t k, int side);
   Failure settle_plays();
   bool friction_changes(double t_0, double t_1, const StepEnd& end) const;
   bool stop_sliding(double within);
@@ -185,9 +188,8 @@ class SimulationRun {
 
   Vector driven_;            ///< the result of drive()
   SquareMatrix compliance_;  ///< ∂a/∂τ
-  SquareMatrix columns_;     ///< the columns of ∂a/∂τ that belong to DryFriction::resisting()
-  std::vector<double> own_;  ///< argument `own` of DryFriction::apply_friction()
-  Vector through_gears_;     ///< the part of tau_ that passes through gears, if there are any
+  FrictionResponse response_;
+  Vector through_gears_;  ///< the part of tau_ that passes through gears, if there are any
   std::vector<double> values_;
   double until_, weakest_row_ = 1;
   bool ended_ = false, accelerations_jumped_ = false;

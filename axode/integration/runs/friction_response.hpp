@@ -1,0 +1,29 @@
+#pragma once
+#include <span>
+#include <vector>
+
+#include "axode/integration/closed_motion.hpp"
+#include "axode/integration/dry_friction.hpp"
+#include "axode/model/workspace.hpp"
+
+namespace axode {
+
+/// The response Φ = ∂a/∂τ of a mechanism to joint forces, for the friction that depends on accelerations.
+class FrictionResponse {
+ public:
+  using Span = std::span<const double>;
+
+  /// Adds the friction of joints that stick, and of gears with losses, to the accelerations a (nv numbers) at
+  /// (q, v), which were computed without them: see DryFriction::apply_friction(). `loops` is null for a
+  /// mechanism without loops. Returns the body whose gear locks itself too strongly, if there is one.
+  [[nodiscard]] Solvability apply(const Model& model, Workspace<>& workspace, ClosedMotion* loops,
+                                  DryFriction& friction, const EnergyNorm& norm, Span q, Span v,
+                                  Span through_gears, std::span<double> a);
+
+ private:
+  DryFriction::Matrix all_;      ///< Φ, without loops
+  DryFriction::Matrix columns_;  ///< the columns of Φ that belong to DryFriction::resisting()
+  std::vector<double> own_;      ///< argument `own` of DryFriction::apply_friction()
+};
+
+}  // namespace axode
