@@ -38,8 +38,8 @@ constexpr const char* footer = R"(Example:
 An FMU is a file that other simulators run. It contains the mechanism as a drawing, and a binary for this
 platform with the parts of axode that simulate it. Loops stay closed, and springs, motions and drives act as
 in `axode simulate`. In model exchange the other simulator integrates; in co-simulation the FMU does, with
-dopri5, or as `axode simulate --contact` if the drawing has [contact] or hard stops. Model exchange refuses
-contact, hard stops, dry friction, losses of gears and play.
+dopri5, or as `axode simulate --contact` if the drawing has [contact] or hard stops. In model exchange dry
+friction, play and hard stops are events; contact is refused.
 
 Variables are in SI units. States and outputs are the coordinates q.JOINT and the velocities v.JOINT, with
 the rates der(q.JOINT) and der(v.JOINT). Inputs are the drive forces tau.JOINT and, for every --load, the

@@ -35,7 +35,7 @@ constexpr catalog::Counts of_model_exchange{.loops = catalog::counted,
                                             .joint_losses = catalog::optional,
                                             .motions = catalog::counted,
                                             .drives = catalog::counted,
-                                            .plays = catalog::refused("export it for co-simulation"),
+                                            .plays = catalog::counted,
                                             .contacts = catalog::of_the_tree()};
 
 const catalog::Counts& counts(const Model& model, Kind kind) {
@@ -69,29 +69,29 @@ void check_supported(const Model& model, const Settings& settings, Kind kind) {
     throw std::invalid_argument(fmu + " does not count " + property + ", and " + where + " of model \"" +
                                 model.name() + "\" has it; " + instead);
   };
-  if (exchange && model.description().contact)
-    throw std::invalid_argument(
-        fmu + " does not count contact, and model \"" + model.name() +
-        "\" has settings of contact; export it for co-simulation, or remove [contact]");
-  if (model.description().contact) refuse_meshes(fmu, model);
+  if (exchange && has_shapes_that_touch(model))
+    throw std::invalid_argument(fmu + " does not count contact, and model \"" + model.name() +
+                                "\" has shapes that touch; export it for co-simulation, or remove [contact]");
+  if (has_shapes_that_touch(model)) refuse_meshes(fmu, model);
   for (const Joint& joint : model.joints())
     for (const Dof& dof : joint.dof) {
       const std::string where = "joint \"" + joint.name + '"';
-      if (exchange && dof.hard_stops)
-        refuse("a hard stop", where, "export it for co-simulation, or give its stop a stiffness");
       const bool rubs = settings.joint_losses && dof.friction != 0,
                  gear_loses = settings.joint_losses && has_gear_losses(dof);
-      if (exchange && rubs)
-        refuse("dry friction", where, "export it for co-simulation, or without joint losses");
-      if (exchange && gear_loses)
-        refuse("a loss of a gear", where, "export it for co-simulation, or without joint losses");
+      const bool follows =
+          std::ranges::find(model.motions(), joint.name, &MotionDescription::of) != model.motions().end();
+      if (follows && dof.hard_stops)
+        refuse("a hard stop of a joint that follows a motion", where, "remove its stop");
       if (touches && gear_loses) refuse("a loss of a gear", where, "export it without joint losses");
       if (!rubs && !gear_loses) continue;
       const std::string losses = "dry friction or losses of gears ";
-      if (std::ranges::find(model.motions(), joint.name, &MotionDescription::of) != model.motions().end())
+      if (follows)
         refuse(losses + "of a joint that follows a motion", where, "export it without joint losses");
       if (!model.loops().backlashes.empty())
         refuse(losses + "together with play", where, "export it without joint losses");
+      if (exchange && has_hard_stops(model))
+        refuse(losses + "together with hard stops", where,
+               "export it for co-simulation, or without joint losses");
     }
 }
 

@@ -31,7 +31,7 @@ std::string identifier_of(const std::string& name) {
 /// The mechanism as the text of a drawing, with the shapes that touch.
 std::string drawing_of(const Model& model) {
   Description description = model.description();
-  const bool touches = description.contact.has_value();
+  const bool touches = has_shapes_that_touch(model);
   const auto is_superfluous = [touches](const ShapeDescription& shape) {
     return !touches || shape.role != ShapeDescription::Role::collision;
   };

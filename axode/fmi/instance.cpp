@@ -104,6 +104,7 @@ void Instance::prepare() {
   }
   if (!state_is_raw_) return;
   equations_.start(at_);
+  if (kind_ == Kind::model_exchange) equations_.start_plays(at_);
   state_is_raw_ = false;
   state_changed();
 }
@@ -129,7 +130,7 @@ void Instance::step(double t, double h) {
   at_.q.assign(motion_->q().begin(), motion_->q().end());
   at_.v.assign(motion_->v().begin(), motion_->v().end());
   at_.x.assign(motion_->x().begin(), motion_->x().end());
-  if (!equations_.drives().empty()) equations_.act_by(motion_->drives());
+  equations_.act_by(motion_->drives(), motion_->friction());
   state_changed();
 }
 
@@ -255,8 +256,15 @@ double Instance::gap(const Stop& stop) const {
 }
 
 double Instance::indicator(std::size_t k) {
-  return k < table_.stops().size() ? gap(table_.stops()[k])
-                                   : equations_.least_margin(at_) + indicator_shift * margin_scale_;
+  if (k < table_.stops().size()) return gap(table_.stops()[k]);
+  k -= table_.stops().size();
+  if (k < table_.n_statuses()) return reserves()[k];
+  return equations_.least_margin(at_) + indicator_shift * margin_scale_;
+}
+
+/// The event indicators of dry friction, plays and hard stops.
+std::vector<double> Instance::reserves() {
+  return kind_ == Kind::co_simulation ? equations_.rates(at_).reserves : rates().reserves;
 }
 
 double Instance::observe_margin() {
@@ -286,23 +294,23 @@ double Instance::drift(const Point& closed) const {
 
 bool Instance::needs_event() {
   if (observe_margin() < 0) return true;
-  const bool closes = !model_.loops().empty() || !model_.motions().empty();
+  if (table_.n_statuses() > 0 && std::ranges::min(reserves()) < 0) return true;
+  equations_.complete_step(at_);
   Point closed = at_;
   if (!equations_.close(closed)) throw std::runtime_error(open_at(at_.t));
-  if (!closes) return drift(closed) > usual_norm_error;
+  if (!equations_.has_loops()) return drift(closed) > usual_norm_error;
   return drift(closed) > (tolerance_ ? std::max(*tolerance_, least_drift) : usual_drift);
 }
 
 Instance::Event Instance::update_discrete_states() {
   Event event;
-  Point closed = at_;
-  if (!equations_.close(closed)) throw std::runtime_error(open_at(at_.t));
-  event.states_changed = closed.q != at_.q || closed.v != at_.v;
-  at_ = std::move(closed);
-  const std::vector<double> before = at_.x;
+  const Point before = at_;
+  if (!equations_.close(at_)) throw std::runtime_error(open_at(at_.t));
+  equations_.switch_plays(at_);
   equations_.switch_drives(at_);
   observe_margin();
-  event.states_changed = event.states_changed || at_.x != before;
+  equations_.switch_friction(at_);
+  event.states_changed = at_.q != before.q || at_.v != before.v || at_.x != before.x;
   if (const double next = equations_.next_jump(at_.t); std::isfinite(next)) event.next = next;
   state_changed();
   return event;
@@ -310,13 +318,10 @@ Instance::Event Instance::update_discrete_states() {
 
 // Derivatives.
 
-/// Whether contact, dry friction, losses of gears or play act, so that accelerations have no derivatives.
+/// Whether losses of gears or, in co-simulation, contact or play act, of which there are no derivatives.
 bool Instance::has_jumps() const {
-  const auto rubs = [](const Joint& joint) {
-    return std::ranges::any_of(joint.dof, [](const Dof& dof) { return dof.friction != 0; });
-  };
-  return moves_with_contact(model_) || !model_.loops().backlashes.empty() ||
-         (settings_.joint_losses && (!model_.gears().empty() || std::ranges::any_of(model_.joints(), rubs)));
+  const bool meets = moves_with_contact(model_) || !model_.loops().backlashes.empty();
+  return (kind_ == Kind::co_simulation && meets) || (settings_.joint_losses && !model_.gears().empty());
 }
 
 Eigen::RowVectorXd Instance::row(const Variable& it, const Eigen::MatrixXd& all) const {
@@ -366,7 +371,8 @@ Eigen::MatrixXd Instance::jacobian(References unknowns, References knowns) {
   prepare();
   if (has_jumps())
     throw std::runtime_error(
-        "there are no derivatives with contact, hard stops, dry friction, losses of gears or play");
+        "there are no derivatives with losses of gears or, in co-simulation, with contact, hard stops or "
+        "play");
   if (!jacobian_) jacobian_ = equations_.jacobian(at_, table_.frames());
   const Eigen::MatrixXd& all = *jacobian_;
   Eigen::MatrixXd J = Eigen::MatrixXd::Zero(static_cast<Eigen::Index>(unknowns.size()),

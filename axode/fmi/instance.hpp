@@ -52,8 +52,8 @@ class Instance {
   void get_rates(std::span<double> rates);
   void get_indicators(std::span<double> indicators);
   void get_nominals(std::span<double> nominals) const;
-  /// Whether event mode must follow the completed step: a discrete status of a drive must change, or the
-  /// loops have opened or quaternions have left unit norm by more than a tolerance.
+  /// Whether event mode must follow the completed step: a discrete status of a drive, of dry friction or of a
+  /// play must change, or the loops have opened or quaternions have left unit norm by more than a tolerance.
   bool needs_event();
   struct Event {
     bool states_changed = false;
@@ -84,6 +84,7 @@ class Instance {
   const std::vector<double>& poses();
   double indicator(std::size_t k);
   double gap(const Stop& stop) const;
+  std::vector<double> reserves();
   /// Returns the least margin of the drives, which becomes negative when a discrete status must change, or 1
   /// if it is no event indicator. Updates margin_scale_, its largest magnitude so far.
   double observe_margin();

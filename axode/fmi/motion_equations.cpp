@@ -48,7 +48,10 @@ MotionEquations::MotionEquations(const Model& model, const Settings& settings, s
       settings_(settings),
       load_frames_(loads.begin(), loads.end()),
       workspace_(model_, cut_tree),
-      drives_(model_) {
+      drives_(model_),
+      plays_(model_, true),
+      friction_(model_.tree<double>(), model_.gears(), settings.joint_losses),
+      norm_(model_.tree<double>()) {
   if (!model_.loops().empty() || !model_.motions().empty()) loops_.emplace(model_);
 }
 
@@ -74,6 +77,9 @@ void MotionEquations::set_time(double t) {
 
 void MotionEquations::start(Point& at) {
   at.q = normalized(at.q);
+  const bool engaged = plays_.any_at_an_end();
+  plays_ = Plays(model_, true);
+  if (engaged) engagement(at)();
   if (loops_) {
     loops_->motions().check_times(at.t, at.t);
     loops_->set_time(at.t);
@@ -89,6 +95,8 @@ void MotionEquations::start(Point& at) {
                                " s; start from another q");
   }
   drives_.set_state(at.t, at.q, at.v, at.x);
+  friction_.start(at.v);
+  if (friction_.active()) friction_.start_sliding(rates(at).a);
 }
 
 /// Whether at q and v the loops are closed and the prescribed motions are followed.
@@ -110,13 +118,20 @@ bool MotionEquations::close(Point& at) {
 
 Loads<double> MotionEquations::loads(const Point& at) {
   wrenches_ = applied(at.wrenches, load_frames_);
-  return {wrenches_, settings_.joint_losses};
+  return {wrenches_, settings_.joint_losses && !friction_.active()};
 }
 
 std::vector<double> MotionEquations::force_sum(const Point& at, Span q, std::vector<double>* dx) {
   std::vector<double> tau = at.tau, rates(at.x.size());
   if (!drives_.empty()) drives_.evaluate(at.t, q, at.v, at.x, tau, rates);
+  if (friction_.has_gears()) {
+    std::vector<double> along_lines(tau.size());
+    if (!drives_.empty()) drives_.add_line_forces(along_lines);
+    through_gears_ = tau;
+    as_eigen(std::span(through_gears_)) -= as_eigen(Span(along_lines));
+  }
   if (!model_.springs().empty()) add_spring_forces(model_, workspace_, q, Span(at.v), tau);
+  if (friction_.active()) friction_.add_losses(at.v, tau);
   if (dx != nullptr) *dx = std::move(rates);
   return tau;
 }
@@ -139,14 +154,67 @@ Rates MotionEquations::rates(const Point& at) {
     found = forward_dynamics(model_, workspace_, Span(q), Span(at.v), Span(tau), out.a, loads(at));
   }
   if (!found.ok()) throw NoRates(to_string(model_, found));
+  if (!friction_.resisting().empty())
+    if (const Solvability held = response_.apply(model_, workspace_, loops_ ? &*loops_ : nullptr, friction_,
+                                                 norm_, q, at.v, through_gears_, out.a);
+        !held.ok())
+      throw NoRates(to_string(model_, held));
   if (!finite(out.dx)) throw NoRates("the rates of the states of the drives are not finite");
   if (loops_)
     if (const std::string why = loops_->unfollowed(q, at.v, out.a); !why.empty()) throw NoRates(why);
+  for (std::size_t k = 0; k < friction_.size(); ++k) out.reserves.push_back(friction_.reserve(k, at.v));
+  for (std::size_t k = 0; k < plays_.size(); ++k)
+    out.reserves.push_back(plays_.reserve(k, q, loops_ ? &*loops_ : nullptr));
   return out;
 }
 
 void MotionEquations::switch_drives(Point& at) {
   if (!drives_.empty()) static_cast<void>(drives_.switch_at(at.t, normalized(at.q), at.v, at.x));
+}
+
+/// Sets up the loops anew, with a coupling without play for every play that is at an end.
+Plays::Engage MotionEquations::engagement(const Point& at) {
+  return [this, &at]() -> ClosedMotion* {
+    const Model& model = plays_.any_at_an_end() ? plays_.engaged() : model_;
+    loops_.reset();
+    if (model.loops().empty() && model.motions().empty()) return nullptr;
+    loops_.emplace(model);
+    loops_->set_time(at.t);
+    loops_->determine_rank(at.q);
+    return &*loops_;
+  };
+}
+
+/// Lets plays at an end become free if they would be pulled.
+void MotionEquations::settle_plays(const Point& at) {
+  for (;;) {
+    static_cast<void>(rates(at));
+    if (plays_.release_pulled(loops_ ? &*loops_ : nullptr).empty()) break;
+    engagement(at)();
+  }
+  plays_.allow_overshoot(at.q);
+}
+
+void MotionEquations::start_plays(Point& at) {
+  if (!plays_.any()) return;
+  plays_.start(at.q, at.v, engagement(at));
+  settle_plays(at);
+}
+
+void MotionEquations::switch_plays(Point& at) {
+  if (!plays_.any()) return;
+  const std::vector<double> reserves = rates(at).reserves;
+  plays_.change(Span(reserves).subspan(friction_.size()), at.q, at.v, engagement(at));
+  settle_plays(at);
+}
+
+void MotionEquations::switch_friction(Point& at) {
+  if (!friction_.active()) return;
+  // Joints of a loop come to rest at one time, which the importing program finds up to rounding.
+  constexpr double rounding = 1e-11;
+  friction_.stop_sliding(at.v, rates(at).a, rounding * std::max(1.0, std::abs(at.t)));
+  friction_.start(at.v);
+  friction_.start_sliding(rates(at).a);
 }
 
 double MotionEquations::next_jump(double t) const {
@@ -188,9 +256,11 @@ MotionEquations::Derivatives MotionEquations::derivatives(const Point& at, Span 
   RowMajor by_q = RowMajor::Zero(nv, nv), by_v = by_q;
   if (!model_.springs().empty())
     spring_force_derivatives(model_, workspace_, q, v, {as_span(by_q), as_span(by_v)});
+  if (friction_.active()) by_v.diagonal() -= as_eigen(Span(model_.tree<double>().damping));
   d.drives = drives_.derivatives(at.t, q, v, at.x);
   d.a_q += d.a_tau * (by_q + d.drives.tau_q);
   d.a_v += d.a_tau * (by_v + d.drives.tau_v);
+  friction_.constrain_derivatives({as_span(d.a_tau), as_span(d.a_q), as_span(d.a_v)});
   d.a_x = d.a_tau * d.drives.tau_x;
   return d;
 }
@@ -286,13 +356,15 @@ Eigen::MatrixXd MotionEquations::jacobian(const Point& at, std::span<const int> 
 
 Eigen::VectorXd MotionEquations::acceleration_by(const Point& at, const Parameter& parameter) {
   const std::vector<double> q = normalized(at.q), a = rates(at).a;
+  wrenches_ = applied(at.wrenches, load_frames_);
+  const Loads<double> acting{wrenches_, settings_.joint_losses};  // with the damping of all joints
   const auto missing_force = [&](double by) {
     Description description = model_.description();
     parameter.in(description) += by;
     const Model changed = ModelBuilder(std::move(description)).build();
     Workspace<> workspace(changed, cut_tree);
     std::vector<double> force(a.size()), springs(a.size());
-    inverse_dynamics(changed, workspace, Span(q), Span(at.v), Span(a), force, loads(at));
+    inverse_dynamics(changed, workspace, Span(q), Span(at.v), Span(a), force, acting);
     spring_forces(changed, workspace, Span(q), Span(at.v), springs);
     return Eigen::VectorXd(as_eigen(Span(force)) - as_eigen(Span(springs)));
   };

@@ -8,6 +8,8 @@
 #include "axode/drives/drive_system.hpp"
 #include "axode/fmi/variables.hpp"
 #include "axode/integration/closed_motion.hpp"
+#include "axode/integration/runs/friction_response.hpp"
+#include "axode/integration/runs/plays.hpp"
 #include "axode/model/workspace.hpp"
 
 namespace axode::fmi {
@@ -30,15 +32,18 @@ struct Point {
 /// Converts wrenches, six numbers for each frame, to loads on the frames with the given indices.
 std::vector<AppliedWrench<>> applied(std::span<const double> wrenches, std::span<const int> frames);
 /// The time derivatives of a state: q', the accelerations a = v', and the rates x' of the drive states.
+/// `reserves` has a number that is negative when a status must change, for each velocity with dry friction or
+/// a gear with losses (DryFriction::reserve()), and then for each play and hard stop (Plays::reserve()).
 struct Rates {
-  std::vector<double> dq, a, dx;
+  std::vector<double> dq, a, dx, reserves = {};
 };
 
-/// The equations of motion of a mechanism, with loops, prescribed motions, springs and drives, as ordinary
-/// differential equations in (q, v, x) with the states x of drives. Quaternions in q are normalised first in
-/// every function, so that their norm is constant along solutions. A mechanism with loops has the states of
-/// its spanning tree; the accelerations keep A v constant, with the Jacobian A of the loops, and close()
-/// removes accumulated residuals.
+/// The equations of motion of a mechanism, with loops, prescribed motions, springs, drives and losses of
+/// joints, as ordinary differential equations in (q, v, x) with the states x of drives. Joints with dry
+/// friction stick or slide in one direction until switch_friction(). Plays and hard stops are free or at an
+/// end until switch_plays(). Quaternions in q are normalised first in every function, so that their norm is
+/// constant along solutions. A mechanism with loops has the states of its spanning tree; the accelerations
+/// keep A v constant, with the Jacobian A of the loops, and close() removes accumulated residuals.
 class MotionEquations {
  public:
   using Span = std::span<const double>;
@@ -47,14 +52,23 @@ class MotionEquations {
   MotionEquations(const Model& model, const Settings& settings, std::span<const int> loads);
 
   const DriveSystem& drives() const { return drives_; }
-  /// Replaces the drives by other drives of the same mechanism, with their discrete statuses and inputs.
-  void act_by(const DriveSystem& drives) { drives_ = drives; }
+  /// Replaces the drives and the friction of joints by those of another motion of the same mechanism, with
+  /// their discrete statuses and inputs.
+  void act_by(const DriveSystem& drives, const DryFriction& friction) {
+    drives_ = drives;
+    friction_ = friction;
+  }
 
   /// Normalises quaternions, closes loops and follows prescribed motions by corrections of q and v at the
-  /// time in `at`, and then chooses the statuses of the drives. Throws std::runtime_error if the loops cannot
-  /// be closed.
+  /// time in `at`, and then chooses the statuses of the drives and of dry friction. Throws std::runtime_error
+  /// if the loops cannot be closed, and NoRates.
   void start(Point& at);
+  /// Lets plays and hard stops meet their ends after start(), which may change v. Throws
+  /// std::invalid_argument for a play or joint beyond an end. Without this call they are free.
+  void start_plays(Point& at);
   Rates rates(const Point& at);
+  /// Whether there are loops, prescribed motions or plays at an end, which close() keeps closed.
+  bool has_loops() const { return loops_.has_value(); }
   /// Projects q and v onto closed loops and motions, with unit quaternions. Returns whether this succeeded.
   [[nodiscard]] bool close(Point& at);
 
@@ -62,12 +76,20 @@ class MotionEquations {
   /// necessary, which may change x, the states of the drives.
   void switch_drives(Point& at);
   double next_jump(double t) const;
+  /// Lets joints with dry friction begin to stick or to slide, as simulate() does at the end of a step.
+  /// Velocities in `at` that have come to rest become 0.
+  void switch_friction(Point& at);
+  /// Lets plays and hard stops meet and leave their ends, as simulate() does with plays; impacts change v.
+  void switch_plays(Point& at);
+  /// Takes note that a step of the importing program has ended at `at`, without an event.
+  void complete_step(const Point& at) { plays_.reduce_overshoot(at.q); }
   /// The least margin of the drives, negative when a discrete status must change; 1 without statuses.
   double least_margin(const Point& at);
   /// The poses of frames, given by indices, with 12 numbers each: columns of the rotation, then position.
   std::vector<double> poses(const Point& at, std::span<const int> frames);
 
-  /// The exact derivatives of (q', v', x', poses), one below the other, by (q, v, x, tau, wrenches).
+  /// The exact derivatives of (q', v', x', poses), one below the other, by (q, v, x, tau, wrenches), with the
+  /// present statuses of drives, dry friction and plays, without losses of gears.
   Eigen::MatrixXd jacobian(const Point& at, std::span<const int> frames);
   /// The derivatives of the accelerations (nv) by a parameter; its has_derivative must be true.
   Eigen::VectorXd acceleration_by(const Point& at, const Parameter& parameter);
@@ -84,9 +106,12 @@ class MotionEquations {
   std::vector<double> normalized(Span q) const;
   void set_time(double t);
   bool is_closed(const Point& at);
+  Plays::Engage engagement(const Point& at);
+  void settle_plays(const Point& at);
   /// The loads of a point. They are valid until the next call.
   Loads<double> loads(const Point& at);
-  /// The sum of tau and the forces of drives and springs (nv). Writes the rates of x to dx unless it is null.
+  /// The sum of tau, the forces of drives and springs and, with dry friction, losses of joints (nv). Writes
+  /// the rates of x to dx unless it is null.
   std::vector<double> force_sum(const Point& at, Span q, std::vector<double>* dx);
   Derivatives derivatives(const Point& at, Span q);
   /// Computes the derivatives by the coordinates `raw` before normalisation: those of the normalised q
@@ -102,6 +127,11 @@ class MotionEquations {
   Workspace<> workspace_;
   std::optional<ClosedMotion> loops_;
   DriveSystem drives_;
+  Plays plays_;
+  DryFriction friction_;
+  EnergyNorm norm_;
+  FrictionResponse response_;
+  std::vector<double> through_gears_;  ///< the part of the drive forces that passes through gears
 };
 
 }  // namespace axode::fmi

@@ -21,10 +21,19 @@ constexpr double usual_step_with_contact =
 
 }  // namespace
 
-bool moves_with_contact(const Model& model) {
-  return model.description().contact || std::ranges::any_of(model.joints(), [](const Joint& joint) {
-           return std::ranges::any_of(joint.dof, &Dof::hard_stops);
-         });
+bool has_shapes_that_touch(const Model& model) {
+  const auto touches = [](const std::vector<ShapeDescription>& shapes) {
+    return std::ranges::find(shapes, ShapeDescription::Role::collision, &ShapeDescription::role) !=
+           shapes.end();
+  };
+  const Description& d = model.description();
+  const auto carries = [&](const BodyDescription& body) { return touches(body.shapes); };
+  return d.contact && (touches(d.shapes) || std::ranges::any_of(d.bodies, carries));
+}
+
+bool has_hard_stops(const Model& model) {
+  const auto is_stopped = [](const Joint& joint) { return std::ranges::any_of(joint.dof, &Dof::hard_stops); };
+  return std::ranges::any_of(model.joints(), is_stopped);
 }
 
 std::shared_ptr<SteppedMotion::Fixed> SteppedMotion::fixed(const Model& model, const Settings& settings) {

@@ -10,9 +10,13 @@
 
 namespace axode::fmi {
 
-/// Whether a co-simulation of the mechanism is a simulation with contact: collision shapes touch if the
-/// mechanism has settings of contact, and joints stop at hard stops.
-bool moves_with_contact(const Model& model);
+/// Whether the mechanism has settings of contact and collision shapes.
+bool has_shapes_that_touch(const Model& model);
+bool has_hard_stops(const Model& model);
+/// Whether a co-simulation of the mechanism is a simulation with contact.
+inline bool moves_with_contact(const Model& model) {
+  return has_shapes_that_touch(model) || has_hard_stops(model);
+}
 
 /// A motion in a co-simulation, integrated from one communication point to the next as by simulate(): loops
 /// are closed at the end of each step, and steps end where dry friction, drives or couplings with play
@@ -43,6 +47,7 @@ class SteppedMotion {
   Span a() const { return {run_.a.data(), static_cast<std::size_t>(run_.a.size())}; }
   /// The drives with their present discrete statuses and inputs.
   const DriveSystem& drives() { return run_.drives().system(); }
+  const DryFriction& friction() const { return run_.friction(); }
   Span x() { return {run_.drives().x.data(), run_.drives().size()}; }
   Span dx() { return {run_.drives().dx.data(), run_.drives().size()}; }
 

@@ -7,6 +7,8 @@
 
 #include "axode/drives/drive_system.hpp"
 #include "axode/fmi/parameters.hpp"
+#include "axode/integration/dry_friction.hpp"
+#include "axode/integration/runs/plays.hpp"
 #include "axode/io/drawing/toml.hpp"
 #include "axode/model/configuration.hpp"
 
@@ -93,7 +95,7 @@ VariableTable::VariableTable(const Model& model, const Settings& settings)
   add_forces(model);
   add_loads(model, settings);
   add_poses(model, settings);
-  add_indicators(model);
+  add_indicators(model, settings);
   Description numbers = model.description();
   for (const Parameter& it : parameters_)
     add(Role::parameter,
@@ -193,7 +195,7 @@ void VariableTable::add_poses(const Model& model, const Settings& settings) {
   }
 }
 
-void VariableTable::add_indicators(const Model& model) {
+void VariableTable::add_indicators(const Model& model, const Settings& settings) {
   for (const Joint& joint : model.joints()) {
     if (joint.dof.size() != 1 || !(joint.dof[0].stop_stiffness > 0)) continue;
     const Joint& own = joint.leader ? model.joint(joint.leader->joint) : joint;
@@ -207,6 +209,24 @@ void VariableTable::add_indicators(const Model& model) {
                             .description = "gap of the stop"});
     }
   }
+  const DryFriction friction(model.tree<double>(), model.gears(), settings.joint_losses);
+  const std::vector<std::string> names = velocity_names(model);
+  for (std::size_t k = 0; k < friction.size(); ++k)
+    add(Role::indicator,
+        {.name = "event." + names[static_cast<std::size_t>(friction.velocity(k))] + ".friction",
+         .unit = "",
+         .description = "velocity of the joint while it slides, reserve of the friction force "
+                        "while it sticks"});
+  const Plays plays(model, true);
+  for (std::size_t k = 0; k < plays.size(); ++k) {
+    const std::string& joint = plays.stopped_joint(k);
+    add(Role::indicator,
+        {.name = "event." + (joint.empty() ? plays.name(k) + ".play" : joint + ".stop"),
+         .unit = "",
+         .description = "gap to the nearer end while the play is free, force that presses on "
+                        "the end while it is there"});
+  }
+  n_statuses_ = friction.size() + plays.size();
   if (!model.drives().empty())
     add(Role::indicator,
         {.name = "event.drives", .unit = "", .description = "least margin of the statuses of the drives"});

@@ -58,7 +58,7 @@ struct Parameter {
   double step = 0.25;
 };
 
-/// A mechanical stop of a joint whose gap is an event indicator: side × (limit - p) for the position p =
+/// An elastic stop of a joint whose gap is an event indicator: side × (limit - p) for the position p =
 /// ratio q + offset, where q is the coordinate with the index `coordinate`.
 struct Stop {
   std::size_t coordinate = 0;
@@ -88,9 +88,11 @@ class VariableTable {
   const std::vector<int>& frames() const { return frames_; }
   const std::vector<int>& loads() const { return loads_; }
   const std::vector<Stop>& stops() const { return stops_; }
+  /// The number of Rates::reserves, event indicators that follow those of elastic stops.
+  std::size_t n_statuses() const { return n_statuses_; }
   std::span<const Parameter> parameters() const { return parameters_; }
   /// Whether the last event indicator is the least margin of the drives.
-  bool drives_have_indicator() const { return count(Role::indicator) > stops_.size(); }
+  bool drives_have_indicator() const { return count(Role::indicator) > stops_.size() + n_statuses_; }
 
  private:
   static constexpr std::size_t n_roles = static_cast<std::size_t>(Role::parameter) + 1;
@@ -100,7 +102,7 @@ class VariableTable {
   void add_forces(const Model& model);
   void add_loads(const Model& model, const Settings& settings);
   void add_poses(const Model& model, const Settings& settings);
-  void add_indicators(const Model& model);
+  void add_indicators(const Model& model, const Settings& settings);
 
   std::vector<Variable> all_;
   std::size_t first_[n_roles] = {};
@@ -108,6 +110,7 @@ class VariableTable {
   std::vector<std::size_t> driven_;
   std::vector<int> frames_, loads_;
   std::vector<Stop> stops_;
+  std::size_t n_statuses_ = 0;
   std::vector<Parameter> parameters_;
 };
 

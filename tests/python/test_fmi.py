@@ -218,6 +218,57 @@ def test_a_stop_is_an_event_of_model_exchange(exported, version):
     assert result["q.hinge"][-1] == pytest.approx(motion.q[-1, 0], abs=1e-5)
 
 
+def pendulums(**of_elbow):
+    """A double pendulum, whose second joint has these keys."""
+    rod = {"mass": 1.2, "inertia": [0.1, 0.1, 0.001]}
+    return (axode.Builder("pendulums")
+            .body("upper", joint={"kind": "revolute", "axis": "y", "point": [0, 0, 0], "name": "pin"}, com=[0, 0, -0.5], **rod)
+            .body("lower", on="upper", com=[0, 0, -1.5], **rod,
+                  joint={"kind": "revolute", "axis": "y", "point": [0, 0, -1], "name": "elbow", **of_elbow}))
+
+
+def assert_model_exchange_moves(fmu, m, motion, start, off):
+    """Compares the end of a model exchange by CVode, started at q = `start`, with that of a motion of the library."""
+    assert fmpy_validation.validate_fmu(fmu) == []
+    result = fmpy.simulate_fmu(fmu, fmi_type="ModelExchange", stop_time=motion.t[-1], output_interval=0.01,
+                               relative_tolerance=1e-11, record_events=True,
+                               start_values={f"q.{name}": x for name, x in zip(m.coordinate_names, start, strict=True)})
+    at = ends_of(result, m)
+    assert np.allclose(at[0], motion.q[-1], rtol=0, atol=off)
+    assert np.allclose(at[1], motion.v[-1], rtol=0, atol=10 * off)
+    return result
+
+
+@pytest.mark.parametrize("version", VERSIONS)
+def test_dry_friction_is_an_event_of_model_exchange(exported, version):
+    m = pendulums(friction=2.5, damping=0.05).build()
+    fmu = exported(m, version, joint_losses=True)
+    assert fmpy.read_model_description(fmu).numberOfEventIndicators == 1
+    start = [0.9, -0.8]
+    motion = axode.simulate(m, start, [0, 0], 2, joint_losses=True, rtol=1e-12, atol=1e-13)
+    result = assert_model_exchange_moves(fmu, m, motion, start, 1e-6)
+    sticks = result["v.elbow"] == 0
+    assert 20 < np.count_nonzero(sticks) < len(sticks) - 20
+
+
+@pytest.mark.parametrize("version", VERSIONS)
+@pytest.mark.parametrize("restitution", [0, 0.5])
+def test_a_hard_stop_of_model_exchange_is_a_play_of_axode(exported, version, restitution):
+    fmu = exported(pendulums(limits=[-0.4, 0.3], stop="hard", restitution=restitution).build(), version)
+    play = pendulums().coupling({"elbow": 1}, -0.05, play=0.7, restitution=restitution).build()
+    motion = axode.simulate(play, [1.2, 0.1], [0, 0], 2, rtol=1e-12, atol=1e-13)
+    assert len(motion.play_events) >= 2
+    assert_model_exchange_moves(fmu, play, motion, [1.2, 0.1], 1e-6)
+
+
+@pytest.mark.parametrize("version", VERSIONS)
+def test_the_ends_of_a_play_are_events_of_model_exchange(exported, version):
+    m = pendulums().coupling({"pin": 1, "elbow": -2}, play=0.3, restitution=0.3).build()
+    motion = axode.simulate(m, [0.5, 0.3], [0, 0], 1, rtol=1e-12, atol=1e-13)
+    assert len(motion.play_events) >= 2
+    assert_model_exchange_moves(exported(m, version), m, motion, [0.5, 0.3], 1e-6)
+
+
 @pytest.mark.parametrize("version", VERSIONS)
 def test_limits_and_inputs_of_a_motor_are_events(exported, version):
     m = axode.Builder("wheel", gravity=[0, 0, 0]).body(
@@ -287,7 +338,7 @@ def test_a_co_simulation_touches_as_axode_does(exported, version):
 
 def test_what_an_fmu_does_not_count_is_refused(tmp_path):
     quadruped = axode.load(axode.robots / "quadruped.toml")
-    with pytest.raises(ValueError, match='for model exchange does not count contact, and model "quadruped" has settings of'):
+    with pytest.raises(ValueError, match='for model exchange does not count contact, and model "quadruped" has shapes that'):
         axode.fmi.export(quadruped, tmp_path / "a.fmu")
     arm = axode.load(axode.robots / "arm7.toml")
     with pytest.raises(KeyError, match='has no frame "hand"'):

@@ -31,7 +31,7 @@ def export(m: Model, file: str | os.PathLike[str], *, version: Literal["3.0", "2
     Loops stay closed. Springs, prescribed motions and drives act as in `simulate`, and with `joint_losses` so do damping,
     friction and losses of gears of the joints. Poses of the frames in `frames` are outputs, and wrenches on those in
     `loads` are inputs. In co-simulation, shapes touch if the mechanism has settings of contact, and hard stops stop. In
-    model exchange contact, hard stops, dry friction, losses of gears and play raise ValueError.
+    model exchange dry friction, play and hard stops are events, and contact raises ValueError.
 
     >>> import tempfile
     >>> with tempfile.TemporaryDirectory() as folder:
