@@ -56,7 +56,6 @@ SteppedMotion::SteppedMotion(const Model& model, const Settings& settings, doubl
     : fixed_(fixed(model, settings)),
       tau_(fixed_->tau),
       t_0_(t),
-      adapts_(tolerance.has_value()),
       run_(fixed_->model, q, v, 0, fixed_->options) {
   if (t != 0 && !(model.motions().empty() && model.drives().empty()))
     throw std::invalid_argument("co-simulation starts at t = " + std::to_string(t) +
@@ -108,13 +107,9 @@ void SteppedMotion::advance(double t) {
 
 void SteppedMotion::advance_with_contact(double t) {
   const double before = run_.now(), h = t - t_0_ - before;
-  Tolerances tolerances = tolerances_;
-  tolerances.largest_step = h;
   const double parts = std::ceil(h / usual_step_with_contact - 1e-9);
-  const Trajectory part =
-      adapts_ ? simulate_contact(fixed_->model, *fixed_->shapes, q(), v(), h, tolerances, fixed_->options)
-              : simulate_contact(fixed_->model, *fixed_->shapes, q(), v(), h, h / std::max(1.0, parts),
-                                 fixed_->options);
+  const Trajectory part = simulate_contact(fixed_->model, *fixed_->shapes, q(), v(), h,
+                                           h / std::max(1.0, parts), fixed_->options);
   if (!part.complete)
     throw std::runtime_error("in the communication step from t = " + std::to_string(this->t()) +
                              " s, where times count from its start, the motion ends " + part.stop_reason);

@@ -27,8 +27,8 @@ class SteppedMotion {
   using Span = std::span<const double>;
 
   /// Starts at the state (q, v) at time t (s), with the initial states of drives in the description. Without
-  /// a relative tolerance, the tolerances of simulate() hold, and a motion with contact takes steps of a
-  /// constant length. Throws std::invalid_argument for a state in which a motion cannot start, and if t is
+  /// a relative tolerance, the tolerances of simulate() hold; a motion with contact takes steps of the usual
+  /// length, or shorter ones. Throws std::invalid_argument for a state in which a motion cannot start, and if t is
   /// not 0 and the mechanism has prescribed motions or drives.
   SteppedMotion(const Model& model, const Settings& settings, double t, Span q, Span v,
                 std::optional<double> tolerance);
@@ -70,7 +70,6 @@ class SteppedMotion {
   std::vector<double> tau_;
   std::vector<AppliedWrench<>> loads_;
   double t_0_;
-  bool adapts_;  ///< whether a motion with contact is adapted to the tolerances
   Tolerances tolerances_;
   SimulationRun run_;
 };
