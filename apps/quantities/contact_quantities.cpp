@@ -12,8 +12,7 @@ Answer distances_answer(const Question& ask) {
   const std::size_t nv = static_cast<std::size_t>(ask.model.nv());
   std::vector<double> J(found.size() * nv);
   distances.jacobian(J);
-  Answer answer{"signed distances of collision shapes that may touch, m; the normal n is from a to b",
-                Json::array(), Table({"a", "b", "distance", "n x", "n y", "n z", "error at most"})};
+  Answer answer{Json::array(), Table({"a", "b", "distance", "n x", "n y", "n z", "error at most"}), "m"};
   for (std::size_t k = 0; k < found.size(); ++k) {
     const ShapeDistance& d = found[k];
     const std::string &a = distances.shapes()[d.a].name, &b = distances.shapes()[d.b].name;
@@ -34,7 +33,10 @@ Answer distances_answer(const Question& ask) {
 }  // namespace
 
 std::vector<Quantity> contact_quantities() {
-  return {{"distances", "distances of collision shapes, with nearest points and Jacobian", distances_answer}};
+  return {{"distances",
+           "The signed distances are those of collision shapes that may touch, with normals n from a to b; "
+           "JSON has nearest points and Jacobians, too.",
+           distances_answer}};
 }
 
 }  // namespace axode::command

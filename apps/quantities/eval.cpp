@@ -182,6 +182,13 @@ Answer finite_answer(const Quantity& quantity, const Question& ask) {
   return answer;
 }
 
+/// The sentence on the purpose of a quantity, with the details and units of an answer in brackets.
+std::string label_of(const Quantity& quantity, const Answer& answer) {
+  const auto& [value, table, units, details] = answer;
+  if (details.empty() && units.empty()) return std::string(quantity.purpose);
+  return fmt::format("{} ({}{}{}).", quantity.purpose.substr(0, quantity.purpose.size() - 1), details,
+                     details.empty() || units.empty() ? "" : "; ", units);
+}
 std::string heading(const Quantity& quantity, const std::string& label) {
   return "\n" + in(Ink::heading, quantity.name) + ": " + label + "\n";
 }
@@ -196,8 +203,9 @@ void run(const Options& options, Format format, const std::vector<Quantity>& cho
     const Answer answer = finite_answer(quantity, ask);
     const std::string name(quantity.name);
     results[name] = answer.value;
-    labels[name] = answer.label;
-    tables += heading(quantity, answer.label) + answer.table.text();
+    const std::string label = label_of(quantity, answer);
+    labels[name] = label;
+    tables += heading(quantity, label) + answer.table.text();
   }
   if (format == Format::json) {
     fmt::print("{}", text(as_json(ask, options.representation, results, labels)));
@@ -231,12 +239,14 @@ void run_sweep(const Options& options, Format format, const std::vector<Quantity
   for (const Quantity& quantity : chosen) {
     const std::string name(quantity.name);
     std::vector<Curve> curves;
+    std::string units;
     for (std::size_t i = 0; i < sweep.states.size(); ++i) {
       ask.state = sweep.states[i];
       assemble(ask.model, options.assembling, ask.state);
       const Answer answer = finite_answer(quantity, ask);
       results[name].push_back(answer.value);
-      labels[name] = answer.label;
+      labels[name] = label_of(quantity, answer);
+      units = answer.units;
       const auto numbers = answer.table.numbers();
       curves.resize(numbers.size());
       for (std::size_t k = 0; k < numbers.size(); ++k) {
@@ -245,9 +255,8 @@ void run_sweep(const Options& options, Format format, const std::vector<Quantity
         curves[k].y.push_back(numbers[k].second);
       }
     }
-    const std::string label = labels[name];
-    const std::size_t semicolon = label.rfind("; ");
-    const std::string units = semicolon == std::string::npos ? "" : label.substr(semicolon + 2);
+    const std::size_t semicolon = units.rfind("; ");
+    if (semicolon != std::string::npos) units.erase(0, semicolon + 2);
     std::ranges::move(panels_by_unit(ask.model, name, units, curves), std::back_inserter(chart.panels));
     curves_of_all.push_back(std::move(curves));
   }

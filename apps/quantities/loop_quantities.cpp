@@ -24,11 +24,11 @@ std::size_t number_of(const Model& model, Rows kind) {
 
 /// An Answer, the text and JSON that `axode eval` prints, with the array x: for each constraint equation of
 /// the loops, of velocities or of positions as `kind` says, a number for each name in `columns`.
-Answer answer_by_rows(const Question& ask, std::string label, Rows kind, const std::vector<double>& x,
+Answer answer_by_rows(const Question& ask, std::string units, Rows kind, const std::vector<double>& x,
                       const std::vector<std::string>& columns) {
   std::vector<std::string> headings{"loop"};
   headings.insert(headings.end(), columns.begin(), columns.end());
-  Answer answer{std::move(label), Json::object(), Table(std::move(headings))};
+  Answer answer{Json::object(), Table(std::move(headings)), std::move(units)};
   for (const LoopRows& loop : ask.model.loops().all) {
     const int first = kind == Rows::velocities ? loop.first_row : loop.first_residual;
     const int n = kind == Rows::velocities ? loop.rows : loop.residuals;
@@ -47,26 +47,23 @@ Answer answer_by_rows(const Question& ask, std::string label, Rows kind, const s
 
 /// An Answer, the text and JSON that `axode eval` prints, with the matrix that `write` computes: a row for
 /// each constraint equation of the loops and a column for each velocity.
-template <class F> Answer matrix_answer(const Question& ask, const char* label, Rows kind, const F& write) {
+template <class F> Answer matrix_answer(const Question& ask, Rows kind, const F& write) {
   LoopWorkspace<> workspace(ask.model);
   std::vector<double> matrix(number_of(ask.model, kind) * ask.state.v.size());
   write(ask.model, workspace, ask.state.q, matrix);
-  return answer_by_rows(ask, label, kind, matrix, velocity_names(ask.model));
+  return answer_by_rows(ask, "", kind, matrix, velocity_names(ask.model));
 }
 Answer loop_jacobian_answer(const Question& ask) {
-  return matrix_answer(ask, "A with A v = 0 if v keeps the loops closed", Rows::velocities,
-                       [](auto&... x) { loop_jacobian(x...); });
+  return matrix_answer(ask, Rows::velocities, [](auto&... x) { loop_jacobian(x...); });
 }
 Answer loop_residual_jacobian_answer(const Question& ask) {
-  return matrix_answer(ask, "R with r' = R v for the residuals r", Rows::residuals,
-                       [](auto&... x) { loop_residual_jacobian(x...); });
+  return matrix_answer(ask, Rows::residuals, [](auto&... x) { loop_residual_jacobian(x...); });
 }
 Answer loop_bias_answer(const Question& ask) {
   LoopWorkspace<> workspace(ask.model);
   std::vector<double> gamma(number_of(ask.model, Rows::velocities));
   loop_bias(ask.model, workspace, ask.state.q, ask.state.v, gamma);
-  return answer_by_rows(ask, "gamma with (A v)' = A a + gamma; rad/s^2, m/s^2", Rows::velocities, gamma,
-                        {"gamma"});
+  return answer_by_rows(ask, "rad/s^2, m/s^2", Rows::velocities, gamma, {"gamma"});
 }
 
 /// Computes the multipliers of the loops under the drive forces of the state.
@@ -80,8 +77,7 @@ std::vector<double> multipliers(const Question& ask) {
   return lambda;
 }
 Answer loop_multipliers_answer(const Question& ask) {
-  return answer_by_rows(ask, "lambda in M a + h - A^T lambda = tau; N m, N", Rows::velocities,
-                        multipliers(ask), {"lambda"});
+  return answer_by_rows(ask, "N m, N", Rows::velocities, multipliers(ask), {"lambda"});
 }
 
 Answer loop_multiplier_derivatives_answer(const Question& ask) {
@@ -104,17 +100,14 @@ Answer loop_multiplier_derivatives_answer(const Question& ask) {
   for (std::size_t row = 0; row < n; row += nv)
     for (const std::span<double> of : {d.lambda_q, d.lambda_v, d.lambda_tau})
       by_row.insert(by_row.end(), of.begin() + row, of.begin() + row + nv);
-  return answer_by_rows(ask, "derivatives of lambda by q, v and tau, a column for each", Rows::velocities,
-                        by_row, columns);
+  return answer_by_rows(ask, "", Rows::velocities, by_row, columns);
 }
 
 Answer independent_equations_answer(const Question& ask) {
   const IndependentEquations found =
       independent_equations(ask.model, ask.state.q, ask.state.v, {}, ask.loads());
   const std::vector<std::string> names = velocity_names(ask.model);
-  Answer answer{"M y' + h = N^T tau with v = N y and a = N y' + c for independent velocities y",
-                {{"velocities", Json::array()}},
-                Table({"velocity", "h"})};
+  Answer answer{{{"velocities", Json::array()}}, Table({"velocity", "h"})};
   for (const int k : found.velocities) {
     answer.value["velocities"].push_back(names[k]);
     answer.table.row({names[k], found.h[std::ssize(answer.value["velocities"]) - 1]});
@@ -135,9 +128,7 @@ Answer impact_answer(const Question& ask) {
   std::vector<double> v(ask.state.v.size()), impulses(number_of(ask.model, Rows::velocities));
   const Solvability found = impact(ask.model, workspace, ask.state.q, ask.state.v, 0.0, v, impulses);
   if (!found.ok()) throw InputError(to_string(ask.model, found));
-  Answer answer{"velocities after the loops close without rebound",
-                {{"v", v}, {"impulses", impulses}},
-                Table({"joint", "v"})};
+  Answer answer{{{"v", v}, {"impulses", impulses}}, Table({"joint", "v"})};
   const std::vector<std::string> names = velocity_names(ask.model);
   for (std::size_t k = 0; k < v.size(); ++k) answer.table.row({names[k], v[k]});
   return answer;
@@ -148,7 +139,7 @@ Answer loop_residual_answer(const Question& ask) {
   LoopWorkspace<> workspace(ask.model);
   std::vector<double> r(static_cast<std::size_t>(ask.model.loops().residuals));
   loop_residual(ask.model, workspace, ask.state.q, r);
-  Answer answer{"how far the loops are from closed; rad, m", Json::object(), Table({"loop", "open by"})};
+  Answer answer{Json::object(), Table({"loop", "open by"}), "rad, m"};
   for (const LoopRows& loop : loops) {
     const std::vector<double> own(r.begin() + loop.first_residual,
                                   r.begin() + loop.first_residual + loop.residuals);
@@ -164,9 +155,8 @@ Answer loop_wrenches_answer(const Question& ask) {
   const std::vector<LoopRows>& loops = ask.model.loops().all;
   LoopWorkspace<> workspace(ask.model);
   const std::vector<double> lambda = multipliers(ask);
-  Answer answer{headline("wrenches of the loops on their second bodies under the drive forces tau",
-                         ask.representation, "of that body's frame", "N m, N"),
-                Json::object(), Table({"loop", "m x", "m y", "m z", "f x", "f y", "f z"})};
+  Answer answer{Json::object(), Table({"loop", "m x", "m y", "m z", "f x", "f y", "f z"}), "N m, N",
+                components_in(ask.representation, "of that body's frame")};
   with_representation(ask.representation, [&](auto rep) {
     using Rep = decltype(rep);
     std::vector<Wrench<Rep>> W(loops.size());
@@ -182,14 +172,14 @@ Answer loop_wrenches_answer(const Question& ask) {
 
 Answer loop_mobility_answer(const Question& ask) {
   const LoopMobility found = loop_mobility(ask.model, ask.state.q);
-  Answer answer{
-      fmt::format("{} degrees of freedom ({}), {} rows of rank {}; rows that others imply",
-                  found.degrees_of_freedom, to_string(found.mobility), ask.model.loops().rows, found.rank),
-      {{"degrees_of_freedom", found.degrees_of_freedom},
-       {"rank", found.rank},
-       {"mobility", std::string(to_string(found.mobility))},
-       {"redundant", Json::array()}},
-      Table({"row", "loop", "what the loops carry by themselves"})};
+  Answer answer{{{"degrees_of_freedom", found.degrees_of_freedom},
+                 {"rank", found.rank},
+                 {"mobility", std::string(to_string(found.mobility))},
+                 {"redundant", Json::array()}},
+                Table({"row", "loop", "what the loops carry by themselves"}),
+                "",
+                fmt::format("{} degrees of freedom ({}), {} rows of rank {}", found.degrees_of_freedom,
+                            to_string(found.mobility), ask.model.loops().rows, found.rank)};
   for (const RedundantRow& row : found.redundant) {
     answer.value["redundant"].push_back({{"row", row.row}, {"loop", row.loop}, {"wrench", row.wrench}});
     answer.table.row({std::to_string(row.row), row.loop, row.wrench});
@@ -200,9 +190,7 @@ Answer loop_mobility_answer(const Question& ask) {
 Answer assembly_answer(const Question& ask) {
   const AssemblyResult found = assemble(ask.model, ask.state.q, ask.state.v);
   if (found.status != AssemblyStatus::closed) throw InputError(to_string(ask.model, found));
-  Answer answer{"q and v near the state with all loops closed",
-                {{"q", found.q}, {"v", found.v}},
-                Table({"joint", "q", "v"})};
+  Answer answer{{{"q", found.q}, {"v", found.v}}, Table({"joint", "q", "v"})};
   const std::vector<std::string> names = velocity_names(ask.model);
   for (const Joint& joint : ask.model.joints())
     for (int k = 0; k < std::max(joint.nq, joint.nv); ++k)
@@ -216,20 +204,33 @@ Answer assembly_answer(const Question& ask) {
 
 std::vector<Quantity> loop_quantities() {
   return {
-      {"loop_residual", "how far loops are from closed", loop_residual_answer},
-      {"loop_jacobian", "A with A v = 0 for velocities that keep the loops closed", loop_jacobian_answer},
-      {"loop_residual_jacobian", "derivative of loop_residual by the configuration",
+      {"loop_residual", "The residuals r say how far the loops are from closed.", loop_residual_answer},
+      {"loop_jacobian", "The matrix A of the loops has A v = 0 for velocities v that keep them closed.",
+       loop_jacobian_answer},
+      {"loop_residual_jacobian", "The matrix R gives the rates r' = R v of the residuals r of the loops.",
        loop_residual_jacobian_answer},
-      {"loop_bias", "accelerations of the loops if all joints have none", loop_bias_answer},
-      {"loop_multipliers", "multipliers of the loops under the drive forces tau", loop_multipliers_answer},
-      {"loop_multiplier_derivatives", "derivatives of loop_multipliers by q, v and tau",
+      {"loop_bias",
+       "The bias gamma of the loops satisfies (A v)' = A a + gamma for the matrix A of loop_jacobian.",
+       loop_bias_answer},
+      {"loop_multipliers",
+       "The multipliers lambda of the loops satisfy M a + h - A^T lambda = tau under the drive forces tau.",
+       loop_multipliers_answer},
+      {"loop_multiplier_derivatives",
+       "The partial derivatives of the multipliers lambda of the loops by q, v and tau have a column for "
+       "each.",
        loop_multiplier_derivatives_answer},
-      {"independent_equations", "equations of motion in velocities that determine all others",
+      {"independent_equations",
+       "The equations M y' + h = N^T tau are those of independent velocities y, with v = N y and "
+       "a = N y' + c.",
        independent_equations_answer},
-      {"impact", "velocities after the loops close without rebound", impact_answer},
-      {"assembly", "q and v near the state with all loops closed", assembly_answer},
-      {"loop_mobility", "degrees of freedom and redundant rows of the loops", loop_mobility_answer},
-      {"constraint_wrenches", "wrenches of the loops under the drive forces tau", loop_wrenches_answer}};
+      {"impact", "The velocities v are those after the loops close without rebound.", impact_answer},
+      {"assembly", "The state (q, v) is near the given one and closes all loops.", assembly_answer},
+      {"loop_mobility",
+       "The degrees of freedom are those that the loops leave; the table has the rows that others imply.",
+       loop_mobility_answer},
+      {"constraint_wrenches",
+       "The wrenches are those of the loops on their second bodies under the drive forces tau.",
+       loop_wrenches_answer}};
 }
 
 }  // namespace axode::command

@@ -18,9 +18,11 @@ void require(const Question& ask, const Solvability& solvability) {
   if (!solvability.ok()) throw InputError(to_string(ask.model, solvability));
 }
 
-std::string columns_label(const std::string& what, const Question& ask) {
-  return headline(what + ", a column for each velocity", ask.representation, twist_axes(ask.representation),
-                  "per unit of the velocity");
+std::string components_of_twists(const Question& ask) {
+  return components_in(ask.representation, twist_axes(ask.representation));
+}
+std::string of_order(int order, const Question& ask) {
+  return "order " + std::to_string(order) + "; " + components_of_twists(ask);
 }
 
 /// The matrix with these columns of six numbers as JSON: six rows with an entry for each column.
@@ -48,9 +50,8 @@ Answer jacobian_derivative_answer(const Question& ask) {
   return with_representation(ask.representation, [&](auto rep) {
     using Rep = decltype(rep);
     const HigherOrderMotion<> motion = motion_of(ask, ask.order);
-    Answer answer{
-        columns_label("time derivative of order " + std::to_string(ask.order) + " of the Jacobian", ask),
-        Json::object(), Table({"frame", "velocity", "w x", "w y", "w z", "v x", "v y", "v z"})};
+    Answer answer{Json::object(), Table({"frame", "velocity", "w x", "w y", "w z", "v x", "v y", "v z"}),
+                  "per unit of the velocity", of_order(ask.order, ask)};
     const std::vector<std::string> names = velocity_names(ask.model);
     std::vector<TwistRate<Rep>> columns(ask.model.nv());
     for (const int frame : frames_of(ask)) {
@@ -67,14 +68,12 @@ Answer jacobian_derivative_answer(const Question& ask) {
   });
 }
 
-Answer twist_derivative(const Question& ask, const std::string& name, int order) {
+Answer twist_derivative(const Question& ask, int order) {
   return with_representation(ask.representation, [&](auto rep) {
     using Rep = decltype(rep);
     const HigherOrderMotion<> motion = motion_of(ask, order);
-    Answer answer{
-        headline(name + ": time derivative of order " + std::to_string(order) + " of the twists' components",
-                 ask.representation, twist_axes(ask.representation), "rad, m and s"),
-        Json::object(), Table({"frame", "w x", "w y", "w z", "v x", "v y", "v z"})};
+    Answer answer{Json::object(), Table({"frame", "w x", "w y", "w z", "v x", "v y", "v z"}), "rad, m and s",
+                  of_order(order, ask)};
     for (const int frame : frames_of(ask)) {
       const TwistRate<Rep> V = motion.twist_derivative<Rep>(frame, order);
       answer.value[ask.model.frame(frame).name] = to_json(V);
@@ -83,9 +82,9 @@ Answer twist_derivative(const Question& ask, const std::string& name, int order)
     return answer;
   });
 }
-Answer jerk_answer(const Question& ask) { return twist_derivative(ask, "jerk", 2); }
-Answer snap_answer(const Question& ask) { return twist_derivative(ask, "snap", 3); }
-Answer twist_derivative_answer(const Question& ask) { return twist_derivative(ask, "twist", ask.order); }
+Answer jerk_answer(const Question& ask) { return twist_derivative(ask, 2); }
+Answer snap_answer(const Question& ask) { return twist_derivative(ask, 3); }
+Answer twist_derivative_answer(const Question& ask) { return twist_derivative(ask, ask.order); }
 
 /// A tensor of derivatives as nested lists: one index for each of `order` derivatives, the outermost
 /// derivative first, then six rows of nv entries.
@@ -106,10 +105,8 @@ Answer jacobian_partials_answer(const Question& ask) {
     if (size > 1e6)
       throw InputError("jacobian_partials: order " + std::to_string(ask.order) +
                        " has more than a million columns for " + std::to_string(nv) + " velocities");
-    Answer answer{columns_label("partial derivatives of order " + std::to_string(ask.order) +
-                                    " of the Jacobian; outermost derivative first",
-                                ask),
-                  Json::object(), Table({"frame", "entries", "largest"})};
+    Answer answer{Json::object(), Table({"frame", "entries", "largest"}), "per unit of the velocity",
+                  of_order(ask.order, ask)};
     Workspace<> workspace(ask.model);
     std::vector<Twist<Rep>> J(static_cast<std::size_t>(size));
     for (const int frame : frames_of(ask)) {
@@ -135,10 +132,8 @@ Json dense(const SystemMatrix& M) {
 Answer system_matrices_answer(const Question& ask) {
   return with_representation(ask.representation, [&](auto rep) {
     const SystemMatrices system = system_matrices<decltype(rep)>(ask.model, ask.state.q);
-    Answer answer{headline("V = A X v of all bodies, (I - D) A = I", ask.representation,
-                           twist_axes(ask.representation), "six rows for each body in the model's order"),
-                  Json{{"A", dense(system.A)}, {"D", dense(system.D)}, {"X", dense(system.X)}},
-                  Table({"matrix", "rows", "columns", "entries not zero"})};
+    Answer answer{Json{{"A", dense(system.A)}, {"D", dense(system.D)}, {"X", dense(system.X)}},
+                  Table({"matrix", "rows", "columns", "entries not zero"}), "", components_of_twists(ask)};
     for (const auto& [name, M] :
          {std::pair("A", &system.A), std::pair("D", &system.D), std::pair("X", &system.X)})
       answer.table.row({std::string(name), std::to_string(M->rows()), std::to_string(M->cols()),
@@ -152,14 +147,13 @@ Answer inverse_kinematics_answer(const Question& ask) {
     throw InputError(
         "inverse_kinematics: the state has no \"targets\"; give a list of {\"frame\", \"pose\"}");
   const InverseKinematicsResult result = inverse_kinematics(ask.model, ask.state.targets, ask.state.q);
-  Answer answer{"a configuration in which the frames take the poses of the targets, from q; " +
-                    std::string(to_string(result.status)) + ", error " + significant(result.residual),
-                Json{{"status", to_string(result.status)},
+  Answer answer{Json{{"status", to_string(result.status)},
                      {"q", result.q},
                      {"residual", result.residual},
                      {"iterations", result.iterations},
                      {"restarts", result.restarts}},
-                Table({"coordinate", "q"})};
+                Table({"coordinate", "q"}), "",
+                std::string(to_string(result.status)) + ", error " + significant(result.residual)};
   const std::vector<std::string> names = coordinate_names(ask.model);
   for (std::size_t k = 0; k < names.size(); ++k) answer.table.row({names[k], result.q[k]});
   return answer;
@@ -175,7 +169,7 @@ Answer mass_matrix_factors_answer(const Question& ask) {
   const std::vector<std::string> names = velocity_names(ask.model);
   std::vector<std::string> headings{"velocity"};
   headings.insert(headings.end(), names.begin(), names.end());
-  Answer answer{"M = L^T D L; the table has L", Json{{"L", Json::array()}}, Table(std::move(headings))};
+  Answer answer{Json{{"L", Json::array()}}, Table(std::move(headings))};
   for (int r = 0; r < nv; ++r) {
     std::vector<double> row;
     for (int c = 0; c < nv; ++c) row.push_back(factor.L(r, c));
@@ -192,9 +186,11 @@ Answer mass_matrix_factors_answer(const Question& ask) {
 /// An Answer, the text and JSON that `axode eval` prints, for equations of motion of the twists or momenta of
 /// the bodies: the velocities v, and for each body the rate of its six unknowns.
 template <class Rate>
-Answer body_rates_answer(const Question& ask, std::string label, std::vector<std::string> headings,
-                         const char* key, const std::vector<double>& v, const std::vector<Rate>& rates) {
-  Answer answer{std::move(label), Json{{"v", v}, {key, Json::object()}}, Table(std::move(headings))};
+Answer body_rates_answer(const Question& ask, std::string details, std::string units,
+                         std::vector<std::string> headings, const char* key, const std::vector<double>& v,
+                         const std::vector<Rate>& rates) {
+  Answer answer{Json{{"v", v}, {key, Json::object()}}, Table(std::move(headings)), std::move(units),
+                std::move(details)};
   for (int i = 1; i <= ask.model.n_bodies(); ++i) {
     const auto& [x, y] = rates[i - 1];
     answer.value[key][ask.model.body(i).name] = to_json(rates[i - 1]);
@@ -213,12 +209,8 @@ Answer twist_form_answer(const Question& ask) {
     std::vector<TwistRate<Rep>> dV(n);
     require(ask, twist_form<Rep>(ask.model, workspace, ask.state.q, std::span(V).subspan(1, n), ask.state.tau,
                                  v, dV, ask.loads()));
-    return body_rates_answer(
-        ask,
-        headline("rates of the state (q, V) under the drive forces tau, V being the twists of "
-                 "the bodies at the state's v",
-                 ask.representation, twist_axes(ask.representation), "rad/s^2, m/s^2"),
-        {"body", "w' x", "w' y", "w' z", "v' x", "v' y", "v' z"}, "dV", v, dV);
+    return body_rates_answer(ask, components_of_twists(ask), "rad/s^2, m/s^2",
+                             {"body", "w' x", "w' y", "w' z", "v' x", "v' y", "v' z"}, "dV", v, dV);
   });
 }
 Answer spatial_momentum_form_answer(const Question& ask) {
@@ -229,11 +221,8 @@ Answer spatial_momentum_form_answer(const Question& ask) {
   std::vector<Wrench<Spatial>> dPi(Pi.size());
   require(ask,
           spatial_momentum_form(ask.model, workspace, ask.state.q, Pi, ask.state.tau, v, dPi, ask.loads()));
-  return body_rates_answer(
-      ask,
-      "rates of the state (q, Pi) under the drive forces tau, Pi being the spatial momenta of "
-      "the bodies at the state's v; N m, N",
-      {"body", "l' x", "l' y", "l' z", "p' x", "p' y", "p' z"}, "dPi", v, dPi);
+  return body_rates_answer(ask, "", "N m, N", {"body", "l' x", "l' y", "l' z", "p' x", "p' y", "p' z"}, "dPi",
+                           v, dPi);
 }
 Answer inverse_dynamics_rates_answer(const Question& ask) {
   std::vector<double> rates, tau(3 * ask.state.v.size());
@@ -246,8 +235,7 @@ Answer inverse_dynamics_rates_answer(const Question& ask) {
     check_driven(inverse_dynamics_rates(ask.model, workspace, ask.state.q, rates, tau, {}, ask.loads()),
                  "make this motion");
   }
-  Answer answer{"drive forces and their first and second time derivatives", Json::array(),
-                Table({"joint", "tau", "tau'", "tau\""})};
+  Answer answer{Json::array(), Table({"joint", "tau", "tau'", "tau\""})};
   const std::vector<std::string> names = velocity_names(ask.model);
   const std::size_t nv = names.size();
   for (std::size_t order = 0; order < 3; ++order)
@@ -257,8 +245,7 @@ Answer inverse_dynamics_rates_answer(const Question& ask) {
 }
 Answer inertial_parameters_answer(const Question& ask) {
   const std::vector<double> pi = inertial_parameters(ask.model);
-  Answer answer{"of every body in its frame, with what is fixed to it; kg, kg m, kg m^2", pi,
-                Table({"parameter", "pi"})};
+  Answer answer{pi, Table({"parameter", "pi"}), "kg, kg m, kg m^2"};
   const std::vector<std::string> names = parameter_names(ask.model);
   for (std::size_t k = 0; k < names.size(); ++k) answer.table.row({names[k], pi[k]});
   return answer;
@@ -268,21 +255,42 @@ Answer inertial_parameters_answer(const Question& ask) {
 
 std::vector<Quantity> other_quantities() {
   return {
-      {"jacobian_derivative", "time derivative of --order of the Jacobian", jacobian_derivative_answer},
-      {"jacobian_partials", "partial derivatives of --order of the Jacobian by the configuration",
+      {"jacobian_derivative",
+       "The time derivative of --order of the Jacobian of a frame has a column for each velocity.",
+       jacobian_derivative_answer},
+      {"jacobian_partials",
+       "The partial derivatives of --order of the Jacobian of a frame by the configuration have a column "
+       "for each velocity, and the outermost derivative comes first.",
        jacobian_partials_answer},
-      {"jerk", "second time derivatives of the twists", jerk_answer},
-      {"snap", "third time derivatives of the twists", snap_answer},
-      {"twist_derivative", "time derivatives of --order of the twists", twist_derivative_answer},
-      {"system_matrices", "the sparse factors A, D and X of the system Jacobian", system_matrices_answer},
-      {"inverse_kinematics", "joint coordinates for the poses in the state's \"targets\"",
+      {"jerk", "The jerks are the second time derivatives of the components of the twists.", jerk_answer},
+      {"snap", "The snaps are the third time derivatives of the components of the twists.", snap_answer},
+      {"twist_derivative", "The rates are the time derivatives of --order of the components of the twists.",
+       twist_derivative_answer},
+      {"system_matrices",
+       "The sparse matrices A, D and X satisfy V = A X v and (I - D) A = I for the twists V of all bodies, "
+       "six rows for each body.",
+       system_matrices_answer},
+      {"inverse_kinematics",
+       "The configuration q puts frames into the poses of the state's \"targets\", and is sought from the "
+       "state's q.",
        inverse_kinematics_answer},
-      {"mass_matrix_factors", "L and D of M = L^T D L", mass_matrix_factors_answer},
-      {"twist_form", "rates of (q, V) under the drive forces tau", twist_form_answer},
-      {"spatial_momentum_form", "rates of (q, Pi) under the drive forces tau", spatial_momentum_form_answer},
-      {"inverse_dynamics_rates", "drive forces and their time derivatives, from a, jerk and snap",
+      {"mass_matrix_factors",
+       "The factors L, which the table has, and D of the mass matrix satisfy M = L^T D L.",
+       mass_matrix_factors_answer},
+      {"twist_form",
+       "The rates of the state (q, V) under the drive forces tau are those with the twists V of the bodies "
+       "at the state's v.",
+       twist_form_answer},
+      {"spatial_momentum_form",
+       "The rates of the state (q, Pi) under the drive forces tau are those with the spatial momenta Pi of "
+       "the bodies at the state's v.",
+       spatial_momentum_form_answer},
+      {"inverse_dynamics_rates",
+       "The drive forces tau and their first two time derivatives follow from a, jerk and snap.",
        inverse_dynamics_rates_answer},
-      {"inertial_parameters", "ten inertial parameters of each body", inertial_parameters_answer},
+      {"inertial_parameters",
+       "The ten inertial parameters pi of each body are given in its frame, with what is fixed to it.",
+       inertial_parameters_answer},
   };
 }
 

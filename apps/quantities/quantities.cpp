@@ -55,21 +55,19 @@ std::string wrench_axes(Representation representation, const char* whose, const 
   return fmt::format("moment in the {}'s own axes, about {}; force in inertial axes", whose, own);
 }
 
-std::string label_of(const Row& row, const Question& ask) {
+std::string details_of(const Row& row, const Question& ask) {
   const Representation representation = ask.representation;
-  if (row.choice != Choice::representation) return fmt::format("{}; {}", row.purpose, row.units);
+  if (row.choice != Choice::representation) return "";
   switch (row.entry) {
-    case Entry::twist: return headline(row.purpose, representation, twist_axes(representation), row.units);
-    case Entry::rate: return headline(row.purpose, representation, rate_axes(representation), row.units);
+    case Entry::twist: return components_in(representation, twist_axes(representation));
+    case Entry::rate: return components_in(representation, rate_axes(representation));
     default: break;
   }
   const char* const whose = row.takes_input(Input::place) ? "frame" : "body";
   constexpr const char* joint = "the joint's point";
   const bool at_joint = row.takes_input(Input::at) && ask.at == WrenchPoint::joint;
-  return headline(row.purpose, representation,
-                  wrench_axes(representation, whose, at_joint ? joint : "its origin",
-                              at_joint ? joint : fmt::format("the {}'s origin", whose)),
-                  row.units);
+  return components_in(representation, wrench_axes(representation, whose, at_joint ? joint : "its origin",
+                                                   at_joint ? joint : fmt::format("the {}'s origin", whose)));
 }
 
 /// An axis of a result that is an array, with the names of the entries along it.
@@ -311,7 +309,7 @@ Answer answer(const Question& ask, std::string_view name) {
 
   Result result{ask, row, {}};
   for (const Extent extent : row.shape) result.axes.push_back(axis_of(extent, ask));
-  Answer made{label_of(row, ask), Json::object(), Table(result.headings())};
+  Answer made{Json::object(), Table(result.headings()), std::string(row.units), details_of(row, ask)};
   std::vector<double> out(row.size(model, ask.state.loads.size()));
   const auto make = [&](const std::string& who) {
     const Solvability outcome =
@@ -357,9 +355,8 @@ std::string twist_axes(Representation representation) {
   return "w in the frame's own axes, v = r' of its origin in inertial axes";
 }
 
-std::string headline(std::string_view what, Representation representation, const std::string& axes,
-                     std::string_view units) {
-  return fmt::format("{}, {}: {}; {}", what, name_of(representation), axes, units);
+std::string components_in(Representation representation, const std::string& axes) {
+  return fmt::format("{}: {}", name_of(representation), axes);
 }
 
 std::vector<int> frames_of(const Question& ask) {

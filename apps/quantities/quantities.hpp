@@ -28,14 +28,14 @@ struct Question {
   Loads<> loads() const { return {state.loads, joint_losses}; }
 };
 
-/// The answer to a question: a title with units and axes, and the values as JSON and as a table.
+/// The answer to a question: the values as JSON and as a table, their units, and details such as axes.
 struct Answer {
-  std::string label;
   Json value;
   Table table;
+  std::string units = {}, details = {};
 };
 
-/// A quantity that `axode eval` can compute: its name, its purpose in a few words, and how it is computed.
+/// A quantity that `axode eval` can compute: its name, a sentence on its purpose, and how it is computed.
 struct Quantity {
   std::string_view name, purpose;
   std::function<Answer(const Question&)> answer;
@@ -54,8 +54,7 @@ std::vector<int> frames_of(const Question& ask);
 
 /// A description of the axes and the reference point of the six components of a twist in a representation.
 std::string twist_axes(Representation representation);
-/// The title of an answer, with the name of the quantity, its representation and axes, and its units.
-std::string headline(std::string_view what, Representation representation, const std::string& axes,
-                     std::string_view units);
+/// A detail of an answer: the name of the representation of its components, and their axes.
+std::string components_in(Representation representation, const std::string& axes);
 
 }  // namespace axode::command

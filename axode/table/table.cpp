@@ -74,6 +74,13 @@ constexpr bool refuses_others(const Counts& counts) {
 static_assert(std::ranges::none_of(functions_of_state, refuses_others, &Words::counts));
 static_assert(std::ranges::none_of(other_functions, refuses_others, &Other::counts));
 
+/// Whether the purpose of a row is a sentence that no other row has.
+constexpr bool is_a_sentence_of_its_own(const Words& row) {
+  return row.purpose[0] >= 'A' && row.purpose[0] <= 'Z' && row.purpose.ends_with('.') &&
+         std::ranges::count(functions_of_state, row.purpose, &Words::purpose) == 1;
+}
+static_assert(std::ranges::all_of(functions_of_state, is_a_sentence_of_its_own));
+
 /// How many instances of a property, such as loops, a model has; 0 for one that no function refuses.
 std::size_t number_of(Count Counts::*property, const Model& model) {
   if (property == &Counts::loops) return model.loops().all.size();

@@ -129,13 +129,13 @@ static_assert(sizeof(Counts) == properties.size() * sizeof(Count));
 /// The description of a function of a state: a row of the table functions_of_state.
 struct Words {
   std::string_view name;     ///< name in C++, in Python and in the command
-  std::string_view purpose;  ///< what the function computes: a phrase that can be read alone
+  std::string_view purpose;  ///< a whole sentence on the result, which no other row has
   /// The units of the result; semicolons separate several results. If units depend on whether velocities, or
   /// the parts of six-vectors, are angular or linear, all are listed by how many of these are linear, 0
   /// first, as in "N m, N". "of x" stands for the units of x, and "per" for division by the unit of a
   /// direction, velocity, parameter or displacement along the last axes of the result.
   std::string_view units;
-  List<Input, 8> takes;
+  List<Input, 8> takes;  ///< the inputs, in the order of the parameters in C++
   Decided<Choice> choice;
   Decided<Entry> entry;
   List<Extent, 3> shape;  ///< axes of the result, outermost first

@@ -13,8 +13,8 @@ class Functions(SphinxDirective):
 
     def run(self):
         recorded = "recorded" in self.options
-        lines = ["| function | result | arguments |", "|---|---|---|"] if recorded else [
-            "| function | result | unit | arguments | loops |", "|---|---|---|---|---|"]
+        lines = ["| function | purpose | arguments |", "|---|---|---|"] if recorded else [
+            "| function | purpose | unit of the result | arguments | loops |", "|---|---|---|---|---|"]
         for row in axode.table.ROWS.values():
             if recorded and row.recorded:
                 lines.append(f"| `{row.name}` | {row.purpose} | {', '.join(name for name in row.takes if name != 'loads')} |")

@@ -25,7 +25,7 @@ class Row(NamedTuple):
     """A function of a state.
 
     >>> axode.table.ROWS["mass_matrix"].purpose
-    'mass matrix M(q), armatures included'
+    'The mass matrix M gives the kinetic energy v^T M v / 2, and includes armatures.'
     """
 
     name: str

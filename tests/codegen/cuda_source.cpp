@@ -90,7 +90,7 @@ TEST_P(GeneratedCuda, GivesWhatTheLibraryGives) {
                                         {"tree" + std::to_string(seed), fastest.single, codegen::Abi::cuda}));
     std::string& source = sources.back().text;
     if (seed > 1)
-      source.erase(source.find("/* Entry k"), source.find("/* Drive forces") - source.find("/* Entry k"));
+      source.erase(source.find("/* Entry k"), source.find("/* The drive forces") - source.find("/* Entry k"));
     text += source;
   }
   const Compiled library(text, as_cpp);

@@ -1,5 +1,4 @@
 #include <algorithm>
-#include <cctype>
 #include <stdexcept>
 
 #include "axode/codegen/c/c_function.hpp"
@@ -38,10 +37,9 @@ struct Part {
 std::string purpose(const Model& model, const Function& function) {
   const catalog::Words& row = function.row.words();
   std::string text(row.purpose);
-  text[0] = static_cast<char>(std::toupper(text[0]));
   if (function.is_of_a_frame())
-    text += "; the frame is \"" + in_comment(model.frame(function.frame).name) + "\"";
-  text += ".\n   " + std::string(row.together) + " (" + std::string(row.units) + ") has ";
+    text += " The frame is \"" + in_comment(model.frame(function.frame).name) + "\".";
+  text += "\n   " + std::string(row.together) + " (" + std::string(row.units) + ") has ";
   const std::string nv = std::to_string(model.nv());
   if (row.entry == catalog::Entry::twist) {
     text += "6 x " + nv + " numbers, row by row, in " + std::string(word_for(function.representation)) +
