@@ -300,29 +300,7 @@ derivative of dV by a. O(n).
 >>> np.allclose(d.V_v, axode.jacobian(arm, q, "flange", "hybrid"))
 True
 )");
-  module.def(
-      "motion_jvp",
-      [f = StateFunction("motion_jvp")](const BoundModel& m, ArrayLike q, ArrayLike v, ArrayLike a,
-                                        FrameName frame, ArrayLike dq, ArrayLike dv, ArrayLike da,
-                                        Representation representation, ArrayLike offset, int threads) {
-        return f.all(m, {.q = q,
-                         .v = v,
-                         .a = a,
-                         .dq = dq,
-                         .dv = dv,
-                         .da = da,
-                         .algorithm = {representation},
-                         .place = place(m, frame, offset),
-                         .threads = threads});
-      },
-      "m"_a, "q"_a, "v"_a, "a"_a, "frame"_a, "dq"_a, "dv"_a, "da"_a, "representation"_a = "body",
-      nb::kw_only(), "offset"_a = nb::none(), "threads"_a = 1,
-      nb::sig("def motion_jvp(m: Model, q: numpy.typing.ArrayLike, v: numpy.typing.ArrayLike, "
-              "a: numpy.typing.ArrayLike, frame: str | int, dq: numpy.typing.ArrayLike, "
-              "dv: numpy.typing.ArrayLike, da: numpy.typing.ArrayLike, "
-              "representation: typing.Literal['body', 'spatial', 'hybrid', 'mixed'] = 'body', *, "
-              "offset: numpy.typing.ArrayLike | None = None, threads: int = 1) -> axode.MotionChange"),
-      documented("motion_jvp", R"(
+  functions.define<"motion_jvp">(R"(
 (X, V, dV): the changes of the motion of a frame along a direction (dq, dv, da), (6,) or (N, 6) each. O(n), without a
 matrix.
 
@@ -334,8 +312,7 @@ the given representation.
 >>> change = axode.motion_jvp(arm, q, v, a, "flange", w, w, w, "hybrid")
 >>> np.allclose(change.V, d.V_q @ w + d.V_v @ w)
 True
-)")
-          .c_str());
+)");
   module.def("motion_vjp", &motion_vjp_of, "m"_a, "q"_a, "v"_a, "a"_a, "frame"_a, "w"_a,
              "representation"_a = "body", nb::kw_only(), "offset"_a = nb::none(), "threads"_a = 1,
              nb::sig("def motion_vjp(m: Model, q: numpy.typing.ArrayLike, v: numpy.typing.ArrayLike, "

@@ -78,23 +78,7 @@ closed. O(n), by the recursive Newton-Euler algorithm (eqs. aVbRec2 to cWhRec).
 array([  2.67 , -50.147,  -0.109,  14.362])
 )")
           .c_str());
-  module.def(
-      "forward_dynamics",
-      [f = StateFunction("forward_dynamics")](const BoundModel& m, ArrayLike q, ArrayLike v, ArrayLike tau,
-                                              Algorithm algorithm, LoadList loads, bool joint_losses,
-                                              int threads) {
-        const Arguments all{.q = q,
-                            .v = v,
-                            .tau = tau,
-                            .algorithm = algorithm,
-                            .loads = loads,
-                            .joint_losses = joint_losses,
-                            .threads = threads};
-        return f(m, all);
-      },
-      "m"_a, "q"_a, "v"_a, "tau"_a, "representation"_a = "fast", "loads"_a = nb::none(), nb::kw_only(),
-      "joint_losses"_a = false, "threads"_a = 1,
-      documented("forward_dynamics", R"(
+  functions.define<"forward_dynamics">(R"(
 The accelerations a that the drive forces tau produce, the inverse of `inverse_dynamics` with the same loads.
 
 Shape (nv,) or (N, nv). O(n) by the articulated-body algorithm. SingularError, which names the joint, if the mass
@@ -106,8 +90,7 @@ accelerations are those that keep the loops closed.
 >>> tau = axode.inverse_dynamics(arm, q, v, np.ones(7))
 >>> axode.forward_dynamics(arm, q, v, tau).round(9)
 array([1., 1., 1., 1., 1., 1., 1.])
-)")
-          .c_str());
+)");
   module.def(
       "joint_wrenches",
       [f = StateFunction("joint_wrenches")](const BoundModel& m, ArrayLike q, ArrayLike v, ArrayLike a,
@@ -180,14 +163,7 @@ SingularError if M is singular.
 >>> np.allclose(M @ W, np.eye(7))
 True
 )");
-  module.def(
-      "coriolis_matrix",
-      [f = StateFunction("coriolis_matrix")](const BoundModel& m, ArrayLike q, ArrayLike v, CoriolisForm form,
-                                             int threads) {
-        return f(m, {.q = q, .v = v, .form = form, .threads = threads});
-      },
-      "m"_a, "q"_a, "v"_a, "form"_a = "christoffel", nb::kw_only(), "threads"_a = 1,
-      documented("coriolis_matrix", R"(
+  functions.define<"coriolis_matrix">(R"(
 C(q, v) with C v = `coriolis_vector`: (nv, nv) or (N, nv, nv). O(n d).
 
 "paper": the paper's C (eq. CMat); M' - 2C is not skew. "skew": the paper's C', for which M' - 2C is skew. "spatial":
@@ -197,8 +173,7 @@ the same matrix as "skew", computed from spatial twists. "christoffel": C_ij = s
 >>> C = axode.coriolis_matrix(arm, arm.neutral(), v, form="skew")
 >>> np.allclose(C @ v, axode.coriolis_vector(arm, arm.neutral(), v))
 True
-)")
-          .c_str());
+)");
   functions.define<"christoffel">(R"(
 Christoffel symbols of the first kind, Gamma[i, j, k]: (nv, nv, nv) or (N, nv, nv, nv) (eq. Gamma, corrected).
 

@@ -298,20 +298,7 @@ built.
 >>> axode.jacobian_derivative_along(arm, arm.neutral(), "flange", [np.ones(7), np.ones(7)]).shape
 (6, 7)
 )");
-  module.def(
-      "relative_jacobian",
-      [f = StateFunction("relative_jacobian")](const BoundModel& m, ArrayLike q, FrameName frame,
-                                               FrameName base, Representation representation,
-                                               ArrayLike offset, ArrayLike base_offset, int threads) {
-        return f(m, {.q = q,
-                     .algorithm = {representation},
-                     .place = place(m, frame, offset),
-                     .base = place(m, base, base_offset, "base"),
-                     .threads = threads});
-      },
-      "m"_a, "q"_a, "frame"_a, "base"_a, "representation"_a = "body", nb::kw_only(), "offset"_a = nb::none(),
-      "base_offset"_a = nb::none(), "threads"_a = 1,
-      documented("relative_jacobian", R"(
+  functions.define<"relative_jacobian">(R"(
 The Jacobian of the motion of a frame as an observer at rest in the frame `base` sees it, (6, nv) or (N, 6, nv).
 
 The base takes the role of the inertial frame. `offset` and `base_offset` are points or poses in the two frames, as in
@@ -320,8 +307,7 @@ The base takes the role of the inertial frame. `offset` and `base_offset` are po
 >>> J = axode.relative_jacobian(arm, arm.neutral(), "flange", "link 6")
 >>> np.flatnonzero(abs(J).max(axis=0))
 array([6])
-)")
-          .c_str());
+)");
   module.def("jacobian_columns", &jacobian_columns_of, "m"_a, "q"_a, "frame"_a, "representation"_a = "body",
              nb::kw_only(), "offset"_a = nb::none(),
              nb::sig("def jacobian_columns(m: Model, q: numpy.typing.ArrayLike, frame: str | int, "

@@ -82,17 +82,7 @@ singular.
 >>> np.allclose(axode.from_momenta(arm, q, axode.momenta(arm, q, v)), v)
 True
 )");
-  module.def(
-      "momentum_form",
-      [f = StateFunction("momentum_form")](const BoundModel& m, ArrayLike q, ArrayLike p, ArrayLike tau,
-                                           LoadList loads, bool joint_losses, int threads) {
-        return f.both(
-            m,
-            {.q = q, .tau = tau, .p = p, .loads = loads, .joint_losses = joint_losses, .threads = threads});
-      },
-      "m"_a, "q"_a, "p"_a, "tau"_a, "loads"_a = nb::none(), nb::kw_only(), "joint_losses"_a = false,
-      "threads"_a = 1,
-      documented("momentum_form", R"(
+  functions.define<"momentum_form">(R"(
 (v, p'): the rates of the state (q, p), two arrays (nv,) or (N, nv): Hamilton's equations in O(n).
 
 They are computed in spatial twists, without accelerations and their bias terms. SingularError if M is singular.
@@ -100,8 +90,7 @@ They are computed in spatial twists, without accelerations and their bias terms.
 >>> v, dp = axode.momentum_form(arm, np.full(7, 0.3), np.zeros(7), np.zeros(7))
 >>> np.allclose(dp, -axode.gravity_torques(arm, np.full(7, 0.3)))
 True
-)")
-          .c_str());
+)");
   functions.define<"body_momenta">(R"(
 The momentum Pi_i = M_i V_i of every body in its own frame, (n_bodies, 6) or (N, n_bodies, 6): angular (N m s), then
 linear (N s). O(n).

@@ -109,7 +109,10 @@ def test_the_tables_list_the_public_names_and_no_others(module):
             if owner == module.__name__:
                 listed += re.findall(r"`(\w+)`", second)
     assert len(listed) == len(set(listed))
-    assert set(listed) == {name for name in module.__all__ if not inspect.ismodule(getattr(module, name))}
+    public = {name for name in module.__all__ if not inspect.ismodule(getattr(module, name))}
+    # The reference has a table of all functions of a state, which is made from axode.table.
+    by_hand = public - {*axode.table.ROWS} if module is axode else public
+    assert by_hand <= set(listed) <= public
 
 
 def test_the_reference_has_every_module():

@@ -75,7 +75,7 @@ template <catalog::Id id> void define(nb::class_<BoundSpecialised>& type) {
           ((given.*argument_of(id.words().numbers()[n]) = numbers), ...);
           return called(s, {id}, f, given);
         },
-        argument<n>(name_of(row.numbers()[n]))..., nb::kw_only(), nb::arg("threads") = 1,
+        parameter<row.numbers()[n]>()..., nb::kw_only(), nb::arg("threads") = 1,
         nb::sig(signature(row, "self", "*, threads: int = 1").c_str()),
         ("Computes `axode." + std::string(name) + "` by compiled code, without loads.").c_str());
   }

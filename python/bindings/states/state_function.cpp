@@ -142,11 +142,6 @@ Array StateFunction::in_rows(const BoundModel& m, const Arguments& given) const 
   return run(m, given, row(given.algorithm)).array();
 }
 
-std::tuple<Array, Array> StateFunction::both(const BoundModel& m, const Arguments& given) const {
-  NewArray out = run(m, given, row(given.algorithm));
-  return {out.part(0, 1), out.part(1, 1)};
-}
-
 nb::object StateFunction::all(const BoundModel& m, const Arguments& given) const {
   const std::string record = record_of(id_.words());
   if (record.empty()) return nb::cast((*this)(m, given));
@@ -156,6 +151,7 @@ nb::object StateFunction::all(const BoundModel& m, const Arguments& given) const
   const int axes = static_cast<int>(called.shape.size()) + axes_of(called.entry).axes;
   for (std::size_t k = 0; k < called.symbols.size(); ++k)
     parts.append(nb::cast(out.part(static_cast<nb::ssize_t>(k), axes, called.columns)));
+  if (record == "tuple") return nb::tuple(parts);
   return nb::module_::import_("axode.records").attr(record.c_str())(*parts);
 }
 
@@ -167,7 +163,7 @@ std::string record_of(const catalog::Words& row) {
                                                                        : "Motion";
   switch (row.symbols.size()) {
     case 1: return "";
-    case 2: return "StateDerivatives";
+    case 2: return row.derivative_of.empty() ? "tuple" : "StateDerivatives";
     case 3: return family + (family == "Motion" ? "Change" : "Derivatives");
     default: return family + (family.ends_with("Dynamics") ? "Hessian" : "Derivatives");
   }
@@ -175,11 +171,17 @@ std::string record_of(const catalog::Words& row) {
 
 std::string signature(const catalog::Words& row, const char* self, const std::string& options) {
   std::string text = "def " + std::string(row.name) + "(" + self + ", ";
-  for (const Input input : row.numbers())
-    text += std::string(to_string(input)) + ": numpy.typing.ArrayLike, ";
-  const std::string record = record_of(row);
+  for (const Input input : parameters_of(row)) {
+    text += name_of(input);
+    text += catalog::is_of_numbers(input) ? ": numpy.typing.ArrayLike, "
+            : input == Input::form ? ": " + std::string(Words<CoriolisForm>::name.text) + " = 'christoffel', "
+                                   : ": str | int, ";
+  }
+  const std::string record = record_of(row), array = "numpy.typing.NDArray[numpy.float64]";
   return text + options + ") -> " +
-         (record.empty() ? "numpy.typing.NDArray[numpy.float64]" : "axode." + record);
+         (record.empty()      ? array
+          : record == "tuple" ? "tuple[" + array + ", " + array + "]"
+                              : "axode." + record);
 }
 
 std::string documented(const char* name, std::string doc) {

@@ -1,7 +1,6 @@
 #pragma once
 #include <algorithm>
 #include <functional>
-#include <tuple>
 
 #include "axode/batch.hpp"
 #include "axode/catalog.hpp"
@@ -55,8 +54,6 @@ class StateFunction {
   Array operator()(const BoundModel& m, const Arguments& given) const;
   /// Calls the function, and returns entries such as the columns of Jacobians as rows.
   Array in_rows(const BoundModel& m, const Arguments& given) const;
-  /// Calls the function, which must have two results, and returns both.
-  std::tuple<Array, Array> both(const BoundModel& m, const Arguments& given) const;
   /// Calls the function, and returns its result as an array, or several results as a named tuple.
   nb::object all(const BoundModel& m, const Arguments& given) const;
 
@@ -70,7 +67,8 @@ class StateFunction {
   std::vector<ArgumentOfState> takes_;  ///< the arguments that the function takes in addition to q
 };
 
-/// The name of the type in axode.records for several results of a function; empty if it has one.
+/// The name of the type in axode.records for several results of a function: empty if it has one, "tuple" if
+/// they are not derivatives.
 std::string record_of(const catalog::Words& row);
 
 /// The Python signature of a function in axode/catalog.hpp: `def name(self, arguments, options) -> result`.
@@ -79,9 +77,27 @@ std::string signature(const catalog::Words& row, const char* self, const std::st
 /// The docstring of a function with a line on the parts of a mechanism (such as loops) that it allows.
 std::string documented(const char* name, std::string doc);
 
-/// The type Parameter: for an index sequence n, `Each<Parameter, n>...` is a list of as many parameters.
-template <class Parameter, std::size_t> using Each = Parameter;
-template <std::size_t> auto argument(const char* name) { return nb::arg(name); }
+/// The type of the parameter in Python for an input other than loads.
+template <catalog::Input input>
+using Parameter =
+    std::conditional_t<catalog::is_of_numbers(input), ArrayLike,
+                       std::conditional_t<input == catalog::Input::form, CoriolisForm, FrameName>>;
+template <catalog::Input input> auto parameter() {
+  if constexpr (input == catalog::Input::form)
+    return nb::arg(name_of(input)) = Words<CoriolisForm>::words.back().data();
+  else
+    return nb::arg(name_of(input));
+}
+/// The inputs of a row that are parameters without a keyword in Python, in their order; loads are apart.
+inline constexpr auto parameters_of = [](const catalog::Words& row) {
+  catalog::List<catalog::Input, 8> all;
+  for (const catalog::Input input : row.takes)
+    if (input != catalog::Input::loads && input != catalog::Input::at) all.add(input);
+  return all;
+};
+
+/// The type Type: for an index sequence n, `Each<Type, n>...` is a list of as many types.
+template <class Type, std::size_t> using Each = Type;
 template <std::size_t, class Value> auto argument(const char* name, Value&& value) {
   return nb::arg(name) = std::forward<Value>(value);
 }
@@ -101,43 +117,62 @@ class StateFunctions {
 template <catalog::Id id> void StateFunctions::define(const char* doc) const {
   using catalog::Input, catalog::Choice;
   constexpr const catalog::Words& row = id.words();
-  constexpr bool about_a_frame = row.takes_input(Input::place), takes_loads = row.takes_input(Input::loads);
+  constexpr bool about_a_frame = row.takes_input(Input::place), in_a_base = row.takes_input(Input::base);
+  constexpr bool takes_loads = row.takes_input(Input::loads);
+  // The loads are before the representation if the function is about them.
+  constexpr bool loads_first = takes_loads && id == catalog::Id("generalized_loads");
   using Way = std::conditional_t<row.choice == Choice::recursion, Algorithm, Representation>;
   const char* const name = row.name.data();
   const char* const first_way = Words<Way>::words[0].data();
-  std::string options;
-  if (about_a_frame) options += "frame: str | int, ";
-  if (takes_loads) options += "loads: collections.abc.Sequence[axode.Load] | None = None, ";
+  const std::string loads = "loads: collections.abc.Sequence[axode.Load] | None = None, ";
+  std::string options = loads_first ? loads : "";
   if (row.choice != Choice::none)
     options += "representation: " + std::string(Words<Way>::name.text) + " = '" + first_way + "', ";
+  if (takes_loads && !loads_first) options += loads;
   options += "*, ";
   if (takes_loads) options += "joint_losses: bool = False, ";
   if (about_a_frame) options += "offset: numpy.typing.ArrayLike | None = None, ";
+  if (in_a_base) options += "base_offset: numpy.typing.ArrayLike | None = None, ";
   options += "threads: int = 1";
-  [&]<std::size_t... n, std::size_t... f, std::size_t... l, std::size_t... w>(
-      std::index_sequence<n...>, std::index_sequence<f...>, std::index_sequence<l...>,
-      std::index_sequence<w...>) {
+  [&]<std::size_t... t, std::size_t... f, std::size_t... b, std::size_t... l, std::size_t... first,
+      std::size_t... last, std::size_t... w>(std::index_sequence<t...>, std::index_sequence<f...>,
+                                             std::index_sequence<b...>, std::index_sequence<l...>,
+                                             std::index_sequence<first...>, std::index_sequence<last...>,
+                                             std::index_sequence<w...>) {
     module_.def(
         name,
-        [function = StateFunction(name)](const BoundModel& m, Each<ArrayLike, n>... numbers,
-                                         Each<FrameName, f>... frame, Each<LoadList, l>... loads,
-                                         Each<Way, w>... way, Each<bool, l>... joint_losses,
-                                         Each<ArrayLike, f>... offset, int threads) {
+        [function = StateFunction(name)](
+            const BoundModel& m, Parameter<parameters_of(id.words())[t]>... taken,
+            Each<LoadList, first>... loads_before, Each<Way, w>... way, Each<LoadList, last>... loads_behind,
+            Each<bool, l>... joint_losses, Each<ArrayLike, f>... offset, Each<ArrayLike, b>... base_offset,
+            int threads) {
           Arguments given{.q = {}, .threads = threads};
-          ((given.*argument_of(id.words().numbers()[n]) = numbers), ...);
+          FrameName frame, base;
+          const auto take = [&]<class X>(Input input, const X& x) {
+            if constexpr (std::same_as<X, ArrayLike>)
+              given.*argument_of(input) = x;
+            else if constexpr (std::same_as<X, CoriolisForm>)
+              given.form = x;
+            else
+              (input == Input::place ? frame : base) = x;
+          };
+          (take(parameters_of(id.words())[t], taken), ...);
           ((given.place = place(m, frame, offset)), ...);
-          ((given.loads = loads), ...);
+          ((given.base = place(m, base, base_offset, "base")), ...);
+          ((given.loads = loads_before), ...);
+          ((given.loads = loads_behind), ...);
           ((given.joint_losses = joint_losses), ...);
           ((given.algorithm = {way}), ...);
           return function.all(m, given);
         },
-        nb::arg("m"), argument<n>(name_of(row.numbers()[n]))..., argument<f>("frame")...,
-        argument<l>("loads", nb::none())..., argument<w>("representation", first_way)..., nb::kw_only(),
-        argument<l>("joint_losses", false)..., argument<f>("offset", nb::none())..., nb::arg("threads") = 1,
+        nb::arg("m"), parameter<parameters_of(row)[t]>()..., argument<first>("loads", nb::none())...,
+        argument<w>("representation", first_way)..., argument<last>("loads", nb::none())..., nb::kw_only(),
+        argument<l>("joint_losses", false)..., argument<f>("offset", nb::none())...,
+        argument<b>("base_offset", nb::none())..., nb::arg("threads") = 1,
         nb::sig(signature(row, "m: Model", options).c_str()), documented(name, doc).c_str());
   }
-  (Times<row.numbers().size()>(), Times<about_a_frame>(), Times<takes_loads>(),
-   Times<row.choice != Choice::none>());
+  (Times<parameters_of(row).size()>(), Times<about_a_frame>(), Times<in_a_base>(), Times<takes_loads>(),
+   Times<loads_first>(), Times < takes_loads && !loads_first > (), Times<row.choice != Choice::none>());
 }
 
 }  // namespace axode::python

@@ -37,6 +37,9 @@ nb::object row_of(const catalog::Words& row) {
 }  // namespace
 
 void add_table(nb::module_& module) {
+  nb::list functions;
+  for (const catalog::Words& row : catalog::functions_of_state) functions.append(text(row.name));
+  module.attr("__all__") = functions;
   module.def(
       "rows",
       [] {
