@@ -34,15 +34,6 @@ void check_no_motions_or_plays(const Model& model, const SimulationOptions& opti
                                 "relative coordinates");
 }
 
-/// Throws std::invalid_argument for drives with states and initial states of drives, unsupported by `scheme`.
-void check_no_drives(const Model& model, const SimulationOptions& options, const char* scheme) {
-  if (!model.drives().empty() || !options.drives.empty() || !options.x.empty())
-    throw std::invalid_argument(
-        std::string(scheme) +
-        " do not count drives with states; use dopri5, rk4, euler or generalized_alpha in "
-        "relative coordinates");
-}
-
 /// Calls f(run) with a simulation run in the coordinates of the options, and returns the resulting motion.
 template <class F>
 Trajectory in_coordinates(const Model& model, Span q, Span v, double until, const SimulationOptions& options,
@@ -53,7 +44,6 @@ Trajectory in_coordinates(const Model& model, Span q, Span v, double until, cons
     return std::move(run.trajectory);
   }
   check_no_motions_or_plays(model, options, "absolute coordinates");
-  check_no_drives(model, options, "absolute coordinates");
   AbsoluteSimulationRun run(model, q, v, until, options);
   f(run);
   return std::move(run.trajectory);
@@ -95,9 +85,9 @@ void check_relative(const SimulationOptions& options, const std::string& method)
 /// Takes the steps of a scheme in absolute coordinates that keeps joints and loops closed itself.
 template <class Scheme>
 void take_closed_steps(AbsoluteSimulationRun& run, Scheme& scheme, double until, double step) {
-  each_step(run, until, step, [&](double t_1) {
+  each_part(run, until, step, [&](double t_1) {
     if (Failure failure = scheme.run(run.now(), t_1 - run.now())) return failure;
-    return run.take_closed(t_1, scheme.q, scheme.v);
+    return run.take_closed(t_1, scheme.q, scheme.v, scheme.drive_states);
   });
 }
 
@@ -144,12 +134,26 @@ Trajectory simulate_stiff(const Model& model, Span q, Span v, double until, doub
     throw std::invalid_argument("spectral radius is " + std::to_string(rho) + "; expected 0 to 1");
   if (options.coordinates != Coordinates::relative) {
     check_no_motions_or_plays(model, options, "absolute coordinates");
-    check_no_drives(model, options, "absolute coordinates");
     check_exponential(options, "generalised-alpha");
     AbsoluteSimulationRun run(model, q, v, until, options);
     if (run.done()) return std::move(run.trajectory);
     ConstrainedAlpha<AbsoluteSimulationRun> scheme(run, rho, stabilized, run.q, run.v, run.a, run.lambda);
-    take_closed_steps(run, scheme, until, step);
+    DriveStates& drives = run.drives();
+    drives.restart();
+    each_part(run, until, step, [&](double t_1) {
+      drives.begin_implicit_step(t_1 - run.now(), rho);
+      if (Failure failure = scheme.run(run.now(), t_1 - run.now())) return failure;
+      if (Failure failure = run.take_closed(t_1, scheme.q, scheme.v, as_eigen(drives.states())))
+        return failure;
+      drives.accept_implicit_step();
+      if (run.done()) return Failure{};
+      Failure failure = run.switch_drives();
+      if (run.accelerations_jumped()) {
+        scheme.restart(run.a);
+        drives.restart();
+      }
+      return failure;
+    });
     return std::move(run.trajectory);
   }
   if (!stabilized) check_absolute(options, "generalised-alpha of index 3");
@@ -183,7 +187,6 @@ Trajectory simulate_rattle(const Model& model, Span q, Span v, double until, dou
   check_step(step);
   check_absolute(options, "RATTLE");
   check_no_motions_or_plays(model, options, "absolute coordinates");
-  check_no_drives(model, options, "absolute coordinates");
   check_exponential(options, "RATTLE");
   check_smooth(model, options, rattle_method(order));
   AbsoluteSimulationRun run(model, q, v, until, options);
@@ -198,7 +201,6 @@ Trajectory simulate_half_explicit(const Model& model, Span q, Span v, double unt
   check_step(step);
   check_absolute(options, "the half-explicit method");
   check_no_motions_or_plays(model, options, "absolute coordinates");
-  check_no_drives(model, options, "absolute coordinates");
   check_exponential(options, "the half-explicit method");
   AbsoluteSimulationRun run(model, q, v, until, options);
   if (run.done()) return std::move(run.trajectory);
@@ -215,16 +217,15 @@ Trajectory simulate_symplectic(const Model& model, Span q, Span v, double until,
   check_holonomic(model, method);
   check_relative(options, method);
   check_no_motions_or_plays(model, options, "schemes on momenta");
-  check_no_drives(model, options, "schemes on momenta");
   MomentumSimulationRun run(model, q, v, until, options);
   if (run.done()) return std::move(run.trajectory);
   Vector q_0, v_0, p_0;
   run.initial_state(q_0, v_0, p_0);
   const auto take = [&](auto part) {
     SymplecticStep scheme(run, std::move(part), order, q_0, p_0, v_0);
-    each_step(run, until, step, [&](double t_1) {
+    each_part(run, until, step, [&](double t_1) {
       if (Failure failure = scheme.run(run.now(), t_1 - run.now())) return failure;
-      return run.take_momenta(t_1, scheme.q, scheme.p);
+      return run.take_momenta(t_1, scheme.q, scheme.p, scheme.drive_states);
     });
   };
   if (model.loops().empty())
@@ -241,37 +242,42 @@ Trajectory simulate_momenta(const Model& model, Span q, Span v, double until, do
   check_smooth(model, options, "rk4_momenta");
   check_relative(options, "rk4_momenta");
   check_no_motions_or_plays(model, options, "schemes on momenta");
-  check_no_drives(model, options, "schemes on momenta");
   MomentumSimulationRun run(model, q, v, until, options);
   if (run.done()) return std::move(run.trajectory);
   FloatingBases& bases = run.bases();
-  MuntheKaas scheme(model.tree<double>(), method, options.local_coordinates);
+  DriveStates& drives = run.drives();
+  MuntheKaas scheme(model.tree<double>(), method, options.local_coordinates, drives.size());
   const ConfigurationGroup<double> group = run.group();
-  Vector q_1, v_1, y;
-  run.initial_state(q_1, v_1, y);
-  Vector q_i, p = y, v_i, dp = y, dy = y;
+  Vector q_1, v_1, p;
+  run.initial_state(q_1, v_1, p);
+  const Eigen::Index nv = p.size(), nx = drives.x.size();
+  Vector q_i, v_i, dp = p, y(nv + nx), dy = y;  // y contains the momenta, and then the states of the drives
+  y.head(nv) = p;
   bases.begin(q_1.data(), y.data());
   Failure failure;
   const auto rates = [&](double t, Span q_t, Span y_t, std::span<double> v_t, std::span<double> dy_t) {
     q_i = as_eigen(q_t);
-    p = as_eigen(y_t);
+    p = as_eigen(y_t).head(nv);
     bases.to_momenta(q_t.data(), y_t.data(), p.data());
+    drives.act_at(y_t.subspan(p.size()));
     failure = run.rates(t, q_i, p, v_i, dp);
     if (failure) return false;
     as_eigen(v_t) = v_i;
-    group.ad_transpose(v_i, p, dy_t);
-    as_eigen(dy_t) += dp;
+    group.ad_transpose(v_i, p, dy_t.first(v_t.size()));
+    as_eigen(dy_t).head(nv) += dp;
+    as_eigen(dy_t).tail(nx) = as_eigen(drives.rates());
     bases.rates(q_t.data(), run.pushes_bases(), dp.data(), dy_t.data());
     return true;
   };
-  each_step(run, until, step, [&](double t_1) {
+  each_part(run, until, step, [&](double t_1) {
     const double t = run.now();
+    y.tail(nx) = drives.x;
     if (!rates(t, as_span(q_1), as_span(y), as_span(v_1), as_span(dy)) ||
         !scheme.run(t, q_1.data(), y.data(), v_1.data(), dy.data(), t_1 - t, rates))
       return failure;
     group.move(q_1, scheme.theta, q_1);
     y = as_eigen(scheme.y);
-    p = y;
+    p = y.head(nv);
     failure = run.close_places(t_1, q_1);
     if (failure) return failure;
     bases.restore_centers(q_1.data());
@@ -279,8 +285,8 @@ Trajectory simulate_momenta(const Model& model, Span q, Span v, double until, do
     const Vector before = p;
     failure = run.close(t_1, q_1, p);
     if (failure) return failure;
-    y += p - before;  // the states of floating bases do not change
-    return run.take_momenta(t_1, q_1, p);
+    y.head(nv) += p - before;  // the states of floating bases do not change
+    return run.take_momenta(t_1, q_1, p, y.tail(nx));
   });
   return std::move(run.trajectory);
 }

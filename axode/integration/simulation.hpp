@@ -49,9 +49,10 @@ struct SimulationOptions {
   /// thrown. Steps end where the third, fourth or fifth derivative of a motion jumps. A motion that cannot be
   /// followed ends the trajectory.
   std::vector<PrescribedMotion> motions = {};
-  /// Drives with states, in addition to those of the model. They are allowed in relative coordinates for
-  /// simulate(), simulate_fixed() and simulate_stiff(); otherwise std::invalid_argument is thrown. Steps end
-  /// where a drive changes to another branch of its law and where an input jumps.
+  /// Drives with states, in addition to those of the model. Steps end where an input jumps, and with methods
+  /// whose steps can be shortened also where a drive changes to another branch of its law; with the others
+  /// (simulate_symplectic(), simulate_momenta(), simulate_rattle(), simulate_half_explicit(), and
+  /// simulate_stiff() in absolute coordinates) a drive changes at the end of the step.
   std::vector<AddedDrive> drives = {};
   /// The states of all drives at the start, in the order of the drives; if empty, chosen by the drives.
   std::vector<double> x = {};

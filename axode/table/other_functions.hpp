@@ -132,7 +132,7 @@ inline constexpr auto other_functions = std::to_array<Other>({
       .springs = counted,
       .joint_losses = table::without_gears,
       .motions = table::without_contact,
-      .drives = table::without_contact,
+      .drives = table::by_simulate,
       .plays = table::without_contact,
       .contacts = counted}},
     {"contacts_at_rest",

@@ -66,17 +66,18 @@ bool ContactStep::overlaps(const Contact& contact) const {
   return !contact.surface.compliance && contact.gap < -parted * closed(contact);
 }
 
-Failure ContactStep::run(double t, double h, const Vector& q_0, const Vector& v_0) {
+Failure ContactStep::run(double t, double h, const Vector& q_0, const Vector& v_0, const Vector& x_0) {
   constexpr int most_parts = 16;
   for (int parts = 1; parts <= most_parts; parts *= 4) {
     q_part_ = q_0;
     v_part_ = v_0;
+    x_part_ = x_0;
     double worst = 0, slip = 0;
     kept.clear();
     bool any = false;
     record_.clear();
     for (int k = 0; k < parts; ++k) {
-      if (Failure failure = attempt(t + k * h / parts, h / parts, q_part_, v_part_)) return failure;
+      if (Failure failure = attempt(t + k * h / parts, h / parts, q_part_, v_part_, x_part_)) return failure;
       if (std::isnan(certificate))
         return {t + k * h / parts,
                 "the impulses of contacts are not finite; reduce speeds, stiffnesses or masses"};
@@ -85,6 +86,7 @@ Failure ContactStep::run(double t, double h, const Vector& q_0, const Vector& v_
       any = any || touched;
       q_part_ = q;
       v_part_ = v;
+      x_part_ = drive_states;
     }
     certificate = worst;
     unresolved = slip;
@@ -135,7 +137,7 @@ const Contact* ContactStep::with_key(const std::vector<Contact>& contacts, std::
   return found == contacts.end() ? nullptr : &*found;
 }
 
-Failure ContactStep::attempt(double t, double h, const Vector& q_0, const Vector& v_0) {
+Failure ContactStep::attempt(double t, double h, const Vector& q_0, const Vector& v_0, const Vector& x_0) {
   certificate = unresolved = 0;
   touched = false;
   if (Failure failure = run_->check_finite(t, q_0, v_0)) return failure;
@@ -145,17 +147,19 @@ Failure ContactStep::attempt(double t, double h, const Vector& q_0, const Vector
   if (Failure failure = run_->checked(t, start_.system.set(q_0.data(), start_.contacts, h / 2)))
     return failure;
   if (start_.rows() == 0) {
-    if (Failure failure = run_->fly(t, h, q_0, v_0)) return failure;
+    if (Failure failure = run_->fly(t, h, q_0, v_0, x_0)) return failure;
     q = run_->q_end;
     v = run_->v_end;
+    run_->advance_drives(t, h, q_0, v_0, v, x_0, drive_states);
     keep_start(h, q_0, v_0, margin);
     record_.locate({});
     return {};
   }
-  if (Failure failure = move(t, h, q_0, v_0, margin)) return failure;
+  if (Failure failure = move(t, h, q_0, v_0, x_0, margin)) return failure;
   keep_start(h, q_0, v_0, margin);
   unresolved = unresolved_slip(h);
   if (Failure failure = land(t, h)) return failure;
+  run_->advance_drives(t, h, q_0, v_0, v, x_0, drive_states);
   remember();
   record();
   return separate(t, h);
@@ -223,7 +227,8 @@ void ContactStep::apply(End& end, const Vector& v_before, Vector& v_after) {
   end.system.times(v_after.data(), end.u_after.data());
 }
 
-Failure ContactStep::move(double t, double h, const Vector& q_0, const Vector& v_0, double margin) {
+Failure ContactStep::move(double t, double h, const Vector& q_0, const Vector& v_0, const Vector& x_0,
+                          double margin) {
   constexpr int most = 25, first_fixed = 2, settled = 8, most_failed = 2, most_tangents = 6;
   constexpr double rounding = 1e-13;
   VelocityProblem& problem = start_.system.problem();
@@ -256,7 +261,7 @@ Failure ContactStep::move(double t, double h, const Vector& q_0, const Vector& v
     if (k > first_fixed || hard_)
       if (Failure failure = run_->interruption(t)) return failure;
     apply(start_, v_0, v_after_);
-    if (Failure failure = run_->fly(t, h, q_0, v_after_)) return failure;
+    if (Failure failure = run_->fly(t, h, q_0, v_after_, x_0)) return failure;
     if (Failure failure = find(run_->q_middle, margin, middle_, t)) return failure;
     end_.system.move_bodies(run_->v_middle.data());
     for (std::size_t c = 0; c < start_.contacts.size(); ++c) {
@@ -303,7 +308,7 @@ Failure ContactStep::move(double t, double h, const Vector& q_0, const Vector& v
   }
   certificate = std::max(certificate, part);
   apply(start_, v_0, v_after_);
-  if (Failure failure = run_->fly(t, h, q_0, v_after_)) return failure;
+  if (Failure failure = run_->fly(t, h, q_0, v_after_, x_0)) return failure;
   return find(run_->q_end, margin, found_, t + h);
 }
 

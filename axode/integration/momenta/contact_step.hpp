@@ -22,17 +22,17 @@ class ContactStep {
   /// `dry_friction` says whether the dry friction of joints acts.
   ContactStep(ContactSimulationRun& run, const Model& model, ContactShapes shapes, bool dry_friction);
 
-  /// Computes the step of length h from (q_0, v_0) at time t, and sets the public members. A step that
-  /// violates the laws of contact by more than 1e-9, relative to the motion, is repeated in 4, and then in 16
+  /// Computes the step of length h from (q_0, v_0) at time t, and sets the public members. x_0 are the states
+  /// of the drives, whose statuses and inputs do not change in the step. A step that violates the laws of contact by more than 1e-9, relative to the motion, is repeated in 4, and then in 16
   /// parts. Allocates only if there are more than 64 contacts and more than ever before. Fails if the mass
   /// matrix is singular, a number is not finite, there are too many points of contact, or the caller's
   /// monitor ends the motion.
-  Failure run(double t, double h, const Vector& q_0, const Vector& v_0);
+  Failure run(double t, double h, const Vector& q_0, const Vector& v_0, const Vector& x_0 = {});
 
   /// Forgets the multipliers of earlier steps, so that the next motion does not depend on earlier ones.
   void restart() noexcept;
 
-  Vector q, v;  ///< state at the end of the step
+  Vector q, v, drive_states;  ///< state at the end of the step
   /// The residual of the laws of contact in the step, relative to the motion. If the iteration for the
   /// impulses at the start of the step does not converge, it is at least their relative change in the last
   /// iteration.
@@ -66,11 +66,11 @@ class ContactStep {
     std::array<std::array<double, LawBlock::most_rows>, 2> lambda;
   };
 
-  Failure attempt(double t, double h, const Vector& q_0, const Vector& v_0);
+  Failure attempt(double t, double h, const Vector& q_0, const Vector& v_0, const Vector& x_0);
   Failure find(const Vector& q, double margin, std::vector<Contact>& contacts, double t);
   double reach(double h, const Vector& v_0);
   /// Iterates for the impulses at the start of the step and the free motion after them.
-  Failure move(double t, double h, const Vector& q_0, const Vector& v_0, double margin);
+  Failure move(double t, double h, const Vector& q_0, const Vector& v_0, const Vector& x_0, double margin);
   /// The residual of the laws of contact for the impulses at the start of the step, after the last iteration.
   /// It becomes small even where friction leaves the impulses badly determined.
   double law_error();
@@ -118,7 +118,7 @@ class ContactStep {
   std::vector<double> openings_;  ///< residual of each loop row, m or rad
   std::vector<Remembered> remembered_;
   std::vector<char> bounces_;  ///< whether contacts, and then stops, at the start bounce
-  Vector v_after_, change_, q_part_, v_part_, nothing_;
+  Vector v_after_, change_, q_part_, v_part_, x_part_, nothing_;
   std::vector<double> before_;   ///< multipliers of the last iteration, or before recall()
   std::vector<double> r_;        ///< right sides of the last problem at the start
   std::vector<double> weights_;  ///< 1/d for the scale d of each row at the start

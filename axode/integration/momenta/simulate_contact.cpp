@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <map>
 #include <stdexcept>
 #include <string>
 #include <utility>
@@ -16,21 +17,24 @@
 namespace axode {
 namespace {
 
-constexpr const char* instead = "simulate without contact, or drive the joints by tau";
+/// What simulations with contact count: drives, besides what rollouts with contact count.
+constexpr catalog::Counts of_simulations = [] {
+  constexpr catalog::OtherId contact("contact");
+  catalog::Counts counts = catalog::other_functions[contact.index].counts;
+  counts.drives = catalog::counted;
+  return counts;
+}();
 
 void check_all(const Model& model, const ContactShapes& shapes, const SimulationOptions& options) {
-  check_contact(model, shapes);
+  check_shapes(model, shapes);
+  catalog::check_counts("contact", of_simulations, model, catalog::Caller::whole);
   if (options.coordinates != Coordinates::relative)
     throw std::invalid_argument("contact needs coordinates = \"relative\"; got \"" +
                                 std::string(to_string(options.coordinates)) + '"');
   if (!options.motions.empty())
     throw std::invalid_argument("contact does not count the prescribed motion of \"" +
-                                options.motions.front().of + "\"; " + instead);
-  if (!options.x.empty())
-    throw std::invalid_argument("x is given, and contact does not count drives with states");
-  if (!options.drives.empty())
-    throw std::invalid_argument("contact does not count drive \"" + options.drives.front().name + "\"; " +
-                                instead);
+                                options.motions.front().of +
+                                "\"; simulate without contact, or drive the joints by tau");
   if (options.local_coordinates != LocalCoordinates::exponential)
     throw std::invalid_argument("contact needs local_coordinates = \"exponential\"; got \"cayley\"");
 }
@@ -55,9 +59,10 @@ class ContactMotion {
   }
 
   Trajectory in_steps_of(double step) {
-    each_step(run_, until_, step, [&](double t_1) {
-      if (Failure failure = scheme_.run(run_.now(), t_1 - run_.now(), run_.q, run_.v)) return failure;
-      return take(t_1, computed());
+    each_part(run_, until_, step, [&](double t_1) {
+      Computed end;
+      if (Failure failure = compute_up_to_switch(t_1, end)) return failure;
+      return take(t_1, end);
     });
     return std::move(run_.trajectory);
   }
@@ -70,15 +75,17 @@ class ContactMotion {
     const double longest = tolerances.largest_step > 0 ? tolerances.largest_step : until_ / 50;
     double h = tolerances.first_step > 0 ? tolerances.first_step : first;
     while (!run_.done()) {
-      const double t = run_.now(), rest = until_ - t;
+      const double t = run_.now(), latest = run_.step_end(until_), rest = latest - t;
       h = std::min({h, longest, rest});
       const bool last = h >= rest * (1 - 1e-12), shortest = h <= least * until_;
-      const double t_1 = last ? until_ : t + h, middle = t + (t_1 - t) / 2;
+      const double planned = last ? latest : t + h;
+      double t_1 = planned, middle = t;
       Computed whole, one, two;
       const Failure failure = [&] {
-        if (Failure f = compute(t, t_1, run_.q, run_.v, whole)) return f;
-        if (Failure f = compute(t, middle, run_.q, run_.v, one)) return f;
-        return compute(middle, t_1, one.q, one.v, two);
+        if (Failure f = compute_up_to_switch(t_1, whole)) return f;
+        middle = t + (t_1 - t) / 2;
+        if (Failure f = compute(t, middle, present(), one)) return f;
+        return compute(middle, t_1, one.end, two);
       }();
       if (failure && (shortest || run_.interruption(t))) {
         run_.stop(failure);
@@ -89,13 +96,16 @@ class ContactMotion {
                                : difference(whole, two, std::max(one.unresolved, two.unresolved), tolerances);
       if (!(error <= 1) && !shortest) {
         ++run_.trajectory.rejected;
+        h = t_1 - t;
         h *= std::isfinite(error) ? std::max(0.2, 0.9 * std::pow(error, -1 / order)) : 0.1;
         continue;
       }
       for (const auto& [end, half] : {std::pair{middle, &one}, std::pair{t_1, &two}})
         if (!run_.done())
           if (Failure f = take(end, *half)) run_.stop(f);
-      h *= std::clamp(0.9 * std::pow(std::max(error, 1e-10), -1 / order), 0.2, 5.0);
+      if (!run_.done())
+        if (Failure f = run_.switch_drives()) run_.stop(f);
+      if (t_1 == planned) h *= std::clamp(0.9 * std::pow(std::max(error, 1e-10), -1 / order), 0.2, 5.0);
     }
     return std::move(run_.trajectory);
   }
@@ -103,28 +113,51 @@ class ContactMotion {
  private:
   using Vector = Eigen::VectorXd;
 
-  /// A step that the scheme has computed.
+  /// A step that the scheme has computed; its end has no accelerations.
   struct Computed {
-    Vector q, v;
+    StepEnd end;
     double certificate = 0, unresolved = 0;
     bool touched = false;
     std::vector<ContactForce> forces = {};
   };
 
   Computed computed() const {
-    return {scheme_.q,          scheme_.v,       scheme_.certificate,
-            scheme_.unresolved, scheme_.touched, {scheme_.forces().begin(), scheme_.forces().end()}};
+    return {{.q = scheme_.q, .v = scheme_.v, .x = scheme_.drive_states},
+            scheme_.certificate,
+            scheme_.unresolved,
+            scheme_.touched,
+            {scheme_.forces().begin(), scheme_.forces().end()}};
   }
-  Failure compute(double t, double t_1, const Vector& q, const Vector& v, Computed& out) {
-    if (Failure failure = scheme_.run(t, t_1 - t, q, v)) return failure;
+  StepEnd present() { return {.q = run_.q, .v = run_.v, .x = run_.drives().x}; }
+  Failure compute(double t, double t_1, const StepEnd& from, Computed& out) {
+    if (Failure failure = scheme_.run(t, t_1 - t, from.q, from.v, from.x)) return failure;
     out = computed();
     return {};
   }
-  Failure take(double t_1, const Computed& step) {
+  /// Computes the step from the present state to t_1, or to an earlier time at which a drive changes to a
+  /// branch of its law with other forces; t_1 then becomes this time.
+  Failure compute_up_to_switch(double& t_1, Computed& out) {
+    const StepEnd from = present();
+    const double t = run_.now();
+    if (Failure failure = compute(t, t_1, from, out)) return failure;
+    if (run_.drives().empty()) return {};
+    std::map<double, Computed> attempts;  // by their ends
+    const Attempt attempt = [&](double t_end, StepEnd& end) {
+      Computed& it = attempts[t_end];
+      Failure failure = compute(t, t_end, from, it);
+      end = it.end;
+      return failure;
+    };
+    StepEnd end = out.end;
+    if (Failure failure = run_.end_at_switch(t_1, end, attempt, true)) return failure;
+    if (const auto cut = attempts.find(t_1); cut != attempts.end()) out = std::move(cut->second);
+    return {};
+  }
+  Failure take(double t_1, Computed& step) {
     run_.trajectory.certificates.push_back(step.certificate);
-    Vector a;  // that of the free motion if it is empty
-    if (step.touched || !model_.loops().empty()) a = (step.v - run_.v) / (t_1 - run_.now());
-    if (Failure failure = run_.take_contact(t_1, step.q, step.v, a)) return failure;
+    // Without accelerations, those of the free motion are taken.
+    if (step.touched || !model_.loops().empty()) step.end.a = (step.end.v - run_.v) / (t_1 - run_.now());
+    if (Failure failure = run_.take_contact(t_1, std::move(step.end))) return failure;
     run_.trajectory.set_contacts(step.forces);
     return {};
   }
@@ -133,20 +166,27 @@ class ContactMotion {
   /// show.
   double difference(const Computed& whole, const Computed& halves, double unresolved,
                     const Tolerances& tolerances) {
-    const auto nv = static_cast<std::size_t>(whole.v.size());
+    const StepEnd &one = whole.end, &two = halves.end;
+    const auto nv = static_cast<std::size_t>(one.v.size());
     if (nv == 0) return 0;
-    const std::vector<double> d = axode::difference(model_, as_span(whole.q), as_span(halves.q)),
-                              moved = axode::difference(model_, as_span(run_.q), as_span(halves.q));
+    const std::vector<double> d = axode::difference(model_, as_span(one.q), as_span(two.q)),
+                              moved = axode::difference(model_, as_span(run_.q), as_span(two.q));
     const double relative = tolerances.relative, absolute = tolerances.absolute;
     double squares = 0;
     for (std::size_t c = 0; c < nv; ++c) {
       const auto k = static_cast<Eigen::Index>(c);
       const double by_q = d[c] / (absolute + relative * std::max(1.0, std::abs(moved[c])));
-      const double v = std::max(std::abs(run_.v[k]), std::abs(halves.v[k]));
-      const double by_v = (whole.v[k] - halves.v[k]) / (absolute + relative * v);
+      const double v = std::max(std::abs(run_.v[k]), std::abs(two.v[k]));
+      const double by_v = (one.v[k] - two.v[k]) / (absolute + relative * v);
       squares += by_q * by_q + by_v * by_v;
     }
-    return std::max(std::sqrt(squares / static_cast<double>(2 * nv)), unresolved / (absolute + relative));
+    const DriveStates& drives = run_.drives();
+    const auto size_of_x = drives.x.array().abs().max(two.x.array().abs());
+    squares += ((one.x - two.x).array() / (absolute * drives.nominal().array() + relative * size_of_x))
+                   .square()
+                   .sum();
+    const double n = static_cast<double>(2 * nv + drives.size());
+    return std::max(std::sqrt(squares / n), unresolved / (absolute + relative));
   }
 
   Model model_;

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "axode/constraints/absolute/absolute_system.hpp"
+#include "axode/eigen.hpp"
 #include "axode/integration/runs/simulation_run.hpp"
 #include "axode/integration/schemes/anderson_iteration.hpp"
 #include "axode/model/finite.hpp"
@@ -120,22 +121,35 @@ class AbsoluteSimulationRun {
     return {};
   }
   /// Projects the state at the end of a step onto closed joints and loops, and appends it to the trajectory.
-  Failure take_up_to(double t_1, const StepEnd& end, const Attempt&) {
+  /// The step ends earlier where a drive changes to another branch of its law.
+  Failure take_up_to(double t_1, StepEnd& end, const Attempt& attempt) {
+    if (!drives().empty())
+      if (Failure failure = end_at_switch(t_1, end, attempt)) return failure;
     Vector q_1(end.q.begin(), end.q.end()), v_1(end.v.begin(), end.v.end());
     if (Failure failure = close(t_1, q_1, v_1)) return failure;
-    if (Failure failure = take_closed(t_1, q_1, v_1)) return failure;
-    return done() ? Failure{} : accelerate(t_1, q, v, a);
+    if (Failure failure = take_closed(t_1, q_1, v_1, end.x)) return failure;
+    if (done()) return {};
+    if (Failure failure = run_.switch_drives()) return failure;
+    return accelerate(t_1, q, v, a);
   }
+  /// Lets the statuses and inputs of the drives change at the present time, and computes accelerations anew.
+  Failure switch_drives() {
+    if (Failure failure = run_.switch_drives()) return failure;
+    return accelerations_jumped() ? accelerate(now(), q, v, a) : Failure{};
+  }
+  /// Whether accelerations jumped at the end of the last step.
+  bool accelerations_jumped() const { return run_.accelerations_jumped(); }
   void begin_step() { weakest_row_ = 1; }
   double weakest_row() const { return weakest_row_; }
-  /// Appends the state at the end of a step to the trajectory without projection onto closed joints.
-  Failure take_closed(double t, Span q_end, Span v_end) {
+  /// Appends the state at the end of a step, with the states x_end of the drives, to the trajectory without
+  /// projection onto closed joints.
+  Failure take_closed(double t, Span q_end, Span v_end, const Eigen::VectorXd& x_end) {
     bodies_.to_joint_state(q_end, v_end, q_joints_, v_joints_);
     bodies_.set_reference_angles(q_joints_);
     q.assign(q_end.begin(), q_end.end());
     v.assign(v_end.begin(), v_end.end());
     const std::size_t before = trajectory.size();
-    Failure failure = run_.take_closed(t, q_joints_, v_joints_);
+    Failure failure = run_.take_closed(t, q_joints_, v_joints_, x_end);
     if (trajectory.size() > before) record_residuals();
     return failure;
   }
@@ -143,6 +157,22 @@ class AbsoluteSimulationRun {
  private:
   Failure checked(double t, const Solvability& how) {
     return how.ok() ? Failure{} : Failure{t, to_string(trajectory.model(), how)};
+  }
+  /// Shortens a step in which a status of a drive must change, as SimulationRun::end_at_switch() does.
+  Failure end_at_switch(double& t_1, StepEnd& end, const Attempt& attempt) {
+    const auto in_joints = [&] {
+      bodies_.to_joint_state(as_span(end.q), as_span(end.v), q_joints_, v_joints_);
+      return StepEnd{.q = as_eigen(q_joints_), .v = as_eigen(v_joints_), .x = end.x};
+    };
+    const Attempt attempt_in_joints = [&](double t, StepEnd& joints) {
+      Failure failure = attempt(t, end);
+      if (!failure) joints = in_joints();
+      return failure;
+    };
+    const double whole = t_1;
+    StepEnd joints = in_joints();
+    if (Failure failure = run_.end_at_switch(t_1, joints, attempt_in_joints)) return failure;
+    return t_1 == whole ? Failure{} : attempt(t_1, end);
   }
   /// The diagonal of the mass matrix M of the bodies, which is constant.
   static Eigen::VectorXd inertia_of(const AbsoluteSystem& bodies) {

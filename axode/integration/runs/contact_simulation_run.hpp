@@ -34,10 +34,11 @@ class ContactSimulationRun : public MomentumSimulationRun {
     return finite(q_t) && finite(v_t) ? Failure{} : not_finite(t, "the state is", as_span(v_t));
   }
 
-  /// Computes the free motion from (q_0, v_0) at time t over a step of length h by the midpoint rule (D8.5).
-  /// Momenta of floating bases are exact to rounding under gravity. Writes the state at the end to q_end and
-  /// v_end, and the configuration and velocities in the middle to q_middle and v_middle.
-  Failure fly(double t, double h, const Vector& q_0, const Vector& v_0) {
+  /// Computes the free motion from (q_0, v_0), with the states x_0 of the drives, at time t over a step of
+  /// length h by the midpoint rule (D8.5). Momenta of floating bases are exact to rounding under gravity.
+  /// Writes the state at the end to q_end and v_end, and the configuration and velocities in the middle to
+  /// q_middle and v_middle.
+  Failure fly(double t, double h, const Vector& q_0, const Vector& v_0, const Vector& x_0) {
     FloatingBases& bases = this->bases();
     bases.restart(t, q_0.data(), v_0.data(), is_loaded());
     q_0_ = q_0;
@@ -52,6 +53,7 @@ class ContactSimulationRun : public MomentumSimulationRun {
     midpoint_.v = v_0_;
     if (h == h_) midpoint_.v += change_;
     h_ = 0;
+    drives_.begin_midpoint_step(h, x_0);
     if (Failure failure = midpoint_.run(t, h, q_0_, p_)) return failure;
     h_ = h;
     change_ = midpoint_.v - v_0_;
@@ -68,6 +70,19 @@ class ContactSimulationRun : public MomentumSimulationRun {
     return {};
   }
 
+  /// Computes the states x of the drives at the end of the last motion of fly(), which began at time t at q_0
+  /// with the states x_0, by (D17.7b). v_0 and v_1 are the velocities before and after all impulses.
+  void advance_drives(double t, double h, const Vector& q_0, const Vector& v_0, const Vector& v_1,
+                      const Vector& x_0, Vector& x) {
+    if (drives_.empty()) return;
+    constexpr double stage = DriveStates::stage;
+    v_t_ = stage * h * v_middle;
+    group().move(q_0, v_t_, q_t_);
+    v_t_ = v_middle + (stage - 0.5) * (v_1 - v_0);
+    v_last_ = v_middle + 0.5 * (v_1 - v_0);
+    drives_.take_two_stages(t, h, x_0, as_span(q_t_), as_span(v_t_), as_span(q_end), as_span(v_last_), x);
+  }
+
   /// Computes p = M v and the forces f = τ + ∂L/∂q, with the Lagrangian L, less damping if it acts.
   Failure partials(double t, const Vector& q_t, const Vector& v_t, Vector& p, Vector& f) {
     if (Failure failure = MomentumSimulationRun::partials(t, q_t, v_t, p, f)) return failure;
@@ -77,12 +92,14 @@ class ContactSimulationRun : public MomentumSimulationRun {
     return {};
   }
 
-  /// Appends the state at the end of a step to the trajectory. If a_t is empty, computes the accelerations of
-  /// the motion without contact.
-  Failure take_contact(double t, const Vector& q_t, const Vector& v_t, const Vector& a_t) {
+  /// Appends the state at the end of a step to the trajectory. If its accelerations are empty, computes those
+  /// of the motion without contact.
+  Failure take_contact(double t, StepEnd end) {
+    drives_.act_at(as_span(end.x));
     Span tau;
-    if (Failure failure = joint_forces(t, as_span(q_t), as_span(v_t), tau)) return failure;
-    return record(t, {q_t, v_t, a_t});
+    if (Failure failure = joint_forces(t, as_span(end.q), as_span(end.v), tau)) return failure;
+    end.dx = as_eigen(drives_.rates());
+    return record(t, std::move(end));
   }
 
   Vector q_end, v_end, q_middle, v_middle;  ///< results of fly()
@@ -90,7 +107,7 @@ class ContactSimulationRun : public MomentumSimulationRun {
  private:
   bool damping_;
   Midpoint<ContactSimulationRun> midpoint_;
-  Vector q_0_, p_, y_, v_0_, change_;
+  Vector q_0_, p_, y_, v_0_, change_, v_last_;
   double h_ = 0;  ///< length of the motion in which v changed by change_; 0: none
 };
 

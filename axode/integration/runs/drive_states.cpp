@@ -1,5 +1,6 @@
 #include "axode/integration/runs/drive_states.hpp"
 
+#include <Eigen/Eigenvalues>
 #include <Eigen/LU>
 #include <cmath>
 #include <stdexcept>
@@ -65,6 +66,32 @@ void DriveStates::begin_implicit_step(double h, double rho) {
   x_t_ = x;
 }
 
+/// From now on the states are the solution x of x = base + kappa x'(x, q, v).
+void DriveStates::begin_stage(double kappa, const Vector& base, const Vector& guess) {
+  kappa_ = kappa;
+  base_ = base;
+  x_t_ = guess;
+}
+
+void DriveStates::begin_midpoint_step(double h, const Vector& x_0) { begin_stage(h / 2, x_0, x_0); }
+
+void DriveStates::take_two_stages(double t, double h, const Vector& x_0, Span q_s, Span v_s, Span q_1,
+                                  Span v_1, Vector& x_1) {
+  if (empty()) return;
+  const double kappa = stage * h;
+  const Vector start = x_0;
+  begin_stage(kappa, start, start);
+  solve_states(t + kappa, q_s, v_s);
+  const Vector rates = (x_t_ - start) / kappa;
+  begin_stage(kappa, start + (h - kappa) * rates, start + h * rates);
+  solve_states(t + h, q_1, v_1);
+  x_1 = x_t_;
+}
+
+bool DriveStates::too_fast(double h) const {
+  return h < 0 && f_x_.size() > 0 && !(-h * f_x_.eigenvalues().cwiseAbs().maxCoeff() <= 1);
+}
+
 void DriveStates::accept_implicit_step() { mean_0_ = old_mean_ + c_x_ * dx; }
 
 /// Computes the states x of the drives at the end of an implicit step by Newton's method: x = base + κ x'(x,
@@ -74,10 +101,9 @@ void DriveStates::solve_states(double t, Span q, Span v) {
   constexpr int most = 20;
   const auto n = static_cast<Eigen::Index>(size());
   for (int k = 0; k < most; ++k) {
-    const Eigen::MatrixXd f_x =
-        system_.rates_by_states(t, q, v, as_span(std::as_const(x_t_)), as_span(dx_t_));
+    f_x_ = system_.rates_by_states(t, q, v, as_span(std::as_const(x_t_)), as_span(dx_t_));
     const Vector step =
-        (Eigen::MatrixXd::Identity(n, n) - kappa_ * f_x).partialPivLu().solve(base_ + kappa_ * dx_t_ - x_t_);
+        (Eigen::MatrixXd::Identity(n, n) - kappa_ * f_x_).partialPivLu().solve(base_ + kappa_ * dx_t_ - x_t_);
     x_t_ += step;
     const Vector size_of_x = nominal_.cwiseMax(x_t_.cwiseAbs());
     if (!(step.cwiseQuotient(size_of_x).lpNorm<Eigen::Infinity>() > 1e-14)) break;

@@ -1,5 +1,6 @@
 #pragma once
 #include <Eigen/Core>
+#include <numbers>
 #include <span>
 #include <string>
 #include <vector>
@@ -34,6 +35,26 @@ class DriveStates {
   /// Begins an implicit step of length h of the generalised-α method (D17.6). Until act_at(), forces at any
   /// (q, v) are evaluated with the states that the drives would have if the step ended there.
   void begin_implicit_step(double h, double spectral_radius);
+  /// Begins a step of length h of the implicit midpoint rule from the states x_0 (D17.7a). Until act_at(),
+  /// forces at any (q, v) are evaluated with the states x_m in the middle of the step, if (q, v) is there.
+  void begin_midpoint_step(double h, const Vector& x_0);
+  /// Begins a step of length h of the trapezoidal rule (D17.7a) from the states and rates of the last
+  /// evaluation. Until act_at(), forces at any (q, v) are evaluated with the states at its end.
+  void begin_trapezoidal_step(double h) { begin_stage(h / 2, x_t_ + h / 2 * dx_t_, x_t_); }
+  /// Computes the states at the end of a step of the midpoint rule, x_1 = 2 x_m - x_0, which may have the memory of x_0.
+  void end_midpoint_step(Vector& x_1) const { x_1 = 2 * x_t_ - base_; }
+  /// Computes the states x_1 at the end of a step of length h from x_0 at time t, in which the mechanism has
+  /// the state (q_s, v_s) at t + stage h and (q_1, v_1) at t + h, by the L-stable method of two implicit
+  /// stages (D17.7b). x_1 may have the memory of x_0.
+  void take_two_stages(double t, double h, const Vector& x_0, Span q_s, Span v_s, Span q_1, Span v_1,
+                       Vector& x_1);
+  /// Whether a step of length h < 0 was too long for a state that changes fast: in a step backwards the
+  /// implicit rules have a pole where h times an eigenvalue of ∂x'/∂x is 2.
+  bool too_fast(double h) const;
+  static constexpr const char* runs_backwards =
+      "states of drives change too fast for those parts of the step in which time runs backwards; use a "
+      "shorter step, or a method of order 2";
+  static constexpr double stage = 1 - 0.5 * std::numbers::sqrt2;
   /// The states in the last evaluation of forces.
   Span states() const { return {x_t_.data(), size()}; }
   /// accept_implicit_step() keeps generalised-α's mean rates of the states for the next step. restart()
@@ -60,6 +81,7 @@ class DriveStates {
   Vector x, dx;  ///< present states and their rates
 
  private:
+  void begin_stage(double kappa, const Vector& base, const Vector& guess);
   void solve_states(double t, Span q, Span v);
 
   DriveSystem system_;
@@ -67,6 +89,7 @@ class DriveStates {
   // In an implicit step x_1 = base_ + kappa_ f(x_1, ...). The mean rates are those of generalised-α.
   double kappa_ = 0, c_x_ = 0, t_ = 0;
   Vector base_, mean_0_, old_mean_;
+  Eigen::MatrixXd f_x_;  ///< ∂x'/∂x in the last evaluation of an implicit step
 };
 
 }  // namespace axode

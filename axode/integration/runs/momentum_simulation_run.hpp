@@ -71,12 +71,14 @@ class MomentumSimulationRun : public SimulationRun {
   }
   /// Whether a load or drive acted on a floating base in the last evaluation of forces.
   bool pushes_bases() const { return pushes_bases_; }
-  /// Appends the end of a step, a state (q, p) relative to the moving frames, to the trajectory.
-  Failure take_momenta(double t, const Vector& q_t, const Vector& p) {
+  /// Appends the end of a step, a state (q, p) relative to the moving frames with the states x of the drives,
+  /// to the trajectory.
+  Failure take_momenta(double t, const Vector& q_t, const Vector& p, const Vector& x) {
     Vector q_1 = q_t, v_1, a_1(p.size());
     if (Failure failure = velocity(t, q_t, p, v_1)) return failure;
     bases_.from_moving_frame(t, q_1.data(), v_1.data());
-    if (loops_) return take_closed(t, as_span(q_1), as_span(v_1));
+    if (loops_) return take_closed(t, as_span(q_1), as_span(v_1), x);
+    drives_.act_at(as_span(x));
     Span tau;  // M is factorised at q_1: a = M⁻¹ (τ - h)
     if (Failure failure = joint_forces(t, as_span(q_1), as_span(v_1), tau)) return failure;
     const Vector none = Vector::Zero(p.size());
@@ -85,7 +87,7 @@ class MomentumSimulationRun : public SimulationRun {
     a_1 = as_eigen(tau) - a_1;
     solve(a_1);
     if (!finite(a_1)) return {t, "accelerations are not finite"};
-    return record(t, {q_1, v_1, a_1});
+    return record(t, {q_1, v_1, a_1, x, as_eigen(drives_.rates())});
   }
 
  protected:

@@ -270,6 +270,11 @@ Failure SimulationRun::joint_resistance(double t, Span q_t, Span v_t, double c_x
     inertia = -c_x * by_q.diagonal() - c_v * by_v.diagonal();
   }
   if (options_.drive) add_resistance_of_drive(t, q_t, v_t, c_x, c_v, out);
+  if (!drives_.empty()) {
+    SquareMatrix by_q = SquareMatrix::Zero(nv, nv), by_v = by_q;
+    drives_.add_force_derivatives(q_t, v_t, by_q, by_v);
+    inertia -= c_x * by_q.diagonal() + c_v * by_v.diagonal();
+  }
   if (options_.joint_losses) inertia += c_v * as_eigen(Span(tree().damping));
   inertia = inertia.cwiseMax(0);
   return {};
@@ -382,56 +387,6 @@ Failure SimulationRun::take_under_friction(double t_1, StepEnd& end, const Attem
   return {};
 }
 
-// Drives with states.
-
-/// Shortens a step in which a discrete status of a drive must change so that it ends just after the change:
-/// t_1 and `end` change. The time is found by regula falsi (Illinois) and bisection.
-Failure SimulationRun::end_at_switch(double& t_1, StepEnd& end, const Attempt& attempt) {
-  if (drives_.empty()) return {};
-  const auto margin = [&](double t) {
-    return drives_.least_margin(t, as_span(end.q), as_span(end.v), as_span(end.x));
-  };
-  double f_high = margin(t_1);
-  if (!(f_high < 0)) return {};
-  const double t_0 = now(), resolution = std::max(1e-13 * (t_1 - t_0), 1e-15 * t_1), h = t_1 - t_0;
-  double low = t_0, high = t_1, t = t_1;
-  double f_low = std::max(0.0, drives_.least_margin(t_0, as_span(q), as_span(v), as_span(drives_.x)));
-  StepEnd after = end;
-  for (int tries = 1; high - low > resolution; ++tries) {
-    const double guess = low + (high - low) * (f_low / (f_low - f_high));
-    t = tries % 4 == 0 ? low + (high - low) / 2
-                       : std::clamp(guess, low + 0.5 * resolution, high - 0.5 * resolution);
-    if (Failure failure = attempt(t, end)) return failure;
-    const double f = margin(t);
-    if (f < 0) {
-      high = t;
-      f_high = f;
-      f_low *= 0.5;
-      after = end;
-    } else {
-      low = t;
-      f_low = f;
-      f_high *= 0.5;
-    }
-  }
-  short_steps_ = high - t_0 < short_part * h ? short_steps_ + 1 : 0;
-  if (short_steps_ > most_short_steps) return {t_0, too_many_changes("statuses of drives")};
-  if (t != high && friction_.active())
-    if (Failure failure = attempt(high, after)) return failure;
-  t_1 = high;
-  end = std::move(after);
-  return {};
-}
-
-/// Lets the statuses and inputs of the drives change at the present time, and computes accelerations anew.
-Failure SimulationRun::switch_drives() {
-  if (!drives_.switch_at(now(), as_span(q), as_span(v))) return {};
-  accelerations_jumped_ = true;
-  if (Failure failure = accelerate_now()) return failure;
-  trajectory.jump(as_span(v), as_span(a), as_span(drives_.x), as_span(drives_.dx));
-  return {};
-}
-
 // Ends of steps.
 
 Failure SimulationRun::continue_until(double until) {
@@ -462,9 +417,10 @@ Failure SimulationRun::take(double t, const StepEnd& end) {
   return record(t, std::move(closed));
 }
 
-Failure SimulationRun::take_closed(double t, Span q_end, Span v_end) {
+Failure SimulationRun::take_closed(double t, Span q_end, Span v_end, const Vector& x_end) {
+  accelerations_jumped_ = false;
   if (loops_) loops_->determine_rank(q_end);
-  return record(t, {.q = as_eigen(q_end), .v = as_eigen(v_end)});
+  return record(t, {.q = as_eigen(q_end), .v = as_eigen(v_end), .x = x_end});
 }
 
 Failure SimulationRun::record(double t, StepEnd end) {

@@ -86,8 +86,15 @@ class SimulationRun {
   /// Projects the state at the end of a step onto closed loops, computes its accelerations unless the scheme
   /// has done so, and appends it to the trajectory.
   Failure take(double t, const StepEnd& end);
-  /// Appends the state at the end of a step to the trajectory without projection onto closed loops.
-  Failure take_closed(double t, Span q_end, Span v_end);
+  /// Appends the state at the end of a step, with the states x_end of the drives, to the trajectory without
+  /// projection onto closed loops.
+  Failure take_closed(double t, Span q_end, Span v_end, const Vector& x_end);
+  /// Shortens a step in which a discrete status of a drive must change so that it ends just after the change:
+  /// t_1 and `end` change, and `end` may not be that of the last attempt. With `abrupt`, steps are shortened
+  /// only for changes by which forces, rates or states of drives jump.
+  Failure end_at_switch(double& t_1, StepEnd& end, const Attempt& attempt, bool abrupt = false);
+  /// Lets the statuses and inputs of the drives change at the present time, and computes accelerations anew.
+  Failure switch_drives();
   /// Calls the monitor of the options with a time t (s). Fails if it returns false.
   Failure interruption(double t) const;
   /// Ends the motion: the trajectory is then not complete and contains the reason.
@@ -113,9 +120,9 @@ class SimulationRun {
   ConfigurationGroup<double> group() const { return ConfigurationGroup<double>(tree(), local_coordinates()); }
   /// Computes the sum tau (nv) of drive forces, spring forces and, with dry friction, losses of joints.
   Failure joint_forces(double t, Span q_t, Span v_t, Span& tau);
-  /// Computes for each velocity the inertia that springs, dampers and SimulationOptions::drive seem to add in
-  /// an implicit step, where a change x of an acceleration changes the coordinate by c_x x and the velocity
-  /// by c_v x. Derivatives of the drive are difference quotients, and negative entries are set to 0.
+  /// Computes for each velocity the inertia that springs, dampers, drives and SimulationOptions::drive seem
+  /// to add in an implicit step, where a change x of an acceleration changes the coordinate by c_x x and the
+  /// velocity by c_v x. Derivatives of SimulationOptions::drive are difference quotients, and negative entries are set to 0.
   Failure joint_resistance(double t, Span q_t, Span v_t, double c_x, double c_v, std::vector<double>& out);
   Loads<double> loads() const { return {loads_, options_.joint_losses && !friction_.active()}; }
 
@@ -162,8 +169,7 @@ class SimulationRun {
   /// Computes the accelerations a, and the rates of the states of the drives, at the present state.
   Failure accelerate_now();
   Failure take_under_friction(double t_1, StepEnd& end, const Attempt& attempt);
-  Failure end_at_switch(double& t_1, StepEnd& end, const Attempt& attempt);
-  Failure switch_drives();
+  bool jumps_at_switch(double t, const StepEnd& end) const;
   Failure ensure_accelerations(double t, StepEnd& end);
   void start_plays();
   void engage_plays();

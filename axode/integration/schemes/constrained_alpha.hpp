@@ -82,6 +82,9 @@ template <class System> class ConstrainedAlpha {
     return system_->factorize_with_rank(t + h, q);
   }
 
+  /// Replaces the mean accelerations of the last step by the present accelerations a_0, after a jump.
+  void restart(const Vector& a_0) { a_ = mean_ = as_eigen(a_0); }
+
   Vector q, v, lambda;
 
  private:

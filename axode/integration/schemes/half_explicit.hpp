@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "axode/constraints/absolute/absolute_system.hpp"
+#include "axode/eigen.hpp"
 #include "axode/integration/configuration_group.hpp"
 #include "axode/integration/schemes/anderson_iteration.hpp"
 #include "axode/integration/trajectory.hpp"
@@ -14,7 +15,8 @@ namespace axode {
 /// in the form of Munthe-Kaas. With the coefficients a_ij of the method, stage i has the configuration q_i =
 /// q_0 ⊕ θ_i, the velocity V_i, the forces f, the Jacobian B_i of joints and loops, and multipliers λ_i:
 ///   M L_i = f(q_i, V_i) + ad_{V_i}ᵀ M V_i + B_iᵀ λ_i with the λ_i for which B_{i+1} V_{i+1} = 0,
-///   θ_{i+1} = h Σ a_ij K_j,  V_{i+1} = v_0 + h Σ a_ij L_j,  K_i = dexp⁻¹_{-θ_i} V_i.
+///   θ_{i+1} = h Σ a_ij K_j,  V_{i+1} = v_0 + h Σ a_ij L_j,  K_i = dexp⁻¹_{-θ_i} V_i,
+/// and the states of drives x_{i+1} = x_0 + h Σ a_ij F_j with their rates F_i.
 /// Velocities satisfy the constraints; positions may leave them by O(h⁴) in a step, and are then projected.
 /// System is the class of the mechanism, as for Rattle, with close(t, q, v), which projects q and v.
 template <class System> class HalfExplicit {
@@ -24,11 +26,13 @@ template <class System> class HalfExplicit {
   HalfExplicit(System& system, const Vector& q_0, const Vector& v_0)
       : q(q_0), v(v_0), system_(&system), group_(system.bodies().group()) {}
 
-  /// Advances q and v from time t to t + h.
+  /// Advances q, v and the states of the drives, which start at the present ones, from time t to t + h.
   Failure run(double t, double h) {
     static constexpr std::array<std::array<double, 3>, 3> a{{{1.0 / 3, 0, 0}, {-1, 2, 0}, {0, 0.75, 0.25}}};
     static constexpr std::array<double, 3> c{0, 1.0 / 3, 1};
     const std::size_t nv = v.size();
+    DriveStates& drives = system_->drives();
+    drive_states = drives.x;
     q_i_ = q;
     V_ = v;
     theta_.assign(nv, 0.0);
@@ -36,12 +40,16 @@ template <class System> class HalfExplicit {
     for (std::size_t i = 0; i < 3; ++i) {
       if (i > 0)
         if (Failure failure = system_->factorize(t + c[i] * h, q_i_)) return failure;
+      drives.act_at(as_span(drive_states));
       if (Failure failure = system_->forces(t + c[i] * h, q_i_, V_, f_)) return failure;
+      F_[i] = as_eigen(drives.rates());
       system_->add_turning(V_, f_);
       K_[i].resize(nv);
       group_.rate(theta_, V_, K_[i]);
       theta_.assign(nv, 0.0);
       base_ = v;
+      drive_states = drives.x;
+      for (std::size_t j = 0; j <= i; ++j) drive_states += h * a[i][j] * F_[j];
       for (std::size_t j = 0; j <= i; ++j) as_eigen(theta_) += h * a[i][j] * as_eigen(K_[j]);
       for (std::size_t j = 0; j < i; ++j) as_eigen(base_) += h * a[i][j] * as_eigen(L_[j]);
       group_.move(q, theta_, q_next_);
@@ -55,6 +63,7 @@ template <class System> class HalfExplicit {
   }
 
   Vector q, v;
+  Eigen::VectorXd drive_states;
 
  private:
   /// Computes the acceleration L at q_i_ for which the velocity base_ + part L satisfies the constraints at
@@ -84,6 +93,7 @@ template <class System> class HalfExplicit {
   System* system_;
   ConfigurationGroup<double> group_;
   std::array<Vector, 3> K_, L_;
+  std::array<Eigen::VectorXd, 3> F_;
   Vector q_i_, q_next_, V_, theta_, base_, f_, p_, lambda_, rhs_, r_, dL_, dlambda_;
 };
 

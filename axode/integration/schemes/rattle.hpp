@@ -3,6 +3,7 @@
 #include <vector>
 
 #include "axode/constraints/absolute/absolute_system.hpp"
+#include "axode/eigen.hpp"
 #include "axode/integration/configuration_group.hpp"
 #include "axode/integration/schemes/anderson_iteration.hpp"
 #include "axode/integration/tableau.hpp"
@@ -24,7 +25,8 @@ namespace axode {
 ///
 /// System is the class of the mechanism, with the functions bodies(), which returns its AbsoluteSystem;
 /// forces(t, q, v, f), factorize(t, q), factorize_with_rank(t, q) and add_turning(v, f), which adds ad_vᵀ M v
-/// to f; norm(), and velocity_scale(v, h), the magnitude of the terms of v in a step.
+/// to f; norm(); velocity_scale(v, h), the magnitude of the terms of v in a step; and drives(), its
+/// DriveStates, whose states follow the trapezoidal rule (D17.7a).
 template <class System> class Rattle {
  public:
   using Vector = std::vector<double>;
@@ -37,8 +39,9 @@ template <class System> class Rattle {
         group_(system.bodies().group()),
         lengths_(symmetric_composition(order)) {}
 
-  /// Advances q and v from time t to t + h.
+  /// Advances q, v and the states of the drives, which start at the present ones, from time t to t + h.
   Failure run(double t, double h) {
+    drive_states = system_->drives().x;
     for (const double length : lengths_) {
       if (Failure failure = step(t, length * h)) return failure;
       t += length * h;
@@ -47,11 +50,15 @@ template <class System> class Rattle {
   }
 
   Vector q, v;
+  Eigen::VectorXd drive_states;
 
  private:
   Failure step(double t, double h) {
     auto& bodies = system_->bodies();
+    DriveStates& drives = system_->drives();
+    drives.act_at(as_span(drive_states));
     if (Failure failure = system_->forces(t, q, v, f_)) return failure;
+    drives.begin_trapezoidal_step(h);
     bodies.momentum(v, p_);
     k_0_ = p_;
     as_eigen(k_0_) += h / 2 * as_eigen(f_);
@@ -107,7 +114,8 @@ template <class System> class Rattle {
       if (status == AndersonIteration::Status::diverged) return {t + h, no_convergence};
     }
     q = q_1_;
-    return {};
+    drive_states = as_eigen(drives.states());
+    return drives.too_fast(h) ? Failure{t + h, DriveStates::runs_backwards} : Failure{};
   }
 
   /// Computes to = q ⊕ x with x = part w.

@@ -13,8 +13,8 @@ namespace axode {
 /// A step of a symmetric composition (D8.11) of the midpoint rule on (q, p). Part is the scheme of a part of
 /// the step, Midpoint or ClosedMidpoint; its first guess of v is extrapolated from the same part of the last
 /// steps. System is the class of the mechanism, as for Part, with bases(), which returns its FloatingBases;
-/// pushes_bases(), whether a load or drive acted on a floating base in the last evaluation; and close(t, q,
-/// p), which projects p onto closed loops.
+/// drives(), its DriveStates; pushes_bases(), whether a load or drive acted on a floating base in the last
+/// evaluation; and close(t, q, p), which projects p onto closed loops.
 template <class System, class Part> class SymplecticStep {
  public:
   using Vector = Eigen::VectorXd;
@@ -34,13 +34,18 @@ template <class System, class Part> class SymplecticStep {
     system.bases().to_momenta(q.data(), y_.data(), p.data());
   }
 
-  /// Advances q and p from time t to t + h.
+  /// Advances q, p and the states of the drives, which start at the present ones, from time t to t + h.
   Failure run(double t, double h) {
     FloatingBases& bases = system_->bases();
+    DriveStates& drives = system_->drives();
+    drive_states = drives.x;
     for (std::size_t k = 0; k < lengths_.size(); ++k) {
       const double part = lengths_[k] * h;
       guesses_[k].extrapolate(midpoint_.v);
+      drives.begin_midpoint_step(part, drive_states);
       if (Failure failure = midpoint_.run(t, part, q, p)) return failure;
+      if (drives.too_fast(part)) return {t + part, DriveStates::runs_backwards};
+      drives.end_midpoint_step(drive_states);
       guesses_[k].take(midpoint_.v);
       q = midpoint_.q;
       p = midpoint_.p;
@@ -53,7 +58,7 @@ template <class System, class Part> class SymplecticStep {
     return {};
   }
 
-  Vector q, p;
+  Vector q, p, drive_states;
 
  private:
   /// Extrapolates equally spaced values to the next one, from the last four values, or fewer at the start.

@@ -1,0 +1,229 @@
+#include <gmock/gmock.h>
+
+#include "axode/contact/contact_shapes.hpp"
+#include "axode/integration.hpp"
+#include "axode/integration/momenta/simulate_contact.hpp"
+#include "tests/contact/scene.hpp"
+#include "tests/integration/driven_mechanisms.hpp"
+
+/// Drives with states in motions with contact.
+namespace axode::test {
+namespace drives_in_contact {
+namespace {
+
+TEST(DrivesInContact, HaveOrderTwoInFlight) {
+  for_seeds(6, [](std::uint64_t seed) {
+    const Driven at(seed);
+    const Model model = without_springs(at.model);
+    SimulationOptions options;
+    options.x = at.x;
+    const double until = 0.1;
+    const Trajectory exact =
+        simulate(model, at.q, at.v, until, {.relative = 1e-12, .absolute = 1e-13}, options);
+    ASSERT_TRUE(exact.complete) << exact.stop_reason;
+    std::vector<double> errors;
+    for (const double h : {2e-3, 1e-3, 5e-4}) {
+      const Trajectory motion = simulate_contact(model, at.q, at.v, until, h, options);
+      ASSERT_TRUE(motion.complete) << motion.stop_reason;
+      errors.push_back(deviation_at_end(motion, exact));
+    }
+    EXPECT_NEAR(errors[0] / errors[2], 16, 4);
+    EXPECT_LT(errors[2], 1e-3);
+  });
+}
+
+TEST(DrivesInContact, AdaptedStepsAreAsExactAsTheirTolerance) {
+  for_seeds(4, [](std::uint64_t seed) {
+    const Driven at(seed);
+    const Model model = without_springs(at.model);
+    SimulationOptions options;
+    options.x = at.x;
+    const double until = 0.05;
+    const Trajectory exact =
+        simulate(model, at.q, at.v, until, {.relative = 1e-12, .absolute = 1e-13}, options);
+    const Trajectory motion =
+        simulate_contact(model, at.q, at.v, until, {.relative = 1e-7, .absolute = 1e-7}, options);
+    ASSERT_TRUE(motion.complete) << motion.stop_reason;
+    EXPECT_EQ(motion.t().back(), until);
+    EXPECT_LT(deviation_at_end(motion, exact), 1e-4);
+  });
+}
+
+/// A linear motor along the line from the ground to a box, which slides on the floor. A slider with the same
+/// motor and a constant friction force moves in the same way.
+TEST(DrivesInContact, HaveOrderTwoWhileContactsSlide) {
+  constexpr double mu = 0.3, half = 0.1, speed = 0.5, until = 0.4;
+  DriveDescription motor{.name = "motor", .input = {.values = {6}}};
+  motor.parameters = {{"resistance", 1}, {"inductance", 0.05}, {"torque_constant", 1}};
+  Description sled = Scene({.friction = mu}).add("box", ShapeKind::box, half, {.friction = mu}).description;
+  sled.drives = {motor};
+  sled.drives[0].line = DriveDescription::Line{.between = {"ground", "box"}, .points = {Vec3<>{-2, 0, half}}};
+  Description slider{.name = "slider"};
+  slider.bodies = {{.name = "box",
+                    .joint = {.name = "slide", .kind = JointKind::prismatic, .axis = {1, 0, 0}},
+                    .inertia = MassProperties{.mass = 1, .com = {}, .Theta = {1, 1, 1, 0, 0, 0}}}};
+  slider.drives = {motor};
+  slider.drives[0].joints = {{"slide", 1.0}};
+  SimulationOptions friction;
+  friction.drive = [](double, Span, Span, std::span<double> tau) { tau[0] = -mu * g; };
+  const Trajectory exact = simulate(ModelBuilder(slider).build(), {{0.0}}, {{speed}}, until,
+                                    {.relative = 1e-12, .absolute = 1e-13}, friction);
+  const Model model = ModelBuilder(sled).build();
+  std::vector<double> errors;
+  for (const double h : {4e-3, 2e-3, 1e-3}) {
+    const Trajectory motion =
+        simulate_contact(model, at({0, 0, half}), Numbers{0, 0, 0, speed, 0, 0}, until, h);
+    ASSERT_TRUE(motion.complete) << motion.stop_reason;
+    EXPECT_LE(std::ranges::max(motion.certificates), 1e-9);
+    errors.push_back(std::max({std::abs(last_q(motion)[4] - last_q(exact)[0]),
+                               std::abs(last_v(motion)[3] - last_v(exact)[0]),
+                               std::abs(motion.x(motion.size() - 1)[0] - exact.x(exact.size() - 1)[0])}));
+  }
+  EXPECT_NEAR(errors[0] / errors[2], 16, 1);
+  EXPECT_LT(errors[2], 1e-4);
+}
+
+constexpr double trunk = 5, leg = 1, foot = 0.05;
+
+/// A trunk on a vertical guide, with a leg below it whose length a controller commands by a motor. The foot is
+/// a ball, and the leg has the length 0.5 m + q at the joint "leg".
+Description hopper() {
+  Description d = Scene({.friction = 0.8}).description;
+  d.name = "hopper";
+  d.bodies = {{.name = "trunk",
+               .joint = {.name = "guide", .kind = JointKind::prismatic, .axis = {0, 0, 1}},
+               .inertia = MassProperties{.mass = trunk, .com = {}, .Theta = {0.1, 0.1, 0.1, 0, 0, 0}}},
+              {.name = "leg",
+               .predecessor = "trunk",
+               .joint = {.name = "leg", .kind = JointKind::prismatic, .axis = {0, 0, -1}},
+               .inertia = MassProperties{.mass = leg, .com = {}, .Theta = {0.1, 0.1, 0.1, 0, 0, 0}}}};
+  d.bodies[1].shapes = {touching(ShapeKind::sphere, {.friction = 0.8}, foot)};
+  d.bodies[1].shapes[0].pose.r = {0, 0, -0.5};
+  d.drives = {{.name = "controller",
+               .kind = DriveKind::pid,
+               .joints = {{"leg", 1.0}},
+               .parameters = {{"kp", 400}, {"ki", 800}, {"kd", 40}, {"filter_time", 0.01}, {"limit", 48}},
+               .input = {.values = {0.1}}},
+              {.name = "motor",
+               .kind = DriveKind::dc_motor,
+               .joints = {{"leg", 1.0}},
+               .parameters = {{"resistance", 0.5},
+                              {"inductance", 2e-4},
+                              {"torque_constant", 0.05},
+                              {"ratio", 100},
+                              {"current_limit", 30}},
+               .input = {.from = "controller"}}};
+  return d;
+}
+
+/// The hopper falls on its foot and comes to rest: the floor carries its weight, and the current the trunk.
+TEST(DrivesInContact, AMotorHoldsALegOnTheGround) {
+  const Model model = ModelBuilder(hopper()).build();
+  const Trajectory motion = simulate_contact(model, {{0.8, 0.0}}, {{0.0, 0.0}}, 6, 2e-3);
+  ASSERT_TRUE(motion.complete) << motion.stop_reason;
+  EXPECT_LE(std::ranges::max(motion.certificates), 1e-9);
+  EXPECT_NEAR(last_q(motion)[1], 0.1, 1e-6);
+  EXPECT_NEAR(last_q(motion)[0], 0.1 + 0.5 + foot, 1e-6);
+  EXPECT_NEAR(motion.x(motion.size() - 1)[2], trunk * g / (0.05 * 100), 1e-4);
+  double force = 0;
+  for (const ContactForce& contact : motion.contacts(motion.size() - 1)) force += contact.force.z;
+  EXPECT_NEAR(force, (trunk + leg) * g, 1e-4);
+  double most = 0, gap = 1;
+  for (std::size_t k = 0; k < motion.size(); ++k) {
+    most = std::max(most, std::abs(motion.x(k)[2]));
+    gap = std::min(gap, motion.q(k)[0] - motion.q(k)[1] - 0.5 - foot);
+  }
+  EXPECT_LE(most, 30 * (1 + 1e-9));  // the limit of the current
+  EXPECT_GE(most, 30 * (1 - 1e-9));  // which the landing reaches
+  EXPECT_GE(gap, -1e-11);
+}
+
+/// Times of impacts differ between steps by O(h), so that steps of contact converge with the first order.
+TEST(DrivesInContact, ALandingConverges) {
+  const Model model = ModelBuilder(hopper()).build();
+  const auto end = [&](double h) {
+    const Trajectory motion = simulate_contact(model, {{0.8, 0.0}}, {{0.0, 0.0}}, 0.5, h);
+    EXPECT_TRUE(motion.complete) << motion.stop_reason;
+    return last_q(motion)[0];
+  };
+  const double exact = end(1e-4);
+  EXPECT_NEAR(end(2e-3), exact, 4e-3);
+  EXPECT_NEAR(end(5e-4), exact, 1e-3);
+}
+
+TEST(DrivesInContact, ContinueAMotionFromTheirStates) {
+  const Model model = ModelBuilder(hopper()).build();
+  const Trajectory whole = simulate_contact(model, {{0.8, 0.0}}, {{0.0, 0.0}}, 0.1, 1e-3);
+  const std::size_t k = whole.size() / 2;
+  SimulationOptions options;
+  options.x.assign(whole.x(k).begin(), whole.x(k).end());
+  const Trajectory rest = simulate_contact(model, whole.q(k), whole.v(k), 0.1 - whole.t()[k], 1e-3, options);
+  ASSERT_TRUE(rest.complete) << rest.stop_reason;
+  EXPECT_LT(deviation_at_end(rest, whole), 1e-9);
+}
+
+/// A wheel with a motor whose electric time constant is far below the step.
+Model fast_motor(double until_step) {
+  Description d = Scene({.friction = 0.5}).description;
+  d.bodies = {{.name = "wheel",
+               .joint = {.name = "hinge", .kind = JointKind::revolute},
+               .inertia = MassProperties{.mass = 1, .com = {}, .Theta = {1, 1, 0.05, 0, 0, 0}}}};
+  d.drives = {{.name = "motor",
+               .joints = {{"hinge", 1.0}},
+               .parameters = {{"resistance", 1}, {"inductance", 1e-6}, {"torque_constant", 0.5}}}};
+  d.drives[0].input = {.times = {0, until_step}, .values = {10, -10}};
+  return ModelBuilder(d).build();
+}
+
+TEST(DrivesInContact, FastCurrentsDoNotAlternate) {
+  const double jump = 0.0105;
+  const Model model = fast_motor(jump);
+  const Trajectory motion = simulate_contact(model, {{0.0}}, {{0.0}}, 0.02, 1e-3);
+  ASSERT_TRUE(motion.complete) << motion.stop_reason;
+  EXPECT_EQ(motion.steps, 21U);  // the jump of the input ends a step
+  double after = 0;
+  for (std::size_t k = 1; k < motion.size(); ++k) {
+    const double t = motion.t()[k], u = t <= jump ? 10 : -10;
+    if (t == jump) after = 1;
+    if (k > 1 && (t < jump || t > jump + 1.1e-3)) {
+      EXPECT_NEAR(motion.x(k)[0], u - 0.5 * motion.v(k)[0], 1e-2) << t;
+    }
+  }
+  EXPECT_EQ(after, 1);
+}
+
+/// The limits of a motor end steps, and a status that is the sign of rounding errors does not.
+TEST(DrivesInContact, StepsEndAtLimitsOnly) {
+  const Model model = ModelBuilder(limited_motor()).build();
+  const Trajectory exact = simulate(model, {{0.0}}, {{-40.0}}, 1, {.relative = 1e-11, .absolute = 1e-12});
+  double before = 0;
+  for (const double h : {4e-3, 1e-3}) {
+    const Trajectory motion = simulate_contact(model, {{0.0}}, {{-40.0}}, 1, h);
+    ASSERT_TRUE(motion.complete) << motion.stop_reason;
+    EXPECT_LE(static_cast<double>(motion.steps), 1 / h + 6);
+    const double error = deviation_at_end(motion, exact);
+    if (before > 0) {
+      EXPECT_NEAR(before / error, 16, 4);
+    }
+    before = error;
+  }
+
+  Description d = hopper();
+  d.drives.push_back({.name = "friction",
+                      .kind = DriveKind::lugre,
+                      .joints = {{"leg", 1.0}},
+                      .parameters = {{"bristle_stiffness", 1e4},
+                                     {"bristle_damping", 50},
+                                     {"coulomb", 5},
+                                     {"stiction", 6},
+                                     {"stribeck_velocity", 0.01}}});
+  const Model rubbing = ModelBuilder(d).build();
+  const Trajectory motion = simulate_contact(rubbing, {{0.8, 0.0}}, {{0.0, 0.0}}, 3, 2e-3);
+  ASSERT_TRUE(motion.complete) << motion.stop_reason;
+  EXPECT_LE(motion.steps, 1600U);
+  EXPECT_LE(std::ranges::max(motion.certificates), 1e-9);
+}
+
+}  // namespace
+}  // namespace drives_in_contact
+}  // namespace axode::test
