@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <deque>
-#include <optional>
 #include <stdexcept>
 #include <string>
 #include <utility>
@@ -10,13 +9,13 @@
 
 #include "axode/derivatives/displacement/forward_first_order.hpp"
 #include "axode/derivatives/displacement/scratch.hpp"
-#include "axode/derivatives/spring_derivatives.hpp"
-#include "axode/dynamics/springs.hpp"
 #include "axode/eigen.hpp"
 #include "axode/integration/configuration_group.hpp"
 #include "axode/integration/runs/sized_arguments.hpp"
 #include "axode/integration/schemes/group_derivatives.hpp"
 #include "axode/integration/schemes/munthe_kaas.hpp"
+#include "axode/integration/schemes/spring_terms.hpp"
+#include "axode/integration/schemes/tangent_steps.hpp"
 #include "axode/model/finite.hpp"
 #include "axode/table/check_counts.hpp"
 
@@ -26,7 +25,7 @@ namespace {
 using Span = std::span<const double>;
 using Vector = std::vector<double>;
 using Matrix = GroupDerivatives::Matrix;
-using Rows = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
+using Rows = SpringTerms::Rows;
 using Joints = GroupDerivatives::Joints;
 
 void check_motion(const Model& model, double step, const Loads<double>& loads, const Tableau& method,
@@ -49,113 +48,11 @@ Solvability solved(Solvability verdict, std::initializer_list<std::span<double>>
   return verdict;
 }
 
-/// Forces of the springs of a model in addition to the drive forces, and their derivatives.
-class SpringTerms {
- public:
-  explicit SpringTerms(const Model& model) : model_(model) {
-    if (model.springs().empty()) return;
-    workspace_.emplace(model);
-    total_.resize(static_cast<std::size_t>(model.nv()));
-    by_q.resize(model.nv(), model.nv());
-    by_v = by_q;
-  }
-  bool any() const { return workspace_.has_value(); }
-  /// Returns the sum of the spring forces at (q, v) and the drive forces tau (nv numbers).
-  const double* forces(Span q, Span v, const double* tau) {
-    if (!any()) return tau;
-    std::ranges::copy_n(tau, model_.nv(), total_.begin());
-    if (finite(q))
-      add_spring_forces(model_, *workspace_, q, v, total_);  // if this is not so, the accelerations are not
-                                                             // finite either
-    return total_.data();
-  }
-  /// Computes the derivatives by_q and by_v of the spring forces.
-  void differentiate(Span q, Span v) {
-    spring_force_derivatives(model_, *workspace_, q, v, {as_span(by_q), as_span(by_v)});
-  }
-  Rows by_q, by_v;
-
- private:
-  const Model& model_;
-  std::optional<Workspace<double>> workspace_;
-  Vector total_;
-};
-
-/// Adds h Σ w_j x_j to out.
-void add_sum(const Vector& weights, double h, const std::vector<Matrix>& x, Matrix& out) {
-  for (std::size_t j = 0; j < weights.size(); ++j)
-    if (const double w = h * weights[j]; w != 0) out += w * x[j];
+/// Sets the state from which steps are taken.
+void begin(TangentSteps& steps, Span q, Span v) {
+  std::ranges::copy(q, steps.q.begin());
+  std::ranges::copy(v, steps.y.begin());
 }
-
-/// Runge-Kutta-Munthe-Kaas steps of the state and of its displacements along several directions at once.
-class TangentSteps {
- public:
-  TangentSteps(const Model& model, const Tableau& method, Span q_0, Span v_0, Eigen::Index directions)
-      : q(q_0.begin(), q_0.end()),
-        v(v_0.begin(), v_0.end()),
-        dq(Matrix::Zero(model.nv(), directions)),
-        dv(dq),
-        method_(method),
-        scheme_(model.tree<double>(), method),
-        group_(model.tree<double>()),
-        maps_(model.tree<double>()),
-        a_(v.size()),
-        dtheta_(dq),
-        eta_(dq),
-        dV_(dq),
-        dK_(method.b.size(), dq),
-        dL_(method.b.size(), dq) {}
-
-  Vector q, v;    ///< present state
-  Matrix dq, dv;  ///< displacements of q and v, a column for each direction
-
-  /// Takes a step of length h. accelerate(q, v, dq, dv, a, da) must write the accelerations a and their
-  /// changes da along the displacements dq and dv, and return whether it succeeded.
-  template <class Accelerate> bool run(double h, const Accelerate& accelerate) {
-    const Tableau& m = method_;
-    if (!accelerate(q.data(), v.data(), dq, dv, a_.data(), dL_[0])) return false;
-    dK_[0] = dv;
-    std::size_t i = 0;
-    const auto stage = [&](double, Span q_i, Span v_i, std::span<double> a_i) {
-      ++i;
-      displace(m.a[i], h, v_i.data());
-      dV_ = dv;
-      add_sum(m.a[i], h, dL_, dV_);
-      if (!accelerate(q_i.data(), v_i.data(), eta_, dV_, a_i.data(), dL_[i])) return false;
-      dK_[i].setZero();
-      maps_.add(&Joints::rate, dV_, dK_[i]);
-      maps_.add(&Joints::turn, dtheta_, dK_[i]);
-      return true;
-    };
-    if (!scheme_.run(0, q.data(), v.data(), a_.data(), h, stage)) return false;
-    v = scheme_.y;
-    add_sum(m.b, h, dL_, dv);
-    if (m.b.size() == 1) dK_[0] = dv;
-    displace(m.b, h, v.data());
-    dq.swap(eta_);
-    group_.move(q.data(), scheme_.theta.data(), q.data());
-    return true;
-  }
-
- private:
-  /// For a stage at q ⊕ theta with velocity V: computes the displacements dtheta of theta, eta of q ⊕ theta.
-  void displace(const Vector& weights, double h, const double* V) {
-    dtheta_.setZero();
-    add_sum(weights, h, dK_, dtheta_);
-    maps_.at(scheme_.theta.data(), V);
-    eta_.setZero();
-    maps_.add(&Joints::carry, dq, eta_);
-    maps_.add(&Joints::velocity, dtheta_, eta_);
-  }
-
-  const Tableau& method_;
-  MuntheKaas<> scheme_;
-  ConfigurationGroup<double> group_;
-  GroupDerivatives maps_;
-  Vector a_;
-  Matrix dtheta_, eta_, dV_;
-  std::vector<Matrix> dK_, dL_;
-};
 
 /// A Runge-Kutta-Munthe-Kaas step that stores its stages with their factorised mass matrices, and its
 /// backward differentiation.
@@ -294,40 +191,42 @@ Solvability step_derivatives(const Model& model, Workspace<double>& workspace, S
                 {"end.B", end.B, 2 * nv * nv, "2nv * nv"}});
   const Tree<double>& tree = model.tree<double>();
   const Eigen::Index n = model.nv();
-  TangentSteps steps(model, method, q, v, 3 * n);  // one column for each direction of q, v and tau
+  TangentSteps steps(model, method, 3 * n);  // one column for each direction of q, v and tau
+  begin(steps, q, v);
   steps.dq.leftCols(n).setIdentity();
-  steps.dv.middleCols(n, n).setIdentity();
+  steps.dy.middleCols(n, n).setIdentity();
   Rows by_q(n, n), by_v(n, n), by_tau(n, n);
   SpringTerms springs(model);
   Arena arena = workspace.arena(model.topology());
   ForwardFirstOrder<double> dynamics(arena);
   Solvability verdict;
   bool first = true;
-  steps.run(step, [&](const double* q_i, const double* v_i, const Matrix& dq, const Matrix& dv, double* a,
-                      Matrix& da) {
-    const Span q_s(q_i, nq), v_s(v_i, nv);
-    const double* const forces = springs.forces(q_s, v_s, tau.data());
-    verdict = dynamics.run(tree, q_i, v_i, forces, loads, by_q.data(), by_v.data(), by_tau.data());
-    std::copy_n(dynamics.forward.a, n, a);
-    if (springs.any() && verdict.ok()) {
-      springs.differentiate(q_s, v_s);
-      by_q.noalias() += by_tau * springs.by_q;
-      by_v.noalias() += by_tau * springs.by_v;
-    }
-    if (std::exchange(first, false)) {
-      da << by_q, by_v, by_tau;
-    } else {
-      da.noalias() = by_q * dq;
-      da.noalias() += by_v * dv;
-      da.rightCols(n) += by_tau;
-    }
-    return verdict.ok();
-  });
+  steps.run(0, step,
+            [&](double, const TangentSteps::Row&, Span q_i, Span v_i, const Matrix& dq, const Matrix& dv,
+                std::span<double> a, Matrix& da) {
+              const double* const forces = springs.forces(q_i, v_i, tau.data());
+              verdict = dynamics.run(tree, q_i.data(), v_i.data(), forces, loads, by_q.data(), by_v.data(),
+                                     by_tau.data());
+              std::copy_n(dynamics.forward.a, n, a.data());
+              if (springs.any() && verdict.ok()) {
+                springs.differentiate(q_i, v_i);
+                by_q.noalias() += by_tau * springs.by_q;
+                by_v.noalias() += by_tau * springs.by_v;
+              }
+              if (std::exchange(first, false)) {
+                da << by_q, by_v, by_tau;
+              } else {
+                da.noalias() = by_q * dq;
+                da.noalias() += by_v * dv;
+                da.rightCols(n) += by_tau;
+              }
+              return verdict.ok();
+            });
   std::ranges::copy(steps.q, end.q.begin());
-  std::ranges::copy(steps.v, end.v.begin());
+  std::ranges::copy(steps.y, end.v.begin());
   Eigen::Map<Rows> A(end.A.data(), 2 * n, 2 * n), B(end.B.data(), 2 * n, n);
-  A << steps.dq.leftCols(2 * n), steps.dv.leftCols(2 * n);
-  B << steps.dq.rightCols(n), steps.dv.rightCols(n);
+  A << steps.dq.leftCols(2 * n), steps.dy.leftCols(2 * n);
+  B << steps.dq.rightCols(n), steps.dy.rightCols(n);
   return solved(verdict, {end.q, end.v, end.A, end.B});
 }
 
@@ -346,40 +245,41 @@ Solvability rollout_jvp(const Model& model, Span q, Span v, Span tau, double ste
        {"dtau", dtau, K * nv, "K nv"}},
       {{"dq_out", dq_out, (K + 1) * nv, "(K + 1) nv"}, {"dv_out", dv_out, (K + 1) * nv, "(K + 1) nv"}});
   const Tree<double>& tree = model.tree<double>();
-  TangentSteps steps(model, method, q, v, 1);
+  TangentSteps steps(model, method, 1);
+  begin(steps, q, v);
   std::ranges::copy(dq, steps.dq.data());
-  std::ranges::copy(dv, steps.dv.data());
+  std::ranges::copy(dv, steps.dy.data());
   WithScratch<double, ForwardJvp<double>> dynamics(model.topology());
   SpringTerms springs(model);
   Vector dforces(nv);
   Solvability verdict;
   const auto write = [&](std::size_t k) {
     std::copy_n(steps.dq.data(), nv, dq_out.data() + k * nv);
-    std::copy_n(steps.dv.data(), nv, dv_out.data() + k * nv);
+    std::copy_n(steps.dy.data(), nv, dv_out.data() + k * nv);
   };
   write(0);
   for (std::size_t k = 0; k < K && verdict.ok(); ++k) {
     if (monitor && !monitor()) verdict.not_finite = true;
     const double *const tau_k = tau.data() + k * nv, *const dtau_k = dtau.data() + k * nv;
-    steps.run(step, [&](const double* q_i, const double* v_i, const Matrix& eta, const Matrix& dV, double* a,
-                        Matrix& da) {
-      const Span q_s(q_i, nq), v_s(v_i, nv);
-      const double* along = dtau_k;
-      if (springs.any() && finite(q_s)) {
-        springs.differentiate(q_s, v_s);
-        Eigen::Map<Eigen::VectorXd> sum(dforces.data(), model.nv());
-        sum = Eigen::Map<const Eigen::VectorXd>(dtau_k, model.nv());
-        sum.noalias() += springs.by_q * eta;
-        sum.noalias() += springs.by_v * dV;
-        along = dforces.data();
-      }
-      if (verdict.ok())
-        verdict = dynamics->run(tree, q_i, v_i, springs.forces(q_s, v_s, tau_k), eta.data(), dV.data(), along,
-                                loads);
-      std::copy_n(dynamics->forward.a, nv, a);
-      std::copy_n(dynamics->x, nv, da.data());
-      return verdict.ok();
-    });
+    steps.run(0, step,
+              [&](double, const TangentSteps::Row&, Span q_i, Span v_i, const Matrix& eta, const Matrix& dV,
+                  std::span<double> a, Matrix& da) {
+                const double* along = dtau_k;
+                if (springs.any() && finite(q_i)) {
+                  springs.differentiate(q_i, v_i);
+                  Eigen::Map<Eigen::VectorXd> sum(dforces.data(), model.nv());
+                  sum = Eigen::Map<const Eigen::VectorXd>(dtau_k, model.nv());
+                  sum.noalias() += springs.by_q * eta;
+                  sum.noalias() += springs.by_v * dV;
+                  along = dforces.data();
+                }
+                if (verdict.ok())
+                  verdict = dynamics->run(tree, q_i.data(), v_i.data(), springs.forces(q_i, v_i, tau_k),
+                                          eta.data(), dV.data(), along, loads);
+                std::copy_n(dynamics->forward.a, nv, a.data());
+                std::copy_n(dynamics->x, nv, da.data());
+                return verdict.ok();
+              });
     write(k + 1);
   }
   return solved(verdict, {dq_out, dv_out});
