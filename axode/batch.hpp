@@ -3,9 +3,11 @@
 #include <functional>
 #include <span>
 #include <type_traits>
+#include <vector>
 
 #include "axode/batch/compiled_dynamics.hpp"
 #include "axode/catalog.hpp"
+#include "axode/drives/added_drive.hpp"
 #include "axode/integration/drives.hpp"
 #include "axode/integration/tableau.hpp"
 #include "axode/kinematics/arguments.hpp"
@@ -37,6 +39,7 @@ struct [[nodiscard]] Outcome {
   std::size_t first = 0;            ///< index of the first failed state
   Solvability solvability;          ///< why the first failed state has no result
   bool loops_open = false;          ///< whether the loops of state `first` could not be kept closed
+  bool too_many_changes = false;    ///< whether drives of state `first` change their statuses without end
   std::size_t done = 0;             ///< number of finished states: N, unless the monitor ended the call
   bool ok() const { return singular_states == 0; }
 };
@@ -57,6 +60,15 @@ Outcome run(const Model& model, catalog::Id function,
             const catalog::Arguments<std::type_identity_t<T>>& given, std::type_identity_t<std::span<T>> out,
             int threads = 1, const Monitor& monitor = {});
 
+/// The states x of the drives of a mechanism in N motions, see axode/drives.hpp. For each motion, the nx
+/// states of all drives follow each other in the order of DriveSystem.
+struct DriveMotions {
+  std::span<const double> x = {};      ///< at the start, nx N numbers; if empty, chosen by the drives
+  std::span<double> x_out = {};        ///< receives K + 1 states for each motion; may be empty
+  double t = 0;                        ///< time at the start, s, for the inputs and a Drive
+  std::vector<AddedDrive> added = {};  ///< drives in addition to those of the model
+};
+
 /// Integrates N motions of K steps of equal length `step` (s), see axode::simulate_fixed(). q and v are the
 /// initial states of the N motions. tau has the drive forces: nv numbers for each step of each motion,
 /// constant during the step. q_out and v_out receive K + 1 states for each motion, beginning with the initial
@@ -65,12 +77,17 @@ Outcome run(const Model& model, catalog::Id function,
 /// std::invalid_argument if they are open in an initial state. If `joint_losses` is set, damping, dry
 /// friction and losses of gears act as in simulate_fixed(); dry friction and losses of gears are possible in
 /// double precision only, and motions with them are computed one at a time. If `compiled` is not empty, it
-/// replaces the library's forward dynamics.
+/// replaces the library's forward dynamics. Drives with states act as in simulate_fixed(), with which motions
+/// agree to the last bit for the same forces and times: a step is computed in parts, which end where a drive
+/// changes to another branch of its law and where an input jumps. Drives need double precision, and the start
+/// t = 0 if dry friction or losses of gears act. Motions with them are computed one at a time, without
+/// allocation in a step unless there is dry friction.
 template <class T>
 Outcome rollout(const Model& model, std::span<const T> q, Numbers<T> v, Numbers<T> tau, double step,
                 std::type_identity_t<std::span<T>> q_out, std::type_identity_t<std::span<T>> v_out,
                 const Tableau& method = runge_kutta(4), int threads = 1, const Monitor& monitor = {},
-                bool joint_losses = false, const CompiledDynamics<T>& compiled = {});
+                bool joint_losses = false, const CompiledDynamics<T>& compiled = {},
+                const DriveMotions& drives = {});
 
 /// Integrates N motions of K steps of length `step` (s) under a drive, a function that returns the drive
 /// forces at a time and state. Each thread has a copy of the drive and calls it for one motion at a time. For
@@ -82,7 +99,7 @@ Outcome rollout(const Model& model, std::span<const T> q, Numbers<T> v, const Dr
                 double step, std::type_identity_t<std::span<T>> q_out,
                 std::type_identity_t<std::span<T>> v_out, const Tableau& method = runge_kutta(4),
                 int threads = 1, const Monitor& monitor = {}, bool joint_losses = false,
-                const CompiledDynamics<T>& compiled = {});
+                const CompiledDynamics<T>& compiled = {}, const DriveMotions& drives = {});
 
 /// The value of axode::instruction_set(), which determines how many states are computed at once.
 [[deprecated("use axode::instruction_set")]] const char* instruction_set();

@@ -1,5 +1,6 @@
 #pragma once
 #include "axode/integration/configuration_group.hpp"
+#include "axode/integration/driven/drive_sensitivities.hpp"
 #include "axode/integration/drives.hpp"
 #include "axode/integration/methods.hpp"
 #include "axode/integration/prescribed/kinematic_motion.hpp"

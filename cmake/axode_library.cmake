@@ -224,6 +224,7 @@ target_sources(axode_batch PRIVATE ${PROJECT_SOURCE_DIR}/axode/batch/batch.cpp
                                    ${PROJECT_SOURCE_DIR}/axode/batch/check_loops.cpp
                                    ${PROJECT_SOURCE_DIR}/axode/batch/contact_rollout.cpp
                                    ${PROJECT_SOURCE_DIR}/axode/batch/control_law_sampler.cpp
+                                   ${PROJECT_SOURCE_DIR}/axode/batch/drive_rollout.cpp
                                    ${PROJECT_SOURCE_DIR}/axode/batch/portions.cpp
                                    ${PROJECT_SOURCE_DIR}/axode/batch/rollout.cpp)
 target_link_libraries(axode_batch PUBLIC axode::axode PRIVATE TBB::tbb)

@@ -89,6 +89,8 @@ constexpr std::pair<std::string_view, std::string_view> elsewhere[]{
     {"rollout", "use axode simulate"},
     {"rollout_derivatives",
      "it needs drive forces of several steps, which --state cannot give; call it in Python or C++"},
+    {"rollout_derivatives_with_drives",
+     "it needs drive forces of several steps, which --state cannot give; call it in Python or C++"},
     {"rollout_jvp",
      "it needs drive forces of several steps, which --state cannot give; call it in Python or C++"},
     {"rollout_vjp",

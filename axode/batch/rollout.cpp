@@ -9,15 +9,14 @@
 #include <vector>
 
 #include "axode/batch.hpp"
+#include "axode/batch/accelerations.hpp"
 #include "axode/batch/check_loops.hpp"
 #include "axode/batch/check_states.hpp"
 #include "axode/batch/control_law_sampler.hpp"
+#include "axode/batch/drive_rollout.hpp"
 #include "axode/batch/kernels.hpp"
 #include "axode/batch/portions.hpp"
 #include "axode/batch/scratch.hpp"
-#include "axode/dynamics/forward_dynamics.hpp"
-#include "axode/dynamics/springs.hpp"
-#include "axode/integration/closed_motion.hpp"
 #include "axode/integration/schemes/munthe_kaas.hpp"
 #include "axode/integration/simulation.hpp"
 #include "axode/model/configuration.hpp"
@@ -30,34 +29,25 @@ namespace {
 
 template <class S> void none(std::span<S> x) { std::ranges::fill(x, std::numeric_limits<S>::quiet_NaN()); }
 
-/// Whether joint losses act in a motion: `damping` is set if damping acts, and `friction` if dry friction or
-/// losses of gears act, which need steps with stick and slip.
-struct Losses {
-  bool damping, friction;
-};
-
 /// Integrates one motion under given forces or a drive.
 template <class S> class ScalarRollout {
  public:
   ScalarRollout(const Model& model, const CompiledDynamics<S>& compiled, const Tableau& method,
                 const Drive& drive, const Losses& losses)
       : model_(&model),
-        compiled_(compiled),
-        workspace_(model, cut_tree),
+        accelerations_(model, compiled, losses.damping),
         method_(&method),
         scheme_(model.tree<S>(), method),
         group_(model.tree<S>()),
         drive_(drive),
         losses_(losses),
         a_(model.nv()),
-        total_(a_) {
-    if (!model.loops().empty()) loops_ = std::make_shared<ClosedMotion>(model);
-  }
+        total_(a_) {}
 
   /// Begins at a configuration q with closed loops: determines which loop constraints are redundant there.
   void begin(std::span<const S> q) {
     if constexpr (std::same_as<S, double>)
-      if (loops_) loops_->determine_rank(q);
+      if (ClosedMotion* const loops = accelerations_.loops()) loops->determine_rank(q);
   }
 
   /// Computes step k from (q, v), and writes the new state to q_1 and v_1. The forces tau act if there is no
@@ -75,13 +65,12 @@ template <class S> class ScalarRollout {
         drive(time_of(*method_, step, k, stage++), q_t, v_t);
       else
         total_.assign(tau.begin(), tau.end());
-      if (!model_->springs().empty()) add_spring_forces(*model_, workspace_, q_t, v_t, total_);
-      found = solve(q_t, v_t, a_t);
+      found = accelerations_.compute(q_t, v_t, total_, a_t);
       return found.ok();
     };
     if (losses_.friction) {  // the step has failed: find out why
       if (!accelerate(0, q, v, a_)) return found;
-      loops_open_ = loops_ != nullptr;
+      loops_open_ = accelerations_.loops() != nullptr;
       found.not_finite = !loops_open_;
       return found;
     }
@@ -90,9 +79,9 @@ template <class S> class ScalarRollout {
     group_.move(q.data(), scheme_.theta.data(), q_1.data());
     std::ranges::copy(scheme_.y, v_1.begin());
     if constexpr (std::same_as<S, double>)
-      if (loops_) {
+      if (ClosedMotion* const loops = accelerations_.loops()) {
         std::vector<double> q_end(q_1.begin(), q_1.end());
-        loops_open_ = !loops_->close(q_end, scheme_.y);
+        loops_open_ = !loops->close(q_end, scheme_.y);
         std::ranges::copy(q_end, q_1.begin());
         std::ranges::copy(scheme_.y, v_1.begin());
       }
@@ -121,22 +110,6 @@ template <class S> class ScalarRollout {
     std::ranges::copy(motion.v(motion.size() - 1), v_1.begin());
     return true;
   }
-  Solvability solve(std::span<const S> q, std::span<const S> v, std::span<S> a) {
-    if (compiled_.call) {
-      const std::span damping(model_->tree<S>().damping);
-      if (losses_.damping)
-        for (std::size_t c = 0; c < v.size(); ++c) total_[c] -= S(damping[c]) * v[c];
-      const S* const arguments[]{q.data(), v.data(), total_.data()};
-      unsigned char maybe_singular = 0;
-      compiled_.call(1, arguments, a.data(), nullptr, &maybe_singular);
-      if (!maybe_singular) return {.not_finite = !finite(a)};
-      return axode::forward_dynamics(*model_, workspace_, q, v, total_, a);
-    }
-    const Loads<S> loads{.joint_losses = losses_.damping && model_->gears().empty()};
-    if constexpr (std::same_as<S, double>)
-      if (loops_) return loops_->accelerate(q, v, total_, loads, a);
-    return axode::forward_dynamics(*model_, workspace_, q, v, total_, a, loads);
-  }
   void drive(double t, std::span<const S> q, std::span<const S> v) {
     if constexpr (std::same_as<S, double>) {
       drive_(t, q, v, total_);
@@ -150,14 +123,12 @@ template <class S> class ScalarRollout {
   }
 
   const Model* model_;
-  CompiledDynamics<S> compiled_;
-  Workspace<S> workspace_;
+  Accelerations<S> accelerations_;
   const Tableau* method_;
   MuntheKaas<S> scheme_;
   ConfigurationGroup<S> group_;
   Drive drive_;
   Losses losses_;
-  std::shared_ptr<ClosedMotion> loops_;
   bool loops_open_ = false;
   std::vector<S> a_, total_;
 };
@@ -195,14 +166,11 @@ template <class S> class LaneRollout {
   CompiledCall<S> call_{};
 };
 
-/// Integrates N motions of K steps under given forces or a drive, several at once in SIMD lanes if possible.
+/// Throws std::invalid_argument for an argument of a wrong size, and for results that share memory with one
+/// another or with an argument.
 template <class S>
-Outcome run_rollouts(const Model& model, const CompiledDynamics<S>& compiled, std::span<const S> q,
-                     std::span<const S> v, std::size_t K, std::span<const S> tau, const Drive& drive,
-                     double step, std::span<S> q_out, std::span<S> v_out, const Tableau& method, int threads,
-                     const Monitor& monitor, const Losses& losses) {
-  // The number of steps between two calls of the monitor. A step with friction takes up to milliseconds.
-  const std::size_t steps_at_once = losses.friction ? 16 : 256;
+void check_motions(const Model& model, std::span<const S> q, std::span<const S> v, std::span<const S> tau,
+                   std::size_t K, std::span<S> q_out, std::span<S> v_out) {
   const std::size_t nq = model.nq(), nv = model.nv(), N = nq == 0 ? 0 : q.size() / nq;
   check_size("v", v.size(), N * nv, "nv N");
   check_size("q_out", q_out.size(), (K + 1) * nq * N, "(K + 1) nq N");
@@ -213,7 +181,17 @@ Outcome run_rollouts(const Model& model, const CompiledDynamics<S>& compiled, st
     check_separate("v_out", v_out, name, given);
   }
   check_separate("q_out", q_out, "v_out", std::span<const S>(v_out));
+}
 
+/// Integrates N motions of K steps under given forces or a drive, several at once in SIMD lanes if possible.
+template <class S>
+Outcome run_rollouts(const Model& model, const CompiledDynamics<S>& compiled, std::span<const S> q,
+                     std::span<const S> v, std::size_t K, std::span<const S> tau, const Drive& drive,
+                     double step, std::span<S> q_out, std::span<S> v_out, const Tableau& method, int threads,
+                     const Monitor& monitor, const Losses& losses) {
+  // The number of steps between two calls of the monitor. A step with friction takes up to milliseconds.
+  const std::size_t steps_at_once = losses.friction ? 16 : 256;
+  const std::size_t nq = model.nq(), nv = model.nv(), N = nq == 0 ? 0 : q.size() / nq;
   for (const std::span<S> out : {q_out, v_out}) std::ranges::fill(out, std::numeric_limits<S>::quiet_NaN());
   const auto q_at = [&](std::size_t n, std::size_t k) { return q_out.subspan((n * (K + 1) + k) * nq, nq); };
   const auto v_at = [&](std::size_t n, std::size_t k) { return v_out.subspan((n * (K + 1) + k) * nv, nv); };
@@ -275,11 +253,26 @@ Outcome run_rollouts(const Model& model, const CompiledDynamics<S>& compiled, st
   return outcome;
 }
 
+using batch::check_loops;
 /// Throws std::invalid_argument for a model with loops, which rollouts in float do not take into account.
 bool check_loops(const Model& model, std::span<const float>, std::span<const float>, int, const Monitor&) {
   if (model.loops().empty()) return true;
   throw std::invalid_argument("model \"" + model.name() +
                               "\" has loops, which rollouts count in double precision alone");
+}
+
+/// Whether drives with states act. Throws std::invalid_argument if S is float and they do, or if x is given
+/// although they do not.
+template <class S> bool has_drives(const Model& model, const DriveMotions& drives) {
+  if (model.drives().empty() && drives.added.empty()) {
+    check_size("x", drives.x.size(), 0, "nx N");
+    check_size("x_out", drives.x_out.size(), 0, "(K + 1) nx N");
+    return false;
+  }
+  if (std::same_as<S, float>)
+    throw std::invalid_argument("model \"" + model.name() +
+                                "\" has drives with states, which rollouts count in double precision alone");
+  return true;
 }
 
 /// The joint losses of a model that act if `enabled` is set. Throws std::invalid_argument if S is float and
@@ -295,52 +288,68 @@ template <class S> Losses losses_of(const Model& model, bool enabled) {
   return {enabled, friction};
 }
 
+/// Integrates N motions with checked forces tau, or with a drive, by the functions that the model needs.
+template <class S>
+Outcome integrate_motions(const Model& model, const CompiledDynamics<S>& compiled, std::span<const S> q,
+                          std::span<const S> v, std::size_t K, std::span<const S> tau, const Drive& drive,
+                          double step, std::span<S> q_out, std::span<S> v_out, const Tableau& method,
+                          int threads, const Monitor& monitor, bool joint_losses,
+                          const DriveMotions& drives) {
+  const Losses losses = losses_of<S>(model, joint_losses);
+  const bool with_drives = has_drives<S>(model, drives);
+  check_motions(model, q, v, tau, K, q_out, v_out);
+  if (!check_loops(model, q, v, threads, monitor)) return {};
+  if constexpr (std::same_as<S, double>)
+    if (with_drives)
+      return run_with_drives(model, compiled, {q, v, tau, drive, K, step, q_out, v_out}, drives, method,
+                             losses, threads, monitor);
+  return run_rollouts<S>(model, compiled, q, v, K, tau, drive, step, q_out, v_out, method, threads, monitor,
+                         losses);
+}
+
 }  // namespace
 
 template <class S>
 Outcome rollout(const Model& model, std::span<const S> q, Numbers<S> v, Numbers<S> tau, double step,
                 std::type_identity_t<std::span<S>> q_out, std::type_identity_t<std::span<S>> v_out,
                 const Tableau& method, int threads, const Monitor& monitor, bool joint_losses,
-                const CompiledDynamics<S>& compiled) {
+                const CompiledDynamics<S>& compiled, const DriveMotions& drives) {
   check(method);
   check_step(step);
   catalog::check_counts<"rollout">(model);
-  const Losses losses = losses_of<S>(model, joint_losses);
   const std::size_t nv = model.nv(), N = check_states(model, q, threads),
                     K = N * nv == 0 ? 0 : tau.size() / (N * nv);
   check_size("tau", tau.size(), K * nv * N, "K nv N");
-  if (!check_loops(model, q, v, threads, monitor)) return {};
-  return run_rollouts<S>(model, compiled, q, v, K, tau, {}, step, q_out, v_out, method, threads, monitor,
-                         losses);
+  return integrate_motions<S>(model, compiled, q, v, K, tau, {}, step, q_out, v_out, method, threads, monitor,
+                              joint_losses, drives);
 }
 
 template <class S>
 Outcome rollout(const Model& model, std::span<const S> q, Numbers<S> v, const Drive& drive, std::size_t K,
                 double step, std::type_identity_t<std::span<S>> q_out,
                 std::type_identity_t<std::span<S>> v_out, const Tableau& method, int threads,
-                const Monitor& monitor, bool joint_losses, const CompiledDynamics<S>& compiled) {
+                const Monitor& monitor, bool joint_losses, const CompiledDynamics<S>& compiled,
+                const DriveMotions& drives) {
   check(method);
   check_step(step);
   catalog::check_counts<"rollout">(model);
-  const Losses losses = losses_of<S>(model, joint_losses);
   if (!drive) throw std::invalid_argument("drive is empty; expected a function of (t, q, v)");
   static_cast<void>(check_states(model, q, threads));
-  if (!check_loops(model, q, v, threads, monitor)) return {};
-  return run_rollouts<S>(model, compiled, q, v, K, {}, drive, step, q_out, v_out, method, threads, monitor,
-                         losses);
+  return integrate_motions<S>(model, compiled, q, v, K, {}, drive, step, q_out, v_out, method, threads,
+                              monitor, joint_losses, drives);
 }
 
 template Outcome rollout(const Model&, std::span<const double>, Numbers<double>, Numbers<double>, double,
                          std::span<double>, std::span<double>, const Tableau&, int, const Monitor&, bool,
-                         const CompiledDynamics<double>&);
+                         const CompiledDynamics<double>&, const DriveMotions&);
 template Outcome rollout(const Model&, std::span<const float>, Numbers<float>, Numbers<float>, double,
                          std::span<float>, std::span<float>, const Tableau&, int, const Monitor&, bool,
-                         const CompiledDynamics<float>&);
+                         const CompiledDynamics<float>&, const DriveMotions&);
 template Outcome rollout(const Model&, std::span<const double>, Numbers<double>, const Drive&, std::size_t,
                          double, std::span<double>, std::span<double>, const Tableau&, int, const Monitor&,
-                         bool, const CompiledDynamics<double>&);
+                         bool, const CompiledDynamics<double>&, const DriveMotions&);
 template Outcome rollout(const Model&, std::span<const float>, Numbers<float>, const Drive&, std::size_t,
                          double, std::span<float>, std::span<float>, const Tableau&, int, const Monitor&,
-                         bool, const CompiledDynamics<float>&);
+                         bool, const CompiledDynamics<float>&, const DriveMotions&);
 
 }  // namespace axode::batch

@@ -57,6 +57,10 @@ class DriveLaw {
   virtual double margin(std::size_t, const DrivePoint<double>&, std::span<const int>) const noexcept {
     return 1;
   }
+  /// The margin with its directional derivative, from which sensitivities know how the time of a change
+  /// depends on the state. If the derivatives are 0, as in a law that does not give them, they take this time
+  /// as fixed.
+  virtual Dual margin(std::size_t, const DrivePoint<Dual>&, std::span<const int>) const noexcept { return 1; }
   /// Changes status k after its margin has become negative. The states x may jump at this change.
   virtual void change(std::size_t, const DrivePoint<double>&, Statuses, std::span<double>) const noexcept {}
 };
@@ -64,7 +68,7 @@ class DriveLaw {
 /// A DriveLaw made from a struct Law, whose functions are written once for all types T of numbers. The struct
 /// has the member template `evaluate(const DrivePoint<T>&, std::span<const int>, DriveResponse<T>&) const`,
 /// and the members states() and start() of DriveLaw; with statuses, also n_statuses(), choose(), margin() and
-/// change().
+/// change(). The member margin() may be a template as well, see DriveLaw.
 template <class Law> class DriveLawOf final : public DriveLaw {
  public:
   explicit DriveLawOf(Law law) : law_(std::move(law)) {}
@@ -91,6 +95,11 @@ template <class Law> class DriveLawOf final : public DriveLaw {
     if constexpr (switches) return law_.margin(k, at, statuses);
     return 1;
   }
+  Dual margin(std::size_t k, const DrivePoint<Dual>& at,
+              std::span<const int> statuses) const noexcept override {
+    if constexpr (requires { law_.margin(k, at, statuses); }) return law_.margin(k, at, statuses);
+    return 1;
+  }
   void change(std::size_t k, const DrivePoint<double>& at, Statuses statuses,
               std::span<double> x) const noexcept override {
     if constexpr (switches) law_.change(k, at, statuses, x);
@@ -110,9 +119,9 @@ struct Saturation {
   double limit;
 
   int choose(double value) const { return value > limit ? 1 : value < -limit ? -1 : 0; }
-  double margin(double value, int status) const {
-    if (status == 0) return limit * (1 + past_limit) - (value < 0 ? -value : value);
-    return status * value - limit;
+  template <class T> T margin(const T& value, int status) const {
+    if (status == 0) return T(limit * (1 + past_limit)) - (value < T(0) ? -value : value);
+    return T(status) * value - T(limit);
   }
   int next(double value, int status) const { return status == 0 ? (value > 0 ? 1 : -1) : 0; }
   template <class T> T of(const T& value, int status) const {

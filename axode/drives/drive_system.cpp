@@ -12,6 +12,9 @@
 namespace axode {
 namespace {
 
+using Vector = Eigen::VectorXd;
+using Matrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
+
 /// Throws std::invalid_argument unless an added drive has a law and joints with finite factors, not 0.
 void check(const AddedDrive& drive) {
   const std::string subject = "drive \"" + drive.name + "\" ";
@@ -197,65 +200,62 @@ Eigen::MatrixXd DriveSystem::rates_by_states(double t, Span q, Span v, Span x, s
   return f_x;
 }
 
-DriveDerivatives DriveSystem::derivatives(double t, Span q, Span v, Span x) {
-  using Dual = DriveLaw::Dual;
-  evaluate_laws(t, q, v, x);
+/// Computes the derivatives of a function of n numbers of the arguments of the laws. f(values, out) must write
+/// its directional derivative to out (n), from `values`, which the laws have been evaluated with.
+template <class F>
+DriveSystem::ByArguments DriveSystem::by_arguments(double t, Span q, Span v, Eigen::Index n, const F& f) {
   const auto index = [](auto k) { return static_cast<Eigen::Index>(k); };
-  const Eigen::Index nv = model_.nv(), n_x = index(nx());
-  const auto zeros = [](Eigen::Index rows, Eigen::Index columns) {
-    return Eigen::MatrixXd::Zero(rows, columns).eval();
-  };
-  DriveDerivatives out{zeros(nv, nv),  zeros(nv, nv),  zeros(nv, n_x),  zeros(nv, index(inputs_.size())),
-                       zeros(n_x, nv), zeros(n_x, nv), zeros(n_x, n_x), zeros(n_x, index(inputs_.size()))};
-  Values<Dual> values = with_duals();
-  // Computes the derivatives of τ and f by one argument of the laws, in by_tau and by_f.
-  Eigen::VectorXd by_tau(nv), by_f(n_x);
-  const auto along = [&](Dual& argument) {
+  const Eigen::Index nv = model_.nv();
+  const auto zeros = [n](Eigen::Index columns) { return Eigen::MatrixXd::Zero(n, columns).eval(); };
+  ByArguments out{zeros(nv), zeros(nv), zeros(index(nx())), zeros(index(inputs_.size()))};
+  Values<DriveLaw::Dual> values = with_duals();
+  Vector by(n);
+  const auto along = [&](DriveLaw::Dual& argument) -> const Vector& {
     argument.dx[0] = 1;
-    by_tau.setZero();
-    for (const std::size_t d : order_) {
-      const double force = respond(d, t, values).force.dx[0];
-      if (drives_[d].feeds) continue;
-      for (const auto& [c, factor] : drives_[d].port.row()) by_tau[c] += factor * force;
-    }
+    for (const std::size_t d : order_) static_cast<void>(respond(d, t, values));
+    f(values, by);
     argument.dx[0] = 0;
-    for (Eigen::Index k = 0; k < n_x; ++k) by_f[k] = values.dx[static_cast<std::size_t>(k)].dx[0];
+    return by;
   };
-  for (std::size_t k = 0; k < nx(); ++k) {
-    along(values.x[k]);
-    out.tau_x.col(index(k)) = by_tau;
-    out.f_x.col(index(k)) = by_f;
-  }
-  for (std::size_t k = 0; k < inputs_.size(); ++k) {
-    along(values.u[inputs_[k]]);
-    out.tau_u.col(index(k)) = by_tau;
-    out.f_u.col(index(k)) = by_f;
-  }
+  for (std::size_t k = 0; k < nx(); ++k) out.x.col(index(k)) = along(values.x[k]);
+  for (std::size_t k = 0; k < inputs_.size(); ++k) out.u.col(index(k)) = along(values.u[inputs_[k]]);
   std::vector<double> of_row(static_cast<std::size_t>(nv * nv));
   for (std::size_t d = 0; d < size(); ++d) {
     const Drive& drive = drives_[d];
     along(values.l[d]);
-    for (const auto& [c, factor] : drive.port.row()) {
-      out.tau_q.col(c) += factor * by_tau;
-      out.f_q.col(c) += factor * by_f;
-    }
+    for (const auto& [c, factor] : drive.port.row()) out.q.col(c) += factor * by;
     along(values.w[d]);
-    for (const auto& [c, factor] : drive.port.row()) {
-      out.tau_v.col(c) += factor * by_tau;
-      out.f_v.col(c) += factor * by_f;
-    }
-    // The row E of a line depends on q, and hence w = E v and τ = Eᵀ g depend on q also by E.
+    for (const auto& [c, factor] : drive.port.row()) out.v.col(c) += factor * by;
+    // The row E of a line depends on q, and hence w = E v depends on q also by E.
     if (!drive.port.is_line()) continue;
     std::ranges::fill(of_row, 0.0);
     drive.port.add_row_derivatives(model_.tree<double>(), q, 1, of_row);
-    const Eigen::Map<const Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>> E_q(
-        of_row.data(), nv, nv);
-    const Eigen::Map<const Eigen::VectorXd> velocities(v.data(), nv);
-    const Eigen::RowVectorXd w_q = velocities.transpose() * E_q;
-    out.tau_q += by_tau * w_q;
-    out.f_q += by_f * w_q;
-    if (!drive.feeds) out.tau_q += now_.outputs[d] * E_q;
+    const Eigen::Map<const Vector> velocities(v.data(), nv);
+    out.q += by * (velocities.transpose() * Eigen::Map<const Matrix>(of_row.data(), nv, nv));
   }
+  return out;
+}
+
+DriveDerivatives DriveSystem::derivatives(double t, Span q, Span v, Span x) {
+  evaluate_laws(t, q, v, x);
+  const Eigen::Index nv = model_.nv(), n_x = static_cast<Eigen::Index>(nx());
+  const ByArguments by = by_arguments(t, q, v, nv + n_x, [&](Values<DriveLaw::Dual>& values, Vector& out) {
+    out.setZero();
+    for (std::size_t d = 0; d < size(); ++d) {
+      if (drives_[d].feeds) continue;
+      for (const auto& [c, factor] : drives_[d].port.row()) out[c] += factor * values.outputs[d].dx[0];
+    }
+    for (Eigen::Index k = 0; k < n_x; ++k) out[nv + k] = values.dx[static_cast<std::size_t>(k)].dx[0];
+  });
+  DriveDerivatives out{by.q.topRows(nv),     by.v.topRows(nv),     by.x.topRows(nv),
+                       by.u.topRows(nv),     by.q.bottomRows(n_x), by.v.bottomRows(n_x),
+                       by.x.bottomRows(n_x), by.u.bottomRows(n_x)};
+  // The force τ = Eᵀ g of a line depends on q also by the row E.
+  std::vector<double> of_row(static_cast<std::size_t>(nv * nv));
+  for (std::size_t d = 0; d < size(); ++d)
+    if (!drives_[d].feeds)
+      drives_[d].port.add_row_derivatives(model_.tree<double>(), q, now_.outputs[d], of_row);
+  out.tau_q += Eigen::Map<const Matrix>(of_row.data(), nv, nv);
   return out;
 }
 
@@ -265,13 +265,39 @@ double DriveSystem::next_jump(double t) const {
   return next;
 }
 
-double DriveSystem::least_margin(double t, Span q, Span v, Span x) {
-  evaluate_laws(t, q, v, x);
-  double least = std::numeric_limits<double>::infinity();
+DriveSystem::LeastMargin DriveSystem::least_margin_now(double t) const {
+  LeastMargin least{std::numeric_limits<double>::infinity()};
   for (std::size_t d = 0; d < size(); ++d)
     for (std::size_t k = 0; k < drives_[d].statuses.size(); ++k)
-      least = std::min(least, drives_[d].law->margin(k, point(d, t, now_), drives_[d].statuses));
+      if (const double margin = drives_[d].law->margin(k, point(d, t, now_), drives_[d].statuses);
+          margin < least.value)
+        least = {margin, d, k};
   return least;
+}
+
+double DriveSystem::least_margin(double t, Span q, Span v, Span x) {
+  evaluate_laws(t, q, v, x);
+  return least_margin_now(t).value;
+}
+
+MarginDerivatives DriveSystem::margin_derivatives(double t, Span q, Span v, Span x) {
+  evaluate_laws(t, q, v, x);
+  const LeastMargin least = least_margin_now(t);
+  const Drive& drive = drives_[least.drive];
+  const ByArguments by = by_arguments(t, q, v, 1, [&](const Values<DriveLaw::Dual>& values, Vector& out) {
+    out[0] = drive.law->margin(least.status, point(least.drive, t, values), drive.statuses).dx[0];
+  });
+  return {by.q, by.v, by.x, by.u};
+}
+
+Eigen::VectorXd DriveSystem::input_rates(double t) const {
+  constexpr double h = 1e-6;
+  Eigen::VectorXd rates(static_cast<Eigen::Index>(inputs_.size()));
+  for (std::size_t k = 0; k < inputs_.size(); ++k) {
+    const DriveSignal& signal = drives_[inputs_[k]].signal;
+    rates[static_cast<Eigen::Index>(k)] = (signal(t + h) - signal(t - h)) / (2 * h);
+  }
+  return rates;
 }
 
 bool DriveSystem::switch_at(double t, Span q, Span v, std::span<double> x) {

@@ -28,6 +28,12 @@ struct DriveDerivatives {
   Eigen::MatrixXd f_q, f_v, f_x, f_u;
 };
 
+/// Derivatives of the least margin of the statuses of the drives: by q along the left-trivialised directions,
+/// by v, by x, and by the inputs as in DriveDerivatives.
+struct MarginDerivatives {
+  Eigen::RowVectorXd q, v, x, u;
+};
+
 /// All drives of a mechanism with their laws, inputs and statuses, the integers that select branches of the
 /// laws. The input of a drive may be the output of another one. The states x of all drives are one vector of
 /// nx() numbers. An object serves one thread.
@@ -48,6 +54,8 @@ class DriveSystem {
   std::span<const DriveState> states() const { return states_; }
   /// Indices of the drives whose input is a function of time instead of the output of another drive.
   std::span<const std::size_t> inputs() const { return inputs_; }
+  /// The rates of these inputs at time t, as difference quotients over 2 µs; those of steps are 0.
+  Eigen::VectorXd input_rates(double t) const;
 
   /// Starts the drives at time t and state (q, v): sets the inputs to their values just after t, writes the
   /// initial states x (nx() numbers), and chooses the statuses.
@@ -70,6 +78,8 @@ class DriveSystem {
   double next_jump(double t) const;
   /// The least margin of all statuses, negative when a status must change; infinite without statuses.
   double least_margin(double t, Span q, Span v, Span x);
+  /// Computes the derivatives of the least margin; there must be statuses. Allocates.
+  MarginDerivatives margin_derivatives(double t, Span q, Span v, Span x);
   /// Applies the discontinuous changes of the drives at time t and state (q, v, x): inputs that jump at t
   /// take their values after the jump, and statuses whose margin is negative change, by which states in x may
   /// jump. Returns whether an input or a status has changed.
@@ -100,6 +110,16 @@ class DriveSystem {
   template <class T> DrivePoint<T> point(std::size_t d, double t, const Values<T>& values) const;
   void evaluate_laws(double t, Span q, Span v, Span x);
   void choose_statuses(double t, std::size_t d);
+  /// The drive and the index of its status with the least margin at the last evaluation of the laws.
+  struct LeastMargin {
+    double value;
+    std::size_t drive = 0, status = 0;
+  };
+  LeastMargin least_margin_now(double t) const;
+  struct ByArguments {
+    Eigen::MatrixXd q, v, x, u;
+  };
+  template <class F> ByArguments by_arguments(double t, Span q, Span v, Eigen::Index n, const F& f);
 
   Model model_;
   std::vector<Drive> drives_;

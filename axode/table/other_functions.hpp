@@ -114,7 +114,7 @@ inline constexpr auto other_functions = std::to_array<Other>({
       .springs = counted,
       .joint_losses = optional,
       .motions = table::by_simulate,
-      .drives = table::by_simulate,
+      .drives = counted,
       .plays = table::by_simulate,
       .contacts = table::without_contacts}},
     {"rollout sensitivities",
@@ -123,7 +123,7 @@ inline constexpr auto other_functions = std::to_array<Other>({
       .springs = counted,
       .joint_losses = table::without_gears,
       .motions = table::by_simulate,
-      .drives = table::by_simulate,
+      .drives = refused("rollout_derivatives_with_drives counts them"),
       .plays = table::by_simulate,
       .contacts = table::without_contacts}},
     {"contact",
@@ -144,6 +144,15 @@ inline constexpr auto other_functions = std::to_array<Other>({
       .drives = table::as_forces,
       .plays = table::without_contact,
       .contacts = counted}},
+    {"rollout_derivatives_with_drives",
+     {.loops = refused("rollout and simulate count them"),
+      .passive_joints = of_the_tree(),
+      .springs = counted,
+      .joint_losses = table::without_gears,
+      .motions = table::by_simulate,
+      .drives = counted,
+      .plays = table::by_simulate,
+      .contacts = table::without_contacts}},
 });
 
 /// The index of a function in other_functions, found by name at compile time.

@@ -74,6 +74,7 @@ from ._axode import (
     read_sdf,
     read_urdf,
     rollout_derivatives,
+    rollout_derivatives_with_drives,
     rollout_jvp,
     rollout_vjp,
     second_order_inverse_dynamics,
@@ -97,6 +98,7 @@ from .records import (
     ContactForce,
     DriveEquilibrium,
     DriveLinearization,
+    DriveRolloutDerivatives,
     DynamicsAtTime,
     Equilibrium,
     ForwardDynamicsDerivatives,
@@ -164,15 +166,16 @@ __all__ = [
     # collision shapes
     "contacts", "distances", "pair_distances", "shape_pairs", "with_floor",
     # motion in time
-    "simulate", "rollout", "rollout_derivatives", "rollout_jvp", "rollout_vjp", "contact_rollout_derivatives",
-    "reconstruct", "Trajectory",
+    "simulate", "rollout", "rollout_derivatives", "rollout_derivatives_with_drives", "rollout_jvp", "rollout_vjp",
+    "contact_rollout_derivatives", "reconstruct", "Trajectory",
     # in a browser
     "view", "Viewer",
     # what else is taken, given and raised
     "Load", "Target", "InverseKinematics", "InverseDynamicsDerivatives", "ForwardDynamicsDerivatives",
     "InverseDynamicsHessian", "ForwardDynamicsHessian", "SpringCoordinate", "StateDerivatives", "MotionDerivatives",
     "MotionChange", "MomentumFormDerivatives", "Linearization", "Equilibrium", "DriveLinearization", "DriveEquilibrium",
-    "DynamicsAtTime", "KinematicMotion", "Rollout", "RolloutDerivatives", "RolloutGradient", "TaskEquations",
+    "DriveRolloutDerivatives", "DynamicsAtTime", "KinematicMotion", "Rollout", "RolloutDerivatives", "RolloutGradient",
+    "TaskEquations",
     "TaskSingularity", "JointState", "LoopMobility", "RedundantRow", "LocalMobility", "MotionBranch", "BranchPoint",
     "ContactRolloutDerivatives", "ShapeDistance", "PairDistances", "ContactForce", "PlayEvent", "AssemblyError",
     "Fault", "ModelError", "NotFiniteError", "SimulationError", "SingularError", "StatesError",

@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike, NDArray
 from .support import signatures
 
 __all__ = ["BranchPoint", "ContactForce", "ContactRolloutDerivatives", "DriveEquilibrium", "DriveLinearization",
-           "DynamicsAtTime", "Equilibrium",
+           "DriveRolloutDerivatives", "DynamicsAtTime", "Equilibrium",
            "ForwardDynamicsDerivatives", "ForwardDynamicsHessian",
            "IndependentEquations", "IndependentLinearization", "InverseDynamicsDerivatives", "InverseDynamicsHessian",
            "InverseKinematics", "JointState", "KinematicMotion", "Linearization", "Load", "LocalMobility",
@@ -425,10 +425,10 @@ class Linearization(NamedTuple):
 
 
 class Rollout(tuple[Array, Array]):
-    """The pair (q, v) of the states of N motions, and the `certificates` (N, K) of their steps with contact.
+    """The pair (q, v) of the states of N motions, the `certificates` (N, K) of steps with contact, and states `x` of drives.
 
     A certificate says how exactly the laws of contact hold in a step, 1e-12 being rounding. Without contact there are none,
-    and their shape is (0,).
+    and their shape is (0,). x has the shape (N, K + 1, nx), where nx is 0 if no drive has states; with contact it is (0,).
 
     >>> q, v = path = axode.rollout(arm, np.zeros((5, 7)), np.zeros((5, 7)), np.ones((5, 20, 7)), 1e-3)
     >>> path.q is q, path.certificates.size
@@ -436,11 +436,13 @@ class Rollout(tuple[Array, Array]):
     """
 
     certificates: Array
+    x: Array
 
     def __new__(cls, q: Array, v: Array,
-                certificates: Array | None = None) -> Rollout:
+                certificates: Array | None = None, x: Array | None = None) -> Rollout:
         made = super().__new__(cls, (q, v))
         made.certificates = np.empty(0) if certificates is None else certificates
+        made.x = np.empty(0) if x is None else x
         return made
 
     def __getnewargs__(self) -> tuple[Array, Array]:
@@ -462,6 +464,24 @@ class RolloutDerivatives(NamedTuple):
 
     A: Array
     B: Array
+
+
+class DriveRolloutDerivatives(NamedTuple):
+    """A motion with drives, and linear maps of small deviations over its steps, see `rollout_derivatives_with_drives`.
+
+    With nx states of the drives and nu inputs q, v and x have K + 1 rows, and A (K, 2 nv + nx, 2 nv + nx), B (K, 2 nv + nx, nv)
+    and C (K, 2 nv + nx, nu), each with another axis N in front for N motions. `states` names the states of x, and `inputs` the
+    drives whose input is a function of time.
+    """
+
+    q: Array
+    v: Array
+    x: Array
+    A: Array
+    B: Array
+    C: Array
+    states: list[str]
+    inputs: list[str]
 
 
 class ContactRolloutDerivatives(NamedTuple):

@@ -111,7 +111,8 @@ def simulate(m: Model, q: ArrayLike, v: ArrayLike, until: float, *,
 
 def rollout(m: Model | Specialised, q: ArrayLike, v: ArrayLike,
             tau: ArrayLike | Callable[[float, Array, Array], ArrayLike] | Sampled | PD | ComputedTorque, step: float, *,
-            steps: int | None = None, joint_losses: bool = False, threads: int = 1, contact: bool | None = None) -> Rollout:
+            steps: int | None = None, joint_losses: bool = False, threads: int = 1, contact: bool | None = None,
+            x: ArrayLike | None = None) -> Rollout:
     """(q, v): the states of N motions of K steps of `step` s, (N, K + 1, nq) and (N, K + 1, nv), beginning with the
     given ones.
 
@@ -125,6 +126,11 @@ def rollout(m: Model | Specialised, q: ArrayLike, v: ArrayLike,
     joint_losses: whether damping and dry friction act, as in `simulate`. m may be a model that is specialised with
     forward_dynamics, which is several times as fast; then lanes are also used for coupled joints, and if it is in
     float32, so are the motions.
+    x: the states of the drives of the mechanism at t = 0, (nx,) or (N, nx), in the order of `drive_states` of `simulate`; if
+        left out, those with which the drives start by themselves. The result has their states in `x`, (N, K + 1, nx). Their
+        inputs are functions of time from t = 0 on, and parts of a step end where an input jumps or a drive reaches a limit,
+        so that motions are those of `simulate` to the last bit. If tau is a function, the drives choose anew at each step
+        which limits hold, and there must not be dry friction with joint_losses.
     contact: whether shapes touch and hard stops stop, as in `simulate` with method="contact", which steps in double
     precision and takes no specialised model. If left out, they do if the drawing has `[contact]`. The result then has
     `certificates`, see `Rollout`. Every 64 steps, and after each step if tau is a function, the solver of contacts begins
@@ -154,17 +160,19 @@ def rollout(m: Model | Specialised, q: ArrayLike, v: ArrayLike,
     shapes = _axode.contact_shapes(model) if touches else None
     if isinstance(tau, (Sampled, PD, ComputedTorque)):
         tau = tau.on(model)
+    if touches and x is not None:
+        raise ValueError("x: a motion with contact has no drives with states; leave x out")
     given: dict[str, Any] = {"threads": threads, "joint_losses": joint_losses}
 
-    def under(q: ArrayLike, v: ArrayLike, tau: ArrayLike) -> Rollout:
+    def under(q: ArrayLike, v: ArrayLike, tau: ArrayLike, x: ArrayLike | None, t: float = 0.0) -> Rollout:
         if shapes is None:
-            return Rollout(*_axode.rollout_under(model, q, v, tau, step, compiled, **given))
+            return _without_contact(_axode.rollout_under(model, q, v, tau, step, compiled, x=x, t=t, **given))
         return Rollout(*_axode.contact_rollout_under(model, shapes, q, v, tau, step, **given))
 
     if steps is None:
         if callable(tau):
             raise ValueError("steps is missing; a function or a drive as tau needs the number of steps")
-        return under(q, v, tau)
+        return under(q, v, tau, x)
     if steps < 0:
         raise ValueError(f"steps is {steps}; it must not be negative")
     if not callable(tau):
@@ -173,29 +181,40 @@ def rollout(m: Model | Specialised, q: ArrayLike, v: ArrayLike,
         tau = Sampled([0.0], np.asarray(tau)[None]).on(model)
     if isinstance(tau, _axode.Drive):
         if shapes is None:
-            return Rollout(*_axode.rollout_driven(model, q, v, tau, steps, step, compiled, **given))
+            return _without_contact(_axode.rollout_driven(model, q, v, tau, steps, step, compiled, x=x, **given))
         return Rollout(*_axode.contact_rollout_driven(model, shapes, q, v, tau, steps, step, **given))
     q_0, v_0 = np.asarray(q, dtype=np.float64), np.asarray(v, dtype=np.float64)
-    q_k, v_k = under(q_0, v_0, np.empty((*q_0.shape[:-1], 0, model.nv)))
+    begun = under(q_0, v_0, np.empty((*q_0.shape[:-1], 0, model.nv)), x)
+    q_k, v_k = begun
     all_q = np.full((*q_0.shape[:-1], steps + 1, model.nq), np.nan, q_k.dtype)
     all_v = np.full((*q_0.shape[:-1], steps + 1, model.nv), np.nan, v_k.dtype)
     certificates = None if shapes is None else np.full((*q_0.shape[:-1], steps), np.nan)
     all_q[..., :1, :], all_v[..., :1, :] = q_k, v_k
+    all_x = np.full((*begun.x.shape[:-2], steps + 1, begun.x.shape[-1]), np.nan) if shapes is None else None
+    if all_x is not None:
+        all_x[..., :1, :] = begun.x
     for k in range(steps):
         q_k, v_k = all_q[..., k, :], all_v[..., k, :]
         forces = np.asarray(tau(k * step, q_k.copy(), v_k.copy()), dtype=np.float64)
         if forces.shape != v_k.shape:
             raise ValueError(f"tau(t, q, v): expected shape {v_k.shape}, got {forces.shape}")
         try:
-            made = under(q_k, v_k, forces[..., None, :])
+            made = under(q_k, v_k, forces[..., None, :], None if all_x is None else all_x[..., k, :], k * step)
         except StatesError as error:
             all_q[..., k:k + 2, :] = error.result
             error.result = all_q
             raise
         all_q[..., k + 1, :], all_v[..., k + 1, :] = made.q[..., 1, :], made.v[..., 1, :]
+        if all_x is not None:
+            all_x[..., k + 1, :] = made.x[..., 1, :]
         if certificates is not None:
             certificates[..., k:k + 1] = made.certificates
-    return Rollout(all_q, all_v, certificates)
+    return Rollout(all_q, all_v, certificates, all_x)
+
+
+def _without_contact(made: tuple[Array, Array, Array]) -> Rollout:
+    q, v, x = made
+    return Rollout(q, v, None, x)
 
 
 def _check_contact(contact: bool | None) -> None:

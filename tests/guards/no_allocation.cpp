@@ -5,9 +5,11 @@
 
 #include "axode/constraints/constrained_dynamics.hpp"
 #include "axode/constraints/embedding/task_space.hpp"
+#include "axode/integration/driven/drive_steps.hpp"
 #include "axode/integration/momenta/contact_step.hpp"
 #include "axode/io.hpp"
 #include "tests/contact/two_shapes.hpp"
+#include "tests/integration/driven_mechanisms.hpp"
 #include "tests/laws/law.hpp"
 #include "tests/support/functions.hpp"
 
@@ -241,6 +243,32 @@ TEST(NoAllocation, InInverseDynamicsWithLoopsAndInTaskSpaces) {
     EXPECT_TRUE(solved) << file;
     EXPECT_EQ(missing, 0) << file;
   }
+}
+
+/// Steps of mechanisms with drives of all kinds, through limits of the drives.
+TEST(NoAllocation, InStepsWithDrives) {
+  for_seeds(20, [](std::uint64_t seed) {
+    const Driven at(seed);
+    Workspace<> workspace(at.model);
+    std::vector<double> tau(at.nv());
+    DriveSteps steps(at.model, runge_kutta(4), DriveSystem(at.model));
+    const auto rates = [&](double t, std::span<const double> q, std::span<const double> v,
+                           std::span<const double> x, std::span<double> a, std::span<double> dx) {
+      std::ranges::fill(tau, 0.0);
+      steps.drives().evaluate(t, q, v, x, tau, dx);
+      if (!at.model.springs().empty()) add_spring_forces(at.model, workspace, q, v, tau);
+      return forward_dynamics(at.model, workspace, q, v, tau, a).ok();
+    };
+    steps.begin(0, at.q, at.v, {});
+    bool solved = true;
+    EXPECT_EQ(memory_operations([&] {
+                for (int k = 1; k <= 40; ++k)
+                  solved = solved && steps.advance(k * 5e-3, rates, [](auto, auto) { return true; }) ==
+                                         DriveSteps::End::none;
+              }),
+              0);
+    EXPECT_TRUE(solved);
+  });
 }
 
 /// A body of each shape falls on a floor, tumbles, slides and comes to rest, some on each other.

@@ -164,6 +164,20 @@ inline Description controlled_pendulum() {
   return d;
 }
 
+/// A motor that turns a joint of the mechanism through its limits of voltage and current.
+inline DriveDescription motor_on(const std::string& joint) {
+  DriveDescription motor{.name = "motor", .joints = {{joint, 1.0}}};
+  motor.parameters = {{"resistance", 1},
+                      {"inductance", 0.02},
+                      {"torque_constant", 0.5},
+                      {"voltage_limit", 10},
+                      {"current_limit", 3}};
+  motor.input.function.emplace().kind = MotionDescription::Kind::harmonic;
+  motor.input.function->amplitude = 14;
+  motor.input.function->frequency = 3;
+  return motor;
+}
+
 /// A motor that its load drives, at -40 rad/s, above the speed at which the amplifier can hold the current.
 inline Description limited_motor() {
   Description d{.name = "wheel", .gravity = {}};

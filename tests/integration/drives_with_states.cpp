@@ -4,7 +4,6 @@
 
 #include <Eigen/Eigenvalues>
 
-#include "axode/batch.hpp"
 #include "axode/dynamics.hpp"
 #include "axode/integration.hpp"
 #include "axode/model/configuration.hpp"
@@ -312,9 +311,10 @@ TEST(DrivesWithStates, AreRefusedWhereTheyAreNotFollowed) {
   given.x = {0.1, std::nan(""), 0};
   EXPECT_THAT([&] { simulate_fixed(model, q, v, 1, 0.1, runge_kutta(4), given); },
               refuses("x[1], the state \"controller.filter\", is not finite"));
-  Numbers tau(1), out(2);
-  EXPECT_THAT([&] { static_cast<void>(batch::rollout<double>(model, q, v, tau, 0.1, out, out)); },
-              refuses("rollout does not count drives with states"));
+  Numbers tau(1), dq(2), dv(2);
+  EXPECT_THAT([&] { static_cast<void>(rollout_jvp(model, q, v, tau, 0.1, q, v, tau, dq, dv)); },
+              refuses("rollout sensitivities does not count drives with states, and model \"pendulum\" has "
+                      "2; rollout_derivatives_with_drives counts them"));
 }
 
 }  // namespace

@@ -71,8 +71,60 @@ def test_wrong_drives_are_refused_by_name():
     with pytest.raises(axode.ModelError, match="has no input"):
         wheel().drive("dc_motor", "axle", **MOTOR).build()
     m = wheel().drive("dc_motor", "axle", **MOTOR, input=1).build()
-    with pytest.raises(ValueError, match="rollout does not count drives with states"):
-        axode.rollout(m, [0], [0], np.zeros((3, 1)), 0.1)
+    with pytest.raises(ValueError, match="sensitivities does not count .*rollout_derivatives_with_drives counts them"):
+        axode.rollout_derivatives(m, [0], [0], np.zeros((3, 1)), 0.1)
+    with pytest.raises(ValueError, match=r"x: expected shape \(1,\), a number for each state of the drives"):
+        axode.rollout(m, [0], [0], np.zeros((3, 1)), 0.1, x=[0, 0])
+
+
+def limited():
+    """A wheel with a motor that reaches its limits of current and voltage."""
+    return wheel().drive("dc_motor", "axle", name="motor", **MOTOR, current_limit=3, voltage_limit=10,
+                         input={"kind": "harmonic", "amplitude": 14, "frequency": 3}).build()
+
+
+def test_rollouts_are_simulations():
+    m = limited()
+    q, v, x = np.linspace(-1, 1, 5)[:, None], np.linspace(0, 3, 5)[:, None], np.linspace(-1, 1, 5)[:, None]
+    tau = axode.drives.PD(2.0, 0.1, [0.5])
+    path = axode.rollout(m, q, v, tau, 2e-3, steps=250, x=x)
+    assert path.x.shape == (5, 251, 1)
+    for n in range(5):
+        motion = axode.simulate(m, q[n], v[n], 0.5, method="rk4", step=2e-3, tau=tau, x=x[n],
+                                times=np.minimum(2e-3 * np.arange(251), 0.5))
+        assert len(np.unique(path.x[n] == 3)) == 2  # the current is limited at times
+        for found, expected in ((path.q[n], motion.q), (path.v[n], motion.v), (path.x[n], motion.x)):
+            np.testing.assert_allclose(found, expected, rtol=1e-12, atol=1e-12)
+    eight = axode.rollout(m, q, v, tau, 2e-3, steps=250, x=x, threads=8)
+    np.testing.assert_array_equal(eight.x, path.x)
+    np.testing.assert_array_equal(eight.q, path.q)
+
+    def by_hand(t, q, v):
+        return np.full_like(v, 0.1)
+    one, other = axode.rollout(m, q, v, by_hand, 2e-3, steps=250, x=x), axode.rollout(m, q, v, [0.1], 2e-3, steps=250, x=x)
+    np.testing.assert_allclose(one.x, other.x, rtol=0, atol=1e-6)
+    np.testing.assert_allclose(one.q, other.q, rtol=0, atol=1e-6)
+    assert axode.rollout(m, [0], [0], np.zeros((3, 1)), 1e-3).x.shape == (4, 1)
+    copy = pickle.loads(pickle.dumps(one))
+    np.testing.assert_array_equal(copy.x, one.x)
+    arm = axode.load(axode.robots / "arm7.toml")
+    assert axode.rollout(arm, np.zeros(7), np.zeros(7), np.zeros((3, 7)), 1e-3).x.shape == (4, 0)
+
+
+def test_sensitivities_of_rollouts_are_limits_of_differences():
+    m, h = limited(), 1e-5
+    q, v, x, tau = np.array([0.1]), np.array([0.2]), np.array([0.3]), np.zeros((200, 1))
+    steps = axode.rollout_derivatives_with_drives(m, q, v, tau, 2e-3, x)
+    assert steps.states == ["motor.current"] and steps.inputs == ["motor"]
+    at_end = np.linalg.multi_dot(steps.A[::-1])
+
+    def end(dz):
+        path = axode.rollout(m, q + dz[:1], v + dz[1:2], tau, 2e-3, x=x + dz[2:])
+        return np.concatenate([path.q[-1], path.v[-1], path.x[-1]])
+    for k, dz in enumerate(h * np.eye(3)):
+        np.testing.assert_allclose((end(dz) - end(-dz)) / (2 * h), at_end[:, k], rtol=0, atol=1e-6)
+    both = axode.rollout_derivatives_with_drives(m, [q, q], [v, v], [tau, tau], 2e-3, [x, x], threads=2)
+    np.testing.assert_array_equal(both.A, [steps.A, steps.A])
 
 
 def test_small_motions_without_the_drives_are_refused():

@@ -84,17 +84,18 @@ template <class T>
 Outcome rollout(const Specialised<T>& model, Numbers<T> q, Numbers<T> v, Numbers<T> tau, double step,
                 std::type_identity_t<std::span<T>> q_out, std::type_identity_t<std::span<T>> v_out,
                 const Tableau& method = runge_kutta(4), int threads = 1, const Monitor& monitor = {},
-                bool joint_losses = false) {
+                bool joint_losses = false, const DriveMotions& drives = {}) {
   return rollout<T>(model.model(), q, v, tau, step, q_out, v_out, method, threads, monitor, joint_losses,
-                    model.compiled_dynamics());
+                    model.compiled_dynamics(), drives);
 }
 template <class T>
 Outcome rollout(const Specialised<T>& model, Numbers<T> q, Numbers<T> v, const Drive& drive, std::size_t K,
                 double step, std::type_identity_t<std::span<T>> q_out,
                 std::type_identity_t<std::span<T>> v_out, const Tableau& method = runge_kutta(4),
-                int threads = 1, const Monitor& monitor = {}, bool joint_losses = false) {
+                int threads = 1, const Monitor& monitor = {}, bool joint_losses = false,
+                const DriveMotions& drives = {}) {
   return rollout<T>(model.model(), q, v, drive, K, step, q_out, v_out, method, threads, monitor, joint_losses,
-                    model.compiled_dynamics());
+                    model.compiled_dynamics(), drives);
 }
 
 }  // namespace batch

@@ -70,13 +70,14 @@ struct DcMotor {
     else if (drive_at_limit(at, statuses, sign) > 0)
       statuses[1] = sign * held;
   }
-  double margin(std::size_t k_status, const DrivePoint<double>& at, std::span<const int> statuses) const {
+  template <class T>
+  T margin(std::size_t k_status, const DrivePoint<T>& at, std::span<const int> statuses) const {
     if (k_status == 0) return voltage().margin(at.u, statuses[0]);
-    const double i = at.x[0];
-    if (statuses[1] == free) return i_max * (1 + past_limit) - std::abs(i);
+    const T& i = at.x[0];
+    if (statuses[1] == free) return T(i_max * (1 + past_limit)) - (i < T(0) ? -i : i);
     const int sign = statuses[1] > 0 ? 1 : -1;
-    if (std::abs(statuses[1]) == beyond) return sign * i - i_max;
-    return std::min(drive_at_limit(at, statuses, sign), sign * holding_voltage(at) + u_max);
+    if (std::abs(statuses[1]) == beyond) return T(sign) * i - T(i_max);
+    return std::min(drive_at_limit(at, statuses, sign), T(sign) * holding_voltage(at) + T(u_max));
   }
   void change(std::size_t k_status, const DrivePoint<double>& at, DriveLaw::Statuses statuses,
               std::span<double> x) const {
@@ -97,8 +98,9 @@ struct DcMotor {
   Saturation voltage() const { return {u_max}; }
   /// The voltage (V), counted in the direction `sign` of the current, by which the input exceeds the voltage
   /// that would hold the current at its limit: if positive, the input drives the current beyond the limit.
-  double drive_at_limit(const DrivePoint<double>& at, std::span<const int> statuses, int sign) const {
-    return sign * (voltage().of(at.u, statuses[0]) - holding_voltage(at));
+  template <class T>
+  T drive_at_limit(const DrivePoint<T>& at, std::span<const int> statuses, int sign) const {
+    return T(sign) * (voltage().of(at.u, statuses[0]) - holding_voltage(at));
   }
 };
 

@@ -85,11 +85,11 @@ struct HydraulicCylinder {
     statuses[0] = at.x[2] < 0 || (at.x[2] == 0 && at.u < 0) ? -1 : 1;
     statuses[1] = s < 0 ? -1 : s > stroke ? 1 : 0;
   }
-  double margin(std::size_t k, const DrivePoint<double>& at, std::span<const int> statuses) const {
-    if (k == 0) return statuses[0] * at.x[2] + past_limit;
-    const double s = at.l - closed_length, past = past_limit * stroke;
-    if (statuses[1] == 0) return std::min(s, stroke - s) + past;
-    return (statuses[1] > 0 ? s - stroke : -s) + past;
+  template <class T> T margin(std::size_t k, const DrivePoint<T>& at, std::span<const int> statuses) const {
+    if (k == 0) return T(statuses[0]) * at.x[2] + T(past_limit);
+    const T s = at.l - T(closed_length), past = T(past_limit * stroke);
+    if (statuses[1] == 0) return std::min(s, T(stroke) - s) + past;
+    return (statuses[1] > 0 ? s - T(stroke) : -s) + past;
   }
   void change(std::size_t k, const DrivePoint<double>& at, DriveLaw::Statuses statuses,
               std::span<double>) const {

@@ -41,8 +41,8 @@ struct LuGreFriction {
   void choose(const DrivePoint<double>& at, DriveLaw::Statuses statuses) const {
     statuses[0] = at.w < 0 ? -1 : 1;
   }
-  double margin(std::size_t, const DrivePoint<double>& at, std::span<const int> statuses) const {
-    return statuses[0] * at.w + past_limit * v_s;
+  template <class T> T margin(std::size_t, const DrivePoint<T>& at, std::span<const int> statuses) const {
+    return T(statuses[0]) * at.w + T(past_limit * v_s);
   }
   void change(std::size_t, const DrivePoint<double>&, DriveLaw::Statuses statuses, std::span<double>) const {
     statuses[0] = -statuses[0];

@@ -44,9 +44,10 @@ struct PidController {
     statuses[0] = Saturation{limit}.choose(wanted(at));
     if (conditional) statuses[1] = at.u < at.l ? -1 : 1;
   }
-  double margin(std::size_t k, const DrivePoint<double>& at, std::span<const int> statuses) const {
+  template <class T> T margin(std::size_t k, const DrivePoint<T>& at, std::span<const int> statuses) const {
     if (k == 0) return Saturation{limit}.margin(wanted(at), statuses[0]);
-    return statuses[1] * (at.u - at.l) + past_limit * (std::abs(at.u) + std::abs(at.l));
+    const auto size = [](const T& x) { return x < T(0) ? -x : x; };
+    return T(statuses[1]) * (at.u - at.l) + T(past_limit) * (size(at.u) + size(at.l));
   }
   void change(std::size_t k, const DrivePoint<double>& at, DriveLaw::Statuses statuses,
               std::span<double>) const {

@@ -24,40 +24,27 @@ bool SimulationRun::jumps_at_switch(double t, const StepEnd& end) const {
            h * norm_.of_forces(tau_1 - tau_0) <= small * velocity_scale(end.v, h));
 }
 
-/// The time of the change is found by regula falsi (Illinois) and bisection.
 Failure SimulationRun::end_at_switch(double& t_1, StepEnd& end, const Attempt& attempt, bool abrupt) {
   if (drives_.empty()) return {};
   const auto margin = [&](double t) {
     return drives_.least_margin(t, as_span(end.q), as_span(end.v), as_span(end.x));
   };
-  double f_high = margin(t_1);
-  if (!(f_high < 0) || (abrupt && !jumps_at_switch(t_1, end))) return {};
-  const double t_0 = now(), resolution = std::max(1e-13 * (t_1 - t_0), 1e-15 * t_1), h = t_1 - t_0;
-  double low = t_0, high = t_1, t = t_1;
-  double f_low = std::max(0.0, drives_.least_margin(t_0, as_span(q), as_span(v), as_span(drives_.x)));
+  const double margin_1 = margin(t_1);
+  if (!(margin_1 < 0) || (abrupt && !jumps_at_switch(t_1, end))) return {};
+  const double t_0 = now(), h = t_1 - t_0;
+  const double margin_0 = drives_.least_margin(t_0, as_span(q), as_span(v), as_span(drives_.x));
+  SwitchSearch search(t_0, t_1, std::max(0.0, margin_0), margin_1);
   StepEnd after = end;
-  for (int tries = 1; high - low > resolution; ++tries) {
-    const double guess = low + (high - low) * (f_low / (f_low - f_high));
-    t = tries % 4 == 0 ? low + (high - low) / 2
-                       : std::clamp(guess, low + 0.5 * resolution, high - 0.5 * resolution);
+  while (search.continues()) {
+    const double t = search.next();
     if (Failure failure = attempt(t, end)) return failure;
-    const double f = margin(t);
-    if (f < 0) {
-      high = t;
-      f_high = f;
-      f_low *= 0.5;
-      after = end;
-    } else {
-      low = t;
-      f_low = f;
-      f_high *= 0.5;
-    }
+    if (search.take(margin(t))) after = end;
   }
-  short_steps_ = high - t_0 < short_part * h ? short_steps_ + 1 : 0;
+  short_steps_ = search.found() - t_0 < short_part * h ? short_steps_ + 1 : 0;
   if (short_steps_ > most_short_steps) return {t_0, too_many_changes("statuses of drives")};
-  if (t != high && friction_.active())
-    if (Failure failure = attempt(high, after)) return failure;
-  t_1 = high;
+  if (!search.found_last() && friction_.active())
+    if (Failure failure = attempt(search.found(), after)) return failure;
+  t_1 = search.found();
   end = std::move(after);
   return {};
 }

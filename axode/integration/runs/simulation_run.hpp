@@ -13,6 +13,7 @@
 #include "axode/integration/runs/drive_states.hpp"
 #include "axode/integration/runs/friction_response.hpp"
 #include "axode/integration/runs/plays.hpp"
+#include "axode/integration/runs/switch_search.hpp"
 #include "axode/integration/schemes/energy_norm.hpp"
 #include "axode/integration/simulation.hpp"
 #include "axode/model/workspace.hpp"
@@ -157,11 +158,6 @@ class SimulationRun {
   std::vector<AppliedWrench<>> loads_;  ///< loads at the state of the last evaluation
 
  private:
-  /// The motion ends after most_short_steps consecutive steps that end early and are shorter than short_part
-  /// of what was attempted: friction, drives or plays then change too fast to be followed.
-  static constexpr int most_short_steps = 1000;
-  static constexpr double short_part = 1e-9;
-
   void compute_loads(double t, Span q_t, Span v_t);
   void check_friction_of_motions() const;
   /// Computes in tau_ the forces of SimulationOptions::drive and of the drives with states.

@@ -278,7 +278,7 @@ def _rollout_arrays(key: str, *tensors: Tensor) -> tuple[Mechanism, list[Array]]
 
 def _rollout_of(key: str, step: float, q: Tensor, v: Tensor, tau: Tensor) -> tuple[Tensor, ...]:
     of, arrays = _rollout_arrays(key, q, v, tau)
-    return tuple(tensor(x, q) for x in of("rollout_under", *arrays, step))
+    return tuple(tensor(x, q) for x in of("rollout_under", *arrays, step)[:2])
 
 
 def _rollout_vjp_of(key: str, step: float, q: Tensor, v: Tensor, tau: Tensor, w_q: Tensor,

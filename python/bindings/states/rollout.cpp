@@ -1,9 +1,12 @@
 #include <nanobind/stl/tuple.h>
 
 #include <algorithm>
+#include <concepts>
+#include <optional>
 
 #include "axode/batch.hpp"
 #include "axode/batch/contact_rollout.hpp"
+#include "axode/drives.hpp"
 #include "axode/integration.hpp"
 #include "axode/integration/methods.hpp"
 #include "axode/integration/momenta/simulate_contact.hpp"
@@ -28,16 +31,23 @@ struct Steps {
   nb::ssize_t K;
   double length;
   bool joint_losses;
+  batch::DriveMotions drives = {};  ///< drives with states
 };
 template <class S, class M>
 batch::Outcome roll(const M& model, const Steps& steps, int threads, std::span<const S> q,
                     std::span<const S> v, std::span<const S> tau, std::span<S> q_out, std::span<S> v_out,
                     const batch::Monitor& monitor) {
-  if (steps.drive)
-    return batch::rollout<S>(model, q, v, *steps.drive, static_cast<std::size_t>(steps.K), steps.length,
-                             q_out, v_out, runge_kutta(4), threads, monitor, steps.joint_losses);
-  return batch::rollout<S>(model, q, v, tau, steps.length, q_out, v_out, runge_kutta(4), threads, monitor,
-                           steps.joint_losses);
+  const auto under = [&](const auto&... forces) {
+    const auto with = [&](const auto&... more) {
+      return batch::rollout<S>(model, q, v, forces..., steps.length, q_out, v_out, runge_kutta(4), threads,
+                               monitor, steps.joint_losses, more..., steps.drives);
+    };
+    if constexpr (std::same_as<M, Model>)
+      return with(batch::CompiledDynamics<S>{});
+    else
+      return with();
+  };
+  return steps.drive ? under(*steps.drive, static_cast<std::size_t>(steps.K)) : under(tau);
 }
 /// Computes the motions, with functions that were compiled for the model if `compiled` is not null.
 batch::Outcome roll(const States& states, const BoundSpecialised* compiled, const Steps& steps,
@@ -66,19 +76,29 @@ std::vector<std::size_t> ended(const States& states, const NewArray& v, const Sh
   return found;
 }
 
-std::tuple<Array, Array> motions_of(const States& states, const BoundSpecialised* compiled,
-                                    const Steps& steps) {
+std::tuple<Array, Array, Array> motions_of(const States& states, const BoundSpecialised* compiled,
+                                           Steps steps, nb::handle x) {
   const nb::ssize_t K = steps.K;
   if (compiled) compiled->check({"forward_dynamics"});
   const int nq = states.model().nq(), nv = states.model().nv();
+  const auto nx =
+      static_cast<nb::ssize_t>(states.model().drives().empty() ? 0 : DriveSystem(states.model()).nx());
   const Shape shape_v{K + 1, nv};
-  NewArray q_out = states.result({K + 1, nq}), v_out = states.result(shape_v);
+  NewArray q_out = states.result({K + 1, nq}), v_out = states.result(shape_v),
+           x_out = states.result({K + 1, nx});
+  std::optional<Items> given;
+  if (!x.is_none()) given = states.items("x", {x.ptr()}, {nx}, "a number for each state of the drives");
+  if (given) steps.drives.x = given->all();
+  steps.drives.x_out = x_out.all();
   const batch::Outcome outcome =
       states.unlocked(100.0 * static_cast<double>(K), [&](const batch::Monitor& monitor) {
         return roll(states, compiled, steps, q_out.all(), v_out.all(), monitor);
       });
   if (outcome.loops_open)
     states.raise("SingularError", "the loops do not stay closed; use a shorter step",
+                 ended(states, v_out, shape_v), q_out);
+  if (outcome.too_many_changes)
+    states.raise("StatesError", "the statuses of drives change without end; use a shorter step",
                  ended(states, v_out, shape_v), q_out);
   if (!outcome.ok()) {
     std::vector<Solvability> found(states.count());
@@ -88,8 +108,8 @@ std::tuple<Array, Array> motions_of(const States& states, const BoundSpecialised
   }
   Array q = q_out.array(), v = v_out.array();
   if (compiled && compiled->is_single())
-    for (Array* x : {&q, &v}) x->array = x->array.attr("astype")("float32");
-  return {q, v};
+    for (Array* of : {&q, &v}) of->array = of->array.attr("astype")("float32");
+  return {q, v, x_out.array()};
 }
 
 /// The drive forces of all motions in an argument: nv numbers for each of K steps.
@@ -109,22 +129,24 @@ struct Forces {
   std::span<const double> all() const { return {tau.data(), static_cast<std::size_t>(tau.size())}; }
 };
 
-std::tuple<Array, Array> rollout_of(const BoundModel& m, ArrayLike q, ArrayLike v, ArrayLike tau, double step,
-                                    const BoundSpecialised* compiled, int threads, bool joint_losses) {
+std::tuple<Array, Array, Array> rollout_of(const BoundModel& m, ArrayLike q, ArrayLike v, ArrayLike tau,
+                                           double step, const BoundSpecialised* compiled, int threads,
+                                           bool joint_losses, nb::handle x, double t) {
   const States states(m, q, threads);
   const Items velocities = states.velocities("v", v);
   const Forces forces(states, tau);
   return motions_of(states, compiled,
-                    {velocities.all(), forces.all(), nullptr, forces.K, step, joint_losses});
+                    {velocities.all(), forces.all(), nullptr, forces.K, step, joint_losses, {.t = t}}, x);
 }
 
-std::tuple<Array, Array> driven_rollout_of(const BoundModel& m, ArrayLike q, ArrayLike v,
-                                           const BoundDrive& drive, nb::ssize_t K, double step,
-                                           const BoundSpecialised* compiled, int threads, bool joint_losses) {
+std::tuple<Array, Array, Array> driven_rollout_of(const BoundModel& m, ArrayLike q, ArrayLike v,
+                                                  const BoundDrive& drive, nb::ssize_t K, double step,
+                                                  const BoundSpecialised* compiled, int threads,
+                                                  bool joint_losses, nb::handle x) {
   const States states(m, q, threads);
   const Items velocities = states.velocities("v", v);
   check_drive(m, drive);
-  return motions_of(states, compiled, {velocities.all(), {}, &drive.drive, K, step, joint_losses});
+  return motions_of(states, compiled, {velocities.all(), {}, &drive.drive, K, step, joint_losses}, x);
 }
 
 /// Why motion n ended early, as text that begins with ": "; its last step is simulated again to find the
@@ -196,10 +218,11 @@ std::tuple<Array, Array, Array> driven_contact_rollout_of(const BoundModel& m, c
 
 void add_rollout(nb::module_& module) {
   module.def("rollout_under", &rollout_of, "m"_a, "q"_a, "v"_a, "tau"_a, "step"_a, "compiled"_a = nb::none(),
-             nb::kw_only(), "threads"_a = 1, "joint_losses"_a = false, "See axode.rollout.");
+             nb::kw_only(), "threads"_a = 1, "joint_losses"_a = false, "x"_a = nb::none(), "t"_a = 0.0,
+             "See axode.rollout.");
   module.def("rollout_driven", &driven_rollout_of, "m"_a, "q"_a, "v"_a, "drive"_a, "steps"_a, "step"_a,
              "compiled"_a = nb::none(), nb::kw_only(), "threads"_a = 1, "joint_losses"_a = false,
-             "See axode.rollout.");
+             "x"_a = nb::none(), "See axode.rollout.");
   nb::class_<ContactShapes>(module, "ContactShapes",
                             "The collision shapes of a mechanism, see axode.rollout.");
   module.def(

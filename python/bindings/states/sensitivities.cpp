@@ -2,7 +2,11 @@
 
 #include <nanobind/stl/tuple.h>
 
+#include <optional>
+
 #include "axode/batch/check_states.hpp"
+#include "axode/drives.hpp"
+#include "axode/integration/driven/drive_sensitivities.hpp"
 #include "python/bindings/states/states.hpp"
 #include "python/bindings/support/bindings.hpp"
 #include "python/bindings/support/named_tuple.hpp"
@@ -77,6 +81,35 @@ nb::object rollout_derivatives_of(const BoundModel& m, ArrayLike q, ArrayLike v,
   return named_tuple("axode.records", "RolloutDerivatives", A.array(), B.array());
 }
 
+nb::object rollout_derivatives_with_drives_of(const BoundModel& m, ArrayLike q, ArrayLike v, ArrayLike tau,
+                                              double step, nb::handle x, double t, int threads) {
+  const Motions motions(m, q, v, tau, step, threads);
+  const States& states = motions.states;
+  const DriveSystem drives(*m);
+  const auto nx = static_cast<nb::ssize_t>(drives.nx()),
+             nu = static_cast<nb::ssize_t>(drives.inputs().size());
+  std::optional<Items> given;
+  if (!x.is_none()) given = states.items("x", {x.ptr()}, {nx}, "a number for each state of the drives");
+  const nb::ssize_t K = motions.K(), nv = m->nv(), z = 2 * nv + nx;
+  const Shape shape_q{K + 1, m->nq()}, shape_v{K + 1, nv}, shape_x{K + 1, nx}, shape_A{K, z, z},
+      shape_B{K, z, nv}, shape_C{K, z, nu};
+  NewArray q_out = states.result(shape_q), v_out = states.result(shape_v), x_out = states.result(shape_x),
+           A = states.result(shape_A), B = states.result(shape_B), C = states.result(shape_C);
+  motions.each(20 * quadratic_cost(*m), A, [&](std::size_t n, const Monitor& should_continue) {
+    return rollout_derivatives_with_drives(
+        *m, drives, t, states.q(n), motions.v[n], given ? (*given)[n] : std::span<const double>(),
+        motions.tau[n], step,
+        {item(q_out, n, shape_q), item(v_out, n, shape_v), item(x_out, n, shape_x), item(A, n, shape_A),
+         item(B, n, shape_B), item(C, n, shape_C)},
+        {}, runge_kutta(4), should_continue);
+  });
+  nb::list names, inputs;
+  for (const DriveState& state : drives.states()) names.append(to_str(state.name));
+  for (const std::size_t drive : drives.inputs()) inputs.append(to_str(drives.name(drive)));
+  return named_tuple("axode.records", "DriveRolloutDerivatives", q_out.array(), v_out.array(), x_out.array(),
+                     A.array(), B.array(), C.array(), names, inputs);
+}
+
 std::tuple<Array, Array> rollout_jvp_of(const BoundModel& m, ArrayLike q, ArrayLike v, ArrayLike tau,
                                         double step, ArrayLike dq, ArrayLike dv, ArrayLike dtau,
                                         int threads) {
@@ -131,6 +164,33 @@ NotFiniteError, with A, if a motion cannot continue; its later entries are NaN.
 >>> A, B = axode.rollout_derivatives(arm, np.zeros(7), np.zeros(7), np.ones((20, 7)), 1e-3)
 >>> A.shape, B.shape
 ((20, 14, 14), (20, 14, 7))
+)");
+  module.def("rollout_derivatives_with_drives", &rollout_derivatives_with_drives_of, "m"_a, "q"_a, "v"_a,
+             "tau"_a, "step"_a, "x"_a = nb::none(), "t"_a = 0.0, nb::kw_only(), "threads"_a = 1,
+             nb::sig("def rollout_derivatives_with_drives(m: Model, q: numpy.typing.ArrayLike, "
+                     "v: numpy.typing.ArrayLike, tau: numpy.typing.ArrayLike, step: float, "
+                     "x: numpy.typing.ArrayLike | None = None, t: float = 0.0, *, threads: int = 1) "
+                     "-> axode.records.DriveRolloutDerivatives"),
+             R"(
+The motion of `rollout` with drives, and how every step depends on its start: z_{k+1} = A_k z_k + B_k dtau_k + C_k du_k, see `DriveRolloutDerivatives`.
+
+z = (dq, dv, dx) are small deviations, those of q left-trivialised, q (+) dq as in `Model.integrate`; du changes the inputs that
+are functions of time. q is (nq,) or (N, nq), tau (K, nv) or (N, K, nv), and x (nx,) or (N, nx) the states of the drives at the
+time t (s) at which the motion starts; if x is left out, the drives choose it. These are the exact derivatives of the numerical
+steps. Where a drive reaches a limit or changes to another branch of its law, they are those of the branches that are taken, and
+count that the time at which this happens depends on the state (eq. (D17.20)). ValueError for loops, prescribed motions and
+couplings with play. SingularError or NotFiniteError, with A, if a motion cannot continue; its results
+are NaN.
+
+>>> wheel = axode.Builder("wheel", gravity=[0, 0, 0]).body(
+...     "wheel", joint={"name": "axle", "kind": "revolute", "axis": "z", "point": [0, 0, 0]}, mass=1, com=[0, 0, 0],
+...     inertia=[0.01, 0.01, 0.02]).drive("dc_motor", "axle", name="motor", resistance=1, inductance=0.01,
+...                                       torque_constant=0.1, current_limit=5, input=12).build()
+>>> steps = axode.rollout_derivatives_with_drives(wheel, [0], [0], np.zeros((20, 1)), 1e-3)
+>>> steps.A.shape, steps.C.shape, steps.states, steps.inputs
+((20, 3, 3), (20, 3, 1), ['motor.current'], ['motor'])
+>>> steps.x[[1, 19], 0].round(6), steps.C[[1, 19], 2, 0].round(6) + 0  # the input counts until the limit is reached
+(array([1.14194, 5.     ]), array([0.095162, 0.      ]))
 )");
   module.def("rollout_jvp", &rollout_jvp_of, "m"_a, "q"_a, "v"_a, "tau"_a, "step"_a, "dq"_a, "dv"_a, "dtau"_a,
              nb::kw_only(), "threads"_a = 1, R"(

@@ -1,0 +1,23 @@
+#pragma once
+#include "axode/batch.hpp"
+#include "axode/batch/accelerations.hpp"
+
+namespace axode::batch {
+
+/// N motions of K steps of length `step` (s), as in rollout(): under given forces tau or a drive.
+struct MotionsUnderForces {
+  std::span<const double> q, v, tau;
+  const Drive& drive;
+  std::size_t K;
+  double step;
+  std::span<double> q_out, v_out;
+};
+
+/// Computes a rollout of a mechanism with drives that have states. The sizes in `motions` and the loops of
+/// the initial states must have been checked. Throws std::invalid_argument for states x of a wrong size or
+/// not finite, for an x_out that shares memory, and for a start other than t = 0 if joints have friction.
+Outcome run_with_drives(const Model& model, const CompiledDynamics<double>& compiled,
+                        const MotionsUnderForces& motions, const DriveMotions& drives, const Tableau& method,
+                        const Losses& losses, int threads, const Monitor& monitor);
+
+}  // namespace axode::batch

@@ -1,0 +1,74 @@
+#pragma once
+#include <functional>
+#include <span>
+
+#include "axode/drives/drive_system.hpp"
+#include "axode/integration/tableau.hpp"
+#include "axode/recursion/loads.hpp"
+#include "axode/recursion/solvability.hpp"
+
+/// Sensitivities of the motion of a mechanism with drives that have states, integrated from time t in K equal
+/// steps as by batch::rollout() under drive forces tau that are constant in each step. They are the exact
+/// derivatives of the numerical method. If a status of a drive changes, they are those of the branches that
+/// are taken, and count that the time of the change depends on the state (D17.20). Laws that depend on the
+/// time other than by their input are differentiated as if such a time did not move them, and jumps of
+/// states at a change as if there were none. Displacements and gradients of q are left-trivialised, along q ⊕
+/// ε dq. Loads and losses act as in forward_dynamics_derivatives(), springs, dampers and stops as in
+/// simulate_fixed().
+///
+/// If x is empty, the drives choose their initial states, which are then taken as independent of q and v.
+/// Throws std::invalid_argument for wrong sizes, numbers of the initial state that are not finite,
+/// quaternions that are not of unit norm, a load on a frame that does not exist, step <= 0, a faulty tableau,
+/// results that share memory with arguments, and mechanisms with loops, prescribed motions or couplings with
+/// play. If the returned status is not ok(), because the motion cannot continue or statuses change without
+/// end, all results are NaN. The functions allocate.
+namespace axode {
+
+/// Receives the states (q, v, x) of a motion of K steps, K + 1 rows of each, and for each step, row by row,
+/// the derivatives of the state at its end: A (n × n with n = 2nv + nx) by the state at its start, B (n × nv)
+/// by the drive forces τ and C (n × nu) by constants added to the inputs that are functions of time, in the
+/// order of DriveSystem::inputs(). The first nv rows, and columns of A, are those of q, the next nv those of
+/// v. The spans must not overlap.
+struct DriveRolloutDerivatives {
+  std::span<double> q, v, x, A, B, C;
+};
+/// Computes a motion of K steps of length `step` (s) from the state (q, v, x) under K rows of nv drive
+/// forces, and its derivatives. Each stage costs O(n³). If monitor() returns false, the computation ends.
+Solvability rollout_derivatives_with_drives(const Model& model, const DriveSystem& drives, double t,
+                                            std::span<const double> q, std::span<const double> v,
+                                            std::span<const double> x, std::span<const double> tau,
+                                            double step, const DriveRolloutDerivatives& out,
+                                            const Loads<double>& loads = {},
+                                            const Tableau& method = runge_kutta(4),
+                                            const std::function<bool()>& monitor = {});
+
+/// Displacements of the initial state, of the drive forces (K rows of nv) and of the inputs (K rows of nu).
+struct DriveTangents {
+  std::span<const double> q, v, x, tau, u;
+};
+/// Displacements of the states of a motion, or gradients by them: K + 1 rows each of nv, nv and nx numbers.
+template <class T> struct DriveRows { std::span<T> q, v, x; };
+/// Computes the displacements of all states of a motion of K steps along `d`; the first rows are those of
+/// `d`. Each stage costs O(nv³) because of the derivatives of the accelerations.
+Solvability rollout_jvp_with_drives(const Model& model, const DriveSystem& drives, double t,
+                                    std::span<const double> q, std::span<const double> v,
+                                    std::span<const double> x, std::span<const double> tau, double step,
+                                    const DriveTangents& d, const DriveRows<double>& out,
+                                    const Loads<double>& loads = {}, const Tableau& method = runge_kutta(4),
+                                    const std::function<bool()>& monitor = {});
+
+/// Receives the gradients of an objective by the initial state, the drive forces and the inputs.
+struct DriveGradients {
+  std::span<double> q, v, x, tau, u;
+};
+/// Backward differentiation of a motion of K steps: from the gradients w of an objective by all K + 1 states,
+/// computes its gradients by the initial state, the drive forces (K rows of nv numbers) and the inputs (K
+/// rows of nu). Stores the matrices of rollout_derivatives_with_drives().
+Solvability rollout_vjp_with_drives(const Model& model, const DriveSystem& drives, double t,
+                                    std::span<const double> q, std::span<const double> v,
+                                    std::span<const double> x, std::span<const double> tau, double step,
+                                    const DriveRows<const double>& w, const DriveGradients& gradient,
+                                    const Loads<double>& loads = {}, const Tableau& method = runge_kutta(4),
+                                    const std::function<bool()>& monitor = {});
+
+}  // namespace axode
