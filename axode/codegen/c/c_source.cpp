@@ -38,7 +38,7 @@ std::string purpose(const Model& model, const Function& function) {
   const catalog::Words& row = function.row.words();
   std::string text(row.purpose);
   if (function.is_of_a_frame())
-    text += " The frame is \"" + in_comment(model.frame(function.frame).name) + "\".";
+    text += "\n   The frame is \"" + in_comment(model.frame(function.frame).name) + "\".";
   text += "\n   " + std::string(row.together) + " (" + std::string(row.units) + ") has ";
   const std::string nv = std::to_string(model.nv());
   if (row.entry == catalog::Entry::twist) {
