@@ -161,7 +161,7 @@ def rollout(m: Model | Specialised, q: ArrayLike, v: ArrayLike,
     if isinstance(tau, (Sampled, PD, ComputedTorque)):
         tau = tau.on(model)
     if touches and x is not None:
-        raise ValueError("x: a motion with contact has no drives with states; leave x out")
+        raise ValueError("x: rollout with contact does not count drives with states; simulate counts them")
     given: dict[str, Any] = {"threads": threads, "joint_losses": joint_losses}
 
     def under(q: ArrayLike, v: ArrayLike, tau: ArrayLike, x: ArrayLike | None, t: float = 0.0) -> Rollout:
