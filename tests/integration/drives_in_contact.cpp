@@ -85,8 +85,8 @@ TEST(DrivesInContact, HaveOrderTwoWhileContactsSlide) {
 
 constexpr double trunk = 5, leg = 1, foot = 0.05;
 
-/// A trunk on a vertical guide, with a leg below it whose length a controller commands by a motor. The foot is
-/// a ball, and the leg has the length 0.5 m + q at the joint "leg".
+/// A trunk on a vertical guide, with a leg below it whose length a controller commands by a motor. The foot
+/// is a ball, and the leg has the length 0.5 m + q at the joint "leg".
 Description hopper() {
   Description d = Scene({.friction = 0.8}).description;
   d.name = "hopper";

@@ -41,7 +41,8 @@ class DriveStates {
   /// Begins a step of length h of the trapezoidal rule (D17.7a) from the states and rates of the last
   /// evaluation. Until act_at(), forces at any (q, v) are evaluated with the states at its end.
   void begin_trapezoidal_step(double h) { begin_stage(h / 2, x_t_ + h / 2 * dx_t_, x_t_); }
-  /// Computes the states at the end of a step of the midpoint rule, x_1 = 2 x_m - x_0, which may have the memory of x_0.
+  /// Computes the states at the end of a step of the midpoint rule, x_1 = 2 x_m - x_0, which may have the
+  /// memory of x_0.
   void end_midpoint_step(Vector& x_1) const { x_1 = 2 * x_t_ - base_; }
   /// Computes the states x_1 at the end of a step of length h from x_0 at time t, in which the mechanism has
   /// the state (q_s, v_s) at t + stage h and (q_1, v_1) at t + h, by the L-stable method of two implicit
@@ -54,6 +55,7 @@ class DriveStates {
   static constexpr const char* runs_backwards =
       "states of drives change too fast for those parts of the step in which time runs backwards; use a "
       "shorter step, or a method of order 2";
+  /// The place s of the first of the two stages, as a part of the step (D17.7b).
   static constexpr double stage = 1 - 0.5 * std::numbers::sqrt2;
   /// The states in the last evaluation of forces.
   Span states() const { return {x_t_.data(), size()}; }

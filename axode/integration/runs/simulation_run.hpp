@@ -123,7 +123,8 @@ class SimulationRun {
   Failure joint_forces(double t, Span q_t, Span v_t, Span& tau);
   /// Computes for each velocity the inertia that springs, dampers, drives and SimulationOptions::drive seem
   /// to add in an implicit step, where a change x of an acceleration changes the coordinate by c_x x and the
-  /// velocity by c_v x. Derivatives of SimulationOptions::drive are difference quotients, and negative entries are set to 0.
+  /// velocity by c_v x. Derivatives of SimulationOptions::drive are difference quotients, and negative
+  /// entries are set to 0.
   Failure joint_resistance(double t, Span q_t, Span v_t, double c_x, double c_v, std::vector<double>& out);
   Loads<double> loads() const { return {loads_, options_.joint_losses && !friction_.active()}; }
 

@@ -21,8 +21,8 @@ template <class Run, class Take> void each_step(Run& run, double until, double s
     if (Failure failure = take(k == whole ? until : k * step)) run.stop(failure);
 }
 
-/// Takes steps as each_step() does, in several parts if an input of a drive jumps within a step. take(t_1) may
-/// end a part before t_1. At the ends of parts drives change to other branches of their laws.
+/// Takes steps as each_step() does, in several parts if an input of a drive jumps within a step. take(t_1)
+/// may end a part before t_1. At the ends of parts drives change to other branches of their laws.
 template <class Run, class Take> void each_part(Run& run, double until, double step, const Take& take) {
   each_step(run, until, step, [&](double t_1) {
     while (run.now() < t_1 && !run.done()) {
