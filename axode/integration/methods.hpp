@@ -4,6 +4,7 @@
 #include <string_view>
 #include <utility>
 
+#include "axode/integration/exact/simulate_contact_exact.hpp"
 #include "axode/integration/momenta/simulate_contact.hpp"
 #include "axode/integration/simulation.hpp"
 
@@ -65,13 +66,18 @@ inline Trajectory simulate_contact_adapting(const MotionRequest& x) {
   tolerances.first_step = x.step;
   return axode::simulate_contact(x.model, shapes_of(x), x.q, x.v, x.until, tolerances, x.options);
 }
+inline Trajectory simulate_contact_exact(const MotionRequest& x) {
+  Tolerances tolerances = x.tolerances;
+  tolerances.first_step = x.step;
+  return axode::simulate_contact_exact(x.model, shapes_of(x), x.q, x.v, x.until, tolerances, x.options);
+}
 inline Trajectory simulate_half_explicit(const MotionRequest& x) {
   return axode::simulate_half_explicit(x.model, x.q, x.v, x.until, x.step, x.options);
 }
 
 }  // namespace detail
 
-inline constexpr std::array<std::pair<std::string_view, Method>, 15> methods{
+inline constexpr std::array<std::pair<std::string_view, Method>, 16> methods{
     {{"dopri5", {true, detail::simulate_adapting}},
      {"rk4", {false, detail::simulate_explicit<4>}},
      {"euler", {false, detail::simulate_explicit<1>}},
@@ -85,6 +91,7 @@ inline constexpr std::array<std::pair<std::string_view, Method>, 15> methods{
      {"rattle_kahan_li6", {false, detail::simulate_rattle<6>}},
      {"contact", {false, detail::simulate_contact, 1e-3, true}},
      {"contact_adaptive", {true, detail::simulate_contact_adapting, 0, true}},
+     {"contact_exact", {true, detail::simulate_contact_exact, 0, true}},
      {"half_explicit", {false, detail::simulate_half_explicit}},
      {"generalized_alpha_index3", {false, detail::simulate_stiff<false>}}}};
 

@@ -1,7 +1,9 @@
 #pragma once
+#include <cstdint>
 #include <map>
 #include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "axode/contact/contact_force.hpp"
@@ -99,6 +101,25 @@ class Trajectory {
   };
   std::vector<PlayEvent> play_events;  ///< in the order of time
 
+  /// A change of a contact, a hard stop or a joint with dry friction in a motion by simulate_contact_exact().
+  struct ContactEvent {
+    enum class Kind {
+      bounce,  ///< an impact after which it is open
+      close,   ///< an impact, or a contact without speed, after which it is closed
+      open,    ///< the normal force becomes 0
+      slip,    ///< a sticking contact or joint begins to slide
+      stick,   ///< the sliding velocity becomes 0, and friction can hold it
+      reverse  ///< the sliding velocity becomes 0, and friction cannot hold it
+    };
+    Kind kind{};
+    double t = 0;
+    std::string of;          ///< the shapes of a contact, as `"floor" and "ball"`, or the name of the joint
+    std::uint64_t key = 0;   ///< of a contact, see ContactPoint; 0 for a joint
+    double speed = 0;        ///< speed of approach before a bounce or a closure, m/s or rad/s
+    bool shortened = false;  ///< whether it was closed because its next bounces are below rounding (D11.35)
+  };
+  std::vector<ContactEvent> contact_events;  ///< in the order of time
+
   /// In absolute coordinates, for each end of a step: the largest residual of the constraints by joints and
   /// loops in positions (rad, m), and that in velocities (rad/s, m/s).
   std::vector<double> position_residuals, velocity_residuals;
@@ -141,5 +162,19 @@ class Trajectory {
   std::vector<std::size_t> contacts_end_;  ///< end of the contacts of each state, as far as they are set
   std::map<std::size_t, Rates> before_jumps_;
 };
+
+/// The name of a kind of contact events.
+constexpr std::string_view to_string(Trajectory::ContactEvent::Kind kind) {
+  using Kind = Trajectory::ContactEvent::Kind;
+  switch (kind) {
+    case Kind::bounce: return "bounce";
+    case Kind::close: return "close";
+    case Kind::open: return "open";
+    case Kind::slip: return "slip";
+    case Kind::stick: return "stick";
+    case Kind::reverse: break;
+  }
+  return "reverse";
+}
 
 }  // namespace axode

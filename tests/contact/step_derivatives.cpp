@@ -178,7 +178,7 @@ TEST_P(OneBody, HasTheDerivativeOfItsBranch) {
   expect_derivatives(model, {q, v, std::vector<double>(6)}, 1e-7, 3e-5, Matrix::Identity(18, 12));
 }
 constexpr Vec3<> some_turn{0.3, -0.5, 0.2}, spin{1, -0.7, 0.4};
-constexpr Vec3<> ball{0.1, 0, 0}, egg{0.1, 0.15, 0.2}, rod{0.1, 0.3, 0}, brick{0.2, 0.3, 0.25};
+constexpr Vec3<> ball{0.1, 0, 0}, egg{0.1, 0.15, 0.2}, rod{0.1, 0.3, 0}, oblong{0.2, 0.3, 0.25};
 /// A body that leans and turns close to the floor.
 OfOneBody leaning(const char* name, ShapeKind kind, const Vec3<>& size, double friction, double restitution,
                   const Vec3<>& v) {
@@ -186,7 +186,7 @@ OfOneBody leaning(const char* name, ShapeKind kind, const Vec3<>& size, double f
 }
 /// A box with four corners on the floor.
 OfOneBody flat(const char* name, double friction, const Vec3<>& v) {
-  return {name, ShapeKind::box, brick, friction, 0, 1e-3, {0, 0.2, 0}, {}, v};
+  return {name, ShapeKind::box, oblong, friction, 0, 1e-3, {0, 0.2, 0}, {}, v};
 }
 INSTANTIATE_TEST_SUITE_P(
     Branches, OneBody,
@@ -200,9 +200,9 @@ INSTANTIATE_TEST_SUITE_P(
         leaning("capsule_slides", ShapeKind::capsule, rod, 0.3, 0, {2, 1, -0.5}),
         leaning("cylinder_slides", ShapeKind::cylinder, rod, 0.3, 0, {2, 1, -0.5}),
         leaning("cylinder_bounces", ShapeKind::cylinder, rod, 0.3, 0.4, {1, 1, -1}),
-        leaning("box_slides_on_a_corner", ShapeKind::box, brick, 0.3, 0, {2, 1, -0.5}),
-        leaning("box_sticks_on_a_corner", ShapeKind::box, brick, 5, 0, {0, 0, -0.5}),
-        leaning("box_bounces_on_a_corner", ShapeKind::box, brick, 0.5, 0.5, {1, 0, -1.5}),
+        leaning("box_slides_on_a_corner", ShapeKind::box, oblong, 0.3, 0, {2, 1, -0.5}),
+        leaning("box_sticks_on_a_corner", ShapeKind::box, oblong, 5, 0, {0, 0, -0.5}),
+        leaning("box_bounces_on_a_corner", ShapeKind::box, oblong, 0.5, 0.5, {1, 0, -1.5}),
         flat("box_slides_on_four_corners", 0.3, {2, 0, -0.5}),
         flat("box_sticks_on_four_corners", 0.9, {0, 0, -0.5})),
     [](const auto& it) { return it.param.name; });

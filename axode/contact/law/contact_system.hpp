@@ -123,6 +123,9 @@ class ContactSystem {
   void bias_forces(const double* q, const double* v, const Loads<>& loads, double* h) noexcept {
     loops_.move(q, v, loads, h);
   }
+  /// Computes for each row of the loops the part of its acceleration (A v)' without joint accelerations, with
+  /// the Jacobian A of the loops and the motion of the last bias_forces().
+  void loop_bias(double* gamma) noexcept { loops_.bias(gamma); }
   /// The impulse of the contacts on the ground, (moment; force) about the inertial origin, from the impulses
   /// `lambda` of the rows of all contacts in physical units.
   Wrench<Spatial> on_ground(std::span<const Contact> contacts, const double* lambda) const noexcept;

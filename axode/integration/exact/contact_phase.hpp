@@ -1,0 +1,175 @@
+#pragma once
+#include <Eigen/Core>
+#include <array>
+#include <cstdint>
+#include <functional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "axode/contact/contact_finder.hpp"
+#include "axode/contact/contact_force.hpp"
+#include "axode/contact/derivatives/displaced_motion.hpp"
+#include "axode/contact/law/contact_system.hpp"
+#include "axode/contact/law/velocity_solver.hpp"
+#include "axode/integration/exact/central_load.hpp"
+#include "axode/integration/trajectory.hpp"
+
+namespace axode {
+
+/// A contact or hard stop that is closed, or a joint with dry friction, and whether it sticks or slides.
+struct ClosedConstraint {
+  ContactLaw law = ContactLaw::contact;  ///< contact, stop or dry_friction
+  std::uint64_t key = 0;                 ///< key of a contact, or index of a stop or dry joint
+  LawBranch branch = LawBranch::stick;   ///< stick or slide; a stop, and a contact without friction, slide
+  /// The unit direction of the friction velocities of a sliding contact, times their coefficients, in inertial
+  /// axes: sliding, then drilling and rolling. `along.x` is the sign of the velocity of a sliding dry joint.
+  Vec3<> along = {}, about = {};
+
+  bool same_as(const ClosedConstraint& other) const { return law == other.law && key == other.key; }
+};
+
+/// The distance of an open contact or hard stop and its rates in time.
+struct Gap {
+  ContactLaw law = ContactLaw::contact;  ///< contact or stop
+  std::uint64_t key = 0;
+  double g = 0, dg = 0;
+  double ddg = 0;  ///< NaN if the pair of shapes has no closed form
+};
+
+/// The motion of a mechanism while the same contacts, stops and dry joints are closed, stick and slide
+/// (D11.29), and the changes at the end of such a phase: impacts (D11.34) and the choice of the next phase by
+/// the laws for accelerations (D11.32). An object is the scratch memory of one thread. Functions return a
+/// reason if they fail. Allocates in most functions.
+class ContactPhase {
+ public:
+  using Vector = Eigen::VectorXd;
+  using Matrix = Eigen::MatrixXd;
+
+  ContactPhase(const Model& model, ContactShapes shapes, bool dry_friction);
+
+  /// The forces at a state: joint forces τ (nv) without those of contacts, and loads.
+  struct Forces {
+    std::span<const double> tau;
+    Loads<> loads;
+  };
+
+  std::vector<ClosedConstraint> closed;  ///< the constraints of this phase
+  /// The error of velocities in the integration, m/s.
+  double resolution = 0;
+  bool any() const { return !closed.empty() || !model_.loops().empty(); }
+
+  /// Computes the accelerations (nv) under the constraints of this phase. Fails if the mass matrix is
+  /// singular, a contact has no point with its key or no closed form, or if the accelerations are not unique.
+  std::string accelerate(const Vector& q, const Vector& v, const Forces& forces, std::span<double> a);
+
+  // After accelerate():
+  /// The number that becomes negative when normal forces or friction cannot hold the constraints of the phase
+  /// (D11.31): the largest, over all loads that give these accelerations, of their least reserve, as a part of
+  /// the motion by all forces.
+  double reserve();
+  /// For each constraint in `closed`, its sliding velocity along its direction, or infinity if it does not
+  /// slide; the norm of its sliding velocity; and the speed below which both are rounding errors.
+  std::span<const double> slips() const { return slips_; }
+  std::span<const double> speeds() const { return speeds_; }
+  /// The certificate of the accelerations and forces of the phase (D11.7).
+  double certificate();
+  /// The contact forces of the phase.
+  std::vector<ContactForce> forces();
+  /// Lets the stored directions follow the present sliding velocities.
+  void follow_directions();
+
+  /// The open contacts and stops at a state with accelerations a (nv).
+  std::string gaps(const Vector& q, const Vector& v, const Vector& a, std::vector<Gap>& out);
+
+  /// Moves q and v to the nearest state in which the constraints of the phase hold (D11.30).
+  std::string project(Vector& q, Vector& v);
+
+  /// Chooses for the candidates in `closed` whether they stay closed, stick or slide (D11.32). Candidates
+  /// with branch `slide` have sliding velocities, those with `stick` are at rest.
+  std::string decide(const Vector& q, const Vector& v, const Forces& forces);
+
+  /// Begins the phase with the constraints `next`. What stuck slides against the present friction.
+  void take_next(const std::vector<ClosedConstraint>& next);
+
+  /// A constraint with an impulse in an impact.
+  struct Impact {
+    ContactLaw law;
+    std::uint64_t key;
+    double speed;    ///< of approach
+    bool bounces;    ///< whether it is open afterwards
+    bool shortened;  ///< whether it stays closed because its next bounces are below rounding
+  };
+  /// Says of a contact or stop that approaches with a speed and bounces whether this is its last bounce.
+  using IsLast = std::function<bool(const Gap& of, double restitution)>;
+  /// Computes the velocities v after the impacts of all contacts and stops that touch at q, and adds those
+  /// that approach to `met`. `closed` becomes the candidates for decide() afterwards.
+  std::string impact(const Vector& q, Vector& v, const IsLast& is_last, std::vector<Impact>& met,
+                     double& certificate);
+
+  /// The gap at which a contact is closed: the rounding error of places, m.
+  double touching() const { return touching_; }
+  const ContactShapes& shapes() const { return finder_.shapes(); }
+  const ContactSystem& system() const { return system_; }
+  std::string name_of(ContactLaw law, std::uint64_t key) const;
+  /// The stops and contacts that overlap by more than `most` at q, as a sentence; empty if there are none.
+  std::string overlap(const Vector& q, double most);
+  /// Sets `closed` to the candidates that touch at the start: gaps below `most`, and all dry joints.
+  std::string start(const Vector& q, const Vector& v, double most, bool& impacts);
+
+ private:
+  /// One scalar constraint of the phase: its row in the problem, its column R of Y, and the column C of the
+  /// motion that its force causes, with the friction that goes with it.
+  struct Active {
+    std::size_t constraint;  ///< index in `closed`; its size for loops
+    int row;
+    std::array<double, LawBlock::most_rows - 1> friction = {};  ///< forces of the friction rows per unit
+  };
+  void list_touching(const Vector& q, double most);
+  /// Chooses the branches of `closed` by the velocities v, of which `of_motion` is the part that is a rounding
+  /// error. Removes those that open, and writes whether others approach to `impacts`.
+  void select_slow(const Vector& v, double of_motion, bool& impacts);
+  std::string find(const Vector& q);  ///< finds all points of contact at q
+  const ContactPoint* point(std::uint64_t key) const;
+  /// Makes the rows of all constraints in `closed` at q. Dry joints have their friction times h as bounds.
+  std::string make_rows(const Vector& q, double h = 1);
+  int row_of(std::size_t k) const;  ///< the first row of a constraint in `closed`, after make_rows()
+  /// Calls make_rows(), and computes the velocities and biases of the rows and the motion without them.
+  std::string set_motion(const Vector& q, const Vector& v, const Forces& forces);
+  bool has_friction(std::size_t k) const;
+  double largest_row() const { return Y_.size() > 0 ? Y_.colwise().norm().maxCoeff() : 0; }
+  /// The present sliding velocity of a contact in `closed`, of its friction rows times their coefficients:
+  /// writes its direction to `s` and returns its norm. What it turns by from the stored direction is reduced by
+  /// `resolution`, because friction amplifies errors of the direction near rest (D11.29a).
+  double direction(std::size_t k, double* s) const;
+  /// Writes the direction `s` of the friction rows of a contact to `along` and `about`.
+  void store_direction(std::size_t k, const double* s);
+  ContactFrame axes_of(std::size_t k) const { return contact_frame(contacts_[k].normal); }
+  /// Sets problem() of the system to the laws of `closed` for accelerations, with directed friction (D11.32).
+  void set_directed_problem();
+  /// Lists the rows that the present branches hold at 0 in velocities, or only those of places.
+  std::vector<int> held_rows(bool of_places) const;
+  /// The least motion in the metric of the masses that changes the velocities of these rows by -u.
+  Vector correction(const std::vector<int>& rows, const Vector& u) const;
+  double limit_of(const ClosedConstraint& c) const;  ///< friction of a dry joint, N m or N
+
+  Model model_;
+  ConfigurationGroup<double> group_;
+  ContactFinder finder_;
+  ContactSystem system_;
+  ContactJets jets_;
+  DisplacedMotion motion_;
+  VelocitySolver solver_;
+  std::vector<SE3<>> C_;
+  std::vector<Contact> contacts_;
+  std::vector<double> c_;  ///< coefficients of the rows
+  Matrix Y_;               ///< D^-½ L⁻ᵀ Jᵀ of all rows, nv × rows, in physical units
+  Vector w_, u_, bias_, lambda_, x_;
+  std::vector<double> slips_, speeds_;
+  std::vector<Active> active_;
+  Vector loads_, weights_;  ///< forces of active_, and the motions of unit forces of their rows
+  Matrix free_loads_;       ///< basis of the loads of active_ that cause no motion
+  double touching_ = 0, speed_ = 0;
+};
+
+}  // namespace axode

@@ -1,0 +1,377 @@
+#include "axode/integration/exact/exact_contact_run.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "axode/eigen.hpp"
+
+namespace axode {
+namespace {
+
+using Kind = Trajectory::ContactEvent::Kind;
+constexpr double infinite = std::numeric_limits<double>::infinity();
+/// The part of all accelerations by which the reserve of a phase may be negative: its rounding error.
+constexpr double reserve_rounding = 5e-14;
+
+/// Events with a smaller distance occur together, s.
+constexpr double at_once = 5e-13;
+/// The multiple of the resolution of velocities that counts as rest.
+constexpr double slow = 2;
+
+bool is_negative(double x) { return x < 0; }
+
+}  // namespace
+
+ExactContactRun::ExactContactRun(const Model& model, const ContactShapes& shapes, Span q_0, Span v_0,
+                                 double until, const SimulationOptions& options, bool losses,
+                                 const Tolerances& tolerances)
+    : SimulationRun(model, q_0, v_0, until, options),
+      phase_(model, shapes, losses),
+      losses_(losses),
+      last_(until),
+      tolerances_(tolerances) {
+  for (int i = 0; i < shapes.size(); ++i) trajectory.contact_shapes.push_back(shapes[i].name);
+  if (trajectory.size() > 0) begin();
+}
+
+/// Chooses the first phase, after the impacts at the start.
+void ExactContactRun::begin() {
+  constexpr double touching = 1e-9;
+  const auto fails = [&](const std::string& why) {
+    if (!why.empty()) stop({0, why});
+    return !why.empty();
+  };
+  bool impacts = false;
+  if (fails(phase_.overlap(q, touching)) || fails(phase_.start(q, v, touching, impacts))) return;
+  std::vector<ContactPhase::Impact> met;
+  if (impacts) {
+    const auto never = [](const Gap&, double) { return false; };
+    if (fails(phase_.impact(q, v, never, met, certificate_))) return;
+  }
+  ContactPhase::Forces acting;
+  if (fails(phase_.project(q, v))) return;
+  if (Failure failure = find_forces(0, as_span(q), as_span(v), acting)) return stop(failure);
+  if (fails(phase_.decide(q, v, acting))) return;
+  for (const ContactPhase::Impact& it : met) add_event(it, 0);
+  if (Failure failure = settle(0)) return stop(failure);
+  trajectory.pop_back();
+  trajectory.append(0, as_span(q), as_span(v), as_span(a), as_span(tau_));
+}
+
+Failure ExactContactRun::find_forces(double t, Span q_t, Span v_t, ContactPhase::Forces& out) {
+  Span tau;
+  if (Failure failure = joint_forces(t, q_t, v_t, tau)) return failure;
+  damped_ = as_eigen(tau);
+  if (losses_)
+    for (Eigen::Index c = 0; c < damped_.size(); ++c)
+      damped_[c] -= tree().damping[static_cast<std::size_t>(c)] * v_t[static_cast<std::size_t>(c)];
+  out = {as_span(std::as_const(damped_)), {loads_, false}};
+  return {};
+}
+
+Failure ExactContactRun::accelerate(double t, Span q_t, Span v_t, std::span<double> a_t) {
+  ContactPhase::Forces forces;
+  if (Failure failure = find_forces(t, q_t, v_t, forces)) return failure;
+  std::string why = phase_.accelerate(as_eigen(q_t), as_eigen(v_t), forces, a_t);
+  return why.empty() ? Failure{} : Failure{t, std::move(why)};
+}
+
+Failure ExactContactRun::mark(double t, const Vector& q_t, const Vector& v_t, Vector& a_t, Marks& out) {
+  a_t.resize(v_t.size());
+  if (Failure failure = accelerate(t, as_span(q_t), as_span(v_t), as_span(a_t))) return failure;
+  out.reserve = phase_.reserve();
+  out.slips.assign(phase_.slips().begin(), phase_.slips().end());
+  out.speeds.assign(phase_.speeds().begin(), phase_.speeds().end());
+  std::string why = phase_.gaps(q_t, v_t, a_t, out.gaps);
+  return why.empty() ? Failure{} : Failure{t, std::move(why)};
+}
+
+void ExactContactRun::predict(double t_1, const Marks& at_end) {
+  const double t_0 = now(), h = t_1 - t_0;
+  windows_.clear();
+  for (const Gap& start : now_.gaps) {
+    const auto end = std::ranges::find_if(
+        at_end.gaps, [&](const Gap& g) { return g.law == start.law && g.key == start.key; });
+    if (end == at_end.gaps.end()) {
+      windows_.push_back({-infinite, infinite});
+      continue;
+    }
+    const bool opens = start.g <= phase_.touching();
+    const GapClosure closure = closure_of(start, *end, h, phase_.touching());
+    const double from = opens ? t_0 + h * std::max(0.0, closure.before) : -infinite;
+    windows_.push_back({from, t_0 + h * closure.after});
+  }
+}
+
+std::vector<double> ExactContactRun::entries(double t, const Marks& marks) const {
+  std::vector<double> all{marks.reserve + reserve_rounding};
+  all.insert(all.end(), marks.slips.begin(), marks.slips.end());
+  double least_new = infinite;
+  const std::size_t first = all.size();
+  all.resize(first + now_.gaps.size(), infinite);
+  for (const Gap& gap : marks.gaps) {
+    const auto start =
+        std::ranges::find_if(now_.gaps, [&](const Gap& g) { return g.law == gap.law && g.key == gap.key; });
+    const auto k = static_cast<std::size_t>(start - now_.gaps.begin());
+    if (start == now_.gaps.end())
+      least_new = std::min(least_new, gap.g + phase_.touching());
+    else if (windows_.empty() || t > windows_[k].from)
+      all[first + k] = gap.g;
+  }
+  all.push_back(least_new);
+  return all;
+}
+
+Failure ExactContactRun::take_up_to(double t_1, StepEnd& end, const Attempt& attempt) {
+  const double t_0 = now();
+  Marks marks;
+  if (Failure failure = mark(t_1, end.q, end.v, end.a, marks)) return failure;
+  predict(t_1, marks);
+  std::vector<double> found = entries(t_1, marks);
+  double closes = infinite;  // the first gap that closes before the end, of those that are open there
+  for (std::size_t k = 0; k < windows_.size(); ++k)
+    if (const double g = found[1 + marks.slips.size() + k]; !(g < 0))
+      closes = std::min(closes, windows_[k].closes);
+  if (closes < t_1 && closes > t_0) {
+    StepEnd dip;
+    Marks at_dip;
+    if (Failure failure = attempt(closes, dip)) return failure;
+    if (Failure failure = mark(closes, dip.q, dip.v, dip.a, at_dip)) return failure;
+    if (std::vector<double> there = entries(closes, at_dip); std::ranges::any_of(there, is_negative)) {
+      t_1 = closes;
+      end = dip;
+      marks = at_dip;
+      found = there;
+    }
+  }
+  if (!std::ranges::any_of(found, is_negative)) {
+    if (Failure failure = accept(t_1, end)) return failure;
+    return done() ? Failure{} : settle(t_1);
+  }
+  const double t_far = t_1, reserve_far = found[0];
+  if (Failure failure = find_event(t_1, end, found, marks, attempt)) return failure;
+  if (const double t = before_turn(t_1, found, marks); t < t_1) {
+    if (Failure failure = attempt(t, end)) return failure;
+    if (Failure failure = accept(t, end)) return failure;
+    return done() ? Failure{} : settle(t);
+  }
+  std::vector<ClosedConstraint> next;
+  if (std::none_of(found.begin() + 1, found.end(), is_negative)) {
+    if (Failure failure = look_ahead(t_1, t_far, reserve_far, attempt, next)) return failure;
+    if (Failure failure = attempt(t_1, end)) return failure;
+  }
+  constexpr double quick = 1e-11;
+  constexpr int most_quick = 100;
+  quick_events_ = t_1 - last_event_ < quick * last_ ? quick_events_ + 1 : 0;
+  last_event_ = t_1;
+  if (quick_events_ > most_quick)
+    return {t_1, "contacts change more than " + std::to_string(most_quick) +
+                     " times at nearly one time; use the method contact or contact_adaptive"};
+  const std::vector<char> stopped = stopping(t_1, found, marks);
+  if (Failure failure = accept(t_1, end)) return failure;
+  return done() ? Failure{} : change(t_1, found, stopped, next);
+}
+
+Failure ExactContactRun::find_event(double& t_1, StepEnd& end, std::vector<double>& at_high, Marks& marks,
+                                    const Attempt& attempt) {
+  const double t_0 = now(), resolution = std::max(2e-15 * (t_1 - t_0), 2.3e-16 * t_1);
+  std::vector<double> at_low = entries(t_0, now_);
+  double low = t_0, high = t_1, weight_low = 1, weight_high = 1;
+  StepEnd here, after = end;
+  for (int tries = 0; high - low > resolution; ++tries) {
+    const auto first = static_cast<std::size_t>(std::ranges::min_element(at_high) - at_high.begin());
+    const double f_low =
+        first < at_low.size() && std::isfinite(at_low[first]) ? weight_low * std::max(at_low[first], 0.0) : 0;
+    const double f_high = weight_high * at_high[first];
+    double t = low + (high - low) * (f_low > 0 ? f_low / (f_low - f_high) : 0.5);
+    if (tries % 8 == 7 || !(t > low && t < high)) t = low + (high - low) / 2;
+    t = std::clamp(t, low + 0.4 * resolution, high - 0.4 * resolution);
+    if (!(t > low && t < high)) break;  // no number lies in between
+    Marks there;
+    if (Failure failure = attempt(t, here)) return failure;
+    if (Failure failure = mark(t, here.q, here.v, here.a, there)) return failure;
+    const std::vector<double> found = entries(t, there);
+    // Illinois: the end that stays counts half, so that both ends approach the event.
+    if (std::ranges::any_of(found, is_negative)) {
+      high = t;
+      at_high = found;
+      marks = there;
+      after = here;
+      weight_high = 1;
+      weight_low *= 0.5;
+    } else {
+      low = t;
+      at_low = found;
+      weight_low = 1;
+      weight_high *= 0.5;
+    }
+  }
+  t_1 = high;
+  end = after;
+  return {};
+}
+
+double ExactContactRun::before_turn(double t, const std::vector<double>& found, const Marks& marks) const {
+  const double length = t - now();
+  double part = 1;
+  for (std::size_t k = 0; k < marks.slips.size(); ++k) {
+    if (!(found[1 + k] < 0) || !(now_.speeds[k] > 0)) continue;
+    // The velocity vanishes at this time to within the time that it takes to change by itself.
+    const bool rests = marks.speeds[k] <= slow * phase_.resolution;
+    if (!rests && marks.speeds[k] / now_.speeds[k] * length > at_once) part = 0.5;
+  }
+  return now() + part * length;
+}
+
+/// Which constraints cease to slide at t, also those that would do so a moment later.
+std::vector<char> ExactContactRun::stopping(double t, const std::vector<double>& found,
+                                            const Marks& marks) const {
+  const double length = t - now();
+  const std::size_t n = marks.slips.size();
+  const bool any =
+      std::any_of(found.begin() + 1, found.begin() + 1 + static_cast<std::ptrdiff_t>(n), is_negative);
+  std::vector<char> out(n);
+  for (std::size_t k = 0; any && k < n; ++k)
+    out[k] = found[1 + k] < 0 || marks.speeds[k] * length < at_once * now_.speeds[k] ||
+             marks.speeds[k] <= slow * phase_.resolution;
+  return out;
+}
+
+/// Chooses the next phase a little beyond the time t at which the forces of this phase reach their limits,
+/// where the phase violates the laws by a little more than rounding errors.
+Failure ExactContactRun::look_ahead(double t, double t_far, double reserve_far, const Attempt& attempt,
+                                    std::vector<ClosedConstraint>& next) {
+  constexpr double violation = 1e-5;
+  const double part = reserve_far < -violation ? violation / -reserve_far : 1;
+  const double t_ahead = std::max(t, t + part * (t_far - t));
+  StepEnd ahead;
+  if (Failure failure = attempt(t_ahead, ahead)) return failure;
+  const std::vector<ClosedConstraint> present = phase_.closed;
+  ContactPhase::Forces acting;
+  if (Failure failure = find_forces(t_ahead, as_span(ahead.q), as_span(ahead.v), acting)) return failure;
+  if (std::string why = phase_.decide(ahead.q, ahead.v, acting); !why.empty()) return {t, why};
+  next = phase_.closed;
+  phase_.closed = present;
+  return {};
+}
+
+/// Projects the state at the end of a step on the constraints of the phase and appends it to the trajectory.
+Failure ExactContactRun::accept(double t, StepEnd& end) {
+  if (phase_.any())
+    if (std::string why = phase_.project(end.q, end.v); !why.empty()) return {t, why};
+  end.a.resize(end.v.size());
+  if (Failure failure = accelerate(t, as_span(end.q), as_span(end.v), as_span(end.a))) return failure;
+  static_cast<void>(phase_.reserve());
+  phase_.follow_directions();
+  if (phase_.any()) certificate_ = std::max(certificate_, phase_.certificate());
+  Failure failure = record(t, {.q = end.q, .v = end.v, .a = end.a, .x = end.x, .dx = end.dx});
+  if (const double t_end = trajectory.t().back(); t_end < t) {  // a terminal event of the caller
+    const std::size_t k = trajectory.size() - 1;
+    const Vector q_end = as_eigen(trajectory.q(k)), v_end = as_eigen(trajectory.v(k));
+    if (Failure f = accelerate(t_end, as_span(q_end), as_span(v_end), as_span(end.a))) return f;
+    static_cast<void>(phase_.reserve());
+    trajectory.pop_back();
+    trajectory.append(t_end, as_span(q_end), as_span(v_end), as_span(end.a), as_span(tau_));
+  }
+  trajectory.certificates.push_back(certificate_);
+  trajectory.set_contacts(phase_.forces());
+  certificate_ = 0;
+  return failure;
+}
+
+/// Changes to the next phase: that of look_ahead() or, if this is empty, the one after impacts and stops.
+Failure ExactContactRun::change(double t, const std::vector<double>& found, const std::vector<char>& stopped,
+                                const std::vector<ClosedConstraint>& next) {
+  const bool by_forces = std::none_of(found.begin() + 1, found.end(), is_negative);
+  if (!by_forces) {
+    if (Failure failure = meet(t, found, stopped)) return failure;
+  } else {
+    const std::vector<ClosedConstraint> before = phase_.closed;
+    phase_.take_next(next);
+    note_changes(t, before, {}, {});
+    if (Failure failure = settle(t)) return failure;
+  }
+  trajectory.jump(as_span(v), as_span(a));
+  trajectory.certificates.back() = std::max(trajectory.certificates.back(), certificate_);
+  return {};
+}
+
+/// Stops what has ceased to slide, computes the impacts at the present time, and chooses the next phase.
+Failure ExactContactRun::meet(double t, const std::vector<double>& found, const std::vector<char>& stopped) {
+  const std::vector<ClosedConstraint> before = phase_.closed;
+  for (std::size_t k = 0; k < before.size(); ++k)
+    if (stopped[k]) phase_.closed[k].branch = LawBranch::stick;
+  const auto fails = [&](const std::string& why) { return why.empty() ? Failure{} : Failure{t, why}; };
+  if (Failure failure = fails(phase_.project(q, v))) return failure;
+  std::vector<ContactPhase::Impact> met;
+  const bool touches =
+      std::any_of(found.begin() + 1 + static_cast<std::ptrdiff_t>(before.size()), found.end(), is_negative);
+  if (touches) {
+    // A bounce is the last one if the next flight is lower than places can be resolved (D11.35).
+    const auto is_last = [&](const Gap& of, double e) {
+      const auto last = last_impact_.find({of.law, of.key});
+      constexpr double part = 0.1;
+      return last != last_impact_.end() && e * e * -of.dg * (t - last->second) / 4 < part * phase_.touching();
+    };
+    if (Failure failure = fails(phase_.impact(q, v, is_last, met, certificate_))) return failure;
+    for (const ContactPhase::Impact& it : met) last_impact_[{it.law, it.key}] = t;
+  }
+  if (Failure failure = fails(phase_.project(q, v))) return failure;
+  ContactPhase::Forces acting;
+  if (Failure failure = find_forces(t, as_span(q), as_span(v), acting)) return failure;
+  if (Failure failure = fails(phase_.decide(q, v, acting))) return failure;
+  note_changes(t, before, met, stopped);
+  return settle(t);
+}
+
+/// Computes the accelerations at the present state in the present phase, and what may end this phase.
+Failure ExactContactRun::settle(double t) {
+  constexpr double several = 10;  // errors of velocities of one body that act together
+  const double fastest = v.size() > 0 ? v.lpNorm<Eigen::Infinity>() : 0;
+  phase_.resolution = several * tolerances_.absolute + tolerances_.relative * fastest;
+  return mark(t, q, v, a, now_);
+}
+
+void ExactContactRun::add_event(const ContactPhase::Impact& it, double t) {
+  trajectory.contact_events.push_back({.kind = it.bounces ? Kind::bounce : Kind::close,
+                                       .t = t,
+                                       .of = phase_.name_of(it.law, it.key),
+                                       .key = it.law == ContactLaw::contact ? it.key : 0,
+                                       .speed = it.speed,
+                                       .shortened = it.shortened});
+}
+
+/// Adds the events at which the constraints `before` became those of the present phase. `met` are the impacts,
+/// and `stopped` says which of `before` ceased to slide.
+void ExactContactRun::note_changes(double t, const std::vector<ClosedConstraint>& before,
+                                   const std::vector<ContactPhase::Impact>& met,
+                                   const std::vector<char>& stopped) {
+  for (const ContactPhase::Impact& it : met) add_event(it, t);
+  const auto add = [&](Kind kind, const ClosedConstraint& c) {
+    trajectory.contact_events.push_back({.kind = kind,
+                                         .t = t,
+                                         .of = phase_.name_of(c.law, c.key),
+                                         .key = c.law == ContactLaw::contact ? c.key : 0});
+  };
+  const auto in = [](const auto& list, const ClosedConstraint& c) {
+    return std::ranges::find_if(list, [&](const auto& x) { return x.law == c.law && x.key == c.key; });
+  };
+  for (std::size_t k = 0; k < before.size(); ++k) {
+    const auto now = in(phase_.closed, before[k]);
+    const bool slid = before[k].branch == LawBranch::slide, stops = !stopped.empty() && stopped[k];
+    if (now == phase_.closed.end()) {
+      if (in(met, before[k]) == met.end()) add(Kind::open, before[k]);
+    } else if (now->branch == LawBranch::stick) {
+      if (slid) add(Kind::stick, before[k]);
+    } else if (!slid) {
+      add(Kind::slip, before[k]);
+    } else if (stops) {
+      add(Kind::reverse, before[k]);
+    }
+  }
+  for (const ClosedConstraint& c : phase_.closed)
+    if (in(before, c) == before.end() && in(met, c) == met.end()) add(Kind::close, c);
+}
+
+}  // namespace axode

@@ -1,0 +1,74 @@
+#pragma once
+#include <map>
+#include <vector>
+
+#include "axode/integration/exact/contact_phase.hpp"
+#include "axode/integration/exact/gap_course.hpp"
+#include "axode/integration/runs/simulation_run.hpp"
+
+namespace axode {
+
+/// A motion with contact during its integration in smooth phases. Steps end at the events between phases:
+/// impacts, separations, and contacts and joints that begin or cease to slide, see (D11.29) to (D11.35).
+class ExactContactRun : public SimulationRun {
+ public:
+  /// The options must not ask for joint losses; `losses` says whether dry friction and damping of joints act.
+  ExactContactRun(const Model& model, const ContactShapes& shapes, Span q_0, Span v_0, double until,
+                  const SimulationOptions& options, bool losses, const Tolerances& tolerances);
+
+  /// Computes the accelerations a_t under the constraints of the present phase.
+  Failure accelerate(double t, Span q_t, Span v_t, std::span<double> a_t);
+  /// Takes the step to t_1, or to the first event before t_1, after which another phase begins.
+  Failure take_up_to(double t_1, StepEnd& end, const Attempt& attempt);
+
+ private:
+  /// What decides at a state whether the phase has ended.
+  struct Marks {
+    double reserve = 0;  ///< ContactPhase::reserve(), as a part of all accelerations
+    std::vector<double> slips = {}, speeds = {};
+    std::vector<Gap> gaps = {};
+  };
+  /// When gaps count in a step: from `from` on, which is infinite for a contact that has just opened and does
+  /// not close in this step.
+  struct Window {
+    double from, closes;
+  };
+
+  void begin();
+  Failure mark(double t, const Vector& q_t, const Vector& v_t, Vector& a_t, Marks& out);
+  void predict(double t_1, const Marks& at_end);
+  /// Numbers of which one is negative if the phase has ended before t: the reserve, the slips, the gaps at the
+  /// start of the step, and the least of all new gaps.
+  std::vector<double> entries(double t, const Marks& marks) const;
+  /// Shortens a step in which the phase ends to the time t_1 at which it does.
+  Failure find_event(double& t_1, StepEnd& end, std::vector<double>& at_high, Marks& marks,
+                     const Attempt& attempt);
+  /// The part of the step to t after which a sliding velocity that turns is closer to 0, or t itself.
+  double before_turn(double t, const std::vector<double>& found, const Marks& marks) const;
+  Failure look_ahead(double t, double t_far, double reserve_far, const Attempt& attempt,
+                     std::vector<ClosedConstraint>& next);
+  Failure accept(double t, StepEnd& end);
+  std::vector<char> stopping(double t, const std::vector<double>& found, const Marks& marks) const;
+  Failure change(double t, const std::vector<double>& found, const std::vector<char>& stopped,
+                 const std::vector<ClosedConstraint>& next);
+  Failure meet(double t, const std::vector<double>& found, const std::vector<char>& stopped);
+  Failure settle(double t);
+  void note_changes(double t, const std::vector<ClosedConstraint>& before,
+                    const std::vector<ContactPhase::Impact>& met, const std::vector<char>& stopped);
+  void add_event(const ContactPhase::Impact& it, double t);
+  /// Computes the forces at a state without those of contacts and dry friction.
+  Failure find_forces(double t, Span q_t, Span v_t, ContactPhase::Forces& out);
+
+  ContactPhase phase_;
+  bool losses_;
+  Vector damped_;  ///< joint forces less damping
+  double last_;    ///< end of the motion, s
+  Tolerances tolerances_;
+  Marks now_;
+  std::vector<Window> windows_;
+  std::map<std::pair<ContactLaw, std::uint64_t>, double> last_impact_;
+  double certificate_ = 0, last_event_ = -1;
+  int quick_events_ = 0;
+};
+
+}  // namespace axode
