@@ -17,11 +17,14 @@ import page
 import validation  # noqa: F401 - it finds tests/validation
 
 import contact_cases  # noqa: E402
+import contact_events  # noqa: E402
 import contact_laws  # noqa: E402
 
 MUJOCO = importlib.util.find_spec("mujoco") is not None
 #: Largest certificate of a step, and of energy made in a step without restitution as a part of the energy.
 CERTIFICATE, ENERGY = 1e-9, 1e-12
+#: Largest error of the time of an event of the exact mode, s.
+TIME = 1e-12
 
 
 def number(x):
@@ -77,11 +80,15 @@ def tables():
     failed += [f"energy at e = 0: {x} exceeds {ENERGY}" for x in energies[0][1:] if float(x) > ENERGY]
     failed += [f"certificate: {row[0]}: {row[2]} exceeds {CERTIFICATE}" for row in certificates
                if float(row[2]) > CERTIFICATE]
+    events = [[name, str(count), f"{last:.6f} s", f"{number(error)} s"] for name, count, last, error in contact_events.rows()]
+    failed += [f"time of an event: {row[0]}: {row[3]} exceeds {TIME} s" for row in events
+               if float(row[3].removesuffix(" s")) > TIME]
     loops = [[f"{1e3 * step:g} ms", number(contact_laws.loops_open(step)[0])] for step in (5e-3, 1e-3)]
     return {
         "cases": table(["what", "MuJoCo, default", "MuJoCo, best", "axode"], rows),
         "order": table(["motion", *(f"{1e3 * step:g} ms" for step in contact_laws.STEPS), "order"], order_rows()),
         "energy": table(["restitution", "5 ms", "1 ms"], energies, 0),
+        "events": table(["what", "events", "last one at", "times off by"], events),
         "loops": table(["steps of", "largest residual, m or rad"], loops, 0),
         "certificates": table(["motion", "steps", "largest certificate", f"steps above {number(CERTIFICATE)}"],
                               certificates),

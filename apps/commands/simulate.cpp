@@ -68,8 +68,8 @@ those of second order err more where a body turns fast.
 
 --contact, or METHOD contact, takes fixed steps in which collision shapes touch with Coulomb's friction, and
 hard stops stop, of 1 ms if --step is left out; METHOD contact_adaptive takes steps as long as --rtol and
---atol allow. The largest certificate of a step says how exactly the laws
-of contact hold: 1e-12 is rounding. A drawing with [contact] is simulated so unless another METHOD is named.
+--atol allow. METHOD contact_exact, for few contacts, integrates smooth phases as dopri5 does and finds
+impacts, stick and slip as roots. The largest certificate of a step says how exactly the laws of contact hold: 1e-12 is rounding. A drawing with [contact] is simulated so unless another METHOD is named.
 --floor 0 puts a robot whose file has no ground on a floor; --base free lets its base move.
 
 With --pd a controller drives all joints, except passive joints and free joints on the ground, towards the
@@ -194,6 +194,22 @@ bool rests(const WrittenMotion& rows) {
   return rows.v.size() > 0 && rows.v.cwiseAbs().maxCoeff() <= still;
 }
 
+/// Prints the first changes of contacts, and which contacts were closed before their bounces ended.
+void print_contact_events(const Trajectory& motion) {
+  const std::vector<Trajectory::ContactEvent>& events = motion.contact_events;
+  if (events.empty()) return;
+  constexpr std::size_t most = 20;
+  fmt::print("contacts changed {} times{}\n", events.size(),
+             events.size() > most ? fmt::format("; the first {} times:", most) : ":");
+  for (const Trajectory::ContactEvent& event : std::span(events).first(std::min(most, events.size())))
+    fmt::print("  t = {:.13g} s  {}  {}{}\n", event.t, to_string(event.kind), event.of,
+               event.speed != 0 ? " at " + significant(event.speed) : "");
+  for (const Trajectory::ContactEvent& event : events)
+    if (event.shortened)
+      fmt::print("{} stayed closed at t = {} s, because its next bounces would have been below rounding\n",
+                 event.of, significant(event.t));
+}
+
 void print(const Trajectory& motion, const WrittenMotion& rows) {
   const std::size_t last = motion.size() - 1;
   const auto numbers = [](std::span<const double> x) { return std::vector<double>(x.begin(), x.end()); };
@@ -213,6 +229,7 @@ void print(const Trajectory& motion, const WrittenMotion& rows) {
                                             motion.uncontrolled)));
   if (!motion.certificates.empty())
     fmt::print("largest certificate of contact {}\n", significant(std::ranges::max(motion.certificates), 2));
+  print_contact_events(motion);
   if (rests(rows))
     fmt::print("{}\n", in(Ink::heading,
                           "nothing moves: the mechanism is at rest, in equilibrium; begin elsewhere by "

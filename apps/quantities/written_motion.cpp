@@ -150,6 +150,12 @@ Json json_of(const Trajectory& motion, const WrittenMotion& rows, const std::str
     for (const double t : rows.t)
       json["contacts"].push_back(contacts_json(motion.contact_shapes, motion.contacts_at(t)));
   }
+  for (const Trajectory::ContactEvent& event : motion.contact_events)
+    json["contact_events"].push_back({{"kind", to_string(event.kind)},
+                                      {"t", event.t},
+                                      {"of", event.of},
+                                      {"speed", event.speed},
+                                      {"shortened", event.shortened}});
   if (rows.motion_forces.cols() > 0) {
     json["motions"] = motion_names(model);
     json["motion_forces"] = lists(rows.motion_forces);

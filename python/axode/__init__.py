@@ -95,6 +95,7 @@ from .files import check, load
 from .records import (
     BranchPoint,
     ContactRolloutDerivatives,
+    ContactEvent,
     ContactForce,
     DriveEquilibrium,
     DriveLinearization,
@@ -177,8 +178,8 @@ __all__ = [
     "DriveRolloutDerivatives", "DynamicsAtTime", "KinematicMotion", "Rollout", "RolloutDerivatives", "RolloutGradient",
     "TaskEquations",
     "TaskSingularity", "JointState", "LoopMobility", "RedundantRow", "LocalMobility", "MotionBranch", "BranchPoint",
-    "ContactRolloutDerivatives", "ShapeDistance", "PairDistances", "ContactForce", "PlayEvent", "AssemblyError",
-    "Fault", "ModelError", "NotFiniteError", "SimulationError", "SingularError", "StatesError",
+    "ContactRolloutDerivatives", "ShapeDistance", "PairDistances", "ContactEvent", "ContactForce", "PlayEvent",
+    "AssemblyError", "Fault", "ModelError", "NotFiniteError", "SimulationError", "SingularError", "StatesError",
     # modules
     "lie", "closed_form", "codegen", "convert", "drives", "fmi", "identification", "calibration", "table",
 ]

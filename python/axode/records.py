@@ -9,8 +9,8 @@ from numpy.typing import ArrayLike, NDArray
 
 from .support import signatures
 
-__all__ = ["BranchPoint", "ContactForce", "ContactRolloutDerivatives", "DriveEquilibrium", "DriveLinearization",
-           "DriveRolloutDerivatives", "DynamicsAtTime", "Equilibrium",
+__all__ = ["BranchPoint", "ContactEvent", "ContactForce", "ContactRolloutDerivatives", "DriveEquilibrium",
+           "DriveLinearization", "DriveRolloutDerivatives", "DynamicsAtTime", "Equilibrium",
            "ForwardDynamicsDerivatives", "ForwardDynamicsHessian",
            "IndependentEquations", "IndependentLinearization", "InverseDynamicsDerivatives", "InverseDynamicsHessian",
            "InverseKinematics", "JointState", "KinematicMotion", "Linearization", "Load", "LocalMobility",
@@ -201,6 +201,22 @@ class ContactForce(NamedTuple):
     moment: Array
     friction: float
     status: Literal["open", "stick", "slide"]
+
+
+class ContactEvent(NamedTuple):
+    """A change of a contact, a hard stop or a joint with dry friction at the time `t` (s), see `Trajectory.contact_events`.
+
+    `kind`: "bounce" and "close" are impacts (or closures without speed) after which it is open and closed; "open": its normal
+    force becomes 0; "slip": it begins to slide; "stick" and "reverse": its sliding velocity becomes 0, and friction can hold it
+    or cannot. `of` has the names of two shapes, as '"floor" and "ball"', or that of a joint. `speed` is that of approach before
+    an impact, m/s or rad/s. `shortened`: whether it was closed because its next bounces would be below rounding.
+    """
+
+    kind: Literal["bounce", "close", "open", "slip", "stick", "reverse"]
+    t: float
+    of: str
+    speed: float
+    shortened: bool
 
 
 class PlayEvent(NamedTuple):

@@ -25,7 +25,7 @@ Array = NDArray[np.float64]
 def simulate(m: Model, q: ArrayLike, v: ArrayLike, until: float, *,
              method: Literal["dopri5", "rk4", "euler", "generalized_alpha", "generalized_alpha_index3", "midpoint",
                              "suzuki4", "kahan_li6", "rk4_momenta", "rattle", "rattle_suzuki4", "rattle_kahan_li6",
-                             "half_explicit", "contact", "contact_adaptive"] | None = None,
+                             "half_explicit", "contact", "contact_adaptive", "contact_exact"] | None = None,
              coordinates: Literal["relative", "absolute", "absolute_SO3xR3"] = "relative",
              local_coordinates: Literal["exponential", "cayley"] = "exponential",
              step: float | None = None, rtol: float = 1e-8, atol: float = 1e-10, spectral_radius: float = 0.8,
@@ -47,7 +47,9 @@ def simulate(m: Model, q: ArrayLike, v: ArrayLike, until: float, *,
         momentum of floating bases to rounding, and do not support events, stops and dry friction. Every method keeps
         loops closed; the symplectic methods on (q, p) do not support rolling contacts. "contact" takes steps in which
         collision shapes touch with Coulomb's friction, and joints stop at hard stops; "contact_adaptive" takes such steps
-        as long as rtol and atol allow. The default is "dopri5", or "contact" if the drawing has `[contact]`.
+        as long as rtol and atol allow; "contact_exact", for few contacts, integrates smooth phases as "dopri5" does and finds
+        impacts, stick and slip as roots, see `contact_events`. The default is "dopri5", or "contact" if the drawing has
+        `[contact]`.
     coordinates: coordinates of the integration; results are always joint coordinates. "relative": those of the joints;
         "absolute": bodies are points of SE(3), and every joint is a constraint; "absolute_SO3xR3": of SO(3) x R^3. In
         absolute ones "dopri5", "rk4" and "euler" bring joints and loops back after each step, and others hold them:

@@ -143,6 +143,14 @@ nb::list play_events_of(const BoundTrajectory& of) {
   return all;
 }
 
+nb::list contact_events_of(const BoundTrajectory& of) {
+  nb::list all;
+  for (const Trajectory::ContactEvent& x : of.motion.contact_events)
+    all.append(named_tuple("axode.records", "ContactEvent", to_str(std::string(to_string(x.kind))), x.t,
+                           to_str(x.of), x.speed, x.shortened));
+  return all;
+}
+
 std::vector<std::string> drive_states(const BoundTrajectory& of) {
   return {of.motion.drive_states().begin(), of.motion.drive_states().end()};
 }
@@ -432,6 +440,19 @@ array([0.  , 0.  , 9.81])
           "play_events", &play_events_of, nb::sig("def play_events(self) -> list[axode.records.PlayEvent]"),
           "The plays of couplings that met one of their ends or left it: a list of `PlayEvent` in the order "
           "of time.")
+      .def_prop_ro("contact_events", &contact_events_of,
+                   nb::sig("def contact_events(self) -> list[axode.records.ContactEvent]"),
+                   R"(
+The changes of contacts, hard stops and joints with dry friction in a motion by "contact_exact": a list of `ContactEvent` in the
+order of time. Their times are roots, to about 1e-13 s.
+
+>>> ball = axode.Model.from_dict({"format": "axode drawing 1", "contact": {}, "body": [{
+...     "name": "ball", "joint": {"kind": "prismatic", "axis": "z"}, "mass": 1, "com": [0, 0, 0], "inertia": [1, 1, 1],
+...     "shape": [{"kind": "sphere", "role": "collision", "radius": 0.1, "restitution": 0.5}]}]})
+>>> fall = axode.simulate(axode.with_floor(ball, -1.1), [0], [0], until=1, method="contact_exact", rtol=1e-12)
+>>> [(event.kind, round(event.t, 9)) for event in fall.contact_events]
+[('bounce', 0.451523641), ('bounce', 0.903047282)]
+)")
       .def(
           "at",
           [](const BoundTrajectory& x, ArrayLike t) {

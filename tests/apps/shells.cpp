@@ -126,7 +126,7 @@ TEST_F(Completion, InBashHasEveryCommandAndOption) {
 }
 
 TEST_F(Completion, InBashHasTheWordsThatOptionsTake) {
-  EXPECT_EQ(methods.size(), 15);
+  EXPECT_EQ(methods.size(), 16);
   EXPECT_THAT(bash({"simulate", "--method", ""}), UnorderedElementsAreArray(method_names()));
   EXPECT_THAT(bash({"simulate", "--method", "=", "kah"}), ElementsAre("kahan_li6"));
   EXPECT_THAT(bash({"simulate", "--method", "="}), UnorderedElementsAreArray(method_names()));

@@ -205,3 +205,11 @@ def test_the_page_has_the_orders_and_the_certificates_of_its_command(tables):
     assert laws.tower().certificates.max() <= tables.CERTIFICATE
     made, energy = laws.energy_made(0.0, 5e-3)
     assert made <= tables.ENERGY * energy
+
+
+def test_events_of_the_exact_mode_are_roots_and_on_the_page(tables):
+    rows = list(tables.contact_events.rows())
+    on_page = rows_of_page("events")
+    assert [(row[0], row[1]) for row in on_page] == [(name, str(count)) for name, count, _, _ in rows]
+    for row, (name, _, _, error) in zip(on_page, rows):
+        assert error <= tables.TIME and float(row[3].removesuffix(" s")) <= tables.TIME, name
