@@ -34,7 +34,7 @@ class Stage(NamedTuple):
 
 FEW_TREES = {"AXODE_RANDOM_TREES": "20"}
 LONG = "LargeTrees*:*MemoryOfCouplings*:LongChains*:HostileDescriptions.OnesWithMuch*:*OfManyUnknownLeaders*:*ManyJointsInAnyOrder*" \
-       ":WhatFunctionsCount*:*UnitsLaw*:UnitsOfLoops*:InstructionSets*"
+       ":WhatFunctionsCount*:*UnitsLaw*:UnitsOfLoops*:InstructionSets*:*NotFiniteIsSaid*"
 RELEASE = Stage("release", others="Examples|Guards|MustNotCompile|Package|Peers|Viewer")
 ASAN = Stage("asan", programs=f"*-{LONG}", environment=FEW_TREES)
 NIGHTLY = {

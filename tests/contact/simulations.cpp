@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "axode/dynamics/forward_dynamics.hpp"
 #include "axode/dynamics/momentum/energy.hpp"
 #include "axode/dynamics/momentum/momentum.hpp"
 #include "axode/integration/simulation.hpp"
@@ -29,6 +30,30 @@ TEST(ContactSimulation, APlasticImpactEndsAtRest) {
     EXPECT_NEAR(last(motion, false)[6], 0.1, 1e-12);
     EXPECT_LE(largest(last(motion, true)), 1e-12);
     EXPECT_LE(std::ranges::max(motion.certificates), 1e-9);
+  }
+}
+
+TEST(ContactSimulation, AccelerationsInFlightCountTheDamping) {
+  Description d{.name = "damped arms", .bodies = {}, .frames = {}};
+  std::string last = "ground";
+  for (const std::string name : {"upper arm", "lower arm"}) {
+    d.bodies.push_back({.name = name,
+                        .predecessor = last,
+                        .joint = {.kind = JointKind::revolute, .axis = {0, 1, 0}, .dof = {{.damping = 0.7}}},
+                        .inertia = MassProperties{.mass = 2, .com = {0.3, 0, 0}, .Theta = {0.1, 0.2, 0.2}}});
+    last = name;
+  }
+  const Model model = ModelBuilder(d).build();
+  const std::vector<double> q{0.4, -0.9}, v{3, -5}, tau(2);
+  SimulationOptions options;
+  options.joint_losses = true;
+  const Trajectory motion = simulate_contact(model, q, v, 0.05, 1e-2, options);
+  ASSERT_TRUE(motion.complete) << motion.stop_reason;
+  Workspace<> workspace(model);
+  for (std::size_t k = 0; k < motion.size(); ++k) {
+    std::vector<double> a(2);
+    ASSERT_TRUE(forward_dynamics(model, workspace, motion.q(k), motion.v(k), tau, a, {{}, true}).ok());
+    for (std::size_t c = 0; c < 2; ++c) EXPECT_NEAR(motion.a(k)[c], a[c], 1e-11) << k;
   }
 }
 

@@ -140,7 +140,8 @@ TEST_P(Invariance, NamesAndOrderOfDeclarationDoNotMatter) {
   for_seeds(250, [&](std::uint64_t seed) {
     Random<double> random(seed);
     const bool loops = !GetParam().single && seed % 5 == 1;
-    const TreeRecipe recipe = elsewhere(seed, {.loops = loops ? 1.0 : 0.0});
+    // The least drive forces of loops weigh N against N m, so that their accuracy depends on the size.
+    const TreeRecipe recipe = loops ? TreeRecipe{.loops = 1} : elsewhere(seed);
     const MechanismAtAState drawn = mechanism_at_a_state(random, recipe);
     Description description = drawn.description;
     const Model& model = drawn.model;

@@ -113,6 +113,8 @@ CALLS |= {
     "pair_distances": lambda m, q, v, a: value_and_gradient(*axode.pair_distances(with_balls(m), q)),
     "rollout": lambda m, q, v, a: axode.rollout(m, q, v, steps(a), 1e-4)[1],
     "rollout_derivatives": lambda m, q, v, a: np.concatenate(axode.rollout_derivatives(m, q, v, steps(a), 1e-4), axis=-1),
+    "rollout_derivatives_with_drives": lambda m, q, v, a: np.concatenate(
+        axode.rollout_derivatives_with_drives(m, q, v, steps(a), 1e-4)[3:5], axis=-1),
     "rollout_jvp": lambda m, q, v, a: in_one(axode.rollout_jvp(m, q, v, steps(a), 1e-4, v, a, np.stack([v, a], axis=-2)), q),
     "rollout_vjp": lambda m, q, v, a: axode.rollout_vjp(m, q, v, steps(a), 1e-4, *2 * [np.stack([v, a, v], axis=-2)]).tau,
     "linearize": lambda m, q, v, a: np.concatenate(axode.linearize(m, q, v, a, load_on(m, q), joint_losses=True), axis=-1),

@@ -26,9 +26,8 @@ bool is_negative(double x) { return x < 0; }
 ExactContactRun::ExactContactRun(const Model& model, const ContactShapes& shapes, Span q_0, Span v_0,
                                  double until, const SimulationOptions& options, bool losses,
                                  const Tolerances& tolerances)
-    : SimulationRun(model, q_0, v_0, until, options),
+    : SimulationRun(model, q_0, v_0, until, options, losses),
       phase_(model, shapes, losses),
-      losses_(losses),
       last_(until),
       tolerances_(tolerances) {
   for (int i = 0; i < shapes.size(); ++i) trajectory.contact_shapes.push_back(shapes[i].name);
@@ -62,11 +61,7 @@ void ExactContactRun::begin() {
 Failure ExactContactRun::find_forces(double t, Span q_t, Span v_t, ContactPhase::Forces& out) {
   Span tau;
   if (Failure failure = joint_forces(t, q_t, v_t, tau)) return failure;
-  damped_ = as_eigen(tau);
-  if (losses_)
-    for (Eigen::Index c = 0; c < damped_.size(); ++c)
-      damped_[c] -= tree().damping[static_cast<std::size_t>(c)] * v_t[static_cast<std::size_t>(c)];
-  out = {as_span(std::as_const(damped_)), {loads_, false}};
+  out = {tau, {loads_, false}};
   return {};
 }
 

@@ -60,9 +60,7 @@ class ExactContactRun : public SimulationRun {
   Failure find_forces(double t, Span q_t, Span v_t, ContactPhase::Forces& out);
 
   ContactPhase phase_;
-  bool losses_;
-  Vector damped_;  ///< joint forces less damping
-  double last_;    ///< end of the motion, s
+  double last_;  ///< end of the motion, s
   Tolerances tolerances_;
   Marks now_;
   std::vector<Window> windows_;

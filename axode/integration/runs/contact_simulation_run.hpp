@@ -11,8 +11,7 @@ class ContactSimulationRun : public MomentumSimulationRun {
  public:
   ContactSimulationRun(const Model& model, Span q_0, Span v_0, double until, const SimulationOptions& options,
                        bool damping)
-      : MomentumSimulationRun(model, q_0, v_0, until, options),
-        damping_(damping),
+      : MomentumSimulationRun(model, q_0, v_0, until, options, damping),
         midpoint_(*this, model.tree<double>()),
         q_0_(model.nq()),
         p_(model.nv()),
@@ -83,15 +82,6 @@ class ContactSimulationRun : public MomentumSimulationRun {
     drives_.take_two_stages(t, h, x_0, as_span(q_t_), as_span(v_t_), as_span(q_end), as_span(v_last_), x);
   }
 
-  /// Computes p = M v and the forces f = τ + ∂L/∂q, with the Lagrangian L, less damping if it acts.
-  Failure partials(double t, const Vector& q_t, const Vector& v_t, Vector& p, Vector& f) {
-    if (Failure failure = MomentumSimulationRun::partials(t, q_t, v_t, p, f)) return failure;
-    if (damping_)
-      for (Eigen::Index c = 0; c < v_t.size(); ++c)
-        f[c] -= tree().damping[static_cast<std::size_t>(c)] * v_t[c];
-    return {};
-  }
-
   /// Appends the state at the end of a step to the trajectory. If its accelerations are empty, computes those
   /// of the motion without contact.
   Failure take_contact(double t, StepEnd end) {
@@ -105,7 +95,6 @@ class ContactSimulationRun : public MomentumSimulationRun {
   Vector q_end, v_end, q_middle, v_middle;  ///< results of fly()
 
  private:
-  bool damping_;
   Midpoint<ContactSimulationRun> midpoint_;
   Vector q_0_, p_, y_, v_0_, change_, v_last_;
   double h_ = 0;  ///< length of the motion in which v changed by change_; 0: none

@@ -14,8 +14,8 @@ namespace axode {
 class MomentumSimulationRun : public SimulationRun {
  public:
   MomentumSimulationRun(const Model& model, Span q_0, Span v_0, double until,
-                        const SimulationOptions& options)
-      : SimulationRun(model, q_0, v_0, until, options),
+                        const SimulationOptions& options, bool damping = false)
+      : SimulationRun(model, q_0, v_0, until, options, damping),
         phase_space_(model),
         bases_(model, q_0.data(), v_0.data(), is_loaded()),
         p_(model.nv()) {}

@@ -37,7 +37,7 @@ std::string exhausted_gas(const Model& model, Workspace<>& workspace, std::span<
 }  // namespace
 
 SimulationRun::SimulationRun(const Model& model, Span q_0, Span v_0, double until,
-                             const SimulationOptions& options)
+                             const SimulationOptions& options, bool damping)
     : trajectory(model),
       q(as_eigen(q_0)),
       v(as_eigen(v_0)),
@@ -55,6 +55,7 @@ SimulationRun::SimulationRun(const Model& model, Span q_0, Span v_0, double unti
       forces_(tau_),
       loads_(options.loads),
       until_(until),
+      damping_(damping),
       plays_(model) {
   if (!(model.loops().empty() && model.motions().empty() && options.motions.empty()))
     loops_.emplace(model, options.motions);
@@ -158,7 +159,10 @@ Failure SimulationRun::accelerate_now() {
 SimulationRun::Span SimulationRun::joint_force_sum(Span q_t, Span v_t) {
   forces_ = tau_;
   if (!model_.springs().empty()) add_spring_forces(model_, workspace_, q_t, v_t, as_span(forces_));
-  if (friction_.active()) friction_.add_losses(v_t, as_span(forces_));
+  if (friction_.active())
+    friction_.add_losses(v_t, as_span(forces_));
+  else if (damping_)
+    forces_.array() -= as_eigen(Span(tree().damping)).array() * as_eigen(v_t).array();
   return as_span(std::as_const(forces_));
 }
 
@@ -210,14 +214,15 @@ void SimulationRun::residual_derivatives(const Vector& q_t, const Vector& v_t, c
                                          const InverseDynamicsDerivatives<double>& dr) {
   const Eigen::Index nv = model_.nv();
   const Span q_s = as_span(q_t), v_s = as_span(v_t);
-  const bool forces = !model_.springs().empty() || friction_.active() || !drives_.empty();
+  const bool damped = friction_.active() || damping_;
+  const bool forces = !model_.springs().empty() || damped || !drives_.empty();
   SquareMatrix by_q, by_v, drives_by_q, drives_by_v;  // of springs, and of drives and damping
   if (forces) {
     by_q.resize(nv, nv);
     by_v.resize(nv, nv);
     spring_force_derivatives(model_, workspace_, q_s, v_s, {as_span(by_q), as_span(by_v)});
     drives_by_q = drives_by_v = SquareMatrix::Zero(nv, nv);
-    if (friction_.active()) drives_by_v.diagonal() -= as_eigen(Span(tree().damping));
+    if (damped) drives_by_v.diagonal() -= as_eigen(Span(tree().damping));
     if (!drives_.empty()) drives_.add_force_derivatives(q_s, v_s, drives_by_q, drives_by_v);
   }
   Eigen::Map<SquareMatrix> r_q(dr.q.data(), nv, nv), r_v(dr.v.data(), nv, nv), r_a(dr.a.data(), nv, nv);

@@ -36,7 +36,9 @@ class SimulationRun {
   using Vector = Eigen::VectorXd;
   using Span = std::span<const double>;
 
-  SimulationRun(const Model& model, Span q_0, Span v_0, double until, const SimulationOptions& options);
+  /// `damping` says whether joints are damped although the options ask for no joint losses.
+  SimulationRun(const Model& model, Span q_0, Span v_0, double until, const SimulationOptions& options,
+                bool damping = false);
 
   /// Computes the accelerations a_t at time t and state (q_t, v_t) under springs, drives, loads and friction.
   Failure accelerate(double t, Span q_t, Span v_t, std::span<double> a_t);
@@ -195,7 +197,7 @@ class SimulationRun {
   Vector through_gears_;  ///< the part of tau_ that passes through gears, if there are any
   std::vector<double> values_;
   double until_, weakest_row_ = 1;
-  bool ended_ = false, accelerations_jumped_ = false;
+  bool damping_, ended_ = false, accelerations_jumped_ = false;
   int short_steps_ = 0;
   Plays plays_;
 };
