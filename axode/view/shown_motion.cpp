@@ -12,6 +12,7 @@
 #include "axode/dynamics.hpp"
 #include "axode/dynamics/spring_elements.hpp"
 #include "axode/model/configuration.hpp"
+#include "axode/view/mesh_hull.hpp"
 
 namespace axode {
 namespace {
@@ -108,6 +109,32 @@ void append_loads(std::span<const AppliedWrench<>> loads, const std::vector<int>
   append(sums, out);
 }
 
+/// The bodies of the shapes that a motion with contacts names, or nothing if the model lacks one of them.
+std::optional<std::vector<int>> bodies_in_contact(const Model& model, const ShownMotion& motion) {
+  std::vector<int> bodies;
+  if (motion.contacts.empty()) return bodies;
+  std::map<std::string, int> body_of;
+  const ContactShapes shapes(model, hull_of_mesh);
+  for (int i = 0; i < shapes.size(); ++i) body_of.emplace(shapes[i].name, shapes[i].body);
+  for (const std::string& name : motion.contact_shapes) {
+    const auto found = body_of.find(name);
+    if (found == body_of.end()) return {};
+    bodies.push_back(found->second);
+  }
+  return bodies;
+}
+
+/// Appends the forces of contacts to `loads`, as wrenches on the bodies that touch; `bodies` has the body of
+/// each shape.
+void append_contacts(std::span<const ContactForce> contacts, const std::vector<int>& bodies,
+                     std::vector<AppliedWrench<>>& loads) {
+  for (const ContactForce& contact : contacts) {
+    const Vec3<> m = cross(contact.point, contact.force) + contact.moment;
+    loads.emplace_back(bodies[static_cast<std::size_t>(contact.a)], Wrench<Spatial>{-m, -contact.force});
+    loads.emplace_back(bodies[static_cast<std::size_t>(contact.b)], Wrench<Spatial>{m, contact.force});
+  }
+}
+
 /// The normal forces of a motion with contacts, N: for each time and each pair of shapes between which there
 /// is a force at some time, the sum over the points of contact of the pair.
 view::MotionNumbers::Series contact_series(const ShownMotion& motion) {
@@ -201,7 +228,8 @@ view::MotionNumbers view::numbers_of(const Model& model, const ShownMotion& moti
   std::vector<Momentum<Spatial>> Pi(W.size());
   std::vector<double> lambda(static_cast<std::size_t>(model.loops().rows));
   std::vector<Wrench<Spatial>> of_loops_and_couplings(model.loops().all.size());
-  bool with_wrenches = !motion.a.empty() && (!loops || !motion.tau.empty());
+  const std::optional<std::vector<int>> touching = bodies_in_contact(model, motion);
+  bool with_wrenches = touching && !motion.a.empty() && (!loops || !motion.tau.empty());
   for (std::size_t k = 0; k < motion.t.size(); ++k) {
     const Row q = row(motion.q, k, model.nq()), v = row(motion.v, k, model.nv());
     const double T = kinetic_energy<double>(model, workspace, q, v),
@@ -222,6 +250,7 @@ view::MotionNumbers view::numbers_of(const Model& model, const ShownMotion& moti
     std::vector<AppliedWrench<>> loads;
     if (!motion.loads.empty()) loads = motion.loads[k];
     append_loads(loads, out.load_frames, C, out.loads);
+    if (touching && !motion.contacts.empty()) append_contacts(motion.contacts[k], *touching, loads);
     const std::size_t given = loads.size();
     append_springs(model, q, v, C, V, loads, out.tensions);
     if (!with_wrenches) continue;
