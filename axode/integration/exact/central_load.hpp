@@ -17,9 +17,10 @@ struct LoadCondition {
 /// weight (bound - |λ_N|). Infinity if there are no conditions.
 double least_reserve(const std::vector<LoadCondition>& conditions, const Eigen::VectorXd& lambda);
 
-/// Moves the loads λ along the columns of `basis` to those with the largest reserve, up to `most`, and returns
-/// this reserve (D11.31); loads with a reserve of 1e-3 `most` are left as they are. It is found by an interior-point method to about 1e-14 of `most`. O(k³) for each of
-/// some hundred iterations, with k columns. Allocates.
+/// Moves the loads λ along the columns of `basis` to those with the largest reserve, up to `most`, and
+/// returns this reserve (D11.31); loads with a reserve of 1e-3 `most` are left as they are. It is found by an
+/// interior-point method to about 1e-14 of `most`. O(k³) for each of some hundred iterations, with k columns.
+/// Allocates.
 double maximise_reserve(const std::vector<LoadCondition>& conditions, const Eigen::MatrixXd& basis,
                         double most, Eigen::VectorXd& lambda);
 

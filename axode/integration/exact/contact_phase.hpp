@@ -22,8 +22,9 @@ struct ClosedConstraint {
   ContactLaw law = ContactLaw::contact;  ///< contact, stop or dry_friction
   std::uint64_t key = 0;                 ///< key of a contact, or index of a stop or dry joint
   LawBranch branch = LawBranch::stick;   ///< stick or slide; a stop, and a contact without friction, slide
-  /// The unit direction of the friction velocities of a sliding contact, times their coefficients, in inertial
-  /// axes: sliding, then drilling and rolling. `along.x` is the sign of the velocity of a sliding dry joint.
+  /// The unit direction of the friction velocities of a sliding contact, times their coefficients, in
+  /// inertial axes: sliding, then drilling and rolling. `along.x` is the sign of the velocity of a sliding
+  /// dry joint.
   Vec3<> along = {}, about = {};
 
   bool same_as(const ClosedConstraint& other) const { return law == other.law && key == other.key; }
@@ -65,8 +66,8 @@ class ContactPhase {
 
   // After accelerate():
   /// The number that becomes negative when normal forces or friction cannot hold the constraints of the phase
-  /// (D11.31): the largest, over all loads that give these accelerations, of their least reserve, as a part of
-  /// the motion by all forces.
+  /// (D11.31): the largest, over all loads that give these accelerations, of their least reserve, as a part
+  /// of the motion by all forces.
   double reserve();
   /// For each constraint in `closed`, its sliding velocity along its direction, or infinity if it does not
   /// slide; the norm of its sliding velocity; and the speed below which both are rounding errors.
@@ -126,8 +127,8 @@ class ContactPhase {
     std::array<double, LawBlock::most_rows - 1> friction = {};  ///< forces of the friction rows per unit
   };
   void list_touching(const Vector& q, double most);
-  /// Chooses the branches of `closed` by the velocities v, of which `of_motion` is the part that is a rounding
-  /// error. Removes those that open, and writes whether others approach to `impacts`.
+  /// Chooses the branches of `closed` by the velocities v, of which `of_motion` is the part that is a
+  /// rounding error. Removes those that open, and writes whether others approach to `impacts`.
   void select_slow(const Vector& v, double of_motion, bool& impacts);
   std::string find(const Vector& q);  ///< finds all points of contact at q
   const ContactPoint* point(std::uint64_t key) const;
@@ -139,8 +140,8 @@ class ContactPhase {
   bool has_friction(std::size_t k) const;
   double largest_row() const { return Y_.size() > 0 ? Y_.colwise().norm().maxCoeff() : 0; }
   /// The present sliding velocity of a contact in `closed`, of its friction rows times their coefficients:
-  /// writes its direction to `s` and returns its norm. What it turns by from the stored direction is reduced by
-  /// `resolution`, because friction amplifies errors of the direction near rest (D11.29a).
+  /// writes its direction to `s` and returns its norm. What it turns by from the stored direction is reduced
+  /// by `resolution`, because friction amplifies errors of the direction near rest (D11.29a).
   double direction(std::size_t k, double* s) const;
   /// Writes the direction `s` of the friction rows of a contact to `along` and `about`.
   void store_direction(std::size_t k, const double* s);

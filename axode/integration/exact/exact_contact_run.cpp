@@ -337,8 +337,8 @@ void ExactContactRun::add_event(const ContactPhase::Impact& it, double t) {
                                        .shortened = it.shortened});
 }
 
-/// Adds the events at which the constraints `before` became those of the present phase. `met` are the impacts,
-/// and `stopped` says which of `before` ceased to slide.
+/// Adds the events at which the constraints `before` became those of the present phase. `met` are the
+/// impacts, and `stopped` says which of `before` ceased to slide.
 void ExactContactRun::note_changes(double t, const std::vector<ClosedConstraint>& before,
                                    const std::vector<ContactPhase::Impact>& met,
                                    const std::vector<char>& stopped) {

@@ -165,7 +165,8 @@ ContactPhase::Vector ContactPhase::correction(const std::vector<int>& rows, cons
     R.col(j) /= size;
     b[j] = -u[rows[index(j)]] / size;
   }
-  // Rows that depend on each other where the loops are closed seem to be independent if they are a little open.
+  // Rows that depend on each other where the loops are closed seem to be independent if they are a little
+  // open.
   constexpr double dependent = 1e-5;
   return least_squares(R.transpose(), b, dependent);
 }
