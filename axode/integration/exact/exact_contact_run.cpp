@@ -171,38 +171,19 @@ Failure ExactContactRun::take_up_to(double t_1, StepEnd& end, const Attempt& att
 Failure ExactContactRun::find_event(double& t_1, StepEnd& end, std::vector<double>& at_high, Marks& marks,
                                     const Attempt& attempt) {
   const double t_0 = now(), resolution = std::max(2e-15 * (t_1 - t_0), 2.3e-16 * t_1);
-  std::vector<double> at_low = entries(t_0, now_);
-  double low = t_0, high = t_1, weight_low = 1, weight_high = 1;
+  ChangeSearch search(t_0, t_1, resolution, entries(t_0, now_), at_high);
   StepEnd here, after = end;
-  for (int tries = 0; high - low > resolution; ++tries) {
-    const auto first = static_cast<std::size_t>(std::ranges::min_element(at_high) - at_high.begin());
-    const double f_low =
-        first < at_low.size() && std::isfinite(at_low[first]) ? weight_low * std::max(at_low[first], 0.0) : 0;
-    const double f_high = weight_high * at_high[first];
-    double t = low + (high - low) * (f_low > 0 ? f_low / (f_low - f_high) : 0.5);
-    if (tries % 8 == 7 || !(t > low && t < high)) t = low + (high - low) / 2;
-    t = std::clamp(t, low + 0.4 * resolution, high - 0.4 * resolution);
-    if (!(t > low && t < high)) break;  // no number lies in between
+  while (search.continues()) {
+    const double t = search.t();
     Marks there;
     if (Failure failure = attempt(t, here)) return failure;
     if (Failure failure = mark(t, here.q, here.v, here.a, there)) return failure;
-    const std::vector<double> found = entries(t, there);
-    // Illinois: the end that stays counts half, so that both ends approach the event.
-    if (std::ranges::any_of(found, is_negative)) {
-      high = t;
-      at_high = found;
-      marks = there;
-      after = here;
-      weight_high = 1;
-      weight_low *= 0.5;
-    } else {
-      low = t;
-      at_low = found;
-      weight_low = 1;
-      weight_high *= 0.5;
-    }
+    if (!search.take(entries(t, there))) continue;
+    marks = there;
+    after = here;
   }
-  t_1 = high;
+  t_1 = search.found();
+  at_high = search.numbers();
   end = after;
   return {};
 }
@@ -219,7 +200,7 @@ double ExactContactRun::before_turn(double t, const std::vector<double>& found, 
   return now() + part * length;
 }
 
-/// Which constraints cease to slide at t, also those that would do so a moment later.
+/// Says for each constraint whether it ceases to slide at t, or would do so a moment later.
 std::vector<char> ExactContactRun::stopping(double t, const std::vector<double>& found,
                                             const Marks& marks) const {
   const double length = t - now();

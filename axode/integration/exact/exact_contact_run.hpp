@@ -22,7 +22,7 @@ class ExactContactRun : public SimulationRun {
   Failure take_up_to(double t_1, StepEnd& end, const Attempt& attempt);
 
  private:
-  /// What decides at a state whether the phase has ended.
+  /// The numbers that decide at a state whether the phase has ended.
   struct Marks {
     double reserve = 0;  ///< ContactPhase::reserve(), as a part of all accelerations
     std::vector<double> slips = {}, speeds = {};

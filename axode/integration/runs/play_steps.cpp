@@ -105,35 +105,17 @@ double SimulationRun::time_of_dip(double t_1, const StepEnd& end) const {
 Failure SimulationRun::find_change(double& t_1, StepEnd& end, const Attempt& attempt,
                                    std::vector<double>& reserve) {
   const double t_0 = now(), resolution = std::max(1e-13 * (t_1 - t_0), 1e-15 * t_1);
-  std::vector<double> at_low, found;
+  std::vector<double> found;
   StepEnd here{q, v, a, drives_.x, drives_.dx}, after = end;
-  if (Failure failure = reserves(t_0, here, at_low)) return failure;
-  double low = t_0, high = t_1, weight_low = 1, weight_high = 1;
-  for (int tries = 0; high - low > resolution; ++tries) {
-    const auto first = static_cast<std::size_t>(std::ranges::min_element(reserve) - reserve.begin());
-    const double f_low = weight_low * std::max(at_low[first], 0.0), f_high = weight_high * reserve[first];
-    double t = low + (high - low) * (f_low > 0 ? f_low / (f_low - f_high) : 0.5);
-    if (tries % 8 == 7 || !(t > low && t < high)) t = low + (high - low) / 2;
-    t = std::clamp(t, low + 0.4 * resolution, high - 0.4 * resolution);
-    if (!(t > low && t < high)) break;  // no number lies in between
-    if (Failure failure = attempt(t, end)) return failure;
-    if (Failure failure = reserves(t, end, found)) return failure;
-    const bool changed = std::ranges::any_of(found, [](double r) { return r < 0; });
-    // Illinois: the end that stays counts half, so that both ends approach the change.
-    if (changed) {
-      high = t;
-      reserve = found;
-      after = end;
-      weight_high = 1;
-      weight_low *= 0.5;
-    } else {
-      low = t;
-      at_low = found;
-      weight_low = 1;
-      weight_high *= 0.5;
-    }
+  if (Failure failure = reserves(t_0, here, found)) return failure;
+  ChangeSearch search(t_0, t_1, resolution, found, reserve);
+  while (search.continues()) {
+    if (Failure failure = attempt(search.t(), end)) return failure;
+    if (Failure failure = reserves(search.t(), end, found)) return failure;
+    if (search.take(found)) after = end;
   }
-  t_1 = high;
+  t_1 = search.found();
+  reserve = search.numbers();
   end = after;
   end.a.resize(0);  // the last evaluation was another one
   return {};
@@ -146,7 +128,7 @@ std::string SimulationRun::too_many_changes(const char* what) {
 
 Failure SimulationRun::take_up_to_play(double t_1, StepEnd& end, const Attempt& attempt) {
   std::vector<double> reserve;
-  const auto changes = [&] { return std::ranges::any_of(reserve, [](double r) { return r < 0; }); };
+  const auto changes = [&] { return ChangeSearch::changed(reserve); };
   const double t_0 = now(), length = t_1 - t_0;
   if (Failure failure = reserves(t_1, end, reserve)) return failure;
   if (const double dip = time_of_dip(t_1, end); !changes() && dip < t_1) {

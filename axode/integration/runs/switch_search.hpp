@@ -1,5 +1,8 @@
 #pragma once
 #include <algorithm>
+#include <cmath>
+#include <utility>
+#include <vector>
 
 namespace axode {
 
@@ -38,6 +41,53 @@ class SwitchSearch {
 
  private:
   double resolution_, low_, high_, f_low_, f_high_, t_;
+  int tries_ = 0;
+};
+
+/// Finds the time in a step from t_0 to t_1 just after which the first of several numbers becomes negative, by
+/// regula falsi (Illinois) and bisection. One of the numbers is negative at t_1. There may be more of them at
+/// some times than at others, and those that count nowhere else are infinite or absent at t_0.
+class ChangeSearch {
+ public:
+  using Numbers = std::vector<double>;
+
+  ChangeSearch(double t_0, double t_1, double resolution, Numbers at_0, Numbers at_1)
+      : resolution_(resolution), low_(t_0), high_(t_1), at_low_(std::move(at_0)), at_high_(std::move(at_1)) {}
+
+  static bool changed(const Numbers& x) {
+    return std::ranges::any_of(x, [](double number) { return number < 0; });
+  }
+  /// Whether another time is wanted, which is then t().
+  bool continues() {
+    if (!(high_ - low_ > resolution_)) return false;
+    const auto first = static_cast<std::size_t>(std::ranges::min_element(at_high_) - at_high_.begin());
+    const bool known = first < at_low_.size() && std::isfinite(at_low_[first]);
+    const double f_low = known ? weight_low_ * std::max(at_low_[first], 0.0) : 0,
+                 f_high = weight_high_ * at_high_[first];
+    t_ = low_ + (high_ - low_) * (f_low > 0 ? f_low / (f_low - f_high) : 0.5);
+    if (tries_++ % 8 == 7 || !(t_ > low_ && t_ < high_)) t_ = low_ + (high_ - low_) / 2;
+    t_ = std::clamp(t_, low_ + 0.4 * resolution_, high_ - 0.4 * resolution_);
+    return t_ > low_ && t_ < high_;  // otherwise no number lies in between
+  }
+  double t() const { return t_; }
+  /// Takes the numbers at t(). Returns whether one of them is negative.
+  bool take(const Numbers& found) {
+    const bool after = changed(found);
+    // Illinois: the end that stays counts half, so that both ends approach the change.
+    (after ? high_ : low_) = t_;
+    (after ? at_high_ : at_low_) = found;
+    (after ? weight_high_ : weight_low_) = 1;
+    (after ? weight_low_ : weight_high_) *= 0.5;
+    return after;
+  }
+  /// The time just after the change, and the numbers there.
+  double found() const { return high_; }
+  const Numbers& numbers() const { return at_high_; }
+
+ private:
+  double resolution_, low_, high_, t_ = 0;
+  Numbers at_low_, at_high_;
+  double weight_low_ = 1, weight_high_ = 1;
   int tries_ = 0;
 };
 
