@@ -39,15 +39,6 @@ void check_motion(const Model& model, double step, const Loads<double>& loads, c
   check_configuration(model, arguments.begin()->x);
 }
 
-/// Sets results to NaN if the motion failed or one is not finite. Returns the status with the reason.
-Solvability solved(Solvability verdict, std::initializer_list<std::span<double>> results) {
-  for (const std::span<double> x : results) {
-    const Solvability one = solved(verdict, static_cast<std::ptrdiff_t>(x.size()), x.data());
-    if (verdict.ok() && !one.ok()) return solved(one, results);
-  }
-  return verdict;
-}
-
 /// Sets the state from which steps are taken.
 void begin(TangentSteps& steps, Span q, Span v) {
   std::ranges::copy(q, steps.q.begin());
@@ -227,7 +218,7 @@ Solvability step_derivatives(const Model& model, Workspace<double>& workspace, S
   Eigen::Map<Rows> A(end.A.data(), 2 * n, 2 * n), B(end.B.data(), 2 * n, n);
   A << steps.dq.leftCols(2 * n), steps.dy.leftCols(2 * n);
   B << steps.dq.rightCols(n), steps.dy.rightCols(n);
-  return solved(verdict, {end.q, end.v, end.A, end.B});
+  return solved_or_nan(verdict, {end.q, end.v, end.A, end.B});
 }
 
 Solvability rollout_jvp(const Model& model, Span q, Span v, Span tau, double step, Span dq, Span dv,
@@ -282,7 +273,7 @@ Solvability rollout_jvp(const Model& model, Span q, Span v, Span tau, double ste
               });
     write(k + 1);
   }
-  return solved(verdict, {dq_out, dv_out});
+  return solved_or_nan(verdict, {dq_out, dv_out});
 }
 
 Solvability rollout_vjp(const Model& model, Span q, Span v, Span tau, double step, Span w_q, Span w_v,
@@ -331,7 +322,7 @@ Solvability rollout_vjp(const Model& model, Span q, Span v, Span tau, double ste
   }
   std::copy_n(by_q.data(), nv, gradient.q.data());
   std::copy_n(by_v.data(), nv, gradient.v.data());
-  return solved(verdict, {gradient.q, gradient.v, gradient.tau, gradient.geometry});
+  return solved_or_nan(verdict, {gradient.q, gradient.v, gradient.tau, gradient.geometry});
 }
 
 }  // namespace axode

@@ -62,8 +62,8 @@ class DriveTangentSteps {
   }
 
   DriveSteps steps;  ///< present state
-  /// Its displacements dq, and dy of v and x. The columns are the directions and, as the last one, a longer
-  /// step.
+  /// The displacements of this state: dq of q, and dy of (v, x). Each direction has a column. The last column is
+  /// the change of the state if the step becomes longer.
   TangentSteps tangent;
 
   /// Advances the motion to t_1 under the forces tau, if these change by dtau (nv × directions) and the
@@ -177,17 +177,6 @@ void check_motion(const Model& model, const DriveSystem& drives, double t, Span 
   if (!finite(t)) throw std::invalid_argument("t is not finite");
 }
 
-/// Sets results to NaN if the motion failed or one is not finite. Returns the status with the reason.
-Solvability solved(Solvability verdict, std::initializer_list<std::span<double>> results) {
-  const auto all_finite = [&] {
-    return std::ranges::all_of(results, [](std::span<double> x) { return finite(Span(x)); });
-  };
-  if (verdict.ok() && !all_finite()) verdict.not_finite = true;
-  if (!verdict.ok())
-    for (const std::span<double> x : results) std::ranges::fill(x, std::numeric_limits<double>::quiet_NaN());
-  return verdict;
-}
-
 /// Row k of a list of rows of `width` numbers, as a matrix of one column.
 Matrix column(Span rows, std::size_t k, std::size_t width) {
   return Eigen::Map<const Matrix>(rows.data() + k * width, index(width), 1);
@@ -242,7 +231,7 @@ Solvability rollout_derivatives_with_drives(const Model& model, const DriveSyste
     Eigen::Map<Rows>(out.B.data() + k * n * at.nv, m, nv) = all.middleCols(m, nv);
     Eigen::Map<Rows>(out.C.data() + k * n * at.nu, m, nu) = all.middleCols(m + nv, nu);
   }
-  return solved(verdict, {out.q, out.v, out.x, out.A, out.B, out.C});
+  return solved_or_nan(verdict, {out.q, out.v, out.x, out.A, out.B, out.C});
 }
 
 Solvability rollout_jvp_with_drives(const Model& model, const DriveSystem& drives, double t, Span q, Span v,
@@ -283,7 +272,7 @@ Solvability rollout_jvp_with_drives(const Model& model, const DriveSystem& drive
                                    column(d.tau, k, at.nv), column(d.u, k, at.nu));
     write(k + 1);
   }
-  return solved(verdict, {out.q, out.v, out.x});
+  return solved_or_nan(verdict, {out.q, out.v, out.x});
 }
 
 Solvability rollout_vjp_with_drives(const Model& model, const DriveSystem& drives, double t, Span q, Span v,
@@ -328,7 +317,7 @@ Solvability rollout_vjp_with_drives(const Model& model, const DriveSystem& drive
   std::copy_n(by.data(), at.nv, gradient.q.data());
   std::copy_n(by.data() + at.nv, at.nv, gradient.v.data());
   std::copy_n(by.data() + 2 * at.nv, at.nx, gradient.x.data());
-  return solved(verdict, {gradient.q, gradient.v, gradient.x, gradient.tau, gradient.u});
+  return solved_or_nan(verdict, {gradient.q, gradient.v, gradient.x, gradient.tau, gradient.u});
 }
 
 }  // namespace axode

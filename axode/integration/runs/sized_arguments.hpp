@@ -2,6 +2,7 @@
 #include <initializer_list>
 
 #include "axode/kinematics/check_arguments.hpp"
+#include "axode/recursion/solvability.hpp"
 
 namespace axode {
 
@@ -24,6 +25,14 @@ inline void check_sizes(std::initializer_list<Sized<const double>> arguments,
     for (const auto* other = results.begin(); other != out; ++other)
       check_separate(out->name, out->x, other->name, other->x);
   }
+}
+
+/// Sets all results to NaN if the motion failed or one of them is not finite. Returns the status with the
+/// reason.
+inline Solvability solved_or_nan(const Solvability& verdict,
+                                 std::initializer_list<std::span<double>> results) {
+  const Solvability all = solved(verdict, results);
+  return all.ok() ? all : solved(all, results);
 }
 
 /// The number K of the steps of a motion, from the size K nv of its drive forces; 0 if nv is 0.
