@@ -10,38 +10,24 @@
 namespace axode::fmi {
 namespace {
 
-/// The properties of mechanisms that FMUs of each kind take into account or refuse, for co-simulation without
-/// and with contact. Contact, hard stops and losses of joints are refused elsewhere.
-constexpr catalog::Counts of_co_simulation{.loops = catalog::counted,
-                                           .passive_joints = catalog::counted,
-                                           .springs = catalog::counted,
-                                           .joint_losses = catalog::optional,
-                                           .motions = catalog::counted,
-                                           .drives = catalog::counted,
-                                           .plays = catalog::counted,
-                                           .contacts = catalog::of_the_tree()};
-constexpr catalog::Count without_contact = catalog::refused("remove [contact] and the hard stops of joints");
-constexpr catalog::Counts of_motions_with_contact{.loops = catalog::counted,
-                                                  .passive_joints = catalog::counted,
-                                                  .springs = catalog::counted,
-                                                  .joint_losses = catalog::optional,
-                                                  .motions = without_contact,
-                                                  .drives = without_contact,
-                                                  .plays = without_contact,
-                                                  .contacts = catalog::counted};
-constexpr catalog::Counts of_model_exchange{.loops = catalog::counted,
-                                            .passive_joints = catalog::counted,
-                                            .springs = catalog::counted,
-                                            .joint_losses = catalog::optional,
-                                            .motions = catalog::counted,
-                                            .drives = catalog::counted,
-                                            .plays = catalog::counted,
-                                            .contacts = catalog::of_the_tree()};
-
-const catalog::Counts& counts(const Model& model, Kind kind) {
-  if (kind == Kind::model_exchange) return of_model_exchange;
-  return moves_with_contact(model) ? of_motions_with_contact : of_co_simulation;
-}
+/// The properties of mechanisms that FMUs take into account or refuse. Contact, hard stops and losses of joints
+/// are refused elsewhere.
+constexpr catalog::Counts without_contact{.loops = catalog::counted,
+                                          .passive_joints = catalog::counted,
+                                          .springs = catalog::counted,
+                                          .joint_losses = catalog::optional,
+                                          .motions = catalog::counted,
+                                          .drives = catalog::counted,
+                                          .plays = catalog::counted,
+                                          .contacts = catalog::of_the_tree()};
+/// Those of FMUs for co-simulation of mechanisms that move with contact.
+constexpr catalog::Counts with_contact = [] {
+  catalog::Counts counts = without_contact;
+  counts.motions = counts.drives = counts.plays =
+      catalog::refused("remove [contact] and the hard stops of joints");
+  counts.contacts = catalog::counted;
+  return counts;
+}();
 
 /// Throws std::invalid_argument for a collision shape that is a mesh, whose file an FMU does not contain.
 void refuse_meshes(const std::string& fmu, const Model& model) {
@@ -64,7 +50,7 @@ void check_supported(const Model& model, const Settings& settings, Kind kind) {
   const std::string fmu = exchange  ? "an FMU for model exchange"
                           : touches ? "an FMU for co-simulation with contact"
                                     : "an FMU for co-simulation";
-  catalog::check_counts(fmu, counts(model, kind), model, catalog::Caller::whole);
+  catalog::check_counts(fmu, touches ? with_contact : without_contact, model, catalog::Caller::whole);
   const auto refuse = [&](const std::string& property, const std::string& where, const char* instead) {
     throw std::invalid_argument(fmu + " does not count " + property + ", and " + where + " of model \"" +
                                 model.name() + "\" has it; " + instead);
