@@ -95,7 +95,7 @@ Solvability ContactSystem::set(const double* q, std::span<const Contact> contact
   }
   for (std::size_t k = 0; k < stops_.size(); ++k) {
     const JointStop& stop = stops_[k];
-    const double room = stop.side * (q[stop.coordinate] - stop.limit);
+    const double room = stop.room(q);
     if (!(room < stop_margin)) continue;
     add_unit_row(ContactLaw::stop, stop.velocity, stop.side, 0);
     room_.push_back(room);

@@ -42,6 +42,9 @@ struct JointStop {
   int coordinate = 0, velocity = 0;
   double limit = 0, side = 1;  ///< `limit` in rad or m
   double restitution = 0;
+
+  /// The distance from the stop at q, rad or m; it is negative beyond the stop.
+  double room(const double* q) const { return side * (q[coordinate] - limit); }
 };
 /// Dry friction of a joint with one velocity.
 struct DryJoint {

@@ -60,6 +60,10 @@ std::string ContactPhase::name_of(ContactLaw law, std::uint64_t key) const {
   return {};
 }
 
+bool ContactPhase::is_closed(ContactLaw law, std::uint64_t key) const {
+  return std::ranges::any_of(closed, [&](const auto& c) { return c.law == law && c.key == key; });
+}
+
 double ContactPhase::limit_of(const ClosedConstraint& c) const { return system_.dry_joints()[c.key].force; }
 
 int ContactPhase::row_of(std::size_t k) const {
@@ -108,12 +112,15 @@ bool ContactPhase::has_friction(std::size_t k) const {
   return std::any_of(first, first + system_.contact_rows() - 1, [](double c) { return c > 0; });
 }
 
+std::array<double, LawBlock::most_rows - 1> ContactPhase::stored_direction(std::size_t k) const {
+  const auto& [normal, t1, t2] = axes_of(k);
+  const Vec3<>&along = closed[k].along, &about = closed[k].about;
+  return {dot(along, t1), dot(along, t2), dot(about, normal), dot(about, t1), dot(about, t2)};
+}
+
 double ContactPhase::direction(std::size_t k, double* s) const {
   const int row = row_of(k), n = system_.contact_rows() - 1;
-  const auto& [normal, t1, t2] = axes_of(k);
-  const ClosedConstraint& c = closed[k];
-  const std::array<double, LawBlock::most_rows - 1> stored{
-      dot(c.along, t1), dot(c.along, t2), dot(c.about, normal), dot(c.about, t1), dot(c.about, t2)};
+  const std::array<double, LawBlock::most_rows - 1> stored = stored_direction(k);
   double squares = 0, forward = 0, length = 0, across = 0, out = 0;
   for (int i = 0; i < n; ++i) {
     s[i] = c_[index(row + 1 + i)] * u_[row + 1 + i];
@@ -200,9 +207,7 @@ std::string ContactPhase::accelerate(const Vector& q, const Vector& v, const For
     if (slides) {
       std::array<double, LawBlock::most_rows - 1> s{};
       speeds_[k] = direction(k, s.data());
-      const auto& [normal, t1, t2] = axes_of(k);
-      const std::array<double, LawBlock::most_rows - 1> stored{
-          dot(c.along, t1), dot(c.along, t2), dot(c.about, normal), dot(c.about, t1), dot(c.about, t2)};
+      const std::array<double, LawBlock::most_rows - 1> stored = stored_direction(k);
       slips_[k] = 0;
       for (int i = 0; i < n; ++i) {
         slips_[k] += c_[index(row + 1 + i)] * u_[row + 1 + i] * stored[index(i)];
@@ -350,9 +355,6 @@ std::string ContactPhase::gaps(const Vector& q, const Vector& v, const Vector& a
   if (std::string why = find(q); !why.empty()) return why;
   out.clear();
   const ContactShapes& shapes = finder_.shapes();
-  const auto is_closed = [&](ContactLaw law, std::uint64_t key) {
-    return std::ranges::any_of(closed, [&](const auto& c) { return c.law == law && c.key == key; });
-  };
   if (!finder_.points().empty()) {
     motion_.run(q.data(), v.data(), v, a);
     system_.move_bodies(v.data());
@@ -379,8 +381,8 @@ std::string ContactPhase::gaps(const Vector& q, const Vector& v, const Vector& a
   for (std::size_t k = 0; k < system_.stops().size(); ++k) {
     const JointStop& stop = system_.stops()[k];
     if (is_closed(ContactLaw::stop, k)) continue;
-    out.push_back({ContactLaw::stop, k, stop.side * (q[stop.coordinate] - stop.limit),
-                   stop.side * v[stop.velocity], stop.side * a[stop.velocity]});
+    out.push_back({ContactLaw::stop, k, stop.room(q.data()), stop.side * v[stop.velocity],
+                   stop.side * a[stop.velocity]});
   }
   return {};
 }

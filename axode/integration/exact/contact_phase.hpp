@@ -132,6 +132,7 @@ class ContactPhase {
   void select_slow(const Vector& v, double of_motion, bool& impacts);
   std::string find(const Vector& q);  ///< finds all points of contact at q
   const ContactPoint* point(std::uint64_t key) const;
+  bool is_closed(ContactLaw law, std::uint64_t key) const;  ///< whether `closed` has this constraint
   /// Makes the rows of all constraints in `closed` at q. Dry joints have their friction times h as bounds.
   std::string make_rows(const Vector& q, double h = 1);
   int row_of(std::size_t k) const;  ///< the first row of a constraint in `closed`, after make_rows()
@@ -143,6 +144,8 @@ class ContactPhase {
   /// writes its direction to `s` and returns its norm. What it turns by from the stored direction is reduced
   /// by `resolution`, because friction amplifies errors of the direction near rest (D11.29a).
   double direction(std::size_t k, double* s) const;
+  /// The components of the stored direction of a contact in the axes of its friction rows.
+  std::array<double, LawBlock::most_rows - 1> stored_direction(std::size_t k) const;
   /// Writes the direction `s` of the friction rows of a contact to `along` and `about`.
   void store_direction(std::size_t k, const double* s);
   ContactFrame axes_of(std::size_t k) const { return contact_frame(contacts_[k].normal); }

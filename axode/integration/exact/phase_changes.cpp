@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "axode/eigen.hpp"
 #include "axode/integration/exact/contact_phase.hpp"
@@ -34,9 +35,7 @@ void ContactPhase::set_directed_problem() {
   const std::size_t n = contacts_.size();
   for (std::size_t k = 0; k < system_.stops().size(); ++k) {
     const std::size_t row = index(problem.blocks()[n + k].first);
-    const bool is_closed =
-        std::ranges::any_of(closed, [&](const auto& c) { return c.law == ContactLaw::stop && c.key == k; });
-    if (!is_closed) problem.r[row] = directed * size * std::sqrt(d2[row]);
+    if (!is_closed(ContactLaw::stop, k)) problem.r[row] = directed * size * std::sqrt(d2[row]);
   }
   for (std::size_t k = 0; k < closed.size(); ++k) {
     if (closed[k].branch != LawBranch::slide || !has_friction(k)) continue;
@@ -210,7 +209,7 @@ std::string ContactPhase::overlap(const Vector& q, double most) {
              " m, and the exact mode does not part them; begin without overlap, or use the method contact";
   for (std::size_t k = 0; k < system_.stops().size(); ++k) {
     const JointStop& stop = system_.stops()[k];
-    const double room = stop.side * (q[stop.coordinate] - stop.limit);
+    const double room = stop.room(q.data());
     if (room < -most)
       return "joint \"" + name_of(ContactLaw::stop, k) + "\" is beyond its stop by " + to_text(-room) +
              "; begin within its limits, or use the method contact";
@@ -220,22 +219,18 @@ std::string ContactPhase::overlap(const Vector& q, double most) {
 
 /// Lists what touches at q, and all dry joints, in `closed`, without branches.
 void ContactPhase::list_touching(const Vector& q, double most) {
-  const std::vector<ClosedConstraint> before = closed;
-  const auto was_closed = [&](ContactLaw law, std::uint64_t key) {
-    return std::ranges::any_of(before, [&](const auto& c) { return c.law == law && c.key == key; });
-  };
-  closed.clear();
+  std::vector<ClosedConstraint> touching;
   for (const ContactPoint& at : finder_.points())
-    if (at.gap <= most || was_closed(ContactLaw::contact, at.key))
-      closed.push_back({.law = ContactLaw::contact, .key = at.key});
+    if (at.gap <= most || is_closed(ContactLaw::contact, at.key))
+      touching.push_back({.law = ContactLaw::contact, .key = at.key});
   for (std::size_t k = 0; k < system_.stops().size(); ++k) {
     const JointStop& stop = system_.stops()[k];
-    const bool near = stop.side * (q[stop.coordinate] - stop.limit) <= most;
-    if (near || was_closed(ContactLaw::stop, k))
-      closed.push_back({.law = ContactLaw::stop, .key = k, .branch = LawBranch::slide});
+    if (stop.room(q.data()) <= most || is_closed(ContactLaw::stop, k))
+      touching.push_back({.law = ContactLaw::stop, .key = k, .branch = LawBranch::slide});
   }
   for (std::size_t k = 0; k < system_.dry_joints().size(); ++k)
-    closed.push_back({.law = ContactLaw::dry_friction, .key = k});
+    touching.push_back({.law = ContactLaw::dry_friction, .key = k});
+  closed = std::move(touching);
 }
 
 void ContactPhase::select_slow(const Vector& v, double of_motion, bool& impacts) {
@@ -267,10 +262,7 @@ void ContactPhase::select_slow(const Vector& v, double of_motion, bool& impacts)
     c.along = c.about = {};
   }
   std::size_t k = 0;
-  std::vector<ClosedConstraint> stay;
-  for (const ClosedConstraint& c : closed)
-    if (!leaves[k++]) stay.push_back(c);
-  closed = std::move(stay);
+  std::erase_if(closed, [&](const ClosedConstraint&) { return leaves[k++] != 0; });
 }
 
 std::string ContactPhase::start(const Vector& q, const Vector& v, double most, bool& impacts) {
