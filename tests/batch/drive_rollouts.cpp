@@ -142,7 +142,7 @@ TEST(DriveRollouts, StickAndSlideAsSimulationsDo) {
     ASSERT_TRUE(roll(model, from, sway, call, out).ok());
     EXPECT_GT(expect_simulations(model, from, sway, call, out), 6U);
 
-    // The same forces, given for each step instead of by a function of time.
+    // A rollout that receives these forces for each step takes the same motion as with a function of time.
     const auto constant = [](double, Span, Span, std::span<double> tau) { tau[0] = 0.2; };
     Rolled by_drive(out), by_rows(out);
     ASSERT_TRUE(roll(model, from, constant, call, by_drive).ok());

@@ -14,21 +14,6 @@ class ExactContactMotions : public testing::TestWithParam<std::string> {
 };
 INSTANTIATE_TEST_SUITE_P(Vectors, ExactContactMotions, testing::ValuesIn(contact_cases()), case_name);
 
-/// Whether a contact of a state is closed and its bodies approach; the files take its friction by another law.
-bool approaches(const ReferenceContacts& reference, const Model& model, const Json& state) {
-  ContactDynamics dynamics(model, reference.contact_rows());
-  const std::vector<Contact> contacts = reference.contacts(model, state);
-  static_cast<void>(dynamics.solve(numbers(state.at("q")), numbers(state.at("v")), numbers(state.at("tau")),
-                                   contacts, {.h = 1e-3, .threshold = reference.threshold}));
-  std::vector<double> u(static_cast<std::size_t>(dynamics.system().problem().rows()));
-  dynamics.system().times(numbers(state.at("v")).data(), u.data());
-  for (std::size_t k = 0; k < contacts.size(); ++k) {
-    const int row = dynamics.system().problem().blocks()[k].first;
-    if (contacts[k].gap < 1e-9 && u[static_cast<std::size_t>(row)] < -1e-3) return true;
-  }
-  return false;
-}
-
 TEST_P(ExactContactMotions, EndAtTheLimit) {
   const ReferenceContacts reference(GetParam());
   const Model model = reference.build();
@@ -37,16 +22,10 @@ TEST_P(ExactContactMotions, EndAtTheLimit) {
     const std::string name = motion.at("state").text();
     SCOPED_TRACE(name);
     for (const Json& state : reference.file.at("states")) {
-      if (state.at("name").text() != name || approaches(reference, model, state)) continue;
-      const std::vector<double> tau = numbers(state.at("tau"));
-      SimulationOptions options;
-      options.joint_losses = true;
-      options.drive = [&](double, std::span<const double>, std::span<const double>, std::span<double> out) {
-        std::ranges::copy(tau, out.begin());
-      };
-      const Trajectory found =
-          simulate_contact_exact(model, numbers(state.at("q")), numbers(state.at("v")),
-                                 number(motion.at("until")), {.relative = 1e-11, .absolute = 1e-11}, options);
+      if (state.at("name").text() != name || reference.begins_with_impact(model, state)) continue;
+      const Trajectory found = simulate_contact_exact(
+          model, numbers(state.at("q")), numbers(state.at("v")), number(motion.at("until")),
+          {.relative = 1e-11, .absolute = 1e-11}, ReferenceContacts::options_of(state));
       // The laws leave some motions open, and then the exact mode says so.
       if (!found.complete && found.stop_reason.find("use the method contact") != std::string::npos) continue;
       ASSERT_TRUE(found.complete) << found.stop_reason;

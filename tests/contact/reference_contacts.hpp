@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include "axode/contact/law/contact_dynamics.hpp"
+#include "axode/integration/simulation.hpp"
 #include "axode/io.hpp"
 #include "tests/contact/contact_case.hpp"
 #include "tests/support/comparison.hpp"
@@ -96,6 +97,31 @@ struct ReferenceContacts {
       out.push_back(contact);
     }
     return out;
+  }
+  /// Whether a contact of a state is closed and its bodies approach: an impact, whose friction the method of
+  /// the files takes against another velocity.
+  bool begins_with_impact(const Model& model, const Json& state) const {
+    ContactDynamics dynamics(model, contact_rows());
+    const std::vector<Contact> touching = contacts(model, state);
+    static_cast<void>(dynamics.solve(numbers(state.at("q")), numbers(state.at("v")), numbers(state.at("tau")),
+                                     touching, {.h = 1e-3, .threshold = threshold}));
+    std::vector<double> u(static_cast<std::size_t>(dynamics.system().problem().rows()));
+    dynamics.system().times(numbers(state.at("v")).data(), u.data());
+    for (std::size_t k = 0; k < touching.size(); ++k) {
+      const int row = dynamics.system().problem().blocks()[k].first;
+      if (touching[k].gap < 1e-9 && u[static_cast<std::size_t>(row)] < -1e-3) return true;
+    }
+    return false;
+  }
+  /// The options of a motion under the drive forces of a state, with joint losses.
+  static SimulationOptions options_of(const Json& state) {
+    SimulationOptions options;
+    options.joint_losses = true;
+    options.drive = [tau = numbers(state.at("tau"))](double, std::span<const double>, std::span<const double>,
+                                                     std::span<double> out) {
+      std::ranges::copy(tau, out.begin());
+    };
+    return options;
   }
 };
 

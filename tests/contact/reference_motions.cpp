@@ -18,22 +18,6 @@ struct MotionEnd {
   std::vector<double> q, v;
 };
 
-/// Whether a contact of a state is closed and its bodies approach: an impact, whose friction the method of
-/// the files takes against another velocity.
-bool begins_with_impact(const ReferenceContacts& reference, const Model& model, const Json& state) {
-  ContactDynamics dynamics(model, reference.contact_rows());
-  const std::vector<Contact> contacts = reference.contacts(model, state);
-  static_cast<void>(dynamics.solve(numbers(state.at("q")), numbers(state.at("v")), numbers(state.at("tau")),
-                                   contacts, {.h = 1e-3, .threshold = reference.threshold}));
-  std::vector<double> u(static_cast<std::size_t>(dynamics.system().problem().rows()));
-  dynamics.system().times(numbers(state.at("v")).data(), u.data());
-  for (std::size_t k = 0; k < contacts.size(); ++k) {
-    const int row = dynamics.system().problem().blocks()[k].first;
-    if (contacts[k].gap < 1e-9 && u[static_cast<std::size_t>(row)] < -1e-3) return true;
-  }
-  return false;
-}
-
 TEST_P(ContactMotions, TendToTheLimit) {
   const ReferenceContacts reference(GetParam());
   const Model model = reference.build();
@@ -42,15 +26,10 @@ TEST_P(ContactMotions, TendToTheLimit) {
     const std::string name = motion.at("state").text();
     SCOPED_TRACE(name);
     for (const Json& state : reference.file.at("states")) {
-      if (state.at("name").text() != name || begins_with_impact(reference, model, state)) continue;
-      const std::vector<double> q_0 = numbers(state.at("q")), v_0 = numbers(state.at("v")),
-                                tau = numbers(state.at("tau"));
+      if (state.at("name").text() != name || reference.begins_with_impact(model, state)) continue;
+      const std::vector<double> q_0 = numbers(state.at("q")), v_0 = numbers(state.at("v"));
       const double until = number(motion.at("until")), steps = number(motion.at("steps"));
-      SimulationOptions options;
-      options.joint_losses = true;
-      options.drive = [&](double, std::span<const double>, std::span<const double>, std::span<double> out) {
-        std::ranges::copy(tau, out.begin());
-      };
+      const SimulationOptions options = ReferenceContacts::options_of(state);
       const auto end = [&](double parts) {
         const Trajectory found = simulate_contact(model, q_0, v_0, until, until / (steps * parts), options);
         EXPECT_TRUE(found.complete) << found.stop_reason;

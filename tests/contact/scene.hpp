@@ -7,6 +7,7 @@
 #include "axode/integration/simulation.hpp"
 #include "axode/model/model.hpp"
 #include "tests/contact/reference_contacts.hpp"
+#include "tests/support/random_tree.hpp"
 
 /// Free bodies on a floor.
 namespace axode::test {
@@ -54,6 +55,23 @@ inline double energy_at(const Model& model, const Trajectory& motion, std::size_
   Workspace<> workspace(model, cut_tree);
   return kinetic_energy<double>(model, workspace, motion.q(k), motion.v(k)) +
          potential_energy<double>(model, workspace, motion.q(k));
+}
+
+/// A random tree that floats freely, under gravity, with hard stops at ±0.1 rad of its revolute joints. Other
+/// joints have no springs, losses and limits.
+inline Model floating_tree_with_stops(Random<double>& random, double restitution) {
+  Description description = random_description(
+      random,
+      {.most_bodies = 6, .couplings = false, .always_mass = true, .one_free_root = true, .springs = 0});
+  for (BodyDescription& body : description.bodies) {
+    if (body.joint.kind == JointKind::revolute) body.joint.dof.resize(1);
+    for (Dof& dof : body.joint.dof) {
+      dof = {};
+      if (body.joint.kind == JointKind::revolute)
+        dof = {.lower = -0.1, .upper = 0.1, .hard_stops = true, .restitution = restitution};
+    }
+  }
+  return ModelBuilder(description).build();
 }
 
 }  // namespace axode::test

@@ -183,17 +183,7 @@ TEST(ContactSimulation, AFloatingTreeKeepsItsMomentum) {
   int stopped = 0;
   for (std::uint64_t seed = 1; seed <= 8; ++seed) {
     Random<double> random(seed);
-    Description description = random_description(
-        random,
-        {.most_bodies = 6, .couplings = false, .always_mass = true, .one_free_root = true, .springs = 0});
-    for (BodyDescription& body : description.bodies) {
-      if (body.joint.kind == JointKind::revolute) body.joint.dof.resize(1);
-      for (Dof& dof : body.joint.dof) {
-        dof = {};
-        if (body.joint.kind == JointKind::revolute) dof = {.lower = -0.1, .upper = 0.1, .hard_stops = true};
-      }
-    }
-    const Model model = ModelBuilder(description).build();
+    const Model model = floating_tree_with_stops(random, 0);
     if (model.n_bodies() < 2) continue;
     const std::vector<double> q = neutral(model), v = random_numbers(random, model.nv());
     const Trajectory motion = simulate_contact(model, q, v, 0.5, 5e-3);

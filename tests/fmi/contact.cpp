@@ -40,7 +40,7 @@ Model hopping_ball(double restitution) {
   return ModelBuilder(d).build();
 }
 
-/// The same motion by a hard stop.
+/// A slider that hops straight up and down on a hard stop, which moves as the ball does on the floor.
 Model stopped_slide(double restitution) {
   Description d = hopping_ball(restitution).description();
   d.contact.reset();
@@ -76,7 +76,7 @@ TEST(FmuContact, BouncesAsInTheLibraryAndNearlyByTheClosedForm) {
 
 /// Each communication step begins without the impulses of the last one, from which the library continues.
 TEST(FmuContact, IsThatOfTheLibraryInStepsOfTheUsualLength) {
-  const Model model = load(AXODE_SOURCE_DIR "/examples/robots/quadruped.toml");
+  const Model model = shipped("quadruped.toml");
   const fmi::VariableTable table = variables_of(model);
   const InitialState at = initial_state(model);
   SimulationOptions options;
@@ -107,7 +107,7 @@ TEST(FmuContact, CarriesForcesOfTheMaster) {
 }
 
 TEST(FmuContact, ContinuesAsItWasSaved) {
-  const Model model = load(AXODE_SOURCE_DIR "/examples/robots/quadruped.toml");
+  const Model model = shipped("quadruped.toml");
   const fmi::VariableTable table = variables_of(model);
   const InitialState at = initial_state(model);
   Instance instance = instance_of(model, Kind::co_simulation);
@@ -122,7 +122,7 @@ TEST(FmuContact, ContinuesAsItWasSaved) {
 }
 
 TEST(FmuContact, KeepsTheShapesThatTouchInTheDrawing) {
-  const Model model = load(AXODE_SOURCE_DIR "/examples/robots/quadruped.toml");
+  const Model model = shipped("quadruped.toml");
   const auto count = [](const Description& d, ShapeDescription::Role role) {
     std::ptrdiff_t n = std::ranges::count(d.shapes, role, &ShapeDescription::role);
     for (const BodyDescription& body : d.bodies)

@@ -1,10 +1,14 @@
 #pragma once
+#include <gtest/gtest.h>
+
 #include <Eigen/Core>
 #include <algorithm>
 #include <vector>
 
 #include "axode/eigen.hpp"
 #include "axode/fmi.hpp"
+#include "axode/integration/trajectory.hpp"
+#include "tests/fmi/instance_of.hpp"
 
 namespace axode::test {
 
@@ -92,5 +96,15 @@ class EventMaster {
   std::vector<double> z_;
   std::optional<double> next_;
 };
+
+/// Expects that an instance is at the end of a motion, to within `off` in q and ten times that in v.
+inline void expect_end_of(const Trajectory& motion, fmi::Instance& instance, const fmi::VariableTable& table,
+                          double off) {
+  const std::span<const double> q = motion.q(motion.size() - 1), v = motion.v(motion.size() - 1);
+  const std::vector<double> q_end = values(instance, references(table, fmi::Role::coordinate)),
+                            v_end = values(instance, references(table, fmi::Role::velocity));
+  for (std::size_t k = 0; k < q.size(); ++k) EXPECT_NEAR(q_end[k], q[k], off) << motion.model().name();
+  for (std::size_t k = 0; k < v.size(); ++k) EXPECT_NEAR(v_end[k], v[k], 10 * off) << motion.model().name();
+}
 
 }  // namespace axode::test

@@ -61,12 +61,7 @@ int expect_the_motion(const Model& model, std::vector<double> q, const std::vect
   instance.set(references(table, Role::force), inputs);
   EventMaster master(instance);
   master.integrate(until, h);
-  const std::vector<double> q_end = values(instance, references(table, Role::coordinate)),
-                            v_end = values(instance, references(table, Role::velocity));
-  for (std::size_t k = 0; k < q.size(); ++k)
-    EXPECT_NEAR(q_end[k], motion.q(motion.size() - 1)[k], off) << model.name();
-  for (std::size_t k = 0; k < v.size(); ++k)
-    EXPECT_NEAR(v_end[k], motion.v(motion.size() - 1)[k], 10 * off) << model.name();
+  expect_end_of(motion, instance, table, off);
   return master.events;
 }
 

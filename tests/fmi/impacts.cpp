@@ -22,8 +22,6 @@ using testing::HasSubstr;
 
 constexpr double threshold = 1e-3, none = std::numeric_limits<double>::infinity();
 
-Model shipped_robot(const std::string& file) { return load(AXODE_SOURCE_DIR "/examples/robots/" + file); }
-
 /// A mechanism with a hard stop at the limits of one of its joints, or with a coupling whose play is as wide.
 Model stopped(const Model& model, const std::string& joint, double lower, double upper, double restitution,
               bool as_play) {
@@ -52,12 +50,7 @@ std::ptrdiff_t expect_the_motion(const Model& model, const Model& library, const
   start(instance, table, q, v, 1e-11);
   EventMaster master(instance);
   master.integrate(until, 5e-4);
-  const std::vector<double> q_end = values(instance, references(table, Role::coordinate)),
-                            v_end = values(instance, references(table, Role::velocity));
-  for (std::size_t k = 0; k < q.size(); ++k)
-    EXPECT_NEAR(q_end[k], motion.q(motion.size() - 1)[k], off) << model.name();
-  for (std::size_t k = 0; k < v.size(); ++k)
-    EXPECT_NEAR(v_end[k], motion.v(motion.size() - 1)[k], 10 * off) << model.name();
+  expect_end_of(motion, instance, table, off);
   return std::ranges::count(motion.play_events, true, &Trajectory::PlayEvent::impact);
 }
 
@@ -89,7 +82,7 @@ TEST(FmuPlay, MeetsItsEndsInModelExchange) {
 }
 
 TEST(FmuHardStop, BouncesAndStaysLikeAPlay) {
-  const Model pendulum = shipped_robot("double_pendulum.toml");
+  const Model pendulum = shipped("double_pendulum.toml");
   for (const double e : {0.0, 0.5}) {
     const auto of = [&](bool as_play) { return stopped(pendulum, "elbow", -0.4, 0.3, e, as_play); };
     EXPECT_GE(expect_the_motion(of(false), of(true), {1.2, 0.1}, {0, 0}, 2), 2) << e;
@@ -97,7 +90,7 @@ TEST(FmuHardStop, BouncesAndStaysLikeAPlay) {
 }
 
 TEST(FmuHardStop, ActsOnLoops) {
-  const Model four_bar = shipped_robot("four_bar.toml");
+  const Model four_bar = shipped("four_bar.toml");
   const AssemblyResult at = assemble(four_bar, initial_state(four_bar).q, initial_state(four_bar).v);
   for (const double e : {0.0, 0.6}) {
     const auto of = [&](bool as_play) {
@@ -146,7 +139,7 @@ TEST(FmuHardStop, FollowsTheClosedFormOfABounce) {
 }
 
 TEST(FmuHardStop, IsRefusedWhereItDoesNotAct) {
-  const Model model = stopped(shipped_robot("double_pendulum.toml"), "pin", -1, 1, 0.5, false);
+  const Model model = stopped(shipped("double_pendulum.toml"), "pin", -1, 1, 0.5, false);
   Instance instance = instance_of(model, Kind::model_exchange);
   instance.enter_initialization(0, {});
   instance.set(reference(variables_of(model), "q.pin"), std::vector{1.1});

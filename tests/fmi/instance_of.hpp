@@ -10,6 +10,9 @@
 /// Instances of FMUs without a binary around them.
 namespace axode::test {
 
+/// A mechanism that comes with axode.
+inline Model shipped(const std::string& file) { return load(AXODE_SOURCE_DIR "/examples/robots/" + file); }
+
 /// An instance of the FMU of a mechanism.
 inline fmi::Instance instance_of(const Model& model, fmi::Kind kind, const fmi::Settings& settings = {}) {
   std::ostringstream drawing;

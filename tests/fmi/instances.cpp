@@ -23,8 +23,6 @@ using fmi::Kind;
 using fmi::Role;
 using testing::HasSubstr;
 
-Model shipped(const std::string& file) { return load(AXODE_SOURCE_DIR "/examples/robots/" + file); }
-
 Model random_model(std::uint64_t seed) {
   Random<double> random(seed);
   return ModelBuilder(described(random_mechanism(random, {.most_bodies = 8, .always_mass = true}), random))

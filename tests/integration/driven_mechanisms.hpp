@@ -226,4 +226,18 @@ inline Model without_springs(const Model& model) {
   return ModelBuilder(d).build();
 }
 
+/// A random mechanism with drives and without springs, and its accurate motion.
+struct DrivenMotion : Driven {
+  DrivenMotion(std::uint64_t seed, double until)
+      : Driven(seed), smooth(without_springs(Driven::model)), exact(smooth) {
+    options.x = x;
+    exact = simulate(smooth, q, v, until, {.relative = 1e-12, .absolute = 1e-13}, options);
+    EXPECT_TRUE(exact.complete) << exact.stop_reason;
+  }
+
+  Model smooth;
+  SimulationOptions options;
+  Trajectory exact;
+};
+
 }  // namespace axode::test

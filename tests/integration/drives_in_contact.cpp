@@ -13,19 +13,13 @@ namespace {
 
 TEST(DrivesInContact, HaveOrderTwoInFlight) {
   for_seeds(6, [](std::uint64_t seed) {
-    const Driven at(seed);
-    const Model model = without_springs(at.model);
-    SimulationOptions options;
-    options.x = at.x;
     const double until = 0.1;
-    const Trajectory exact =
-        simulate(model, at.q, at.v, until, {.relative = 1e-12, .absolute = 1e-13}, options);
-    ASSERT_TRUE(exact.complete) << exact.stop_reason;
+    const DrivenMotion at(seed, until);
     std::vector<double> errors;
     for (const double h : {2e-3, 1e-3, 5e-4}) {
-      const Trajectory motion = simulate_contact(model, at.q, at.v, until, h, options);
+      const Trajectory motion = simulate_contact(at.smooth, at.q, at.v, until, h, at.options);
       ASSERT_TRUE(motion.complete) << motion.stop_reason;
-      errors.push_back(deviation_at_end(motion, exact));
+      errors.push_back(deviation_at_end(motion, at.exact));
     }
     EXPECT_NEAR(errors[0] / errors[2], 16, 4);
     EXPECT_LT(errors[2], 1e-3);
@@ -34,18 +28,13 @@ TEST(DrivesInContact, HaveOrderTwoInFlight) {
 
 TEST(DrivesInContact, AdaptedStepsAreAsExactAsTheirTolerance) {
   for_seeds(4, [](std::uint64_t seed) {
-    const Driven at(seed);
-    const Model model = without_springs(at.model);
-    SimulationOptions options;
-    options.x = at.x;
     const double until = 0.05;
-    const Trajectory exact =
-        simulate(model, at.q, at.v, until, {.relative = 1e-12, .absolute = 1e-13}, options);
+    const DrivenMotion at(seed, until);
     const Trajectory motion =
-        simulate_contact(model, at.q, at.v, until, {.relative = 1e-7, .absolute = 1e-7}, options);
+        simulate_contact(at.smooth, at.q, at.v, until, {.relative = 1e-7, .absolute = 1e-7}, at.options);
     ASSERT_TRUE(motion.complete) << motion.stop_reason;
     EXPECT_EQ(motion.t().back(), until);
-    EXPECT_LT(deviation_at_end(motion, exact), 1e-4);
+    EXPECT_LT(deviation_at_end(motion, at.exact), 1e-4);
   });
 }
 

@@ -60,25 +60,19 @@ TEST(DrivesInOtherMethods, HaveTheOrderOfTheMethod) {
 /// All kinds of drives on joints and along lines, on mechanisms with floating bases too.
 TEST(DrivesInOtherMethods, FollowTheMotionOfDopri5) {
   for_seeds(6, [](std::uint64_t seed) {
-    const Driven at(seed);
-    const Model model = without_springs(at.model);
-    SimulationOptions options;
-    options.x = at.x;
     const double until = 0.05;
-    const Trajectory exact =
-        simulate(model, at.q, at.v, until, {.relative = 1e-12, .absolute = 1e-13}, options);
-    ASSERT_TRUE(exact.complete) << exact.stop_reason;
+    const DrivenMotion at(seed, until);
     for (const Case& it : cases) {
-      const Trajectory motion = motion_by(it, model, at.q, at.v, until, 1e-3, options);
+      const Trajectory motion = motion_by(it, at.smooth, at.q, at.v, until, 1e-3, at.options);
       ASSERT_TRUE(motion.complete) << it.method << ": " << motion.stop_reason;
-      EXPECT_LT(deviation_at_end(motion, exact), it.order < 3 ? 1e-2 : 1e-3) << it.method;
+      EXPECT_LT(deviation_at_end(motion, at.exact), it.order < 3 ? 1e-2 : 1e-3) << it.method;
     }
-    SimulationOptions absolute = options;
+    SimulationOptions absolute = at.options;
     absolute.coordinates = Coordinates::absolute;
     const Trajectory motion =
-        simulate(model, at.q, at.v, until, {.relative = 1e-10, .absolute = 1e-11}, absolute);
+        simulate(at.smooth, at.q, at.v, until, {.relative = 1e-10, .absolute = 1e-11}, absolute);
     ASSERT_TRUE(motion.complete) << motion.stop_reason;
-    EXPECT_LT(deviation_at_end(motion, exact), 1e-7);
+    EXPECT_LT(deviation_at_end(motion, at.exact), 1e-7);
   });
 }
 
