@@ -17,7 +17,7 @@
 namespace axode {
 namespace {
 
-/// What simulations with contact count: drives, besides what rollouts with contact count.
+/// The properties that simulations with contact count: those that rollouts with contact count, and drives.
 constexpr catalog::Counts of_simulations = [] {
   constexpr catalog::OtherId contact("contact");
   catalog::Counts counts = catalog::other_functions[contact.index].counts;
