@@ -60,8 +60,9 @@ inline void refuse_gears(const Model& model) {
       "forward_dynamics, rollout and, in relative coordinates and without contact, simulate count such "
       "losses: set joint_losses to false, or gear_loss to 0");
 }
-/// Checks loads on a model. Throws std::invalid_argument if a wrench acts on a frame that does not exist, or
-/// if joint losses act and gears have losses, unless the calling function computes these (`counts_gears`).
+/// Checks the external wrenches and the switch for joint losses in `loads`. Throws std::invalid_argument if a
+/// wrench acts on a frame that does not exist. Unless `counts_gears` is set, also throws if joint losses are
+/// switched on and a gear of the model has losses, because the calling function does not compute these.
 template <class T> void check_loads(const Model& model, const Loads<T>& loads, bool counts_gears = false) {
   if (loads.joint_losses && !counts_gears) refuse_gears(model);
   for (const AppliedWrench<T>& load : loads.wrenches)

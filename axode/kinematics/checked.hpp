@@ -26,8 +26,8 @@ template <class T> struct Piece {
   bool overlaps(const Piece& other) const { return begin < other.end && other.begin < end; }
 };
 
-/// The inputs of a public function to be checked: the numbers in the order of its description in the table of
-/// functions, then the loads. Settings and places are not among them.
+/// The inputs that are checked when public function `id` is called: those that are arrays of numbers, in the
+/// order of the table of functions, and then the loads.
 template <catalog::Id id>
 inline constexpr auto checked_inputs = [] {
   auto inputs = id.words().numbers();
@@ -35,9 +35,10 @@ inline constexpr auto checked_inputs = [] {
   return inputs;
 }();
 
-/// Checks argument or result k of a call of a public function: the size and, for a configuration q, the
-/// values of an input; the size of a result, and that it shares no memory with earlier results or, if the
-/// table of functions requires it, with the inputs.
+/// Checks argument or result k of a call of public function `id`. An input must have the right size, and a
+/// configuration q must have unit quaternions. A result must have the right size, and must share no memory
+/// with results before it or, if the table of functions requires it, with an input. Throws
+/// std::invalid_argument.
 template <catalog::Id id, std::size_t k, class T>
 void check_piece(const Model& model, const Piece<T>* pieces, std::size_t n_loads) {
   constexpr const catalog::Words& row = id.words();

@@ -12,10 +12,10 @@ namespace axode {
 
 using SystemMatrix = Eigen::SparseMatrix<double>;
 
-/// The factors of the stacked twists V = A X v of all bodies, with A = (I - D)⁻¹ (eqs. VbAX, JbSys). Block
-/// (i, p) of D transforms the twist of the predecessor p to body i. Block (i, j) of A transforms that of body
-/// j on the path from the ground to i. X has the joint screws. A and D are 6n × 6n for n bodies, and X is 6n
-/// × nv.
+/// The matrices A, D and X in V = A X v, where V has the twists of all n bodies one below the other, and A =
+/// (I - D)⁻¹ (eqs. VbAX, JbSys). X (6n × nv) has the joint screws. Block (i, p) of D (6n × 6n) transforms the
+/// twist of the predecessor p to body i, and block (i, j) of A (6n × 6n) transforms the twist of body j, on
+/// the path from the ground to i, to body i.
 struct SystemMatrices {
   SystemMatrix A, D, X;
 };
@@ -26,9 +26,9 @@ struct SystemMatrices {
 template <RecursionRepresentation Rep = BodyFixed>
 SystemMatrices system_matrices(const Model& model, std::span<const double> q);
 
-/// Two further factorisations of the stacked spatial Jacobian, J^s = A^s Y^s = A^sb X^b (eq. JbSys). Y^s has
-/// the joint screws in the inertial frame at q = 0, and X^b, the X of system_matrices<BodyFixed>(), those in
-/// the body frames; both are constant.
+/// The matrices of two further factorisations J^s = A^s Y^s = A^sb X^b of the spatial Jacobian J^s of all
+/// bodies, one below the other (eq. JbSys). Y^s has the joint screws in the inertial frame at q = 0, and X^b
+/// has the joint screws in the body frames. Both are constant.
 struct SpatialFactors {
   SystemMatrix A_s, Y_s, A_sb;
 };

@@ -62,14 +62,14 @@ template <class T> constexpr CentralInertia<T> transform(const SO3<T>& R, const 
   const ScrewOperationScope<T> scope(ScrewOperation::tensor_rotation);
   return {M.m, rotate(R, M.Theta)};
 }
-/// Ad_r⁻ᵀ M Ad_r⁻¹ of an inertia about the centre of mass: that about another point, in the same axes; r is
-/// the vector from that point to the centre of mass.
+/// The inertia Ad_r⁻ᵀ M Ad_r⁻¹ about any point, in the same axes, from the inertia M about the centre of
+/// mass. r is the vector from that point to the centre of mass.
 template <class T> constexpr Inertia<T> transform(const Vec3<T>& r, const CentralInertia<T>& M) {
   const ScrewOperationScope<T> scope(ScrewOperation::tensor_translation);
   return {M.m, M.m * r, M.Theta + parallel_axis_tensor((T(0.5) * M.m) * r, r)};
 }
-/// Ad_S⁻ᵀ M Ad_S⁻¹ of an inertia about the centre of mass: that in another frame, relative to which the frame
-/// of M has the pose S.
+/// The inertia Ad_S⁻ᵀ M Ad_S⁻¹ in any frame, from the inertia M about the centre of mass. S is the pose of
+/// the frame of M, whose origin is the centre of mass, relative to that frame.
 template <class T> constexpr Inertia<T> transform(const SE3<T>& S, const CentralInertia<T>& M) {
   const ScrewOperationScope<T> scope(ScrewOperation::tensor_transformation);
   return transform(S.r, transform(S.R, M));

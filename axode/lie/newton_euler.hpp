@@ -12,8 +12,9 @@ template <AtFrameOrigin Rep, class T>
 constexpr Wrench<Rep, T> velocity_wrench(const Inertia<T>& M, const Twist<Rep, T>& V) {
   return coad(V, M * V);
 }
-/// The wrench ad_ω M (ω; 0) that a body needs to keep its hybrid twist V, with the angular velocity ω and the
-/// inertia M about the origin of the body frame in inertial axes.
+/// The part ad_ω M (ω; 0) of the wrench in the hybrid Newton-Euler equations that is due to velocities: the
+/// wrench that a body needs if the rate of its hybrid twist V is zero. ω is the angular velocity, and M is
+/// the inertia about the origin of the body frame in inertial axes.
 template <class T>
 constexpr Wrench<Hybrid, T> velocity_wrench(const Inertia<T>& M, const Twist<Hybrid, T>& V) {
   const ScrewOperationScope<T> scope(ScrewOperation::bracket);
@@ -121,8 +122,9 @@ template <class T> constexpr Sym3<T> inverse(const Sym3<T>& A) {
           i * xz, i * (A.xy * A.xz - A.xx * A.yz)};
 }
 
-/// The twist rate M⁻¹ W of a body with inertia M under a wrench W less the terms without V', computed about
-/// the centre of mass. Mass and rotational inertia about the centre of mass must not be singular.
+/// Solves M V' = W for the rate V' of a twist, where W is the resultant wrench minus the velocity-dependent
+/// terms of the Newton-Euler equations. The equations are solved about the centre of mass. The mass and the
+/// rotational inertia about the centre of mass must not be singular.
 template <class Rep, class T>
 constexpr TwistRate<Rep, T> solve(const Inertia<T>& M, const Wrench<Rep, T>& W) {
   static_assert(!std::same_as<Rep, Mixed>, "the mixed inertia matrix has blocks in different axes");

@@ -3,8 +3,9 @@
 #include <concepts>
 #include <limits>
 
-/// Functions by which this library computes with any type T of numbers that has + - * /, sqrt, sin, cos,
-/// atan2 and select. double and float are such types; axode/scalar/ has more.
+/// The functions of numbers that this library uses. Its algorithms accept every number type T that has + - *
+/// /, sqrt, sin, cos, atan2 and select(condition, a, b). Such types are double, float and the types of
+/// axode/scalar/.
 namespace axode {
 
 using std::abs;

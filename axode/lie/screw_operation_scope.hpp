@@ -3,8 +3,9 @@
 
 namespace axode {
 
-/// The kinds of operations on whole screws and inertias: maps of a screw, twist or wrench by Ad_C, Ad_R or
-/// Ad_r, congruences of an inertia with these, and the Lie brackets ad and adᵀ.
+/// The kinds of screw operations that the number type Counted counts: transformations of screws, twists and
+/// wrenches by Ad_C, Ad_R or Ad_r, transformations of inertias and other 6×6 tensors by these, and the Lie
+/// brackets ad and adᵀ.
 enum class ScrewOperation {
   transformation,
   rotation,

@@ -68,8 +68,8 @@ Moments moments(std::span<const Vec3<>> vertices, std::span<const std::array<int
   return sum;
 }
 
-/// The moments about the first vertex of a mesh. Throws std::invalid_argument unless the mesh is closed,
-/// valid and of positive volume.
+/// The volume of a mesh and its first and second moments about its first vertex. Throws std::invalid_argument
+/// unless the mesh is closed, valid and of positive volume.
 Moments checked_moments(std::span<const Vec3<>> vertices, std::span<const std::array<int, 3>> faces) {
   check_closed(vertices, faces);
   const Moments sum = moments(vertices, faces, vertices.empty() ? Vec3<>{} : vertices[0]);

@@ -6,15 +6,16 @@
 namespace axode {
 
 /// The motion of a tree as power series in time, to any order. The spatial twists V_i of the bodies and the
-/// joint screws J of body i satisfy, with the predecessor p of body i (Müller, eqs. timeDerJs and Vsirec),
+/// joint screws J of body i satisfy, with the predecessor p of body i and the joint velocities v (Müller,
+/// eqs. timeDerJs and Vsirec),
 ///
-///     J' = [V_i, J],    V_i = V_p + J v,
+///     J' = [V_i, J],    V_i = V_p + J v.
 ///
-/// and hence the coefficients of J(t) = Σ J_k t^k and so on (D3.9)
+/// Hence the coefficients of J(t) = Σ J_k t^k, V_i(t) = Σ V_{i,k} t^k and v(t) = Σ v_k t^k satisfy (D3.9)
 ///
 ///     V_{i,k} = V_{p,k} + Σ_{l<=k} J_l v_{k-l},    (k + 1) J_{k+1} = Σ_{l<=k} [V_{i,l}, J_{k-l}].
 ///
-/// O(n k²) for order k.
+/// The cost is O(n k²) for n bodies and order k.
 template <class T> class MotionSeries {
  public:
   MotionSeries(const Tree<T>& tree, int order)

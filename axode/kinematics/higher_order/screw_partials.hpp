@@ -88,8 +88,8 @@ template <class Rep, class T> class ScrewPartials {
       }
     }
   }
-  /// Sorts the directions of differentiation alpha_ into chain_: from the root outwards, and of several
-  /// directions of one joint the one that acts last comes first.
+  /// Sorts the directions alpha_, which are indices of joint screws, into chain_: from the root outwards, and
+  /// directions of the same joint in the reverse order of alpha_.
   void sort() {
     std::size_t n = 0;
     for (std::size_t k = alpha_.size(); k-- > 0; ++n) {
@@ -139,9 +139,9 @@ template <class Rep, class T> class ScrewPartials {
       tails_[k] = k + 1 == chain_.size() ? J.v : cross(J.w, tails_[k + 1]);
     }
   }
-  /// The linear part of the derivative of the hybrid screw a along all directions in chain_: the derivative
-  /// of the place's position along a and these directions. `inward` is the number of directions in chain_
-  /// whose joints are not outward of the joint of a.
+  /// The linear part of the derivative of the hybrid screw a along all directions in chain_. It is the
+  /// derivative of the place's position along screw a and along these directions. `inward` is the number of
+  /// directions in chain_ that belong to the joint of screw a or to joints between it and the root.
   Vec3<T> linear(int a, std::size_t inward) const {
     const Screw<T>& J = screw(a).hybrid;
     return rotated(inward, inward == chain_.size() ? J.v : cross(J.w, tails_[inward]));
@@ -154,9 +154,9 @@ template <class Rep, class T> class ScrewPartials {
 };
 
 /// Derivatives of the joint screws J_c on the path to a place (a frame or a point on a body) with respect to
-/// q along several directions u_s, one after the other. D_S X is the derivative of X along the directions
-/// with indices in a set S. By the product rule on D_u J_c = [W_i(u), J_c], where W_i(u) is the twist of body
-/// i for the joint velocities u,
+/// q, along several directions u_s one after the other. D_S X is the derivative of X along all directions u_s
+/// with s in the set S. The derivative along one direction u is D_u J_c = [W_i(u), J_c], where i is the body
+/// that J_c moves, and W_i(u) is its twist for the joint velocities u. The product rule gives
 ///
 ///   D_S J_c = Σ_{A ⊆ S∖s} [D_A W_i(u_s), D_{S∖s∖A} J_c],  s the lowest index in S.
 template <class T> class DirectionalDerivatives {
@@ -206,9 +206,10 @@ template <class T> class DirectionalDerivatives {
     return v;
   }
 
-  /// Differentiates the screws begin to end - 1, those of one joint, along all sets of directions. W_ has,
-  /// for each direction u, the twist that the joints passed so far cause with the velocities u, and its
-  /// derivatives; before the call they end at the predecessor of the joint's body, after it at this body.
+  /// Computes the derivatives of the screws begin to end - 1, all of one joint, along all sets of directions.
+  /// W_ has the twist W(u_s) for the joint velocities of each direction u_s, and the derivatives of this
+  /// twist. Before the call it is the twist of the predecessor of the joint's body, and after the call that
+  /// of this body.
   void body(int begin, int end, const T* directions, int nv) {
     for (int c = begin; c < end; ++c) J_[c * sets_] = path_.screws[c].spatial;
     for (unsigned S = 0; S < sets_; ++S) {
