@@ -40,8 +40,9 @@ void jacobian_rate(const Model& m, Workspace<T>& w, Given q, Given v, const Plac
                    std::span<Twist<In, T>> dJ) {
   jacobian_derivative_along<In>(m, w, q, place, 1, v, dJ);
 }
-/// Throws if a part of the forces, `left`, can be produced by no drive. In single precision it cannot be
-/// distinguished from rounding errors.
+/// Throws std::invalid_argument if `left`, the part of the required forces that no drive can produce, is not
+/// small. In single precision nothing is checked, because `left` cannot be distinguished from rounding
+/// errors.
 void check(T left) {
   if constexpr (std::same_as<T, double>) check_driven(left, "make these accelerations");
 }
@@ -95,8 +96,9 @@ template <Input input> const auto& argument(const Arguments<T>& given) {
   if constexpr (input == Input::at) return given.at;
 }
 
-/// Calls the function F of a row. Its parameters are the model, the workspace, the inputs of the row, and the
-/// results, which are before or behind the loads; a result of one entry, such as a pose, is returned instead.
+/// Calls the function F of row `id`. The parameters of F are the model, the workspace, the inputs of the row,
+/// and the results, which come before or after the loads. A single result such as a pose is the return value
+/// of F instead.
 template <Id id, class F, class W>
 Solvability call(const Model& m, W& w, const Arguments<T>& given, Out out) {
   constexpr const Words& words = id.words();

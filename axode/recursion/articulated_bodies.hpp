@@ -253,8 +253,8 @@ template <class Rep, class T> struct ArticulatedBodies {
   template <class AnyTree> void clear_ties(const AnyTree& tree) noexcept {
     for (int t = 0; t < tree->ties.begin[tree->n + 1]; ++t) u_tie[t] = T(0);
   }
-  /// When the velocity of a tie of a body is eliminated: before the screws of the body's joint; after them,
-  /// if this is one of the joints that share it; or later, at a predecessor.
+  /// When the shared velocity of coupled joints (a tie) is eliminated at body i: before the screws of joint
+  /// i; after them, if joint i is one of the joints that share the velocity; or later, at a predecessor.
   enum Turn { before, after, later };
   static Turn turn(const Topology::Ties& ties, int i, int t) {
     return ties.up[t] >= 0 ? later : t == ties.own[i] ? after : before;
@@ -268,15 +268,16 @@ template <class Rep, class T> struct ArticulatedBodies {
     const Turn of_o = turn(ties, i, o), of_t = turn(ties, i, t);
     return of_o > of_t || (of_o == of_t && o > t);
   }
-  /// The entries of the pivot matrix between screw s of body i and the velocities that coupled joints share
-  /// at this body (its ties), by the number of the tie.
+  /// The off-diagonal pivots between joint screw s of body i and the shared velocities of coupled joints
+  /// (ties) that reach this body. Entry t of the returned pointer belongs to tie t.
   template <class AnyTree> T* of_screw(const AnyTree& tree, int i, int s) const noexcept {
     const Topology::Ties& ties = tree->ties;
     return D_screw + ties.of_screws[i] + (s - tree->first_screw[i]) * (ties.begin[i + 1] - ties.begin[i]) -
            ties.begin[i];
   }
-  /// Row t of the pivot matrix between the shared velocities of coupled joints (ties) of one group, by the
-  /// number of the tie. Velocities of different groups are not coupled.
+  /// Row t of the matrix of pivots between shared velocities of coupled joints (ties). Entry u of the
+  /// returned pointer belongs to tie u, which must be in the same group as t, because ties of different
+  /// groups are not coupled.
   T* row(const Topology::Ties& ties, int t) const noexcept {
     return D_tie + ties.row[t] - ties.group_begin[t];
   }
@@ -299,9 +300,9 @@ template <class Rep, class T> struct ArticulatedBodies {
     U_tie[own] += MS;
     scale_tie[own] += F[i] * S[s] | S[s];
   }
-  /// Eliminates the velocity of screw s of body i, and updates the columns of velocities that coupled joints
-  /// share (ties). G is F S, with the screw S and the magnitudes F of the numbers in the body's articulated
-  /// inertia, and `size` is the magnitude of the numbers from which the pivot D is computed.
+  /// Eliminates the velocity of screw S = S[s] of body i from its articulated inertia M, and from the columns
+  /// of the shared velocities of coupled joints (ties). F has the magnitudes of the numbers from which M was
+  /// computed; G is F S, and `size` is the magnitude of the numbers from which the pivot D was computed.
   template <class AnyTree>
   void eliminate_screw(const AnyTree& tree, int i, int s, const Wrench<Rep, T>& G, const T& size) noexcept {
     const Topology::Ties& ties = tree->ties;

@@ -1,9 +1,10 @@
 #pragma once
 #include "axode/scalar/instruction_set.hpp"
 
-/// Defaults for editors of macros that the build defines (see cmake/axode_library.cmake). Source files that
-/// end in `template ... AXODE_T` are compiled once for each scalar, and those that name AXODE_REP once for
-/// each representation and scalar. AXODE_ENTRY marks instantiations for each instruction set.
+/// The build defines these macros (see cmake/axode_library.cmake); the defaults here are for code editors.
+/// Source files that end in `template ... AXODE_T` are compiled once for each scalar type, and those that
+/// name AXODE_REP once for each representation and scalar type. AXODE_ENTRY marks instantiations for each
+/// instruction set.
 #ifndef AXODE_REP
 #define AXODE_REP BodyFixed
 #endif

@@ -79,9 +79,9 @@ template <class Rep, class T> struct MomentumForm {
   }
 
  private:
-  /// Adds to `force`, for every joint screw S, the power along S of the wrench W^c + ad_Vᵀ Π^c, with the sum
-  /// W^c of the wrenches on the bodies that the joint moves, and their momentum Π^c. bodies.X has the twists
-  /// V of the bodies.
+  /// Adds a force to `force` for every joint screw S of each body: the power of the wrench W^c + ad_Vᵀ Π^c
+  /// along S. V is the twist of the body (bodies.X), and W^c and Π^c are the sums, over the body and its
+  /// subtree, of the wrenches and of the momenta.
   template <class AnyTree> void add_body_forces(const AnyTree& tree, bool has_wrenches) noexcept {
     const auto& link = bodies.links.link;
     g[0] = tree.g;

@@ -17,8 +17,9 @@ enum class Caller {
   tape  ///< recording for generated and specialised code, of the spanning tree only
 };
 
-/// Throws std::invalid_argument, with advice, if the model has a property, such as loops, that the function
-/// does not take into account when it is called in this way, so that its result would be wrong.
+/// Throws std::invalid_argument if the result of the function would be wrong because the model has a
+/// property, such as loops, that the function does not take into account for this kind of caller. The message
+/// says what to call instead.
 void check_counts(std::string_view function, const Counts& counts, const Model& model, Caller caller);
 inline void check_counts(const Words& row, const Model& model, Caller caller) {
   check_counts(row.name, row.counts, model, caller);

@@ -3,15 +3,16 @@
 
 #include "axode/table/words.hpp"
 
-/// Values of Counts, what a function does with properties of mechanisms (loops, springs, ...), that are
-/// common to families of functions, such as all functions of a given motion.
+/// Values of Count and Counts that are common to families of functions, such as all functions of a given
+/// motion. A Count says whether a function takes a property of mechanisms (loops, springs, ...) into account.
 namespace axode::catalog::table {
 
 /// Advice in the documentation of functions that ignore the forces of springs, dampers and stops.
 inline constexpr std::string_view add_springs = "spring_forces(q, v) are to be added to tau",
                                   subtract_springs = "spring_forces(q, v) are to be subtracted from tau";
-/// Functions that compute accelerations refuse models with prescribed motions, because accelerations then
-/// depend on the time, which is no argument. Functions of given accelerations ignore prescribed motions.
+/// The Count of prescribed motions for functions that compute accelerations: models with prescribed motions
+/// are refused, because the accelerations then depend on the time, which is no argument. Functions whose
+/// arguments are accelerations ignore prescribed motions instead.
 inline constexpr Count at_a_time =
     refused("simulate and forward_dynamics_at count them, because they know the time");
 /// Treatment of drives with states: their forces are part of the argument tau.
