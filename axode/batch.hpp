@@ -53,7 +53,7 @@ struct [[nodiscard]] Outcome {
 ///     const Outcome outcome = batch::run(arm, "inverse_dynamics", {.q = q, .v = v, .a = a}, tau, threads);
 ///
 /// Besides the errors of all functions of axode/batch.hpp, throws std::invalid_argument for a function that
-/// cannot compute several states at once , for loads (external wrenches), and for joint losses. If the
+/// cannot compute several states at once, for loads (external wrenches), and for joint losses. If the
 /// function cannot fail, the outcome only has the number of finished states.
 template <class T = double>
 Outcome run(const Model& model, catalog::Id function,
@@ -69,19 +69,23 @@ struct DriveMotions {
   std::vector<AddedDrive> added = {};  ///< drives in addition to those of the model
 };
 
-/// Integrates N motions of K steps of equal length `step` (s), see axode::simulate_fixed(). q and v are the
-/// initial states of the N motions. tau has the drive forces: nv numbers for each step of each motion,
-/// constant during the step. q_out and v_out receive K + 1 states for each motion, beginning with the initial
-/// state. If a motion cannot continue, its later states are NaN. Models with loops are possible in double
-/// precision only; their loops are closed again after each step, and the function throws
-/// std::invalid_argument if they are open in an initial state. If `joint_losses` is set, damping, dry
-/// friction and losses of gears act as in simulate_fixed(); dry friction and losses of gears are possible in
-/// double precision only, and motions with them are computed one at a time. If `compiled` is not empty, it
-/// replaces the library's forward dynamics. Drives with states act as in simulate_fixed(), with which motions
-/// agree to the last bit for the same forces and times: a step is computed in parts, which end where a drive
-/// changes to another branch of its law and where an input jumps. Drives need double precision, and the start
-/// t = 0 if dry friction or losses of gears act. Motions with them are computed one at a time, without
-/// allocation in a step unless there is dry friction.
+/// Integrates N motions of K steps of equal length `step` (s), by the methods of axode::simulate_fixed(). q
+/// and v are the initial states of the N motions. tau has the drive forces: nv numbers for each step of each
+/// motion, constant during the step. q_out and v_out receive K + 1 states for each motion, beginning with the
+/// initial state. If a motion cannot continue, its later states are NaN. If `compiled` is not empty, it
+/// replaces the library's forward dynamics.
+///
+/// Loops are closed again after each step. Models with loops need double precision, and the function throws
+/// std::invalid_argument if a loop is open in an initial state.
+///
+/// If `joint_losses` is set, damping, dry friction and losses of gears act. Dry friction and losses of gears
+/// need double precision, and motions with them are computed one at a time.
+///
+/// Drives with states (motors, controllers, ...) need double precision, and motions with them are computed
+/// one at a time. If dry friction or losses of gears act too, such motions must start at t = 0. A step is
+/// divided where a drive changes to another branch of its law and where an input jumps. For the same forces
+/// and times the motions are those of simulate_fixed() to the last bit. A step allocates memory only if there
+/// is dry friction.
 template <class T>
 Outcome rollout(const Model& model, std::span<const T> q, Numbers<T> v, Numbers<T> tau, double step,
                 std::type_identity_t<std::span<T>> q_out, std::type_identity_t<std::span<T>> v_out,

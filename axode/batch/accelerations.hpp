@@ -11,8 +11,8 @@
 
 namespace axode::batch {
 
-/// The accelerations of a mechanism in a motion that is computed alone, by compiled code if there is some.
-/// Models with loops need S = double.
+/// Computes the accelerations in one motion of a mechanism, without SIMD lanes: by compiled forward dynamics
+/// if the caller has it, otherwise by the library's functions. Models with loops need S = double.
 template <class S> class Accelerations {
  public:
   Accelerations(const Model& model, const CompiledDynamics<S>& compiled, bool damping)

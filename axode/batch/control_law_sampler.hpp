@@ -16,8 +16,8 @@ template <class S> class ControlLawSampler {
   /// Whether this class can evaluate the drive: a SampledDrive, a ProportionalDerivative with a SampledDrive
   /// or nothing as feedforward, or a ComputedTorque that drives all joints.
   bool known() const { return known_; }
-  /// The control law with its reference in the steps begin to end - 1, at all stages, valid until the next
-  /// call.
+  /// The control law, with the values of its reference and feedforward at the stages of the Runge-Kutta
+  /// method `method` in the steps begin to end - 1, each of length `step`. It is valid until the next call.
   const ControlLaw<S>& law(const Tableau& method, double step, std::size_t begin, std::size_t end);
 
  private:

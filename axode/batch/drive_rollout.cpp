@@ -57,8 +57,8 @@ class Motion {
  public:
   virtual ~Motion() = default;
 
-  /// Begins a motion at a finite state (q, v). The drives choose x if it is empty. tau acts in the first
-  /// step.
+  /// Begins a motion at a finite state (q, v) with the states x of the drives; if x is empty, the drives
+  /// begin at their own initial states. The joint forces tau act in the first step.
   virtual void begin(Span q, Span v, Span x, Span tau) = 0;
   /// Advances the motion to t_1 under the forces tau, unless there is a drive.
   virtual Reason advance(double t_1, Span tau) = 0;
@@ -157,8 +157,10 @@ class MotionWithFriction final : public Motion {
   bool begun_ = false;
 };
 
-/// Throws std::invalid_argument for states x of the drives of a wrong size or not finite, for an x_out that
-/// shares memory, and for a start at which a simulation cannot begin.
+/// Checks the arguments of a rollout that belong to drives. Throws std::invalid_argument if the initial
+/// states x of the drives have a wrong size or are not finite, if x_out has a wrong size or shares memory
+/// with an argument or a result, and if the time of the start is not finite or, with dry friction or losses
+/// of gears, is not 0.
 void check_drives(const MotionsUnderForces& motions, const DriveMotions& drives, const DriveSystem& system,
                   std::size_t N, const Losses& losses) {
   const std::size_t nx = system.nx();

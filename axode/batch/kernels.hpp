@@ -19,13 +19,11 @@ template <class S> struct LaneKernel {
   bool takes_coupled_joints = false;
 };
 
-/// A drive of axode/integration/drives.hpp that all motions share. With the reference q_d, v_d, the gains kp,
-/// kd and the feedforward w,
+/// A drive of axode/integration/drives.hpp that all motions share. If `computes` is set, the drive forces τ
+/// are the inverse dynamics at (q, v, y) (computed torque); otherwise they are y, limited to ± limit. Without
+/// a reference, y is the feedforward w. With a reference (q_d, v_d) and the gains kp and kd it is
 ///
-///     y = kp x + kd (v_d - v) + w,    q ⊕ x = q_d
-///
-/// if the drive tracks the reference, otherwise y = w. The drive forces τ are the inverse dynamics at (q, v,
-/// y) if `computes` is set (computed torque); otherwise they are y, limited to ± limit.
+///     y = kp x + kd (v_d - v) + w,    q ⊕ x = q_d.
 template <class S> struct ControlLaw {
   bool tracks, computes;
   const S *kp, *kd;  ///< gains, nv numbers each

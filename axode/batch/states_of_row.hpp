@@ -9,9 +9,9 @@
 
 namespace axode::batch {
 
-/// Checked arguments and results of one function in N states, and for each state whether it was solvable. If
-/// a kernel reports that the mass matrix of a state may be singular, the library's function for one state
-/// computes this state and decides.
+/// Checked arguments and results of one function in N states, and for each state whether its mass matrix
+/// could be inverted. If a kernel reports that the mass matrix of a state may be singular, this state is
+/// computed again by the function for one state, which decides whether it is singular.
 template <class S> class StatesOfRow {
  public:
   enum Verdict : unsigned char { solved, maybe_singular, singular, not_finite };
@@ -58,9 +58,9 @@ template <class S> class StatesOfRow {
     return verdicts_.empty() ? &only_verdict_ : &verdicts_[first];
   }
 
-  /// Completes the solvability of the states from `first` on, `states` in number: states whose mass matrix
-  /// may be singular are computed with the function for one state, and all other results are checked to be
-  /// finite.
+  /// Completes the results of `states` states, from state `first` on. States whose mass matrix may be
+  /// singular are computed again with the function for one state, and the results of all other states are
+  /// checked to be finite.
   void settle(std::optional<Workspace<S>>& workspace, std::size_t first, std::size_t states) {
     if (!row_.may_fail) return;
     for (std::size_t k = first; k < first + states; ++k) {
