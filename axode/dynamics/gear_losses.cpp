@@ -15,9 +15,10 @@ namespace {
 
 /// Tolerance for rounding errors, relative to the magnitude of the forces that are compared.
 constexpr double rounding = 1e-13;
-/// A small number, relative to the compliance, that regularises the equations of sticking joints, because in
-/// loops the distribution of their forces may be indeterminate. Iterative refinement removes its effect on
-/// the accelerations. In the test of uniqueness, a pivot below this part of the compliance counts as 0.
+/// A small number, relative to the compliance (the acceleration of a joint for a unit force on it), that is
+/// added to the diagonal of the equations of sticking joints, because in loops these may be singular.
+/// Iterative refinement removes its effect on the accelerations. A pivot below this part of the compliance
+/// counts as 0 when the uniqueness of the friction forces is tested.
 constexpr double regularisation = 1e-12;
 
 }  // namespace
@@ -75,9 +76,10 @@ int ResistingForces::not_unique(const Matrix& Phi) const {
   return -1;
 }
 
-/// Starts with a problem whose friction forces are known: joints at rest stick without a friction force, and
-/// the drives of moving joints drive their gears. Forces differ from joint to joint, so that the path to the
-/// solution of a symmetric mechanism meets the boundaries between linear pieces one by one.
+/// Sets the friction forces and the data of a problem whose solution is known, at which follow() starts:
+/// joints at rest stick without a friction force, and the drives of moving joints drive their gears. The
+/// forces that the gears transmit differ from joint to joint, so that in a symmetric mechanism the path to
+/// the solution crosses the boundaries between linear pieces one by one.
 void ResistingForces::start(const Matrix& Phi, const Vector& a_0) {
   const Eigen::Index k = Phi.rows();
   x_ = a_ = Vector::Zero(k);
@@ -94,9 +96,10 @@ void ResistingForces::start(const Matrix& Phi, const Vector& a_0) {
   start_a_0_ = -Phi * x_;
 }
 
-/// Solves the equations (D9.10) for the friction forces x, which are linear if each joint sticks, or slides
-/// in a known direction with a known sign of the gear's force. The equations of sticking joints are
-/// regularised by `little` or, if it is 0, by an amount whose effect is removed by refinement.
+/// Solves the equations (D9.10) for the friction forces x. They are linear because pieces_ says of each joint
+/// whether it sticks or in which direction it slides, and which sign the force of its gear has. The number
+/// `little` is added to the diagonal of the equations of sticking joints; if it is 0, a default is added, and
+/// its effect is removed by iterative refinement.
 ResistingForces::Vector ResistingForces::solve(const Matrix& Phi, const Vector& a_0, const Vector& tau,
                                                double little) const {
   const Eigen::Index k = Phi.rows();
@@ -144,10 +147,10 @@ std::vector<ResistingForces::Boundary> ResistingForces::boundaries(Eigen::Index 
   return all;
 }
 
-/// Changes the problem of start() continuously to that with the frictionless accelerations `a_0` and the
-/// drive forces `tau`, and follows its friction forces from one linear piece to the next; x_ receives those
-/// at the end. Forces of sticking joints are regularised by `little`. Returns false if the end is not reached
-/// after a limited number of pieces.
+/// Finds the friction forces by continuation: moves the data along a straight line from the problem of
+/// start() to the frictionless accelerations `a_0` and the drive forces `tau`, and follows the solution from
+/// one linear piece to the next. x_ receives the friction forces at the end. `little` regularises the
+/// equations of sticking joints. Returns false if the end is not reached after a limited number of pieces.
 bool ResistingForces::follow(const Matrix& Phi, const Vector& a_0, const Vector& tau, double little) {
   const Eigen::Index k = Phi.rows();
   tau_ = tau;

@@ -59,8 +59,8 @@ template <class T, RecursionRepresentation Rep = Hybrid> class GenericDynamics {
   }
 
   /// Computes the accelerations a (nv; rad/s² and m/s²) for drive forces τ (nv) by the articulated-body
-  /// algorithm. The returned Solvability says whether the mass matrix, without derivatives of its entries, is
-  /// singular.
+  /// algorithm. The returned Solvability says whether the mass matrix is singular; if T carries derivatives,
+  /// only the values of numbers decide this.
   Solvability forward_dynamics(std::span<const T> q, std::span<const T> v, std::span<const T> tau,
                                std::span<T> a, const Loads<T>& loads = {}) {
     check_counts("forward_dynamics");

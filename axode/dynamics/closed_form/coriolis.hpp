@@ -11,8 +11,9 @@ enum class CoriolisForm {
   /// C_ij = Σ_k Γ_ijk v_k; M' - 2C is skew. With multi-DOF joints Γ is the Levi-Civita connection of M.
   christoffel
 };
-/// The Coriolis matrix C(q, v) in one of its forms, nv × nv entries, row by row. O(n d) for a tree of depth
-/// d, and O(nv²) to clear the matrix.
+/// The Coriolis matrix C(q, v), nv × nv entries, row by row. `form` chooses one of the matrices C whose
+/// product C v is the vector of Coriolis and centrifugal forces. O(n d) for a tree of depth d, and O(nv²) to
+/// clear the matrix.
 template <class T>
 void coriolis_matrix(const Model& model, Workspace<T>& workspace, Numbers<T> q, Numbers<T> v,
                      CoriolisForm form, std::type_identity_t<std::span<T>> C);

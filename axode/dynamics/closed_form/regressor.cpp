@@ -15,8 +15,9 @@ template <class T> Inertia<T> unit_inertia(int k) {
   return {is(0), {is(1), is(2), is(3)}, {is(4), is(5), is(6), is(7), is(8), is(9)}};
 }
 
-/// Calls f(i, V, V') for every body i with the body-fixed twist V of its frame and the rate V' in the motion
-/// `at`. V' includes gravity if this was computed with the ground accelerated by -g.
+/// Calls f(i, V, V') for every body i with the twist V and the twist rate V' of its user-placed frame,
+/// body-fixed. `at` has the motion of the tree; if it was computed with the acceleration -g of the ground, V'
+/// includes gravity.
 template <class T, class F> void each_body(const Tree<T>& tree, const PosesAndMotion<T>& at, F&& f) {
   for (int i = 1; i <= tree->n; ++i) {
     const Link<BodyFixed, T> user{tree.frame_offset[i]};
