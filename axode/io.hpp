@@ -55,8 +55,8 @@ Description read_sdf_text(std::string_view text, const std::string& file_name,
                           Strictness strictness = Strictness::lenient);
 
 /// Writes the mechanism as a drawing (the TOML format of this library), with axes and points in the inertial
-/// frame at q = 0. Reading the drawing gives the same mechanism, and writing that one gives the same text
-/// again.
+/// frame at q = 0. A model that is read from the drawing is the same mechanism, and is written as the same
+/// text.
 void write_drawing(const Model& model, std::ostream& out);
 
 /// Writes the mechanism as a URDF and returns a warning for each thing that URDF cannot express and that is

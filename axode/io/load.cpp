@@ -99,8 +99,9 @@ Description held(Description description, Base base) {
   return description;
 }
 
-/// The faults of a file and of its description, sorted by line. If the file has errors, warnings about the
-/// description and faults about missing names are left out.
+/// The faults of a file and of its description, sorted by line. If the file could not be read completely,
+/// warnings about the description and errors about missing names are left out, because they may be
+/// consequences.
 std::vector<Fault> all_faults(io::Reading reading, Base base, Strictness strictness) {
   std::vector<Fault> faults = std::move(reading.faults);
   const bool in_part = io::has_error(faults);

@@ -36,9 +36,9 @@ bool has_error(const std::vector<Fault>& faults);
 /// The description that a reader has made, with its warnings. Throws ModelError if the reader found an error.
 Description accept(Reading reading);
 
-/// Builds a model from the result of a reader, with the joint between base and ground that `base` chooses.
-/// Throws ModelError if there is an error. It has the faults of the reader and of the description, without
-/// those that may follow from what could not be read.
+/// Builds a model from the result of a reader. `base` chooses the joint between the base and the ground.
+/// Throws ModelError with the faults of the reader and of the description if there is an error; faults that
+/// may be consequences of an incomplete reading are left out.
 Model build(Reading reading, Base base, Strictness strictness);
 
 /// A fault with its line if a file is not text: it has zero bytes or is not UTF-8; otherwise empty.

@@ -86,8 +86,9 @@ class XmlReader {
   const Grammar* grammar_of(std::string_view element) const;
   /// Whether the description of an ignored part begins with `beginning`, such as `<xacro:`.
   bool is_ignored(std::string_view beginning) const;
-  /// Notes attributes, child elements and texts of an element that the format does not know, and reports
-  /// child elements that occur too often. `owner` is the name of the element in messages.
+  /// Collects the attributes, child elements and texts of an element that the format does not know, for later
+  /// warnings, and reports child elements that occur too often. `owner` is the name of the element in
+  /// messages.
   void inspect(const XMLElement& e, const std::string& owner);
   /// The first child element of e with the given name, after inspect() of this child; null if there is none.
   const XMLElement* child_of(const XMLElement& e, const char* name, const std::string& owner);

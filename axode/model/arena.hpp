@@ -43,10 +43,10 @@ class Arena {
     next_ += -next_ % line;
     return array<U>(n);
   }
-  /// Functions that take an array with an entry for each element in their names; per_body() includes the
-  /// ground. The last three are for coupled joints, where a tie is a pair of a body and a velocity that
-  /// several joints share (Topology::Ties): an entry for each tie, for each tie and screw of the body's
-  /// joint, and for each pair of ties of a body that the elimination couples.
+  /// These functions take an array from the arena with one entry for each element that the name says;
+  /// per_body() has an entry for the ground as well. The last three are for coupled joints: a tie is a pair
+  /// of a velocity that several joints share and a body (Topology::Ties), and pairs of ties are those of one
+  /// body that the elimination couples.
   template <class U> [[gnu::always_inline]] U* per_body() { return array<U>(size(topology_->n + 1)); }
   template <class U> [[gnu::always_inline]] U* per_screw() { return array<U>(size(topology_->n_screws)); }
   template <class U> [[gnu::always_inline]] U* per_velocity() { return array<U>(size(topology_->nv)); }

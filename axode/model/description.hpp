@@ -194,8 +194,8 @@ struct SpringDescription {
   SpringKind kind = SpringKind::line;
   std::array<std::string, 2> between = {};  ///< bodies, named frames or "ground"; not for tendons and joints
   std::array<Vec3<>, 2> points = {};        ///< ends of a line, m
-  /// The frame of `points`, `path` and `frames`: body_frame, that of the body or named frame on which each
-  /// is; construction_frame, the inertial frame at q = 0.
+  /// The frame in which `points`, `path` and `frames` are given: body_frame is the frame of the body, or the
+  /// named frame, to which each of them is fixed; construction_frame is the inertial frame at q = 0.
   GivenIn in = GivenIn::body_frame;
   double stiffness = 0;                  ///< stiffness if no curve is given, N/m or N m/rad
   double rest = 0;                       ///< coordinate at which the deflection is 0, m or rad
@@ -288,15 +288,16 @@ struct DriveDescription {
   struct Line {
     std::array<std::string, 2> between = {};  ///< bodies, named frames or "ground"
     std::array<Vec3<>, 2> points = {};        ///< m
-    /// The frame of `points`: body_frame, that of the body or named frame of each; construction_frame, the
-    /// inertial frame at q = 0.
+    /// The frame in which `points` are given: body_frame is the frame of the body, or the named frame, to
+    /// which each point is fixed; construction_frame is the inertial frame at q = 0.
     GivenIn in = GivenIn::body_frame;
   };
   std::optional<Line> line = {};
   /// Parameters by name, see drive_kinds for the names. A parameter that is not given has its standard value.
   std::vector<std::pair<std::string, double>> parameters = {};
-  /// Anti-windup of a PID controller: if true, the integrator stops while the output is saturated and the
-  /// error would increase it further; if false, it follows the limit (back calculation).
+  /// The anti-windup of a PID controller whose output is limited. If true, the integrator stops while the
+  /// output is at its limit and the error would push it further. If false, the integrator is driven back
+  /// until the output without the limit equals the limit (back calculation).
   bool conditional = false;
   DriveInput input = {};
   /// Initial values of states by name; other states start at the default of the kind of drive.

@@ -65,9 +65,9 @@ void find_subtrees(Topology& t) {
       t.velocity_end.push_back(t.subtree_end[i] <= t.n ? t.iv[t.subtree_end[i]] : t.nv);
 }
 
-/// For each velocity, later ones to which the mass matrix couples it. It couples all velocities on one path
-/// to the ground; of each path only the next later velocity is listed, as this suffices for the elimination
-/// tree.
+/// For each velocity, later velocities to which the mass matrix couples it, that is, which belong to one path
+/// to the ground with it. Of each path only the next later velocity is listed; the algorithm that computes
+/// the elimination tree needs no others.
 std::vector<std::vector<int>> later_neighbours(const Topology& t) {
   std::vector<std::vector<int>> later(size(t.nv));
   std::multiset<int> path;  // velocities from the ground to the body where the walk is
@@ -117,15 +117,16 @@ int meeting_point(const Topology& t, int i, int j) {
   return i;
 }
 
-/// At a body, a path to the ground from a joint that shares the velocity of the joint `leader`. `from` is the
-/// child of the body on the path, or the body itself if the path begins there.
+/// A path to the ground that passes a given body or begins there. It comes from a joint that shares the
+/// velocity of the joint `leader`. `from` is the child of the given body on the path, or the given body
+/// itself if the path begins there.
 struct Arrival {
   int leader, from;
 };
 
-/// For each body, the paths to the ground that pass it or begin at it, from coupled joints, which share the
-/// velocities of their leaders, by which the paths are sorted. A path ends at meets[l], the body where all
-/// paths for the velocity of joint l meet.
+/// For each body, the paths to the ground that pass it or begin there, sorted by their leaders. A path
+/// belongs to a coupled joint or to its leader, whose velocity both share. It ends at the body meets[l],
+/// where all paths with the leader l meet.
 std::vector<std::vector<Arrival>> arrivals(const std::vector<int>& leader, const std::vector<int>& meets,
                                            const Topology& t) {
   std::vector<std::vector<Arrival>> all(size(t.n + 1));
@@ -141,9 +142,9 @@ std::vector<std::vector<Arrival>> arrivals(const std::vector<int>& leader, const
   return all;
 }
 
-/// The ties of body i, its pairs with shared velocities of coupled joints whose paths to the ground pass it:
-/// for each tie the joint in `leaders` whose velocity it is, and the smallest index of a tie that the
-/// elimination couples to it (`group`).
+/// The ties of body i: the shared velocities of coupled joints for which a path from one of these joints to
+/// the ground passes the body. For each tie, `leaders` has the joint to which the velocity belongs, and
+/// `group` the smallest index of a tie to which the elimination couples it.
 struct Groups {
   std::vector<int> leaders, group;
 

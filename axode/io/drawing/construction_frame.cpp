@@ -45,9 +45,9 @@ SE3<> given_frame(const Geometry& geometry) {
   return frames == nullptr ? SE3<>{} : frames->S_self;
 }
 
-/// Expresses the axis and the point of a joint in the inertial frame at q = 0. A planar or spherical joint
-/// whose joint frame has other axes than the default ones at q = 0 is given by joint frames instead. `at` has
-/// the poses of the body and its joint frame at q = 0.
+/// Expresses the axis and the point of a joint in the inertial frame at q = 0. A planar or spherical joint is
+/// expressed by joint frames instead if the axes of its joint frame at q = 0 are not those that a reader
+/// would derive from its axis. `at` has the poses of the body and its joint frame at q = 0.
 void move_joint(BodyDescription& body, const Placement& at) {
   JointDescription& joint = body.joint;
   if (!traits(joint.kind).axis && !traits(joint.kind).point) {

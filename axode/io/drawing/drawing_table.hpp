@@ -142,8 +142,9 @@ class Table {
   /// The numbers of an array of any length, which must be finite.
   std::optional<std::vector<double>> list(std::string_view key, std::string_view need);
 
-  /// These functions read a number or a list that must be given; otherwise a fault is added and the result is
-  /// 0 or an empty list. `unit` and `need` are parts of the message.
+  /// These functions read a number or a list that must be given. If it is absent or wrong, a fault is added
+  /// and the result is 0 or an empty list. `unit` and `need` say in the message of this fault what is
+  /// expected.
   double needed_number(std::string_view key, std::string_view unit);
   std::vector<double> needed_list(std::string_view key, std::string_view need);
   /// The keys of a table in this one, each with one or several numbers; empty if there is no such table.

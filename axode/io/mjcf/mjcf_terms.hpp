@@ -19,17 +19,19 @@ std::string pose_text(const SE3<>& pose);
 std::string inertial_element(const MassProperties& given, const SE3<>& A);
 
 bool in_mjcf(LoopKind kind);
-/// The degrees of freedom of a joint with the numbers that MJCF can express; others are 0 or infinite. A
-/// planar joint becomes a hinge and two slides with limits and efforts of their own but equal losses and
-/// armatures; a ball or free joint has one set of numbers.
+/// A copy of the degrees of freedom of a joint in which every property that MJCF cannot express for this kind
+/// of joint is 0 or, for limits, infinite. MJCF writes a planar joint as a hinge and two slides, which can
+/// have different limits and efforts but must have equal losses and armatures, and gives a ball or free joint
+/// one number for each property.
 std::vector<Dof> said(const JointDescription& joint);
 /// Whether MJCF can express a spring, as a spatial tendon: a linear spring along points, without preload,
 /// that acts in both directions.
 bool has_words_for(const SpringDescription& spring);
 /// Whether MJCF can express a shape of the ground (if `on_ground`) or of a body.
 bool has_words_for(const ShapeDescription& shape, bool on_ground);
-/// size_text() returns the attributes of a geom for type and size of a shape that is no mesh, friction_text()
-/// those for its friction, which is that of `contact`, the settings of the mechanism, if it has none.
+/// size_text() returns the attributes of a geom (MJCF's word for a shape) for the type and the size of a
+/// shape that is not a mesh. friction_text() returns its attributes for friction; a shape without friction of
+/// its own has that of `contact`, the settings of the mechanism.
 std::string size_text(const ShapeDescription& shape);
 std::string friction_text(const ShapeDescription& shape, const std::optional<ContactDescription>& contact);
 

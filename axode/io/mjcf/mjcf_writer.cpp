@@ -339,8 +339,9 @@ class MjcfWriter {
 
   // ---------------------------------------------------------------- loops, springs, couplings
 
-  /// The name of a site (MJCF's word for a named frame) at a pose in the frame `carrier` (a body, the ground
-  /// or a named frame); the site is added unless it is that of a named frame.
+  /// Returns the name of a site (MJCF's word for a named frame) at a pose in the frame `carrier`, which is a
+  /// body, the ground or a named frame. If the pose is that of a named frame, its site is used; otherwise a
+  /// site is added, if possible with the name `wished`.
   std::string site_on(const std::string& carrier, const std::string& wished, const SE3<>& pose) {
     const auto named = on_body_.find(carrier);
     if (named == on_body_.end()) return site(carrier, wished, pose);

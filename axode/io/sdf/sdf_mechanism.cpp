@@ -9,9 +9,9 @@
 
 namespace axode::io {
 
-/// The index of the link with which the frame `name`, which a joint c names as its parent, child or reference
-/// body (`role`), moves; -1 for the world or a static model. Empty if there is no such frame, with a fault,
-/// or for an empty name.
+/// Finds the link to which frame `name` of an SDF file is fixed, and returns its index, or -1 for the world
+/// and for static models. Joint c names this frame as its parent, child or reference body, which `role` says
+/// in messages. The result is empty if the name is empty or, with a fault, if there is no such frame.
 std::optional<int> SdfMechanism::link_meant(const Connection& c, const std::string& name, const char* role) {
   if (name.empty()) return std::nullopt;
   const int model = frames_[c.frame].model, frame = frames_.find(model, name);

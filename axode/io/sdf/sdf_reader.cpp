@@ -404,8 +404,8 @@ class SdfReader : SdfMechanism {
     connections_.push_back(std::move(c));
   }
 
-  /// The pitch of a screw joint, m/rad: that of <screw_thread_pitch> (m per turn, right-handed), else of
-  /// <thread_pitch> (rad/m, left-handed), else 1 m.
+  /// The pitch of a screw joint in m/rad. It is given by <screw_thread_pitch> (m per turn, right-handed) or,
+  /// if this is absent, by <thread_pitch> (rad/m, left-handed). If both are absent, it is 1 m per turn.
   double read_pitch(const XMLElement& e, const std::string& owner) {
     if (e.FirstChildElement("screw_thread_pitch") != nullptr ||
         e.FirstChildElement("thread_pitch") == nullptr)

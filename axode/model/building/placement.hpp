@@ -85,9 +85,10 @@ std::string motion_name(const MotionDescription& motion);
 /// The name of a drive with the index k in the description; `drive <k + 1>` if it has no name of its own.
 std::string drive_name(const DriveDescription& drive, std::size_t k);
 
-/// The inertia about the origin and in the axes of a new frame, from mass properties in the frame of `given`.
-/// Poses: F of the new frame in that frame, or J and A of the two in a third frame, far from whose origin no
-/// digits are lost.
+/// Returns the inertia about the origin and in the axes of a new frame, from mass properties in the frame of
+/// `given`. F is the pose of the new frame in the frame of `given`. Alternatively J and A are the poses of
+/// the new frame and of the frame of `given` in a third frame; no digits are lost if both are far from its
+/// origin.
 Inertia<> inertia_in(const SE3<>& F, const MassProperties& given);
 Inertia<> inertia_in(const SE3<>& J, const SE3<>& A, const MassProperties& given);
 /// Mass properties in the frame with the pose S in the body frame, from those in the body frame.
