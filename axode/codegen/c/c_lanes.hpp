@@ -7,7 +7,8 @@ namespace axode::codegen {
 
 /// C code that defines the types axode_lanes and axode_mask for AXODE_LANES states at once, operations on
 /// these types, and the transposition of contiguous states to lanes and back. AXODE_LANES is the number of
-/// lanes of a register, but at most `lanes`. The definitions are left out by the preprocessor if it is 1.
+/// lanes of a register, but at most `lanes`. If AXODE_LANES is 1, the preprocessor leaves out the
+/// definitions.
 std::string c_lanes(const Precision& precision, int lanes, bool with_math_library);
 
 /// Describes a generated function that is defined for one state and for several states in lanes.

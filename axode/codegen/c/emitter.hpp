@@ -8,10 +8,10 @@
 
 namespace axode::codegen {
 
-/// Writes one recorded function (a list of operations) in C or CUDA; subclasses define the language.
-/// Statements are grouped into stages, so that the sines and cosines of a stage can be computed together, by
-/// a step that is called a turn: statements that need those of angles of stage k - 1 are in stage k. A long
-/// function is cut into parts, which exchange numbers by the slots of an array.
+/// Writes one recorded function (a list of operations) in C or CUDA; subclasses define the language. The
+/// statements are written in stages 0, 1, ... Between two stages is a step, called a turn, that computes all
+/// sines and cosines of angles of the stage before it together. A statement that needs them is in a later
+/// stage. A long function is cut into parts, which exchange numbers by the slots of an array.
 class Emitter {
  public:
   using enum Tape::Operation;

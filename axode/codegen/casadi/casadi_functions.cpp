@@ -104,8 +104,9 @@ class Accelerations {
   static void subtract(Traces& x, const Traces& y) {
     for (std::size_t k = 0; k < x.size(); ++k) x[k] -= y[k];
   }
-  /// The recording with the fewest operations of all that make(composition, state, solution) returns, where
-  /// `solution` is one of the recorded ways to solve with the mass matrix.
+  /// Makes a recording with each of the recorded ways to solve with the mass matrix (`solution`), by
+  /// make(composition, state, solution), and returns the one with the fewest operations. `composition`
+  /// receives the operations, and `state` has the recorded q, v and accelerations.
   template <class Make> Recording shortest(const Make& make) const {
     Recording best;
     for (const Recording& solution : solutions_) {
@@ -130,9 +131,9 @@ class Accelerations {
         columns[(moving + c) * nv + r] = columns[(moving + r) * nv + c];
     return columns;
   }
-  /// The upper triangle of the Hessian of the weighted accelerations w a, from L = mu T_xx, the columns of
-  /// T_x and K = M⁻¹ (mu T_aq), where mu = M⁻¹ w and indices denote derivatives of the inverse dynamics T(q,
-  /// v, a).
+  /// The upper triangle of the Hessian, by x = (q, v, tau), of the weighted accelerations w·a. The inverse
+  /// dynamics is T(q, v, a), indices denote its derivatives, and mu = M⁻¹ w. The arguments are L = mu T_xx,
+  /// the columns of T_x, and K = M⁻¹ (mu T_aq).
   Traces curvature(const Traces& L, const Traces& T_x, const std::vector<Traces>& K) const {
     const std::size_t nq = K.size(), nv = static_cast<std::size_t>(model_.nv()), n = nq + 2 * nv,
                       moving = nq + nv;
@@ -193,8 +194,8 @@ CasadiOutput output(std::string name, int rows, int columns, std::size_t recordi
   return out;
 }
 
-/// The matrices that CasADi gets for the results of a function. Removes results that are always 0 from the
-/// recording `value`, and appends the constant 1 for the last rows of poses.
+/// The matrices in which CasADi receives the results of a function. Results that are always 0 are removed
+/// from the recording `value`, and if the results are poses, the constant 1 for their last rows is appended.
 std::vector<CasadiOutput> matrices(const Model& model, const Function& function,
                                    std::span<const std::string> frames, Recording& value) {
   const int nv = model.nv();
@@ -261,8 +262,9 @@ class Family {
   }
 
  private:
-  /// Calls use(output, input, block) for each block of the Jacobian, the derivatives of one output by one
-  /// input. A block lists, by columns, the indices of the results that are its entries, or -1 for zeros.
+  /// Calls use(output, input, block) for each block of the Jacobian, which has the derivatives of one output
+  /// by one input. A block has, for each column, the index of the recorded result that each entry is, or -1
+  /// for an entry that is always 0.
   template <class Use> void each_block(const std::vector<int>& places, const Use& use) const {
     const std::size_t m = recordings_[value].results.size();
     std::size_t row = 0;
@@ -312,8 +314,8 @@ class Family {
     }
     return all;
   }
-  /// The derivatives of the gradient of the weighted sum of the results, by the inputs, by the outputs (0)
-  /// and by the weights (the transposed Jacobian).
+  /// The derivatives, in the form of jac_adj1_NAME, of the gradient of the weighted sum of the results: by
+  /// the inputs, by the values of the outputs (always 0), and by the weights (the transposed Jacobian).
   std::vector<CasadiOutput> second_derivatives() {
     Recording& H = recordings_[hessian];
     for (int i = 0; i < n_; ++i)

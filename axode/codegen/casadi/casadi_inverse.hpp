@@ -17,10 +17,10 @@ class CasadiInverse {
   enum Kind : std::size_t { tangent, adjoint, jacobian };
   static constexpr std::size_t kinds = 3;
 
-  /// One of three derivatives of the mass matrix M: along a direction (nv x nv numbers), the gradient of B·M
-  /// by q (nq numbers), where B are weights of the entries of M, or by each coordinate q_k (nq times nv x nv
-  /// numbers). The recording has only the results that can differ from 0. `places` are their indices among
-  /// all numbers of the derivative, as the constructor takes them.
+  /// The recording of a derivative of the mass matrix M: along a direction (nv x nv numbers), or by each
+  /// coordinate q_k (nq times nv x nv numbers), or the gradient by q of B·M, where B has a weight for each
+  /// entry of M (nq numbers). Only numbers that can differ from 0 are recorded. `places` are their indices
+  /// among all numbers of the derivative.
   struct Part {
     Recording recording;
     std::vector<int> places;
@@ -32,8 +32,9 @@ class CasadiInverse {
                 std::array<Part, kinds> masses);
 
   const Recording& of_masses(Kind kind) const { return masses_[kind].recording; }
-  /// Describes the arguments and the sparsity of the derivative of A = M⁻¹ of this kind by a recorded
-  /// function with their names, whose results are the constants 0 (always 0, left out) or 1.
+  /// A stand-in for the recording of this derivative of A = M⁻¹, which describes only its arguments and its
+  /// sparsity: it has the names of the arguments, and each result is the constant 0 if it is always 0,
+  /// otherwise 1.
   Recording signature(Kind kind) const;
   /// The operations that a derivative of A takes in addition to the computation of A.
   Operations operations(Kind kind) const;

@@ -147,9 +147,10 @@ fs::path temporary_folder() {
       std::string(named == nullptr ? "" : named) +
       "\", which is not a folder; set TMPDIR or XDG_CACHE_HOME to a folder that can be written to");
 }
-/// Moves the work folders of ended processes into `work`, the work folder of this process, with which they
-/// are removed. `lock` is the lock of this process, held or not, on the source with the key `key`. To remove
-/// the folders in place might fail, because a compiler that outlives its process still creates files there.
+/// Moves the work folders that other, ended processes have left in the cache into `work`, the work folder of
+/// this process, which is removed with all that is in it. They are not removed in place, because this could
+/// fail while a compiler that outlives its process still creates files there. `lock` is this process's lock
+/// (held or not) on the source with the key `key`.
 void collect_abandoned(const fs::path& cache, const fs::path& work, const std::string& key,
                        const Lock& lock) {
   std::error_code failed;

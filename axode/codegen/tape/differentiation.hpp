@@ -37,8 +37,9 @@ class Composition {
   Recording with(const std::string& result, Traces results);
 
  private:
-  /// The derivatives of the results of a recording, which was made from this composition, in a direction of
-  /// the arguments. Only the operations k with need[k] are differentiated.
+  /// The derivatives of the results of `made`, a recording of this composition, along a direction of the
+  /// arguments. Entry k of `direction` is the direction of argument k. Only the operations k with need[k] are
+  /// differentiated.
   Traces along(const Recording& made, const std::vector<char>& need, std::span<const Traces> direction) const;
   /// The index of the node of an entry of an argument.
   std::size_t node(std::size_t argument, std::size_t entry) const;

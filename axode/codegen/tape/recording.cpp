@@ -248,8 +248,9 @@ Recording poses(const Tree<double>& tree, int first, int last) {
 using Articulated = Solver<false>;
 using Factorized = Solver<true>;
 
-/// Two ways to record one function: by articulated bodies, and by the factors of the mass matrix, which is
-/// null for a function that does not solve with the mass matrix.
+/// The functions that record one function of the model. `by_bodies` solves with the mass matrix by
+/// articulated bodies, and `by_factors` by factors of the mass matrix; `by_factors` is null for a function
+/// that does not solve with the mass matrix.
 struct Recorder {
   using Of = Recording (*)(const Tree<double>&, bool single_precision);
   Of by_bodies = nullptr, by_factors = nullptr;
