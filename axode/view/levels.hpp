@@ -12,8 +12,9 @@ struct Levels {
   Vec3<> normal;        ///< normal of the plane in the inertial frame, from level 0 to level 1
 };
 
-/// The levels of the bodies if all of them move in one plane, on hinges and sliders whose points lie in that
-/// plane; `close` (m) is the distance below which points coincide. `up` chooses the sense of the normal.
+/// Computes the levels of the bodies if all of them move in one plane, on hinges and sliders whose points lie
+/// in that plane; empty for other mechanisms. Points nearer to each other than `close` (m) coincide. `up`
+/// chooses the sense of the normal.
 std::optional<Levels> levels_of(const Model& model, double close, const Vec3<>& up);
 
 }  // namespace axode::view

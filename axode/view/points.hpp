@@ -23,7 +23,7 @@ class Points {
   const std::map<std::string, std::vector<Vec3<>>>& fixed() const { return fixed_; }
   std::vector<Vec3<>> distinct(const std::vector<Vec3<>>& points) const;
   /// The length (m) of a body: the diagonal of a box around its points or, if it has only one point, twice
-  /// the distance of its centre of mass from there.
+  /// the distance of its centre of mass from this point.
   double length(int body) const { return lengths_[body]; }
   /// Height of the lowest point in the reference configuration, m.
   double lowest(const Vec3<>& up) const;

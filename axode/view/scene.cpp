@@ -281,15 +281,16 @@ class Shapes {
     return known->second = read->second;
   }
 
-  /// The visual shapes of a body: how many are shown, and how many are meshes that are not; and its collision
-  /// shapes by their places in `shapes`.
+  /// The shapes of one body: the number of visual shapes that are shown, the number of visual meshes that
+  /// cannot be shown (`lost`), and the indices of its collision shapes in the list `shapes` of the scene.
   struct Visuals {
     int shown = 0, lost = 0;
     std::vector<std::size_t> collision = {};
   };
   std::vector<Visuals> visuals_;  ///< of the ground and of each body
-  /// The indices of meshes in the list `meshes`, empty for one that cannot be shown: in named_ by the
-  /// describing file and the mesh's name, in read_ by the path.
+  /// The index, in the list `meshes` of the scene, of each mesh that was looked up, or empty for a mesh that
+  /// cannot be shown. The keys of named_ are the describing file and the mesh's name there; the keys of read_
+  /// are paths of mesh files.
   std::map<std::pair<std::string, std::string>, std::optional<std::size_t>> named_;
   std::map<std::filesystem::path, std::optional<std::size_t>> read_;
   std::size_t bytes_ = 0;  ///< bytes of all meshes in `meshes`

@@ -18,8 +18,8 @@ struct ShownMotion {
   std::vector<double> a, tau;  ///< accelerations and drive forces, N × nv; empty if not known
   std::vector<std::vector<ContactForce>> contacts;  ///< points of contact, N lists; empty if not known
   std::vector<std::string> contact_shapes;          ///< names of shapes; `contacts` has indices into it
-  /// Wrenches on frames that act beside gravity, drives, springs and contacts, N lists; empty if there are
-  /// none.
+  /// Wrenches that act on frames in addition to gravity, drives, springs and contacts: a list for each time,
+  /// or empty if there are none.
   std::vector<std::vector<AppliedWrench<>>> loads;
 };
 

@@ -78,8 +78,8 @@ std::optional<ShapeDescription> solid(const Inertia<>& M) {
   return shape;
 }
 
-/// Makes a solid smaller if it reaches farther than `most` from its middle. Inertias in descriptions may be
-/// wrong, or contain the rotors of drives.
+/// Makes a solid smaller if it reaches farther than `most` (m) from its centre. This can happen if the
+/// inertia of a body is wrong or contains the rotors of drives.
 void shrink(ShapeDescription& shape, double most) {
   const bool round = shape.kind == ShapeKind::cylinder;
   const Vec3<>& a = shape.size;
@@ -271,9 +271,10 @@ void Draughtsman::draw_loop(const Loop& loop) {
   for (StandIn& part : parts_of(joint_between(*kind, a, b, true))) put(std::move(part));
 }
 
-/// The rail through the centre of mass of a body that slides, on its predecessor, with what holds it: as long
-/// as the limits of the joint or, without limits, as far to both sides as the mechanism is long, and on a
-/// moving predecessor as long as this.
+/// Draws the rail on which body i slides, as a part of its predecessor, through the centre of mass of body i,
+/// with the parts that hold the rail. The rail ends at the limits of the joint. Without limits it extends to
+/// both sides by the length of the mechanism or, on a moving predecessor, by half the length of the
+/// predecessor.
 void Draughtsman::add_rail(int i) {
   const Body& body = model_.body(i);
   if (body.predecessor != 0 && seen(body.predecessor)) return;

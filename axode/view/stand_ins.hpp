@@ -22,15 +22,17 @@ struct StandIn {
 };
 
 /// Placeholders for bodies without a visible shape, for their joints, and for the mounts of these joints on
-/// the ground; `with_shapes` says of the ground and of each body whether it has a visible shape. The massless
+/// the ground. `with_shapes` says of the ground and of each body whether it has a visible shape. The massless
 /// body inside a cylindrical joint between two bodies with shapes has none.
 ///
 /// A body is drawn between the points of its joints, frames, loops, springs and drives: as a bar between two
 /// points, and as their rounded convex hull if there are more (of at most 60 corners). Heavier bodies are
-/// thicker. A body with one point reaches from it through the centre of mass, as a bar if the inertia is that
-/// of a rod, otherwise with the solid that has its mass and inertia: a cylinder if two principal moments are
-/// equal, an ellipsoid if not, and smaller than the bodies around it. A free body without points is that
-/// solid. Bodies that are fixed to the ground are drawn likewise; what else is on the ground has a mount.
+/// thicker. A body with one point reaches from it through the centre of mass. It is a bar if it has the
+/// inertia of a rod, otherwise a solid with the body's mass and inertia, but not larger than the bodies
+/// around it: a cylinder if two principal moments are equal, an ellipsoid if not. A free body without points
+/// is such a solid. Bodies that are fixed to the ground are drawn by the same rules, and joints on the ground
+/// itself get a mount.
+///
 /// Joints are drawn by kind (parts_of()), in the colour of drives unless the joint is passive. The bodies of
 /// a planar mechanism lie above each other (levels_of()). A body that slides and whose joint has no point is
 /// on a rail. Poses are in the body frames.
