@@ -85,9 +85,9 @@ std::optional<Outcome> gnuplot(const std::string& script) {
 // -----------------------------------------------------------------------------------------------------
 // script
 
-/// The text as a string literal of gnuplot. All bytes except letters and blanks are written as octal numbers.
-/// Digits are written so, too, because gnuplot would take a digit after such a number for a part of it.
-/// Control characters become blanks, and bytes that are not UTF-8 become question marks.
+/// The text as a string literal of gnuplot. All bytes except letters and blanks are written as octal numbers;
+/// digits are written as octal numbers too, because gnuplot would read a digit that follows an octal number
+/// as a part of it. Control characters become blanks, and bytes that are not UTF-8 become question marks.
 std::string literal(const std::string& text) {
   const std::string valid =
       Json::parse(Json(text).dump(-1, ' ', false, Json::error_handler_t::replace)).get<std::string>();
@@ -329,8 +329,8 @@ class Script {
     return ticks_in(low, high, chart_.width / 90.0);
   }
 
-  /// The number of powers of ten in the horizontal range of the curves. A logarithmic axis that ends where
-  /// its curves end has no other numbers.
+  /// How many powers of ten lie in the horizontal range of the curves. If the axis is logarithmic and ends
+  /// where the curves end, gnuplot writes numbers only at powers of ten.
   static double powers_of_ten(const std::vector<const Curve*>& curves) {
     const auto [low, high] = extent(curves, &Curve::x);
     return std::floor(std::log10(high)) - std::ceil(std::log10(low)) + 1;
@@ -364,8 +364,8 @@ class Script {
         x / size_[0], y / size_[1], literal(note(chart_.panels[place])));
   }
 
-  /// The commands of gnuplot for the legend of the first panel, which is drawn below the chart and as wide as
-  /// the chart, as the legend of an empty plot.
+  /// The gnuplot commands that draw the legend of the first panel below the chart, as wide as the chart. It
+  /// is drawn as the legend of an additional plot without curves.
   std::string legend_below() const {
     std::string text = fmt::format(
         "set lmargin at screen 0\nset rmargin at screen 1\nset bmargin at screen 0\nset tmargin at screen "

@@ -82,8 +82,9 @@ bool is_zero(const std::vector<double>& x) {
   return std::ranges::all_of(x, [](double x_k) { return x_k == 0; });
 }
 
-/// The state that the options describe: read from a file or all joints at zero, held by drive forces
-/// (--hold), or moved to an equilibrium (--equilibrium).
+/// The state that the options describe: the state of a file or, without a file, all joints at zero. With
+/// --hold, drive forces are added under which this state is at rest; with --equilibrium, the joints are moved
+/// to an equilibrium.
 State found_state(const Model& model, const Options& options) {
   State state = options.state.empty() ? neutral_state(model) : read_state(model, options.state);
   if (options.equilibrium || options.hold) {

@@ -38,15 +38,15 @@ std::map<std::string, ColumnOfMotion> columns_of_motion(const Model& model);
 Curve curve_of(const Component& component);
 
 /// Appends to a chart a panel for each kind of the components (angles, lengths, quaternions), with a curve
-/// for each component. The curve of component k has the numbers in column k over x. `units` are the units of
-/// angles and of lengths.
+/// for each component. The curve of component k has the abscissas `x` and the ordinates in column k of
+/// `columns`. `units` are the units of angles and of lengths.
 void add_panels(Chart& chart, const std::string& symbol, const std::vector<Component>& components,
                 const std::vector<std::string_view>& units, const std::vector<double>& x,
                 const Eigen::MatrixXd& columns);
 
-/// Panels with the curves of a quantity, one panel for each unit. The unit of a curve follows from its name,
-/// as `axode eval` gives it: from the names of velocities at the front, or from the component of a twist,
-/// wrench or pose at the end. `units` is a list such as "N m, N", with the angular unit first.
+/// Panels with the curves of a quantity, one panel for each unit. `units` is a list such as "N m, N", with
+/// the angular unit first. Which unit a curve has follows from its name: from the names of velocities at its
+/// beginning, or from the component of a twist, wrench or pose at its end.
 std::vector<Panel> panels_by_unit(const Model& model, const std::string& quantity, const std::string& units,
                                   const std::vector<Curve>& curves);
 

@@ -241,8 +241,8 @@ struct Result {
     }
   }
 
-  /// Adds the numbers of the arrays `results` to a table. In front of each number are the cells `before` and
-  /// its names along the axes from `axis` on.
+  /// Adds rows to a table, with the numbers of the arrays `results`. In front of a number are the cells
+  /// `before`, and the names that the number has along its array's axes from number `axis` on.
   void tabulate(const std::vector<Reals>& results, std::vector<Cell> before, Table& table,
                 std::size_t axis = 0) const {
     if (on_its_side()) {

@@ -18,8 +18,8 @@ struct WrittenMotion {
   Eigen::MatrixXd motion_forces;  ///< force that each prescribed motion needs
   std::vector<std::string> drive_states;
   Eigen::MatrixXd x;  ///< states of the drives
-  /// The frames on which loads act, and for each of them six columns: the moment and the force in inertial
-  /// axes, about the origin of the frame.
+  /// load_frames are the frames on which loads act. The matrix `loads` has six columns for each of them: the
+  /// moment and the force in inertial axes, about the origin of the frame.
   std::vector<int> load_frames;
   Eigen::MatrixXd loads;
 };

@@ -21,8 +21,9 @@ double inertia_moved(const Tree<double>& tree, const ArticulatedInertia<BodyFixe
   const auto trace_of = [](const Sym3<double>& A) { return A.xx + A.yy + A.zz; };
   return dot(X.w, X.w) * trace_of(M.A) + dot(X.v, X.v) * trace_of(M.L) + tree.armature[c];
 }
-/// Eliminates the joint of body i from M if M determines its accelerations without a loss of digits, and else
-/// sets M to 0 and returns false.
+/// Replaces the inertia M of body i by the inertia that remains after the elimination of the body's joint. If
+/// a pivot is so small, relative to the inertia that the joint moves, that digits would be lost, sets M to 0
+/// and returns false.
 bool eliminate_joint(const Tree<double>& tree, int i, ArticulatedInertia<BodyFixed, double>& M) {
   constexpr double well_conditioned = 1e-3;
   const auto before = M;

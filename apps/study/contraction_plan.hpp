@@ -22,9 +22,10 @@ struct ContractionPlan {
   std::vector<double> least_pivot;  ///< n_screws: a segment may be singular if a pivot is not larger
   int rounds = 0, compressions = 0;
 
-  /// Plans for a tree without coupled joints. Compresses only in the first rounds; with 0 rounds the plan is
-  /// the articulated-body algorithm. A node whose inertia does not determine the accelerations of the joint
-  /// above it, such as a massless body, is not compressed with the node above before others are joined to it.
+  /// Makes a plan for a tree without coupled joints. Nodes are compressed in the first `most_rounds` rounds
+  /// only; with 0 rounds the plan is the articulated-body algorithm. If the inertia of a node does not
+  /// determine the accelerations of the joint above it, for example because a body is massless, the node is
+  /// compressed with the node above it only after others have been joined to it.
   explicit ContractionPlan(const Tree<double>& tree, int most_rounds = std::numeric_limits<int>::max());
 };
 

@@ -120,8 +120,9 @@ template <class T> Wrench<BodyFixed, T> brought_back(const Vec3<T>& d, const Wre
   return {W.m + cross(d, W.f), W.f};
 }
 
-/// A joint with several degrees of freedom, after which the body frame has the pose L exp(S q) D: L is the
-/// pose of the joint frame at q = 0, S its screws, and D the pose of the body frame in the joint frame.
+/// A joint with several degrees of freedom whose body frame is not the joint frame. The body frame has the
+/// pose L exp(S q) D relative to the predecessor, with the pose L of the joint frame at q = 0, the joint
+/// screws S and coordinates q, and the pose D of the body frame in the joint frame.
 template <class Joint, class T, class Offset> struct Conjugated {
   static constexpr int nq = Joint::nq, nv = Joint::nv;
   const SE3<T>& L;
@@ -136,8 +137,8 @@ template <class Joint, class T, class Offset> struct Conjugated {
 
 }  // namespace framed
 
-/// The given tree in the body frames that the type Frames stands for. Where the new frame is the joint frame
-/// the joint stays; all other joints get constant screws that need not be sparse.
+/// The given tree in the body frames that the type Frames chooses. A joint whose body frame remains the joint
+/// frame does not change; all other joints get constant screws, of which all six entries may be non-zero.
 template <class T, class Frames> class FramedTree {
  public:
   static constexpr bool central = std::same_as<Frames, MassCenterFrames>;

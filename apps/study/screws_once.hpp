@@ -7,10 +7,11 @@ namespace axode::command {
 /// inertial origin, as in the paper.
 enum class SpatialOrigin { of_roots, inertial };
 
-/// Inverse dynamics with every joint screw transformed once, J = push S, as sections 4.2 and 4.3 of the paper
-/// have it, where InverseDynamicsRecursion transforms S v, S a and the wrench back:
-///   V_i = down V_p + J v,  V'_i = down V'_p + J a + bias(V_p, V_i, J v),  τ = J | W.
-/// For trees without coupled joints and without loads.
+/// Inverse dynamics that transforms every joint screw S once, to J = push(S), as sections 4.2 and 4.3 of the
+/// paper do (the library's InverseDynamicsRecursion transforms S v, S a and the wrench instead):
+///   V_i = down V_p + J v,  V'_i = down V'_p + J a + bias(V_p, V_i, J v),  τ = J | W,
+/// with the maps push, down and bias of Link (axode/recursion/link.hpp). For trees without coupled joints and
+/// without loads.
 template <class Rep, class T> struct ScrewsOnce {
   BodyLinks<Rep, T> links;
   Twist<Rep, T>* J;

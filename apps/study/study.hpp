@@ -36,15 +36,16 @@ inline constexpr std::array<std::pair<std::string_view, Algorithm>, 6> algorithm
 /// The choice of body frames of the library's own trees. FramedTree has other choices.
 struct JointFrames {};
 
-/// A model at a state with which the costs of algorithms are measured, in a representation of twists and in
-/// chosen body frames. Accelerations also serve as drive forces, and velocities as momenta.
+/// Runs algorithms on a model in one state, to measure their costs, in one representation of twists and one
+/// choice of body frames. The accelerations of the state are also used as drive forces, and its velocities as
+/// momenta.
 class Subject {
  public:
   virtual ~Subject() = default;
   virtual bool can(Algorithm algorithm) const = 0;
   virtual void run(Algorithm algorithm, int calls) = 0;
-  /// The result of one call of an algorithm other than `accelerations`; of momentum_form the velocities come
-  /// first, then the rates of the momenta.
+  /// The result of one call of any algorithm but `accelerations`. The result of `momentum_form` has the
+  /// velocities first, then the rates of the momenta.
   virtual std::vector<double> results_of(Algorithm algorithm) = 0;
 };
 /// Makes a Subject in a representation Rep of twists: BodyFixed, Spatial, Hybrid or Mixed; or Fast, with

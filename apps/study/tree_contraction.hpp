@@ -18,22 +18,25 @@ struct OneByOne {
   void meet() {}
 };
 
-/// Forward dynamics in spatial twists by contraction of the tree, in O(log n) rounds on n processors: the
-/// divide and conquer of Featherstone, A divide-and-conquer articulated-body algorithm for parallel O(log(n))
-/// calculation of rigid-body dynamics, Int. J. Robotics Research 18(9), 1999, pp. 867-892, with other inputs
-/// of a segment. There a segment maps the wrenches at both of its ends to the accelerations a and b of its
-/// first and its last body. Here the inputs are a and the wrench f that the last body passes on to the
-/// bodies below:
-///   wrench on the first body = K a + Eᵀ f + κ,  b = E a - N f + α.                                   (1)
-/// A body is K = M, E = I, N = 0 without an inverse, so that massless bodies are allowed, and a step whose
-/// upper node is one body is a step of the articulated-body algorithm. The joint above a segment is
-/// eliminated, with a = a_p + c + S x, U = K S, G = E S, D = Sᵀ U + armature and u = τ - Sᵀ κ:
+/// Forward dynamics in spatial twists by contraction of the tree, in O(log n) rounds on n processors. It is
+/// the divide and conquer of Featherstone (A divide-and-conquer articulated-body algorithm for parallel
+/// O(log(n)) calculation of rigid-body dynamics, Int. J. Robotics Research 18(9), 1999, pp. 867-892) with
+/// other inputs of a segment, a part of the tree from a first body to a last one. Featherstone's inputs are
+/// the wrenches at both ends. Here they are the acceleration a of the first body and the wrench f that the
+/// last body passes on to the bodies below; the outputs are
+///   wrench on the first body = K a + Eᵀ f + κ,  acceleration of the last body: b = E a - N f + α.   (1)
+/// For one body, K is its inertia, E = I and N = 0; nothing is inverted, so that massless bodies are allowed.
+/// A step whose upper node is one body is a step of the articulated-body algorithm. The joint above a
+/// segment, with the screws S, the acceleration x, the drive force τ and the bias c, is eliminated by a = a_p
+/// + c + S x, where a_p is the acceleration of the predecessor. With U = K S, G = E S, D = Sᵀ U + armature
+/// and u = τ - Sᵀ κ this gives
 ///   x = (u - Uᵀ (a_p + c) - Gᵀ f) / D,  K -= U Uᵀ / D,  E -= G Uᵀ / D,  N += G Gᵀ / D,               (2)
 ///   κ += U u / D + K c,  α += G u / D + E c.
-/// A lower segment K', E', N', κ', α', after (2), is put below an upper one by K' = L Lᵀ, R Rᵀ = I + Lᵀ N L,
-/// B = N L R⁻ᵀ, X = R⁻¹ Lᵀ E, P = E - B X, Q = N - B Bᵀ, h = α - B R⁻¹ Lᵀ α:
+/// A lower segment with K', E', N', κ', α' after (2) is joined to an upper one with K, E, N, κ, α. With K' =
+/// L Lᵀ, R Rᵀ = I + Lᵀ N L, B = N L R⁻ᵀ, X = R⁻¹ Lᵀ E, P = E - B X, Q = N - B Bᵀ, h = α - B R⁻¹ Lᵀ α, the
+/// acceleration of the upper segment's last body is
 ///   b = P a + h - Q (E'ᵀ f + κ'),                                                                    (3)
-/// and both together are, with π = h - Q κ',
+/// and the joined segment has, with π = h - Q κ', in place of K, E, N, κ and α
 ///   K + Xᵀ X,  E' P,  N' + E' Q E'ᵀ,  κ + Eᵀ (K' π + κ'),  α' + E' π.                                (4)
 /// A node without children has f = 0. For trees without coupled joints and without loads.
 template <class T> class TreeContraction {

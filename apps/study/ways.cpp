@@ -28,8 +28,8 @@ template <class T> struct Job {
   }
 };
 
-/// How a way is computed, and how many numbers it gives for each body, for each velocity, and for each pair
-/// of velocities.
+/// The function that runs one of the compared algorithms, and the size of its result: how many numbers for
+/// each body, for each velocity, and for each pair of velocities.
 template <class T> struct Kernel {
   void (*run)(const Job<T>&);
   int per_body, per_velocity, per_pair;

@@ -17,8 +17,8 @@ struct Way {
 /// The ways that the study compares, sorted by algorithm.
 const std::vector<Way>& ways();
 
-/// A way with a model and a state. Accelerations, jerks and further rates of the joints that it needs are
-/// taken from the accelerations of the state.
+/// Runs one of the compared algorithms on a model in one state. Jerks and higher rates that the algorithm
+/// needs are given the numbers of the state's accelerations.
 class WaySubject {
  public:
   virtual ~WaySubject() = default;
