@@ -92,8 +92,9 @@ class Assembly {
     S.diagonal().array() += small;
     return -R.transpose() * S.ldlt().solve(r);
   }
-  /// The damped Gauss-Newton step that closes the loops to first order. Its entries are at most 0.5, that is
-  /// half a radian or half the size of the loops.
+  /// The damped Gauss-Newton step towards closed loops: a solution of r + R x = 0 for the residual r and its
+  /// Jacobian R, without units. It is shortened until no entry is above 0.5, which means half a radian or
+  /// half the size of the loops.
   static Vector step(const Matrix& R, const Vector& r, double damping) {
     const Vector x = least(R, r, damping * r.norm() + 1e-12 * R.squaredNorm());
     const double largest = x.cwiseAbs().maxCoeff();
@@ -108,8 +109,9 @@ class Assembly {
     system_.residual(q.data(), r.data());
     return r.cwiseQuotient(unit_of_residual_);
   }
-  /// The unit of each loop equation: the size of the loops (m) if the constraint wrench has a force, 1 if it
-  /// is a couple, and for a coupling of joints the unit of its first term.
+  /// The units by which loop equations are divided: the size of the loops (m) for an equation whose
+  /// constraint wrench has a force, 1 for an equation whose wrench is a couple, and the unit of its first
+  /// term for a coupling of joints.
   Vector units_of_rows(ConstraintLevel level) {
     system_.make_rows(level);
     Vector units = Vector::Ones(system_.size(level));
@@ -134,8 +136,8 @@ class Assembly {
     const LoopCoupling::Term& first = coupling.terms.front();
     return std::abs(first.factor) * unit_of_velocity_[first.velocity];
   }
-  /// The Jacobian, without units, of the loop residuals (position level) or of the loop equations for
-  /// velocities (velocity level) at the present kinematics. Columns of velocities that are held fixed are 0.
+  /// The Jacobian of the loop residuals (position level) or of the loop equations for velocities (velocity
+  /// level) at the present kinematics, made free of units. Columns of velocities that are held fixed are 0.
   Matrix rows(ConstraintLevel level) {
     LoopSystem<double>::RowByRow R(system_.size(level), model_.nv());
     system_.make_rows(level);
@@ -187,9 +189,10 @@ class Assembly {
                                       : largest_term(model_.loops().couplings[k - table.joints.size()]));
     return 4 * std::numeric_limits<double>::epsilon() * sum;
   }
-  /// The magnitude, without unit, of the terms from which the residual of a loop is computed, for a bound on
-  /// its rounding errors. It is the largest coordinate or distance, or product of an angle and a distance;
-  /// for a coupling of joints, the offset or the largest product of a factor and a coordinate.
+  /// An upper estimate of the terms from which the residual of a loop is computed, without unit; the bound on
+  /// rounding errors is proportional to it. For a loop joint it is the largest coordinate or distance, or
+  /// product of an angle and a distance; for a coupling of joints, the offset or the largest product of a
+  /// factor and a coordinate.
   double largest_term(const LoopCoupling& coupling) const {
     double largest = std::abs(coupling.offset);
     for (const LoopCoupling::Term& term : coupling.terms)

@@ -34,8 +34,9 @@ void check_closed(LoopSystem<double>& system, Numbers<double> q, Numbers<double>
 /// if the residual of its equations for accelerations has a norm of more than 1e-3 (1 + |a| + |v|²). Must be
 /// called after LoopSystem::force() and make_rows(), or after force_fast(), at (q, v, a).
 void check_accelerations(LoopSystem<double>& system, Numbers<double> q, Numbers<double> v, Numbers<double> a);
-/// Throws std::invalid_argument if `left`, the part of the required forces that no drive can produce (the
-/// ratio of their norms), is more than 1e-8. `task` completes the message "the drives cannot ...".
+/// Checks that the drives can produce the required forces. `left` is the part that no drive can produce, as a
+/// ratio of norms. Throws std::invalid_argument if it is above 1e-8; the message begins with "the drives
+/// cannot" and continues with `task`.
 void check_driven(double left, const char* task);
 
 inline void check_rows(const char* name, std::size_t size, int rows, const char* meaning, int columns = 1) {

@@ -3,11 +3,11 @@
 #include "axode/kinematics/place.hpp"
 #include "axode/recursion/solvability.hpp"
 
-/// The change of the velocities of a mechanism with loops by a unit of impulse at a place, a frame or a point
-/// on a body:
+/// The response of a mechanism with loops to an impulse at a place (a frame or a point on a body). A unit of
+/// impulse changes the joint velocities by
 ///   (M⁻¹ - M⁻¹ Aᵀ (A M⁻¹ Aᵀ)⁺ A M⁻¹) Jᵀ
 /// with the mass matrix M of the spanning tree, the Jacobian J of the place and the Jacobian A of the loop
-/// equations A v = 0, which transmit impulses (D7.14). The loops should be closed at q.
+/// equations A v = 0 (D7.14). The loops transmit impulses; they should be closed at q.
 namespace axode {
 
 /// Computes the change of the velocities for a unit of impulse at a place (a frame or a point on a body) of a

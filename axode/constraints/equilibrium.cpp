@@ -32,8 +32,9 @@ namespace {
 using Matrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
 using Vector = Eigen::VectorXd;
 
-/// A configuration q with its unbalanced forces r and their derivative by q. With loops, both are projected
-/// on an orthonormal basis N of the velocities that the loops allow; otherwise N is empty.
+/// A configuration q with the forces r that are not in equilibrium there, and the derivative of r by q. If
+/// the mechanism has loops, r and its derivative are projected onto the columns of N, an orthonormal basis of
+/// the velocities that the loops allow; without loops N is empty.
 struct Iterate {
   std::vector<double> q;
   Vector r;
@@ -77,8 +78,8 @@ class Statics {
   }
 
  private:
-  /// Projects the unbalanced forces and their derivative on an orthonormal basis N of the velocities that the
-  /// loops allow, after subtracting the constraint forces that reduce them most (least squares).
+  /// Projects the unbalanced forces and their derivative by q onto the velocities that the loops allow, after
+  /// subtracting the constraint forces Aᵀ λ that reduce the unbalanced forces most (least squares).
   void close(Iterate& at) {
     const Eigen::Index nv = model_.nv(), m = model_.loops().rows;
     Vector lambda(m), forces(nv);
@@ -103,8 +104,8 @@ class Statics {
   Matrix by_v_, by_a_;
 };
 
-/// The Newton step -(∂r/∂q)⁺ r for the unbalanced forces r, at most 1 rad or m in each direction. Directions
-/// that change r by rounding only are left out.
+/// The Newton step -(∂r/∂q)⁺ r for the unbalanced forces r, at most 1 rad or m along each velocity.
+/// Directions along which r changes only by rounding errors are left out.
 Vector newton_step(const Iterate& at) {
   Vector step = -least_squares(at.dr_dq, at.r, 1e-10);
   if (at.N.rows() > 0) step = Vector(at.N * step);

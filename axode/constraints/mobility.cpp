@@ -22,8 +22,9 @@ std::string in_words(const Wrench<Spatial>& W, const Vec3<>& O) {
   return words;
 }
 
-/// Whether a linear combination of symmetric forms of size 1 is positive definite, by Rosenblatt's rule: the
-/// value of each form at a vector at which the present combination is not positive is added to its factor.
+/// Whether some linear combination of symmetric matrices (quadratic forms, scaled to size 1) is positive
+/// definite. Rosenblatt's rule finds its factors: as long as the present combination is not positive at some
+/// vector, the value of each form at this vector is added to the factor of the form.
 bool has_definite_combination(const std::vector<Eigen::MatrixXd>& forms) {
   constexpr int most = 500;
   const auto count = static_cast<Eigen::Index>(forms.size());
@@ -48,10 +49,11 @@ bool has_definite_combination(const std::vector<Eigen::MatrixXd>& forms) {
   return false;
 }
 
-/// The mobility by a test of second order: whether velocities x with A x = 0 for the loop equations, spanned
-/// by `kernel`, belong to finite motions. They must satisfy n·γ(q, x) = 0 for each dependency nᵀ A = 0, where
-/// γ is the part of (A x)' that is quadratic in x. If a combination of the forms n·γ is definite, only x = 0
-/// is left and the mechanism is shaky; otherwise branches may meet.
+/// Decides by a test of second order whether velocities that satisfy the loop equations, A x = 0, belong to
+/// finite motions; `kernel` spans these velocities. For every dependency nᵀ A = 0 of the equations (the
+/// columns of `dependencies`) they must satisfy n·γ(x) = 0, where γ is the part of (A x)' that is quadratic
+/// in x. If a combination of the forms n·γ is definite, only x = 0 satisfies it, and the mechanism is shaky;
+/// otherwise branches of the motion may meet.
 Mobility second_order(LoopSystem<double>& system, std::span<const double> q, const Eigen::MatrixXd& kernel,
                       const Eigen::MatrixXd& dependencies) {
   const Eigen::Index f = kernel.cols();

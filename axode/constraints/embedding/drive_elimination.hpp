@@ -42,8 +42,9 @@ template <class T> class AXODE_ENTRY DriveElimination {
   bool eliminate_limbs(const std::vector<std::vector<T>>& entries, const T& considerable,
                        const T* f) noexcept;
   bool eliminate_carrying(const T& considerable, const T* f) noexcept;
-  /// Computes, for each limb, the multipliers of the loop equations that its elimination has left over, from
-  /// `nu`, those that the elimination of the platform's velocities has left over. Overwrites `nu`.
+  /// Computes the multipliers of those loop equations of each limb that are left over after the elimination
+  /// of the limb's velocities. `nu` has the multipliers of the equations that are left over after the
+  /// elimination of the platform's velocities; it is overwritten.
   void set_remaining(T* nu) noexcept;
   /// Subtracts from `forces` (nv), at the velocities with drives, the constraint forces of all loop
   /// equations, or only of those that remain after the eliminations. Returns the largest absolute product.

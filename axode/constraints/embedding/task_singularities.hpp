@@ -16,9 +16,10 @@ struct TaskSingularity {
   int limb = -1;        ///< index of the limb in a singularity of type 1; otherwise -1
   double distance = 0;  ///< least singular value of the matrix that loses rank, divided by the largest one; 0
                         ///< at the singularity
-  /// For singularities of the types `drives` and `constraint`, the motion of the platform that becomes free,
-  /// about the inertial origin. The larger of |ω| and |v| / length is 1, with the velocity v of the centre of
-  /// the loop joints on the platform and their mean distance from it as length.
+  /// The motion of the platform that becomes free in a singularity of type `drives` or `constraint`, a twist
+  /// (ω; v) about the inertial origin. It is scaled such that the larger of |ω| and |u| / length is 1, where
+  /// u is the velocity of the centre of the loop joints on the platform, and length their mean distance from
+  /// this centre.
   Twist<Spatial> twist;
   std::vector<std::string> joints;  ///< velocities of the limb that can move, or drives that act against each
                                     ///< other

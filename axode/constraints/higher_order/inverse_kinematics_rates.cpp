@@ -44,8 +44,9 @@ template <class Rep> void check(std::span<const TwistTarget<Rep>> targets, std::
   }
 }
 
-/// The linear systems for all time derivatives of the joint velocities. Their matrix consists of the
-/// Jacobians of the places with wanted motions and of the loop equations; the right side is `wanted - known`.
+/// The linear systems whose solutions are the joint velocities and their time derivatives. All have the same
+/// matrix: the Jacobians of the places with wanted motions, and below them the Jacobian of the loop
+/// equations. The right side of each is `wanted - known`, where `known` has the terms with lower derivatives.
 template <class Rep> class RateSystem {
  public:
   RateSystem(const Model& model, Numbers<double> q, std::span<const TwistTarget<Rep>> targets, int orders)
@@ -61,8 +62,9 @@ template <class Rep> class RateSystem {
     known.resize(rows);
   }
 
-  /// Computes the right side (`wanted - known`) of the linear system for derivative k of the joint velocities
-  /// and, if k is 0, the matrix of all systems. Rows k and later of `rates` must be 0.
+  /// Sets up the linear system whose solution is the k-th time derivative of the joint velocities: its right
+  /// side `wanted - known` and, if k is 0, the matrix that all derivatives share. Rows k and later of `rates`
+  /// must be 0.
   void run(std::span<const double> rates, int k) {
     motion_.evaluate(q_, rates);
     Eigen::Index row = 0;

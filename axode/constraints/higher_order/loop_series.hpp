@@ -31,7 +31,8 @@ class LoopSeries {
  private:
   using Series = Taylor<double, largest_order + 1>;
 
-  /// The time series of a screw and of a frame about a point O. `shift` is the origin of the root body (the
+  /// about() returns the power series in time of a screw with the coefficients X, moved to a point O, and
+  /// frame_series() that of the frame of a loop joint about O. `shift` is the origin of the root body (the
   /// body of the branch that is joined to the ground) minus O.
   Screw<Series> about(const Vec3<>& shift, const Screw<>* X) const;
   SE3<Series> frame_series(const Loop::End& end, const Vec3<>& shift);

@@ -9,9 +9,10 @@
 
 namespace axode {
 
-/// The linearised equations of motion of a mechanism with loops: x' = A x + B δτ for x = (δ, δv), where δ are
-/// the displacements along k independent velocities, δv the deviations of these velocities, and δτ those of
-/// the joint forces. All joints have displacements N δ and deviations of velocities N δv + D δ.
+/// The linearised equations of motion of a mechanism with loops, x' = A x + B δτ. The state is x = (δ, δv):
+/// the displacements δ along k independent velocities, and the deviations δv of these velocities. δτ are the
+/// deviations of the joint forces. All joints have the displacements N δ, and their velocities deviate by N
+/// δv + D δ.
 struct IndependentLinearization {
   std::vector<int> velocities;  ///< the indices of the k independent velocities
   Eigen::MatrixXd N;            ///< nv × k; the identity in the rows of the independent velocities

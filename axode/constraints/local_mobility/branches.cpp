@@ -63,8 +63,8 @@ MotionBranch curve(const PolynomialRing& line, Eigen::MatrixXd z) {
   return out;
 }
 
-/// The distance from q, at most 1, up to which the power series z(w) of a branch describes it, by the largest
-/// coefficient of each degree.
+/// The distance from q, at most 1, up to which the power series z(w) of the points of a branch in parameters
+/// w is used. It is estimated from the largest coefficient of each degree.
 double reach_of_germ(const PolynomialRing& ring, const Eigen::MatrixXd& z) {
   double out = 1;
   for (int k = 2; k <= ring.degree(); ++k) {
@@ -81,9 +81,9 @@ Eigen::VectorXd point_at(const MotionBranch& branch, double parameter, Eigen::In
   return x;
 }
 
-/// The point of a branch, by its power series, that has the same projection on its tangent space at q as the
-/// point x; to second order if its dimension is above 1. On a curve with a cusp, `other_side` selects the
-/// other side of the cusp.
+/// The point of a branch whose projection on the tangent space of the branch at q is that of the point x. It
+/// is computed from the power series of the branch or, if the dimension is above 1, to second order. If the
+/// branch is a curve with a cusp, `other_side` selects the other of its two sides.
 Eigen::VectorXd nearest(const MotionBranch& branch, const Eigen::VectorXd& x, bool other_side) {
   const Eigen::VectorXd tau = branch.T * x;
   if (branch.dimension == 1) {
@@ -133,8 +133,9 @@ void trace_curve(const Closure& closure, MotionBranch& branch) {
     }
 }
 
-/// Computes the limit of `difference` for h → 0 by Romberg's method. difference(a, b, h) is a difference
-/// quotient of the points a and b of a branch whose projections on the tangent space are h c and -h c.
+/// Computes the limit, for h → 0, of a difference quotient on a branch, by Romberg's method. difference(a, b,
+/// h) is called with the two points a and b of the branch whose coordinates in the tangent space are h c and
+/// -h c, for several h.
 template <class Difference>
 Eigen::VectorXd extrapolated(const Closure& closure, const Eigen::MatrixXd& T, const Eigen::VectorXd& c,
                              double range, const Difference& difference) {
@@ -159,8 +160,9 @@ Eigen::MatrixXd orthonormal_rows(const Eigen::MatrixXd& rows) {
   return svd.V.leftCols(rows.rows()).transpose();
 }
 
-/// An orthonormal basis of the space that the orthonormal rows of T span, which depends on the space alone.
-/// Each vector is the largest column, divided by its norm, of the projector on the remaining space.
+/// An orthonormal basis of the space spanned by the rows of T, which must be orthonormal. It depends on the
+/// space alone, not on T: each vector is the largest column of the projector onto the space that remains,
+/// divided by its norm.
 Eigen::MatrixXd canonical_basis(const Eigen::MatrixXd& T) {
   Eigen::MatrixXd P = T.transpose() * T, out(T.rows(), T.cols());
   for (Eigen::Index k = 0; k < T.rows(); ++k) {
@@ -174,9 +176,9 @@ Eigen::MatrixXd canonical_basis(const Eigen::MatrixXd& T) {
   return out;
 }
 
-/// The tangent space at q of a branch of dimension above 1, as orthonormal rows: from the linear terms of its
-/// power series or, if these are dependent because the branch is singular, from differences of points with
-/// closed loops.
+/// The tangent space at q of a branch of dimension above 1, as orthonormal rows. It is spanned by the linear
+/// terms of the power series of the branch. If these are linearly dependent, because the branch is singular
+/// at q, it is computed from differences of points of the branch.
 Eigen::MatrixXd tangent_space(const Closure& closure, const Germ& germ) {
   const Eigen::Index D = germ.ring->variables();
   const Eigen::MatrixXd first = germ.z.middleCols(1, D);
@@ -246,8 +248,9 @@ MotionBranch surface(const Closure& closure, const Germ& germ) {
   return out;
 }
 
-/// Computes the dimension of the velocities that the loops allow at a point of a branch near q, the
-/// coordinates that do not move at q or along the branch, and the loops in which something moves.
+/// Computes what one learns from a point of a branch near q: the dimension of the velocities that the loops
+/// allow there, the coordinates that move along the branch but not at q (dead points) or do not move at all
+/// (idle), and the loops in which something moves.
 void look_beside(const Closure& closure, MotionBranch& branch) {
   if (branch.points.empty()) return;
   const std::size_t at = branch.dimension == 1 ? std::min<std::size_t>(2, branch.points.size() - 1) : 0;

@@ -11,8 +11,8 @@ namespace axode::higher_order {
 /// divided by a characteristic length.
 std::vector<MotionBranch> branches(const Closure& closure, const std::vector<Germ>& germs);
 
-/// The distance from q, at most 1, up to which the power series of a branch describes it: coefficient k is at
-/// most 10 / reach^(k - 1).
+/// The distance from q, at most 1, up to which the power series of a branch is used: the largest number
+/// `reach` such that coefficient k is at most 10 / reach^(k - 1) for all k.
 double reach(const MotionBranch& branch);
 
 /// Whether a closed point x near q lies on a branch, to second order in x.

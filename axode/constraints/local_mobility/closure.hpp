@@ -29,24 +29,26 @@ class Closure {
   /// Indices of velocities of joints that are in no loop.
   const std::vector<int>& outside() const { return outside_; }
 
-  /// The indices of the loops and, after them, the couplings whose equations take part in a linear
-  /// combination of the rows() closure equations with the coefficients `combination`.
+  /// The indices of the loops and, after them, the couplings that take part in a linear combination of the
+  /// closure equations. `combination` has its coefficients, one for each of the rows() equations.
   std::vector<int> loops_of_equations(const Eigen::Ref<const Eigen::VectorXd>& combination) const;
   /// The indices of the loops and, after them, the couplings with a coordinate c that moves (moves[c]).
   std::vector<int> loops_of_coordinates(const std::vector<char>& moves) const;
 
-  /// Computes the left sides of the closure equations: log f for the product f of joint exponentials around
-  /// each loop, and one number for each coupling. The coordinates x and the results are polynomials, in the
-  /// variables of `ring`, the results up to `degree`. Only brackets of joint screws are used (D13.5, D13.6).
+  /// Computes the left sides of the closure equations as power series: for each loop log f, where f is the
+  /// product of the joint exponentials around the loop, and one number for each coupling. The coordinates x
+  /// and the results are polynomials in the variables of `ring`; results have the terms up to `degree`. Only
+  /// brackets of joint screws are used (D13.5, D13.6).
   Eigen::MatrixXd log_series(const PolynomialRing& ring, const Eigen::Ref<const Eigen::MatrixXd>& x,
                              int degree) const;
-  /// The left sides of the closure equations at the coordinates x (rows() numbers): log f for the product f
-  /// of joint exponentials around each loop, and one number for each coupling; and their derivative (rows ×
-  /// n), up to factors that are the identity if the loops are closed.
+  /// residual() returns the left sides of the closure equations at the coordinates x (rows() numbers): for
+  /// each loop log f, where f is the product of the joint exponentials around the loop, and one number for
+  /// each coupling. jacobian() returns their derivative (rows × n); for open loops it is inexact by factors
+  /// that become the identity if the loops are closed.
   Eigen::VectorXd residual(const Eigen::Ref<const Eigen::VectorXd>& x) const;
   Eigen::MatrixXd jacobian(const Eigen::Ref<const Eigen::VectorXd>& x) const;
   /// Changes the coordinates x by Gauss-Newton steps of least norm until the loops are closed and x satisfies
-  /// the linear conditions held · x = target, of which there may be none. Returns the norm of the residual.
+  /// the linear conditions held · x = target; `held` may have no rows. Returns the norm of the residual.
   double close(Eigen::VectorXd& x, const Eigen::Ref<const Eigen::MatrixXd>& held,
                const Eigen::Ref<const Eigen::VectorXd>& target) const;
 

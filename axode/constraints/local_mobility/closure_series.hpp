@@ -9,9 +9,10 @@
 /// is closed, computed from brackets of joint screws. A series is a matrix of coefficients with six rows.
 namespace axode::higher_order {
 
-/// Computes the power series of the spatial twist of the last body of a loop, for joint coordinates that grow
-/// in proportion to a parameter from 0; the twist is multiplied by this parameter. The coordinates x are n
-/// polynomials without constants. Terms up to `degree` are computed (D13.3, D13.4).
+/// Computes the power series V of the spatial twist of the last body of a loop, up to the given degree. The
+/// coordinates x of the joints are n polynomials in the variables of `ring`, without constants. V is the
+/// twist of the motion along a ray from the origin of these variables, multiplied by the parameter of the ray
+/// (D13.3, D13.4).
 Eigen::MatrixXd twist_series(const PolynomialRing& ring, const std::vector<PassedJoint>& loop,
                              const Eigen::Ref<const Eigen::MatrixXd>& x, int degree);
 

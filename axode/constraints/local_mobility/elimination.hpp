@@ -17,8 +17,9 @@ inline constexpr double coefficient_tolerance = 1e-6;
 using Equations =
     std::function<Eigen::MatrixXd(const PolynomialRing& ring, const Eigen::MatrixXd& z, int degree)>;
 
-/// The equations g(u) = 0 that remain of φ(z) = 0 after the unknowns have been eliminated that the derivative
-/// of φ at 0 determines (D13.7 to D13.9). u are coordinates in the kernel of this derivative.
+/// The result of eliminating unknowns from equations φ(z) = 0: those are eliminated that the derivative of φ
+/// at 0 determines, and the equations g(u) = 0 remain for coordinates u in the kernel of this derivative
+/// (D13.7 to D13.9).
 struct Elimination {
   int rank = 0;
   Eigen::VectorXd singular_values;       ///< singular values of the derivative of φ at 0
@@ -27,8 +28,8 @@ struct Elimination {
   Eigen::MatrixXd z;                     ///< polynomials z(u) that solve the equations in the range of the
                                          ///< derivative
   Eigen::MatrixXd left;                  ///< columns: a basis of the left null space of the derivative
-  /// For each degree, the largest absolute coefficient (at least 1) up to that degree in the polynomials z(u)
-  /// and g(u), to which rounding errors are proportional.
+  /// For each degree, the largest absolute coefficient of the polynomials z(u) and g(u) up to that degree,
+  /// but at least 1. Rounding errors of coefficients are proportional to it.
   std::vector<double> scale;
   Eigen::MatrixXd g;  ///< the remaining equations g(u) = 0, whose terms begin with degree 2
 };
@@ -46,9 +47,9 @@ struct Form {
   Eigen::VectorXd combination;  ///< coefficients of the combination, one for each row of g
 };
 
-/// Combines the polynomials g, one in each row, so that their terms of lowest degree are linearly independent
-/// in each degree (D13.10). Combinations that vanish are left out. `scale` has, for each degree, the size of
-/// coefficients to which rounding errors are proportional.
+/// Combines the polynomials g, one in each row, such that the terms of lowest degree of those combinations
+/// that begin with the same degree are linearly independent (D13.10). Combinations that vanish are left out;
+/// a coefficient vanishes if it is small compared with `scale` of its degree.
 std::vector<Form> independent_forms(const PolynomialRing& ring, const Eigen::MatrixXd& g,
                                     const std::vector<double>& scale);
 

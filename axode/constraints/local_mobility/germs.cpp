@@ -29,9 +29,10 @@ struct BlowUp {
   Eigen::MatrixXd B, u;
 };
 
-/// Computes the polynomials h_i = g_i(s (e + B v)) / s^(m_i) for equations g_i of lowest degree m_i, by the
-/// substitution of a direction e + B v and a distance s for the unknowns (D13.11). The results are truncated
-/// like polynomials of `small`.
+/// Substitutes u = s (e + B v) in the equations g(u) = 0, where s is the distance along a direction e and v
+/// the deviation from it, and divides each by the power of s that its terms have in common: h_i = g_i(s (e +
+/// B v)) / s^(m_i) for an equation of lowest degree m_i (D13.11). Results are truncated like polynomials of
+/// `small`.
 Eigen::MatrixXd divided(const PolynomialRing& ring, const std::vector<Form>& rows, const BlowUp& blow,
                         const PolynomialRing& small) {
   Eigen::MatrixXd g(static_cast<Eigen::Index>(rows.size()), ring.size());
@@ -59,8 +60,9 @@ std::vector<Germ> solve(PolynomialRings& rings, const Equations& equations, cons
   return found;
 }
 
-/// The power series of those solutions of h(s, v) = 0, the equations after a blow-up, along which ∂h/∂v is
-/// singular: h = 0 and (∂h/∂v) λ = 0 with a vector λ near the kernel of ∂h/∂v at 0 (D13.12).
+/// The power series of solutions of h(s, v) = 0, the equations after a blow-up, at which ∂h/∂v is singular.
+/// They are solutions of the larger system h = 0, (∂h/∂v) λ = 0 with a vector λ near the kernel of ∂h/∂v at 0
+/// (D13.12).
 std::vector<Germ> deflated(PolynomialRings& rings, const PolynomialRing& ring, const Eigen::MatrixXd& h,
                            int depth) {
   const int d = ring.variables(), K = ring.degree() - 1;

@@ -14,10 +14,11 @@ struct Germ {
   bool multiple = false;                 ///< whether the equations hold doubly, as squares do, along the germ
 };
 
-/// Returns the power series at 0 (germs) of the real solutions of polynomial equations g = 0 without linear
-/// terms, by elimination, blow-ups, which substitute a direction and a distance for the unknowns (D13.11),
-/// and deflation, which adds unknowns for multiple solutions (D13.12). `scale` has, for each degree, the size
-/// to which rounding errors are proportional, and `depth` is the number of blow-ups so far.
+/// Returns the power series (germs) at 0 of the real solutions of polynomial equations g = 0 without linear
+/// terms. The methods are elimination, blow-ups, which substitute a direction and a distance for the unknowns
+/// (D13.11), and deflation, which adds unknowns for multiple solutions (D13.12). `scale` has, for each
+/// degree, the size of numbers to which rounding errors are proportional, and `depth` is the number of
+/// blow-ups so far.
 std::vector<Germ> germs(PolynomialRings& rings, const PolynomialRing& ring, const Eigen::MatrixXd& g,
                         const std::vector<double>& scale, int depth = 0);
 

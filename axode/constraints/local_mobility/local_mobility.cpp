@@ -105,8 +105,8 @@ MobilityProbe probe(const PolynomialRings& rings, const Closure& closure, const 
   return out;
 }
 
-/// Derives the conclusions of an analysis of mobility, such as the local mobility, the kind of the
-/// configuration and whether ranks alone prove it, from the rank of the loop equations, the mobility of each
+/// Fills in the conclusions of an analysis of mobility (local mobility, kind of the configuration, whether
+/// ranks alone prove the result) from what it found: the rank of the loop equations, the mobility of each
 /// order, the branches, and the closed configurations that lie on no branch.
 void draw_conclusions(LocalMobility& found) {
   std::set<int> dimensions;
@@ -151,9 +151,9 @@ void in_units(MotionBranch& branch, const Eigen::VectorXd& unit) {
   for (BranchPoint& point : branch.points) point.x = unit.cwiseProduct(point.x);
 }
 
-/// Computes the conditions on velocities, the mobility of each order, the branches, and the search for missed
-/// branches. `left` are the loop equations that remain after the elimination of the coordinates that they
-/// determine to first order; at least one coordinate remains.
+/// Computes the conditions on velocities, the mobility of each order and the branches, and searches for
+/// missed branches. `left` has the equations that remain after the elimination of all coordinates that the
+/// loop equations determine to first order; at least one coordinate must remain.
 void find_branches(PolynomialRings& rings, const Closure& closure, const Elimination& left,
                    LocalMobility& found) {
   const int orders = found.differential_mobility <= 2 ? found.order : std::min(found.order, 6);

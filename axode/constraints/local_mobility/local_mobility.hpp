@@ -62,15 +62,16 @@ struct MotionBranch {
   std::vector<int> idle;   ///< indices of coordinates that rest along the branch
   std::vector<int> loops;  ///< indices of the loops and couplings in which something moves
   std::vector<BranchPoint> points;
-  /// For a branch of dimension 1 whose power series is cut after 1, 2, ... terms: the power of the parameter
-  /// with which the residual of the loops was found to vanish; infinite if the residual is a rounding error.
+  /// How well the power series of a branch of dimension 1 solves the loop equations: for the series cut after
+  /// 1, 2, ... terms, the exponent k with which the residual of the loops was found to vanish as
+  /// (parameter)^k; infinite if the residual is a rounding error.
   std::vector<double> residual_orders;
 
   bool cusp() const { return power > 1; }
 };
 
-/// A condition on velocities, of degree 2 or higher: an equation that remains after the elimination of the
-/// coordinates that the loops determine to first order.
+/// A condition of degree 2 or higher on the velocities: one of the equations that remain after the
+/// elimination of all coordinates that the loop equations determine to first order.
 struct MobilityCondition {
   int degree = 0;          ///< lowest degree of its terms
   std::vector<int> loops;  ///< indices of the loops and couplings whose equations it combines
@@ -96,7 +97,7 @@ struct LocalMobility {
   double smallest_kept = 0, largest_dropped = 0;  ///< least singular value that counts for the rank, and
                                                   ///< largest one that does not
   int differential_mobility = 0;                  ///< n - rank
-  /// For each order 1, 2, ... the dimension of the kinematic tangent cone, the set of velocities with which
+  /// The dimension of the kinematic tangent cone for each order 1, 2, ...: of the set of velocities for which
   /// the loop equations can be satisfied up to that order.
   std::vector<int> mobility_by_order;
   int settled_at_order = 0;  ///< order from which on mobility_by_order does not change
@@ -114,8 +115,8 @@ struct LocalMobility {
   bool cusp = false;                   ///< whether some branch is a cusp
   bool kinematic_singularity = false;  ///< whether on every branch the differential mobility is smaller
                                        ///< beside q than at q
-  /// Whether the loop equations allow more velocities than there are finite motions: near q on some branch,
-  /// or at q if there is no finite motion.
+  /// Whether the loop equations allow velocities that belong to no finite motion. This is so at points of
+  /// some branch near q, or at q if the mechanism cannot move.
   bool shaky = false;
   /// Whether ranks and roots of polynomials alone prove the result. They do if the loop equations are
   /// independent, if they allow no velocities, or if they allow velocities of dimension 1 or 2 but no finite

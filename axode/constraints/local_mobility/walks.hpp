@@ -7,9 +7,9 @@
 
 namespace axode::higher_order {
 
-/// A joint on the way around a loop: its displacement is exp(Σ S_k x_k) with coordinates x_k and screws S_k
-/// about the inertial origin at the configuration q0. They have the opposite sign if the way leads from the
-/// body to its predecessor.
+/// A joint on the way around a loop. Its displacement is exp(Σ S_k x_k) with its coordinates x_k and screws
+/// S_k, about the inertial origin at the configuration q0. If the way leads from the body to its predecessor,
+/// the screws have the opposite sign.
 struct PassedJoint {
   std::vector<Screw<>> S;
   std::vector<int> coordinates;

@@ -27,9 +27,9 @@ template <class T> class AXODE_ENTRY IndependentRows {
   /// Computes N with A N = 0: an orthonormal basis of the velocities that the loops allow, nv × (nv - rank).
   Matrix kernel() const;
 
-  /// Computes multipliers λ of the loop equations A v = 0 whose constraint forces Aᵀ λ are nearest to f (nv)
-  /// by least squares; of several, those with the least Σ d² λ² for the sizes d of the equations,
-  /// LoopSystem::scale() (D7.11).
+  /// Computes multipliers λ of the loop equations A v = 0 for which the constraint forces Aᵀ λ approximate
+  /// the forces f (nv) best (least squares). If several do, the least Σ d² λ² decides, with the sizes d of
+  /// the equations, LoopSystem::scale() (D7.11).
   void least_multipliers(const Vector& f, std::span<T> lambda) const;
 
   std::vector<int> independent, redundant;

@@ -10,18 +10,18 @@
 namespace axode {
 namespace {
 
-/// Bounds of the filter μ: this part of the squared size of each loop equation is added to its diagonal
-/// entry, so that redundant equations can be solved (D7.9). With the residual r of open loops, μ = (1e4 |r|)²
-/// between these bounds, because a redundant equation of open loops seems to have the size of r. In motions
-/// the lower bound is larger, so that rounding errors of r are not magnified near configurations where
-/// branches meet.
+/// Bounds of the filter μ. The equations A M⁻¹ Aᵀ λ = -b for the multipliers of the loops can be solved
+/// although loop equations are redundant, because μ times the squared size of each loop equation is added to
+/// the diagonal (D7.9). If the loops are open with a residual r, a redundant equation seems to have the size
+/// of r; hence μ is (1e4 |r|)², limited by these bounds. In simulations the lower bound is larger, so that
+/// rounding errors of r are not magnified where branches of the motion meet.
 template <class T> constexpr bool is_float = std::same_as<T, float>;
 template <class T> constexpr T least_filter_in_motion = is_float<T> ? T(1e-4) : T(1e-9);
 template <class T> constexpr T most_filter = is_float<T> ? T(1e-4) : T(1e-6);
 /// A row needs no filter if its pivot is larger than this part of d², where d is the size of the row.
 template <class T> constexpr T sound_part = is_float<T> ? T(1e-2) : T(1e-3);
-/// A row that is smaller than this part of d consists of rounding errors, and is replaced by zeros. The
-/// size of a row of zeros is so large that its multiplier is 0.
+/// The relative size below which a row of the Jacobian of the loop equations consists of rounding errors and
+/// is replaced by zeros. The row then gets so large a nominal size that its multiplier becomes 0.
 template <class T> constexpr T vanishing_part = is_float<T> ? T(1e-4) : T(1e-9);
 constexpr float size_of_a_row_of_zeros = 1e15f;
 template <class T> constexpr T converged = is_float<T> ? T(1e-5) : T(1e-12);

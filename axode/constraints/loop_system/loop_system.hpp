@@ -20,9 +20,10 @@
 
 namespace axode {
 
-/// The redundant loop equations that LoopSystem::determine_rank() found at a closed configuration; solutions
-/// with this rank have multipliers 0 for them. An integration keeps the rank for a whole step, because
-/// equations that are redundant by geometry become independent as soon as the loops are a little open.
+/// Which loop equations are redundant, as LoopSystem::determine_rank() found at a closed configuration. If a
+/// solution is computed with a RowRank, the multipliers of these equations are 0. An integration keeps it for
+/// a whole step, because equations that are redundant by geometry become independent as soon as the loops are
+/// a little open.
 struct RowRank {
   std::vector<char> redundant = {};  ///< whether each row of A is redundant; empty before determine_rank()
 };
@@ -62,13 +63,13 @@ template <class T> class AXODE_ENTRY LoopSystem {
     return level == ConstraintLevel::velocity ? model_.loops().rows : model_.loops().residuals;
   }
 
-  /// Prescribes positions s, velocities s' and accelerations s'' for some loop equations, in all later calls;
-  /// those of all other equations are 0 (D12.1).
+  /// Prescribes the positions s, velocities s' and accelerations s'' that some loop equations follow in all
+  /// later calls. For all other equations they are 0 (D12.1).
   void prescribe(std::span<const PrescribedRow<T>> rows) { prescribed_.assign(rows.begin(), rows.end()); }
 
   /// Computes the accelerations a (nv) and the multipliers λ of the loop equations at (q, v). If the mass
-  /// matrix of the spanning tree is singular, both are NaN. Functions that need kinematics require
-  /// update_kinematics() afterwards.
+  /// matrix of the spanning tree is singular, both are NaN. The kinematics that other functions use are not
+  /// updated: call update_kinematics() before these.
   Solvability accelerate(const T* q, const T* v, const T* tau, const Loads<T>& loads, T* a, T* lambda,
                          const RowRank& rank = {}) noexcept;
   /// Computes the forces M a + h (nv) that the spanning tree needs for the motion (q, v, a), with its mass
@@ -88,9 +89,9 @@ template <class T> class AXODE_ENTRY LoopSystem {
   /// Must be called after make_rows(ConstraintLevel::velocity) or force_fast(). Returns false without results
   /// if some motion has no drive, if λ is wanted and not unique, or if rounding leaves a rank open.
   bool drive_forces(std::span<const int> drives, const T* f, T* tau, T* lambda) noexcept;
-  /// A bound below which an entry of the Jacobian of the loop equations may be a rounding error: a tenth of
-  /// the largest distance (m) of a loop joint from the root body of its branch, at most 0.1; 0.1 if all
-  /// distances are 0.
+  /// The threshold below which an entry of the Jacobian of the loop equations may be a rounding error: 0.1,
+  /// or a tenth of the largest distance (m) of a loop joint from the root body of its branch if this is less
+  /// than 1 m and not 0.
   T considerable_entry() const noexcept;
   /// Computes the velocities v⁺ (nv) after an impact of the loops at q, A v⁺ = -e A v with the Jacobian A of
   /// the loop equations and the coefficient of restitution e, and the impulses of the equations (D7.12). With
@@ -98,18 +99,20 @@ template <class T> class AXODE_ENTRY LoopSystem {
   Solvability impact(const T* q, const T* v, const T& e, T* v_after, T* impulses) noexcept;
   /// Computes the velocities v⁺ (nv) after an impact, and the impulses, at the last factorised configuration.
   Solvability impact(const T* v, const T& e, T* v_after, T* impulses, const RowRank& rank = {}) noexcept;
-  /// Computes a step x (nv) towards a closed configuration, r + R x = 0 for the residual r of the loops and
-  /// its Jacobian R, the least in the norm of the mass matrix (D7.13).
+  /// Computes a step x (nv) that closes the loops to first order: of all x with r + R x = 0, where r is the
+  /// residual of the loops and R its Jacobian, the one with the least norm xᵀ M x for the mass matrix M
+  /// (D7.13).
   Solvability projection_step(const T* q, T* x, const RowRank& rank = {}) noexcept;
 
-  /// Determines which loop equations are redundant at a closed q, and factorises them there. If the mass
-  /// matrix of the spanning tree is singular, `rank` remains unchanged.
+  /// Determines which loop equations are redundant at a closed configuration q, and factorises the others
+  /// there. If the mass matrix of the spanning tree is singular, `rank` does not change.
   Solvability determine_rank(const T* q, RowRank& rank) noexcept;
   /// Determines which of the rows A are redundant. The rows must be factorised already, see factorize_rows().
   void determine_rank(RowRank& rank) noexcept;
 
-  /// Computes the poses of the bodies, the joint screws and the frames of the loop joints at q, or from the
-  /// poses C of the bodies relative to the point `origin` in inertial axes, which the joints need not allow.
+  /// Computes the poses of the bodies, the joint screws and the frames of the loop joints. The first function
+  /// computes them for joint coordinates q; the second one for poses C of the bodies relative to the point
+  /// `origin` in inertial axes, which need not agree with the joints.
   void update_kinematics(const T* q) noexcept;
   void update_kinematics(const SE3<T>* C, const Vec3<T>& origin) noexcept;
   /// Updates the kinematics with the motion of all bodies, and computes the bias forces h (nv) of the tree.
@@ -130,8 +133,8 @@ template <class T> class AXODE_ENTRY LoopSystem {
   const std::vector<std::vector<T>>& entries() const { return entries_; }
   /// Writes the entries of the rows A or R of the present level as a dense matrix, m × nv, row by row.
   void write(T* A) const noexcept;
-  /// Compute out = A x, and add Aᵀ λ to out, with the Jacobian A that make_rows() computed last: that of the
-  /// loop equations for velocities, or that of the residuals.
+  /// times() computes out = A x, and add_transposed_times() adds Aᵀ λ to `out`. A is the Jacobian that
+  /// make_rows() computed last: that of the loop equations for velocities or that of the residuals.
   void times(const T* x, T* out) const noexcept;
   void add_transposed_times(const T* lambda, T* out) const noexcept;
   /// Computes γ - s'' (D6.7), where A v = s' are the loop equations with prescribed right sides and γ is the
@@ -173,13 +176,13 @@ template <class T> class AXODE_ENTRY LoopSystem {
   /// Solves A M⁻¹ Aᵀ λ = -b for the multipliers λ of the loop equations A v = 0, with the mass matrix M of
   /// the spanning tree; λ is the least (least-squares) solution if equations are redundant (D7.8).
   void solve_rows(const T* b, T* lambda, const RowRank& rank = {}) noexcept;
-  /// Sets the filter μ of solve_rows() from the residual of the loops at q: solve_rows() ignores directions
-  /// of multipliers in which A M⁻¹ Aᵀ is small compared with μ times the squared sizes of the loop equations
-  /// (D7.9). A is the Jacobian of the equations, and M the mass matrix of the spanning tree.
+  /// Sets the filter μ from the residual of the loops at q. solve_rows() ignores multipliers in directions in
+  /// which A M⁻¹ Aᵀ is small compared with μ times the squared sizes of the loop equations (D7.9); A is the
+  /// Jacobian of the equations, and M the mass matrix of the spanning tree.
   void set_filter(const T* q, const RowRank& rank) noexcept;
-  /// The least pivot of a loop equation in the last solve_rows(), divided by the square of the equation's
-  /// size; 1 if all are far from redundant. If it is near 0, the configuration is nearly singular, and
-  /// accelerations are those of a mechanism with more degrees of freedom.
+  /// How near the loop equations are to being dependent: the least pivot in the last solve_rows(), divided by
+  /// the squared size of its equation; 1 if all pivots are large. If it is near 0, the configuration is
+  /// nearly singular, and the accelerations are those of a mechanism with more degrees of freedom.
   T weakest_row() const { return weakest_row_; }
   /// Adds A M⁻¹ x to b (m numbers) for x (nv). The rows must be factorised.
   void add_response(const T* x, T* b) noexcept;
@@ -224,8 +227,9 @@ template <class T> class AXODE_ENTRY LoopSystem {
   const std::vector<LoopTable::VelocityBlock>& blocks() const {
     return level_ == ConstraintLevel::velocity ? table_.row_blocks : table_.residual_blocks;
   }
-  /// Computes accelerations and multipliers with fast articulated bodies. Returns false, without results, for
-  /// couplings or coupled joints, or if a pivot or all equations of a loop are too small.
+  /// Computes accelerations and multipliers with fast articulated bodies. Returns false, without results, if
+  /// the model has couplings or coupled joints, if a pivot is too small, or if all equations of a loop are
+  /// close to 0.
   bool accelerate_fast(const T* q, const T* v, const T* tau, const Loads<T>& loads, T* a, T* lambda,
                        const RowRank& rank) noexcept;
   /// The motion of the two bodies of a loop joint about origin(k).
@@ -243,8 +247,8 @@ template <class T> class AXODE_ENTRY LoopSystem {
   void update_loops() noexcept;      ///< updates joint screws and loop ends
   void update_loop_ends() noexcept;  ///< updates only the frames of the loop joints
   void make_entries() noexcept;
-  /// Factorises the mass matrix of the spanning tree and the loop equations at the position or the velocity
-  /// level, at the present kinematics, which must be those of q.
+  /// Factorises the mass matrix of the spanning tree and the loop equations of one level (position or
+  /// velocity). The kinematics must have been updated to q.
   Solvability prepare(ConstraintLevel level, const T* q, const RowRank& rank) noexcept;
   /// Computes w = D^-½ L⁻ᵀ x for x (nv), and stores it in w_.
   void pull(const T* x) noexcept;
@@ -281,8 +285,9 @@ template <class T> class AXODE_ENTRY LoopSystem {
     F_j.f += F_i.f;
     for (int i = path.meeting; i > 0; i = parent[i]) step(i, F_j);
   }
-  /// Compute entries of Y = D^-½ L⁻ᵀ Aᵀ (D7.6) for equations of a loop, rows of its Jacobian A: for one row,
-  /// for n rows, for n rows with fast articulated bodies, and for all rows.
+  /// These functions compute entries of Y = D^-½ L⁻ᵀ Aᵀ (D7.6), where LᵀD L is the mass matrix of the
+  /// spanning tree and A the Jacobian of the loop equations: for one equation of a loop, for n of them, for n
+  /// of them with fast articulated bodies, and for all.
   void pull_row(const LoopPath& path, int row, const Wrench<Spatial, T>& first,
                 const Wrench<Spatial, T>& second) noexcept;
   template <int n> void pull_rows(const LoopPath& path, const State& at, int row) noexcept;

@@ -8,8 +8,8 @@
 
 namespace axode {
 
-/// The wrenches that unit multipliers of n consecutive equations of a loop exert, on their way along a path
-/// to the ground (D7.6), one in each lane of a SIMD register.
+/// The wrenches that unit multipliers of n consecutive equations of a loop exert on a body, one in each lane
+/// of a SIMD register. They are moved from body to body along a path to the ground (D7.6).
 template <class T, int n> struct RowsInLanes {
   using Rows = Batch<T, std::max(2U, std::bit_ceil(static_cast<unsigned>(n)))>;
   Vec3<Rows> m, f;
@@ -37,9 +37,10 @@ template <class T, int n> struct RowsInLanes {
 
   /// Moves the reference point of the wrenches from o to p; r is the vector from p to o.
   template <class Vector> void move(const Vector& r) { m += cross(all(r), f); }
-  /// Eliminates a joint velocity with the screw S from the wrenches F: stores root u in y and subtracts x U
-  /// from F, for u = Sᵀ F, root = D^-½ with the pivot D, and U = M S for the articulated inertia M. x must be
-  /// u / D, or u if U has been divided by D.
+  /// Removes from the wrenches F the part that the joint of screw S takes up, F -= x U (D7.6), and stores the
+  /// entries D^-½ u of Y for this joint velocity in `y`. Here U = M S with the articulated inertia M, D is
+  /// the pivot of the velocity, u = Sᵀ F, and `root` is D^-½. x must be u / D, or u if U has been divided by
+  /// D.
   template <class Vector>
   void eliminate(const Rows& u, const T& root, T* y, const Rows& x, const Vector& U_m, const Vector& U_f) {
     const Rows Y = Rows(root) * u;

@@ -14,8 +14,8 @@ void add(const LoopPath::Range& range, Ranges& to) {
   }
 }
 
-/// Finds the blocks of consecutive velocities that occur in the same loop equations; `rows` selects the
-/// equations for velocities or those of residuals.
+/// Divides the velocities into blocks of consecutive velocities that occur in the same loop equations. `rows`
+/// selects the equations for velocities or the equations for residuals.
 std::vector<LoopTable::VelocityBlock> blocks(const std::vector<LoopPath>& paths, int nv,
                                              LoopPath::Range LoopPath::*rows) {
   std::vector<Ranges> of_velocity(static_cast<std::size_t>(nv));

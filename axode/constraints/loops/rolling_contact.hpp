@@ -20,8 +20,9 @@ struct RollingContact {
     const Vec3<T> p = contact(at).p;
     for (const Vec3<T>* e : {&at.a.R.z, &at.a.R.x, &at.a.R.y}) *W++ = force_at(p, *e);
   }
-  /// Computes the time derivatives of the constraint wrenches, as the contact point moves along the rim and
-  /// along the plane. The rate d' of the direction d from the contact point to the centre is (D6.9).
+  /// Computes the time derivatives of the constraint wrenches. They are not 0, because the contact point
+  /// moves along the rim and along the plane. The rate d' of the direction d from the contact point to the
+  /// centre is given by (D6.9).
   template <class T>
   void wrench_rates(const LoopFrames<T>& at, const EndMotion<T>& m, SpatialWrench<T>* dW) const {
     const Vec3<T>&n = at.a.R.z, &k = at.b.R.z;

@@ -39,8 +39,9 @@ class MotionRows {
   double next_jump(double t) const;
   /// Throws std::invalid_argument if a motion is not known at all times from `from` to `until`.
   void check_times(double from, double until) const;
-  /// The name of the joint or rod whose prescribed motion has the largest absolute entry in `rows` (one for
-  /// each loop equation); empty if no entry of a motion is above the tolerance.
+  /// The name of a joint or rod with a prescribed motion: the one whose loop equation has the largest
+  /// absolute entry in `rows` (one entry for each loop equation). Empty if all entries of motions are within
+  /// the tolerance.
   std::string worst(std::span<const double> rows, double tolerance) const;
 
  private:

@@ -4,9 +4,9 @@
 
 namespace axode {
 
-/// The spline of degree 5 through samples, with four continuous derivatives. Two samples at each end, next to
-/// the first and the last one, are not knots, so that polynomials of degree 5 are reproduced. Fewer than six
-/// samples give one polynomial of lower degree.
+/// The spline of degree 5 through samples, with four continuous derivatives. It has a knot at every sample
+/// except the two next to the first and the two next to the last one, so that it is exact for polynomials of
+/// degree 5. Fewer than six samples give one polynomial of lower degree.
 class QuinticSpline {
  public:
   /// Interpolates two or more samples at increasing times. O(n) for n samples.
@@ -16,8 +16,8 @@ class QuinticSpline {
   double derivative(int order, double t) const;
 
  private:
-  /// The index of the last knot before or at t, where a t outside the samples is moved to the nearest one. It
-  /// determines the B-splines that are not 0 at t.
+  /// The index of the last knot at or before the time t, which determines the B-splines that are not 0 at t.
+  /// A t outside the samples is replaced by the nearest sample.
   int interval(double t) const;
   /// Replaces the sample values in coefficients_ by the coefficients of the B-splines with these values.
   void interpolate(std::span<const double> times);
