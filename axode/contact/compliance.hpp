@@ -15,8 +15,9 @@ struct Compliance {
   double force_at_rest(double gap) const noexcept;
 };
 
-/// The compliance of two surfaces in series: they carry the same force, and their depths add up. If both are
-/// compliant they must have the same exponent. The damping dissipates what both would.
+/// The compliance of two surfaces in contact that act like springs in series: both carry the same force, and
+/// their depths add up. If both are compliant they must have the same exponent. The damping is chosen such
+/// that it dissipates the sum of what both surfaces would dissipate.
 Compliance in_series(const Compliance& a, const Compliance& b) noexcept;
 
 /// The mean normal force of a step.

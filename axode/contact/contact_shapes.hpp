@@ -41,17 +41,19 @@ struct MeshHull {
   Hull hull;
   Vec3<> origin;
 };
-/// Callback that returns the hull of the mesh of a shape; the Source is the file in which the shape is
-/// described. Throws std::invalid_argument if the mesh has no hull. See hull_of_mesh() in axode/view.hpp.
+/// Callback that returns the convex hull of the mesh of a shape, or throws std::invalid_argument if the mesh
+/// has none. Its arguments are the shape and the file in which the shape is described. See hull_of_mesh() in
+/// axode/view.hpp.
 using MeshHulls = std::function<MeshHull(const ShapeDescription&, const Source&)>;
 
 /// The collision shapes of a model: those of the ground first, then those of the bodies in the order of the
 /// description. Copies are cheap and share the data.
 class ContactShapes {
  public:
-  /// Takes the collision shapes of a model; `hulls` gives the convex hulls that stand for meshes. Throws
+  /// Takes the collision shapes of a model. `hulls` returns the convex hulls that replace meshes. Throws
   /// std::invalid_argument for a mesh without a hull (or without `hulls`), a shape without a size, two planes
-  /// that move against each other, and compliant shapes with different exponents that may touch. Allocates.
+  /// that move relative to each other, and compliant shapes with different exponents that may touch.
+  /// Allocates.
   explicit ContactShapes(const Model& model, const MeshHulls& hulls = {});
 
   /// The number of moving bodies of the model from which the shapes were made.

@@ -21,11 +21,11 @@ int start_vertex(const ConvexShape& shape, int last) {
   return exists ? last : 0;
 }
 
-/// Takes the better of two candidates for the least distance of two cores. A candidate is a unit normal n,
-/// the width s of the gap between the cores along n, and a point x of their difference; its residual is |x -
-/// s n|. Replaces c by t if t has a larger width, or the same width to rounding and a smaller residual.
-/// Otherwise replaces only the point of c by that of t, if the latter is nearer to s n of c. Returns whether
-/// c has changed.
+/// Compares two candidates for the least distance of two cores, and keeps the better one in c. A candidate is
+/// a unit normal n, the width s of the gap between the cores along n, and a point x of their difference; its
+/// residual is |x - s n|. Candidate t is better than c if its width is larger, or equal to rounding with a
+/// smaller residual. If t is not better but its point has a smaller residual for the n and s of c, c takes
+/// this point. Returns whether c has changed.
 bool improve(const CorePair& pair, Candidate& c, const Candidate& t) noexcept {
   const bool higher = t.s > c.s + pair.rounding;
   const bool as_high = t.s >= c.s - pair.rounding;
@@ -40,8 +40,8 @@ bool improve(const CorePair& pair, Candidate& c, const Candidate& t) noexcept {
   return true;
 }
 
-/// Improves the normal of candidate c by at most `rounds` proximal steps (D10.7). Ends earlier if the steps
-/// bring no improvement, or if the residual of c vanishes.
+/// Improves the normal of candidate c by at most `rounds` proximal steps (D10.7). Stops before if a step
+/// brings no improvement, or if the residual of c is 0 to rounding.
 void ascend(CorePair& pair, Candidate& c, int rounds) noexcept {
   double gap = pair.curved ? pair.step / 16 : pair.rounding;
   for (int k = 0; k < rounds && c.residual > pair.rounding; ++k) {

@@ -7,9 +7,9 @@
 namespace axode::convex {
 namespace {
 
-/// Rows [matrix | right side] of the equations of a Newton step for the normal n along which the gap has a
-/// stationary width s. The unknowns are two tangential components of the change of n, the weights of at most
-/// three vertices of the simplex, and s.
+/// The matrix and the right side of the equations of a Newton step. The step searches the normal n for which
+/// the gap of two cores has a stationary width s. Its unknowns are two tangential components of the change of
+/// n, the weights of up to three vertices of a simplex, and s.
 using Equations = std::array<std::array<double, 7>, 6>;
 
 /// Solves linear equations [matrix | right side] by Gauss-Jordan elimination with pivots. The solution
@@ -31,8 +31,9 @@ bool solve(Equations& m, int size) noexcept {
   return true;
 }
 
-/// Newton's method for the normal along which the gap of two cores is stationary. A frozen body is replaced
-/// by the polytope of its points in the simplex, which do not move with the normal.
+/// Newton's method for the normal along which the gap of two cores has a stationary width. A body can be
+/// `frozen`: it is replaced by the polytope of those of its points that are in the simplex, and these do not
+/// change with the normal.
 class Newton {
  public:
   Newton(CorePair& pair, const Candidate& start, bool freeze_a, bool freeze_b)

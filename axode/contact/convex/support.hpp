@@ -50,9 +50,9 @@ inline Vec3<> branch_point(const ConvexShape& shape, int branch, const Vec3<>& n
   return (1 / norm(q)) * Vec3<>{h.x * q.x, h.y * q.y, h.z * q.z} - shape.radius * n;
 }
 
-/// The number of the branch of the core's support function at the unit normal n. For a hull it is a vertex,
-/// and the search walks over neighbours to ever higher vertices: from the vertex `hint`, or from the start
-/// vertex of the sector of n if that is higher.
+/// The number of the branch of the core's support function at the unit normal n. For a hull this is the
+/// vertex that is highest along n. The search for it starts at the vertex `hint` or, if this is higher, at a
+/// stored vertex for directions like n, and walks to ever higher neighbours.
 inline int support_branch(const ConvexShape& shape, const Vec3<>& n, int hint) {
   const Vec3<>& h = shape.size;
   switch (shape.core) {

@@ -13,8 +13,9 @@ constexpr double infinity = std::numeric_limits<double>::infinity();
 constexpr int most_corners = 2 * Feature<>::most_points;
 constexpr double steepest = 1e-3;  // least cosine of the angle between n and a face normal
 
-/// A polygon or segment that is clipped. The edge from corner i to the next corner has a label: its number in
-/// the original polygon, or 32 + k if it lies on side k of the other polygon.
+/// A polygon or segment that is being clipped by the sides of another polygon. The edge from corner i to the
+/// next one has a label: its number in the original polygon, or 32 + k if it lies on side k of the other
+/// polygon.
 template <class T> struct Clipped {
   int count = 0;
   std::array<Vec3<T>, most_corners> point;
@@ -69,8 +70,8 @@ Clipped<T> clip_by_sides(const Feature<T>& subject, const Feature<T>& polygon, c
 }
 
 /// Clips a polygon or segment, the subject, by a polygon, and adds the corners of the result as contact
-/// points. n points from the polygon to the subject; `flipped` says that the subject belongs to shape a.
-/// Returns the least gap.
+/// points. The vector n points from the polygon to the subject, and `flipped` is true if the subject belongs
+/// to the first shape of the pair. Returns the least gap.
 template <class T>
 double clip_by_polygon(const Feature<T>& polygon, double radius_polygon, const Feature<T>& subject,
                        double radius_subject, const Vec3<T>& n, bool flipped, double size,

@@ -4,9 +4,9 @@
 
 namespace axode {
 
-/// Adds the contact points of the pair (i, j) of shapes with the poses A and B in the inertial frame if they
-/// have a closed form, or else returns false; then touch_convex() is needed. Either way the pair is selected
-/// in the list of points.
+/// Adds the contact points of the pair of shapes i and j, with the poses A and B in the inertial frame, if
+/// there is a closed form for this pair. Otherwise returns false, and touch_convex() must be called. In both
+/// cases the pair is selected in the list of points.
 template <class T>
 [[nodiscard]] bool touch(const ContactShapes& shapes, int i, int j, const SE3<T>& A, const SE3<T>& B,
                          PointList<T>& out) noexcept;
