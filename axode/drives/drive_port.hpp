@@ -45,9 +45,9 @@ class DrivePort {
   bool along_line_ = false;
   double l_ = 0, w_ = 0;
   std::vector<std::pair<int, double>> row_;
-  /// For each entry of the row vector E, for which E v is the rate of the length of a line: the end of the
-  /// line (0 or 1) that its velocity moves, and how fast it moves it if it is 1, as a vector in the axes of
-  /// the body at this end.
+  /// For each entry of the row vector E with l' = E v, where l is the length of a line: the number (0 or 1)
+  /// of the end of the line that the entry's velocity moves, and the velocity of this end for a unit of it,
+  /// in the axes of the body at this end.
   std::vector<std::pair<std::size_t, Vec3<>>> columns_;
 };
 

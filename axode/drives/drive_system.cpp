@@ -200,8 +200,9 @@ Eigen::MatrixXd DriveSystem::rates_by_states(double t, Span q, Span v, Span x, s
   return f_x;
 }
 
-/// Computes the derivatives of a function of n numbers of the arguments of the laws. f(values, out) must
-/// write its directional derivative to out (n), from `values`, which the laws have been evaluated with.
+/// Computes the derivatives of n numbers by the arguments of the laws. After the laws have been evaluated
+/// with dual numbers along a direction, f(values, out) is called with their results and must write the
+/// directional derivatives of the n numbers to `out`.
 template <class F>
 DriveSystem::ByArguments DriveSystem::by_arguments(double t, Span q, Span v, Eigen::Index n, const F& f) {
   const auto index = [](auto k) { return static_cast<Eigen::Index>(k); };

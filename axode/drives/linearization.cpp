@@ -40,8 +40,9 @@ struct AtRest {
   Solvability solvability;
 };
 
-/// The equations of a state of rest, in which accelerations and rates of the drive states are 0 at v = 0, and
-/// Newton's method for them. Rates of drive states are divided by the nominal values of these states.
+/// The equations of a state of rest, and Newton's method for them. At rest v = 0, the accelerations are 0,
+/// and the rates of the drive states are 0. Each rate of a drive state is divided by the nominal value of
+/// this state.
 class Statics {
  public:
   Statics(const Model& model, DriveSystem& drives, double t)

@@ -10,8 +10,8 @@
 namespace axode::fmi {
 namespace {
 
-/// The properties of mechanisms that FMUs take into account or refuse. Contact, hard stops and losses of joints
-/// are refused elsewhere.
+/// How FMUs treat properties of mechanisms: whether they take a property into account or refuse it. Contact,
+/// hard stops and losses of joints have checks of their own.
 constexpr catalog::Counts without_contact{.loops = catalog::counted,
                                           .passive_joints = catalog::counted,
                                           .springs = catalog::counted,

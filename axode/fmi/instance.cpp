@@ -13,16 +13,17 @@
 namespace axode::fmi {
 namespace {
 
-/// The distance of the state from one with closed loops (rad, m, rad/s, m/s) at which an FMU for model
-/// exchange asks for an event, in which loops are closed. A tolerance of the importing program replaces it,
-/// but not below least_drift.
+/// A threshold of FMUs for model exchange with loops: if the residuals of the loops exceed it (rad, m, rad/s,
+/// m/s), the FMU asks for an event, in which it closes the loops. The importing program's tolerance, if it
+/// sets one, replaces usual_drift, but not below least_drift.
 constexpr double usual_drift = 1e-8, least_drift = 1e-10;
-/// Without loops, an FMU for model exchange asks for an event if normalising the quaternions changes the
-/// state by more than this number.
+/// A threshold of FMUs for model exchange without loops: if normalising the quaternions would change the
+/// state by more than this number, the FMU asks for an event, in which it normalises them.
 constexpr double usual_norm_error = 1e-6;
-/// The event indicator of the drives is their least margin, which becomes negative when a discrete status of
-/// a drive must change, plus this part of the largest margin so far. Where the solver finds the indicator to
-/// be 0, up to its error in time, the margin is thus negative and the status changes.
+/// The event indicator of the drives is the least of their margins plus this part of the largest margin so
+/// far. A margin becomes negative when a discrete status of a drive must change. Because of the added part,
+/// the margin is already negative at the time at which a solver locates the zero of the indicator, and the
+/// status changes.
 constexpr double indicator_shift = 1e-9;
 
 Model read(std::string_view drawing) {

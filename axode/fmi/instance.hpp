@@ -64,9 +64,9 @@ class Instance {
   /// Integrates from the communication point at time t to t + h (s).
   void step(double t, double h);
 
-  /// directional_derivative() is the product of the Jacobian (derivatives of the unknowns by the knowns) with
-  /// a seed, one number for each known; adjoint_derivative() that of its transpose with one number for each
-  /// unknown.
+  /// directional_derivative() returns the product of the Jacobian, which has the derivatives of the unknowns
+  /// by the knowns, with a vector `seed` of one number for each known. adjoint_derivative() returns the
+  /// product of the transposed Jacobian with one number for each unknown.
   void directional_derivative(References unknowns, References knowns, Span seed, std::span<double> result);
   void adjoint_derivative(References unknowns, References knowns, Span seed, std::span<double> result);
 
@@ -85,8 +85,9 @@ class Instance {
   double indicator(std::size_t k);
   double gap(const Stop& stop) const;
   std::vector<double> reserves();
-  /// Returns the least margin of the drives, which becomes negative when a discrete status must change, or 1
-  /// if it is no event indicator. Updates margin_scale_, its largest magnitude so far.
+  /// Returns the least margin of the drives, which becomes negative when a discrete status of a drive must
+  /// change; 1 if the FMU has no event indicator for it. Updates margin_scale_, the largest magnitude of the
+  /// margin so far.
   double observe_margin();
   /// The Jacobian of the unknowns (rows) by the knowns (columns).
   Eigen::MatrixXd jacobian(References unknowns, References knowns);

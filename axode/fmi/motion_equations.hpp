@@ -52,8 +52,8 @@ class MotionEquations {
   MotionEquations(const Model& model, const Settings& settings, std::span<const int> loads);
 
   const DriveSystem& drives() const { return drives_; }
-  /// Replaces the drives and the friction of joints by those of another motion of the same mechanism, with
-  /// their discrete statuses and inputs.
+  /// Copies the states of drives and friction from another motion of the same mechanism: the inputs and
+  /// discrete statuses of its drives, and which of its joints stick or slide.
   void act_by(const DriveSystem& drives, const DryFriction& friction) {
     drives_ = drives;
     friction_ = friction;
@@ -72,8 +72,8 @@ class MotionEquations {
   /// Projects q and v onto closed loops and motions, with unit quaternions. Returns whether this succeeded.
   [[nodiscard]] bool close(Point& at);
 
-  /// Lets inputs of drives jump that do so at the time in `at`, and changes discrete statuses of drives where
-  /// necessary, which may change x, the states of the drives.
+  /// Updates the drives at the time in `at`: inputs that jump at this time take their new values, and
+  /// discrete statuses change if they must. The states x of the drives may change at this.
   void switch_drives(Point& at);
   double next_jump(double t) const;
   /// Lets joints with dry friction begin to stick or to slide, as simulate() does at the end of a step.
@@ -96,8 +96,8 @@ class MotionEquations {
 
  private:
   using RowMajor = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
-  /// The derivatives of the accelerations by q (along left-trivialised directions), v, tau and the states x
-  /// of drives, and those of drive forces and x'.
+  /// The derivatives of the accelerations a by q (along left-trivialised directions), by v, by tau and by the
+  /// states x of drives; and the derivatives of the drive forces and of x'.
   struct Derivatives {
     RowMajor a_q, a_v, a_tau;
     Eigen::MatrixXd a_x;
@@ -110,13 +110,13 @@ class MotionEquations {
   void settle_plays(const Point& at);
   /// The loads of a point. They are valid until the next call.
   Loads<double> loads(const Point& at);
-  /// The sum of tau, the forces of drives and springs and, with dry friction, losses of joints (nv). Writes
-  /// the rates of x to dx unless it is null.
+  /// The joint forces at a point (nv): tau plus the forces of drives and springs and, if there is dry
+  /// friction, the forces of joint losses. Writes the rates of the drive states x to `dx` unless it is null.
   std::vector<double> force_sum(const Point& at, Span q, std::vector<double>* dx);
   Derivatives derivatives(const Point& at, Span q);
-  /// Computes the derivatives by the coordinates `raw` before normalisation: those of the normalised q
-  /// (`normalization`, nq × nq), and its displacement along left-trivialised directions for each unit of
-  /// `raw` (`displacement`, nv × nq).
+  /// Computes derivatives by coordinates whose quaternions are not normalised yet (`raw`, nq numbers).
+  /// `normalization` (nq × nq) has the derivatives of the normalised coordinates q, and `displacement` (nv ×
+  /// nq) the displacements of the configuration along left-trivialised directions.
   void seeds(Span raw, Span q, Eigen::MatrixXd& displacement, Eigen::MatrixXd& normalization) const;
   Eigen::MatrixXd rates_by_coordinates(Span q, Span v) const;
 

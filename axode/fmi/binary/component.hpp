@@ -32,8 +32,8 @@ inline Status failed(const Component& component, Status status, const char* mess
   return status;
 }
 
-/// Calls f(instance), and turns exceptions into a status and a message for the log: `discard` for NoRates,
-/// after which the importing program may try another state, and `error` for all others.
+/// Calls f(instance), and converts an exception to a message in the log and a status of FMI: `discard` for
+/// NoRates, after which the importing program may try another state, and `error` for all other exceptions.
 template <class F> Status guarded(void* component, const F& f) noexcept {
   if (component == nullptr) return error;
   auto& its = *static_cast<Component*>(component);
