@@ -3,8 +3,8 @@
 
 namespace axode::python {
 
-/// Indices of velocities, given in Python by names of joints or by numbers; none if `given` is None. Throws
-/// nb::value_error for anything else.
+/// Returns indices of velocities, which Python code gives as names of joints or as numbers; an empty list if
+/// `given` is None. Throws nb::value_error for all other objects.
 std::vector<int> velocities(const Model& m, nb::handle given, const char* argument);
 /// `inverse_dynamics` with additional forces, or with drives: of a model with loops, or as if it had some.
 Array closed_inverse_dynamics(const BoundModel& m, const Arguments& given, nb::handle drives,

@@ -87,8 +87,8 @@ Array rows(const BoundTrajectory& of, RowsOf which, int width) {
   return out.array();
 }
 Array rows(const BoundTrajectory& of, RowsOf which) { return rows(of, which, of.motion.model().nv()); }
-/// Returns an array of results for the states of a motion: f(workspace, q, v, numbers) writes that of one
-/// state, an array of the given shape, to `numbers`.
+/// Computes an array of results for the states of a motion. f(workspace, q, v, numbers) must write the result
+/// of one state, an array of the shape `shape`, to `numbers`.
 template <class F> Array of_states(const BoundTrajectory& of, const Shape& shape, const F& f) {
   const Trajectory& shown = of.shown();
   NewArray out(shape.times(static_cast<nb::ssize_t>(shown.size())));

@@ -105,8 +105,8 @@ Array jacobian_derivative_along_of(const BoundModel& m, ArrayLike q, FrameName f
   });
 }
 
-/// Evaluates a motion with its time derivatives up to some order at every state. f(motion, order, out) writes
-/// the result for one state and order to `out`.
+/// Evaluates the motion of the bodies, with its time derivatives up to an order, at every state. f(motion,
+/// order, out) must write the result for one state to `out`.
 template <class F>
 NewArray each_motion(const States& states, const Rows& rates, const Shape& item_shape, const F& f) {
   const Model& m = states.model();

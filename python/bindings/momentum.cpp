@@ -12,9 +12,9 @@ namespace {
 
 using namespace nb::literals;
 
-/// Computes two results, arrays of the shapes `first` and `second`, for every state; f(workspace, k, first,
-/// second) writes those of state k. Throws an error with the first result if a state cannot be computed, for
-/// example if its mass matrix is singular.
+/// Computes two results for every state: arrays with items of the shapes `first` and `second`, where
+/// f(workspace, k, first, second) writes the items of state k. If a state cannot be computed, for example
+/// because its mass matrix is singular, throws an error that contains the first result.
 template <class F>
 std::tuple<Array, Array> each_pair(const States& states, const Shape& first, const Shape& second,
                                    const F& f) {

@@ -266,9 +266,9 @@ Array acceleration_of(ArrayLike C, ArrayLike M, ArrayLike V, ArrayLike W, Repres
 
 // -------------------------------------------------------------------------- measured at F_j, resolved in F_k
 
-/// Calls f(jk, x, ...) for every item of arrays. jk is a pair of frames j and k, a tuple in Python: position
-/// r_j and velocity dr_j of the origin of j, rotation R_k and angular velocity w_k of k. Each may be an array
-/// of items.
+/// Calls f(jk, x, ...) for every item of arrays. jk is a pair of frames j and k, which is a tuple of four
+/// entries in Python: position r_j and velocity dr_j of the origin of j, rotation R_k and angular velocity
+/// w_k of k. Each entry may be an array with one item for each call.
 template <class F, class... T> Array in_frames(PairOfFrames jk, const F& f, const Given<T>&... given) {
   const nb::handle pair(jk.given);
   if (!PyTuple_Check(jk.given) || nb::len(pair) != 4)

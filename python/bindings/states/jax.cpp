@@ -35,8 +35,9 @@ Model tree_of(const Model& model) {
   return ModelBuilder(std::move(tree)).build();
 }
 
-/// The models that compiled programs of JAX use, found by a key made of their contents, and kept without
-/// loops, couplings and prescribed motions, which axode.jax has refused before.
+/// Keeps the models that compiled programs of JAX use. A model is found by a key that is made of its
+/// contents. Models are kept without loops, couplings and prescribed motions; axode.jax refuses models that
+/// have them.
 class Mechanisms {
  public:
   void add(const std::string& key, const Model& model) {
@@ -375,9 +376,9 @@ xla::Error* error(const xla::CallFrame& frame, xla::ErrorCode code, const char* 
   return frame.api->new_error(&made);
 }
 
-/// A function that XLA, the compiler of JAX, calls: it calls f and converts exceptions to errors of XLA. XLA
-/// may also ask for the version of the interface only; it gets that of this file or an older one that it
-/// states.
+/// A function with the signature that XLA, the compiler of JAX, calls. It calls f and converts exceptions to
+/// errors of XLA. XLA may also call it only to ask for the version of the interface; the answer is the
+/// version of xla_ffi.hpp, or an older one that XLA states.
 template <void (*f)(const Call&)> xla::Error* handler(xla::CallFrame* frame) {
   if (frame->sized.extensions != nullptr) {
     const auto* const asked = static_cast<const xla::MetadataRequest*>(frame->sized.extensions);

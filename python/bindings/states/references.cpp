@@ -88,8 +88,8 @@ StraightPath path_between(const BoundModel& m, ArrayLike start, ArrayLike goal) 
   return {*m, from.q(0), to.q(0)};
 }
 
-/// A trajectory along a straight path. function(t) returns lists with the distances along the path at the
-/// time t and with their first and second derivatives.
+/// Makes a trajectory along a straight path. function(t) must return, for a time t or several times, the
+/// distance along the path and its first and second derivative.
 nb::object follow(const StraightPath& of, const std::vector<double>& jumps, double duration,
                   const nb::callable& function) {
   return bound_trajectory(of.follow(jumps, duration, [&](double t, int, std::span<MotionValue> distances) {

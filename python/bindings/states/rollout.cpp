@@ -149,8 +149,8 @@ std::tuple<Array, Array, Array> driven_rollout_of(const BoundModel& m, ArrayLike
   return motions_of(states, compiled, {velocities.all(), {}, &drive.drive, K, step, joint_losses}, x);
 }
 
-/// Why motion n ended early, as text that begins with ": "; its last step is simulated again to find the
-/// reason. Empty if this step then succeeds.
+/// Finds why motion n ended early, by simulating its last step again. Returns a text that begins with ": ",
+/// or an empty text if this step succeeds.
 std::string reason_of_end(const States& states, const ContactShapes& shapes, const Steps& steps,
                           std::size_t n, std::span<const double> q, std::span<const double> v) {
   const std::size_t K = static_cast<std::size_t>(steps.K), nq = static_cast<std::size_t>(states.model().nq()),

@@ -34,9 +34,9 @@ double cost_of(catalog::Cost cost, const Model& model) {
   return cubic_cost(model);
 }
 
-/// Expands entries, such as poses of 12 numbers, to matrices, such as 4 × 4 = 16 numbers, in place: from
-/// `packed` numbers each at the front of `numbers` to `unpacked`. f writes the matrix of one entry; the last
-/// entry comes first.
+/// Expands items in place, for example poses of 12 numbers to 4 × 4 matrices of 16. Items of `packed` numbers
+/// each lie at the beginning of `numbers`; they become items of `unpacked` numbers, beginning with the last
+/// one. f writes the matrix of one item.
 template <int packed, int unpacked, class F> void unpack(std::span<double> numbers, const F& f) {
   for (std::size_t k = numbers.size() / unpacked; k-- > 0;) {
     std::array<double, packed> x;

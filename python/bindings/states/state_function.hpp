@@ -67,8 +67,8 @@ class StateFunction {
   std::vector<ArgumentOfState> takes_;  ///< the arguments that the function takes in addition to q
 };
 
-/// The name of the type in axode.records for several results of a function: empty if it has one, "tuple" if
-/// they are not derivatives.
+/// The name of the type in axode.records that Python code gets for the results of a function. It is empty if
+/// the function has one result, and "tuple" if it has several that are not derivatives.
 std::string record_of(const catalog::Words& row);
 
 /// The Python signature of a function in axode/catalog.hpp: `def name(self, arguments, options) -> result`.

@@ -51,8 +51,8 @@ class States {
   std::span<const double> q(std::size_t k) const { return q_[k]; }
   std::span<const double> q() const { return q_.all(); }
 
-  /// Another argument: one item for one state of shape (nq,), otherwise an item for each of the N states.
-  /// `meaning` describes the item in messages.
+  /// Checks an argument that has an item of the shape `item` for each of the N states, or only one item if
+  /// there is one state, of the shape (nq,). `meaning` describes an item in messages.
   Items items(const char* name, ArrayLike given, const Shape& item, const char* meaning) const;
   /// Another argument of the call with nq numbers for each state.
   Items configurations(const char* name, ArrayLike given) const;
@@ -120,8 +120,9 @@ class States {
   /// failure.
   void refuse(const std::vector<Solvability>& found, NewArray& result,
               const Solvability& otherwise = {.not_finite = true}) const;
-  /// Throws an error of axode.errors that contains the result, about the states with the indices `refused`.
-  /// `sentence` is about the first of them; its index is in the message if there are several states.
+  /// Throws an error of the type `error` of axode.errors. `refused` are the indices of the states that could
+  /// not be computed, and `sentence` says why the first of them could not; the message has its index if there
+  /// are several states. The error contains the result.
   [[noreturn]] void raise(const char* error, const std::string& sentence,
                           const std::vector<std::size_t>& refused, NewArray& result) const;
 

@@ -10,8 +10,9 @@
 /// Extends functions of single items, such as a screw (6,), to arrays of items, such as (..., 6).
 namespace axode::python {
 
-/// The shape of an item of type T in an array, and its conversion. Reading throws nb::value_error, which
-/// names the argument, for numbers that are no such item.
+/// Describes how items of the C++ type T are stored in arrays: the shape of an item, and functions that read
+/// and write one. Reading throws nb::value_error, which names the argument, if the numbers are not such an
+/// item.
 template <class T> struct Item;
 template <class T> inline constexpr Infinities infinities_of = Infinities::refused;
 

@@ -10,8 +10,9 @@
 namespace axode::python {
 namespace {
 
-/// The beginning of nanobind's function objects (nb_func in its nb_internals.h), with the field for the C
-/// function that a call runs (vectorcall), whose place Python's stable interface does not tell.
+/// The first members of nanobind's function objects (struct nb_func in its nb_internals.h). The member
+/// `call`, nanobind's vectorcall, is the C function that runs when the object is called. Python's stable
+/// interface does not give access to it.
 static_assert(NB_VERSION_MAJOR == 3);
 struct Function {
   PyVarObject head;
