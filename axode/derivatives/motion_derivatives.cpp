@@ -34,8 +34,8 @@ template <class T> struct MovingPlace {
   SE3<T> C;
   V6<T> V, dV;
 
-  /// Converts the changes by_V and by_dV of the body-fixed components of a twist V and its rate V' along a
-  /// displacement X of the pose to the changes of their components in representation Rep.
+  /// Converts changes of a motion to the representation Rep. X is the displacement of the pose, and by_V and
+  /// by_dV are the changes of the body-fixed components of the twist V and of its rate V'.
   template <class Rep> MotionChange<Rep, T> in(const V6<T>& X, const V6<T>& by_V, const V6<T>& by_dV) const {
     if constexpr (std::same_as<Rep, BodyFixed>) {
       return {X, by_V, by_dV};
@@ -69,9 +69,9 @@ template <class T> struct MotionTo {
     for (int i = body; i > 0; i = tree->parent[i]) at.C = motion.bodies.link[i].C_pi * at.C;
   }
 
-  /// Calls f(c, J, ∂V/∂q, ∂V'/∂q, ∂V'/∂v) for every joint screw J that moves the place, a frame or a point on
-  /// a body, with the twist V. c is the index of its velocity, which several joints may share; the
-  /// derivatives are body-fixed twists.
+  /// Calls f(c, J, ∂V/∂q, ∂V'/∂q, ∂V'/∂v) for every joint screw J that moves the place (a frame or a point on
+  /// a body). V is the twist of the place, and the derivatives are those along the joint's direction, as
+  /// body-fixed twists. c is the index of the joint's velocity; coupled joints share one.
   template <class F> void each_column(const F& f) const noexcept {
     const auto& [link, V, dV] = motion.bodies;
     SE3<T> E = in_body();  // the place in the internal frame of body i

@@ -19,8 +19,8 @@ constexpr Wrench<BodyFixed, T> load_change(Representation representation, const 
   }
   return {};
 }
-/// The gradient, with respect to the displacement X, of the power along a twist Y of the change of a load W
-/// that load_change() computes for X.
+/// The transposed map of load_change(): the gradient by X of the power L(X) W | Y, where L(X) W is the change
+/// of a load W for a displacement X of its body, and Y is a twist.
 template <class T>
 constexpr Wrench<BodyFixed, T> load_change_transposed(Representation representation,
                                                       const Wrench<BodyFixed, T>& W,

@@ -48,8 +48,9 @@ template <class T> struct ForwardVjp {
     if (verdict.ok()) compute_gradient(tree, q, v, w, loads);
     return verdict;
   }
-  /// Computes the gradient by q and v of w·a for the accelerations a of forward dynamics, which forward.run()
-  /// must have computed. With μ = M⁻¹ w it is the gradient of -μ·τ of inverse dynamics at a.
+  /// Computes the gradients, by q and v, of w·a for the accelerations a of forward dynamics, which
+  /// forward.run() must have computed. With μ = M⁻¹ w they are the gradients of -μ·τ of inverse dynamics at
+  /// constant accelerations a.
   void compute_gradient(const Tree<T>& tree, const T* q, const T* v, const T* w,
                         const Loads<T>& loads) noexcept {
     std::copy_n(w, tree->nv, mu);
@@ -66,8 +67,8 @@ template <class T> struct TermDerivatives {
 
   explicit TermDerivatives(Arena& arena) : state(arena), zero(arena.per_velocity<T>()) {}
 
-  /// Computes the derivatives dq and dv of the forces of inverse dynamics by q and v, unless they are null,
-  /// at accelerations 0 and velocities v (0 if null), with loads and gravity g.
+  /// Computes the derivatives dq by q and dv by v of the forces of inverse dynamics at accelerations 0, under
+  /// gravity g and the loads. A null v means velocities 0; a null dq or dv is not computed.
   void run(const Tree<T>& tree, const T* q, const T* v, const Loads<T>& loads, const Vec3<T>& g, T* dq,
            T* dv) noexcept {
     std::fill_n(zero, tree->nv, T(0));

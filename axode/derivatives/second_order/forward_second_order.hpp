@@ -5,9 +5,10 @@
 namespace axode {
 
 /// Computes the second derivatives of w·a of forward dynamics along the pairs of directions (q, q), (q, v),
-/// (v, v) and (τ, q), and writes them to the blocks of H, the last one to H.aq ((D2.9) of docs/derivations).
-/// `second` must have been run with the weights -M⁻¹ w, with the mass matrix M, at the accelerations a of
-/// forward dynamics. solve(X) must compute X := M⁻¹ X for a matrix X of nv columns.
+/// (v, v) and (τ, q), and writes them to the blocks of H; H.aq receives those along (τ, q) ((D2.9) of
+/// docs/derivations). Before the call, second.run() must have been called at the accelerations a of forward
+/// dynamics, with the weights -M⁻¹ w, where M is the mass matrix. solve(X) must replace a matrix X of nv
+/// columns by M⁻¹ X.
 template <class T, class Real, class Solve>
 void accelerations_from(SecondOrder<T>& second, const Tree<Real>& tree, const Loads<T>& loads,
                         const HessianBlocks<T>& H, const Solve& solve) noexcept {

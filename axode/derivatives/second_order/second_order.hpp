@@ -152,9 +152,9 @@ template <class T> struct SecondOrder {
         L::store(numbers[k], momenta.array(static_cast<int>(k)) + i);
     }
   }
-  /// Computes for each body the matrix K of the second derivatives, with the opposite sign, of the power of
-  /// its loads along the twist Λ that it would have if the joints moved with the velocities λ, when the body
-  /// is displaced twice.
+  /// Computes a matrix K for each body: minus the second derivatives, by displacements of the body, of the
+  /// power of its loads along the twist Λ. Λ is the twist that the body would have if the joints moved with
+  /// the velocities λ.
   [[gnu::noinline]] void add_load_hessian(const Tree<T>& tree,
                                           std::span<const AppliedWrench<T>> wrenches) noexcept {
     for (int i = 0; i <= tree->n; ++i) K[i] = {};
@@ -201,16 +201,17 @@ template <class T> struct SecondOrder {
       }
   }
 
-  /// The term that a second derivative of λ·τ by the velocities of screws l and k of one joint has less than
-  /// for two joints: the power of the wrench -ad_{S_k}ᵀ A along the screw S_l, with the sum A of M Λ over the
-  /// subtree.
+  /// A correction for two screws l and k of one joint: the second derivative of λ·τ by their velocities is
+  /// this term less than the formula for screws of two joints gives. It is the power of the wrench -ad_{S_k}ᵀ
+  /// A along the screw S_l, with the sum A of M Λ over the subtree.
   T own_bracket(int l, int k) const {
     T sum(0);
     for (int c = 0; c < 6; ++c) sum += curvature.array(AS + c)[k] * first.screws.S.array(c)[l];
     return sum;
   }
-  /// Multiplies the factors of joint screw l with those of the joint screws from `begin` to `end` - 1, and
-  /// writes the parts of second derivatives that result to `line`, in six arrays.
+  /// Multiplies the quantities of joint screw l (ScrewEffects and ScrewCurvature) with those of the joint
+  /// screws from `begin` to `end` - 1, and writes the products to `line`, in six arrays. Second derivatives
+  /// are sums of them.
   void multiply(int l, int begin, int end, bool loaded) noexcept {
     const Arrays<T> e = first.effect, d = curvature,
                     out = line;  // local copies, so that the compiler knows that no result overwrites them

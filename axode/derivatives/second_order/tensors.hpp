@@ -144,8 +144,9 @@ template <class T> struct SecondOrderTensors {
       store(-U_psi - Wrench<Spatial, Number>{cross(psi.w, t), {}}, for_H);
     }
   }
-  /// Computes the products (D2.11) of joint screw d with screw j and each screw on the path of d, and writes
-  /// them to `line`. The joint of j, on the same path, has the screws from begin_j to end_j - 1.
+  /// Computes the products (D2.11) of three joint screws on one path to the ground: screw d, which is the
+  /// outermost, screw j, and each screw of the path in turn. Writes them to `line`. The joint of screw j has
+  /// the screws from begin_j to end_j - 1.
   void multiply(int j, const Last& d, int begin_j, int end_j) noexcept {
     Number S[6], psi[6];
     for (int k = 0; k < 6; ++k) S[k] = Number(path_S.array(k)[j]), psi[k] = Number(path_psi.array(k)[j]);
@@ -212,8 +213,8 @@ template <class T> struct SecondOrderTensors {
   }
   /// The joint screw of column l of the path.
   Motion6<T> screw(int l) const { return {path_S.get3(0, l), path_S.get3(3, l)}; }
-  /// Corrects the second derivatives by the velocities of two screws l and d of one joint, for which the
-  /// products of multiply() contain one bracket of the two screws too many.
+  /// Corrects the second derivatives by the velocities of two screws l and d of one joint: the products of
+  /// multiply() contain the bracket of these two screws once more than the derivatives do.
   void put_brackets(std::ptrdiff_t nv, const Last& d, T* vv) noexcept {
     const Inertia<T> M = first.screws.subtree_of_column(d.c).M;
     for (int l = d.begin; l < d.end; ++l) {
