@@ -349,8 +349,9 @@ template <class G, class T> struct FastArticulatedBodies {
       if (tree->branches[i]) W[i] = X;
     }
   }
-  /// The backward step for the n screws of a joint from screw s on; F are the wrenches of the subtree. If the
-  /// joint is on the ground, F is not updated.
+  /// The backward step for one joint, whose n screws are those from index s on. It computes the remaining
+  /// forces u of the screws from the right side and the wrenches F of the subtree, and adds the part that the
+  /// joint transmits to F, unless the joint is on the ground.
   template <int n, class RightSide>
   [[gnu::always_inline]] void pass_to_parent(std::integral_constant<int, n>, int s,
                                              const RightSide& right_side, Several* u, bool on_a_body,
@@ -366,8 +367,9 @@ template <class G, class T> struct FastArticulatedBodies {
     if (on_a_body)
       unrolled<n>([&](auto k) { F.m += g[k] * vector(c[k].K_m), F.f += g[k] * vector(c[k].K_f); });
   }
-  /// The forward step for the n screws of a joint from screw s on: the acceleration of screw k is free(k)
-  /// less the parts by the motion X of the predecessor (0 for the ground) and by other screws.
+  /// The forward step for one joint, whose n screws are those from index s on. The acceleration of screw k is
+  /// free(k), minus the parts that depend on the motion X of the predecessor (0 for the ground) and on the
+  /// other screws of the joint.
   template <int n, class Free, class Put>
   [[gnu::always_inline]] void set_in_motion(std::integral_constant<int, n>, int s, const Free& free,
                                             const Put& put, bool on_a_body, Columns& X) const noexcept {
