@@ -154,8 +154,9 @@ template <class T, class S = T> class ConfigurationGroup {
     const auto x = joint.project(Wrench<BodyFixed, T>{X.w, X.v});
     for (int k = 0; k < joint.nv; ++k) out[k] = x[static_cast<std::size_t>(k)];
   }
-  /// For every joint of several velocities with the unit screws S, writes to out the z with S z = f(S x, S
-  /// y). For joints of one velocity writes the entries of `plain`, or 0 if `plain` is null.
+  /// Applies a map of screws joint by joint: for every joint of several velocities with the screws S, `out`
+  /// receives the z with S z = f(S x, S y). For a joint of one velocity it receives the entry of `plain`, or
+  /// 0 if `plain` is null.
   template <class F>
   void each_block(const T* x, const T* y, T* out, const F& f, const T* plain = nullptr) const noexcept {
     each_own_joint([&]<class Joint>(const Joint& joint, int i) {
@@ -167,10 +168,10 @@ template <class T, class S = T> class ConfigurationGroup {
       }
     });
   }
-  /// For every joint of several velocities with the unit screws S, writes to out the momentum f(S x, p). f
-  /// receives and returns momenta with angular and linear part exchanged: they then transform like screws,
-  /// but by the inverse map. For joints of one velocity writes the entries of `plain`, or 0 if `plain` is
-  /// null.
+  /// Applies a map of momenta joint by joint: for every joint of several velocities with the screws S, `out`
+  /// receives f(S x, p). f takes and returns momenta whose angular and linear parts are exchanged, because
+  /// these transform like screws, but by the inverse map. For a joint of one velocity `out` receives the
+  /// entry of `plain`, or 0 if `plain` is null.
   template <class F>
   void each_dual_block(const T* x, const T* p, T* out, const F& f, const T* plain = nullptr) const noexcept {
     each_block(

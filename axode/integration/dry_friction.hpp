@@ -82,9 +82,9 @@ class DryFriction {
   /// reversed already, 0 if none decelerates.
   double time_to_stop(Span v, Span a) const;
 
-  /// Sets to 0 the velocities of sticking joints, and of sliding joints whose velocity is 0 or reversed, or
-  /// will be within the time `within` (s) at the accelerations a. Those of the latter that decelerate stick
-  /// from now on. Returns whether a joint began to stick.
+  /// Stops joints. The velocity of a joint becomes 0 if the joint sticks, or if it slides and its velocity is
+  /// 0, has reversed, or will be 0 within the time `within` (s) at the accelerations a. A sliding joint that
+  /// is stopped and decelerates sticks from now on. Returns whether a joint began to stick.
   bool stop_sliding(std::span<double> v, Span a, double within);
   /// Lets sticking joints slide if their accelerations a under friction are not 0, in their direction.
   void start_sliding(Span a);
@@ -99,8 +99,9 @@ class DryFriction {
     Gear gear = {};     ///< without losses if the joint has no such gear
     double slope = 0;   ///< derivative of the loss of a moving gear by the force that it transmits
 
-    /// Sets `margin` for a bound of the friction force and the acceleration a of this velocity, which slides
-    /// if |a| is above `tolerance`. `own` is the acceleration by a unit force.
+    /// Computes `margin` from the present friction force: positive while friction holds the velocity. `bound`
+    /// is the limit of the friction force, a the remaining acceleration, which counts as sliding if |a| is
+    /// above `tolerance`, and `own` the acceleration by a unit force.
     void set_margin(double bound, double a, double tolerance, double own) {
       margin = bound - std::abs(force) + (2 * tolerance - std::abs(a)) / own;
     }

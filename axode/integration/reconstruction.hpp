@@ -24,8 +24,8 @@ concept PoseRate = std::same_as<Rep, BodyFixed> || std::same_as<Rep, Spatial>;
 
 namespace reconstruction {
 
-/// Computes the poses at all times, C_{k+1} = step(C_k, t_k, h) with h = t_{k+1} - t_k, from C0. Throws
-/// std::invalid_argument if times do not increase or are not finite.
+/// Computes the poses at all times from the pose C0 at the first of them, by C_{k+1} = step(C_k, t_k, h) with
+/// h = t_{k+1} - t_k. Throws std::invalid_argument if times do not increase or are not finite.
 template <class Step>
 std::vector<SE3<>> in_steps(const SE3<>& C0, std::span<const double> times, const Step& step) {
   std::vector<SE3<>> C;

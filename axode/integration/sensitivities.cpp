@@ -88,9 +88,9 @@ class AdjointStep {
     return verdict;
   }
 
-  /// Backward differentiation of the step: replaces the gradients w_q and w_v of the objective by the state
-  /// at its end by those by the state at its start. Adds the gradients by the drive forces to by_tau and,
-  /// unless by_geometry is null, those by the geometric parameters to by_geometry.
+  /// Backward differentiation of the step. On entry, w_q and w_v are the gradients of the objective by the
+  /// state at the end of the step; on return, those by the state at its start. The gradients by the drive
+  /// forces are added to by_tau, and those by the geometric parameters to by_geometry unless this is null.
   void back(double h, Matrix& w_q, Matrix& w_v, double* by_tau, double* by_geometry) {
     const Tableau& m = method_;
     const bool euler = m.b.size() == 1;
@@ -135,8 +135,9 @@ class AdjointStep {
     stage.v.assign(v_i.begin(), v_i.end());
     return stage.dynamics->forward.run(tree_, q_i.data(), v_i.data(), springs_.forces(q_i, v_i, tau), loads_);
   }
-  /// Computes the gradients w_eta_ and w_V_ of the objective by the configuration and velocity of a stage
-  /// from that by its acceleration, w_L. Adds the gradients by drive forces and geometric parameters.
+  /// Backward differentiation of the accelerations of one stage: from the gradient w_L of the objective by
+  /// the accelerations, computes the gradients w_eta_ and w_V_ by the configuration and the velocity of the
+  /// stage. Adds the gradients by drive forces and by geometric parameters.
   void multiply(Stage& stage, double* by_tau, double* by_geometry) {
     ForwardVjp<double>& dynamics = *stage.dynamics;
     dynamics.compute_gradient(tree_, stage.q.data(), stage.v.data(), stage.w_L.data(), loads_);

@@ -64,10 +64,10 @@ class Trajectory {
   void append(double t, std::span<const double> q, std::span<const double> v, std::span<const double> a,
               std::span<const double> tau, std::span<const double> x = {}, std::span<const double> dx = {});
 
-  /// Records a jump at the end of the last step: v, a, the states x of the drives and their rates dx are the
-  /// values just after it, which the accessors return from now on; an empty x or dx is left unchanged. The
-  /// step before the jump is interpolated with the former v, a and dx, but with the new x, which may differ
-  /// from the former x by rounding alone.
+  /// Records a jump at the end of the last step. v, a, the states x of the drives and their rates dx are the
+  /// values just after the jump, which the accessors return from now on; an empty x or dx means no change.
+  /// The step before the jump is still interpolated with the v, a and dx before the jump. It is interpolated
+  /// with the new x, which may therefore differ from the old one by rounding only.
   void jump(std::span<const double> v, std::span<const double> a, std::span<const double> x = {},
             std::span<const double> dx = {});
 

@@ -22,9 +22,10 @@ struct ClosedConstraint {
   ContactLaw law = ContactLaw::contact;  ///< contact, stop or dry_friction
   std::uint64_t key = 0;                 ///< key of a contact, or index of a stop or dry joint
   LawBranch branch = LawBranch::stick;   ///< stick or slide; a stop, and a contact without friction, slide
-  /// The unit direction of the friction velocities of a sliding contact, times their coefficients, in
-  /// inertial axes: sliding, then drilling and rolling. `along.x` is the sign of the velocity of a sliding
-  /// dry joint.
+  /// The direction of sliding of a contact: `along` is that of the sliding velocity, and `about` that of the
+  /// angular velocity of drilling and rolling, both in inertial axes. Velocities are multiplied by their
+  /// coefficients of friction, and both together have norm 1. For a joint with dry friction, along.x is the
+  /// sign of its velocity.
   Vec3<> along = {}, about = {};
 
   bool same_as(const ClosedConstraint& other) const { return law == other.law && key == other.key; }
@@ -65,9 +66,9 @@ class ContactPhase {
   std::string accelerate(const Vector& q, const Vector& v, const Forces& forces, std::span<double> a);
 
   // After accelerate():
-  /// The number that becomes negative when normal forces or friction cannot hold the constraints of the phase
-  /// (D11.31): the largest, over all loads that give these accelerations, of their least reserve, as a part
-  /// of the motion by all forces.
+  /// A number that becomes negative when normal forces or friction cannot hold the constraints of the phase
+  /// (D11.31). A load has a reserve, the least distance of its forces from a limit; if several loads give the
+  /// same accelerations, the largest reserve counts. It is relative to the motion by all forces.
   double reserve();
   /// For each constraint in `closed`, its sliding velocity along its direction, or infinity if it does not
   /// slide; the norm of its sliding velocity; and the speed below which both are rounding errors.
@@ -127,8 +128,9 @@ class ContactPhase {
     std::array<double, LawBlock::most_rows - 1> friction = {};  ///< forces of the friction rows per unit
   };
   void list_touching(const Vector& q, double most);
-  /// Chooses the branches of `closed` by the velocities v, of which `of_motion` is the part that is a
-  /// rounding error. Removes those that open, and writes whether others approach to `impacts`.
+  /// Chooses which constraints in `closed` stick and which slide, from the velocities v, where velocities
+  /// below `of_motion` times the motion are rounding errors. Removes those that open. `impacts` receives
+  /// whether others approach.
   void select_slow(const Vector& v, double of_motion, bool& impacts);
   std::string find(const Vector& q);  ///< finds all points of contact at q
   const ContactPoint* point(std::uint64_t key) const;
@@ -140,9 +142,9 @@ class ContactPhase {
   std::string set_motion(const Vector& q, const Vector& v, const Forces& forces);
   bool has_friction(std::size_t k) const;
   double largest_row() const { return Y_.size() > 0 ? Y_.colwise().norm().maxCoeff() : 0; }
-  /// The present sliding velocity of a contact in `closed`, of its friction rows times their coefficients:
-  /// writes its direction to `s` and returns its norm. What it turns by from the stored direction is reduced
-  /// by `resolution`, because friction amplifies errors of the direction near rest (D11.29a).
+  /// Writes the direction of the present friction velocities of a contact, multiplied by their coefficients,
+  /// to `s`, and returns their norm. The change of direction since the stored one is reduced by `resolution`,
+  /// because friction amplifies errors of the direction near rest (D11.29a).
   double direction(std::size_t k, double* s) const;
   /// The components of the stored direction of a contact in the axes of its friction rows.
   std::array<double, LawBlock::most_rows - 1> stored_direction(std::size_t k) const;

@@ -214,8 +214,9 @@ std::vector<char> ExactContactRun::stopping(double t, const std::vector<double>&
   return out;
 }
 
-/// Chooses the next phase a little beyond the time t at which the forces of this phase reach their limits,
-/// where the phase violates the laws by a little more than rounding errors.
+/// Chooses the next phase after the forces of the present one reach their limits at the time t. The choice is
+/// made at a slightly later time, at which the present phase violates the laws by a little more than rounding
+/// errors.
 Failure ExactContactRun::look_ahead(double t, double t_far, double reserve_far, const Attempt& attempt,
                                     std::vector<ClosedConstraint>& next) {
   constexpr double violation = 1e-5;

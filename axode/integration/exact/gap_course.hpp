@@ -3,8 +3,8 @@
 
 namespace axode {
 
-/// When a gap closes in a step, as parts of the step: it is negative at `after`, and not before `before`.
-/// Both are infinite if it does not close.
+/// The time at which a gap closes in a step, as a part of the step. The gap is negative at `after` and not
+/// negative at `before`. Both are infinite if the gap does not close.
 struct GapClosure {
   double before, after;
 };

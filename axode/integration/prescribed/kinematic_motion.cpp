@@ -100,8 +100,8 @@ class KinematicSolver {
   Eigen::Index freedom() const { return freedom_; }
 
   /// Advances the state `at` to a later time t, in as many steps as needed. `whole` is the duration of the
-  /// motion; the caller's function `monitor` is called before every step. Returns false if it returns false
-  /// or if t cannot be reached; `at` is then the last state that was reached.
+  /// motion. `monitor`, a function of the caller, is called before every step. Returns false if the monitor
+  /// does so or if t cannot be reached; `at` is then the last state that was reached.
   bool go(double t, double whole, const std::function<bool()>& monitor, Instant& at) {
     double h = t - at.t;
     while (at.t < t) {

@@ -79,9 +79,10 @@ void Samples::differentiate_by_splines() {
   }
 }
 
-/// Computes v and a of the joints of several velocities from polynomials through neighbouring samples. Near
-/// sample k the motion is q = (q_k ⊕ (t - t_k) z) ⊕ x(t), with the mean velocity z between two samples and a
-/// polynomial x(t) with x(t_k) = 0. Hence v = z + x' and a = x'' - [x', z] at sample k.
+/// Computes v and a of the joints with several velocities by polynomial interpolation of neighbouring
+/// samples. Near sample k at the time t_k, the motion is q = (q_k ⊕ (t - t_k) z) ⊕ x(t), where z is the mean
+/// velocity between two samples and x(t) a polynomial with x(t_k) = 0. Hence v = z + x' and a = x'' - [x', z]
+/// at this sample.
 void Samples::differentiate_on_group() {
   const ConfigurationGroup<double> group(model.tree<double>());
   if (group.commutes()) return;

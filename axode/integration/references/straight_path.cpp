@@ -49,8 +49,8 @@ Vector times_with(Vector jumps, double duration) {
   return times;
 }
 
-/// Returns one limit for each velocity (nv), from nv limits or one for all. Throws std::invalid_argument with
-/// the text `rule` unless all of them are positive and at most `most`.
+/// Returns nv limits, one for each velocity; `given` has nv limits or one for all. Throws
+/// std::invalid_argument, with the text `rule`, unless all of them are positive and at most `most`.
 Vector positive(const Model& model, const char* name, Span given, double most, const char* rule) {
   for (std::size_t k = 0; k < given.size(); ++k)
     if (!(given[k] > 0) || !(given[k] <= most))

@@ -49,8 +49,8 @@ class DriveStates {
   /// stages (D17.7b). x_1 may have the memory of x_0.
   void take_two_stages(double t, double h, const Vector& x_0, Span q_s, Span v_s, Span q_1, Span v_1,
                        Vector& x_1);
-  /// Whether a step of length h < 0 was too long for a state that changes fast: in a step backwards the
-  /// implicit rules have a pole where h times an eigenvalue of ∂x'/∂x is 2.
+  /// Whether a step backwards in time (h < 0) is too long for the drives: an implicit rule has a pole where h
+  /// times an eigenvalue of ∂x'/∂x, the derivative of the rates of the drive states, is 2.
   bool too_fast(double h) const;
   static constexpr const char* runs_backwards =
       "states of drives change too fast for those parts of the step in which time runs backwards; use a "

@@ -9,8 +9,8 @@
 
 namespace axode {
 
-/// A motion that is integrated in configurations q and momenta p = M v. Floating bases move relative to
-/// frames that fall with gravity.
+/// A motion that is integrated in configurations q and momenta p = M v. The coordinates of floating bases are
+/// relative to moving frames, which fall with gravity.
 class MomentumSimulationRun : public SimulationRun {
  public:
   MomentumSimulationRun(const Model& model, Span q_0, Span v_0, double until,

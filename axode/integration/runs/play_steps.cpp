@@ -11,8 +11,8 @@ namespace {
 
 constexpr int upper = 1, lower = -1;
 
-/// The time of the minimum of a cubic in a step, as a fraction of the step. g_0 and g_1 are its values at
-/// both ends, and d_0 and d_1 its rates there times the length of the step.
+/// The time at which a cubic that describes a gap in a step is least, as a part of the step. g_0 and g_1 are
+/// its values at both ends, and d_0 and d_1 its rates there, multiplied by the length of the step.
 double part_of_least(double g_0, double d_0, double g_1, double d_1) {
   const double c2 = 3 * (g_1 - g_0) - 2 * d_0 - d_1, c3 = 2 * (g_0 - g_1) + d_0 + d_1;
   const double root = std::sqrt(std::max(0.0, c2 * c2 - 3 * c3 * d_0));
@@ -80,8 +80,8 @@ Failure SimulationRun::reserves(double t, const StepEnd& end, std::vector<double
   return {};
 }
 
-/// The time in a step at which the gap between a free play (backlash) and an end, as a cubic in time, is
-/// negative although it is positive at both ends of the step; t_1 if there is none.
+/// The time in a step at which the gap of a free play (backlash) is negative, although it is positive at both
+/// ends of the step; t_1 if there is no such time. The gap is approximated by a cubic in time.
 double SimulationRun::time_of_dip(double t_1, const StepEnd& end) const {
   const double h = t_1 - now();
   for (std::size_t k = 0; k < plays_.size(); ++k)

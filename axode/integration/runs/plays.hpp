@@ -18,8 +18,9 @@ class Plays {
  public:
   using Span = std::span<const double>;
   using Events = std::vector<Trajectory::PlayEvent>;
-  /// Sets up the loops of a motion anew, with engaged() if any_at_an_end(), at the present configuration and
-  /// time. Returns null if there are none.
+  /// Callback that makes the loops of the motion anew, at the present configuration and time, after plays
+  /// have changed: with the couplings of engaged() if any_at_an_end(). Returns null if the mechanism then has
+  /// no loops.
   using Engage = std::function<ClosedMotion*()>;
 
   /// Takes the couplings with play and, if `stops` is true, the hard stops of a model. All are free.
@@ -34,34 +35,36 @@ class Plays {
   int side(std::size_t k) const { return side_[k]; }
   bool any_at_an_end() const;
 
-  /// The model, in the same coordinates, in which couplings whose play is at an end hold there without play.
-  /// It is built when a combination of ends first occurs.
+  /// The model with the same coordinates in which couplings at an end of their play are couplings without
+  /// play. It is built the first time that this combination of ends occurs.
   const Model& engaged();
 
-  /// gap_to() is the signed distance of play k from its lower or upper end (`side` -1 or 1), negative beyond
-  /// it; rate() is the rate of Σ factor q, which increases towards the upper end.
+  /// gap_to() is the signed distance of play k from its lower end (side = -1) or its upper end (side = 1); it
+  /// is negative beyond the end. rate() is the rate of the coupling's Σ factor q, positive towards the upper
+  /// end.
   double gap_to(std::size_t k, int side, Span q) const;
   double rate(std::size_t k, Span v) const;
   /// The rounding error of the gap between play k and one of its ends; smaller gaps count as 0.
   double gap_resolution(std::size_t k, Span q) const;
-  /// A number that becomes negative when play k must change. If it is free, this is the gap to its nearer
-  /// end, plus gap_resolution() and the overshoot of allow_overshoot(); if it is at an end, the force with
-  /// which the end pushes, from the last accelerations of `loops`.
+  /// A number that becomes negative when play k must change. For a free play it is the gap to its nearer end,
+  /// plus gap_resolution() and the overshoot of allow_overshoot(). For a play at an end it is the force with
+  /// which the end pushes, which `loops` computed with its last accelerations.
   double reserve(std::size_t k, Span q, const ClosedMotion* loops) const;
-  /// Allows each play to be as far beyond one of its ends as it is at q after an event or at the start of a
-  /// motion, so that reserve() is not negative there.
+  /// Makes overshoots legal that exist at q, after an event or at the start of a motion: each play may from
+  /// now on be as far beyond an end as it is at q, so that reserve() is not negative there.
   void allow_overshoot(Span q);
   /// Reduces the overshoot that is allowed for plays that are less far beyond their end at q.
   void reduce_overshoot(Span q);
 
-  /// Starts at (q, v): plays at an end meet it, which may change v. Returns their events, without times.
-  /// Throws std::invalid_argument for a play beyond an end.
+  /// Starts a motion at (q, v). Plays that are at an end and move against it have an impact, which changes v.
+  /// Returns the events of these plays, without times. Throws std::invalid_argument for a play beyond an end.
   Events start(Span q, std::span<double> v, const Engage& engage);
-  /// Changes plays with negative reserves (one for each play): a free one that moves towards its nearer end
-  /// meets it, which changes v, and one at an end becomes free. Returns the events, without times.
+  /// Changes the plays whose number in `reserves` (one for each play) is negative: a free play that moves
+  /// towards its nearer end has an impact there, which changes v, and a play at an end becomes free. Returns
+  /// the events, without times.
   Events change(Span reserves, Span q, std::span<double> v, const Engage& engage);
-  /// Lets plays at an end become free if the end would pull in the last accelerations of `loops`. Returns the
-  /// events, without times; unless it is empty, the loops must be set up anew.
+  /// Frees the plays whose end would have to pull to hold them, in the last accelerations of `loops`. Returns
+  /// their events, without times. If there are any, the loops must be made anew.
   Events release_pulled(const ClosedMotion* loops);
 
  private:

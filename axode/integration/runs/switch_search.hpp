@@ -44,9 +44,9 @@ class SwitchSearch {
   int tries_ = 0;
 };
 
-/// Finds the time in a step from t_0 to t_1 just after which the first of several numbers becomes negative, by
-/// regula falsi (Illinois) and bisection. One of the numbers is negative at t_1. There may be more of them at
-/// some times than at others, and those that count nowhere else are infinite or absent at t_0.
+/// Finds the time in a step from t_0 to t_1 just after which one of several numbers first becomes negative,
+/// by regula falsi (Illinois) and bisection. At least one of the numbers is negative at t_1. There may be
+/// more numbers at t_1 than at t_0; numbers that exist only later are infinite or missing at t_0.
 class ChangeSearch {
  public:
   using Numbers = std::vector<double>;
@@ -91,8 +91,9 @@ class ChangeSearch {
   int tries_ = 0;
 };
 
-/// A motion ends after most_short_steps consecutive steps that end early and are shorter than short_part of
-/// what was attempted: friction, drives or plays then change too fast to be followed.
+/// Limits for motions in which friction, drives or plays change too fast to be followed: a motion ends after
+/// most_short_steps consecutive steps that ended early and are shorter than short_part of the step that was
+/// attempted.
 inline constexpr int most_short_steps = 1000;
 inline constexpr double short_part = 1e-9;
 
