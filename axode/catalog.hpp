@@ -74,8 +74,8 @@ template <RecursionChoice Rep, class T = double> std::span<const Function<T>> fu
 /// The row of a function, or nullptr if no function has this name.
 template <RecursionChoice Rep, class T = double> const Function<T>* find(std::string_view name);
 
-/// The present name here of a function that is called `theirs` in other libraries (`crba` is `mass_matrix`)
-/// or was so in earlier versions; empty if there is none.
+/// The name in this library of a function that other libraries, or earlier versions of this one, call
+/// `theirs`; for example `mass_matrix` for `crba`. Empty if there is none.
 std::string_view name_here(std::string_view theirs);
 
 }  // namespace axode::catalog

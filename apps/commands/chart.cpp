@@ -384,8 +384,9 @@ class Script {
     return text + "\n";
   }
 
-  /// The colours of the bodies of curves if these tell the curves apart; else those that the curves name, or
-  /// the next ones of the palette. Marks are black.
+  /// Chooses the colours of curves. If all curves belong to different bodies, each has the colour of its
+  /// body. Otherwise a curve has the palette's colour with the number that the curve names, or else with its
+  /// own number. Marks are black.
   static std::vector<std::string> colors_of(const std::vector<const Curve*>& curves) {
     std::vector<std::string> of_bodies, colors;
     for (std::size_t k = 0; k < curves.size(); ++k) {

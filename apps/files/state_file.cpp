@@ -119,8 +119,9 @@ class StateReader {
     fault(where + "the key " + none_of(key, known, [](std::string_view name) { return name; }));
   }
 
-  /// Reads q, v or a: all numbers in the model's order, or a dictionary with those of some joints.
-  /// indices(joint) returns the indices of the numbers of a joint.
+  /// Reads q, v or a from JSON: either an array with all numbers in the model's order, or an object with the
+  /// numbers of some joints, keyed by joint name. indices(joint) returns the indices of the numbers of a
+  /// joint.
   template <class Indices>
   void numbers(const std::string& key, const Json& value, Indices indices, const char* size,
                std::vector<double>& out) {

@@ -10,9 +10,9 @@ namespace axode::command {
 /// A column of a table: its heading, and a number for each velocity.
 using OfVelocities = std::pair<std::string, std::vector<double>>;
 
-/// A state as text: a line about the model, and a table of q and of quantities with nv numbers
-/// (`of_velocities`, such as v and a), or two tables if coordinates and velocities have different names.
-/// `units` are those of the columns other than q.
+/// A state as text: a line about the model, then a table with a column for q and a column for each quantity
+/// in `of_velocities`, such as v and a, which has nv numbers. If coordinates and velocities have different
+/// names, q has a table of its own. `units` are the units of the quantities in `of_velocities`.
 std::string state_tables(const Model& model, const std::vector<double>& q,
                          const std::vector<OfVelocities>& of_velocities, const std::string& units);
 

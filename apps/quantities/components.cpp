@@ -29,8 +29,9 @@ Names velocities_of(Subgroup kind) {
   }
 }
 
-/// A Component, which becomes a curve of a chart, for each coordinate (or velocity) of the joints that are
-/// not coupled. names_of() returns the names for a kind of joint, those of lengths last.
+/// Makes a Component (later a curve of a chart) for each coordinate, or each velocity, of the joints that are
+/// not coupled. names_of(kind) returns the names of the components of a kind of joint; the names of lengths
+/// are last.
 std::vector<Component> components(const Model& model, Names (*names_of)(Subgroup)) {
   std::vector<Component> all;
   for (int i = 1; i <= model.n_bodies(); ++i) {

@@ -105,8 +105,9 @@ template <class T> struct Lower6 {
   Matrix6<T> L{};
   Six<T> inverse_diagonal{};  ///< 0 for a column that is 0
 
-  /// The factor of a positive semidefinite A = L Lᵀ. `size` has the magnitude of the numbers from which the
-  /// diagonal of A was computed; a column whose pivot may be a rounding error of these is 0.
+  /// Computes the factor L of a positive semidefinite matrix A = L Lᵀ. `size` has the magnitudes of the
+  /// numbers from which the diagonal entries of A were computed. A column of L is 0 if its pivot may be a
+  /// rounding error of these numbers.
   Lower6(const Matrix6<T>& A, const Six<T>& size) {
     for (std::size_t j = 0; j < 6; ++j) {
       T pivot = A[j][j];

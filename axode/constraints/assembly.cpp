@@ -168,9 +168,9 @@ class Assembly {
     const double size = first + A.norm() * v.cwiseQuotient(unit_of_velocity_).norm();
     return rates.norm() <= tolerable * size ? AssemblyStatus::closed : AssemblyStatus::held_velocities;
   }
-  /// The size of the loops (m), by which lengths are divided: the largest distance of a body on a loop from
-  /// the root of its branch, or of a loop joint from the origin of its body; 1 if all are 0. The present
-  /// kinematics must be those of the neutral configuration.
+  /// The length (m) by which all lengths are divided: the largest distance of a body on a loop from the root
+  /// of its branch, or of a loop joint from the origin of its body; 1 if all these distances are 0. It must
+  /// be called with the kinematics of the neutral configuration.
   double size() const {
     double largest = 0;
     for (const LoopPath& path : system_.table().paths) {

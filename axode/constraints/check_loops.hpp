@@ -20,8 +20,9 @@ LoopSystem<T>& checked(const Model& model, LoopWorkspace<T>& workspace, Numbers<
 
 /// Throws std::invalid_argument if an index in `drives` is not that of a velocity, 0 to nv - 1.
 void check_drives(const Model& model, std::span<const int> drives);
-/// The indices of the velocities with drives: `drives` or, if it is empty, those of all joints that are not
-/// passive. Throws std::invalid_argument for an index that is not from 0 to nv - 1.
+/// Returns the indices of the velocities on which drives act. These are the indices in `drives` or, if it is
+/// empty, the velocities of all joints that are not passive. Throws std::invalid_argument for an index that
+/// is not from 0 to nv - 1.
 std::vector<int> driven(const Model& model, std::span<const int> drives);
 
 /// The largest norm of the residual of one loop, rad and m, with which a motion may start.

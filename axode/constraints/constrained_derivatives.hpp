@@ -5,9 +5,10 @@
 
 namespace axode {
 
-/// The derivatives of the accelerations of a mechanism with loops by q, v and τ (nv × nv each), and those of
-/// the multipliers λ of the loops (loops().rows × nv each, may be empty). Matrices are stored row by row,
-/// with a row for each component of the result and a column for each direction of q, v or τ.
+/// Receives the derivatives of the accelerations of a mechanism with loops by q, v and τ (nv × nv each), and
+/// the derivatives of the multipliers λ of the loops (loops().rows × nv each), which may be empty. Matrices
+/// are stored row by row: a row belongs to a component of the result, and a column to a direction of q, v or
+/// τ.
 template <class T> struct ClosedDynamicsDerivatives {
   std::span<T> a_q, a_v, a_tau;
   std::span<T> lambda_q = {}, lambda_v = {}, lambda_tau = {};
@@ -26,9 +27,10 @@ Solvability forward_dynamics_derivatives(const Model& model, LoopWorkspace<T>& w
                                          const std::type_identity_t<ClosedDynamicsDerivatives<T>>& d,
                                          const std::type_identity_t<Loads<T>>& loads = {});
 
-/// Products of the derivatives of forward dynamics with loops and a vector. forward_dynamics_jvp() computes
-/// the derivative da (nv) of the accelerations along a direction (dq, dv, dtau), and forward_dynamics_vjp()
-/// the gradients of w·a by q, v and tau for weights w (nv). The cost is that of all derivatives.
+/// Products of vectors with the derivatives of forward dynamics with loops. forward_dynamics_jvp() computes
+/// the change da (nv) of the accelerations along a direction (dq, dv, dtau). forward_dynamics_vjp() computes
+/// the gradients of w·a by q, v and tau for weights w (nv) of the accelerations a. Each costs as much as the
+/// matrices of all derivatives.
 template <class T>
 Solvability forward_dynamics_jvp(const Model& model, LoopWorkspace<T>& workspace, Numbers<T> q, Numbers<T> v,
                                  Numbers<T> tau, Numbers<T> dq, Numbers<T> dv, Numbers<T> dtau,

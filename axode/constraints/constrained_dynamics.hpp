@@ -3,14 +3,14 @@
 #include "axode/dynamics/joint_wrenches.hpp"
 #include "axode/recursion/solvability.hpp"
 
-/// Dynamics of mechanisms with loops: M a + h - Aᵀ λ = τ with A a + γ = 0. M and the bias forces h are those
-/// of the spanning tree; A is the Jacobian of the loop equations (A v = 0), λ are their multipliers, and γ is
-/// the part of (A v)' without accelerations.
+/// Dynamics of mechanisms with loops: M a + h - Aᵀ λ = τ with A a + γ = 0. M is the mass matrix and h the
+/// bias force of the spanning tree; A is the Jacobian of the loop equations A v = 0, λ their multipliers, and
+/// γ the part of (A v)' that does not depend on the accelerations a.
 ///
-/// Loop equations may be redundant, by the kinds of the loop joints (a planar four-bar in space) or by
-/// geometry (Bricard's mechanism). The accelerations are unique nevertheless. If many multipliers are
-/// possible, those with the least Σ d² λ² are computed, where d² is the diagonal entry of A M⁻¹ Aᵀ for an
-/// equation, or a lower limit if that is larger (D7.7). See (D7.1) to (D7.9) of
+/// Loop equations may be redundant, because of the kinds of the loop joints (a planar four-bar in space) or
+/// by geometry (Bricard's mechanism). The accelerations are unique nevertheless. If the multipliers are not
+/// unique, those with the least Σ d² λ² are computed, where d² is the diagonal entry of A M⁻¹ Aᵀ for an
+/// equation, but not less than a lower limit (D7.7). See (D7.1) to (D7.9) of
 /// docs/derivations/loop-dynamics.md.
 namespace axode {
 
@@ -59,13 +59,13 @@ void joint_wrenches(const Model& model, LoopWorkspace<T>& workspace, Numbers<T> 
                     std::type_identity_t<std::span<Wrench<Rep, T>>> W,
                     const std::type_identity_t<Loads<T>>& loads = {}, WrenchPoint at = WrenchPoint::body);
 
-/// Computes the wrenches that all joints of a mechanism with loops transmit at accelerations a, with the
-/// drive forces and multipliers that inverse dynamics gives for these accelerations and drives. W has
-/// n_bodies entries, each in the representation Rep of the body frame moved to the point `at`. If loop
-/// equations are redundant, rigid bodies leave the share of each loop open; the wrenches are those of the
-/// least multipliers. Returns the norm of the forces that no drive can produce, divided by that of all
-/// required forces. Throws std::invalid_argument for wrong sizes and, in double precision, if a does not keep
-/// the loops closed. Allocates; O(nv³).
+/// Computes the wrenches that all joints of a mechanism with loops transmit at accelerations a. The drive
+/// forces are those of inverse_dynamics() for these accelerations and drives. W has n_bodies entries, each in
+/// the representation Rep of the body frame moved to the point `at`. If loop equations are redundant, the
+/// multipliers of the loops, and with them the wrenches, are not unique; the least multipliers are taken.
+/// Returns the norm of the forces that no drive can produce, divided by the norm of all required forces.
+/// Throws std::invalid_argument for wrong sizes and, in double precision, if a does not keep the loops
+/// closed. Allocates; O(nv³).
 template <RecursionRepresentation Rep = BodyFixed, class T>
 [[nodiscard]] T joint_wrenches(const Model& model, LoopWorkspace<T>& workspace, Numbers<T> q, Numbers<T> v,
                                Numbers<T> a, std::type_identity_t<std::span<Wrench<Rep, T>>> W,

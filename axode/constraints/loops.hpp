@@ -16,8 +16,8 @@ namespace axode {
 
 template <class T> class LoopSystem;
 
-/// Scratch memory of one thread for a mechanism with loops. Functions with a LoopWorkspace as an argument
-/// take loops into account; those with a Workspace compute with a tree.
+/// Scratch memory of one thread for a mechanism with loops. Functions that take a LoopWorkspace take loops
+/// into account. Functions that take a Workspace compute with the spanning tree.
 template <class T = double> class AXODE_ENTRY LoopWorkspace {
  public:
   explicit LoopWorkspace(const Model& model);

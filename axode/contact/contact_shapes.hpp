@@ -61,9 +61,9 @@ class ContactShapes {
   int size() const { return static_cast<int>(data_->shapes.size()); }
   const ContactShape& operator[](int i) const { return data_->shapes[i]; }
 
-  /// The pairs of shapes (i, j), i < j, that may touch, in ascending order. These are all pairs except those
-  /// of shapes on one body, on two moving bodies that a joint or a loop joint (not a rod or a belt) connects,
-  /// or on the two bodies of an ignored pair.
+  /// The pairs of shapes (i, j), i < j, that may touch, in ascending order. Excluded are two shapes of one
+  /// body, shapes of two moving bodies that are connected by a joint or by a loop joint other than a rod or a
+  /// belt, and pairs that the description tells to ignore.
   std::span<const std::array<int, 2>> pairs() const { return data_->pairs; }
   bool may_touch(int i, int j) const { return data_->may_touch[i * data_->shapes.size() + j] != 0; }
 

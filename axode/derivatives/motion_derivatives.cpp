@@ -70,8 +70,8 @@ template <class T> struct MotionTo {
   }
 
   /// Calls f(c, J, ∂V/∂q, ∂V'/∂q, ∂V'/∂v) for every joint screw J that moves the place (a frame or a point on
-  /// a body). V is the twist of the place, and the derivatives are those along the joint's direction, as
-  /// body-fixed twists. c is the index of the joint's velocity; coupled joints share one.
+  /// a body). V is the twist of the place, and the derivatives are those along the direction of velocity c,
+  /// to which J belongs, as body-fixed twists. Coupled joints have the same c.
   template <class F> void each_column(const F& f) const noexcept {
     const auto& [link, V, dV] = motion.bodies;
     SE3<T> E = in_body();  // the place in the internal frame of body i

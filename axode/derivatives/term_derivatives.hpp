@@ -22,8 +22,9 @@ template <class T>
 void coriolis_derivatives(const Model& model, Workspace<T>& workspace, Numbers<T> q, Numbers<T> v,
                           const std::type_identity_t<StateDerivatives<T>>& d);
 /// Computes ∂Q/∂q and ∂Q/∂v of the generalised forces Q of the loads; ∂Q/∂v is 0 unless loads.joint_losses is
-/// set. The derivative of Q by one component of a load is a row of J, see jacobian(); that of the
-/// accelerations is a column of M⁻¹ Jᵀ, see impulse_response().
+/// set. The derivatives by a component of a load W on a frame are simpler: Q changes by a row of the Jacobian
+/// J of the frame, see jacobian(), and the accelerations change by a column of M⁻¹ Jᵀ, see
+/// impulse_response().
 template <class T>
 void generalized_load_derivatives(const Model& model, Workspace<T>& workspace, Numbers<T> q, Numbers<T> v,
                                   const Loads<T>& loads, const std::type_identity_t<StateDerivatives<T>>& d);

@@ -29,8 +29,8 @@ class DrivePort {
   /// Entries of the same velocity are to be added.
   std::span<const std::pair<int, double>> row() const { return row_; }
 
-  /// Adds `factor` times the derivative of the row vector E by q to out (nv × nv) (D17.3): out[i, j] is that
-  /// of entry i along the left-trivialised direction of velocity j.
+  /// Adds `factor` times the derivative of the row vector E by q to `out` (nv × nv) (D17.3). Entry [i, j] is
+  /// the derivative of entry i of E along the left-trivialised direction of velocity j.
   void add_row_derivatives(const Tree<double>& tree, std::span<const double> q, double factor,
                            std::span<double> out) const;
 

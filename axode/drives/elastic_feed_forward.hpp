@@ -8,8 +8,8 @@
 
 namespace axode {
 
-/// A drive with a spring between motor and joint. Stiffness and inertia are referred to the joint: if a gear
-/// with the ratio N is between motor and spring, the inertia is N² times that of the rotor.
+/// A drive with a spring between motor and joint. Stiffness and inertia are referred to the joint: if the
+/// motor drives the spring by a gear of the ratio N, `inertia` is N² times the inertia of the rotor.
 struct ElasticDrive {
   double stiffness;    ///< k, N m/rad or N/m; infinite for a rigid drive
   double inertia = 0;  ///< I of the motor, kg m² or kg

@@ -8,10 +8,10 @@
 
 namespace axode {
 
-/// The linear system z' = A z + B δu for small deviations z = (δ, δv, δx) from the motion of a mechanism with
-/// drives through a state (q, v, x): δ is the left-trivialised displacement of q, δv the change of v (nv
-/// numbers each), δx that of the drive states x (nx numbers), and δu that of the inputs of drives that are
-/// functions of time. A is square with 2 nv + nx rows; B has a column for each of DriveSystem::inputs().
+/// The linear system z' = A z + B δu for small deviations z = (δ, δv, δx) from a motion of a mechanism with
+/// drives, at a state (q, v, x). δ is the left-trivialised displacement of q (nv numbers), δv the change of v
+/// (nv), and δx the change of the drive states x (nx). δu are the changes of the inputs that are functions of
+/// time. A is square with 2 nv + nx rows; B has a column for each of DriveSystem::inputs().
 struct DriveLinearization {
   Eigen::MatrixXd A, B;
   Solvability solvability;

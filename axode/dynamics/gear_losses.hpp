@@ -20,25 +20,25 @@ struct ResistingJoint {
   double compliance = 0;  ///< scale for accelerations: that of the joint for a unit force on the joint
 };
 
-/// Computes the friction forces x of k joints with dry friction or gear losses, and their accelerations a =
-/// a_0 + Φ x ((D9.10), (D9.11)). a_0 are the accelerations without friction forces, and Φ = ∂a/∂τ (k × k) is
-/// the response to joint forces. A gear with armature I and drive force τ transmits the force F = τ - I a +
-/// x. The equations for x are linear in pieces: a piece ends where a force F changes its sign, or where a
-/// joint at rest changes between sticking and sliding.
+/// Computes the friction forces x of k joints with dry friction or gear losses, and the accelerations a = a_0
+/// + Φ x of these joints ((D9.10), (D9.11)). a_0 are the accelerations without friction forces, and Φ = ∂a/∂τ
+/// (k × k) is the response to joint forces. A gear with armature I and drive force τ transmits the force F =
+/// τ - I a + x. The equations for x are linear in pieces: a piece ends where a force F changes its sign, or
+/// where a joint at rest changes between sticking and sliding.
 ///
 /// The method is Katzenelson's: it starts at a problem with a known solution, changes its data along a
-/// straight line to those of the given problem, and follows the solution from one linear piece to the next.
-/// The path ends if the solution is unique for all forces, which is checked by (D9.12). If forces of sticking
-/// joints in loops are indeterminate, they are regularised.
+/// straight line to the data of the given problem, and follows the solution from one linear piece to the
+/// next. It reaches the end if the solution is unique for all forces, which is checked by (D9.12). If forces
+/// of sticking joints in loops are indeterminate, they are regularised.
 class ResistingForces {
  public:
   using Matrix = Eigen::MatrixXd;
   using Vector = Eigen::VectorXd;
 
-  /// Computes the friction forces x() and the accelerations a() of the k joints. `Phi` (k × k, symmetric) are
-  /// their accelerations for unit forces on them, and `a_0` those without friction forces. Returns -1 or, if
-  /// the solution is not unique or not found, the index of a joint, as a rule one whose gear locks itself too
-  /// strongly. O(k³) for each linear piece on the path to the solution.
+  /// Computes the friction forces x() and the accelerations a() of the k joints. `a_0` are the accelerations
+  /// without friction forces, and column j of `Phi` (k × k, symmetric) has the accelerations by a unit force
+  /// on joint j. Returns -1 or, if the solution is not unique or not found, the index of a joint, in general
+  /// one whose gear locks itself too strongly. O(k³) for each linear piece on the path to the solution.
   int find(const Matrix& Phi, const Vector& a_0, std::span<const ResistingJoint> joints);
 
   const Vector& x() const { return x_; }
@@ -85,8 +85,8 @@ class ResistingForces {
   Vector x_, a_, tau_, start_a_0_;
 };
 
-/// The gears with losses whose joints move, for forward dynamics. Gears of joints at rest lose nothing here,
-/// because their losses depend on how they came to rest.
+/// The gears with losses whose joints move, for forward dynamics. Forward dynamics leaves out the losses of
+/// gears whose joints are at rest, because these depend on how the joints came to rest.
 class MovingGears {
  public:
   /// Selects the gears with losses whose joints move, and their drive forces: `tau` (nv) minus damping and
@@ -97,9 +97,9 @@ class MovingGears {
   /// The indices of the joint velocities of the k selected gears.
   std::span<const int> velocities() const { return velocities_; }
   /// Adds the friction forces of the k selected gears to the joint forces `tau` (nv). `a` (nv) are the
-  /// accelerations without these forces, and row i of `responses` (k × nv) those by a unit force on
-  /// velocities()[i]. If a gear locks itself too strongly (D9.12), the returned Solvability names its body,
-  /// and `tau` remains unchanged.
+  /// accelerations without friction forces, and row i of `responses` (k × nv) has the accelerations by a unit
+  /// force on velocity velocities()[i]. If a gear locks itself too strongly (D9.12), the returned Solvability
+  /// names its body, and `tau` does not change.
   template <class T>
   Solvability add_forces(const Model& model, std::span<const T> a, std::span<const T> responses,
                          std::span<T> tau);
@@ -109,11 +109,11 @@ class MovingGears {
   std::vector<ResistingJoint> joints_;
 };
 
-/// Computes accelerations `a` with the losses of the gears of moving joints (D9.10): first without them and,
-/// if there are such gears, again with their friction forces added to `tau`. accelerate(q, v, tau) must
-/// compute `a` and return a Solvability. respond(q, velocities, responses) must write one row of nv
-/// accelerations for each given velocity, those by a unit force on it. q, v and tau may share memory with
-/// `a`. Throws std::invalid_argument if the model has gears with losses and springs.
+/// Computes accelerations `a` with the losses of the gears of moving joints (D9.10): first without losses
+/// and, if there are such gears, again with their friction forces added to `tau`. accelerate(q, v, tau) must
+/// compute `a` and return a Solvability. respond(q, velocities, responses) must write a row of nv numbers for
+/// each of `velocities`: the accelerations by a unit force on this velocity. q, v and tau may share memory
+/// with `a`. Throws std::invalid_argument if the model has gears with losses and springs.
 template <class T, class Accelerate, class Respond>
 Solvability accelerate_with_gears(const Model& model, NumberSpan<T> q, NumberSpan<T> v, NumberSpan<T> tau,
                                   std::span<T> a, const Accelerate& accelerate, const Respond& respond) {

@@ -21,10 +21,10 @@ struct FmuFile {
   std::string name, contents;
 };
 
-/// Makes the files of an FMU of a mechanism, without shapes except those that touch. `binary` is the contents
-/// of the shared object axode_fmu.so, which is the same for all mechanisms. Throws std::invalid_argument if
-/// the mechanism has something that FMUs of one of options.kinds do not support (see check_supported()), for
-/// frames that do not exist and if options.kinds is empty.
+/// Makes the files of an FMU of a mechanism. Of its shapes only those that can touch others are included.
+/// `binary` is the contents of the shared object axode_fmu.so, which is the same for all mechanisms. Throws
+/// std::invalid_argument if the mechanism has something that FMUs of one of options.kinds do not support (see
+/// check_supported()), if a frame does not exist, and if options.kinds is empty.
 std::vector<FmuFile> fmu_files(const Model& model, const ExportOptions& options, std::string binary);
 
 }  // namespace axode::fmi

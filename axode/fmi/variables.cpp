@@ -15,8 +15,8 @@
 namespace axode::fmi {
 namespace {
 
-/// coordinate_units() are the units of the coordinates of a joint: `rad`, `m`, or `1` for entries of
-/// quaternions. velocity_units() are those of its velocities without `/s`.
+/// coordinate_units() returns the units of the coordinates of a joint: `rad`, `m`, or `1` for entries of
+/// quaternions. velocity_units() returns the units of its velocities, without the ending `/s`.
 std::vector<std::string> coordinate_units(const Joint& joint) {
   return with_subgroup(joint.kind, joint.pitch, []<class Kind>(const Kind&) {
     std::vector<std::string> units;

@@ -51,8 +51,9 @@ struct Parameter {
   std::string name, unit, description;
   std::function<double&(Description&)> in;  ///< function that returns a reference to the number in a
                                             ///< description of the same mechanism
-  /// Whether derivatives of accelerations by this number are provided. If true, inverse dynamics is at most
-  /// quadratic in it, so that central differences are exact to rounding.
+  /// Whether the FMU provides derivatives of accelerations by this parameter. They are central differences of
+  /// inverse dynamics, which are exact to rounding because inverse dynamics is at most quadratic in such a
+  /// parameter.
   bool has_derivative = true;
   /// The relative step of central differences by this number, small for forces with kinks.
   double step = 0.25;

@@ -54,9 +54,9 @@ class Reference {
   std::vector<double> q_, v_, a_;
 };
 
-/// Controller gains kp for deviations of the configuration and kd for those of the velocities: nv numbers
-/// each, or one for all. A joint or free base with gains 0 is not controlled; gains of passive joints are
-/// taken as 0.
+/// The gains of a controller: kp for deviations of the configuration, and kd for deviations of the
+/// velocities. Each has nv numbers, or one number for all velocities. A joint or free base with gains 0 is
+/// not controlled; gains of passive joints are taken as 0.
 struct Gains {
   std::span<const double> kp, kd;
 };

@@ -41,10 +41,10 @@ class DryFriction {
   /// The number of velocities with dry friction or gears with losses, and the index of the k-th of them.
   std::size_t size() const { return joints_.size(); }
   int velocity(std::size_t k) const { return joints_[k].velocity; }
-  /// A number that is negative if the k-th of these velocities, one of v, must stop or begin to slide. While
-  /// it slides, this is the velocity in the direction of sliding, plus 1e-12. While it sticks, this is the
-  /// distance (N m or N) of its friction force from the bound in the last apply_friction() and, if the force
-  /// is at its bound, minus the force that would be missing to hold it.
+  /// A number that becomes negative when velocity k with dry friction must stop or begin to slide. While it
+  /// slides, the number is the velocity in the direction of sliding, plus 1e-12. While it sticks, the number
+  /// is the distance (N m or N) of its friction force from the limit, in the last apply_friction(); if the
+  /// force is at its limit, it is minus the force that would be missing to hold the joint.
   double reserve(std::size_t k, Span v) const;
 
   /// Starts at the velocities v: joints with dry friction slide in their direction, or stick if at rest.
@@ -62,13 +62,15 @@ class DryFriction {
   /// Adds the losses of moving gears to the residuals r = ID(q, v, a) - τ (nv numbers) of the equations of
   /// motion, with inverse dynamics ID (D9.13). `drive` has the drive forces that pass through gears.
   void add_gear_losses(Span v, Span a, Span drive, std::span<double> r);
-  /// Extends derivatives of the residuals ID(q, v, a) - τ of inverse dynamics, without those of drives and
-  /// damping, by the gear losses of the last add_gear_losses(). The nv × nv matrices [residual, direction]
-  /// are first that by a, and then those by q or v.
+  /// Adds the derivatives of the gear losses, as the last add_gear_losses() computed these, to derivatives of
+  /// the residuals ID(q, v, a) - τ of inverse dynamics. `derivatives` are nv × nv matrices [residual,
+  /// direction], without the derivatives of drives and damping: the first is that by a, and the others are
+  /// those by q or v.
   void scale_derivatives(std::initializer_list<std::span<double>> derivatives) const;
 
-  /// Changes derivatives of the accelerations, nv × nv matrices [acceleration, direction] of which the first
-  /// is ∂a/∂τ, to those under the condition that sticking velocities remain 0 (D9.7).
+  /// Adapts derivatives of the accelerations to sticking joints: after the call they hold under the condition
+  /// that sticking velocities remain 0 (D9.7). `derivatives` are nv × nv matrices [acceleration, direction];
+  /// the first one must be ∂a/∂τ.
   void constrain_derivatives(std::initializer_list<std::span<double>> derivatives);
 
   /// The largest acceleration of a sticking velocity since reset_violation(), relative to its tolerance

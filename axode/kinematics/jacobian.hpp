@@ -29,9 +29,9 @@ template <RecursionRepresentation Rep, class T = double> struct JacobianColumn {
   int c;
   Twist<Rep, T> J;
 };
-/// Writes only those columns of the Jacobian of a place (a frame or a point on a body) that belong to joints
-/// on the path from the place to the ground, and returns their number. If joints are coupled, several columns
-/// may belong to one velocity c; the Jacobian's column is their sum. O(path length). Throws
+/// Writes the columns of the Jacobian of a place (a frame or a point on a body) only for joints on the path
+/// from the place to the ground, and returns the number of columns. If joints are coupled, several columns
+/// may have the same velocity c; the Jacobian's column c is their sum. O(path length). Throws
 /// std::invalid_argument if `columns` is too short.
 template <RecursionRepresentation Rep = BodyFixed, class T>
 std::size_t jacobian_columns(const Model& model, Workspace<T>& workspace, Numbers<T> q,

@@ -25,8 +25,8 @@ template <class T> struct FramePoses {
   }
 };
 
-/// Memory for quantities about the centre of mass of the whole system, in inertial axes: poses C and twists V
-/// of the bodies, the inertias M of their subtrees, and the rates dM of these.
+/// Memory for quantities about the centre of mass of the whole system, in inertial axes: the poses C and
+/// twists V of the bodies, the inertias M of their subtrees, and the time derivatives dM of these inertias.
 template <class T> struct SubtreeInertias {
   BodyPoses<T> C;
   Inertia<T>*M, *dM;

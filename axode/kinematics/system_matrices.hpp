@@ -26,9 +26,9 @@ struct SystemMatrices {
 template <RecursionRepresentation Rep = BodyFixed>
 SystemMatrices system_matrices(const Model& model, std::span<const double> q);
 
-/// The matrices of two further factorisations J^s = A^s Y^s = A^sb X^b of the spatial Jacobian J^s of all
-/// bodies, one below the other (eq. JbSys). Y^s has the joint screws in the inertial frame at q = 0, and X^b
-/// has the joint screws in the body frames. Both are constant.
+/// The matrices of two further factorisations of the spatial Jacobians J^s of all bodies, one below the
+/// other: J^s = A_s Y_s = A_sb X^b (eq. JbSys). Y_s has the joint screws in the inertial frame at q = 0, and
+/// X^b, the matrix X of system_matrices(), has the joint screws in the body frames. Both are constant.
 struct SpatialFactors {
   SystemMatrix A_s, Y_s, A_sb;
 };

@@ -1,13 +1,13 @@
 #pragma once
 #include "axode/lie/se3.hpp"
 
-/// Cayley's map on SO(3) and SE(3), its right-trivialised differential, and derivatives of the latter (D14 of
-/// docs/derivations). The maps are rational and need no series for small angles. A rotation vector w has the
-/// angle 2 atan(‖w‖/2), so that half a turn is at infinity.
+/// Cayley's map on SO(3) and SE(3), its right-trivialised differential, and the derivatives of this
+/// differential (D14 of docs/derivations). The maps are rational and need no series for small angles. A
+/// rotation vector w has the angle 2 atan(‖w‖/2), so that half a turn is at infinity.
 ///
-/// cay(X) is (1 - X̂/2)⁻¹ (1 + X̂/2) of the 4×4 matrix X̂. cay_of_ad(X) is the pose C for which Ad_C is (1 -
-/// ad_X/2)⁻¹ (1 + ad_X/2); it has the same rotation, and another position if X has a linear part along its
-/// angular part.
+/// There are two maps on SE(3). cay(X) is (1 - X̂/2)⁻¹ (1 + X̂/2) with the 4×4 matrix X̂. cay_of_ad(X) is the
+/// pose C for which Ad_C = (1 - ad_X/2)⁻¹ (1 + ad_X/2). Both have the same rotation; their positions differ
+/// if X has a linear part along its angular part.
 namespace axode {
 
 /// σ = 1/(1 + ‖w‖²/4), with which all of Cayley's maps are polynomials.

@@ -46,8 +46,8 @@ void check_finite(const Model& model, const char* step, int Joint::*first, int J
   }
 }
 
-/// A name for every coordinate or velocity (`count` is nq or nv of a joint): that of the joint, with an index
-/// if there are several, as in `hip[0]`.
+/// Makes a name for every coordinate or velocity: the name of the joint, with an index if the joint has
+/// several, as in `hip[0]`. `count` is the member of Joint that says how many a joint has, nq or nv.
 std::vector<std::string> numbered(const Model& model, int Joint::*count) {
   std::vector<std::string> names;
   for (const Joint& joint : model.joints())

@@ -53,8 +53,9 @@ std::vector<double> coordinate_rates(const Model& model, std::span<const double>
 std::vector<double> velocities_from_rates(const Model& model, std::span<const double> q,
                                           std::span<const double> dq);
 
-/// Names of the nq coordinates, and of the nv velocities (also of a and tau). A name is that of the joint,
-/// with an index if the joint has several, as in `hip[0]`, `hip[1]`. Coupled and fixed joints have none.
+/// The names of the nq coordinates, and of the nv velocities (also those of a and tau). A name is the name of
+/// the joint, with an index if the joint has several, as in `hip[0]`, `hip[1]`. Coupled and fixed joints have
+/// none.
 std::vector<std::string> coordinate_names(const Model& model);
 std::vector<std::string> velocity_names(const Model& model);
 

@@ -7,12 +7,12 @@ namespace axode {
 /// The articulated-body algorithm, which solves M x = b for the mass matrix M in O(n) (Featherstone; (D4.2)
 /// to (D4.11) of docs/derivations).
 ///
-/// From the leaves to the roots each screw S of a joint is eliminated from the articulated inertia M^A, that
-/// of the body with the joints of its subtree free:
+/// From the leaves to the roots each screw S of a joint is eliminated from the articulated inertia M^A, which
+/// is the inertia of the body with the joints of its subtree free:
 ///   U = M^A S,  D = Sᵀ U + armature,  M^A -= U Uᵀ / D.
 /// After the last screw of a joint, M^A is moved to the predecessor and added there. A pivot D is a
-/// difference of larger numbers and carries their rounding errors, which the magnitudes F of these numbers
-/// estimate.
+/// difference of larger numbers and has their rounding errors; the magnitudes F of these numbers are computed
+/// as well, so that the errors can be estimated.
 ///
 /// A velocity that coupled joints share is eliminated at the body where the paths from these joints to the
 /// ground meet. On the way there it adds a column to the inertia of each body, called a tie (Topology::Ties).
@@ -133,8 +133,8 @@ template <class Rep, class T> struct ArticulatedBodies {
   }
   /// Replaces the drive forces x by the joint accelerations a, after factorize(). W[i] must be the wrench
   /// that body i needs to keep its twist, minus the applied wrenches. bias[i] is the part of the twist rate
-  /// of body i, less that of its predecessor, that does not depend on a; bias[0] is the twist rate of the
-  /// ground. If it is null, all are 0. O(n).
+  /// of body i, relative to its predecessor, that does not depend on a, and bias[0] is the twist rate of the
+  /// ground. A null `bias` means that all are 0. O(n).
   template <TreeOf<T> AnyTree>
   void accelerate(const AnyTree& tree, const TwistRate<Rep, T>* bias, T* x) noexcept {
     W[0] = {};
@@ -341,8 +341,8 @@ template <class Rep, class T> struct ArticulatedBodies {
         if (waits(ties, i, o, t)) row(ties, r)[o] -= k * D_t[o];
     }
   }
-  /// Adds the columns of velocities that coupled joints share (ties) of body i to those of the predecessor,
-  /// unless they are eliminated at body i.
+  /// Adds the columns of body i for velocities that coupled joints share (ties) to the columns of the
+  /// predecessor. Columns of velocities that are eliminated at body i are left out.
   template <class AnyTree> void pass_ties_to_parent(const AnyTree& tree, int i) noexcept {
     const Topology::Ties& ties = tree->ties;
     for (int t = ties.begin[i]; t < ties.begin[i + 1]; ++t) {

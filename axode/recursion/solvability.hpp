@@ -47,9 +47,9 @@ inline constexpr auto pivot_threshold =
 /// Determines from the pivots of an elimination whether the mass matrix is singular (D4.10).
 template <class T> class PivotCheck {
  public:
-  /// Checks the pivot of velocity c: the inertia that remains after the elimination of other velocities. It
-  /// was computed from numbers of the magnitude scale() and counts as 0 if it may be a rounding error of
-  /// these numbers. Only the first pivot that counts as 0 is stored.
+  /// Checks the pivot of velocity c, which is the inertia that remains after the elimination of other
+  /// velocities. It was computed from numbers of the magnitude scale(), and counts as 0 if it is so small
+  /// that it may be a rounding error of these numbers. Only the first pivot that counts as 0 is stored.
   template <class Scale> void add(int c, const T& pivot, const Scale& scale) {
     if (singular_velocity_ >= 0 || T(16 * unit_roundoff<T>) * scale() < pivot) return;
     singular_velocity_ = c;

@@ -47,16 +47,17 @@ struct MotionNumbers {
     std::vector<double> values;  ///< a row for each time, with a number for each label
   };
   std::vector<Series> series;
-  /// Spatial twists of the bodies, spatial wrenches that their joints transmit, and spatial momenta: six
-  /// numbers for each time and body. `wrenches` is empty if the accelerations are not known, if the model has
-  /// loops and the drive forces are not known, if the constraint forces of the loops cannot be computed, or
-  /// if contacts are those of shapes that the model lacks.
+  /// Twists of the bodies, wrenches that their joints transmit, and momenta of the bodies, all spatial: six
+  /// numbers for each time and body. `wrenches` is empty if they cannot be computed: because the
+  /// accelerations are not known, because the model has loops and the drive forces are not known, because the
+  /// constraint forces of the loops cannot be computed, or because there are contacts of shapes that the
+  /// model lacks.
   std::vector<double> twists, wrenches, momenta;
   /// Spatial wrenches of the loop joints on their second bodies: six numbers for each time and loop joint.
   /// Empty if the model has no loop joints or `wrenches` is empty.
   std::vector<double> loop_wrenches;
-  /// The frames on which loads act, and the sums of these loads as spatial wrenches: six numbers for each
-  /// time and frame.
+  /// load_frames are the frames on which loads act, and `loads` has the sum of the loads on each of them as a
+  /// spatial wrench: six numbers for each time and frame.
   std::vector<int> load_frames;
   std::vector<double> loads;
   /// Tensions of the segments of springs along points, N: a number for each time and segment. A negative

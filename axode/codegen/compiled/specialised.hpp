@@ -63,12 +63,12 @@ template <class T = double> class Specialised {
 
 namespace batch {
 
-/// Computes a function that the model was specialised for in N states, which are contiguous as in
-/// axode/batch.hpp. Threads and the monitor are used as in batch::run(). States whose mass matrix may be
-/// singular are computed by the library's own function, which decides. Results differ from the library's by
-/// rounding. The result of a state depends neither on its index nor on the number of threads, but a call for
-/// a single state does not use SIMD lanes and may differ by rounding. Throws std::invalid_argument for wrong
-/// arguments, for a function that was not among those of the constructor, and for loads.
+/// Computes one of the compiled functions in N states. Arguments, results, threads and the monitor are those
+/// of batch::run() in axode/batch.hpp. If the mass matrix of a state may be singular, the library's own
+/// function computes this state and decides. Results differ from the library's by rounding. They depend
+/// neither on the index of a state nor on the number of threads, but a call for a single state does not use
+/// SIMD lanes and may differ by rounding. Throws std::invalid_argument for wrong arguments, for a function
+/// that was not compiled, and for loads.
 template <class T>
 Outcome run(const Specialised<T>& model, const codegen::Function& function,
             const catalog::Arguments<std::type_identity_t<T>>& given, std::type_identity_t<std::span<T>> out,
@@ -76,7 +76,7 @@ Outcome run(const Specialised<T>& model, const codegen::Function& function,
   return model.run(function, given, out, threads, monitor);
 }
 
-/// Integrates N motions of a model that was specialised with forward_dynamics; the arguments are those of
+/// Integrates N motions of a model whose forward_dynamics was compiled. The arguments are those of
 /// batch::rollout() in axode/batch.hpp. Motions with coupled joints are computed in SIMD lanes as well.
 /// Springs act. If `joint_losses` is set, damping and dry friction act; steps with dry friction are computed
 /// by the library's own functions.

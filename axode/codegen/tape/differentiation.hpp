@@ -29,8 +29,8 @@ class Composition {
   Traces along(const Traces& x, std::span<const Traces> direction) const;
   /// The gradient of Σ w_k x_k with respect to the first `arguments` arguments, one argument after the other.
   Traces gradient(const Traces& x, const Traces& w, std::size_t arguments) const;
-  /// The derivatives of the numbers x with respect to the first `arguments` arguments: contiguous columns,
-  /// one for each entry of these arguments.
+  /// The matrix of derivatives of the numbers x by all entries of the first `arguments` arguments. The matrix
+  /// is stored column by column, and each column belongs to an entry of an argument.
   Traces jacobian(const Traces& x, std::size_t arguments) const;
 
   /// The recording whose results are `results`, under the name `result`. The composition is empty afterwards.

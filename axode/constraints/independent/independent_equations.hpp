@@ -21,11 +21,11 @@ struct IndependentEquations {
 };
 
 /// Computes the equations of motion in independent velocities, at a closed configuration q and velocities v
-/// that keep the loops closed. `velocities` are the indices of the independent velocities; if it is empty,
-/// the velocities that determine the others best are chosen. Springs are ignored; their forces
-/// spring_forces(q, v) can be added to the joint forces τ. Allocates; O(nv³). Throws std::invalid_argument
-/// for wrong sizes, for prescribed motions, if the number of velocities is not that of the degrees of
-/// freedom, and if they do not determine the other velocities at q.
+/// that keep the loops closed. `velocities` are the indices of the independent velocities, as many as there
+/// are degrees of freedom; if it is empty, the velocities that determine all others best are chosen. Springs
+/// are ignored; their forces spring_forces(q, v) can be added to the joint forces τ. Allocates; O(nv³).
+/// Throws std::invalid_argument for wrong sizes, for prescribed motions, for a wrong number of independent
+/// velocities, and if they do not determine the other velocities at q.
 [[nodiscard]] IndependentEquations independent_equations(const Model& model, std::span<const double> q,
                                                          std::span<const double> v,
                                                          std::span<const int> velocities = {},

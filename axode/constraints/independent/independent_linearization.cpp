@@ -18,8 +18,8 @@ namespace {
 using Matrix = Eigen::MatrixXd;
 using RowByRow = LoopSystem<double>::RowByRow;
 
-/// Computes the derivative by q of A v (m × nv) for the m loop equations A v = 0, as that of A a + γ for a
-/// motion with accelerations v and velocities 0.
+/// Computes the derivative of A v by q (m × nv) for the m loop equations A v = 0. It equals the derivative of
+/// A a + γ by q if the accelerations a are the given v and the velocities are 0, because γ is then 0.
 RowByRow velocity_rows_by_q(LoopSystem<double>& system, std::span<const double> q,
                             std::span<const double> v) {
   const Eigen::Index nv = system.model().nv(), m = system.model().loops().rows;

@@ -11,8 +11,8 @@ namespace axode {
 
 /// The linearised equations of motion of a mechanism with loops, x' = A x + B δτ. The state is x = (δ, δv):
 /// the displacements δ along k independent velocities, and the deviations δv of these velocities. δτ are the
-/// deviations of the joint forces. All joints have the displacements N δ, and their velocities deviate by N
-/// δv + D δ.
+/// deviations of the joint forces. The matrices N and D give the motion of all joints: their displacements
+/// are N δ, and the deviations of their velocities are N δv + D δ.
 struct IndependentLinearization {
   std::vector<int> velocities;  ///< the indices of the k independent velocities
   Eigen::MatrixXd N;            ///< nv × k; the identity in the rows of the independent velocities
@@ -22,12 +22,12 @@ struct IndependentLinearization {
 };
 
 /// Linearises the equations of motion about a closed configuration q and velocities v that keep the loops
-/// closed. `velocities` are the indices of the independent velocities; if it is empty, the velocities that
-/// determine the others best are chosen. Springs, dampers, mechanical stops, loads and losses act. At an
-/// equilibrium with v = 0 the eigenvalues of the state matrix are those of the small oscillations. Allocates;
-/// O((nv + m)³) for m loop equations. Throws std::invalid_argument for wrong sizes, for prescribed motions,
-/// for a state that leaves a loop open, for drives with states, if the number of velocities is not that of
-/// the degrees of freedom, and if they do not determine the other velocities at q.
+/// closed. `velocities` are the indices of the independent velocities, as many as there are degrees of
+/// freedom; if it is empty, the velocities that determine all others best are chosen. Springs, dampers,
+/// mechanical stops, loads and losses act. At an equilibrium with v = 0 the eigenvalues of A describe the
+/// small oscillations. Allocates; O((nv + m)³) for m loop equations. Throws std::invalid_argument for wrong
+/// sizes, for prescribed motions, for a state that leaves a loop open, for drives with states, for a wrong
+/// number of independent velocities, and if they do not determine the other velocities at q.
 [[nodiscard]] IndependentLinearization independent_linearization(
     const Model& model, std::span<const double> q, std::span<const double> v, std::span<const double> tau,
     std::span<const int> velocities = {}, const Loads<double>& loads = {});

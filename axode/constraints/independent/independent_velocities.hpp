@@ -13,15 +13,16 @@ struct IndependentVelocities {
   Eigen::MatrixXd N;            ///< nv × k; the identity in the rows of the independent velocities
 };
 
-/// Computes the matrix N of v = N y for the joint velocities v, of which y are independent. `wanted` are the
-/// indices of y; if it is empty, the velocities that determine the others best are chosen. `rows` is the
-/// analysis of the loop equations. Throws std::invalid_argument for an index that is not from 0 to nv - 1, a
-/// number that is not that of the degrees of freedom, or velocities that do not determine the others.
+/// Computes the matrix N of v = N y, where v are the joint velocities of a mechanism with loops and y are
+/// independent ones among them. `wanted` are the indices of y, as many as there are degrees of freedom; if it
+/// is empty, the velocities that determine all others best are chosen. `rows` says which loop equations are
+/// independent. Throws std::invalid_argument for an index that is not from 0 to nv - 1, for a wrong number of
+/// indices, and for velocities that do not determine the others.
 IndependentVelocities independent_velocities(const Model& model, const IndependentRows<double>& rows,
                                              std::span<const int> wanted);
 
-/// Solves A x = b for each column of b, with the Jacobian A of the loop equations, of which only those are
-/// used that are independent in the analysis `rows`. x is 0 at the independent velocities.
+/// Solves A x = b for each column of b such that x is 0 at the independent velocities. A is the Jacobian of
+/// the loop equations; only the equations that are independent by `rows` are used.
 Eigen::MatrixXd dependent_part(const IndependentVelocities& independent, const IndependentRows<double>& rows,
                                const Eigen::MatrixXd& A, const Eigen::MatrixXd& b);
 

@@ -10,9 +10,9 @@
 namespace axode::higher_order {
 
 /// The closure equations of the loops of a mechanism near a configuration q0: for each loop, the product f of
-/// the exponentials of its joints is the identity (eqs. D13.1, D13.2). The coordinates x of the joints in
-/// loops, in rad and characteristic lengths, are 0 at q0: the configuration is q0 ⊕ x, and a joint with the
-/// screws S_k has the displacement exp(Σ S_k x_k).
+/// the exponentials of its joints is the identity (eqs. D13.1, D13.2). The unknowns are coordinates x of the
+/// joints in loops. The configuration is q0 ⊕ x, and a joint with the screws S_k has the displacement exp(Σ
+/// S_k x_k). Angles are in rad, and lengths are divided by a characteristic length.
 class Closure {
  public:
   /// Makes the closure equations of all loops, with lengths divided by the characteristic length `length`, m;

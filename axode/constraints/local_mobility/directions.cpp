@@ -180,9 +180,9 @@ int dimension_of_cone(const PolynomialRing& ring, const Eigen::MatrixXd& F, cons
   return 1 + singular_values(all).rank(0.3);
 }
 
-/// Improves an isolated zero e of homogeneous polynomials F at which their derivatives are dependent, by
-/// Newton's method on F(e) = 0 with (∂F/∂e) λ = 0, whose zero (e, λ) is simple if that of F is double. Other
-/// zeros are returned unchanged.
+/// Improves a zero e of homogeneous polynomials F if it is isolated and the derivative ∂F/∂e is singular
+/// there; other zeros are returned unchanged. Newton's method is applied to the larger system F(e) = 0,
+/// (∂F/∂e) λ = 0, which has a simple zero (e, λ) where F has a double one.
 Eigen::VectorXd polished(const PolynomialRing& ring, const Eigen::MatrixXd& F, const Eigen::VectorXd& e) {
   constexpr double farthest = 1e-5, negligible = 1e-6;
   const Eigen::Index d = e.size(), m = F.rows();

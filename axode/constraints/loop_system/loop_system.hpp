@@ -137,10 +137,10 @@ template <class T> class AXODE_ENTRY LoopSystem {
   /// make_rows() computed last: that of the loop equations for velocities or that of the residuals.
   void times(const T* x, T* out) const noexcept;
   void add_transposed_times(const T* lambda, T* out) const noexcept;
-  /// Computes γ - s'' (D6.7), where A v = s' are the loop equations with prescribed right sides and γ is the
-  /// part of (A v)' without accelerations. The motion is that of the last move() or, in the second overload,
-  /// given by twists V and their rates dV, each about the origin of the root body (the body of its branch on
-  /// the ground).
+  /// Computes γ - s'' (D6.7). The loop equations are A v = s' with prescribed right sides s', and γ is the
+  /// part of (A v)' that does not depend on accelerations. The first function takes the motion of the bodies
+  /// from the last move(). The second one takes twists V and their rates dV, each about the origin of the
+  /// root body (the body of its branch that is on the ground).
   void bias(T* gamma) noexcept {
     bias(dynamics_->recursion.motion.bodies.V, dynamics_->recursion.motion.bodies.dV, gamma);
   }
@@ -148,18 +148,19 @@ template <class T> class AXODE_ENTRY LoopSystem {
   /// Computes the rates A v of all loop equations (D6.6) from the joint velocities x (nv) and the twists X of
   /// the bodies, each about the origin of its root body (the body of its branch that is on the ground).
   void rates(const Twist<Spatial, T>* X, const T* x, T* out) const noexcept;
-  /// Adds the constraint forces of the loops for multipliers λ: wrenches on the bodies, about the origins of
-  /// their root bodies (those on the ground), to `on`, and those of couplings of joints to tau (nv).
+  /// Adds the constraint forces of the loops for multipliers λ. Loop joints exert wrenches on the bodies,
+  /// which are added to `on` and are about the origins of the root bodies (those on the ground). Couplings of
+  /// joints exert joint forces, which are added to tau (nv).
   void add_wrenches(const T* lambda, Wrench<Spatial, T>* on, T* tau) const noexcept;
   /// Computes the wrenches W[1] to W[n] that the joints transmit for multipliers λ of the loop equations, in
   /// inertial axes, each about the origin of its root body (the body of its branch that is joined to the
   /// ground). Must be called after force() and make_rows(ConstraintLevel::velocity).
   void joint_wrenches(const T* lambda, Wrench<Spatial, T>* W) noexcept;
 
-  /// Adds the partial derivatives of (A v)' = A a + γ, for the loop equations A v = 0, by q to by_q and by v
-  /// to by_v (m × nv each), and those of the constraint forces Aᵀ λ by q to constraint_forces_by_q (nv × nv),
-  /// all row by row ((D6.10), (D6.11)). They are taken at the motion of the last force(). Must be called
-  /// after make_rows(ConstraintLevel::velocity).
+  /// Computes derivatives at the motion of the last force() and adds them to three matrices, which are stored
+  /// row by row ((D6.10), (D6.11)): the derivatives of (A v)' = A a + γ, for the loop equations A v = 0, by q
+  /// to by_q and by v to by_v (m × nv each), and the derivatives of the constraint forces Aᵀ λ by q to
+  /// constraint_forces_by_q (nv × nv). Must be called after make_rows(ConstraintLevel::velocity).
   void differentiate(const T* lambda, T* by_q, T* by_v, T* constraint_forces_by_q) noexcept;
   /// Computes the rate of Rᵀ λ (nv) for constant λ as the bodies move with the velocities of the last move().
   void differentiate_residuals(const T* lambda, T* rate) noexcept;
@@ -272,9 +273,9 @@ template <class T> class AXODE_ENTRY LoopSystem {
   Wrench<Spatial, T> on_first(const State& at, const Wrench<Spatial, T>& W) const {
     return {W.m - cross(at.shift, W.f), W.f};
   }
-  /// Moves F_i and F_j, the wrenches of a loop on its first and second body, along the paths of these bodies
-  /// to the ground; F_j becomes the sum of both where the paths meet. step(i, F) moves F across the joint of
-  /// body i.
+  /// Moves the wrenches of a loop, F_i on its first and F_j on its second body, along the paths of these
+  /// bodies to the ground. Where the two paths meet, F_j becomes the sum of both wrenches. step(i, F) moves F
+  /// across the joint of body i.
   template <class Wrenches, class Step>
   void propagate_to_root(const LoopPath& path, Wrenches& F_i, Wrenches& F_j,
                          const Step& step) const noexcept {

@@ -25,9 +25,9 @@ class MotionRows {
 
   bool empty() const { return rows_.empty(); }
   std::span<const Row> rows() const { return rows_; }
-  /// The mechanism in which every prescribed motion is a loop equation: for the length of a rod the rod's own
-  /// equation, and for a joint that of an additional coupling with this joint as its only term. The
-  /// coordinates and velocities remain the same.
+  /// The mechanism in which every prescribed motion is a loop equation, with the same coordinates and
+  /// velocities. If the length of a rod is prescribed, this is the equation of the rod. If the motion of a
+  /// joint is prescribed, a coupling is added that has this joint as its only term.
   const Model& model() const { return model_; }
 
   /// Sets the right sides of the motions' rows, in a system of model(), to their values at time t.

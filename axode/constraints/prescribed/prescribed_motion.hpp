@@ -30,13 +30,13 @@ struct DynamicsAtTime {
                                       ///< by those of the argument `motions`
 };
 
-/// Computes the accelerations at time t (s) of a mechanism of which joints or rods follow prescribed motions,
-/// those of the model and those in `motions`, and the multipliers of the loops and the forces of the motions.
-/// If the motions leave no degree of freedom, this is inverse dynamics. q and v should close the loops and
-/// follow the motions; their residuals are not corrected. Springs are ignored. Throws std::invalid_argument
-/// for wrong sizes, numbers that are not finite, motions of joints or rods that do not exist, and a time at
-/// which a motion is not known. Allocates; O(n + m d + m² d + m³) for n bodies and m equations of loops and
-/// motions on paths of d joints.
+/// Computes the accelerations of a mechanism at time t (s) if joints or rods follow prescribed motions: the
+/// motions of the model and those in `motions`. Also computes the multipliers of the loops and the forces of
+/// the motions. If the motions leave no degree of freedom, this is inverse dynamics. q and v should close the
+/// loops and follow the motions; deviations are not corrected. Springs are ignored. Throws
+/// std::invalid_argument for wrong sizes, numbers that are not finite, motions of joints or rods that do not
+/// exist, and a time at which a motion is not known. Allocates; O(n + m d + m² d + m³) for n bodies and m
+/// equations of loops and motions on paths of d joints.
 [[nodiscard]] DynamicsAtTime forward_dynamics_at(const Model& model, double t, std::span<const double> q,
                                                  std::span<const double> v, std::span<const double> tau,
                                                  const Loads<double>& loads = {},

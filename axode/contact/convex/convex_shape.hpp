@@ -5,9 +5,8 @@
 namespace axode {
 
 /// A convex body: the Minkowski sum of a core and a ball (D10.4). The core is a box, a cylinder, an ellipsoid
-/// or a polytope (hull). The core of a sphere is a point and that of a capsule a segment, both stored as
-/// boxes. The core of an ellipsoid is the ellipsoid less the ball whose radius is the least radius of
-/// curvature.
+/// or a polytope (hull). A sphere has a point as its core and a capsule a segment; both are stored as boxes.
+/// An ellipsoid has as its core a smaller ellipsoid; the radius of its ball is the least radius of curvature.
 struct ConvexShape {
   enum class Core { box, cylinder, ellipsoid, hull } core = Core::box;
   Vec3<> size{};       ///< half sizes of the core, or semi-axes of an ellipsoid, along the axes, m

@@ -13,7 +13,7 @@ inline constexpr double infinity = std::numeric_limits<double>::infinity();
 inline constexpr double epsilon = std::numeric_limits<double>::epsilon();
 
 /// A point w = b - a of the difference B - A of two cores. The support function of a core consists of smooth
-/// branches; branch_a and branch_b are the numbers of those on which a and b lie.
+/// branches; branch_a and branch_b are the numbers of the branches on which a and b lie.
 struct Vertex {
   Vec3<> w, a;
   int branch_a = 0, branch_b = 0;

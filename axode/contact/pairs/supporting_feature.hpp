@@ -19,10 +19,11 @@ template <class T = double> struct Feature {
   void add(const Vec3<T>& p) noexcept { point[count++] = p; }
 };
 
-/// The feature of a shape that faces the unit vector n in the inertial frame. For a box it is the face whose
-/// normal is nearest to n; for a hull it is that of the faces at the support point. For a cylinder it is a
-/// cap, as a polygon of eight points on its rim, or a line on its side; for a capsule it is the axis. Spheres
-/// and ellipsoids have none. If a face of a hull has more than 32 corners, only some of them are taken.
+/// The flat part of a shape's surface that faces the unit vector n (in the inertial frame). For a box it is
+/// the face whose normal is nearest to n. For a hull it is, of the faces at the support point, the one whose
+/// normal is nearest to n. For a cylinder it is a cap, as a polygon of eight points on its rim, or a line on
+/// its side; for a capsule it is the axis. Spheres and ellipsoids have none. If a face of a hull has more
+/// than 32 corners, only some of them are taken.
 template <class T>
 Feature<T> supporting_feature(const ContactShape& shape, const SE3<T>& pose, const Vec3<T>& n) noexcept;
 

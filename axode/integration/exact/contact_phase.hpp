@@ -87,8 +87,9 @@ class ContactPhase {
   /// Moves q and v to the nearest state in which the constraints of the phase hold (D11.30).
   std::string project(Vector& q, Vector& v);
 
-  /// Chooses for the candidates in `closed` whether they stay closed, stick or slide (D11.32). Candidates
-  /// with branch `slide` have sliding velocities, those with `stick` are at rest.
+  /// Decides for each constraint in `closed` whether it opens, sticks or slides (D11.32). Before the call,
+  /// constraints with the branch `slide` must have a sliding velocity, and those with the branch `stick` must
+  /// be at rest.
   std::string decide(const Vector& q, const Vector& v, const Forces& forces);
 
   /// Begins the phase with the constraints `next`. What stuck slides against the present friction.
@@ -104,8 +105,8 @@ class ContactPhase {
   };
   /// Says of a contact or stop that approaches with a speed and bounces whether this is its last bounce.
   using IsLast = std::function<bool(const Gap& of, double restitution)>;
-  /// Computes the velocities v after the impacts of all contacts and stops that touch at q, and adds those
-  /// that approach to `met`. `closed` becomes the candidates for decide() afterwards.
+  /// Computes the velocities v after the impacts of all contacts and stops that touch at q. Those that
+  /// approach are added to `met`. Afterwards `closed` has the constraints about which decide() must decide.
   std::string impact(const Vector& q, Vector& v, const IsLast& is_last, std::vector<Impact>& met,
                      double& certificate);
 

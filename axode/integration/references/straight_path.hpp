@@ -33,9 +33,10 @@ class StraightPath {
   /// one limit for each velocity, or one for all, in rad or m per s, s² or s³; `name` names them in messages.
   /// Throws std::invalid_argument unless they are positive and finite.
   std::vector<double> limits(const char* name, std::span<const double> given) const;
-  /// Converts velocity limits to limits along the paths of joints(). `given` has one for each velocity, or
-  /// one for all (rad/s or m/s), which may be infinite; if empty, those of the model count, which must be
-  /// above 0 for joints that move. Throws std::invalid_argument for limits that are not positive.
+  /// Converts velocity limits to limits along the paths of joints(). `given` has a limit for each velocity,
+  /// or one for all (rad/s or m/s), which may be infinite. If it is empty, the limits of the model are taken,
+  /// which must then be above 0 for joints that move. Throws std::invalid_argument for limits that are not
+  /// positive.
   std::vector<double> velocity_limits(std::span<const double> given) const;
 
   /// A function that writes the distance of each of joints() along its path at a time t from 0 to the

@@ -50,8 +50,8 @@ class SimulationRun {
   double size_of_residual(const Vector& r) const {
     return loops_ ? norm_.of_velocities(r) : norm_.of_forces(r);
   }
-  /// Computes the derivatives of residual() by q, v and a, nv × nv each, without those of
-  /// SimulationOptions::drive.
+  /// Computes the derivatives of residual() by q, v and a, nv × nv each. The derivatives of the forces of
+  /// SimulationOptions::drive are not included.
   void residual_derivatives(const Vector& q_t, const Vector& v_t, const Vector& a_t,
                             const InverseDynamicsDerivatives<double>& dr);
   bool is_driven() const { return static_cast<bool>(options_.drive); }

@@ -23,9 +23,9 @@ constexpr auto shape_names = names_of(shape_kinds);
 /// The form in which the geometry of a body is given: A, B, or S_prev and S_self.
 enum class GeometryForm { construction, body, joint };
 
-/// Reads the geometry of a body: its pose A in the inertial frame, its pose B in the frame of the
-/// predecessor, or its joint frames S_prev on the predecessor and S_self on itself. Returns which of these
-/// was given.
+/// Reads the geometry of a body, which is given in one of three ways: by its pose A in the inertial frame, by
+/// its pose B in the frame of the predecessor, or by its joint frames S_prev on the predecessor and S_self on
+/// itself. Returns the way.
 GeometryForm read_geometry(Table& table, BodyDescription& body) {
   const bool has_A = table.has("A"), has_B = table.has("B"),
              has_S = table.has("S_prev") || table.has("S_self"), has_frame = table.has("frame");

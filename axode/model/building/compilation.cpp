@@ -71,10 +71,10 @@ class Compiler {
   }
 
  private:
-  /// The moving body `carrier` of the model into which a body of the description is merged, or the body
-  /// itself. The joint frame of the carrier has the pose S F in the frame of the described body, where S is
-  /// usually the joint frame of the latter. The factors are kept apart, because S F may be small while both
-  /// are large.
+  /// Where a body of the description is in the model: `carrier` is the moving body into which it is merged,
+  /// or the body itself. In the frame of the described body, the joint frame of the carrier has the pose S F,
+  /// where S is usually the joint frame of the described body. S and F are stored apart, because S F may be
+  /// small while both are large.
   struct Carried {
     int carrier = 0;
     SE3<> S, F;
@@ -338,8 +338,8 @@ class Compiler {
     return loops;
   }
 
-  /// Makes ratio and offset of each coupled joint, q = ratio q_leader + offset, those for the last leader in
-  /// a chain of couplings, which has a coordinate of its own.
+  /// Resolves chains of couplings: the ratio and the offset of each coupled joint, q = ratio q_leader +
+  /// offset, become those for the last leader in the chain, which has a coordinate of its own.
   void couple() {
     std::unordered_map<std::string_view, int> index;
     for (int i = 1; i < n_bodies(); ++i) index.emplace(joints_[i].name, i);

@@ -131,8 +131,8 @@ template <class Part> void mount_all(std::vector<Part>& parts, const Mount& at, 
   }
 }
 
-/// Adds the contact settings of a mounted mechanism to those of the other one, `into`; where both have
-/// numbers, those of `into` are kept.
+/// Adds the contact settings of a mounted mechanism to the settings `into` of the mechanism on which it is
+/// mounted. If both have a number, that of `into` is kept.
 void mount_contact(std::optional<ContactDescription>& contact, const Mount& at,
                    std::optional<ContactDescription>& into) {
   if (!contact) return;
@@ -259,8 +259,9 @@ void check_may_be_reversed(const JointDescription& joint, bool base) {
         "remove them first");
 }
 
-/// Leaves out, with a warning, the initial state of joints whose coordinates change: those with several
-/// velocities on the path from the new root to the old one and, if free, the joint `held` of the old root.
+/// Leaves out, with a warning, the initial state of joints whose coordinates change when the root changes.
+/// These are the joints with several velocities on the path from the new root to the old one, and the joint
+/// `held` of the old root if it is free.
 void drop_reversed_state(Description& description, const std::vector<std::size_t>& path,
                          const JointDescription& held) {
   std::unordered_set<std::string> reversed;

@@ -206,7 +206,8 @@ class StatesOf {
                    std::to_string(item));
   }
   /// Scales the quaternions in q to norm 1. Throws std::invalid_argument if a norm differs from 1 by more
-  /// than the tolerance. A NaN is replaced by the identity here, and later by NaN in the results.
+  /// than the tolerance. A quaternion with a NaN is replaced by the identity; the results for it are set to
+  /// NaN later.
   void normalize(Doubles& q, double tolerance) {
     if (model_.topology().quaternion_bodies.empty()) return;
     std::vector<double> numbers(q.all().begin(), q.all().end());

@@ -178,8 +178,9 @@ inline std::span<double> item(const NewArray& out, std::size_t k, const Shape& s
   return {out.data() + k * size, size};
 }
 
-/// Returns an array of results for all states: f(workspace, k, out) writes that of state k, an array of the
-/// given shape, to `out`. If f can fail, it returns a Solvability, which says whether and why it did.
+/// Computes an array of results for all states. f(workspace, k, out) must write the result of state k, an
+/// array of the shape `shape`, to `out`. If f can fail, it returns a Solvability, which says whether and why
+/// it did.
 template <class F>
 NewArray each_item(const States& states, double microseconds, const Shape& shape, const F& f) {
   NewArray out = states.result(shape);
@@ -202,8 +203,9 @@ struct Named {
   const char* name;
   ArrayLike given;
 };
-/// Returns an array of results for all states: f(workspace, q, x, ..., out) writes that of one state to
-/// `out`. The x are its items of the arguments `more` (such as v and a) with nv numbers for each state.
+/// Computes an array of results for all states. f(workspace, q, x, ..., out) must write the result of one
+/// state to `out`. Its arguments x, ... are the items for this state of the arguments `more`, such as v and
+/// a, which have nv numbers for each state.
 template <class F, class... More>
 NewArray map_states(const BoundModel& model, int threads, double microseconds, const Shape& shape,
                     ArrayLike q, const F& f, const More&... more) {

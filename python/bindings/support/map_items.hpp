@@ -104,8 +104,8 @@ template <class T> struct Given {
   ArrayLike array;
 };
 
-/// The shape of the first `axes` axes of an argument. Throws nb::value_error if these are too many for a
-/// Shape that also has those of an item.
+/// The lengths of the first `axes` axes of an argument. Throws nb::value_error if there are so many that a
+/// Shape has no room for them and the axes of an item.
 Shape first_axes(const Numbers& numbers, int axes);
 
 /// The numbers of one argument of a function that is called for arrays of items.
@@ -125,8 +125,8 @@ class Operand {
   nb::ssize_t step_ = 0;
 };
 
-/// The axes before those of an item, which all operands must have in common, except operands that are single
-/// items. Throws nb::value_error if they differ.
+/// The axes that come before the axes of an item. All operands must have them in common, except operands that
+/// are single items. Throws nb::value_error if they differ.
 Shape common_leading(std::span<const Operand> operands);
 /// The shape that has the axes `leading`, followed by the axes of an item.
 Shape with_item(const Shape& leading, const Shape& item);

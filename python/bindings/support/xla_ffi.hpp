@@ -2,9 +2,9 @@
 #include <cstddef>
 #include <cstdint>
 
-/// The part that is used here of the foreign function interface of XLA, the compiler of JAX: structs by which
-/// XLA calls a function and gets its answer. They are those of the published C interface xla/ffi/api/c_api.h,
-/// repeated so that no jaxlib is needed; a test compares them member by member.
+/// Declarations from the interface by which XLA, the compiler of JAX, calls functions: the structs that this
+/// library needs. They repeat the published C interface xla/ffi/api/c_api.h, so that no jaxlib is needed to
+/// compile them; a test compares them member by member.
 namespace axode::xla {
 
 inline constexpr int major_version = 0, minor_version = 3;  ///< version of the interface that this file

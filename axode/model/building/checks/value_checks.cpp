@@ -110,8 +110,8 @@ void springs(const FaultySubject& at, const JointDescription& joint, const Dof& 
   }
 }
 
-/// Reports gear losses that a degree of freedom `dof` cannot have: those of a joint of several velocities, a
-/// coupled joint or a passive joint (without a drive), and of a self-locking gear without an armature.
+/// Reports gear losses that a degree of freedom `dof` cannot have. A joint of several velocities, a coupled
+/// joint and a passive joint (without a drive) cannot have any, and a self-locking gear needs an armature.
 void gear(const FaultySubject& at, const JointDescription& joint, const Dof& dof) {
   if (dof.gear_loss == 0 && !dof.gear_loss_back) return;
   const double back = dof.gear_loss_back.value_or(dof.gear_loss);
