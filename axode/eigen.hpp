@@ -257,8 +257,9 @@ template <class T> Matrix6<T> ad_matrix(const Screw<T>& X) {
   return matrix6<T>([&](const Screw<T>& Z) { return ad(X, Z); });
 }
 
-/// Matrices of dexp, the trivialised derivative of the exponential map, at ξ on SO(3) (3×3) or at the screw X
-/// on SE(3) (6×6), of its inverse dexp⁻¹, and of the derivatives of both when ξ moves along η or X along U.
+/// The matrices of dexp, the right-trivialised differential of the exponential map, at ξ on SO(3) (3×3) or at
+/// the screw X on SE(3) (6×6), and of its inverse dexp⁻¹. ddexp_matrix() and ddexp_inv_matrix() are their
+/// derivatives when ξ moves along η, or X along U.
 template <class T> Eigen::Matrix3<T> dexp_matrix(const Vec3<T>& xi) {
   return matrix3<T>([&](const Vec3<T>& z) { return dexp(xi, z); });
 }

@@ -62,10 +62,11 @@ void check_piece(const Model& model, const Piece<T>* pieces, std::size_t n_loads
 
 }  // namespace detail
 
-/// Checks all arguments of a call of a public function by its description in the table of functions, and
-/// returns the scratch memory for the call. The arguments are the model, the workspace, numbers and loads,
-/// and results. Results may not share memory with each other, nor with the inputs if the table says so.
-/// Throws std::invalid_argument with the name, the value and the rule that is broken.
+/// Checks all arguments of a call of public function `id` against its description in the table of functions,
+/// and returns the scratch memory for the call. The arguments are the model, the workspace, the inputs
+/// (numbers and loads) and the results. Results may not share memory with each other, nor with the inputs if
+/// the table says so. Throws std::invalid_argument with the name and the value of the argument and the rule
+/// that is broken.
 template <catalog::Id id, class T, class... Given>
 [[gnu::always_inline]] inline Arena checked(const Model& model, Workspace<T>& workspace,
                                             const Given&... given) {

@@ -61,8 +61,9 @@ class Solver {
         step_(model.nv()),
         solver_(model.nv()) {}
 
-  /// Iterates from the start q until the error is within the tolerance (solved), an iteration hardly reduces
-  /// it (stalled), or the largest number of iterations is reached; adds their number to `iterations`.
+  /// Iterates from the start q. Ends if the error is within the tolerance (solved), if an iteration hardly
+  /// reduces it (stalled), or at the largest number of iterations. Adds the number of iterations to
+  /// `iterations`.
   InverseKinematicsStatus run(std::span<const double> q, int& iterations) {
     std::ranges::copy(q, at_.q.begin());
     evaluate(at_);
@@ -154,7 +155,7 @@ class Solver {
       }
     }
   }
-  /// Stops the joints at a limit that `gradient` would move beyond it: their columns of the Jacobian and
+  /// Holds joints at a limit beyond which `gradient` would move them: their columns of the Jacobian and their
   /// entries of `gradient` and `direction` become 0. Returns whether there was such a joint.
   bool stop_at_limits(Vector& gradient, Vector& direction) {
     if (!options_.limits) return false;

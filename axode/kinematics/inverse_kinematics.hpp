@@ -33,8 +33,8 @@ enum class InverseKinematicsStatus {
   solved,  ///< the error is within the tolerance
   /// Every start ended in a configuration that no small step improves. The targets are probably out of reach.
   stalled,
-  /// The error still decreased when the iterations of some start were used up, or the caller's
-  /// options.monitor ended the search.
+  /// The search ended before a solution was found: the error still decreased when the iterations from some
+  /// start were used up, or options.monitor, the caller's function, ended the search.
   iteration_limit,
 };
 std::string_view to_string(InverseKinematicsStatus status);

@@ -16,8 +16,9 @@ template <class T> SE3<T> joint_pose(const Tree<T>& tree, int i, const T* q) noe
   });
 }
 
-/// Calls f(c, screw) for every joint screw of body i and the index c of its velocity. C is the pose of the
-/// joint frame in the frame of the screws. The screw of a coupled joint is scaled by its ratio to its leader.
+/// Calls f(c, screw) for every joint screw of body i, with the index c of its velocity. The screws are in the
+/// frame relative to which the joint frame has the pose C. The screw of a coupled joint is multiplied by its
+/// ratio to its leader.
 template <class T, class F> void each_screw(const Tree<T>& tree, int i, const SE3<T>& C, F&& f) noexcept {
   with_joint(tree, i, [&](const auto& joint) {
     for (int k = 0; k < joint.nv; ++k) f(tree->iv[i] + k, tree.ratio[i] * joint.column(C, k));

@@ -45,8 +45,8 @@ std::vector<SE3<>> user_poses(const Model& model, std::span<const double> q) {
   C.resize(model.n_bodies() + 1);
   return C;
 }
-/// For the ground (index 0) and each body: the transformations of twists and wrenches between it and its
-/// predecessor, for the body frames that the user placed.
+/// The transformations of twists and wrenches between each body and its predecessor, for the body frames that
+/// the user placed. Index 0 is the ground.
 template <class Rep>
 std::vector<Link<Rep, double>> user_links(const Model& model, std::span<const double> q) {
   const std::vector<SE3<>> C = user_poses(model, q);

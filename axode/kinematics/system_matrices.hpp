@@ -19,10 +19,10 @@ using SystemMatrix = Eigen::SparseMatrix<double>;
 struct SystemMatrices {
   SystemMatrix A, D, X;
 };
-/// Computes the matrices A, D and X of V = A X v in representation Rep. The blocks (i, j) of A are Ad_{C_ij}
-/// in the body-fixed representation, with the pose C_ij of body j relative to body i; Ad_{r_ij} in the hybrid
-/// one, with the vector r_ij between their origins; and identities in the spatial one, where X has the joint
-/// screws at q.
+/// Computes the matrices A, D and X of V = A X v in representation Rep. Block (i, j) of A is Ad_{C_ij} in the
+/// body-fixed representation, where C_ij is the pose of body j relative to body i. In the hybrid
+/// representation it is Ad_{r_ij}, where r_ij is the vector between the origins of the bodies. In the spatial
+/// representation it is the identity, and X has the joint screws at q.
 template <RecursionRepresentation Rep = BodyFixed>
 SystemMatrices system_matrices(const Model& model, std::span<const double> q);
 
@@ -35,9 +35,8 @@ struct SpatialFactors {
 SpatialFactors spatial_factors(const Model& model, std::span<const double> q);
 
 /// The matrix a^b(v) = diag(ad_{X_i v_i}), 6n × 6n (eq. ab), with the joint screws X_i in the body frames.
-/// The rate of the stacked body-fixed Jacobian is J^b' = -A^b a^b D^b J^b, with A and D of
-/// system_matrices<BodyFixed>(), and -A^b a^b J^b if every joint has one degree of freedom (eq. u:Jb_dot
-/// matrix).
+/// With A and D of system_matrices<BodyFixed>(), the stacked body-fixed Jacobian J of all bodies has the rate
+/// J' = -A a^b D J, or -A a^b J if every joint has one degree of freedom (eq. u:Jb_dot matrix).
 SystemMatrix a_matrix(const Model& model, std::span<const double> v);
 /// The matrix b(V) = diag(ad_{V_1}, ..., ad_{V_n}), 6n × 6n, of the body-fixed or spatial twists V_i of all
 /// bodies (eqs. bb, bs).
@@ -51,13 +50,15 @@ template <RecursionRepresentation Rep = BodyFixed>
 Eigen::VectorXd system_acceleration(const Model& model, std::span<const double> q, std::span<const double> v,
                                     std::span<const double> a);
 
-/// The velocities v that belong to given twists V of all bodies, (XᵀX)⁻¹ Xᵀ (I - D) V with the matrices X and
-/// D of system_matrices(): overall inverse kinematics, by least squares if no v gives V.
+/// Overall inverse kinematics: the velocities v = (XᵀX)⁻¹ Xᵀ (I - D) V of the joints for given twists V of
+/// all bodies, with the matrices X and D of system_matrices(). If no v gives V, this is a least-squares
+/// solution.
 template <RecursionRepresentation Rep = BodyFixed>
 Eigen::VectorXd joint_velocities(const Model& model, std::span<const double> q, const Eigen::VectorXd& V);
-/// The accelerations that belong to given twists V and twist rates V' of all bodies, (XᵀX)⁻¹ Xᵀ ((I - D) V' -
-/// bias) (eq. solqddot1), with the matrices X and D of system_matrices(). The bias is the part of (I - D) V'
-/// that is due to velocities; in the body-fixed representation it is -a^b V^b with the matrix of a_matrix().
+/// The accelerations of the joints for given twists V and twist rates V' of all bodies, (XᵀX)⁻¹ Xᵀ ((I - D)
+/// V' - bias) (eq. solqddot1), with the matrices X and D of system_matrices(). The bias is the part of (I -
+/// D) V' that is due to velocities; in the body-fixed representation it is -a^b V with the matrix a^b of
+/// a_matrix().
 template <RecursionRepresentation Rep = BodyFixed>
 Eigen::VectorXd joint_accelerations(const Model& model, std::span<const double> q, const Eigen::VectorXd& V,
                                     const Eigen::VectorXd& dV);

@@ -115,8 +115,8 @@ template <class T> constexpr Screw<T> cay_of_ad_inv(const SE3<T>& C) {
   const Vec3<T> w = cay_inv_SO3(C.R);
   return {w, dcay_inv(w, C.r)};
 }
-/// The right-trivialised differential of cay_of_ad at X, applied to Z. Its diagonal blocks are dcay of SO(3),
-/// and its coupling block is the derivative of dcay along the linear part of X.
+/// The right-trivialised differential of cay_of_ad() at X, applied to Z. As a 6×6 matrix it has dcay of SO(3)
+/// in its diagonal blocks; its lower left block is the derivative of dcay along the linear part of X.
 template <class T> constexpr Screw<T> dcay_of_ad(const Screw<T>& X, const Screw<T>& Z) {
   return {dcay(X.w, Z.w), dcay(X.w, Z.v) + ddcay(X.w, X.v, Z.w)};
 }

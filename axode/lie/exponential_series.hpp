@@ -4,12 +4,12 @@
 
 #include "axode/lie/vec3.hpp"
 
-/// The coefficient functions of exp, dexp and dexp⁻¹, accurate at every angle.
+/// The coefficients of exp, dexp and dexp⁻¹ on SO(3) and SE(3), accurate at every angle.
 ///
-/// On so(3) each of these is an operator P_ξ = I + β(s) ξ̃ + γ(s) ξ̃² with s = ‖ξ‖². On se(3) the angular
-/// blocks of dexp and dexp⁻¹ are P_ξ, and the coupling block is the derivative of P_ξ along the linear part
-/// (principle of transference), so that directional derivatives need β and γ up to their second derivative in
-/// s.
+/// On so(3) each of these maps is an operator P_ξ = I + β(s) ξ̃ + γ(s) ξ̃² with s = ‖ξ‖². On se(3), dexp and
+/// dexp⁻¹ have P_ξ in their two diagonal 3×3 blocks, and the derivative of P_ξ along the linear part in the
+/// third block (principle of transference). Therefore directional derivatives need β and γ with their first
+/// and second derivatives by s.
 namespace axode {
 
 /// An operator P_ξ = I + β(s) ξ̃ + γ(s) ξ̃² on so(3) with s = ‖ξ‖²; beta[k] is the k-th derivative of β by s.

@@ -36,14 +36,14 @@ template <class T> constexpr Inertia<T> transform(const SO3<T>& R, const Inertia
   const ScrewOperationScope<T> scope(ScrewOperation::tensor_rotation);
   return {M.m, R * M.h, rotate(R, M.Theta)};
 }
-/// Ad_r⁻ᵀ M Ad_r⁻¹: the inertia about another point, in the same axes; r is the vector from that point to the
-/// origin of the frame of M.
+/// The inertia Ad_r⁻ᵀ M Ad_r⁻¹ about another point, in the same axes, where r is the vector from that point
+/// to the origin of the frame of M.
 template <class T> constexpr Inertia<T> transform(const Vec3<T>& r, const Inertia<T>& M) {
   const ScrewOperationScope<T> scope(ScrewOperation::tensor_translation);
   return {M.m, M.h + M.m * r, M.Theta + parallel_axis_tensor(M.h + (T(0.5) * M.m) * r, r)};
 }
-/// Ad_S⁻ᵀ M Ad_S⁻¹: the inertia in another frame, relative to which the frame of M has the pose S (eqs. Ms,
-/// Mb).
+/// The inertia Ad_S⁻ᵀ M Ad_S⁻¹ in another frame, where S is the pose of the frame of M relative to that other
+/// frame (eqs. Ms, Mb).
 template <class T> constexpr Inertia<T> transform(const SE3<T>& S, const Inertia<T>& M) {
   const ScrewOperationScope<T> scope(ScrewOperation::tensor_transformation);
   return transform(S.r, transform(S.R, M));
@@ -113,10 +113,10 @@ struct EigenvalueRange {
 };
 EigenvalueRange eigenvalue_range(const Sym3<double>& A);
 
-/// Measures whether a mass distribution with the inertia M exists, which is so if the result is >= 0: the
-/// smallest eigenvalue of Binet's tensor about the centre of mass, divided by the largest principal moment. A
-/// negative eigenvalue within the rounding of Θ counts as 0. If all principal moments are positive, the
-/// result is at least -0.5. The mass must be positive.
+/// A measure of whether a mass distribution with the inertia M exists: it exists if the result is at least 0.
+/// The result is the smallest eigenvalue of Binet's tensor about the centre of mass, divided by the largest
+/// principal moment; a negative eigenvalue within the rounding errors of Θ counts as 0. If all principal
+/// moments are positive, the result is at least -0.5. The mass must be positive.
 double realisability(const Inertia<double>& M);
 
 }  // namespace axode

@@ -38,8 +38,9 @@ constexpr Wrench<Rep, T> newton_euler(const Inertia<T>& M, const Twist<Rep, T>& 
   return M * dV + velocity_wrench(M, V);
 }
 
-/// The mixed Newton-Euler equations: the angular part is in body axes, the linear part in inertial axes
-/// (eqs. NEm rot, NEm trans, NEcmixed). M is in the body frame, and R is the rotation of the body frame.
+/// The Newton-Euler equations in mixed representation: moments and angular velocities are in body axes,
+/// forces and linear velocities in inertial axes (eqs. NEm rot, NEm trans, NEcmixed). M is in the body frame,
+/// and R is the rotation of the body frame.
 template <class T>
 constexpr Wrench<Mixed, T> newton_euler(const Inertia<T>& M, const SO3<T>& R, const Twist<Mixed, T>& V,
                                         const TwistRate<Mixed, T>& dV) {

@@ -2,8 +2,9 @@
 #include "axode/lie/inertia.hpp"
 #include "axode/lie/mat3.hpp"
 
-/// Three-vectors in one SIMD register of four lanes, of which the last is 0: the fastest layout for one state
-/// of one mechanism. Packed<T>, and Plain<T> with three separate numbers, have the same members.
+/// Three-vectors in one SIMD register of four lanes, whose last lane is 0. This is the fastest layout for one
+/// state of one mechanism. Packed<T> has such vectors, and Plain<T> vectors of three separate numbers; both
+/// have the same members, so that algorithms can use either.
 namespace axode {
 
 namespace packed {

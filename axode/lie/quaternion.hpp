@@ -56,8 +56,8 @@ template <class T> constexpr Quaternion<T> exp_quaternion(const Vec3<T>& xi) {
   return {k * xi.x, k * xi.y, k * xi.z, T(1) - s * half.b[0]};
 }
 
-/// The logarithm of a unit quaternion: the rotation vector in rad with the angle in [0, π]. Its axis stays
-/// accurate at π, where either sign is right.
+/// The logarithm of a unit quaternion: the rotation vector (rad), whose length is the angle, from 0 to π. The
+/// axis is accurate also at the angle π, where both of its directions are right.
 template <class T> constexpr Vec3<T> log_quaternion(const Quaternion<T>& a) {
   const T sign = select(a.w < T(0), T(-1), T(1)), w = sign * a.w;
   const Vec3<T> v{sign * a.x, sign * a.y, sign * a.z};

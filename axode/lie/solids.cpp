@@ -44,8 +44,8 @@ void check_closed(std::span<const Vec3<>> vertices, std::span<const std::array<i
   }
 }
 
-/// The volume and the first and second moments, about a given point, of the solid that a closed mesh
-/// encloses: sums over the tetrahedra of this point and the faces.
+/// The volume and the first and second moments of the solid that a closed mesh encloses, about a given point.
+/// They are sums over tetrahedra, each of which is made of this point and a face of the mesh.
 struct Moments {
   double volume = 0;
   Vec3<> first;

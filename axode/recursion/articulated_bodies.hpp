@@ -62,9 +62,9 @@ template <class Rep, class T> struct ArticulatedBodies {
     put_screws_and_inertias(tree);
     return eliminate_joints(tree, armature);
   }
-  /// Factorises the mass matrix at the present configuration (in `links`). Calls check.add(c, D, scale) for
-  /// each velocity c with its pivot D; scale() returns the magnitude of the numbers from which D was
-  /// computed.
+  /// Factorises the mass matrix at the configuration for which `links` was computed. Calls check.add(c, D,
+  /// scale) for each velocity c with its pivot D; scale() returns the magnitude of the numbers from which D
+  /// was computed.
   template <TreeOf<T> AnyTree, class Check>
   void factorize(const AnyTree& tree, const T* armature, Check& check) noexcept {
     put_screws_and_inertias(tree);
@@ -152,9 +152,9 @@ template <class Rep, class T> struct ArticulatedBodies {
     for (int i = tree->n; i > 0; --i) backward_step(tree, i, x);
     backward_step_at_ground(tree, x);
   }
-  /// The step of the backward sweep at body i, which must follow the steps of all other bodies in its
-  /// subtree. `bias` has the twist rates, relative to the predecessors, for joint accelerations 0, or is
-  /// null.
+  /// The step of the backward sweep at body i; it must follow the steps of all other bodies in the subtree.
+  /// `bias` has the twist rates of the bodies, relative to their predecessors, if all joint accelerations are
+  /// 0; a null `bias` means that they are 0.
   template <TreeOf<T> AnyTree>
   void backward_step(const AnyTree& tree, int i, const T* x,
                      const TwistRate<Rep, T>* bias = nullptr) noexcept {
@@ -201,8 +201,8 @@ template <class Rep, class T> struct ArticulatedBodies {
   }
 
   /// The forward sweep of a solution, from the roots to the leaves: x = L⁻¹ D⁻¹ u for the factors of the mass
-  /// matrix M = Lᵀ D L. `bias` has the twist rates, relative to the predecessors, for joint accelerations 0,
-  /// or is null.
+  /// matrix M = Lᵀ D L. `bias` has the twist rates of the bodies, relative to their predecessors, if all
+  /// joint accelerations are 0; a null `bias` means that they are 0.
   template <TreeOf<T> AnyTree>
   void forward_sweep(const AnyTree& tree, T* x, const TwistRate<Rep, T>* bias = nullptr) noexcept {
     const Topology::Ties& ties = tree->ties;

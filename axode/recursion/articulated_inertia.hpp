@@ -4,8 +4,8 @@
 
 namespace axode {
 
-/// The articulated inertia of a body, that with the joints of its subtree free: a symmetric matrix [[A, B],
-/// [Bᵀ, L]] from twists to wrenches in Rep.
+/// The articulated inertia of a body, which is its inertia if the joints of its subtree are free to move: a
+/// symmetric matrix [[A, B], [Bᵀ, L]] from twists to wrenches in representation Rep.
 template <class Rep, class T> struct ArticulatedInertia {
   Sym3<T> A;
   Mat3<T> B;
@@ -31,8 +31,8 @@ constexpr void eliminate(ArticulatedInertia<Rep, T>& M, const Wrench<Rep, T>& U,
   M.L = M.L + d * square(U.f);
 }
 
-/// The magnitude of the entries of a rigid inertia M, as the same number in every direction: tr Θ for
-/// rotations and m for translations.
+/// An estimate of the entries of a rigid inertia M, against which rounding errors are compared: tr Θ for
+/// rotations and the mass m for translations, the same in every direction.
 template <class Rep, class T> constexpr ArticulatedInertia<Rep, T> size_of(const Inertia<T>& M) {
   const T t = trace(M.Theta), o(0);
   return {{t, t, t, o, o, o}, {}, {M.m, M.m, M.m, o, o, o}};

@@ -3,11 +3,11 @@
 
 namespace axode {
 
-/// The composite-body algorithm, which computes the mass matrix (Featherstone). The composite inertia of the
-/// subtree of body i is its own inertia plus the composite inertias of its children, moved to body i. For
-/// each screw S of joint i, the impulse F that gives this subtree the twist S is moved from body to body to
-/// the root. The entry of the mass matrix for the velocities of S and of a joint screw S_j on this path is
-/// the power S_j | F of F along S_j.
+/// The composite-body algorithm, which computes the mass matrix (Featherstone). The composite inertia of body
+/// i is the inertia of its subtree with locked joints: its own inertia plus the composite inertias of its
+/// children, moved to body i. For each screw S of joint i, F is the impulse that gives this subtree the twist
+/// S. F is moved from body to body to the root; on the way, the entry of the mass matrix for S and a joint
+/// screw S_j is the power S_j | F.
 template <class Rep, class T> struct CompositeBodies {
   BodyLinks<Rep, T> links;
   Inertia<T>* M;

@@ -4,10 +4,10 @@
 
 namespace axode {
 
-/// Forward dynamics in one representation, by the articulated-body algorithm in three passes ((D4.14) of
-/// docs/derivations): the motion for joint accelerations 0 with the wrenches that the bodies need for it, the
-/// elimination of the joints from the leaves to the roots, and the accelerations from the roots to the
-/// leaves.
+/// Forward dynamics in one representation of twists, by the articulated-body algorithm in three passes
+/// ((D4.14) of docs/derivations). The first computes the motion that the bodies have if all joint
+/// accelerations are 0, and the wrenches that they need for it. The second eliminates the joints from the
+/// leaves to the roots. The third computes the accelerations from the roots to the leaves.
 template <class Rep, class T> struct ForwardDynamicsRecursion {
   ArticulatedBodies<Rep, T> bodies;
   Twist<Rep, T>* V;

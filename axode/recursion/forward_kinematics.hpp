@@ -5,8 +5,9 @@
 
 namespace axode {
 
-/// The relative motion of each joint i with the screws S: the pose B exp(S q) of body i relative to its
-/// predecessor, where B is this pose at q = 0, and S v and S a in the frame of the joint.
+/// The relative motion of each joint i with the screws S and its coordinates q, velocities v and
+/// accelerations a: the pose B exp(S q) of body i relative to its predecessor, where B is this pose at q = 0,
+/// and the screws S v and S a in the joint frame.
 template <class T> struct JointMotion {
   SE3<T>* C_pi;
   Twist<BodyFixed, T>* Sv;
@@ -76,8 +77,9 @@ template <class F> void each_root(const Topology& topology, F&& f) {
   for (int i = 1; i <= topology.n; i = topology.subtree_end[i]) f(i);
 }
 
-/// Moves the origin of each root body to the inertial origin and stores in `origin` where it was. Forces do
-/// not depend on the inertial origin, but their rounding errors do.
+/// Moves the origin of each root body to the inertial origin, and stores in `origin` where it was. This is
+/// done because the rounding errors of forces depend on the position of the inertial origin, while the forces
+/// do not.
 template <class T> void move_to_roots(const Topology& topology, SE3<T>* C_pi, Vec3<T>* origin) noexcept {
   each_root(topology, [&](int i) {
     origin[i] = C_pi[i].r;
@@ -112,8 +114,8 @@ template <class Rep, class T> struct BodyLinks {
   }
 };
 
-/// Writes the screws of all joints in representation Rep to S. The screw of a coupled joint is that for a
-/// unit velocity of its leader.
+/// Writes the screws of all joints to S, in representation Rep. The screw of a coupled joint is the screw of
+/// its motion for a unit velocity of its leader.
 template <class Rep, class T, TreeOf<T> AnyTree>
 void joint_columns(const AnyTree& tree, const Link<Rep, T>* link, Twist<Rep, T>* S) noexcept {
   each_joint(tree, [&](const auto& joint, int i, bool) {

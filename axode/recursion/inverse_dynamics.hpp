@@ -4,9 +4,9 @@
 
 namespace axode {
 
-/// One applied wrench W in the axes of the frame on which it acts and about the origin of this frame, with
-/// the `body` to which the frame belongs and the pose `offset` of the frame in the internal frame of this
-/// body.
+/// One applied wrench W, in the axes of the frame on which it acts and about the origin of this frame. `body`
+/// is the body to which the frame is fixed, and `offset` is the pose of the frame in the internal frame of
+/// this body.
 template <class T> struct ResolvedLoad {
   int body;
   SE3<T> offset;

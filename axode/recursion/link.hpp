@@ -174,8 +174,8 @@ template <class T> struct Link<Mixed, T> {
   }
 };
 
-/// Converts a body-fixed joint screw, or its rate while the body is at rest, to Rep (Müller, eqs. bVsRec,
-/// bVhRec2).
+/// Converts a body-fixed joint screw to representation Rep, or the rate of a joint's twist if the body is at
+/// rest (Müller, eqs. bVsRec, bVhRec2).
 template <template <class, class> class V, class Rep, class T>
   requires Motion<V>
 constexpr V<Rep, T> push(const Link<Rep, T>& link, const V<BodyFixed, T>& X) {

@@ -30,8 +30,8 @@ template <class T = double> struct AppliedWrench {
 /// Loads on a system, which act in addition to drives and gravity.
 template <class T = double> struct Loads {
   std::span<const AppliedWrench<T>> wrenches = {};
-  /// Whether damping (proportional to v), Coulomb friction (with the sign of v) and the losses of gears
-  /// (D9.8) resist the motion.
+  /// Whether the losses of joints act: damping (proportional to v), Coulomb friction (with the sign of v) and
+  /// the losses of gears (D9.8).
   bool joint_losses = false;
 };
 

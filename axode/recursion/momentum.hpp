@@ -7,9 +7,9 @@
 
 namespace axode {
 
-/// The rate -ad_Vᵀ Π, in representation Rep, of a momentum Π that moves with a body of the twist V as if it
-/// were fixed to it. In hybrid twists Π and V are about the origin of the body in inertial axes; in mixed
-/// twists the angular parts are in the axes of the body and the linear parts in inertial axes.
+/// Computes -ad_Vᵀ Π in representation Rep: the rate of a momentum Π that is carried along by a body with the
+/// twist V. In hybrid representation Π and V are about the origin of the body in inertial axes; in mixed
+/// representation the angular parts are in the axes of the body and the linear parts in inertial axes.
 template <class Rep, class T>
 constexpr Wrench<Rep, T> convected(const Link<Rep, T>& link, const Twist<Rep, T>& V,
                                    const Wrench<Rep, T>& Pi) {
@@ -30,9 +30,9 @@ constexpr Wrench<Rep, T> gravity_wrench(const Link<Rep, T>& link, const Inertia<
     return {cross(M.h, g), M.m * g};
 }
 
-/// The rates v and p' of the state (q, p) with the momenta p = M v, in one representation: v = M⁻¹ p by the
-/// articulated-body algorithm, and p' from wrenches and momenta that are summed over subtrees, from the
-/// leaves to the roots ((D5.1) and (D5.9) of docs/derivations). See momentum_form().
+/// Computes the rates v and p' of the state (q, p) with the momenta p = M v, in one representation of twists.
+/// v = M⁻¹ p follows by the articulated-body algorithm, and p' from wrenches and momenta that are summed over
+/// subtrees, from the leaves to the roots ((D5.1) and (D5.9) of docs/derivations). See momentum_form().
 template <class Rep, class T> struct MomentumForm {
   ArticulatedBodies<Rep, T> bodies;
   Wrench<Rep, T>* Pi;  ///< momentum of each subtree, l and p
@@ -105,13 +105,13 @@ template <class Rep, class T> struct MomentumForm {
   }
 };
 
-/// The rates of the state (q, Π) with the spatial momenta Π_i of all bodies, by Müller's eq. PEs with the
-/// spatial Jacobians J_i^s of the bodies, J^s of all of them, their inertias M_i^s and the applied wrenches
-/// W_app:
+/// Computes the rates of the state (q, Π), where Π are the spatial momenta of all bodies, by Müller's eq.
+/// PEs:
 ///   (J^s)ᵀ (Π' - W_app) = τ,    M_i^s J_i^s v = Π_i^s.
-/// Both equations are solved in O(n) by a sweep from the leaves to the roots and one from the roots to the
-/// leaves ((D5.8), (D5.10) and (D5.11) of docs/derivations). Without armatures both have the same articulated
-/// inertias, which are computed once.
+/// J^s is the spatial Jacobian of all bodies, and W_app are the applied wrenches. Body i has the spatial
+/// inertia M_i^s, the Jacobian J_i^s and the momentum Π_i^s. Both equations are solved in O(n) by a sweep
+/// from the leaves to the roots and one from the roots to the leaves ((D5.8), (D5.10) and (D5.11) of
+/// docs/derivations). Without armatures both have the same articulated inertias, which are computed once.
 template <class T> struct SpatialMomentumForm {
   ArticulatedBodies<Spatial, T> bodies;
   Wrench<Spatial, T>* W;
@@ -129,9 +129,10 @@ template <class T> struct SpatialMomentumForm {
         velocity(arena.per_velocity<T>()),
         x(arena.per_velocity<T>()) {}
 
-  /// Writes v (nv numbers) and Π' (n wrenches), which may share the memory of arguments. If the mass matrix
-  /// without armatures is singular, v and Π' are NaN. If only that with armatures is singular, or a number is
-  /// not finite, Π' is NaN. O(n).
+  /// Writes v (nv numbers) and Π' (n wrenches), which may share the memory of arguments. v is computed
+  /// without armatures, and Π' with them. If the mass matrix without armatures is singular, v and Π' are NaN.
+  /// Π' alone is NaN if the mass matrix with armatures is found to be singular or a number is not finite.
+  /// O(n).
   Solvability run(const Tree<T>& tree, const T* q, const Momentum<Spatial, T>* Pi, const T* tau,
                   const Loads<T>& loads, T* v, Wrench<Spatial, T>* dPi) noexcept {
     joint_poses(tree, q, bodies.links.C_pi);
@@ -175,9 +176,9 @@ template <class T> struct SpatialMomentumForm {
     return solved(verdict, tree->nv, velocity);
   }
 
-  /// Solves Jᵀ (Π' - W_app) = τ with Π' = M V' - ad_Vᵀ M V for the joint accelerations, with the Jacobian J,
-  /// the inertias M and the applied wrenches W_app of all bodies. W receives -ad_Vᵀ M V, and bodies.X
-  /// receives V' minus the acceleration of gravity (0, g).
+  /// Computes the joint accelerations from Jᵀ (Π' - W_app) = τ with Π' = M V' - ad_Vᵀ M V, where J is the
+  /// Jacobian, M the inertia, V the twist and W_app the applied wrench of all bodies. W receives -ad_Vᵀ M V,
+  /// and bodies.X receives V' minus the acceleration of gravity (0, g).
   Solvability put_accelerations(const Tree<T>& tree, bool has_wrenches) noexcept {
     bias[0] = {{}, T(-1) * tree.g};
     bodies.X[0] = {};

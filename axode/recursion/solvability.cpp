@@ -3,8 +3,8 @@
 namespace axode {
 namespace {
 
-/// A part of an error message about the joint `named`: it names the other joints that move no mass in any
-/// configuration, as in `; joint "b" moves none either`, and is empty if there are none.
+/// The end of an error message about a joint that moves no mass, `named`: it names the other joints that move
+/// no mass in any configuration, as in `; joint "b" moves none either`. Empty if there are none.
 std::string others_without_mass(const Model& model, const std::string& named) {
   std::string names;
   int n = 0;

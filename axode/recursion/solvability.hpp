@@ -13,10 +13,10 @@
 /// The criterion by which a mass matrix counts as singular, in one place for all algorithms.
 namespace axode {
 
-/// Whether accelerations (or velocities) could be computed from forces (or momenta). The mass matrix must be
-/// positive definite. It is singular if some motion of the joints moves no mass: that of a joint without
-/// mass, or that of several joints whose motions cancel for all bodies with mass. The operational-space
-/// inertia of a frame moreover exists only if the frame can move in all six directions.
+/// Whether accelerations could be computed from forces, or velocities from momenta. This needs a positive
+/// definite mass matrix. The mass matrix is singular if some motion of the joints moves no mass: the motion
+/// of a joint without mass, or of several joints whose motions cancel for all bodies with mass. An
+/// operational-space inertia exists only if, in addition, the frame can move in all six directions.
 struct [[nodiscard]] Solvability {
   int singular_body = 0;    ///< the body of the joint with the first pivot that counts as 0, or 0
   bool not_finite = false;  ///< whether an argument is NaN or infinite, or a result overflowed
@@ -86,8 +86,9 @@ template <std::floating_point T> bool all_finite(std::ptrdiff_t n, const T* x) {
   return rest == T(0);
 }
 
-/// Returns whether an elimination succeeded and its n results are finite (for floating-point T). If the
-/// elimination failed, all results are set to NaN.
+/// Returns the verdict on a computation with n results: whether the elimination succeeded (`verdict`) and,
+/// for floating-point T, whether all results are finite. If the elimination failed, all results are set to
+/// NaN.
 template <class T> Solvability solved(Solvability verdict, std::ptrdiff_t n, T* results) {
   if (!verdict.ok()) {
     for (std::ptrdiff_t k = 0; k < n; ++k) results[k] = T(std::numeric_limits<double>::quiet_NaN());
@@ -96,8 +97,8 @@ template <class T> Solvability solved(Solvability verdict, std::ptrdiff_t n, T* 
   }
   return verdict;
 }
-/// Returns whether an elimination succeeded and several arrays of results are finite. If the elimination
-/// failed, all results are set to NaN.
+/// Returns the verdict on a computation with several arrays of results: whether the elimination succeeded
+/// (`verdict`) and whether all results are finite. If the elimination failed, all results are set to NaN.
 template <class T> Solvability solved(Solvability verdict, std::initializer_list<std::span<T>> results) {
   Solvability all = verdict;
   for (const std::span<T>& x : results)

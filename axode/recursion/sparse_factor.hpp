@@ -9,7 +9,7 @@ namespace axode {
 
 /// Factorises the mass matrix H = LᵀDL in place (nv × nv, row by row; (D4.7) and (D4.8) of docs/derivations).
 /// H is overwritten above its diagonal as well. Calls check.add(c, D_c, scale) for the pivot D_c of each
-/// velocity c, where scale() computes the magnitude of the numbers from which D_c results, from
+/// velocity c. scale() computes the magnitude of the numbers from which D_c results; it needs
 /// `inertia_scale`, the magnitude of the inertia of each velocity. If `check` calls scale() for all pivots,
 /// this costs another O(n d²) for a tree of depth d.
 template <class T, class Check>

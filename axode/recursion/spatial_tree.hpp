@@ -11,8 +11,8 @@ template <class X> void sum_subtrees(const Topology& topology, X* x) noexcept {
 }
 
 /// The screws J_i^s of all joints in spatial representation, and the composite inertia M_i^c of the subtree
-/// of each joint, both in inertial axes about the origin O of the root body at this instant, so that no
-/// digits are lost if the mechanism is far from the inertial origin.
+/// of each joint. Both are in inertial axes about the present position O of the origin of the root body, so
+/// that no digits are lost if the mechanism is far from the inertial origin.
 template <class T> struct SpatialTree {
   const Topology* topology = nullptr;
   BodyLinks<Spatial, T> links;

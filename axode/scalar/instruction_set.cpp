@@ -29,8 +29,8 @@ bool processor_has(std::size_t set) {
 }
 #endif
 
-/// The index of the chosen instruction set, and in `fault` why AXODE_INSTRUCTION_SET was not used ("" if it
-/// was used or is not set).
+/// The chosen instruction set, by its index `set`. `fault` says why AXODE_INSTRUCTION_SET was not used; it is
+/// empty if the variable was used or is not set.
 struct Choice {
   std::size_t set = std::size(names) - 1;
   std::string fault;
@@ -64,8 +64,9 @@ const char* instruction_set() {
   return names[choice().set];
 }
 
-/// Copies to `chosen` the addresses of n functions that are compiled for the chosen instruction set, from
-/// of_sets[k] for set k. It is called when the library is loaded.
+/// Chooses the code for the present instruction set when the library is loaded. of_sets[k] has the addresses
+/// of n functions that were compiled for instruction set k; the addresses for the chosen set are copied to
+/// `chosen`.
 extern "C" void axode_choose_entries(const void** chosen, const void* const* const* of_sets, std::size_t n) {
   const void* const* const entries = of_sets[choice().set];
   for (std::size_t k = 0; k < n; ++k) chosen[k] = entries[k];

@@ -1,10 +1,10 @@
 #pragma once
 
-/// AXODE_ENTRY marks functions that are compiled for several instruction sets, of which the library chooses
-/// one when it is loaded (see cmake/axode_instruction_sets.cmake): explicit instantiations, and classes whose
-/// members are all instantiated. Other functions in the same sources are invisible outside the code of their
-/// set. The passing of arguments to such functions, and the layout of objects that they share with other
-/// code, must not depend on the set.
+/// AXODE_ENTRY marks functions that are compiled for several instruction sets, one of which the library
+/// chooses when it is loaded (see cmake/axode_instruction_sets.cmake). It marks explicit instantiations of
+/// functions, and classes whose members are all instantiated. Other functions in the same sources cannot be
+/// called from code of another set. The way in which marked functions take arguments, and the layout of
+/// objects that they share with other code, must not depend on the set.
 #ifdef AXODE_MARK_ENTRIES
 #define AXODE_ENTRY __attribute__((visibility("protected")))
 #else

@@ -95,8 +95,8 @@ template <class S> inline constexpr std::size_t native_lanes = 32 / sizeof(S);
 template <class S> inline constexpr std::size_t native_lanes = 16 / sizeof(S);
 #endif
 
-/// Computes sine[k] and cosine[k] of n angles. Up to native_lanes - 1 entries beyond the n-th are read from
-/// `angle` and written to `sine` and `cosine`.
+/// Computes sine[k] and cosine[k] of n angles. The arrays must be longer than n: up to native_lanes - 1
+/// entries beyond the n-th are read from `angle` and written to `sine` and `cosine`.
 template <class T> void sine_cosine(const T* angle, T* sine, T* cosine, int n) {
   if constexpr (std::floating_point<T>) {
     constexpr int lanes = static_cast<int>(native_lanes<T>);

@@ -17,9 +17,9 @@ class Tape;
 /// result is right for all finite numbers, and equal to the result of the operations up to rounding.
 class Trace {
  public:
-  /// The result of a comparison of Traces. If is_constant(), it does not depend on the inputs, and constant()
-  /// is its value. Otherwise it is not known until the recorded program runs: select() takes it as an
-  /// argument, a branch cannot.
+  /// The result of a comparison of Traces. If is_constant() is true, it does not depend on the inputs, and
+  /// constant() is its value. Otherwise its value is known only when the recorded program runs: it can be an
+  /// argument of select(), but cannot decide a branch of the program that is being recorded.
   class Condition {
    public:
     Condition() = default;
@@ -74,8 +74,9 @@ class Trace {
     int node_ = 0;
 };
 
-/// The list of operations on which all Traces of this thread are recorded while the Tape exists. Without it
-/// they have no meaning. The constructor throws std::logic_error if the thread already has a Tape.
+/// The list of operations on which all Traces of this thread are recorded. Traces can be used only while the
+/// Tape exists on which they were recorded. The constructor throws std::logic_error if the thread already has
+/// a Tape.
 class Tape {
  public:
   enum class Operation : unsigned char {

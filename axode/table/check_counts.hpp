@@ -29,8 +29,9 @@ template <OtherId id> void check_counts(const Model& model, Caller caller = Call
   check_counts(other.name, other.counts, model, caller);
 }
 
-/// The check for a call with a Workspace: throws if the model has loops or prescribed motions that change the
-/// result, unless the workspace was made for the spanning tree (CutTree). It costs two comparisons.
+/// Checks a call with a Workspace. Throws std::invalid_argument if the model has loops or prescribed motions
+/// that would change the result, unless the workspace was made for the spanning tree (CutTree). It costs two
+/// comparisons.
 template <Id row, class T> void check_counts(const Model& model, const Workspace<T>& workspace) {
   constexpr const Counts& counts = row.words().counts;
   constexpr bool motions = counts.motions.word == Word::refused;
@@ -69,9 +70,9 @@ inline std::size_t numbers_of(const Words& row, const Model& model, std::size_t 
   return n;
 }
 
-/// These throw std::invalid_argument: for an input of a wrong `size`, for a result with a wrong number `size`
-/// of entries of `width` numbers each, and for a result that shares memory with the argument or result
-/// `with`.
+/// These functions throw std::invalid_argument. refuse_input() says that an input has a wrong `size`.
+/// refuse_result() says that a result has a wrong number `size` of entries of `width` numbers each.
+/// refuse_shared() says that a result shares memory with `with`, an argument or another result.
 [[noreturn]] void refuse_input(Input input, std::size_t size, const Model& model);
 [[noreturn]] void refuse_result(const Words& row, std::size_t result, std::size_t size, std::size_t width,
                                 const Model& model, std::size_t n_loads);

@@ -97,8 +97,8 @@ enum class Word {
   refused,      ///< the call throws if the model has the property
 };
 
-/// What a function does with a property of mechanisms, such as loops, and a sentence, required for `refused`
-/// and `partly`, that says what to call instead or in addition.
+/// How a function treats a property of mechanisms, such as loops: a Word and, required for `refused` and
+/// `partly`, a sentence that says what to call instead or in addition.
 struct Count {
   Word word;
   std::string_view sentence;

@@ -11,8 +11,9 @@ namespace axode {
 template <class T> class MotionSeries;
 template <class T> class PoseSeries;
 
-/// The motion of all bodies of a model as power series in time up to an order: 0 velocity, 1 acceleration, 2
-/// jerk, ... An object is for one thread and many evaluations, which allocate nothing.
+/// The motion of all bodies of a model as power series in time. The order is that of the highest rate: 0 for
+/// velocities, 1 for accelerations, 2 for jerks, and so on. An object serves one thread and can be evaluated
+/// many times without allocation.
 template <class T = double> class AXODE_ENTRY HigherOrderMotion {
  public:
   /// Throws std::invalid_argument for a negative order.

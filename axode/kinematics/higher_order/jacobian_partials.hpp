@@ -4,8 +4,9 @@
 #include "axode/kinematics/arguments.hpp"
 #include "axode/kinematics/place.hpp"
 
-/// Partial derivatives of any order of Jacobians with respect to the configuration, as nested brackets of
-/// joint screws, along the joints' left-trivialised directions e_k: d/dε of J(q ⊕ ε e_k) at ε = 0.
+/// Partial derivatives of any order of Jacobians J with respect to the configuration, computed as nested Lie
+/// brackets of joint screws. A derivative is taken along a left-trivialised direction e_k of a joint: d/dε of
+/// J(q ⊕ ε e_k) at ε = 0.
 namespace axode {
 
 /// The largest order of jacobian_derivative_along(), whose cost grows exponentially with the order.

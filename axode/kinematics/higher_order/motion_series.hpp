@@ -31,8 +31,8 @@ template <class T> class MotionSeries {
   /// Computes the series of all twists V and joint screws J to `order`, from q and from the rates v, v', v'',
   /// ... (order + 1 rows of nv numbers).
   void run(const Tree<T>& tree, const T* q, const T* rates) noexcept { run<false>(tree, q, rates); }
-  /// Computes the series of the twists V and joint screws J about the position of the origin of the root body
-  /// (the body of the branch that is joined to the ground) at t = 0, in inertial axes.
+  /// Computes the series of the twists V and joint screws J about the position that the origin of the root
+  /// body (the body of the branch that is joined to the ground) has at t = 0. The axes are inertial.
   void run_about_roots(const Tree<T>& tree, const T* q, const T* rates) noexcept {
     run<true>(tree, q, rates);
   }
