@@ -27,9 +27,9 @@
 /// memory with an argument, and threads < 1.
 namespace axode::batch {
 
-/// A function that a long call calls with the numbers of finished and of all states, at most every 20 ms, in
-/// the calling thread. If it returns false, the call ends early: the states before
-/// Outcome::done are complete; later ones may or may not be.
+/// Progress callback of long batch calls. It is called in the calling thread, at most every 20 ms, with the
+/// number of finished states and the number of all states. If it returns false, the call ends early: the
+/// states before Outcome::done are complete; later ones may or may not be.
 using Monitor = std::function<bool(std::size_t done, std::size_t of)>;
 
 /// Result of a batch call that can fail: how many states have a singular mass matrix or numbers that are not
@@ -60,8 +60,8 @@ Outcome run(const Model& model, catalog::Id function,
             const catalog::Arguments<std::type_identity_t<T>>& given, std::type_identity_t<std::span<T>> out,
             int threads = 1, const Monitor& monitor = {});
 
-/// The states x of the drives of a mechanism in N motions, see axode/drives.hpp. For each motion, the nx
-/// states of all drives follow each other in the order of DriveSystem.
+/// The states x of the drives of a mechanism (see axode/drives.hpp) in N motions. Each motion has nx numbers:
+/// the states of all drives, one drive after the other in the order of DriveSystem.
 struct DriveMotions {
   std::span<const double> x = {};      ///< at the start, nx N numbers; if empty, chosen by the drives
   std::span<double> x_out = {};        ///< receives K + 1 states for each motion; may be empty

@@ -19,6 +19,6 @@
 #include "axode/kinematics.hpp"
 
 /// Forces from motion (inverse dynamics), and motion from forces (forward dynamics). Sizes of arguments and
-/// exceptions are as in axode/kinematics.hpp. T is the scalar type, and Rep the representation in which the
-/// recursion runs: BodyFixed, Spatial, Hybrid, Mixed or, if the results of a function do not depend on it,
-/// Fast, the choice that takes the least time and is the default.
+/// exceptions are as in axode/kinematics.hpp. T is the scalar type. Rep is the representation of twists in
+/// which the recursion runs: BodyFixed, Spatial, Hybrid or Mixed. If the results of a function do not depend
+/// on it, Rep can also be Fast, the default, which stands for the fastest algorithm.

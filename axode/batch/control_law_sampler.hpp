@@ -8,7 +8,7 @@
 namespace axode::batch {
 
 /// Evaluates a drive of axode/integration/drives.hpp for several motions that are computed at once in SIMD
-/// lanes. The reference and the feedforward are evaluated once for all motions.
+/// lanes. The motion that a controller follows and its feedforward are evaluated once for all motions.
 template <class S> class ControlLawSampler {
  public:
   ControlLawSampler(const Model& model, const Drive& drive);

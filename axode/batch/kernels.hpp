@@ -31,8 +31,8 @@ template <class S> struct ControlLaw {
   const S* rows;     ///< q_d (nq), v_d (nv) and w (nv) for each stage, beginning with those of the first step
 };
 
-/// Compiled forward dynamics with memory for the arguments and results of as many contiguous states as there
-/// are SIMD lanes.
+/// Calls compiled forward dynamics. It has memory for the arguments and results of as many states as there
+/// are SIMD lanes; the states are contiguous.
 template <class S> struct CompiledCall {
   const CompiledDynamics<S>* dynamics;
   S *q, *v, *tau, *a, *scratch;
@@ -54,15 +54,15 @@ template <class S> struct Motions {
 /// allocates an integrator, and remove() deletes it.
 template <class S> struct RolloutKernel {
   void* (*make)(const Tree<S>&, const Tableau&);
-  /// Computes steps k to end - 1 of all motions, beginning with the states of index k. Returns a bit for each
-  /// motion whose mass matrix may be singular.
+  /// Computes steps k to end - 1 of all motions. The states with index k of the motions must be given.
+  /// Returns a bit for each motion whose mass matrix may be singular.
   unsigned (*run)(void*, const Motions<S>&, std::ptrdiff_t k, std::ptrdiff_t end) noexcept;
   void (*remove)(void*) noexcept;
 };
 
-/// The kernels for one instruction set of the processor. `rows` has one for each function of the table
-/// axode/table/functions.hpp, in its order; it is null if the function cannot be computed in SIMD lanes.
-/// Rollouts need a model without coupled joints, or compiled dynamics.
+/// The kernels for one instruction set of the processor. `rows` has a kernel for each function of the table
+/// axode/table/functions.hpp, in its order, or null for a function that cannot be computed in SIMD lanes. The
+/// kernels of rollouts need a model without coupled joints, or compiled dynamics.
 template <class S> struct Kernels {
   int lanes;
   std::array<LaneKernel<S>, catalog::functions_of_state.size()> rows;

@@ -261,8 +261,8 @@ bool check_loops(const Model& model, std::span<const float>, std::span<const flo
                               "\" has loops, which rollouts count in double precision alone");
 }
 
-/// Whether drives with states act. Throws std::invalid_argument if S is float and they do, or if x is given
-/// although they do not.
+/// Whether drives with states act in a rollout. Throws std::invalid_argument if they act and S is float, or
+/// if states x of drives are given although no drive has states.
 template <class S> bool has_drives(const Model& model, const DriveMotions& drives) {
   if (model.drives().empty() && drives.added.empty()) {
     check_size("x", drives.x.size(), 0, "nx N");

@@ -68,8 +68,8 @@ Solvability momentum_form(const Model& m, Workspace<T>& w, Given q, Given p, Giv
   return momentum_form(m, w, q, p, tau, rates[0], rates[1], loads);
 }
 
-/// The memory of n results of equal size, which converts to the parameter of a function for them: a span of
-/// entries such as twists, or a struct of n spans.
+/// The memory of n results of equal size. It converts to the type of the parameter by which a function takes
+/// them: a span of entries such as twists, or a struct of n spans.
 template <std::size_t n> struct Results {
   std::array<Out, n> each;
 

@@ -9,14 +9,14 @@ namespace axode {
 /// Computes the accelerations a (nv entries) for drive forces τ from M(q) a + C(q, v) v + g(q) = τ +
 /// (generalised forces of the loads). O(n) by the articulated-body algorithm; coupled joints add a cost that
 /// is proportional to the square of the number of couplings whose paths overlap. If the mass matrix is
-/// singular, the returned Solvability names a body and all of a is NaN; it also says whether a number is not
-/// finite.
+/// singular, the returned Solvability names a body and all of a is NaN. The Solvability also says if a result
+/// is not finite.
 ///
-/// If loads.joint_losses is set, gears of moving joints with losses take part (D9.10), which allocates and
-/// costs O(n²) and a few factorisations of k × k matrices for k such gears. If a gear locks itself so
-/// strongly that the accelerations are not unique (D9.12), the Solvability names its body. Losses of gears in
-/// a mechanism with springs throw std::invalid_argument, because τ could contain the forces of the springs,
-/// which do not pass through the gears.
+/// If loads.joint_losses is set, the losses of gears are included for joints that move (D9.10). This
+/// allocates and costs O(n²) and a few factorisations of k × k matrices for k such gears. If a gear locks
+/// itself so strongly that the accelerations are not unique (D9.12), the Solvability names its body. Losses
+/// of gears in a mechanism with springs throw std::invalid_argument, because τ could contain the forces of
+/// the springs, which do not pass through the gears.
 template <RecursionChoice Rep = Fast, class T>
 Solvability forward_dynamics(const Model& model, Workspace<T>& workspace, Numbers<T> q, Numbers<T> v,
                              Numbers<T> tau, std::type_identity_t<std::span<T>> a,

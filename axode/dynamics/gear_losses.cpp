@@ -35,7 +35,8 @@ double ResistingForces::bound(Eigen::Index i, int direction) const {
 }
 
 /// Checks the condition (D9.12) under which the friction forces of joints with gears are unique. Returns -1
-/// if it holds, otherwise the joint with the largest negative diagonal term, relative to its compliance.
+/// if it holds. Otherwise it returns the joint whose diagonal term in the condition is most negative,
+/// relative to its compliance (the acceleration for a unit force).
 int ResistingForces::not_unique(const Matrix& Phi) const {
   std::vector<Eigen::Index> rows;  // joints that stick in the worst case come first
   std::vector<double> diagonal;

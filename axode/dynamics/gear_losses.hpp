@@ -10,8 +10,8 @@
 
 namespace axode {
 
-/// A joint velocity whose friction force x depends on the accelerations, because its gear loses a part of the
-/// transmitted force, or because dry friction or the gear may hold the joint at rest.
+/// A velocity of a joint whose friction force x depends on the accelerations: its gear loses a part of the
+/// force that it transmits, or the joint is at rest and dry friction or the gear may hold it.
 struct ResistingJoint {
   double drive = 0;     ///< τ: drive force minus damping and, if the joint moves, minus dry friction
   double friction = 0;  ///< bound of the dry friction of a joint at rest; 0 if the joint moves
@@ -51,14 +51,14 @@ class ResistingForces {
   double bound(Eigen::Index i, int direction) const;
 
  private:
-  /// A state of a joint in which its friction law is linear: its direction `slide` of sliding (1 or -1; 0 if
-  /// it sticks), and the sign of the force that its gear transmits.
+  /// The state of a joint that makes its friction law linear: the direction `slide` in which it slides (1 or
+  /// -1, or 0 if it sticks), and the sign of the force that its gear transmits.
   struct Piece {
     int slide, sign;
     bool operator==(const Piece&) const = default;
   };
-  /// A boundary of the state in which the friction law of a joint is linear: `value` is positive inside, and
-  /// `beyond` is the state on the other side.
+  /// A limit beyond which the friction law of a joint follows another linear law: `value` is positive before
+  /// the limit is reached, and `beyond` is the state of the joint after it.
   struct Boundary {
     double value;
     Piece beyond;

@@ -23,9 +23,9 @@ namespace axode {
 template <class T, RecursionRepresentation Rep = Hybrid> class GenericDynamics {
  public:
   explicit GenericDynamics(const Model& model) : GenericDynamics(model, cast<T>(model.tree<double>())) {}
-  /// Takes `tree` instead of the tree of the model, for derivatives with respect to inertias, armatures or
-  /// gravity. A Tree with such numbers is constructed from changed TreeNumbers of
-  /// cast<T>(model.tree<double>()).
+  /// Uses the numbers of `tree` instead of those of the model, for derivatives with respect to inertias,
+  /// armatures or gravity. To make such a Tree, change the TreeNumbers of cast<T>(model.tree<double>()) and
+  /// construct a Tree from them.
   GenericDynamics(const Model& model, Tree<T> tree)
       : model_(model),
         tree_(std::move(tree)),

@@ -13,8 +13,8 @@
 namespace axode {
 namespace {
 
-/// Replaces the Jacobian J (nv columns) of a frame by the nv rows of M⁻¹ Jᵀ with the mass matrix M, by
-/// solving for the accelerations for each of the six rows of J as generalised forces.
+/// Replaces the Jacobian J (nv columns) of a frame by the nv rows of M⁻¹ Jᵀ, where M is the mass matrix: for
+/// each of the six rows of J as generalised forces, it computes the accelerations.
 template <class Rep, class T>
 Solvability respond(const Tree<T>& tree, FrameResponse<Rep, T>& at, const T* q, Twist<Rep, T>* columns) {
   const Solvability factorized = at.bodies.factorize(tree, q, tree.armature.data());

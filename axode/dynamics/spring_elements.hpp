@@ -28,9 +28,9 @@ template <class T> ElasticForce<T> elastic_force(const Dof& dof, const T& p, con
   return out;
 }
 
-/// The spring of a joint with several velocities, at the logarithm x = log(q) of the motion from its drawn
-/// pose: `Kx` is the diagonal stiffness matrix times x, and dx[k] = dexp_{-x}⁻¹ e_k the rate of x for a unit
-/// of velocity k.
+/// The spring of a joint with several velocities. x = log(q) is the logarithm of the joint's motion from its
+/// drawn pose. `Kx` is the diagonal stiffness matrix times x, and dx[k] = dexp_{-x}⁻¹ e_k is the rate of x
+/// for a unit of velocity k.
 template <class Joint, class T> struct ElasticLogarithm {
   using Entries = std::array<T, Joint::nv>;
   Entries x, Kx;
@@ -71,8 +71,8 @@ template <class T> int meeting_of(const Tree<T>& tree, const std::array<Place<T>
   return common_predecessor(tree, tree->frame_body[place[0].frame], tree->frame_body[place[1].frame]);
 }
 
-/// A straight segment of a spring between two points on bodies, in the joint frame of the body `meeting`,
-/// where the paths from both ends to the ground meet.
+/// A straight segment of a spring, between two points on bodies. Vectors are in the joint frame of the body
+/// `meeting`, where the paths from the two bodies to the ground meet.
 template <class T> struct Segment {
   std::array<Place<T>, 2> place;
   int meeting;
@@ -180,8 +180,8 @@ template <class T> struct RelativePose {
 };
 
 /// The wrench W = (moment; force) of a spring on its second frame, in the axes and about the origin of this
-/// frame, and, if computed, its derivatives: K = -∂W/∂η for displacements D → D exp(η) of the relative pose D
-/// of the two frames, and C = -∂W/∂V for their relative twist V.
+/// frame. If computed, K = -∂W/∂η is its derivative for displacements D → D exp(η), where D is the pose of
+/// the second frame relative to the first, and C = -∂W/∂V its derivative by the relative twist V.
 template <class T> struct SpringWrench {
   using Matrix = std::array<std::array<T, 6>, 6>;
   Six<T> W{};
@@ -205,8 +205,8 @@ template <class T> Screw<T> unit_screw(std::size_t k) {
   return {{e[0], e[1], e[2]}, {e[3], e[4], e[5]}};
 }
 
-/// The angle about z of a rotation R (D16.8), from -π to π, its gradient g for displacements R → R exp(η)
-/// with rotation vectors η, and the derivatives of g.
+/// The angle about the z-axis of a rotation R (D16.8), from -π to π, with its first and second derivatives.
+/// The gradient g and the derivatives of g are those for displacements R → R exp(η) with rotation vectors η.
 template <class T> struct TwistAngle {
   T angle;
   Vec3<T> g;
@@ -233,9 +233,9 @@ template <class T> struct TwistAngle {
   T square_;
 };
 
-/// The wrench W of a torsion spring on its second frame (D16.9) and, if `with_derivatives`, K and C: minus
-/// its derivatives by displacements of this frame and by the relative twist. `at` has the relative pose and
-/// twist.
+/// Computes the wrench W of a torsion spring on its second frame (D16.9). If `with_derivatives` is set, also
+/// computes K = -∂W/∂η for displacements η of this frame and C = -∂W/∂V for the relative twist V. `at` has
+/// the relative pose and twist of the two frames.
 template <class T>
 SpringWrench<T> wrench_of(const Spring::Torsion&, const ForceLaw& law, const RelativePose<T>& at,
                           bool with_derivatives) noexcept {
@@ -258,9 +258,9 @@ SpringWrench<T> wrench_of(const Spring::Torsion&, const ForceLaw& law, const Rel
   return out;
 }
 
-/// The wrench W of a bushing on its second frame and, if `with_derivatives`, K and C: minus its derivatives
-/// by displacements of this frame and by the relative twist (D16.10, D16.11). `at` has the relative pose and
-/// twist.
+/// Computes the wrench W of a bushing on its second frame (D16.10). If `with_derivatives` is set, also
+/// computes K = -∂W/∂η for displacements η of this frame and C = -∂W/∂V for the relative twist V (D16.11).
+/// `at` has the relative pose and twist of the two frames.
 template <class T>
 SpringWrench<T> wrench_of(const Spring::Bushing& bushing, const ForceLaw&, const RelativePose<T>& at,
                           bool with_derivatives) noexcept {

@@ -22,9 +22,9 @@ template <RecursionRepresentation Rep = BodyFixed>
 Eigen::VectorXd projection_equations(const Model& model, std::span<const double> q, std::span<const double> v,
                                      std::span<const double> a, const Loads<double>& loads = {});
 
-/// The drive forces τ (nv) by the projected balance of spatial momentum: τ = (J^s)ᵀ (Π'_i^s - W_i^s,app) (eq.
-/// PEs), with the spatial Jacobian J^s and momenta Π_i^s of the bodies, and the applied wrenches W_i^s,app
-/// including gravity.
+/// The drive forces τ (nv) by the balance of spatial momentum, projected onto the joint motions: τ = (J^s)ᵀ
+/// (Π'^s - W^s,app) (eq. PEs). The spatial Jacobian J^s, momenta Π^s and applied wrenches W^s,app of all
+/// bodies are stacked, and the applied wrenches include gravity.
 Eigen::VectorXd momentum_balance(const Model& model, std::span<const double> q, std::span<const double> v,
                                  std::span<const double> a, const Loads<double>& loads = {});
 
@@ -33,8 +33,8 @@ Eigen::VectorXd momentum_balance(const Model& model, std::span<const double> q, 
 template <RecursionRepresentation Rep = BodyFixed>
 Eigen::MatrixXd mass_matrix(const Model& model, std::span<const double> q);
 
-/// The Coriolis matrix C(q, v), nv × nv, in one of the forms of CoriolisForm, by products of system matrices
-/// or, for the form `christoffel`, by Christoffel symbols.
+/// The Coriolis matrix C(q, v), nv × nv, in the form `form`. It is computed by products of system matrices,
+/// or by Christoffel symbols for the form `christoffel`.
 Eigen::MatrixXd coriolis_matrix(const Model& model, std::span<const double> q, std::span<const double> v,
                                 CoriolisForm form);
 

@@ -1,9 +1,9 @@
 #pragma once
 #include "axode/kinematics/arguments.hpp"
 
-/// Regressors, matrices that give forces and energies as linear functions of the ten inertial parameters of
-/// each body. Those of body i belong to columns 10 (i - 1) to 10 (i - 1) + 9. Armatures, damping, friction
-/// and loads are not included.
+/// Regressors: matrices that give forces and energies as linear functions of the inertial parameters of the
+/// bodies. Each body has ten parameters; columns 10 (i - 1) to 10 (i - 1) + 9 belong to body i. Armatures,
+/// damping, friction and loads are not included.
 namespace axode {
 
 /// The regressor Y of the drive forces: Y π = M a + C v + g for the inertial parameters π of all bodies; nv ×

@@ -3,8 +3,8 @@
 #include "axode/kinematics/arguments.hpp"
 #include "axode/recursion/loads.hpp"
 
-/// The terms of the equations of motion M(q) a + C(q, v) v + g(q) = τ + Q with the generalised forces Q of
-/// the loads, each by a function of its own. Each result has nv entries; O(n).
+/// The terms of the equations of motion M(q) a + C(q, v) v + g(q) = τ + Q, where Q are the generalised forces
+/// of the loads. Each function computes one term, with nv entries, in O(n).
 namespace axode {
 
 /// The Coriolis vector C(q, v) v: the drive forces at velocities v without gravity, loads and accelerations.

@@ -7,8 +7,9 @@
 
 namespace axode {
 
-/// The factors of a mass matrix M = LᵀDL, with L lower triangular of unit diagonal and D diagonal, where only
-/// entries of velocities on one path to the ground are non-zero ((D4.7), (D4.8)). The constructor allocates.
+/// The factors of a mass matrix M = LᵀDL, where L is lower triangular with a unit diagonal and D is diagonal
+/// ((D4.7), (D4.8)). An entry of L is non-zero only if both of its velocities are on one path to the ground.
+/// The constructor allocates.
 template <class T = double> class MassMatrixFactor {
  public:
   explicit MassMatrixFactor(const Model& model);
