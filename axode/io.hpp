@@ -16,8 +16,8 @@ enum class Base {
   as_described,
   /// Every body that is connected to the ground by a free joint is fixed where it is drawn.
   fixed,
-  /// The one body that is fixed to the ground gets a free joint `free_base`; nothing changes if none is fixed
-  /// but some body is free.
+  /// If one body is fixed to the ground, it gets a free joint `free_base` instead. If no body is fixed to the
+  /// ground but some body is free, nothing changes.
   free,
 };
 
@@ -33,23 +33,23 @@ enum class Base {
 Model load(const std::filesystem::path& file, Base base = Base::as_described,
            Strictness strictness = Strictness::lenient);
 
-/// All errors and warnings that load() finds in a file, sorted by line. Nothing is thrown: a file that cannot
-/// be read is a fault as well.
+/// Finds all errors and warnings that load() would report for a file, sorted by line. Throws nothing: if the
+/// file cannot be read, this is one of the errors.
 std::vector<Fault> check(const std::filesystem::path& file, Base base = Base::as_described,
                          Strictness strictness = Strictness::lenient);
 
-/// Reads a drawing (the TOML format of this library) into a description, from which a Model can be built,
-/// with warnings in Description::warnings. `file_name` is used in messages. Throws ModelError with every
+/// Reads a drawing (the TOML format of this library) into a description, from which a Model can be built.
+/// Warnings are in Description::warnings. `file_name` is used in messages. Throws ModelError with every
 /// fault.
 Description read_drawing_text(std::string_view text, const std::string& file_name,
                               Strictness strictness = Strictness::lenient);
-/// Reads a URDF into a description, from which a Model can be built, with warnings in Description::warnings.
-/// `file_name` is used in messages. Throws ModelError with every fault. Loops are closed by elements
-/// `loop_joint` with name and type, an extension of URDF. It holds the elements `link1` and `link2`, each
-/// with the attributes link, xyz and rpy of a frame whose z is the axis of the joint.
+/// Reads a URDF into a description, from which a Model can be built. Warnings are in Description::warnings.
+/// `file_name` is used in messages. Throws ModelError with every fault. An extension of URDF closes loops: an
+/// element `loop_joint` with name and type has elements `link1` and `link2`, each with a link and with xyz
+/// and rpy of a frame on it, whose z is the axis of the joint.
 Description read_urdf_text(std::string_view text, const std::string& file_name,
                            Strictness strictness = Strictness::lenient);
-/// Reads an SDF file into a description, from which a Model can be built, with warnings in
+/// Reads an SDF file into a description, from which a Model can be built. Warnings are in
 /// Description::warnings. `file_name` is used in messages. Throws ModelError with every fault.
 Description read_sdf_text(std::string_view text, const std::string& file_name,
                           Strictness strictness = Strictness::lenient);

@@ -4,8 +4,8 @@
 #include <string>
 #include <string_view>
 
-/// Words of other formats, such as "link" for "body", for keys and values of a drawing, the TOML format of
-/// this library. Messages about unknown keys use them.
+/// Words that other formats have for keys and values of a drawing (the TOML format of this library), such as
+/// "link" for "body". Messages about unknown keys suggest the right word.
 namespace axode::io {
 
 struct ForeignTerm {

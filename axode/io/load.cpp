@@ -66,8 +66,8 @@ io::Reading refuse_mjcf(std::string_view text, const std::string& file, Strictne
   return unread;
 }
 
-/// Chooses the reader of a file by the ending of its name or else by the root element of its XML; text that
-/// is no XML is read as a drawing (TOML).
+/// Chooses the reader of a file: by the ending of its name, or else by the root element if the content is
+/// XML. All other texts are read as drawings (TOML).
 Reader reader_for(const std::filesystem::path& file, std::string_view content) {
   const std::string extension = file.extension().string();
   if (extension == ".toml") return read_drawing;

@@ -16,8 +16,9 @@ inline SO3<> from_roll_pitch_yaw(const Vec3<>& angles) {
           {cy * sp * cr + sy * sr, sy * sp * cr - cy * sr, cp * cr}};
 }
 
-/// Roll, pitch and yaw of a rotation (rad), with |pitch| <= π/2; the inverse of from_roll_pitch_yaw(). At
-/// |pitch| = π/2, where roll and yaw turn about the same line, one of the possible pairs is returned.
+/// The roll, pitch and yaw (rad) of a rotation, with |pitch| <= π/2; the inverse of from_roll_pitch_yaw(). At
+/// |pitch| = π/2 roll and yaw turn about the same line, so that they are not unique; one of the possible
+/// pairs is returned.
 inline Vec3<> to_roll_pitch_yaw(const SO3<>& R) {
   const double yaw = std::atan2(R.x.y, R.x.x), sy = std::sin(yaw), cy = std::cos(yaw);
   return {std::atan2(sy * R.z.x - cy * R.z.y, cy * R.y.y - sy * R.y.x),

@@ -12,8 +12,8 @@ namespace axode {
 // The functions of Arena are always inlined, because code that is compiled for one instruction set must not
 // be shared with callers that are compiled for another one.
 
-/// Scratch memory for one call. An algorithm takes its arrays from it one after the other and never gives
-/// them back. An arena without memory only counts the bytes that are asked for.
+/// Scratch memory for one call. An algorithm takes its arrays from it, one after the other, and does not
+/// return them. An arena that was made without memory counts the bytes that would be taken.
 class Arena {
  public:
   static constexpr std::size_t line = 64;        ///< bytes of a cache line, to which the memory is aligned

@@ -33,8 +33,9 @@ void check(const Model& model, std::span<const Real> q, const char* argument, do
   }
 }
 
-/// Throws std::invalid_argument, naming the joint and the argument `step`, if a result is not finite. `first`
-/// and `count` are the members of Joint for the first index and the number of a joint's results.
+/// Throws std::invalid_argument if one of `results` is not finite. The message names the joint to which the
+/// number belongs, and the argument `step`. `first` and `count` are the members of Joint that say where a
+/// joint's numbers begin and how many they are.
 void check_finite(const Model& model, const char* step, int Joint::*first, int Joint::*count,
                   std::span<const double> results) {
   for (const Joint& joint : model.joints()) {

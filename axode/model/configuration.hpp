@@ -5,10 +5,10 @@
 
 #include "axode/model/model.hpp"
 
-/// Functions on the configuration manifold. A configuration q has nq numbers; a tangent vector has nv, which
-/// are left-trivialised: for each joint they are components in the joint frame of the moved body. Every
-/// function with a q, v or dv among its arguments throws std::invalid_argument if an argument has the wrong
-/// size, if a quaternion in q is not of unit norm (except normalize()), or if the result is not finite.
+/// Functions on the configuration manifold. A configuration q has nq numbers. A tangent vector has nv
+/// numbers, which are left-trivialised: for each joint they are components in the joint frame of the moved
+/// body. Functions with arguments q, v or dv throw std::invalid_argument if one has the wrong size, if a
+/// quaternion in q is not of unit norm (except normalize()), or if the result is not finite.
 namespace axode {
 
 /// The configuration with every coordinate 0 and every quaternion the identity.
@@ -44,9 +44,9 @@ std::vector<double> difference(const Model& model, std::span<const double> q0, s
 std::vector<double> interpolate(const Model& model, std::span<const double> q0, std::span<const double> q1,
                                 double s);
 
-/// Computes q' = E(q) v: the rates of the nq coordinates at velocities v (nv numbers). The rate of a
-/// quaternion a at the angular velocity ω is the product a (ω; 0) / 2. The rate of the position of a free
-/// joint is R u with the rotation R of the joint and its linear velocity u.
+/// Computes the rates q' = E(q) v of the nq coordinates at velocities v (nv numbers). A quaternion a whose
+/// joint has the angular velocity ω has as its rate half the quaternion product of a and (ω; 0). The position
+/// of a free joint has the rate R u with the rotation R of the joint and its linear velocity u.
 std::vector<double> coordinate_rates(const Model& model, std::span<const double> q,
                                      std::span<const double> v);
 /// Computes v = E(q)⁺ q', the nv velocities from the nq rates; changes of quaternion norms have no influence.

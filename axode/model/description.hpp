@@ -31,9 +31,10 @@ enum class JointKind {
   free,
 };
 
-/// Limits, losses, drive inertia and elastic elements of one degree of freedom of a joint. The first unit of
-/// a member holds for an angle and the second for a length; forces are N m or N. Losses (damping, friction
-/// and gear losses) act only in computations for which the caller sets Loads::joint_losses.
+/// Limits, losses, drive inertia and elastic elements of one degree of freedom of a joint. If a member has
+/// two units, the first one is for an angle and the second one for a length; forces are in N m or N. Losses
+/// (damping, friction and gear losses) act only in computations for which the caller sets
+/// Loads::joint_losses.
 struct Dof {
   double lower = -std::numeric_limits<double>::infinity();
   double upper = std::numeric_limits<double>::infinity();
@@ -54,8 +55,9 @@ struct Dof {
   /// drive needs the force (1 + gear_loss) F, so that the efficiency is 1/(1 + gear_loss). Only joints of one
   /// velocity can have a gear.
   double gear_loss = 0;
-  /// Loss of the gear while the joint drives the drive back, divided by the force that the gear transmits; if
-  /// empty, it is gear_loss. The efficiency is 1 - gear_loss_back; a gear with 1 or more locks itself.
+  /// Loss of the gear while the joint drives the drive back, divided by the force that the gear transmits. If
+  /// it is empty, gear_loss is used. The efficiency is 1 - gear_loss_back; a gear with 1 or more cannot be
+  /// driven back (it locks itself).
   std::optional<double> gear_loss_back = {};
 };
 /// Whether the gear of a joint loses a part of the force that it transmits.
@@ -128,14 +130,15 @@ enum class ShapeKind {
   plane,  ///< the half-space z < 0, whose outward normal is z
 };
 
-/// The largest coefficient of friction in a contact: a number for sliding, m for drilling and rolling
-/// friction. Larger coefficients are replaced by it, as the equations of contact could not be solved with
-/// sufficient accuracy.
+/// The largest coefficient of friction in a contact: a number for sliding friction, in m for drilling and
+/// rolling friction. Larger coefficients are replaced by this one, because the equations of contact could not
+/// be solved with sufficient accuracy.
 inline constexpr double most_friction = 1000;
 
-/// How the surface of a shape behaves in contact. Two shapes in contact have the geometric mean of their
-/// coefficients of each kind of friction, and the larger of their restitutions. Surfaces with a stiffness are
-/// compliant and act like springs in series; they do not bounce by a restitution.
+/// How the surface of a shape behaves in contact. Two shapes in contact have as their coefficient of each
+/// kind of friction the geometric mean of both coefficients, and as their restitution the larger one.
+/// Surfaces with a stiffness are compliant and act like springs in series; for them the restitution has no
+/// meaning.
 struct ContactProperties {
   std::optional<double> friction = {};  ///< sliding friction; empty: that of ContactDescription
   double spin_friction = 0;             ///< moment of drilling friction divided by the normal force, m
@@ -182,8 +185,8 @@ struct FrameDescription {
   Source source = {};
 };
 
-/// A spring and a damper in parallel. The kind determines the coordinate (a length or an angle) on which the
-/// force depends, by default the distance of two points. Springs act in simulations.
+/// A spring and a damper in parallel. Its kind determines the coordinate (a length or an angle) on which the
+/// force depends; for the default kind this is the distance of two points. Springs act in simulations.
 struct SpringDescription {
   /// A point of a tendon. `on` is the name of a body, of a named frame, or "ground".
   struct Point {
@@ -211,12 +214,12 @@ struct SpringDescription {
   Source source = {};
 };
 
-/// A joint that closes a loop, given by axis and point in the construction frame (the inertial frame), where
-/// the loop is closed at q = 0, or by the joint frames on the two bodies.
+/// A joint that closes a loop. It is given by axis and point in the construction frame (the inertial frame),
+/// if the loop is closed at q = 0, or else by its joint frames on the two bodies.
 struct LoopDescription {
   std::string name = {};  ///< empty: `loop 1`, ...; must differ from the names of joints
-  /// The bodies, named frames or "ground" that the loop joint connects. The wrench of the loop acts on the
-  /// second one, and the opposite wrench on the first one.
+  /// The two bodies that the loop joint connects: names of bodies or of named frames, or "ground". The wrench
+  /// of the loop acts on the second body, and the opposite wrench on the first body.
   std::array<std::string, 2> between = {};
   LoopKind kind = LoopKind::revolute;
   Vec3<> axis{0, 0, 1};         ///< axis of any length but 0; for planar and rolling the normal of the plane
@@ -269,7 +272,7 @@ struct MotionDescription {
 };
 
 /// The input of a drive: the output of another drive (`from`), a function of time, or values that change in
-/// steps; all empty if its kind has no input.
+/// steps. If drives of this kind have no input, all members are empty.
 struct DriveInput {
   std::string from = {};                           ///< name of the drive whose output is the input, or empty
   std::optional<MotionDescription> function = {};  ///< function of time; its `name` and `of` are not used
@@ -277,13 +280,13 @@ struct DriveInput {
   std::vector<double> times = {}, values = {};
 };
 
-/// A drive with states of its own (currents, temperatures, ...), which acts in simulations on a sum of joint
-/// coordinates or along the line between two points, whose ends a positive force pushes apart.
+/// A drive with states of its own (currents, temperatures, ...), which acts in simulations. It acts on a sum
+/// of joint coordinates, or along the line between two points; a positive force pushes the two points apart.
 struct DriveDescription {
   std::string name = {};  ///< empty: `drive 1`, ...
   DriveKind kind = DriveKind::dc_motor;
-  /// The joints of one velocity on which the drive acts, with the factors of its coordinate Σ factor q; empty
-  /// if it acts along a line.
+  /// The joints on which the drive acts, each with its factor in the drive's coordinate Σ factor q. The
+  /// joints must have one velocity. Empty if the drive acts along a line.
   std::vector<std::pair<std::string, double>> joints = {};
   struct Line {
     std::array<std::string, 2> between = {};  ///< bodies, named frames or "ground"

@@ -12,9 +12,9 @@ struct DriveState {
   double nominal = 1;  ///< magnitude of usual values; errors of the state are relative to it
 };
 
-/// The states of a kind of drives, with the units for a drive on an angle and typical sizes. A dc_motor
-/// without a heat capacity has no `temperature`, and the size of `bristle` of a lugre (LuGre friction)
-/// follows from its parameters.
+/// The states of a kind of drives, with their units for a drive on an angle and their typical sizes. A
+/// dc_motor without a heat capacity has no state `temperature`. The typical size of the state `bristle` of a
+/// lugre drive (LuGre friction) follows from its parameters.
 inline std::vector<DriveState> states_of(DriveKind kind) {
   switch (kind) {
     case DriveKind::dc_motor: return {{"current", "A", 1}, {"temperature", "degC", 10}};

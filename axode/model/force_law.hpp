@@ -23,8 +23,8 @@ struct PolynomialCurve {
 struct TableCurve {
   std::vector<double> deflections, forces;
 };
-/// A gas in a chamber that pushes its ends apart: at the deflection δ the tension is F = -area (pressure
-/// (volume/V)^exponent - ambient) with the volume V = volume + area δ, see (D16.5).
+/// A gas in a chamber that pushes its ends apart. At the deflection δ the gas has the volume V = volume +
+/// area δ, and the tension is F = -area (pressure (volume/V)^exponent - ambient), see (D16.5).
 struct GasCurve {
   double area = 0;           ///< m²
   double pressure = 0;       ///< pressure in the chamber at δ = 0, Pa
@@ -38,9 +38,9 @@ using ForceCurve = std::variant<LinearCurve, PolynomialCurve, TableCurve, GasCur
 /// Whether a spring exerts forces at all deflections, at positive ones (tension) or negative ones only.
 enum class Acts { both_ways, in_tension, in_compression };
 
-/// A force law: the tension F = curve(δ) + damping x' at the deflection δ = x - rest of a coordinate x. If
-/// the spring acts in tension or in compression only, F is set to 0 where damping would reverse the sign of
-/// curve(δ).
+/// A force law: the tension F = curve(δ) + damping x' at the deflection δ = x - rest of a coordinate x with
+/// the rate x'. A spring can also act in tension only or in compression only; then F is 0 where damping would
+/// reverse the sign of curve(δ).
 struct ForceLaw {
   ForceCurve curve = {};
   double rest = 0;     ///< coordinate at which the deflection is 0, m or rad

@@ -38,8 +38,9 @@ struct LoopTraits {
   /// all entries are false.
   std::array<bool, 6> free;
   bool located;  ///< whether the position of the joint matters and not only its directions
-  /// The members of LoopDescription that describe the joint in the inertial frame at q = 0, where both joint
-  /// frames coincide unless `second_axis`, `points` or `center` is one of them.
+  /// The members of LoopDescription by which a joint of this kind is described in the inertial frame at q =
+  /// 0. Its two joint frames coincide there, unless `second_axis`, `points` or `center` is one of the
+  /// members.
   std::array<std::string_view, 5> keys;
 
   constexpr bool has(std::string_view key) const {
@@ -74,8 +75,8 @@ constexpr const LoopTraits& traits(LoopKind kind) {
 }
 constexpr std::string_view to_string(LoopKind kind) { return traits(kind).name; }
 
-/// A loop joint or coupling: its name, and the indices of its rows in the loop Jacobian A of the constraints
-/// A v = 0 and in the vector of residuals, which are 0 if the loop is closed.
+/// The name of a loop joint or coupling, the indices of its rows in the loop Jacobian A of the constraints A
+/// v = 0, and the indices of its residuals, which are 0 if the loop is closed.
 struct LoopRows {
   std::string name;
   int first_row = 0, rows = 1;
@@ -94,8 +95,8 @@ struct Loop : LoopRows {
   /// Length of a rod or radius of a rolling body, m; cosine between the axes of a universal joint.
   double size = 0;
   bool wheel = false;  ///< whether the rolling body is a wheel
-  /// Radii of the two pulleys of a belt, m; negative for a pulley that turns clockwise about the axis while
-  /// the belt runs from the first one to the second.
+  /// The radii of the two pulleys of a belt, m. A radius is negative if the pulley turns clockwise about the
+  /// axis while the belt runs from the first pulley to the second.
   std::array<double, 2> radii = {};
 };
 

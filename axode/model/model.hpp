@@ -66,8 +66,9 @@ class Model {
   Model& operator=(const Model&) = default;
 
   const std::string& name() const { return data_->description.name; }
-  /// The number of moving bodies and joints. Body 0 is the ground; bodies 1 to n_bodies() are numbered in
-  /// depth-first order, and the children of a body in the order of the description.
+  /// n_bodies() is the number of moving bodies, which is that of the joints, and nq() and nv() are the
+  /// numbers of coordinates and velocities. Body 0 is the ground. Bodies 1 to n_bodies() are numbered in
+  /// depth-first order, with the children of a body in the order of the description.
   int n_bodies() const { return data_->tree->n; }
   int nq() const { return data_->tree->nq; }
   int nv() const { return data_->tree->nv; }

@@ -171,8 +171,8 @@ template <class T> struct Spherical {
   }
 };
 
-/// Planar joint: motion in the plane normal to z. q = (θ, x, y), v = (ω; v_x, v_y) in the child's joint
-/// frame. difference() takes the shorter way round.
+/// Planar joint: motion in the plane normal to the z-axis of the joint frame. q = (θ, x, y), v = (ω; v_x,
+/// v_y) in the child's joint frame. difference() assumes that the rotation goes the shorter way round.
 template <class T> struct Planar {
   static constexpr int nq = 3, nv = 3, angles = 1;
   static constexpr bool vector_coordinates = false;

@@ -90,8 +90,8 @@ std::vector<std::vector<int>> later_neighbours(const Topology& t) {
 }
 
 /// Computes velocity_parent, the elimination tree of the mass matrix, by the algorithm of Liu, and the depth
-/// of this tree. Velocities c are taken from the last to the first; the roots of the trees of all later
-/// velocities that the mass matrix couples to c become children of c.
+/// of this tree. Velocities c are added from the last to the first. When c is added, it becomes the parent of
+/// the roots of all trees that contain a later velocity to which the mass matrix couples c.
 void find_velocity_parents(Topology& t) {
   const std::vector<std::vector<int>> later = later_neighbours(t);
   std::vector<int> root(size(t.nv), -1);

@@ -13,8 +13,8 @@ struct JointGroup {
   int begin, end;
 };
 
-/// The structure of a tree, in vectors indexed by bodies (frame_body by frames). Body 0 is the ground; its
-/// entries of parent, kind and leader are not used.
+/// The structure of a tree. The vectors are indexed by bodies, except frame_body, which is indexed by frames.
+/// Body 0 is the ground; its entries of parent, kind and leader are not used.
 struct Connections {
   std::vector<int> parent;     ///< predecessor of each body, parent[i] < i
   std::vector<Subgroup> kind;  ///< subgroup of the joint that moves the body
@@ -24,7 +24,8 @@ struct Connections {
 };
 
 /// The integer data of a tree: its structure, and the indices of the coordinates, velocities and screws of
-/// each joint. Body 0 is the ground, and joint i moves body i. Comments such as "n + 1" are sizes of vectors.
+/// each joint. Body 0 is the ground, and joint i moves body i. Comments of members begin with the size of the
+/// vector, such as "n + 1".
 struct Topology {
   explicit Topology(Connections connections);
 
@@ -45,20 +46,21 @@ struct Topology {
   std::vector<int> subtree_end;  ///< n + 1: the bodies that joint i moves are i to subtree_end[i] - 1
   /// nv: velocities c to velocity_end[c] - 1 (without couplings) are in the subtree that velocity c moves.
   std::vector<int> velocity_end;
-  /// nv: the parent of each velocity in the elimination tree of the mass matrix M = LᵀDL, eliminated from the
-  /// last velocity to the first; -1 for a root. Row c of L has entries other than 0 in the columns
-  /// velocity_parent[c], the parent of this one, and so on. Without couplings the parent is the preceding
-  /// velocity on the path to the ground.
+  /// Size nv: the parent of each velocity in the elimination tree of the mass matrix M = LᵀDL, from which
+  /// velocities are eliminated from the last to the first; -1 for a root. Row c of L is non-zero only in the
+  /// columns velocity_parent[c], the parent of that velocity, and so on. Without couplings the parent is the
+  /// preceding velocity on the path to the ground.
   std::vector<int> velocity_parent;
 
   /// Data for the elimination of velocities that several coupled joints share, in a sweep from the leaves to
   /// the ground. A shared velocity is eliminated at the body where the paths from its joints to the ground
-  /// meet. A tie is a pair of such a velocity and a body on these paths up to there, both ends included.
+  /// meet. A tie is a pair of a shared velocity and a body on these paths, from the joints' bodies to the
+  /// body where they meet.
   ///
-  /// Ties begin[i] to begin[i + 1] - 1 belong to body i; body 0 is the ground. The elimination couples ties
-  /// of a body only within a group: ties with paths through the same child, and all ties with paths that go
-  /// on to the predecessor or begin here. Ties of a group are consecutive. Vectors without a size in their
-  /// comment have one entry per tie.
+  /// Ties begin[i] to begin[i + 1] - 1 belong to body i; body 0 is the ground. The elimination couples two
+  /// ties of a body only if they are in the same group. A group has the ties whose paths come through the
+  /// same child, and all ties whose paths go on to the predecessor or begin at the body. Ties of a group are
+  /// consecutive. Vectors without a size in their comment have one entry per tie.
   struct Ties {
     std::vector<int> begin;     ///< n + 2: first tie of each body
     std::vector<int> velocity;  ///< velocity of each tie

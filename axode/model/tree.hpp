@@ -9,8 +9,8 @@
 
 namespace axode {
 
-/// The real-valued data of a tree. The internal frame of body i, to which its numbers refer, is its joint
-/// frame, in which the motion subspace S_i is sparse. Named frames are given by their poses in the internal
+/// The real-valued data of a tree. The data of body i refer to its internal frame, which is its joint frame;
+/// in this frame the motion subspace S_i is sparse. Named frames are given by their poses in the internal
 /// frames of their bodies.
 template <class T = double> struct TreeNumbers {
   std::vector<T> pitch;          ///< n + 1, m/rad
@@ -23,8 +23,8 @@ template <class T = double> struct TreeNumbers {
   Vec3<T> g;                         ///< gravity, m/s²
 };
 
-/// The data of a tree for recursions. The arrow gives access to the integers, which trees of all scalars
-/// share, as in `tree->parent[i]`; the dot to the real numbers, as in `tree.B[i]`.
+/// The data of a tree for recursions. Integers are accessed by an arrow, as in `tree->parent[i]`, and are
+/// shared by the trees of all scalar types. Real numbers are accessed by a dot, as in `tree.B[i]`.
 template <class T = double> class Tree : public TreeNumbers<T> {
  public:
   Tree(std::shared_ptr<const Topology> topology, TreeNumbers<T> numbers);
@@ -45,8 +45,9 @@ template <class T = double> class Tree : public TreeNumbers<T> {
   std::shared_ptr<const Topology> topology_;
 };
 
-/// The requirements of recursions on the type of a tree: integers through the arrow, as in `tree->parent[i]`,
-/// joints through each_joint(), poses of bodies at q = 0 in B, and inertias in M, for any body frames.
+/// What recursions need of the type of a tree: integers that are accessed by an arrow, as in
+/// `tree->parent[i]`; joints by each_joint(); the poses B of bodies relative to their predecessors at q = 0;
+/// and inertias M. The body frames may be any frames.
 template <class X, class T>
 concept TreeOf = requires(const X& tree, int i) {
   { tree->parent[i] } -> std::convertible_to<int>;
@@ -99,8 +100,9 @@ template <class T, class F> constexpr decltype(auto) with_joint(const Tree<T>& t
   return with_subgroup(tree->kind[i], tree.pitch[i], f);
 }
 
-/// Calls f(joint, i, coupled) for every body i, where `joint` has the formulas of its joint
-/// (axode/model/subgroup.hpp), kind by kind, and coupled joints last.
+/// Calls f(joint, i, coupled) for every body i. `joint` has the formulas of its joint
+/// (axode/model/subgroup.hpp), and `coupled` says whether the joint is coupled to another one. Bodies are
+/// taken by kinds of joints, and coupled joints are last.
 template <class T, class F> constexpr void each_joint(const Tree<T>& tree, F&& f) {
   for (const JointGroup& group : tree->joint_groups) {
     if (group.kind == Subgroup::helical) {

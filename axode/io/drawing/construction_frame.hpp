@@ -7,8 +7,8 @@ namespace axode::io {
 /// frames in the construction frame: the inertial frame, in which the mechanism is drawn at q = 0. Rounding
 /// noise around 0 and ±1 is removed from poses and from numbers that had to be transformed.
 ///
-/// If a planar or spherical joint would get joint frames with other axes, so that its coordinates changed
-/// their meaning, these frames and the inertia of its body stay as they are.
+/// Exception: if the joint frames of a planar or spherical joint would get other axes by this, its
+/// coordinates would change their meaning. Then these frames and the inertia of its body remain as they are.
 Description in_construction_frame(const Description& description);
 
 }  // namespace axode::io

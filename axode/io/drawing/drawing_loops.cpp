@@ -18,8 +18,8 @@ constexpr std::array<std::string_view, 7> size_keys{"pitch",      "lead",   "len
 /// Whether a kind of loop has a key. `lead` is another way to give a pitch.
 bool has_key(LoopKind kind, std::string_view key) { return traits(kind).has(key == "lead" ? "pitch" : key); }
 
-/// Reads the two bodies or named frames that a loop joint connects from the key `between`, or from `frames`
-/// if they are the joint frames of the loop joint.
+/// Reads which two bodies or named frames a loop joint connects. They are named by the key `between` or, if
+/// the drawing gives the joint frames of the loop joint, by the key `frames`.
 void read_ends(Table& table, LoopDescription& loop) {
   const toml::Value* frames = table.look("frames");
   const toml::Array* both = frames == nullptr ? nullptr : frames->array();

@@ -237,8 +237,8 @@ std::optional<MassProperties> read_inertia(Table& table, GeometryForm form) {
   return given;
 }
 
-/// Reads the key `frame`, which moves the origin of the body frame of a body that is given in the inertial
-/// frame at q = 0 to the point of its joint or to its centre of mass.
+/// Reads the key `frame`, which is allowed for a body that is given in the inertial frame at q = 0. It moves
+/// the origin of the body frame to the point of the joint or to the centre of mass.
 void move_frame(Table& table, BodyDescription& body) {
   constexpr std::array<std::string_view, 2> places{"joint", "com"};
   const toml::Value* at = table.look("frame");

@@ -51,8 +51,9 @@ void read_path(Table& table, SpringDescription& spring) {
   }
 }
 
-/// Reads the two frames of a torsion spring or bushing: from the key `drawn_by` (`axis` or `pose`), in the
-/// inertial frame, if they coincide at q = 0, or else from `frames`, one on each body.
+/// Reads the two frames of a torsion spring or bushing. If they coincide at q = 0, they are given by the key
+/// `drawn_by` (`axis` or `pose`) in the inertial frame. Otherwise the key `frames` gives one frame on each
+/// body.
 void read_frames(Table& table, SpringDescription& spring, std::string_view drawn_by) {
   read_between(table, spring);
   const bool given = table.has("frames");

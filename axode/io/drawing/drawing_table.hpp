@@ -33,9 +33,9 @@ struct Notes {
   }
 };
 
-/// One table of a drawing (a TOML file that describes a mechanism). Functions that read a key return an empty
-/// result if it is absent or wrong; a wrong value is reported as a fault. Finally finish() reports the keys
-/// that were not read.
+/// One table of a drawing (a TOML file that describes a mechanism). Each reading function takes the value of
+/// a key and returns it, or an empty result if the key is absent or its value is wrong; a wrong value is
+/// reported as a fault. At the end, finish() reports the keys that were not read.
 class Table {
  public:
   Table(const Notes& notes, const toml::Value& table, std::string element)

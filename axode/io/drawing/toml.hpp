@@ -32,8 +32,9 @@ struct Value {
   const double* number() const { return std::get_if<double>(&content); }
   const bool* flag() const { return std::get_if<bool>(&content); }
 
-  /// The syntax that made a table or array: a value in brackets or braces, its own header, the longer header
-  /// of a table in it, or a dotted key. It decides what may be added later.
+  /// The syntax by which a table or array was made: a value in brackets or braces, a header of its own, the
+  /// longer header of a table inside it, or a dotted key. TOML's rules on what may be added to it later
+  /// depend on this.
   enum class MadeBy { value, header, longer_header, dotted_key } made_by = MadeBy::value;
 };
 

@@ -127,9 +127,9 @@ class MjcfWriter {
     SE3<> frame;  ///< pose of the joint frame in the frame of the MJCF body
   };
 
-  /// Removes moving massless bodies, which MuJoCo refuses, and gives their joints to the child in addition to
-  /// its own. Such a body must have one child that is not fixed to it and gets at most most_joints joints,
-  /// none of them free; and no shape, frame, spring or loop.
+  /// Removes moving massless bodies, which MuJoCo refuses, and gives their joints to their child in addition
+  /// to its own joint. Such a body must have exactly one child that moves relative to it, and no shape,
+  /// frame, spring or loop. The child may have at most most_joints joints, none of them free.
   void merge_massless() {
     std::unordered_set<std::string> asked;
     for (const FrameDescription& frame : d_.frames) asked.insert(frame.body);

@@ -46,13 +46,13 @@ class SdfFrames {
   const Frame& operator[](int k) const { return all_[static_cast<std::size_t>(k)]; }
   int size() const { return static_cast<int>(all_.size()); }
 
-  /// Computes for each frame the frame to which it is relative, its link, and its pose in the world. Unknown
-  /// names and cycles are reported.
+  /// Computes for each frame the link to which it is fixed and its pose in the world, from the frames
+  /// relative to which they are given. Unknown names and cycles are reported.
   void resolve(const Report& report);
 
  private:
   std::string path(int model, std::string_view name) const;
-  /// The numbers of the frames in an order in which each frame comes after the one that its member `next`
+  /// The indices of the frames in an order in which each frame comes after the frame that its member `next`
   /// names. A cycle is reported and cut at one of its frames.
   std::vector<int> in_order(int Frame::*next, std::string_view in_a_cycle, const Report& report);
 

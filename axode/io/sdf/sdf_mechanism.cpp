@@ -83,9 +83,9 @@ bool SdfMechanism::connect(Connection& c) {
   return c.to >= 0 && c.from != c.to;
 }
 
-/// Chooses the joints of a spanning tree of all links, in the order of the file, and returns its root links.
-/// A joint is reversed, so that it leads from child to parent, only if no other joint reaches a new link. All
-/// other joints close loops.
+/// Chooses which joints are joints of the spanning tree, in the order of the file, and returns the root
+/// links. A joint is reversed, so that it leads from child to parent, only if no other joint connects a new
+/// link. All joints that are not in the tree close loops.
 std::vector<std::size_t> SdfMechanism::grow_tree() {
   std::vector<std::vector<std::size_t>> joints_at(links_.size() + 1);  // the last entry is the world
   const auto at = [&](int k) { return k < 0 ? links_.size() : static_cast<std::size_t>(k); };

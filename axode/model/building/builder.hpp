@@ -6,8 +6,8 @@
 
 namespace axode {
 
-/// Whether defects that do not prevent a computation, such as masses of 0, inertias that no mass distribution
-/// has, and what other readers of files accept, are warnings or errors.
+/// Whether a defect is a warning or an error if it does not prevent computations: for example a mass of 0, an
+/// inertia that no mass distribution has, or something that other readers of files accept.
 enum class Strictness {
   lenient,  ///< such defects are warnings, because files of real robots have them
   strict,   ///< such defects are errors
@@ -55,16 +55,17 @@ class ModelBuilder {
 /// it, the description does not change. Throws ModelError (rule no_base) if several bodies are fixed to the
 /// ground, or if none is fixed to it or free on it.
 Description with_free_base(Description description);
-/// Fixes all bodies whose joints are free and on the ground: a single one by a joint `fixed_base`, several by
-/// joints without names. Their initial states are left out with a warning.
+/// Fixes all bodies that a free joint connects to the ground. The joint of a single one is named
+/// `fixed_base`; if there are several, their joints have no names. The initial states of these joints are
+/// left out with a warning.
 Description with_fixed_base(Description description);
 
-/// A new model in which the named joints are fixed at their position in q (nq coordinates of `model`). Joints
-/// that are coupled to one of them are fixed as well. The new model has no initial state and no motions of
-/// these joints. It has no loops between bodies that no longer move relative to each other, and no couplings
-/// or springs on fixed joints alone, even if such a loop or coupling is not closed at q. Throws
-/// std::invalid_argument for an unknown or coupled joint, for a joint that a drive with states acts on, and
-/// for a q of a wrong size or with a quaternion that is not of unit norm.
+/// Returns a model in which the named joints are fixed at their position in q (nq coordinates of `model`).
+/// Joints that are coupled to one of them are fixed as well. The new model has no initial state, and no
+/// prescribed motions of fixed joints. It has no loops between bodies that can no longer move relative to
+/// each other, and no couplings or springs that act on fixed joints alone, even if such a loop or coupling is
+/// not closed at q. Throws std::invalid_argument for an unknown or coupled joint, for a joint that a drive
+/// with states acts on, and for a q of a wrong size or with a quaternion that is not of unit norm.
 Model reduced(const Model& model, std::span<const std::string_view> locked, std::span<const double> q);
 
 }  // namespace axode

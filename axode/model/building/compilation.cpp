@@ -235,8 +235,8 @@ class Compiler {
   double drawn_coordinate(const Spring::JointSum& joints) const { return joints.offset; }
   double drawn_coordinate(const Spring::Bushing&) const { return 0; }
 
-  /// Compiles spring k. A preload is replaced by the length or angle of rest that gives this force at q = 0
-  /// (D16.4); it is a fault if there is none.
+  /// Compiles spring k. If it has a preload, its length or angle of rest is computed from it, such that the
+  /// spring has this force at q = 0 (D16.4); it is a fault if there is no such length or angle.
   Spring spring(std::size_t k, const Topology& topology, std::vector<Fault>& faults) const {
     const SpringDescription& from = description_.springs[k];
     Spring out{.name = spring_name(from, k), .geometry = Spring::Path{}, .law = {}};
@@ -369,8 +369,8 @@ class Compiler {
     }
   }
 
-  /// Gives the joints the indices of their coordinates and velocities, and sums armature, damping and
-  /// friction of joints that share a velocity.
+  /// Numbers the coordinates and velocities of the joints. For joints that share a velocity, the armatures,
+  /// damping and friction are added.
   void number_joints(const Topology& topology) {
     numbers_.g = description_.gravity;
     for (std::vector<double>* terms : {&numbers_.armature, &numbers_.damping, &numbers_.friction})

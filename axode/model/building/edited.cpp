@@ -232,10 +232,10 @@ Model append(const Model& model, std::string_view frame, const Model& other, std
 
 namespace {
 
-/// Throws std::invalid_argument if a joint with several velocities, which is to be reversed, has limits,
-/// losses, springs or armatures, as these act along axes of the moved body. Springs, damping and armatures
-/// that are equal about all axes of a spherical joint are allowed unless it is the `base` joint, on the
-/// ground.
+/// Checks a joint that is to be reversed. Throws std::invalid_argument if it has several velocities and
+/// limits, losses, springs or armatures, because these act along axes of the body that the joint moves.
+/// Springs, damping and armatures of a spherical joint are allowed if they are equal about all axes and the
+/// joint is not on the ground (`base`).
 void check_may_be_reversed(const JointDescription& joint, bool base) {
   const auto of_own_axes = [](const Dof& dof) {
     return dof.armature != 0 || dof.damping != 0 || dof.friction != 0 || dof.stiffness != 0;

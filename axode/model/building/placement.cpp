@@ -12,9 +12,9 @@
 namespace axode {
 namespace {
 
-/// Splits a cylindrical or universal joint: returns a new massless body, whose joint has the first motion,
-/// and leaves the second to the joint of `body`. The other arguments are the endings of the new names, the
-/// kinds of the two joints, and the axis of the second one.
+/// Splits a cylindrical or universal joint in two. Returns a new massless body, whose joint makes the first
+/// motion; the joint of `body` makes the second motion. The other arguments are the endings of the new names,
+/// the kinds of the two joints, and the axis of the second joint.
 BodyDescription split_off(BodyDescription& body, const char* carrier, JointKind first_kind, const char* first,
                           JointKind second_kind, const char* second, const Vec3<>& second_axis) {
   const std::string name = joint_name(body);
@@ -76,8 +76,9 @@ std::vector<std::optional<DrawnMass>> first_masses(const Description& expanded,
   }
   return first;
 }
-/// The largest distance of a prismatic joint frame from the centre of mass, in radii of gyration; beyond it
-/// the frame is moved there, because rounding errors of the inertia grow with the square of the distance.
+/// The largest distance of the frame of a prismatic joint from the centre of mass of its body, in radii of
+/// gyration. If it is larger, the frame is moved to the centre of mass, because rounding errors of the
+/// inertia grow with the square of the distance.
 constexpr double most_radii = 16;
 
 /// Computes the poses of a body and its joint frame at q = 0 from those of its predecessor (null for the

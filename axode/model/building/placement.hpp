@@ -6,8 +6,9 @@
 
 #include "axode/model/description.hpp"
 
-/// The poses of all bodies and joint frames of a description at q = 0. It may give them in the construction
-/// frame (the inertial frame in which the mechanism is drawn), in body frames or in joint frames.
+/// Computes the poses of all bodies and joint frames of a description at q = 0. A description may give them
+/// in three ways: in the construction frame (the inertial frame in which the mechanism is drawn), in body
+/// frames, or in joint frames.
 namespace axode {
 
 /// The pose with its rotation matrix, orthonormal to 1e-6, made orthonormal to working precision.
@@ -28,9 +29,9 @@ Vec3<> direction(const Vec3<>& axis);
 /// The description with every cylindrical or universal joint split in two, and with names for all joints.
 Description expand(const Description& description);
 
-/// Describes a mechanism by the joint frames on the two bodies of each joint, and all other elements relative
-/// to bodies and named frames. Cylindrical and universal joints are split in two. The description must have
-/// no faults.
+/// Changes a description such that every joint is given by its joint frames on its two bodies, and all other
+/// elements relative to bodies and named frames. Cylindrical and universal joints are split in two. The
+/// description must have no faults.
 Description in_joint_frames(const Description& description);
 
 /// The indices of the bodies of a description in depth-first order, with the children of a body in the order

@@ -74,9 +74,9 @@ void rest_at_zero(SpringDescription& spring) {
   if (spring.damping == 0) spring.acts = Acts::both_ways;
 }
 
-/// Adapts springs to locked joints: a preload is replaced by the length or angle of rest that gives it, as
-/// the new configuration at q = 0 is another one; terms of locked joints in springs on joint coordinates move
-/// into the rest, and springs on locked joints alone are removed.
+/// Adapts springs if joints are locked. The locked mechanism has another configuration at q = 0; therefore a
+/// preload is replaced by the length or angle of rest that gives it. In springs on sums of joint coordinates,
+/// the terms of locked joints become a part of the rest. Springs on locked joints alone are removed.
 void lock_springs(Description& description, const Model& model, const std::vector<bool>& is_locked,
                   std::span<const double> q) {
   for (std::size_t k = 0; k < description.springs.size(); ++k) {
@@ -99,7 +99,7 @@ void lock_springs(Description& description, const Model& model, const std::vecto
   });
 }
 
-/// Removes the initial state and the motions of locked joints and of removed loops. Throws
+/// Removes the initial state, and the prescribed motions of locked joints and of removed loops. Throws
 /// std::invalid_argument if a drive acts on a locked joint.
 void drop_still_motions(Description& description, const Model& model, const std::vector<bool>& is_locked) {
   const auto locked = [&](const auto& entry) { return is_locked[model.joint_index(entry.first)]; };

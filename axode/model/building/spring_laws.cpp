@@ -5,8 +5,8 @@
 namespace axode {
 namespace {
 
-/// The slopes of a monotone piecewise cubic at the points of a table: means of the slopes of adjacent
-/// secants, reduced where the cubic would not be monotone.
+/// The slopes, at the points of a table, of a piecewise cubic that is monotone between the points. A slope is
+/// the mean of the slopes of the two adjacent secants, reduced where the cubic would not be monotone.
 std::vector<double> monotone_slopes(const TableCurve& table) {
   const std::size_t n = table.deflections.size();
   std::vector<double> secants(n - 1), slopes(n);

@@ -156,8 +156,9 @@ std::vector<std::size_t> feeders(const std::vector<DriveDescription>& drives,
   return feeder;
 }
 
-/// Marks the drives whose input depends on their own output; feeder[k] is the drive whose output is the input
-/// of drive k. From each drive the feeders are followed until a drive was met before, in linear time.
+/// Marks the drives whose input depends on their own output. feeder[k] is the drive whose output is the input
+/// of drive k. The feeders of each drive are followed until a drive is met that has been seen before; this
+/// takes linear time.
 std::vector<char> drives_on_cycles(const std::vector<std::size_t>& feeder) {
   const std::size_t n = feeder.size();
   std::vector<char> on_cycle(n);

@@ -85,9 +85,9 @@ void compliance(const FaultySubject& at, const std::string& of_it, const Contact
                                     ", and it has a stiffness; a compliant surface bounces by its damping");
 }
 
-/// Reports springs and stops that a degree of freedom `dof` cannot have: stops that are both hard and elastic
-/// or without limits; for joints of several velocities all stops, and springs with a rest position other than
-/// 0.
+/// Reports springs and stops that a degree of freedom `dof` cannot have. Stops must not be both hard and
+/// elastic, and need limits. A joint of several velocities cannot have stops, nor springs with a rest
+/// position other than 0.
 void springs(const FaultySubject& at, const JointDescription& joint, const Dof& dof) {
   const bool elastic = dof.stop_stiffness != 0 || dof.stop_damping != 0;
   const bool stops = elastic || dof.hard_stops;
@@ -151,8 +151,8 @@ bool check_pose(const FaultySubject& at, const std::string& what, const SE3<>& C
   return false;
 }
 
-/// Checks a body with its joint and shapes. Returns whether all numbers but limits are finite and the
-/// rotation matrices of all poses are orthonormal.
+/// Checks the numbers of a body, its joint and its shapes. Returns whether all of them are finite (limits may
+/// be infinite) and the rotation matrices of all poses are orthonormal.
 bool check_numbers(const BodyDescription& body, FaultCollector& faults) {
   const FaultySubject in_body{faults, "body " + quoted(body.name), body.source};
   const FaultySubject in_joint{faults, "joint " + quoted(joint_name(body)), joint_source(body)};
