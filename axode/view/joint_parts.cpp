@@ -45,8 +45,9 @@ std::vector<StandIn> stacked_hinge(const DrawnJoint& joint) {
   return parts;
 }
 
-/// A tongue of the body between two cheeks of the predecessor, and a pin through all. There is no cheek on
-/// the side to which the body goes on along the axis.
+/// Makes a hinge that looks like a fork: the body has a tongue between two cheeks of the predecessor, and a
+/// pin goes through all three. If the body continues along the axis on one side, the cheek on this side is
+/// left out.
 std::vector<StandIn> forked_hinge(const DrawnJoint& joint) {
   const auto& [a, b] = joint.sides;
   const double r = joint.radius, R = eye(joint);

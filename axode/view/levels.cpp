@@ -43,8 +43,8 @@ std::optional<Planar> hinges_and_sliders(const Model& model) {
   return found;
 }
 
-/// The bodies that meet at each point where hinges are; hinges nearer to each other than `close` are at one
-/// point.
+/// Groups the bodies by the points where their hinges are: for each point, the bodies that meet there. Hinges
+/// nearer to each other than `close` are at the same point.
 std::vector<std::vector<int>> bodies_at_pins(std::vector<Hinge> hinges, double close) {
   // Hinges at one point are neighbours along any line; on this one hardly any others are.
   const auto along = [](const Hinge& x) { return dot({0.6180339, 0.7548777, 0.2207440}, x.point); };

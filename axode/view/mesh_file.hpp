@@ -24,9 +24,9 @@ FoundMesh find_mesh(const std::string& name, const Source& referenced_from);
 
 inline constexpr std::size_t largest_mesh = std::size_t{64} << 20;  ///< largest size of a mesh file, bytes
 
-/// The contents of a mesh file or, if it has a fault, a sentence about it. Without a fault the vertices are
-/// finite and as many as declared, and no other file is needed. The formats are STL, OBJ, COLLADA (.dae) and
-/// glTF (.glb, .gltf).
+/// The contents of a mesh file or, if the file has a fault, a sentence about it. If there is no fault, all
+/// vertices are finite, there are as many as the file declares, and no other file is needed. The formats are
+/// STL, OBJ, COLLADA (.dae) and glTF (.glb, .gltf).
 struct MeshFile {
   std::string format;  ///< stl, obj, dae, glb or gltf
   std::string bytes;   ///< contents of the file; empty if there is an error

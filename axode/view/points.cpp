@@ -25,14 +25,14 @@ const BodyDescription* find(const Described& described, const std::string& name)
   return found == described.end() ? nullptr : found->second;
 }
 
-/// Whether the origin of a body is a point on it. If the body is drawn in the construction frame, it need not
-/// be.
+/// Whether the origin of a body frame is a point on the body, so that the body can be drawn to it. If the
+/// body is drawn in the construction frame, the origin may be anywhere.
 bool has_origin(const BodyDescription& body) {
   return !std::holds_alternative<InConstructionFrame>(body.geometry);
 }
 
-/// Whether a joint has a point that its description gives. A prismatic joint in a drawing has a direction
-/// only, and a free joint has neither.
+/// Whether the description gives a point for a joint. In a drawing, a prismatic joint has a direction only,
+/// and a free joint has neither direction nor point.
 bool has_point(const Joint& joint, const BodyDescription* body) {
   if (joint.kind != Subgroup::prismatic && joint.kind != Subgroup::free) return true;
   return body == nullptr || has_origin(*body) || traits(body->joint.kind).point;

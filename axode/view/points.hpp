@@ -18,8 +18,9 @@ class Points {
   const std::optional<Vec3<>>& joint(int i) const { return joints_[i]; }
   /// The corners of the points on a body, no two of which are nearer than a hundredth of the size.
   const std::vector<Vec3<>>& distinct(int body) const { return distinct_[body]; }
-  /// The points on each body that is fixed to the ground, by its name: its joints, its centre of mass, the
-  /// bodies that are fixed to it, and its origin if that is on the body.
+  /// For each body that is fixed to the ground, by its name, the points between which it is drawn: its
+  /// joints, its centre of mass, the bodies that are fixed to it, and its origin if this is a point on the
+  /// body.
   const std::map<std::string, std::vector<Vec3<>>>& fixed() const { return fixed_; }
   std::vector<Vec3<>> distinct(const std::vector<Vec3<>>& points) const;
   /// The length (m) of a body: the diagonal of a box around its points or, if it has only one point, twice

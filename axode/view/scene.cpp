@@ -201,8 +201,8 @@ class Shapes {
     shapes.push_back(std::move(json));
   }
 
-  /// Whether the ground and each body can be seen. If most of a body is in meshes that are not shown, its
-  /// collision shapes are shown in their place, and if it has none it counts as not seen.
+  /// Determines whether the ground and each body can be seen. If most visual shapes of a body are meshes that
+  /// cannot be shown, its collision shapes are shown instead; if it has none, it counts as not seen.
   std::vector<bool> seen_bodies() {
     std::vector<bool> seen;
     for (const Visuals& body : visuals_) {
@@ -375,8 +375,8 @@ Json places_of(const Model& model, const std::vector<int>& frames) {
   return places;
 }
 
-/// JSON with the motion `whole`; null if it has no times. Of a motion with more than longest_motion numbers
-/// some states are left out, with a warning.
+/// The motion `whole` as JSON; null if it has no times. If it has more than longest_motion numbers, some of
+/// its states are left out and a warning is added.
 Json motion_of(const Model& model, const ShownMotion& whole, std::vector<std::string>& warnings) {
   if (whole.t.empty()) return {};
   check(model, whole);

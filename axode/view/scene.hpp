@@ -32,9 +32,9 @@ inline constexpr std::size_t largest_meshes = std::size_t{256} << 20;
 /// The largest count of numbers for a motion on a page; of a longer motion some states are left out.
 inline constexpr std::size_t longest_motion = 1'000'000;
 
-/// The configuration that a page shows first: that of initial_state(), from which assemble() closes loops and
-/// satisfies prescribed motions if it can. The search ends early if monitor(), which is called now and then,
-/// returns false.
+/// The configuration that a page shows first. It is that of initial_state(); from there assemble() closes the
+/// loops and satisfies the prescribed motions, if it can. The search ends early if monitor(), which is called
+/// now and then, returns false.
 std::vector<double> first_configuration(const Model& model, const std::function<bool()>& monitor = {});
 
 /// Writes the scene that a page shows as JSON: bodies with their joints and inertias, frames, shapes with the
@@ -44,9 +44,9 @@ std::vector<double> first_configuration(const Model& model, const std::function<
 SceneContents write_scene(const Model& model, std::span<const double> q, std::ostream& out,
                           const SceneOptions& options = {});
 
-/// Writes the viewer with a scene in it as one HTML file that needs no other file and no network.
-/// `empty_page` is the viewer's page without a scene. Throws std::invalid_argument if it is another text, or
-/// if write_scene() throws.
+/// Writes one HTML file that contains the viewer and a scene, and needs no other file and no network.
+/// `empty_page` is the viewer's page without a scene. Throws std::invalid_argument if `empty_page` is not
+/// this page, or if write_scene() throws.
 SceneContents write_page(std::string_view empty_page, const Model& model, std::span<const double> q,
                          std::ostream& out, const SceneOptions& options = {});
 

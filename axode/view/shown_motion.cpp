@@ -135,8 +135,8 @@ void append_contacts(std::span<const ContactForce> contacts, const std::vector<i
   }
 }
 
-/// The normal forces of a motion with contacts, N: for each time and each pair of shapes between which there
-/// is a force at some time, the sum over the points of contact of the pair.
+/// The normal forces of a motion with contacts, N: a number for each time and each pair of shapes, which is
+/// the sum over the points of contact of the pair. Pairs without a force at any time are left out.
 view::MotionNumbers::Series contact_series(const ShownMotion& motion) {
   std::map<std::pair<int, int>, std::size_t> columns;
   for (const std::vector<ContactForce>& at_once : motion.contacts)

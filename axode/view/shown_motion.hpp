@@ -53,8 +53,8 @@ struct MotionNumbers {
   /// constraint forces of the loops cannot be computed, or because there are contacts of shapes that the
   /// model lacks.
   std::vector<double> twists, wrenches, momenta;
-  /// Spatial wrenches of the loop joints on their second bodies: six numbers for each time and loop joint.
-  /// Empty if the model has no loop joints or `wrenches` is empty.
+  /// Wrenches (spatial) of the loop joints on their second bodies: six numbers for each time and loop joint.
+  /// Empty if the model has no loop joints, or if the wrenches of the joints are not known either.
   std::vector<double> loop_wrenches;
   /// load_frames are the frames on which loads act, and `loads` has the sum of the loads on each of them as a
   /// spatial wrench: six numbers for each time and frame.
@@ -64,9 +64,9 @@ struct MotionNumbers {
   /// tension pushes the ends apart.
   std::vector<double> tensions;
 };
-/// Computes energies, the total momentum about the inertial origin, twists, wrenches, momenta and tensions of
-/// a motion, and the normal forces of its contacts. The wrenches of joints and loops are those under the
-/// loads of the motion.
+/// Computes the numbers that are shown with a motion: energies, the total momentum about the inertial origin,
+/// twists, wrenches, momenta, tensions, and the normal forces of contacts. The loads of the motion are taken
+/// into account.
 MotionNumbers numbers_of(const Model& model, const ShownMotion& motion);
 
 }  // namespace view

@@ -52,8 +52,8 @@ StandIn between(int body, const std::vector<Vec3<>>& points, double radius, doub
   return hull(body, points, radius);
 }
 
-/// The solid with the mass and inertia M of a body: a cylinder if exactly two principal moments are equal, an
-/// ellipsoid if not. A point mass has none.
+/// A solid that has the mass and inertia M of a body: a cylinder if exactly two principal moments are equal,
+/// otherwise an ellipsoid. Empty for a point mass.
 std::optional<ShapeDescription> solid(const Inertia<>& M) {
   const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> moments(to_eigen(binet_tensor(inertia_about_com(M))));
   Eigen::Matrix3d axes = moments.eigenvectors();
@@ -98,8 +98,8 @@ bool is_rod(const Inertia<>& M, const Vec3<>& point) {
   return along < 0.3 * (Theta.xx + Theta.yy + Theta.zz - along) / 2;
 }
 
-/// The kind of tree joint that a loop joint is drawn like; none if its position does not matter or if it is a
-/// rolling contact.
+/// The kind of tree joint like which a loop joint is drawn. Empty for a rolling contact, and for kinds of
+/// loop joints whose position has no influence on the motion.
 std::optional<Subgroup> like_joint(LoopKind kind) {
   const LoopTraits& loop = traits(kind);
   if (!loop.located || loop.has("center")) return std::nullopt;
@@ -357,8 +357,9 @@ void Draughtsman::add_mount(const Vec3<>& middle) {
   put({0, std::move(mount)});
 }
 
-/// The bodies that need no placeholder: those with shapes, and the massless body inside a cylindrical joint
-/// between two of them. The point of such a joint may be anywhere on its axis, far from both bodies.
+/// For each body, whether it needs no placeholder. This is so if it has shapes, and for the massless body
+/// inside a cylindrical joint between two bodies with shapes, because the point of such a joint may be
+/// anywhere on its axis, far from both bodies.
 std::vector<bool> complete(const Model& model, const std::vector<bool>& seen) {
   std::vector<bool> out = seen;
   std::vector<int> successors(seen.size());

@@ -18,14 +18,14 @@ struct Precision {
   std::string literal(double x) const;
 };
 
-/// The declaration in C of a recorded function (a list of operations), from the names of its arguments and
-/// result: `HEAD(const TYPE *AXODE_RESTRICT q, ..., TYPE *AXODE_RESTRICT tauTAIL)`, where HEAD, TYPE and TAIL
-/// are the arguments `head`, `type` and `tail`.
+/// Makes the declaration of a recorded function (a list of operations) in C: `HEAD(const TYPE *AXODE_RESTRICT
+/// q, ..., TYPE *AXODE_RESTRICT tauTAIL)`. q and tau stand for the names of its arguments and its result, and
+/// HEAD, TYPE and TAIL for the texts `head`, `type` and `tail`.
 std::string c_declaration(const Recording& recording, const std::string& head, const std::string& type,
                           const std::string& tail);
-/// The declaration of a recorded function NAME in C: `void NAME(const double *AXODE_RESTRICT q, ..., double
-/// *AXODE_RESTRICT tauTAIL)`. It returns int if the function reports that the mass matrix may be singular,
-/// and has float in single precision.
+/// Makes the declaration of a recorded function NAME in C: `void NAME(const double *AXODE_RESTRICT q, ...,
+/// double *AXODE_RESTRICT tauTAIL)`, where TAIL is the text `tail`. The return type is int if the function
+/// reports that the mass matrix may be singular. In single precision, float replaces double.
 std::string c_signature(const Recording& recording, const std::string& name, const Precision& precision,
                         const std::string& tail = "");
 

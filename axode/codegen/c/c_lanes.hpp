@@ -19,8 +19,9 @@ struct StatesFunction {
                                ///< lanes
   bool returns_singularity;
 };
-/// Writes in C the function NAME_states, which computes the function NAME for several states, and the
-/// constant NAME_scratch, the length of the memory that it needs.
+/// Makes C code with the function NAME_states, which computes several states by calls of the function NAME or
+/// of its counterpart for SIMD lanes, and with the constant NAME_scratch, the number of entries of the memory
+/// that NAME_states needs.
 std::string c_states(const StatesFunction& function, const Precision& precision, int lanes);
 
 }  // namespace axode::codegen

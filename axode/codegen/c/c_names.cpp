@@ -11,8 +11,8 @@ namespace {
 bool is_letter(char c) { return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || c == '_'; }
 bool is_digit(char c) { return c >= '0' && c <= '9'; }
 
-/// Replaces the characters that a C identifier cannot have by underscores. In names for CasADi, no two
-/// underscores are neighbours, and none is first or last.
+/// Makes an identifier from a name: characters that a C identifier cannot have become underscores. For
+/// CasADi, identifiers have no two underscores in a row, and none at the beginning or the end.
 std::string identifier(const std::string& name, Abi abi) {
   std::string text;
   for (const char c : name) {

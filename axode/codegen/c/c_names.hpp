@@ -11,13 +11,13 @@ namespace axode::codegen {
 /// The default prefix of all names in generated C: the name of the model as an identifier.
 std::string prefix_for(const Model& model, Abi abi);
 
-/// The name of each frame of the model as a C identifier. Names that would be equal, alone or with the name
-/// of a representation appended, are numbered.
+/// The name of each frame of the model as a C identifier. If two identifiers would be equal, or could not be
+/// told apart after the name of a representation has been appended, they are numbered.
 std::vector<std::string> frame_identifiers(const Model& model, Abi abi);
 
-/// The names PREFIX_FUNCTION of generated functions. The name of the function for a Jacobian or a pose has
-/// the name of its frame at the end; that for a Jacobian also has its representation there unless this is the
-/// body-fixed one. Throws std::invalid_argument if two names are equal.
+/// The names PREFIX_FUNCTION of generated functions. For a pose or a Jacobian the name of the frame is
+/// appended; for a Jacobian that is not body-fixed also the representation. Throws std::invalid_argument if
+/// two names are equal.
 std::vector<std::string> function_names(const Model& model, std::span<const Function> functions,
                                         const std::string& prefix, Abi abi);
 

@@ -60,8 +60,9 @@ static void @NAME@_lanes(
 }
 #endif
 )";
-/// C code for sines and cosines of the states in all SIMD lanes, in single precision: it calls the C function
-/// for n angles. Vector types would not suit, because angles are reduced in double precision.
+/// C code that computes sines and cosines for the states in all SIMD lanes, in single precision. It calls the
+/// C function for n angles, because this reduces angles in double precision, for which the vector types of
+/// single precision do not suit.
 constexpr const char* turn_one_by_one = R"(#if AXODE_LANES > 1
 static void @NAME@_lanes(
     const axode_lanes *AXODE_RESTRICT angle, axode_lanes *AXODE_RESTRICT sine,

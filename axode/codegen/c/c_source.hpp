@@ -11,8 +11,9 @@
 #include "axode/scalar/counted.hpp"
 #include "axode/table/functions.hpp"
 
-/// C source for one mechanism: functions with only the operations that this mechanism needs, without loops
-/// over its joints. They are made by running the algorithms of the library on numbers that record operations.
+/// Generates C source for one mechanism: functions with only the operations that this mechanism needs,
+/// without loops over joints. To find these operations, the algorithms of the library are run on numbers that
+/// record them.
 namespace axode::codegen {
 
 /// A function to generate: a function in the table of functions that can be recorded (Words::tape).

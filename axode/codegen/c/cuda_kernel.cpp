@@ -6,8 +6,9 @@
 namespace axode::codegen {
 namespace {
 
-/// Writes CUDA for one thread, which computes one of n states that lie side by side in memory. Sines are
-/// computed one by one, and the statements are in an order that needs few registers.
+/// Writes CUDA code for one thread, which computes one of n states. The states lie side by side in memory.
+/// Sines and cosines are computed one by one, and the statements are ordered such that few registers are
+/// needed.
 class CudaEmitter final : public Emitter {
  public:
   CudaEmitter(const Recording& recording, const Precision& precision)
@@ -69,8 +70,8 @@ class CudaEmitter final : public Emitter {
     for (const int s : order_for_few_registers(operands, lasting)) ordered.push_back(steps_[s]);
     steps_ = ordered;
   }
-  /// Writes the statements for constant results, most of which are zeros. Three or more equal neighbours are
-  /// written by a loop.
+  /// Writes the statements that set constant results; most of these are zeros. If three or more results in a
+  /// row have the same value, a loop sets them.
   void begin_statements() override {
     const std::vector<Trace>& results = recording_.results;
     std::size_t end = 0;

@@ -28,11 +28,11 @@ Recording normalised(const Model& model, const Recording& f) {
   return on.with(f.result, on(f, x));
 }
 
-/// Records the forward dynamics a = M⁻¹ (tau - T(q, v, 0)) and its derivatives, from the inverse dynamics
-/// T(q, v, a) and its derivatives at these accelerations. Indices denote derivatives, x stands for any of q,
-/// v and tau, w are weights of the accelerations, and d² is the Hessian:
+/// Records the forward dynamics a = M⁻¹ (tau - T(q, v, 0)) and its derivatives, where T(q, v, a) is the
+/// inverse dynamics. T_q, T_v, T_a and T_xx are derivatives of T at the accelerations a; x stands for q, v or
+/// tau. For a direction (dq, dv, dtau), and for the Hessian H of the weighted sum w·a,
 ///
-///     M da = dtau - T_q dq - T_v dv,    mu = M⁻¹ w,    d²(w a) = - mu (T_xx + T_xa a_x + (T_xa a_x)ᵀ).
+///     M da = dtau - T_q dq - T_v dv,    mu = M⁻¹ w,    H = - mu (T_xx + T_xa a_x + (T_xa a_x)ᵀ).
 ///
 /// mu T_xa is 0 unless x = q. With K = M⁻¹ (mu T_aq), the term mu T_qa a_x is - Kᵀ T_x for x = q and x = v,
 /// and Kᵀ for x = tau.
@@ -180,8 +180,8 @@ Pattern dense(int rows, int columns) {
   return pattern;
 }
 
-/// The output matrix whose entry (r, c) is result number result(r, c) of a recording, or always 0 if that
-/// number is negative.
+/// Makes an output matrix from the results of a recording. result(r, c) must return the index of the result
+/// that is entry (r, c), or a negative number for an entry that is always 0.
 template <class Result>
 CasadiOutput output(std::string name, int rows, int columns, std::size_t recording, const Result& result) {
   CasadiOutput out{std::move(name), {rows, columns}, recording};

@@ -44,11 +44,11 @@ struct CasadiFamily {
   std::optional<CasadiInverse> inverse;
 };
 
-/// Makes the functions for CasADi. In CasADi the nq coordinates are independent numbers; hence quaternions
-/// are divided by their norm. Derivatives of forward dynamics are computed from derivatives of the inverse
-/// dynamics T(q, v, a) = tau, derivatives of the inverse mass matrix from derivatives of M, and all other
-/// derivatives by differentiation of recorded operations. `frames` are the names of all frames as
-/// identifiers.
+/// Makes a function of the model and its derivatives for CasADi. In CasADi the nq coordinates are independent
+/// numbers; hence quaternions are divided by their norm. Derivatives of forward dynamics are computed from
+/// derivatives of the inverse dynamics T(q, v, a) = tau, derivatives of the inverse mass matrix from
+/// derivatives of M, and all other derivatives by differentiation of recorded operations. `frames` are the
+/// names of all frames as identifiers.
 CasadiFamily casadi_family(const Model& model, const Function& function, const std::string& name,
                            std::span<const std::string> frames);
 

@@ -8,10 +8,12 @@
 
 namespace axode::codegen {
 
-/// The first derivatives of A(q) = M⁻¹ for CasADi, computed from derivatives of M and products of matrices in
-/// loops. With weights W of the entries of A and B = A W A,
+/// The first derivatives of A(q) = M⁻¹ for CasADi, by loops that multiply matrices, from the derivatives of
+/// M:
 ///
-///     dA = - A dM A,    d(W·A) = - B·dM.
+///     dA = - A dM A,    d(W·A) = - B·dM with B = A W A,
+///
+/// where W has a weight for each entry of A, and · is the sum of the products of corresponding entries.
 class CasadiInverse {
  public:
   enum Kind : std::size_t { tangent, adjoint, jacobian };
@@ -26,8 +28,9 @@ class CasadiInverse {
     std::vector<int> places;
   };
 
-  /// Takes the indices r + nv c (`entries`) of the entries (r, c) of A = M⁻¹ that the generated function
-  /// computes, and the name `weights` of the argument with their weights.
+  /// `entries` are the indices r + nv c of those entries (r, c) of A = M⁻¹ that the generated function
+  /// computes. `weights` is the name of the argument that has a weight for each of them. `masses` are the
+  /// derivatives of the mass matrix.
   CasadiInverse(int nq, int nv, std::vector<int> entries, std::string weights,
                 std::array<Part, kinds> masses);
 

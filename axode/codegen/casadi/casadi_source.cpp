@@ -93,9 +93,10 @@ template <class Items, class Word> std::string words(const Items& items, const W
   return text;
 }
 
-/// A sparsity pattern in CasADi's format: rows, columns, begins of columns, and the row of each entry; for a
-/// dense matrix it is rows, columns and 1. The matrices of several states stand side by side, or along the
-/// diagonal (`diagonal`) if they are derivatives by all states.
+/// A sparsity pattern in CasADi's format: the numbers of rows and columns, then the index of the first entry
+/// of each column, then the row of each entry. A dense matrix has the numbers of rows and columns and a 1.
+/// The matrices of several states stand side by side; if they are derivatives by all states, `diagonal`
+/// places them along the diagonal.
 std::vector<int> compressed(const Pattern& pattern, int states, bool diagonal) {
   const int down = diagonal ? pattern.rows : 0;
   std::vector<int> numbers{pattern.rows + (states - 1) * down, states * pattern.columns};

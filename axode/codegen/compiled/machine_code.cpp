@@ -86,8 +86,9 @@ bool is_usable(const fs::path& folder) {
   return is_ours(folder) && access(folder.c_str(), W_OK | X_OK) == 0;
 }
 
-/// A lock with which one process at a time compiles the source that has a given key in the cache. It ends
-/// with the process. If the file system has no locks, several processes may compile under one key.
+/// A lock in the cache for the source with a given key: the process that holds it compiles this source. The
+/// lock is released when the process ends. If the file system has no locks, several processes may compile the
+/// same source.
 class Lock {
  public:
   Lock(const fs::path& folder, const std::string& key)

@@ -23,8 +23,8 @@ class MachineCode {
   /// The address of a symbol of the library. Throws std::runtime_error if there is no symbol of that name.
   void* address(const std::string& name) const;
 
-  /// The path of the shared library, for other programs that load it. If the cache cannot be used, the file
-  /// is removed with the last MachineCode that refers to it.
+  /// The path of the compiled shared library, which other programs can load. If the cache could not be used,
+  /// the file is deleted with the last MachineCode that refers to it.
   const std::filesystem::path& file() const { return file_; }
 
  private:

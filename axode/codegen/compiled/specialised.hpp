@@ -50,8 +50,8 @@ template <class T = double> class Specialised {
   batch::Outcome run(const codegen::Function& function, const catalog::Arguments<T>& given, std::span<T> out,
                      int threads, const batch::Monitor& monitor) const;
 
-  /// The compiled forward dynamics, which batch::rollout() calls. Throws std::invalid_argument if the model
-  /// was specialised without forward_dynamics.
+  /// The compiled forward dynamics, for calls of batch::rollout(). Throws std::invalid_argument if the
+  /// constructor was not asked to compile forward_dynamics.
   batch::CompiledDynamics<T> compiled_dynamics() const;
 
  private:
@@ -107,8 +107,8 @@ struct SpecialisedCache {
   std::uintmax_t bytes = 0;
 };
 SpecialisedCache specialised_cache();
-/// Removes all models from the cache, and the work folders of compilations that have ended. Compilations that
-/// are running are not disturbed, and loaded models remain usable.
+/// Removes all compiled models from the cache, and the work folders that compilations have left. Compilations
+/// that are still running are not disturbed, and loaded models remain usable.
 void clear_specialised_cache();
 
 }  // namespace axode

@@ -5,8 +5,9 @@
 
 #include "axode/codegen/tape/recording.hpp"
 
-/// Makes recorded functions (lists of operations) from others: functions of functions, and derivatives by the
-/// rules of differentiation. Derivatives that are always 0 are the constant 0, which shows their sparsity.
+/// Makes recorded functions (lists of operations) from others, by composition and by the rules of
+/// differentiation. A derivative that is always 0 becomes the constant 0, so that the sparsity of derivatives
+/// is known.
 namespace axode::codegen {
 
 /// A function that is composed of recorded functions, and recorded on a tape of its own.
@@ -18,8 +19,9 @@ class Composition {
   Traces argument(const std::string& name, int n);
   /// Adds the arguments of the function f and returns the entries of each.
   std::vector<Traces> arguments_of(const Recording& f);
-  /// Adds the operations of the recorded function f with the given arguments, and returns its results. If f
-  /// reports that the mass matrix may be singular, the composition reports this as well.
+  /// Calls the recorded function f in this composition: adds its operations with the given arguments, and
+  /// returns its results. If f reports that the mass matrix may be singular, the composition reports this as
+  /// well.
   Traces operator()(const Recording& f, std::span<const Traces> arguments);
   Traces operator()(const Recording& f, std::initializer_list<Traces> arguments) {
     return (*this)(f, std::span(arguments.begin(), arguments.size()));
@@ -49,8 +51,8 @@ class Composition {
   std::vector<Traces> inputs_;
 };
 
-/// Returns a function that computes the derivatives of f by all its arguments: a column for each of their
-/// entries.
+/// Returns a function that computes the matrix of derivatives of f by all its arguments; a column belongs to
+/// an entry of an argument.
 Recording jacobian_of(const Recording& f);
 /// Returns a function that computes the derivative of f in a direction. It has the arguments of f and, for
 /// each argument q, an additional argument fwd_q with the direction of q.

@@ -23,9 +23,9 @@ using Traces = Composition::Traces;
 
 template <class Kernel> using OnTape = WithScratch<T, Kernel>;
 
-/// Determines whether the mass matrix may be singular: whether a pivot of its factorisation is small compared
-/// with the inertia of its velocity at q = 0. In float, each pivot is also compared with the rounding errors
-/// of the numbers from which it is computed.
+/// Determines whether the mass matrix may be singular. It may be if a pivot of its factorisation is small
+/// compared with the inertia that the velocity moves at q = 0. In float, each pivot is also compared with the
+/// rounding errors of the numbers from which it is computed.
 class SingularityTest {
  public:
   SingularityTest(const Tree<double>& tree, bool single_precision)
@@ -70,8 +70,8 @@ struct Traced {
   }
 };
 
-/// Records the operations that solve the equations of motion, by articulated bodies or by sparse factors of
-/// the mass matrix, in body axes, in which joint screws are constant and sparse.
+/// Records the operations that solve the equations of motion, either by articulated bodies or by sparse
+/// factors of the mass matrix. They are in body axes, in which joint screws are constant and sparse.
 template <bool factors> struct Solver {
   using T = Trace;
   using Bodies = std::conditional_t<factors, CompositeBodies<BodyFixed, T>, ArticulatedBodies<BodyFixed, T>>;
@@ -126,8 +126,8 @@ template <bool factors> struct Solver {
       for (std::size_t r = 0; r < nv; ++r) matrix[r * nv + c] = x[r];
     }
   }
-  /// Computes the inverse of the mass matrix by solving for all unit vectors. One half of the symmetric
-  /// result is a copy of the other, so that the operations for it are not recorded.
+  /// Computes the inverse of the mass matrix, by solving for all unit vectors. One half of the matrix is
+  /// copied from the other, because it is symmetric, so that fewer operations are recorded.
   void inverse(const Tree<double>& tree, T* matrix) {
     const std::size_t nv = tree->nv;
     for (std::size_t k = 0; k < nv * nv; ++k) matrix[k] = T(k % (nv + 1) == 0);

@@ -23,8 +23,8 @@ void snap(SE3<>& C) {
   snap(C.r);
 }
 
-/// The part of an inertia, in the frame of a joint, whose effect on the predecessor does not depend on the
-/// joint coordinate.
+/// The part of the inertia M of a body (in its joint frame) that can be added to the predecessor instead,
+/// because its effect on the predecessor does not depend on the coordinate of the joint.
 Inertia<> share_of_predecessor(Subgroup kind, const Inertia<>& M) {
   const double Theta = M.Theta.yy;
   switch (kind) {
