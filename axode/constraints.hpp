@@ -18,5 +18,6 @@
 #include "axode/constraints/mobility.hpp"
 #include "axode/constraints/prescribed/prescribed_motion.hpp"
 
-/// Mechanisms with closed loops: constraint equations, dynamics, assembly (closing the loops), mobility,
-/// small motions and parallel manipulators in task space; also prescribed motions and equilibria.
+/// Mechanisms with closed loops: constraint equations, dynamics, assembly (finding configurations with closed
+/// loops), mobility, linearised motions, and parallel manipulators in task space. Also prescribed motions and
+/// equilibria.

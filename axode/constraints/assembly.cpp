@@ -18,8 +18,8 @@ namespace {
 using Vector = Eigen::VectorXd;
 using Matrix = Eigen::MatrixXd;
 
-/// The search for a configuration with closed loops. Residuals and steps have no unit: lengths are divided by
-/// the size of the loops.
+/// The search for a configuration with closed loops. All residuals and steps are without units: lengths are
+/// divided by the size of the loops.
 class Assembly {
  public:
   /// Searches in the model of `motions`, in which every prescribed motion is a loop, see MotionRows.

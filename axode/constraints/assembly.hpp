@@ -43,16 +43,16 @@ struct AssemblyResult {
 std::string to_string(const Model& model, const AssemblyResult& result);
 
 /// Finds a configuration near q in which the loops are closed and the model's prescribed motions are followed
-/// at the time options.time, by the Levenberg-Marquardt method on the configuration manifold. Unless v is
-/// empty, also finds velocities that keep the loops closed and follow the motions: those nearest to v in
-/// kinetic energy or, if some velocities are held fixed (options.held), in the Euclidean norm, with lengths
-/// divided by the size of the loops.
+/// at the time options.time. The method is that of Levenberg and Marquardt on the configuration manifold.
+/// Unless v is empty, also finds velocities that keep the loops closed and follow the motions. These are the
+/// velocities nearest to v in kinetic energy or, if some velocities are held fixed (options.held), in the
+/// Euclidean norm with lengths divided by the size of the loops.
 ///
 /// Redundant loop equations are allowed. Convergence is slow where branches of the motion meet. A residual
-/// that stops decreasing also counts as closed if it is within a bound on its rounding errors, or within a
-/// thousand times the tolerance. Limits of coordinates are ignored. Allocates; O(m nv²) for each iteration
-/// with m loop equations. Throws std::invalid_argument for wrong sizes, for numbers in q or v that are not
-/// finite, and for held velocities that do not exist.
+/// that stops decreasing counts as 0 if it is within a bound on its rounding errors, or within a thousand
+/// times the tolerance. Limits of coordinates are ignored. Allocates; O(m nv²) for each iteration with m loop
+/// equations. Throws std::invalid_argument for wrong sizes, for numbers in q or v that are not finite, and
+/// for held velocities that do not exist.
 [[nodiscard]] AssemblyResult assemble(const Model& model, std::span<const double> q,
                                       std::span<const double> v = {}, const AssemblyOptions& options = {});
 

@@ -15,12 +15,12 @@ template <class T> struct ClosedDynamicsDerivatives {
 };
 
 /// Computes the first derivatives of forward dynamics with loops, M a + h - Aᵀ λ = τ with A a + γ = 0, where
-/// M and h are the mass matrix and the bias forces of the spanning tree, and A v = 0 are the loop equations
-/// with multipliers λ. Of redundant equations only independent ones are used (D7.15), and the multipliers of
-/// the others are 0. If equations are redundant by geometry (Bricard's mechanism), only derivatives along
-/// velocities v with A v = 0 are meaningful. Directions of q are those of q ⊕ ε e_k with unit vectors e_k.
-/// Springs are ignored. Allocates; O((nv + m)³) for m loop equations. Throws std::invalid_argument for wrong
-/// sizes and for a model with prescribed motions.
+/// M is the mass matrix and h the bias force of the spanning tree, and A v = 0 are the loop equations with
+/// multipliers λ. If loop equations are redundant, only independent ones are used (D7.15), and the
+/// multipliers of the others are 0. If equations are redundant by geometry (Bricard's mechanism), only
+/// derivatives along velocities v with A v = 0 are meaningful. A direction of q is q ⊕ ε e_k with a unit
+/// vector e_k. Springs are ignored. Allocates; O((nv + m)³) for m loop equations. Throws
+/// std::invalid_argument for wrong sizes and for a model with prescribed motions.
 template <class T>
 Solvability forward_dynamics_derivatives(const Model& model, LoopWorkspace<T>& workspace, Numbers<T> q,
                                          Numbers<T> v, Numbers<T> tau,

@@ -55,8 +55,9 @@ Eigen::VectorX<T> closed_forces(LoopSystem<T>& system, Numbers<T> q, Numbers<T> 
   return need;
 }
 
-/// The least drive forces that, together with the constraint forces of the loops, have the effect of given
-/// forces on the spanning tree (D7.10). Uses the present kinematics of the LoopSystem.
+/// Computes the least drive forces that, together with the constraint forces of the loops, act on the motion
+/// like given joint forces of the spanning tree (D7.10). The kinematics of the LoopSystem must have been
+/// updated.
 template <class T> struct DriveForces {
   using Vector = Eigen::VectorX<T>;
   using Matrix = Eigen::MatrixX<T>;

@@ -47,12 +47,12 @@ template <class T>
 
 /// Computes the wrench that each joint of the spanning tree transmits from the predecessor to the body, all
 /// six components: drive and reaction. The accelerations a and the multipliers λ of the loops (loops().rows)
-/// must be those of one solution of the equations of motion. W[i - 1] belongs to joint i, in the
-/// representation Rep of the frame of body i, with this frame moved to the point `at` without turning it;
-/// Spatial wrenches are about the inertial origin. The component of W along a joint is the drive force minus
-/// the forces of armature and losses; it is 0 in passive joints, and joints in a coupling also transmit the
-/// force of the coupling. Springs are ignored. O(n + m) for m loop equations. Throws std::invalid_argument
-/// for wrong sizes.
+/// must belong to one solution of the equations of motion. W[i - 1] belongs to joint i, in the representation
+/// Rep of the frame of body i, with this frame moved to the point `at` without turning it; spatial wrenches
+/// are about the inertial origin. The component of W along a joint is the drive force minus the forces of
+/// armature and losses. It is 0 in passive joints, except that joints in a coupling also transmit the force
+/// of the coupling. Springs are ignored. O(n + m) for m loop equations. Throws std::invalid_argument for
+/// wrong sizes.
 template <RecursionRepresentation Rep = BodyFixed, class T>
 void joint_wrenches(const Model& model, LoopWorkspace<T>& workspace, Numbers<T> q, Numbers<T> v, Numbers<T> a,
                     std::type_identity_t<Numbers<T>> lambda,
@@ -73,11 +73,11 @@ template <RecursionRepresentation Rep = BodyFixed, class T>
                                const std::type_identity_t<Loads<T>>& loads = {},
                                WrenchPoint at = WrenchPoint::body);
 
-/// Computes the velocities v⁺ (nv) after an impact that closes the loops, A v⁺ = -e A v with the Jacobian A
-/// of the loop equations and the coefficient of restitution e from 0 to 1 (D7.12), and the impulses of the
-/// equations (loops().rows; N m s and N s) unless `impulses` is empty. The kinetic energy decreases by (1 -
-/// e²)/2 (A v)ᵀ (A M⁻¹ Aᵀ)⁺ A v with the mass matrix M of the spanning tree. v⁺ may share the memory of v.
-/// Throws std::invalid_argument for wrong sizes and for an e that is not from 0 to 1.
+/// Computes the velocities v⁺ (nv) after an impact by which loops close: A v⁺ = -e A v with the Jacobian A of
+/// the loop equations and the coefficient of restitution e from 0 to 1 (D7.12). Also computes the impulses of
+/// the loop equations (loops().rows; N m s and N s) unless `impulses` is empty. The kinetic energy decreases
+/// by (1 - e²)/2 (A v)ᵀ (A M⁻¹ Aᵀ)⁺ A v with the mass matrix M of the spanning tree. v⁺ may share the memory
+/// of v. Throws std::invalid_argument for wrong sizes and for an e that is not from 0 to 1.
 template <class T>
 Solvability impact(const Model& model, LoopWorkspace<T>& workspace, Numbers<T> q, Numbers<T> v, T restitution,
                    std::type_identity_t<std::span<T>> v_after,

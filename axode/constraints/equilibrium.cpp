@@ -120,8 +120,8 @@ bool closed(const Model& model, std::vector<double>& q) {
   return found.status == AssemblyStatus::closed;
 }
 
-/// Moves the configuration `at` along the step, halved until it reduces the unbalanced forces. Returns false,
-/// and leaves `at` unchanged, if no part of the step reduces them.
+/// Moves the configuration `at` along the step. If this does not reduce the unbalanced forces, the step is
+/// halved, again and again. Returns false, and leaves `at` unchanged, if no part of the step reduces them.
 bool improve(const Model& model, Statics& statics, const Vector& step, Iterate& at, Iterate& next) {
   constexpr int most_halves = 40;
   constexpr double decrease = 1e-4;

@@ -6,12 +6,12 @@
 #include "axode/scalar/instruction_set.hpp"
 
 /// Closed loops: a spanning tree with additional loop joints. A loop joint between bodies i and j leaves a
-/// subgroup of SE(3) free. The wrenches W that are reciprocal to this subgroup close the loop: for
-/// multipliers λ, the wrench W λ acts on body j and -W λ on body i. The loop equations
-///   A = Wᵀ (J_j - J_i),   A v = 0,   A a + γ = 0
+/// subgroup of SE(3) free. Its constraint wrenches are the columns of W, which are reciprocal to this
+/// subgroup: for multipliers λ, the wrench W λ acts on body j and -W λ on body i. The loop equations
+///   A v = 0,   A a + γ = 0,   A = Wᵀ (J_j - J_i)
 /// with the Jacobians J of the bodies and γ = A' v are the same in all representations. A loop joint has six
-/// equations less its degrees of freedom: couples about x and y, then forces along x, y and z, in the frame
-/// of the joint on body j, whose z is the axis.
+/// equations minus the number of its degrees of freedom: first for couples about x and y, then for forces
+/// along x, y and z, in the frame of the joint on body j, whose z is the axis.
 namespace axode {
 
 template <class T> class LoopSystem;
@@ -55,9 +55,9 @@ template <class T>
 void loop_residual_jacobian(const Model& model, LoopWorkspace<T>& workspace, Numbers<T> q,
                             std::type_identity_t<std::span<T>> R);
 
-/// Computes the rate of R(q)ᵀ λ (nv), with the Jacobian R of the residual r of the loops, for constant λ
-/// (loops().residuals numbers) as q moves with the velocities w (nv). This is the exact product of the second
-/// derivatives of Σ λ_k r_k with w. O(n + m d) for m residuals on paths of d joints.
+/// Computes the rate of R(q)ᵀ λ (nv) as q moves with the velocities w (nv), where R is the Jacobian of the
+/// residual r of the loops and λ is constant (loops().residuals numbers). This is the exact product of w with
+/// the matrix of second derivatives of Σ λ_k r_k. O(n + m d) for m residuals on paths of d joints.
 template <class T>
 void loop_hessian_product(const Model& model, LoopWorkspace<T>& workspace, Numbers<T> q, Numbers<T> lambda,
                           Numbers<T> w, std::type_identity_t<std::span<T>> product);

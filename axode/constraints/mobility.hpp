@@ -8,8 +8,8 @@
 
 namespace axode {
 
-/// A redundant loop equation, which depends on the others: a state of internal stress that the loops can
-/// carry without external forces.
+/// A redundant loop equation: it depends on the other ones, so that the loops can carry a state of internal
+/// stress without external forces.
 struct RedundantRow {
   int row = 0;                 ///< index of the row in A
   std::string loop;            ///< name of the loop that has the row

@@ -49,8 +49,8 @@ template <class T> class AXODE_ENTRY DriveElimination {
   /// Subtracts from `forces` (nv), at the velocities with drives, the constraint forces of all loop
   /// equations, or only of those that remain after the eliminations. Returns the largest absolute product.
   T subtract_rows(bool only_remaining, T* forces) const noexcept;
-  /// Projects the drive forces `forces` (nv) so that they have the least norm. Returns false if rounding
-  /// leaves open which loop equations let drives act against each other.
+  /// Projects the drive forces `forces` (nv) to those of least norm with the same effect. Returns false if it
+  /// is not certain, within rounding errors, which loop equations let drives act against each other.
   bool take_least(const T& considerable, T* forces) noexcept;
 
   const LoopTable& table_;

@@ -28,8 +28,8 @@ struct Limbs {
 Limbs limbs_of(const Model& model, const std::vector<LoopPath>& paths, int platform);
 
 /// Divides a mechanism into limbs, parts that are coupled only through the joints of a body called the
-/// platform. Of the 16 bodies through which most loops pass, and no platform at all, the choice is made for
-/// which eliminations limb by limb cost least. O(nv + m d) for m loop equations on paths of d joints.
+/// platform. The platform is chosen such that eliminations limb by limb cost least: among the 16 bodies
+/// through which most loops pass, or none. O(nv + m d) for m loop equations on paths of d joints.
 Limbs limbs_of(const Model& model, const std::vector<LoopPath>& paths);
 
 }  // namespace axode

@@ -7,8 +7,8 @@ namespace axode {
 /// The result of place_platform().
 struct PlatformPlacement {
   bool reached = false;
-  /// The index of the limb (chain that carries the platform) with the largest residual of its loops; -1 if
-  /// the platform's own joint misses the pose.
+  /// The index of the limb (a chain that carries the platform) whose loops have the largest residual; -1 if
+  /// it is the joint of the platform that does not reach the pose.
   int limb = -1;
   double residual = 0;  ///< norm of the residual of this limb, or distance from the wanted pose if limb is
                         ///< -1, rad and m

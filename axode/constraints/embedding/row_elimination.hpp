@@ -46,9 +46,9 @@ template <class T> class RowElimination {
   int row_before(int i) const { return rows_[index(i)]; }
   int column_before(int j) const { return columns_[index(j)]; }
 
-  /// Eliminates the first columns, as long as the pivot is larger than `certain` times the largest entry in
-  /// these columns or `size`, whichever is larger. Returns whether the rank is certain, that is, whether what
-  /// is left of these columns is rounding errors.
+  /// Eliminates the first columns with pivots that are larger than a threshold: `certain` times the largest
+  /// entry in these columns or `size`, whichever is larger. Returns whether the rank is certain, that is,
+  /// whether the remaining entries of these columns are so small that they are rounding errors.
   bool run(T size = T(0)) noexcept {
     for (int k = 0; k < m_ && k < p_; ++k) {
       int best_row = k, best_column = k;
@@ -78,8 +78,9 @@ template <class T> class RowElimination {
     return true;
   }
 
-  /// Solves for the multipliers μ of the pivot rows (rank() numbers, in the order after pivoting) with which
-  /// the sum of these rows is b in the eliminated columns; b is in the original order of columns.
+  /// Solves for multipliers μ of the pivot rows such that the sum of the rows, multiplied by μ, equals b in
+  /// the eliminated columns. μ has rank() numbers in the order of the rows after pivoting; b is in the
+  /// original order of columns.
   void solve_transposed(const T* b, T* mu) const noexcept {
     for (int j = 0; j < rank_; ++j) {
       T rest = b[column_before(j)];

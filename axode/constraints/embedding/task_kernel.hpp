@@ -6,8 +6,8 @@
 
 namespace axode {
 
-/// Returns the verdict on results of a computation, or not_finite if one of their numbers is not finite.
-/// Unless this is ok(), sets all results to NaN.
+/// Returns `verdict`, or not_finite if it is ok() but one of the results is not finite. Unless the returned
+/// verdict is ok(), all results are set to NaN.
 TaskVerdict judged(TaskVerdict verdict, std::initializer_list<std::span<double>> results) noexcept;
 
 /// The equations of motion of a parallel manipulator in task velocities: components of the platform's twist,
@@ -82,8 +82,9 @@ class TaskKernel {
   void make_parts(const Limbs& limbs);
   void determine_ranks();
   void choose_components();
-  /// Orders velocities as an elimination chose its pivots: the dependent velocities, then the others, each in
-  /// ascending order. Returns the number of dependent velocities.
+  /// Sorts velocities by the pivots that an elimination chose: first the dependent velocities, which are
+  /// those of the pivots, then the others, each in ascending order. Returns the number of dependent
+  /// velocities.
   int sort(const RowElimination<double>& matrix, std::vector<int>& velocities);
   void number_columns(const std::vector<int>& velocities);
   /// Fill the matrix of a limb, or of the platform's joint, with its loop equations and eliminate the
@@ -92,9 +93,9 @@ class TaskKernel {
   bool eliminate_constraints() noexcept;
   /// Computes N for the independent carrying velocities as task velocities, N_c of (D18.4).
   void solve_constraints() noexcept;
-  /// Changes the task velocities from independent velocities of the platform's joint to the chosen components
-  /// of the platform's twist, in the matrix N that maps them to the joint's velocities. Returns whether these
-  /// components determine the motion.
+  /// Replaces the task velocities, which are independent velocities of the platform's joint, by the chosen
+  /// components of the platform's twist: changes the matrix N that maps task velocities to the velocities of
+  /// the joint. Returns whether these components determine the motion.
   bool change_to_components() noexcept;
   /// Computes the mass matrix of the spanning tree at q; entries of velocities on different paths remain 0.
   void make_tree_M(std::span<const double> q) noexcept;

@@ -96,8 +96,8 @@ class Scaled {
     }
     return angles;
   }
-  /// The twists (length ω; v) of the platform about the centre for a unit of each scaled velocity of its
-  /// joint.
+  /// Computes the twists of the platform about the centre, scaled to (length ω; v), for a unit of each scaled
+  /// velocity of its joint.
   void make_twists() {
     const std::vector<int>& carrying = kernel_.carrying();
     twists_.setZero(6, std::ssize(carrying));

@@ -26,13 +26,14 @@ struct TaskSingularity {
   std::string sentence;             ///< one sentence for the user, with the screw of the twist
 };
 
-/// Finds the singularities of a parallel manipulator near a closed configuration q: those of a limb, i.e. a
-/// chain that carries the platform (type 1), of the drives (type 2), and constraint singularities; types 1
-/// and 2 together are type 3. Their distance is the least singular value of the matrix that loses rank,
-/// divided by the largest one; those below `within` are returned. Lengths are divided by the mean distance of
-/// the loop joints on the platform from their centre, so that distances have no unit. Allocates; one singular
-/// value decomposition for each limb. Throws std::invalid_argument for a mechanism without a platform, for a
-/// wrong size of q, a q that leaves a loop open, and `within` that is not from 0 to 1.
+/// Finds the singularities of a parallel manipulator near a closed configuration q: singularities of a limb,
+/// which is a chain that carries the platform (type 1), of the drives (type 2), and constraint singularities.
+/// Types 1 and 2 together are type 3. In each singularity a matrix loses rank. The distance from it is the
+/// least singular value of this matrix divided by the largest one; singularities with a distance below
+/// `within` are returned. Lengths are divided by the mean distance of the loop joints on the platform from
+/// their centre. Allocates; one singular value decomposition for each limb. Throws std::invalid_argument for
+/// a mechanism without a platform, for a wrong size of q, a q that leaves a loop open, and `within` that is
+/// not from 0 to 1.
 [[nodiscard]] std::vector<TaskSingularity> singularities(TaskSpace& space, std::span<const double> q,
                                                          double within = 1e-3);
 

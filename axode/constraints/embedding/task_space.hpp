@@ -69,8 +69,8 @@ class TaskSpace {
   /// the platform's body, or the name of a joint velocity.
   int freedom() const;
   const std::vector<std::string>& names() const;
-  /// The number of limbs, the chains that carry the platform, and the indices of the velocities of limb l.
-  /// Velocities that no loop constrains are the last limb.
+  /// limbs() is the number of limbs, which are the chains that carry the platform, and limb(l) has the
+  /// indices of the velocities of limb l. The last limb has the velocities that no loop constrains.
   int limbs() const;
   const std::vector<int>& limb(int l) const;
 

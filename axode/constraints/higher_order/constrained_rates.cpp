@@ -14,8 +14,9 @@ namespace {
 using Vector = Eigen::VectorXd;
 using Matrix = Eigen::MatrixXd;
 
-/// Throws std::invalid_argument, with the order and the name of the loop, if a time derivative of the loop
-/// equations A v = 0 along a motion is not 0.
+/// Checks that a motion keeps the loops closed. Throws std::invalid_argument, with the order and the name of
+/// the loop, if a time derivative of A v along the motion is not 0, where A is the Jacobian of the loop
+/// equations.
 void check_motion(const Model& model, const LoopSeries& loops, Numbers<double> rates) {
   constexpr double tolerance = 1e-3;  // the tolerance is wide, because derivatives that are measured or
                                       // differenced have few correct digits

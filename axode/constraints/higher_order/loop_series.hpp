@@ -19,8 +19,8 @@ class LoopSeries {
 
   int order() const { return motion_.order(); }
 
-  /// Computes A, A', ..., A^(order) from q and v, v', ... (order + 1 rows of nv, of which the last has no
-  /// effect), with the Jacobian A of the loop equations.
+  /// Computes the Jacobian A of the loop equations and its time derivatives up to A^(order), from q and the
+  /// rates v, v', ... (order + 1 rows of nv numbers). The last row has no effect.
   void run(const double* q, const double* rates) noexcept;
 
   /// The derivative A^(k) of the rows at the last run(), loops().rows × nv.

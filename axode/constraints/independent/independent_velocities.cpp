@@ -22,9 +22,9 @@ std::string names_of(const Model& model, std::span<const int> velocities) {
   return all;
 }
 
-/// The indices, in ascending order, of the velocities that determine the others best: of well-conditioned
-/// rows of the kernel (a basis of the velocities that the loops allow), found by a QR decomposition with
-/// pivoting.
+/// Chooses the velocities that determine all others best, and returns their indices in ascending order.
+/// `kernel` has a basis of the velocities that the loops allow; a QR decomposition with pivoting chooses
+/// well-conditioned rows of it.
 std::vector<int> best_of(const Matrix& kernel) {
   if (kernel.cols() == 0) return {};  // the decomposition needs at least one column
   const Eigen::ColPivHouseholderQR<Matrix> qr(kernel.transpose());

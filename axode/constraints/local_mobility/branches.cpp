@@ -35,8 +35,8 @@ Eigen::RowVectorXd power_of(const Eigen::RowVectorXd& r, double a) {
   return out;
 }
 
-/// Makes a branch of dimension 1, a curve of configurations, from the power series z(t) of its points, in the
-/// normal form (D13.13). The dimension is 0 if z is 0.
+/// Makes a branch of dimension 1, a curve of configurations, from the power series z(t) of its points. The
+/// parameter is changed to that of the normal form (D13.13). If z is 0, the dimension of the branch is 0.
 MotionBranch curve(const PolynomialRing& line, Eigen::MatrixXd z) {
   MotionBranch out;
   const int K = line.degree();

@@ -15,9 +15,9 @@ namespace axode::higher_order {
 /// S_k x_k). Angles are in rad, and lengths are divided by a characteristic length.
 class Closure {
  public:
-  /// Makes the closure equations of all loops, with lengths divided by the characteristic length `length`, m;
-  /// 0 means the mean distance between two joints. Throws std::invalid_argument, with the name of the
-  /// loop, if a loop is a rolling contact or a belt.
+  /// Makes the closure equations of all loops. Lengths are divided by the characteristic length `length`, m;
+  /// if this is 0, by the mean distance between two joints. Throws std::invalid_argument, with the name of
+  /// the loop, if a loop is a rolling contact or a belt.
   Closure(const Model& model, std::span<const double> q0, double length = 0);
 
   int size() const { return static_cast<int>(coordinates_.size()); }

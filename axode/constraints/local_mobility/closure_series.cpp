@@ -8,8 +8,8 @@ using Series = Eigen::MatrixXd;  ///< 6 × monomials: a screw whose coordinates 
 Eigen::Matrix<double, 6, 1> column(const Screw<>& X) { return {X.w.x, X.w.y, X.w.z, X.v.x, X.v.y, X.v.z}; }
 Screw<> screw_at(const double* x) { return {{x[0], x[1], x[2]}, {x[3], x[4], x[5]}}; }
 
-/// Adds to the power series `out`, multiplied by `scale`, the bracket of the terms of X of degree a and the
-/// terms of Z of degree k - a.
+/// Computes the Lie bracket of the terms of X of degree a and the terms of Z of degree k - a, multiplies it
+/// by `scale`, and adds it to `out`. X, Z and `out` are power series of screws.
 void add_bracket(const PolynomialRing& ring, const Series& X, const Series& Z, int a, int k, double scale,
                  Series& out) {
   for (int i = ring.begin(a); i < ring.begin(a + 1); ++i) {

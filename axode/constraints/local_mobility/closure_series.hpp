@@ -5,8 +5,8 @@
 #include "axode/constraints/local_mobility/polynomial_ring.hpp"
 #include "axode/constraints/local_mobility/walks.hpp"
 
-/// Power series of the product f of the joint exponentials around a loop, which is the identity if the loop
-/// is closed, computed from brackets of joint screws. A series is a matrix of coefficients with six rows.
+/// Computes power series of the product f of the joint exponentials around a loop by brackets of joint
+/// screws. f is the identity if the loop is closed. A series is a matrix of coefficients with six rows.
 namespace axode::higher_order {
 
 /// Computes the power series V of the spatial twist of the last body of a loop, up to the given degree. The

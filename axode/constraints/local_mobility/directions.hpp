@@ -13,8 +13,9 @@ struct Direction {
 };
 
 /// Finds the directions e in which the leading form (the terms of lowest degree) of every equation vanishes.
-/// For two variables these are all common roots of binary forms; for more they are found by searches from
-/// fixed random starts. Of a cone of dimension above 1, at most a fixed number of directions is returned.
+/// For two variables these are all common roots of binary forms. For more variables they are found by
+/// searches from fixed random starts. If such directions form a cone of dimension above 1, at most a fixed
+/// number of them is returned.
 std::vector<Direction> common_zeros(const PolynomialRings& rings, const PolynomialRing& ring,
                                     const std::vector<Form>& rows);
 

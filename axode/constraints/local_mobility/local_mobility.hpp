@@ -17,9 +17,10 @@ struct ClosureCoordinate {
 };
 
 struct LocalMobilityOptions {
-  /// The highest order K of the expansion of the loop equations; 0 chooses it: 10, 9, 7, 7 and 5 if the loops
-  /// allow velocities of dimension 1, 2, 3, 4 and more; less if the computation would be too long, and up to
-  /// 4 more if the mobility is not settled at this order.
+  /// The highest order K of the expansion of the loop equations. If it is 0, the order is chosen: 10, 9, 7, 7
+  /// and 5 if the velocities that the loops allow have the dimension 1, 2, 3, 4 and more. A lower order is
+  /// chosen if the computation would take too long, and up to 4 orders are added if the mobility is not
+  /// settled.
   int order = 0;
   /// The characteristic length (m) by which lengths are divided; 0 means the mean distance of two joints.
   double length = 0;
@@ -77,8 +78,8 @@ struct MobilityCondition {
   std::vector<int> loops;  ///< indices of the loops and couplings whose equations it combines
 };
 
-/// A test for missed branches: the configurations near q with closed loops to which Newton's method leads
-/// from random starts along the velocities that the loops allow.
+/// A test for missed branches. From random starts along the velocities that the loops allow, Newton's method
+/// searches configurations near q with closed loops; each of them should lie on a branch.
 struct MobilityProbe {
   int starts = 0, closed = 0;
   int missed = 0;  ///< number of closed points that lie on none of the branches
@@ -118,9 +119,10 @@ struct LocalMobility {
   /// Whether the loop equations allow velocities that belong to no finite motion. This is so at points of
   /// some branch near q, or at q if the mechanism cannot move.
   bool shaky = false;
-  /// Whether ranks and roots of polynomials alone prove the result. They do if the loop equations are
-  /// independent, if they allow no velocities, or if they allow velocities of dimension 1 or 2 but no finite
-  /// motion. Otherwise the numerical evidence is closed configurations that Newton's method found.
+  /// Whether the result is proved by ranks of matrices and roots of polynomials alone. It is if the loop
+  /// equations are independent, if they allow no velocities, or if they allow velocities of dimension 1 or 2
+  /// but no finite motion. Otherwise it also rests on numerical evidence: closed configurations that Newton's
+  /// method found.
   bool decided_by_rank = false;
 };
 
@@ -148,11 +150,12 @@ std::vector<std::string> mobility_words(const Model& model, const LocalMobility&
 std::vector<ClosureCoordinate> closure_coordinates(const Model& model);
 
 /// Computes, for each loop joint, the sum V of the joint twists on the way around its loop, and its time
-/// derivatives d^(k-1)V/dt^(k-1) at t = 0, k = 1 ... K, along a curve q ⊕ x(t): a matrix 6 × K, spatial about
-/// the inertial origin, in rad and m. All are 0 for motions of the mechanism (D13.5). The way leads from the
-/// body where the loop's two paths meet through its first body and the loop joint back. `derivatives` has x',
-/// x'', ... as its columns (n × K, rad and m, in the order of closure_coordinates()). O(n K²) brackets.
-/// Throws std::invalid_argument for wrong sizes, numbers that are not finite, and rolling contacts and belts.
+/// derivatives at t = 0, along a curve q ⊕ x(t). The way leads from the body where the two paths of the loop
+/// meet to its first body, across the loop joint, and back. Column k of the result (6 × K, k = 1 ... K) is
+/// d^(k-1)V/dt^(k-1), spatial about the inertial origin, in rad and m. All columns are 0 if the curve is a
+/// motion of the mechanism (D13.5). `derivatives` has x', x'', ... as its columns (n × K, rad and m, in the
+/// order of closure_coordinates()). O(n K²) brackets. Throws std::invalid_argument for wrong sizes, numbers
+/// that are not finite, and rolling contacts and belts.
 std::vector<Eigen::MatrixXd> closure_derivatives(const Model& model, std::span<const double> q,
                                                  const Eigen::Ref<const Eigen::MatrixXd>& derivatives);
 

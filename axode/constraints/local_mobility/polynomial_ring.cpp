@@ -6,8 +6,8 @@
 namespace axode::higher_order {
 namespace {
 
-/// Appends to `out` the exponents of the monomials in all variables that begin with the given exponents
-/// `head`, and in which the other exponents add up to k, in descending lexicographic order.
+/// Appends to `out` the exponents of all monomials that begin with the exponents `head` and whose other
+/// exponents add up to k. Monomials are in descending lexicographic order.
 void append_exponents(int variables, int k, std::vector<int>& head, std::vector<std::vector<int>>& out) {
   if (static_cast<int>(head.size()) == variables - 1) {
     out.push_back(head);

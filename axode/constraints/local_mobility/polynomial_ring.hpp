@@ -9,9 +9,9 @@
 
 namespace axode::higher_order {
 
-/// Polynomials in d variables, truncated after degree K. Each row of a matrix of coefficients is a
-/// polynomial, and each column belongs to a monomial, sorted by degree: column 0 is the constant, column 1 +
-/// k variable k.
+/// Polynomials in d variables, truncated after degree K. They are stored as matrices of coefficients: a row
+/// is a polynomial, and a column belongs to a monomial. Columns are sorted by degree; column 0 is the
+/// constant, and column 1 + k is variable k.
 class PolynomialRing {
  public:
   static constexpr double most_products = 1e6;

@@ -1,8 +1,8 @@
 #include "axode/constraints/loop_system/loop_system.hpp"
 #include "axode/recursion/instantiate.hpp"
 
-/// Accelerations of mechanisms with loops by the fast articulated-body algorithm (D4.12), and drive forces by
-/// the fast inverse dynamics, with quantities about the origins of the bodies.
+/// Computes the accelerations of mechanisms with loops by the fast articulated-body algorithm (D4.12), and
+/// drive forces by the fast inverse dynamics. Twists and wrenches are about the origins of the bodies.
 namespace axode {
 
 template <class T>

@@ -4,8 +4,8 @@
 #include "axode/constraints/loop_system/loop_system.hpp"
 #include "axode/recursion/instantiate.hpp"
 
-/// The scaled loop equations Y = D^-½ L⁻ᵀ Aᵀ for the Jacobian A of the loop equations and the mass matrix LᵀD
-/// L of the spanning tree, their rank, and their multipliers. See "Redundant rows" of
+/// Computes the scaled loop equations Y = D^-½ L⁻ᵀ Aᵀ, their rank and their multipliers. A is the Jacobian of
+/// the loop equations, and LᵀD L the mass matrix of the spanning tree. See "Redundant rows" of
 /// docs/derivations/loop-dynamics.md.
 namespace axode {
 namespace {

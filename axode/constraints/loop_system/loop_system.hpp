@@ -128,8 +128,8 @@ template <class T> class AXODE_ENTRY LoopSystem {
   void make_rows(ConstraintLevel level) noexcept;
   void make_wrenches(ConstraintLevel level) noexcept;  ///< computes only the wrenches of make_rows(), not the
                                                        ///< entries
-  /// The non-zero entries of the Jacobian of the loop equations, for each loop: column by column of its
-  /// LoopPath, with one entry for each equation of the loop.
+  /// The entries of the Jacobian of the loop equations that can be non-zero, for each loop. They are stored
+  /// by the columns of its LoopPath; a column has an entry for each equation of the loop.
   const std::vector<std::vector<T>>& entries() const { return entries_; }
   /// Writes the entries of the rows A or R of the present level as a dense matrix, m × nv, row by row.
   void write(T* A) const noexcept;
@@ -203,8 +203,9 @@ template <class T> class AXODE_ENTRY LoopSystem {
   /// The matrix Y = D^-½ L⁻ᵀ Aᵀ (nv × m, padded with zero columns) of the last factorize_rows(), with the
   /// Jacobian A of the m loop equations and the mass matrix LᵀD L of the spanning tree.
   const RowByRow& Y() const { return Y_; }
-  /// The size of each loop equation: the square root of its diagonal entry of A M⁻¹ Aᵀ, with the Jacobian A
-  /// and the mass matrix M of the spanning tree, or a lower limit (D7.7).
+  /// The size of each loop equation, by which its rounding errors are judged: the square root of its diagonal
+  /// entry of A M⁻¹ Aᵀ, but not less than a limit (D7.7). A is the Jacobian of the equations, and M the mass
+  /// matrix of the spanning tree.
   const Vector& scale() const { return scale_; }
   const LoopTable& table() const { return table_; }
   const Link<Spatial, T>& link(int i) const { return link_[i]; }
@@ -304,8 +305,8 @@ template <class T> class AXODE_ENTRY LoopSystem {
 
     explicit TreeDynamics(Arena& arena) : recursion(arena), bodies(arena) {}
   };
-  /// Scratch memory of the fast kernels, and the motion of the bodies about the origins of their root bodies
-  /// (those joined to the ground). Its size depends on the instruction set.
+  /// Scratch memory of the fast kernels, whose size depends on the instruction set. It also has the motion of
+  /// the bodies about the origins of their root bodies (those joined to the ground).
   struct FastKernel {
     using Bodies = typename FastForwardDynamics<T>::Bodies;
     struct OriginMotion {

@@ -5,8 +5,8 @@
 namespace axode {
 
 /// Cholesky factorisation A = Rᵀ D R of a symmetric positive definite matrix with some dozens of rows, where
-/// R is upper triangular with a unit diagonal. Rows are stored in blocks of eight numbers for speed, with an
-/// additional column for a right side, and padded with zeros.
+/// R is upper triangular with a unit diagonal. For speed, rows are stored in blocks of eight numbers and
+/// padded with zeros. A right side is stored as an additional column.
 template <class T> class RowCholesky {
  public:
   using Matrix = Eigen::Matrix<T, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
@@ -25,8 +25,9 @@ template <class T> class RowCholesky {
     R_.setZero(m, room(m));
     inverse_.resize(m);
   }
-  /// The memory of the factorisation: first the matrix on and above the diagonal and a right side b in column
-  /// m, after factorize() the factor R without its diagonal and D⁻¹ R⁻ᵀ b in column m.
+  /// The memory of the factorisation. Before factorize(), the caller writes to it the matrix on and above the
+  /// diagonal, and a right side b in column m. Afterwards it contains the factor R without its diagonal, and
+  /// D⁻¹ R⁻ᵀ b in column m.
   Matrix& matrix() { return R_; }
 
   /// Factorises the m × m matrix, and replaces the right side b by D⁻¹ R⁻ᵀ b. Returns false, and leaves no

@@ -5,10 +5,10 @@
 
 namespace axode::loops {
 
-/// The span of an inextensible belt between two pulleys that turn about parallel axes (D16.15). z of the
-/// first frame is the direction of the axes, and the origins of the two frames are the centres of the
-/// pulleys. Its equation constrains velocities alone, because the pose of a pulley does not show the number
-/// of its turns.
+/// The span of an inextensible belt between two pulleys that turn about parallel axes (D16.15). The first
+/// frame has its z along the axes, and the origins of the two frames are the centres of the pulleys. The belt
+/// constrains velocities but has no residual, because the number of turns of a pulley does not follow from
+/// its pose.
 struct Belt {
   std::array<double, 2> radii = {};  ///< radii of the pulleys with their signs, m; see Loop::radii
 

@@ -31,8 +31,8 @@ LoopPath::LoopPath(const Tree<double>& tree, const LoopCoupling& coupling) : Loo
   add_bodies(topology, moved);
 }
 
-/// Collects in `bodies` the bodies on the paths from those in `from` to the ground, and in `velocities` the
-/// indices of the velocities that the articulated-body algorithm eliminates at these bodies.
+/// Finds the bodies on the paths from the bodies `from` to the ground, and adds them to `bodies`. Adds to
+/// `velocities` the indices of the velocities that the articulated-body algorithm eliminates at these bodies.
 void LoopPath::add_bodies(const Topology& topology, const std::vector<int>& from) {
   std::set<int, std::greater<>> on_paths;
   for (const int last : from)

@@ -3,8 +3,8 @@
 
 namespace axode::loops {
 
-/// A massless rod with ball joints at its ends, the origins of the two frames of the loop joint. Its only
-/// equation has the force along the rod as its wrench.
+/// A massless rod with ball joints at its ends, which are the origins of the two frames of the loop joint. It
+/// has one equation, whose constraint wrench is a force along the rod.
 struct Rod {
   double length = 0;  ///< length of the rod, m
 

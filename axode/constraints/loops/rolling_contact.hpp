@@ -4,8 +4,9 @@
 namespace axode::loops {
 
 /// A sphere or a wheel on the second body that rolls without slip on a plane of the first body. z of the
-/// first frame is the normal of the plane, and z of the second frame the axis of the wheel. The equation
-/// along the normal has a residual, the distance; the two tangential ones constrain velocities alone.
+/// first frame is the normal of the plane, and z of the second frame the axis of the wheel. There are three
+/// equations. The equation along the normal has a residual, the distance from the plane; the two tangential
+/// equations constrain velocities but have no residual.
 struct RollingContact {
   double radius = 0;  ///< radius of the sphere or wheel, m
   bool wheel = false;

@@ -8,12 +8,14 @@
 
 namespace axode::loops {
 
-/// A loop joint whose free motions form a subgroup of SE(3), given by its free directions ω_x ω_y ω_z v_x v_y
-/// v_z in the frame of the joint and by the pitch of a helical joint, v_z = pitch ω_z.
+/// A loop joint whose free motions form a subgroup of SE(3). The subgroup is given by its free directions
+/// among ω_x ω_y ω_z v_x v_y v_z in the frame of the joint and, for a helical joint, by the pitch in v_z =
+/// pitch ω_z.
 ///
-/// S spans the subalgebra of the joint, and T the wrenches with Tᵀ S = 0. The pose of the second frame
-/// relative to the first is D = g E with a motion g in the subgroup, which is removed. The residual r = Tᵀ
-/// (log R_E; r_E), with the rotation R_E and the position r_E of E, vanishes on the whole subgroup.
+/// S spans the Lie algebra of the subgroup, and T the wrenches with Tᵀ S = 0. The pose of the second frame
+/// relative to the first is written as D = g E with a motion g in the subgroup. The residual is computed from
+/// E alone: r = Tᵀ (log R_E; r_E), with the rotation R_E and the position r_E of E. It is 0 for all D in the
+/// subgroup.
 struct SubgroupClosure {
   std::array<bool, 6> free{};
   double pitch = 0;  ///< m/rad, 0 unless the joint is helical
@@ -37,8 +39,8 @@ struct SubgroupClosure {
     for (int k = 0, n = rows(); k < n; ++k) gamma[k] = power(W[k], Psi);
   }
 
-  /// Removes from the relative pose D = g E of the two frames the motion g in the subgroup of the joint, and
-  /// returns E, which is near the identity if the joint is nearly closed (D6.1).
+  /// Writes the relative pose of the two frames as D = g E, where g is a motion in the subgroup that the
+  /// joint allows, and returns E. If the joint is nearly closed, E is near the identity (D6.1).
   template <class T> SE3<T> strip(const SE3<T>& D) const {
     T theta(0);
     SO3<T> turn{};
