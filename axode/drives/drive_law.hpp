@@ -65,10 +65,10 @@ class DriveLaw {
   virtual void change(std::size_t, const DrivePoint<double>&, Statuses, std::span<double>) const noexcept {}
 };
 
-/// A DriveLaw made from a struct Law, whose functions are written once for all types T of numbers. The struct
-/// has the member template `evaluate(const DrivePoint<T>&, std::span<const int>, DriveResponse<T>&) const`,
-/// and the members states() and start() of DriveLaw; with statuses, also n_statuses(), choose(), margin() and
-/// change(). The member margin() may be a template as well, see DriveLaw.
+/// Makes a DriveLaw from a struct Law, whose functions are written once for all types T of numbers. The
+/// struct has a member template `evaluate(const DrivePoint<T>&, std::span<const int>, DriveResponse<T>&)
+/// const`, and the members states() and start() of DriveLaw. If it has statuses, it also has the members
+/// n_statuses(), choose(), margin() and change() of DriveLaw; margin() may be a template.
 template <class Law> class DriveLawOf final : public DriveLaw {
  public:
   explicit DriveLawOf(Law law) : law_(std::move(law)) {}

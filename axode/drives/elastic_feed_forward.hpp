@@ -16,8 +16,8 @@ struct ElasticDrive {
 };
 
 /// The motion and the forces of motors, referred to their joints: one number for each velocity of the model
-/// (nv). Entries without a drive are 0, and so are positions on joints with several velocities, which are
-/// driven rigidly.
+/// (nv). Entries for velocities without a drive are 0. Positions are also 0 for joints with several
+/// velocities, which have rigid drives.
 struct MotorMotion {
   std::vector<double> position;  ///< θ, rad or m
   std::vector<double> velocity;  ///< θ', rad/s or m/s
@@ -47,10 +47,10 @@ class ElasticFeedForward {
   void evaluate(std::span<const double> q, std::span<const double> rates, MotorMotion& motors,
                 const Loads<double>& loads = {});
   /// Computes positions, velocities and forces of the motors of a parallel manipulator from a configuration q
-  /// with closed loops and the rates V, V', V'' and V''' of the task coordinates, four rows of as many
-  /// numbers as the task space has dimensions. If the result is not ok(), all entries of drives are NaN.
-  /// Allocates; O(m) for m limbs. Throws std::invalid_argument for wrong sizes, results that overlap
-  /// arguments, and a space whose model does not have nv velocities.
+  /// with closed loops and `rates`: four rows V, V', V'' and V''', each with one number for every task
+  /// velocity of `space`. If the returned verdict is not ok(), the entries of all drives are NaN. Allocates;
+  /// O(m) for m limbs. Throws std::invalid_argument for wrong sizes, results that overlap arguments, and a
+  /// space whose model does not have nv velocities.
   [[nodiscard]] TaskVerdict evaluate(TaskSpace& space, std::span<const double> q,
                                      std::span<const double> rates, MotorMotion& motors,
                                      const Loads<double>& loads = {});

@@ -67,8 +67,8 @@ class Statics {
     at.rates.tail(nominal_.size()) = as_eigen(Span(dx)).cwiseQuotient(nominal_);
     at.residual = at.rates.size() > 0 ? at.rates.lpNorm<Eigen::Infinity>() : 0;
   }
-  /// The step of Newton's method: displacements of q (nv numbers, rad or m, at most 1 in magnitude), and
-  /// changes of the drive states as multiples of their nominal values.
+  /// The step of Newton's method: displacements of q (nv numbers, rad or m, at most 1 in magnitude), then the
+  /// changes of the drive states, each divided by the nominal value of the state.
   Vector step(const AtRest& at) {
     const DriveLinearization linear = linearize_with_drives(model_, drives_, t_, at.q, still_, at.x);
     const Eigen::Index nv = model_.nv(), nx = nominal_.size(), n = nv + nx;

@@ -18,8 +18,9 @@ template <class Law> std::shared_ptr<const DriveLaw> shared(Law law) {
   return std::make_shared<DriveLawOf<Law>>(std::move(law));
 }
 
-/// The time constant (s) with which the integrator of a saturated PID controller follows the limit: the given
-/// one if finite; otherwise the ratio K_p/K_i of proportional and integral gain, or 1 s if one of them is 0.
+/// The time constant (s) with which the integrator of a saturated PID controller is driven back to the limit.
+/// It is the given one if this is finite; otherwise the ratio K_p/K_i of the proportional and the integral
+/// gain, or 1 s if one of the gains is 0.
 double tracking_time(double given, double K_p, double K_i) {
   if (std::isfinite(given)) return given;
   return K_i > 0 && K_p > 0 ? K_p / K_i : 1;

@@ -349,8 +349,8 @@ Eigen::RowVectorXd Instance::row(const Variable& it, const Eigen::MatrixXd& all)
   refuse(it, "is no unknown of a derivative: unknowns are rates, outputs and gaps of stops");
 }
 
-/// The column of a variable in the Jacobian of the equations of motion; empty for a parameter. Throws
-/// std::invalid_argument if there are no derivatives by the variable.
+/// Finds the column of a variable in the Jacobian of the equations of motion; empty for a parameter, which
+/// has no column. Throws std::invalid_argument if derivatives by the variable do not exist.
 std::optional<Eigen::Index> Instance::column(const Variable& known) const {
   const std::size_t nq = at_.q.size(), nv = at_.v.size(), nx = at_.x.size();
   const auto at = [](std::size_t k) { return static_cast<Eigen::Index>(k); };

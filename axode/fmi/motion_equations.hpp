@@ -32,8 +32,9 @@ struct Point {
 /// Converts wrenches, six numbers for each frame, to loads on the frames with the given indices.
 std::vector<AppliedWrench<>> applied(std::span<const double> wrenches, std::span<const int> frames);
 /// The time derivatives of a state: q', the accelerations a = v', and the rates x' of the drive states.
-/// `reserves` has a number that is negative when a status must change, for each velocity with dry friction or
-/// a gear with losses (DryFriction::reserve()), and then for each play and hard stop (Plays::reserve()).
+/// `reserves` are numbers that become negative when a status must change: one for each velocity with dry
+/// friction or a gear with losses (DryFriction::reserve()), then one for each play and hard stop
+/// (Plays::reserve()).
 struct Rates {
   std::vector<double> dq, a, dx, reserves = {};
 };
@@ -59,12 +60,13 @@ class MotionEquations {
     friction_ = friction;
   }
 
-  /// Normalises quaternions, closes loops and follows prescribed motions by corrections of q and v at the
-  /// time in `at`, and then chooses the statuses of the drives and of dry friction. Throws std::runtime_error
-  /// if the loops cannot be closed, and NoRates.
+  /// Corrects a state at the start: normalises quaternions, closes loops and follows prescribed motions at
+  /// the time in `at`, by changes of q and v. Then chooses the statuses of the drives and of dry friction.
+  /// Throws std::runtime_error if the loops cannot be closed, and NoRates.
   void start(Point& at);
-  /// Lets plays and hard stops meet their ends after start(), which may change v. Throws
-  /// std::invalid_argument for a play or joint beyond an end. Without this call they are free.
+  /// Finds out which plays and hard stops are at an end, after start(). Those that move against their end
+  /// have an impact, which changes v. Throws std::invalid_argument for a play or joint beyond an end. Without
+  /// this call all plays and stops are free.
   void start_plays(Point& at);
   Rates rates(const Point& at);
   /// Whether there are loops, prescribed motions or plays at an end, which close() keeps closed.
@@ -88,8 +90,8 @@ class MotionEquations {
   /// The poses of frames, given by indices, with 12 numbers each: columns of the rotation, then position.
   std::vector<double> poses(const Point& at, std::span<const int> frames);
 
-  /// The exact derivatives of (q', v', x', poses), one below the other, by (q, v, x, tau, wrenches), with the
-  /// present statuses of drives, dry friction and plays, without losses of gears.
+  /// The derivatives of (q', v', x', poses), one below the other, by (q, v, x, tau, wrenches). They are
+  /// exact, with the present statuses of drives, dry friction and plays, but without losses of gears.
   Eigen::MatrixXd jacobian(const Point& at, std::span<const int> frames);
   /// The derivatives of the accelerations (nv) by a parameter; its has_derivative must be true.
   Eigen::VectorXd acceleration_by(const Point& at, const Parameter& parameter);

@@ -59,8 +59,8 @@ struct Parameter {
   double step = 0.25;
 };
 
-/// An elastic stop of a joint whose gap is an event indicator: side × (limit - p) for the position p =
-/// ratio q + offset, where q is the coordinate with the index `coordinate`.
+/// An elastic stop of a joint. Its gap, side × (limit - p), is an event indicator of the FMU. p = ratio q +
+/// offset is the position of the joint, where q is the coordinate with the index `coordinate`.
 struct Stop {
   std::size_t coordinate = 0;
   double ratio = 1, offset = 0, limit = 0;

@@ -96,8 +96,8 @@ struct DcMotor {
 
  private:
   Saturation voltage() const { return {u_max}; }
-  /// The voltage (V), counted in the direction `sign` of the current, by which the input exceeds the voltage
-  /// that would hold the current at its limit: if positive, the input drives the current beyond the limit.
+  /// How far the input exceeds the voltage that would hold the current at its limit (V), counted in the
+  /// direction `sign` of the current. If it is positive, the input drives the current beyond the limit.
   template <class T>
   T drive_at_limit(const DrivePoint<T>& at, std::span<const int> statuses, int sign) const {
     return T(sign) * (voltage().of(at.u, statuses[0]) - holding_voltage(at));

@@ -31,8 +31,8 @@ struct HydraulicCylinder {
     x[2] = at.u;
   }
 
-  /// φ(p) = p/(p² + p_smooth²)^(1/4), smooth and about sign(p) √|p|: the flow through a valve is proportional
-  /// to φ of the pressure difference p.
+  /// The function φ(p) = p/(p² + p_smooth²)^(1/4), a smooth approximation of sign(p) √|p|. The flow through a
+  /// valve is proportional to φ of the pressure difference p.
   template <class T> T root(const T& p) const {
     using std::sqrt;
     return p / sqrt(sqrt(p * p + T(p_smooth * p_smooth)));
