@@ -62,7 +62,7 @@ class TemporaryFile {
   std::unique_ptr<std::FILE, int (*)(std::FILE*)> file_;
 };
 
-/// Runs gnuplot, which reads the script from standard input, and returns its output; empty if gnuplot is not
+/// Runs gnuplot with the script on its standard input, and returns its output; empty if gnuplot is not
 /// installed.
 std::optional<Outcome> gnuplot(const std::string& script) {
   TemporaryFile in, out, err;
@@ -148,8 +148,8 @@ std::vector<std::size_t> thinned(const std::vector<double>& y) {
   return places;
 }
 
-/// The distance of the numbers at an axis: the smallest step of 1, 2 or 5 times a power of ten such that the
-/// length `whole` has at most `most` steps; 0 if `whole` is not positive and finite.
+/// The step between the numbers at an axis: the smallest of 1, 2 or 5 times a power of ten such that the
+/// range `whole` has at most `most` steps. It is 0 if `whole` is not positive and finite.
 double round_step(double whole, double most) {
   if (!(whole > 0) || !std::isfinite(whole)) return 0;
   const double power = std::pow(10, std::floor(std::log10(whole / most)));

@@ -67,9 +67,9 @@ class ChartFile {
 void add_plot_option(CLI::App& command, std::string& file);
 /// Adds the option --columns to a command that draws a chart.
 void add_columns_option(CLI::App& command, std::vector<std::string>& columns);
-/// Keeps only the curves of a chart that `columns` names; all if it is empty. An entry names all curves of a
-/// panel, a curve by one of its names, or one curve of a panel by the names of the panel and of the curve.
-/// Throws UsageError if an entry names no curve.
+/// Keeps only the curves of a chart that an entry of `columns` names, or all curves if it is empty. An entry
+/// is the name of a panel, which names all of its curves; a name of a curve; or the name of a panel and a
+/// name of one of its curves. Throws UsageError if an entry names no curve.
 void keep_columns(Chart& chart, const std::vector<std::string>& columns);
 /// The file of a picture that an option names; empty if the option has no value.
 std::optional<ChartFile> chart_file(const std::string& file);

@@ -17,8 +17,8 @@ Json contacts_json(const std::vector<std::string>& shapes, std::span<const Conta
 /// A table of contact points: names of the shapes, position, normal, gap, forces, and whether they slide.
 std::string contacts_table(const std::vector<std::string>& shapes, std::span<const ContactForce> contacts);
 
-/// Two panels of a chart with the normal and the friction forces over the given times, with a curve for each
-/// pair of shapes that press on each other; empty if there is no contact.
+/// Two panels of a chart, one for the normal forces and one for the friction forces in contacts at the given
+/// times. Each has a curve for each pair of shapes that press on each other. Empty if there is no contact.
 std::vector<Panel> contact_panels(const Trajectory& motion, const std::vector<double>& times);
 
 }  // namespace axode::command

@@ -49,8 +49,8 @@ void gather(const std::vector<std::string>& headings, const std::vector<std::vec
     for (const std::size_t k : at) rows.numbers.push_back(line[k]);
 }
 
-/// Gathers the columns `load moment: NAME x` to `load force: NAME z` of all frames NAME of a model that have
-/// them as the tables "loads" and "load_frames".
+/// Collects the loads in a table with the columns `load moment: NAME x` to `load force: NAME z`: the frames
+/// NAME of the model that have these columns become "load_frames", and the numbers become "loads".
 void gather_loads(const Model& model, const std::vector<std::string>& headings, Tables& out,
                   const std::vector<std::vector<double>>& lines) {
   const std::map<std::string_view, std::size_t> places = [&] {

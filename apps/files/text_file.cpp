@@ -30,8 +30,9 @@ std::string reason(int error) { return std::strerror(error); }
 
 fs::path folder_of(const fs::path& file) { return file.has_parent_path() ? file.parent_path() : "."; }
 
-/// The file to which the symbolic links of `file` lead; it need not exist. Empty if the file must be written
-/// directly: it is a device or a pipe, or a link of /proc to a file that some process has open.
+/// The file that is to be replaced to write to `file`: the one to which symbolic links lead, which need not
+/// exist. Empty if the file must be written directly, because it is a device or a pipe, or a link in /proc to
+/// an open file of a process.
 std::optional<fs::path> replaceable(fs::path file) {
   constexpr int most_links = 40;  // the limit of Linux
   std::error_code failed;
@@ -45,7 +46,7 @@ std::optional<fs::path> replaceable(fs::path file) {
   return file;
 }
 
-/// Blocks, while the object exists, the signals that would end the program in the middle of a file, and
+/// Blocks signals while the object exists: those that would end the program before a file is complete, and
 /// SIGXFSZ, the signal of a file that exceeds its size limit, which is reported as an error instead.
 class BlockedSignals {
  public:

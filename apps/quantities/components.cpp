@@ -55,8 +55,8 @@ std::string unit_name(Component::Kind kind, const std::vector<std::string_view>&
   return kind == Component::quaternion ? "quaternion" : std::string(units[kind == Component::angle ? 0 : 1]);
 }
 
-/// Splits a list of units such as "N m, N". An ending " per unit of ..." is appended to each unit, and " for
-/// angles" and " for lengths" are removed.
+/// Splits a list of units such as "N m, N" at its commas. If the list ends with " per unit of ...", this is
+/// appended to each unit. The words " for angles" and " for lengths" are removed.
 std::vector<std::string> list_of(const std::string& units) {
   const std::size_t end = std::min(units.find(" per unit"), units.size());
   std::vector<std::string> all;

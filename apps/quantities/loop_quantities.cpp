@@ -22,8 +22,9 @@ std::size_t number_of(const Model& model, Rows kind) {
   return static_cast<std::size_t>(kind == Rows::velocities ? model.loops().rows : model.loops().residuals);
 }
 
-/// An Answer, the text and JSON that `axode eval` prints, with the array x: for each constraint equation of
-/// the loops, of velocities or of positions as `kind` says, a number for each name in `columns`.
+/// Makes the Answer, the text and JSON that `axode eval` prints, from the array x. For each constraint
+/// equation of the loops, x has a number for each name in `columns`. `kind` says whether the equations are
+/// those for velocities or for positions.
 Answer answer_by_rows(const Question& ask, std::string units, Rows kind, const std::vector<double>& x,
                       const std::vector<std::string>& columns) {
   std::vector<std::string> headings{"loop"};
@@ -45,8 +46,8 @@ Answer answer_by_rows(const Question& ask, std::string units, Rows kind, const s
   return answer;
 }
 
-/// An Answer, the text and JSON that `axode eval` prints, with the matrix that `write` computes: a row for
-/// each constraint equation of the loops and a column for each velocity.
+/// Makes the Answer, the text and JSON that `axode eval` prints, from a matrix that `write` computes. It has
+/// a row for each constraint equation of the loops and a column for each velocity.
 template <class F> Answer matrix_answer(const Question& ask, Rows kind, const F& write) {
   LoopWorkspace<> workspace(ask.model);
   std::vector<double> matrix(number_of(ask.model, kind) * ask.state.v.size());

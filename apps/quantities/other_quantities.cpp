@@ -9,8 +9,9 @@
 #include "axode/kinematics/system_matrices.hpp"
 #include "axode/model/inertial_parameters.hpp"
 
-/// The quantities of `axode eval` with an order of differentiation or with targets, factors of matrices, and
-/// equations of motion for the twists or momenta of the bodies.
+/// Quantities that `axode eval` computes by functions of their own: derivatives of a given order, inverse
+/// kinematics with targets, factors of matrices, and equations of motion for the twists or momenta of the
+/// bodies.
 namespace axode::command {
 namespace {
 
@@ -86,8 +87,8 @@ Answer jerk_answer(const Question& ask) { return twist_derivative(ask, 2); }
 Answer snap_answer(const Question& ask) { return twist_derivative(ask, 3); }
 Answer twist_derivative_answer(const Question& ask) { return twist_derivative(ask, ask.order); }
 
-/// A tensor of derivatives as nested lists: one index for each of `order` derivatives, the outermost
-/// derivative first, then six rows of nv entries.
+/// Converts a tensor of derivatives to nested lists. There is a level of lists for each of the `order`
+/// derivatives, the outermost derivative first; the innermost lists are six rows of nv entries.
 template <class Column> Json nested(std::span<const Column> tensor, int order, int nv) {
   if (order == 0) return rows_of(tensor);
   Json list = Json::array();
@@ -183,8 +184,9 @@ Answer mass_matrix_factors_answer(const Question& ask) {
   return answer;
 }
 
-/// An Answer, the text and JSON that `axode eval` prints, for equations of motion of the twists or momenta of
-/// the bodies: the velocities v, and for each body the rate of its six unknowns.
+/// Makes the Answer, the text and JSON that `axode eval` prints, for equations of motion whose unknowns are
+/// the twists or the momenta of the bodies. It has the velocities v, and for each body the rates of the six
+/// components of its twist or momentum.
 template <class Rate>
 Answer body_rates_answer(const Question& ask, std::string details, std::string units,
                          std::vector<std::string> headings, const char* key, const std::vector<double>& v,

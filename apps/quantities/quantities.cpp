@@ -42,8 +42,9 @@ std::string rate_axes(Representation representation) {
   }
   return "w' in the frame's own axes; v' = r'' of its origin in inertial axes";
 }
-/// The axes of a wrench and the point of its moment, in words. `whose` is "frame" or "body"; `own` describes
-/// the point in the body-fixed and mixed representations, `point` that in the hybrid one.
+/// Says in words in which axes a wrench is given and about which point its moment is. `whose` is "frame" or
+/// "body". `own` names the point in the body-fixed and mixed representations, and `point` names it in the
+/// hybrid one.
 std::string wrench_axes(Representation representation, const char* whose, const char* own,
                         const std::string& point) {
   switch (representation) {

@@ -24,8 +24,8 @@ struct WrittenMotion {
   Eigen::MatrixXd loads;
 };
 
-/// Samples a motion, which was computed under the given drive and loads, at the ends of its steps or, if
-/// `samples` is positive, of `samples` equal intervals.
+/// Samples a motion at the ends of its steps or, if `samples` is positive, at the ends of `samples` equal
+/// intervals. The motion must have been computed under the given drive and loads.
 WrittenMotion written_motion(const Trajectory& motion, const Drive& drive, const Loads<>& loads, int samples);
 
 /// The numbers of a motion as CSV: a line with the names of the columns, then a row for each time.

@@ -22,8 +22,9 @@ In ~/.bashrc: source <(axode completion bash). In ~/.zshrc, after compinit: sour
 For fish: axode completion fish > ~/.config/fish/completions/axode.fish. `cmake --install` installs them.
 The scripts call axode with the WORDS of a command line, and axode prints the completions of the last word.)";
 
-/// The scripts for the shells. They call axode with all words of the command line, the last to be completed.
-/// Each line of its output is a word, a tab and a description; `:files` means the names of files.
+/// Scripts that complete command lines of axode in shells. They call axode with all words of the command
+/// line, of which the last is to be completed. Each line that axode prints is a word, a tab and a
+/// description; the word `:files` stands for names of files.
 constexpr const char* bash = R"sh(# Completion of axode for bash.
 _axode() {
   mapfile -t COMPREPLY < <(
@@ -88,8 +89,9 @@ void add_values(Offer& offer, const CLI::Option& option) {
   if (type.find('|') != std::string::npos) add(CLI::detail::split(type, '|'), std::identity());
 }
 
-/// Adds the commands and the values of positional arguments, or the options if there are none or the word to
-/// be completed begins like one.
+/// Adds the words that can complete a command line: the options of the command if the word to be completed
+/// begins like an option, otherwise its commands and the values of its positional arguments. If there are
+/// none of these, the options are added.
 void add_words(Offer& offer, const CLI::App& command, bool is_option, bool with_equals) {
   if (!is_option) {
     for (const CLI::App* sub : commands(command))

@@ -9,8 +9,8 @@ namespace axode::command {
 /// A cell of a table: a text, or a number, which is written with as many decimals as its column needs.
 using Cell = std::variant<std::string, double>;
 
-/// A table for a terminal. Numbers are aligned on the decimal point, with six digits for the largest of a
-/// column; empty columns are left out.
+/// A table for a terminal. Numbers in a column are aligned on the decimal point and have so many decimals
+/// that the largest of them has six digits. Empty columns are left out.
 class Table {
  public:
   explicit Table(std::vector<std::string> headings) : headings_(std::move(headings)) {}
@@ -20,8 +20,8 @@ class Table {
   Table& rule();
   bool empty() const { return rows_.empty(); }
 
-  /// All numbers of the table with names: the words before a number in its row and the heading of its column.
-  /// An empty cell stands for the word in the row above.
+  /// All numbers of the table, each with a name that is made of the words before it in its row and the
+  /// heading of its column. An empty cell repeats the word in the row above.
   std::vector<std::pair<std::string, double>> numbers() const;
 
   /// The table as text: the underlined headings, then the rows, each a line that ends in a newline.

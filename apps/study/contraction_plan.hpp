@@ -6,11 +6,11 @@
 
 namespace axode::command {
 
-/// The order in which a tree is contracted to the ground. A node is a segment of the tree, named by its first
-/// body: a body, or a chain of bodies. A step joins a node with the node above it by the joint between them.
-/// It rakes a node without children, or it compresses two nodes with one child each. Steps that do not name
-/// the same nodes can be made at the same time, and the number of rounds grows with log n. See Miller and
-/// Reif, Parallel tree contraction and its application, FOCS 1985.
+/// The order in which a tree is contracted to the ground. A node is a body or a chain of bodies, named by its
+/// first body. A step joins a node with the node above it, by elimination of the joint between them. There
+/// are two kinds of steps: a rake joins a node without children, and a compression joins two nodes with one
+/// child each. Steps that do not name the same nodes can be made at the same time, in one round; the number
+/// of rounds grows with log n. See Miller and Reif, Parallel tree contraction and its application, FOCS 1985.
 struct ContractionPlan {
   struct Step {
     int upper, lower;  ///< first bodies; upper is 0 for the ground

@@ -3,8 +3,8 @@
 
 #include "axode/lie/twist.hpp"
 
-/// Six numbers and 6 x 6 matrices for the study's own algorithms, with the products that they need. Symmetric
-/// results are computed once for each pair of entries.
+/// Vectors of six numbers and 6 x 6 matrices, with those products that the algorithms of the study need. If a
+/// result is symmetric, each pair of equal entries is computed once.
 namespace axode::command {
 
 template <class T> using Six = std::array<T, 6>;

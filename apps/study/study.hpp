@@ -48,8 +48,9 @@ class Subject {
   /// velocities first, then the rates of the momenta.
   virtual std::vector<double> results_of(Algorithm algorithm) = 0;
 };
-/// Makes a Subject in a representation Rep of twists: BodyFixed, Spatial, Hybrid or Mixed; or Fast, with
-/// Frames = JointFrames and a state without loads.
+/// Makes a Subject in a representation Rep of twists and in the body frames Frames. Rep is BodyFixed,
+/// Spatial, Hybrid or Mixed, or Fast for the library's fastest algorithms; Fast requires Frames = JointFrames
+/// and a state without loads.
 template <class Rep, class Frames>
 std::unique_ptr<Subject> make_subject(const Model& model, const State& state);
 /// The number of operations of one call of an algorithm, which the subject must be able to run.

@@ -35,8 +35,8 @@ Numbers one_velocity(const BoundModel& m, const char* name, nb::handle given) {
   return numbers;
 }
 
-/// The reference motion that a controller follows: `q` is an axode.Trajectory, or a configuration with the
-/// velocities v and the accelerations a, which may be None.
+/// The reference motion that a controller follows. `q` is either an axode.Trajectory, or one configuration,
+/// to which the velocities v and the accelerations a belong, each of which may be None.
 Reference reference(const BoundModel& m, nb::handle q, nb::handle v, nb::handle a) {
   if (const Trajectory* motion = motion_in(q)) {
     for (const auto& [name, given] : {std::pair{"v", v}, {"a", a}})

@@ -35,8 +35,8 @@ nb::object call_back(const nb::callable& f, double t, std::span<const double> q,
   return f(t, to_array(q), to_array(v));
 }
 
-/// Calls f(k) for 0 <= k < count until Ctrl-C is pressed. If count > 20, other Python threads run meanwhile,
-/// unless f calls back into Python.
+/// Calls f(k) for k = 0 to count - 1, and stops if Ctrl-C is pressed. If count > 20, other Python threads can
+/// run during the call, unless f calls back into Python.
 template <class F> void each_of(std::size_t count, const F& f, bool calls_back = false) {
   LongCall call(!calls_back && count > 20);
   const batch::Monitor monitor = call.monitor();

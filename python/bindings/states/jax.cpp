@@ -404,8 +404,9 @@ template <void (*f)(const Call&)> xla::Error* handler(xla::CallFrame* frame) {
 
 nb::capsule capsule(xla::Handler* of) { return nb::capsule(reinterpret_cast<void*>(of)); }
 
-/// The structure of a model as a dict: for each joint screw its body, the index of its velocity and the ratio
-/// by which this moves it; for each body its predecessor; for each frame its body.
+/// The structure of a model as a Python dict. For each joint screw it has the body, the index of the velocity
+/// that moves it, and the ratio by which this velocity moves it; for each body the predecessor; and for each
+/// frame the body.
 nb::dict structure(const BoundModel& m) {
   nb::list bodies, velocities, ratios, parents, frames;
   for (int i = 1; i <= m->n_bodies(); ++i) {

@@ -64,8 +64,9 @@ class States {
     return NewArray(many_ ? item.times(static_cast<nb::ssize_t>(count_)) : item);
   }
 
-  /// Calls f(workspace, k) for every state k, where `microseconds` is the cost of one state. If all states
-  /// take more than 20 µs, or if threads > 1, other Python threads run meanwhile, and Ctrl-C ends the call.
+  /// Calls f(workspace, k) for every state k. `microseconds` is the cost of one state. If all states together
+  /// take more than 20 µs, or if threads > 1, other Python threads can run during the call, and Ctrl-C ends
+  /// it.
   template <class W = Workspace<>, class F> void each(double microseconds, const F& f) const {
     if (threads_ > 1 || takes_long(microseconds)) return on_cores<W>(f);
     const BoundModel::Lease<W> workspace(bound_);
@@ -86,8 +87,9 @@ class States {
     if (takes_long(microseconds)) released.emplace();
     return f();
   }
-  /// Calls f(monitor) once for all states. Other Python threads run meanwhile if it takes more than 20 µs. f
-  /// must call monitor(done, of) now and then, which notices Ctrl-C, and end when it returns false.
+  /// Calls f(monitor) once for all states. If the states together take more than 20 µs, other Python threads
+  /// can run during the call. f must call monitor(done, of) now and then, which notices Ctrl-C, and must end
+  /// if it returns false.
   template <class F> auto unlocked(double microseconds, const F& f) const {
     LongCall call(takes_long(microseconds));
     const auto outcome = f(call.monitor());
@@ -96,7 +98,7 @@ class States {
   }
 
   /// Calls f(k, should_continue) for every state k. f must call should_continue() now and then, which notices
-  /// Ctrl-C, and end when it returns false.
+  /// Ctrl-C, and must end if it returns false.
   template <class F> void each_long(double microseconds, const F& f) const {
     unlocked(microseconds, [&](const batch::Monitor& monitor) {
       const std::thread::id caller = std::this_thread::get_id();
@@ -114,10 +116,10 @@ class States {
     });
   }
 
-  /// Throws SingularError or NotFiniteError, which contain the result, if states failed. `found` has the
-  /// verdict of each state and may be empty. States with results that are not finite failed, too, by default
-  /// for the reason `otherwise`; only the NaN of an operational-space inertia that does not exist is no
-  /// failure.
+  /// Throws an error if some states failed: SingularError or NotFiniteError, which contain the result.
+  /// `found` says for each state whether and why it failed, and may be empty. States with results that are
+  /// not finite have failed too, by default for the reason `otherwise`. The NaN of an operational-space
+  /// inertia that does not exist is not a failure.
   void refuse(const std::vector<Solvability>& found, NewArray& result,
               const Solvability& otherwise = {.not_finite = true}) const;
   /// Throws an error of the type `error` of axode.errors. `refused` are the indices of the states that could
@@ -158,8 +160,8 @@ class Rows {
   Items items_;
 };
 
-/// A dict with no other keys than `keys` and all keys in `needed`. Throws nb::value_error or nb::key_error,
-/// which name the argument.
+/// Returns `given` as a dict after checking its keys: all of them must be in `keys`, and all keys in `needed`
+/// must be there. Throws nb::value_error or nb::key_error, which name the argument.
 template <std::size_t N>
 nb::dict entries_of(nb::handle given, const std::string& where, const std::array<std::string_view, N>& keys,
                     std::initializer_list<const char*> needed) {

@@ -12,8 +12,9 @@
 
 namespace axode::python {
 
-/// A Model that Python holds, with workspaces (scratch memory), one for each thread that has used it at the
-/// same time. Whoever takes or returns a workspace must hold the interpreter's lock.
+/// A Model that Python holds, with its workspaces (scratch memory). There are as many workspaces as threads
+/// have used the model at the same time. A thread that takes or returns a workspace must hold the
+/// interpreter's lock.
 class BoundModel {
  public:
   explicit BoundModel(Model model) : model_(std::move(model)) {}

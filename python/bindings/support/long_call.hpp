@@ -7,8 +7,8 @@
 
 namespace axode::python {
 
-/// A call from Python that may take long. Other Python threads may run meanwhile. The computation must call
-/// monitor() now and then; it notices Ctrl-C and returns false if the call must end.
+/// Use this in a call from Python that may take long. Other Python threads can run during the call. The
+/// computation must call monitor() now and then, which notices Ctrl-C and returns false if the call must end.
 class LongCall {
  public:
   /// `release`: whether other Python threads may run meanwhile, which does not pay off for short calls.

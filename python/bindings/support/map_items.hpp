@@ -16,8 +16,8 @@ namespace axode::python {
 template <class T> struct Item;
 template <class T> inline constexpr Infinities infinities_of = Infinities::refused;
 
-/// Throws nb::value_error if the matrix `given` differs by more than 1e-6 of its largest entry from `made`,
-/// the matrix of the item, such as an inertia, that was read from it.
+/// Checks an item, such as an inertia, that was read from a matrix. `made` is the matrix of the item. Throws
+/// nb::value_error if it differs from the matrix `given` by more than 1e-6 of the largest entry.
 void check_structure(const char* argument, const char* expected,
                      const Eigen::Ref<const Eigen::MatrixXd>& given,
                      const Eigen::Ref<const Eigen::MatrixXd>& made);
@@ -161,7 +161,7 @@ template <class... T> class Results<std::tuple<T...>> {
 };
 
 /// Calls f for every item and returns arrays of the results. If there are many items, other Python threads
-/// run meanwhile, and Ctrl-C ends the call.
+/// can run during the call, and Ctrl-C ends it.
 template <class F, class... T> auto map_items(const F& f, const Given<T>&... given) {
   const std::array operands{Operand(given.name, given.array, Item<T>::shape, infinities_of<T>)...};
   const Shape leading = common_leading(operands);

@@ -24,8 +24,8 @@ std::array<vectorcallfunc, 8> nanobind_calls{};
 /// The Python function that composes a sentence: (function, arguments, keyword arguments) -> str or None.
 nb::handle explanation;
 
-/// Replaces nanobind's error for arguments that do not fit, if it is the present Python error, by a TypeError
-/// with the sentence that `explanation` returns.
+/// Is called after a call from Python has failed. If the present Python error is nanobind's error for
+/// arguments that do not fit, replaces it by a TypeError with the sentence that `explanation` returns.
 void explain(PyObject* function, PyObject* const* given, std::size_t count, PyObject* keywords) {
   nb::python_error error;
   try {
