@@ -23,20 +23,19 @@ struct AtRestOptions {
   bool joint_losses = false;     ///< whether dry friction of joints acts
 };
 
-/// Computes the contact points at a configuration q, and the forces that act there at the instant at which
-/// the mechanism is at rest and is let go: M a = τ - b(q, 0) + Jᵀ f, with the mass matrix M, the forces b of
-/// gravity and loads, and the Jacobian J of the contact velocities. The accelerations a and the contact
-/// forces f obey Signorini's and Coulomb's laws (D11.1), written for accelerations instead of velocities. A
-/// point with a gap of at most `touching` can press, also in overlap; all other points within the margin have
-/// no force. Hard stops and closed loops take part; if joint_losses is set, so does dry friction of joints. τ
-/// are the drive forces (nv, or empty if they are 0), to which the forces of the springs of the mechanism are
-/// added.
+/// Computes the contact points at a configuration q, and the forces that act there when the mechanism is let
+/// go at rest: M a = τ - b(q, 0) + Jᵀ f, with the mass matrix M, the forces b of gravity and loads, and the
+/// Jacobian J of the contact velocities. The accelerations a and the contact forces f obey Signorini's and
+/// Coulomb's laws (D11.1), written for accelerations instead of velocities. A point with a gap of at most
+/// `touching`, or with an overlap, can have a force; all other points within the margin have none. Hard stops
+/// and closed loops act; if joint_losses is set, dry friction of joints acts too. τ are the drive forces (nv,
+/// or empty if they are 0), to which the forces of the springs of the mechanism are added.
 ///
-/// If several points carry one load, its distribution over the points is arbitrary; the sum of the forces and
-/// their moment are not. Throws std::invalid_argument for arguments of a wrong size or with numbers that are
-/// not finite, a load on a frame that does not exist, prescribed motions, drives with states, couplings with
-/// play, gears with losses if joint_losses is set, a singular mass matrix, and more contact points than 64
-/// times the number of shapes. Allocates.
+/// If several points carry one load, its distribution over the points is not unique, but the sum of their
+/// forces and the sum of their moments are. Throws std::invalid_argument for arguments of a wrong size or
+/// with numbers that are not finite, a load on a frame that does not exist, prescribed motions, drives with
+/// states, couplings with play, gears with losses if joint_losses is set, a singular mass matrix, and more
+/// contact points than 64 times the number of shapes. Allocates.
 ContactsAtRest contacts_at_rest(const Model& model, const ContactShapes& shapes, Numbers<double> q,
                                 Numbers<double> tau = {}, const AtRestOptions& options = {},
                                 const Loads<>& loads = {});

@@ -40,12 +40,12 @@ template <class Rep, class T> struct MotionWeights {
   Wrench<BodyFixed, T> X;
   Wrench<Rep, T> V, dV;
 };
-/// Receives the gradients of a weighted sum of the components of pose, twist and its rate with respect to q,
-/// v and a, nv entries each. They must not overlap.
+/// Receives the gradients, with respect to q, v and a (nv entries each), of a weighted sum of the components
+/// of the pose, the twist and the twist rate of a place. They must not overlap.
 template <class T> struct MotionGradients { std::span<T> q, v, a; };
-/// Computes the gradient of the sum of the components of the pose, of the twist V and of V' of a place, a
-/// frame or a point on a body, weighted with w, with respect to q, v and a. O(n). For several places, add the
-/// results.
+/// Computes the gradient, with respect to q, v and a, of a weighted sum of the components of the displacement
+/// of a place (a frame or a point on a body), of its twist V and of V'. w has the weights. O(n). For several
+/// places, add the results.
 template <RecursionRepresentation Rep, class T>
 void motion_vjp(const Model& model, Workspace<T>& workspace, Numbers<T> q, Numbers<T> v, Numbers<T> a,
                 const std::type_identity_t<Place<T>>& place,

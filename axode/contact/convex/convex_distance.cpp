@@ -54,8 +54,8 @@ void ascend(CorePair& pair, Candidate& c, int rounds) noexcept {
   }
 }
 
-/// Computes the distance of two cores that are apart, as the least norm in their difference, and the
-/// candidate c for it. If the cores overlap, c does not change.
+/// Computes the distance of two cores that are apart, and the candidate c with this distance. The distance is
+/// the least norm of a point in the difference of the cores. If the cores overlap, c does not change.
 void approach(CorePair& pair, Candidate& c) noexcept {
   Candidate direct;
   direct.n = c.n;

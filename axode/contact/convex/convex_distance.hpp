@@ -25,8 +25,8 @@ struct ConvexDistance {
   bool proved() const noexcept;
 };
 
-/// A start for convex_distance(), left by an earlier call: the normal in the axes of a, and the hull vertices
-/// that were found last. It changes only the time of a call, not its result.
+/// What an earlier call of convex_distance() leaves for the next one, to make it faster: the normal in the
+/// axes of body a, and the hull vertices that were found last. The result does not depend on it.
 struct WarmStart {
   Vec3<> normal{};
   int vertex_a = 0, vertex_b = 0;

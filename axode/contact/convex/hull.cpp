@@ -102,8 +102,8 @@ class HullBuilder {
     }
     hull_.first_corner.push_back(static_cast<int>(hull_.corners.size()));
   }
-  /// Adds the corners of the convex polygon around the vertices of the given triangles, projected along n, by
-  /// Andrew's monotone chain.
+  /// Adds the face that a set of triangles in one plane forms, as a convex polygon: the corners of the convex
+  /// hull of their vertices, projected along the normal n. The method is Andrew's monotone chain.
   void outline(const std::vector<std::size_t>& members, const Vec3<>& n) {
     struct Corner {
       double x, y;

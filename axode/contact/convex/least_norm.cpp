@@ -7,9 +7,9 @@ namespace {
 
 using Weights = std::array<double, 4>;
 
-/// Computes the weights mu, of sum 1, with which the vertices of a simplex, each shifted by `shift`, give the
-/// point of least norm of their affine hull, by orthogonalisation of the edges from the last vertex (D10.6).
-/// Returns false if the vertices are affinely dependent.
+/// Computes weights mu whose sum is 1 such that the weighted sum of the vertices of a simplex, each shifted
+/// by `shift`, is the point of least norm in their affine hull (D10.6). The edges from the last vertex are
+/// orthogonalised. Returns false if the vertices are affinely dependent.
 bool affine_weights(const Simplex& x, const Vec3<>& shift, Weights& mu) noexcept {
   const int edges = x.count - 1;
   const Vec3<> base = x.vertex[edges].w, start = base + shift;

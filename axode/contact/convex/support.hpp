@@ -17,8 +17,8 @@ template <class T> Vec3<T> perpendicular(const Vec3<T>& n) {
   return unit(across_x ? Vec3<T>{T(0), -n.z, n.y} : Vec3<T>{-n.y, n.x, T(0)});
 }
 
-/// The unit vector along the part of n that is perpendicular to the unit vector `axis`, or `otherwise` if n
-/// is parallel to the axis. The result is perpendicular to the axis to rounding.
+/// Returns the unit vector along the part of n that is perpendicular to the unit vector `axis`; if n is
+/// parallel to the axis, returns `otherwise`. The result is perpendicular to the axis to rounding.
 template <class T> Vec3<T> across(const Vec3<T>& axis, const Vec3<T>& n, const Vec3<T>& otherwise) {
   const Vec3<T> side = cross(axis, n);
   const T sine2 = dot(side, side);

@@ -51,8 +51,8 @@ LawBranch differentiate(const LawBlock& block, const double* z, LawMatrix<rows>&
 /// The branch of the law of a block at the trial impulse z.
 LawBranch branch_of(const LawBlock& block, const double* z) noexcept;
 
-/// Projects z on the friction cone if the block is a contact, and computes resolve(z) otherwise: the
-/// resolvent of a convex approximation of the law, by which sliding contacts separate.
+/// Projects z for a convex approximation of the law, in which contacts separate when they slide. For a
+/// contact this is the projection on the friction cone; for all other blocks it is resolve(z).
 void project(const LawBlock& block, const double* z, double* lambda) noexcept;
 
 /// Calls f with the number of rows of a block as a compile-time constant.

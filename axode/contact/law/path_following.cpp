@@ -3,9 +3,9 @@
 
 #include "axode/contact/law/velocity_solver.hpp"
 
-/// Follows the path of the solutions of proximal steps as their factor R falls from large to small values,
-/// for contact problems in which Newton's method fails. See "Following the path" of
-/// docs/derivations/contact.md.
+/// A method for contact problems in which Newton's method fails. The solution of a proximal step depends on
+/// its factor R; the method follows this solution, a path, as R falls from large to small values. See
+/// "Following the path" of docs/derivations/contact.md.
 namespace axode {
 namespace {
 

@@ -121,8 +121,8 @@ template <class F> void SparseFactor::each_adjacent(int cluster, const F& f) noe
     for (std::uint64_t bits = row[w]; bits != 0; bits &= bits - 1) f(64 * w + std::countr_zero(bits));
 }
 
-/// Finds the order of elimination: repeatedly eliminates a cluster with the least number of adjacent
-/// clusters. The adjacency bits of an eliminated cluster remain as they were when it was eliminated.
+/// Chooses the order in which clusters are eliminated: the next one is always a cluster with the least number
+/// of adjacent clusters. For each cluster, bits say which clusters were adjacent when it was eliminated.
 void SparseFactor::order_clusters() noexcept {
   words_ = clusters_ / 64 + 1;
   std::fill_n(adjacent_.begin(), clusters_ * words_, 0);

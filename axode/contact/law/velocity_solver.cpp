@@ -9,8 +9,8 @@
 namespace axode {
 namespace {
 
-/// The number ε that Newton's method on the law adds (D11.9) to make its matrix regular, so that redundant
-/// contacts keep their load.
+/// The number ε of (D11.9), by which Newton's method on the law changes its matrix. The matrix is then
+/// regular although contacts are redundant, and redundant contacts keep their load.
 constexpr double keep = 1e-9;
 /// The approximate number of columns of Y that are multiplied at once when Y B Yᵀ is computed.
 constexpr int most_columns = 48;

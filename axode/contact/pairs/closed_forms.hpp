@@ -16,8 +16,9 @@ template <class T>
 void touch_plane(const SE3<T>& plane, const ContactShape& shape, const SE3<T>& pose,
                  PointList<T>& out) noexcept;
 
-/// Contact points of two spheres or capsules. Spheres have one point. Capsules have a point where their axes
-/// are nearest, and points at both ends of the part along which they lie side by side.
+/// Adds the contact points of two spheres or capsules. If one is a sphere, there is one point. Two capsules
+/// have a point where their axes are nearest, and points at both ends of the part along which they lie side
+/// by side.
 template <class T>
 void touch_round(const ContactShape& a, const SE3<T>& A, const ContactShape& b, const SE3<T>& B,
                  PointList<T>& out) noexcept;

@@ -120,8 +120,9 @@ template <class T> struct FirstOrder {
       for (std::ptrdiff_t c = 0; c < tree->nv; ++c) by_v(c, c, T(tree.damping[static_cast<std::size_t>(c)]));
   }
 
-  /// Calls f(given wrench, body, point, moment, force) for each load on a moving body, with vectors in
-  /// inertial axes; the point is relative to the origin of the root of the body.
+  /// Calls f(load, body, point, moment, force) for each load on a moving body: the load as it was given, its
+  /// body, its point, and the moment and the force. Vectors are in inertial axes, and the point is relative
+  /// to the origin of the root of the body.
   template <class F>
   void each_load(const Tree<T>& tree, std::span<const AppliedWrench<T>> wrenches, const F& f) const noexcept {
     for (const AppliedWrench<T>& given : wrenches) {

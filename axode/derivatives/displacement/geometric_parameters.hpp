@@ -1,10 +1,10 @@
 #pragma once
 #include "axode/model/tree.hpp"
 
-/// Geometric parameters π (Müller, section 6.2), six for each body i, which displace the subtree of body i
-/// before its joint along a unit screw U: C_i = C_p B_i exp(U π) exp(X_i q_i), with the pose B_i of body i
-/// relative to the predecessor p at joint coordinates zero and the joint screws X_i. U is resolved in the
-/// frame that body i has at joint coordinates zero.
+/// Geometric parameters π (Müller, section 6.2), six for each body i. Each displaces the subtree of body i,
+/// before its joint moves, along a unit screw U: C_i = C_p B_i exp(U π) exp(X_i q_i). C_i and C_p are the
+/// poses of body i and its predecessor p, B_i is the pose of body i relative to p at joint coordinates zero,
+/// and X_i are the joint screws. U is resolved in the frame that body i has at joint coordinates zero.
 namespace axode {
 
 /// The pose of the frame of body i at joint coordinates zero, relative to its present internal frame.

@@ -48,10 +48,10 @@ template <class T> struct GeometryDerivatives {
   }
 
  private:
-  /// Writes to `line` the derivatives of the joint forces of the screws from `begin` to `end` - 1 for a
-  /// displacement, along a screw J, of a subtree that contains their joints (D1.18). psi has the time
-  /// derivatives of J as a screw that is fixed to the body before the subtree. `loaded` says whether there
-  /// are loads.
+  /// Computes the derivatives of the joint forces for a displacement of a subtree along a screw J (D1.18),
+  /// and writes them to `line`: one for each of the joint screws from `begin` to `end` - 1, whose joints must
+  /// be in the subtree. psi has the time derivatives of J as a screw that is fixed to the body before the
+  /// subtree. `loaded` says whether there are loads.
   void multiply(const CarriedScrew<T>& psi, const Motion6<T>& J, int begin, int end, bool loaded) noexcept {
     using Part = typename FirstOrder<T>::Part;
     for (int c = begin; c < end; c += L::width) {

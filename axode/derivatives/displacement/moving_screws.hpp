@@ -9,8 +9,9 @@
 
 namespace axode {
 
-/// Inertia M, Coriolis inertia B and wrench F of a body, or their sums over bodies, from which the change of
-/// F follows when the bodies are displaced (D1.11). They are in inertial axes about one point for each tree.
+/// The inertia M, the Coriolis inertia B and the wrench F of a body, or their sums over bodies. The change of
+/// F follows from them when the bodies are displaced (D1.11). They are in inertial axes about one point for
+/// each tree.
 template <class T> struct MovingInertia {
   Inertia<T> M;
   CoriolisInertia<T> B;
@@ -189,9 +190,9 @@ template <class T> struct MovingScrews {
   Motion6<T> screw(int c) const { return {S.get3(0, c), S.get3(3, c)}; }
 
  private:
-  /// Stores the joint screw S_c (column c), and adds its parts v S_c and a S_c + v [V_p, S_c], with its
-  /// velocity v, its acceleration a and the twist V_p of the predecessor, to the twist of the body and its
-  /// rate.
+  /// Adds the motion of one joint screw S_c (column c) with the velocity v and the acceleration a, and stores
+  /// the screw. The twist of the body increases by v S_c, and its rate by a S_c + v [V_p, S_c], where V_p is
+  /// the twist of the predecessor.
   void add(int c, const Motion6<T>& S_c, const SpatialMotion& p, const T& v, const T& a,
            SpatialMotion& next) noexcept {
     set6(S, c, S_c);

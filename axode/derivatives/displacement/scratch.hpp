@@ -21,8 +21,8 @@ template <class T> struct ForwardJvp {
   explicit ForwardJvp(Arena& arena)
       : forward(arena), jvp(arena), zero(arena.per_velocity<T>()), x(arena.per_velocity<T>()) {}
 
-  /// Computes the change x = M⁻¹ (dtau - ∂τ/∂q dq - ∂τ/∂v dv) of the accelerations of forward dynamics for
-  /// the changes dq, dv and dtau of its arguments, with the mass matrix M and the derivatives of inverse
+  /// Computes the change of the accelerations of forward dynamics for the changes dq, dv and dtau of its
+  /// arguments: M⁻¹ (dtau - ∂τ/∂q dq - ∂τ/∂v dv), with the mass matrix M and the derivatives of inverse
   /// dynamics at these accelerations (D1.24).
   Solvability run(const Tree<T>& tree, const T* q, const T* v, const T* tau, const T* dq, const T* dv,
                   const T* dtau, const Loads<T>& loads) noexcept {
@@ -108,9 +108,9 @@ template <class T> struct CarryingScrews {
   }
 };
 
-/// The joint screws that move the two ends of a spring, or of one segment of a spring over several points,
-/// relative to each other, and the derivatives of the spring's coordinate and of its rate by the positions of
-/// these joints.
+/// The joint screws that move the two ends of a spring, or of a segment of a spring over several points,
+/// relative to each other. For each of these screws, it also has the derivatives of the spring's coordinate
+/// and of its rate by the position of the joint.
 template <class T> struct SpringColumns {
   struct Column {
     int end, body, c;  ///< index of the end, of the body and of the velocity

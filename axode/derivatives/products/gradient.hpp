@@ -103,8 +103,8 @@ template <class G, class T> struct InverseDynamicsGradient {
     body[i].n_f -= Vector(n.f);
   }
 
-  /// The backward sweep, from the leaves to the root: adds the gradients of λ·τ by q, v and a to by_q, by_v
-  /// and by_a.
+  /// The backward sweep, from the leaves to the root. Adds to by_q, by_v and by_a the gradients by q, v and a
+  /// of λ·τ, the weighted sum of the forces of inverse dynamics.
   template <class S>
   void backward(const Tree<S>& tree, const T* v, const T* a, const T* lambda, T* by_q, T* by_v,
                 T* by_a) noexcept {
@@ -145,8 +145,9 @@ template <class G, class T> struct InverseDynamicsGradient {
   }
   bool loaded = false;  ///< whether there are loads, so that n is not 0
 
-  /// The gradient, a wrench, of λ·τ with respect to a displacement of the whole subtree of body i before its
-  /// joint. Requires backward(). V_J is the twist of the body relative to its predecessor.
+  /// The gradient of λ·τ, the weighted sum of the forces of inverse dynamics, with respect to a displacement
+  /// of the whole subtree of body i, joint included. It is a wrench. backward() must have been called. V_J is
+  /// the twist of the body relative to its predecessor.
   template <class S>
   Wrench<BodyFixed, T> by_displacement(const Tree<S>& tree, int i, const Twist<BodyFixed, T>& V_J, const T* a,
                                        const T* lambda) const noexcept {

@@ -83,8 +83,9 @@ template <class T> struct InverseDynamicsVjp {
     gradient.backward(tree, v, a, lambda, by_q, by_v, by_a);
   }
 
-  /// Calls f(i, u, derivative) with the derivatives of λ·τ with respect to the geometric parameters of all
-  /// bodies, which displace the subtree of body i along unit screw u before its joint. Requires run().
+  /// Calls f(i, u, derivative) for all geometric parameters: body i and unit screw u. The parameter displaces
+  /// the subtree of body i along the unit screw, before its joint moves, and `derivative` is the derivative
+  /// by it of λ·τ, the weighted sum of the forces of inverse dynamics. run() must have been called.
   template <class F>
   void each_parameter(const Tree<T>& tree, const T* q, const T* v, const T* a, const T* lambda,
                       const F& f) const noexcept {

@@ -51,9 +51,10 @@ template <class T> struct ScrewCurvature {
   }
 };
 
-/// Receives the second derivatives along the pairs of directions (q, q), (q, v), (v, v) and (a, q), or (τ, q)
-/// in forward dynamics: nv × nv numbers each, [outer derivative][inner derivative]. qq is symmetric, except
-/// within joints of several velocities, where the outer displacement comes first.
+/// Receives second derivatives along the pairs of directions (q, q), (q, v), (v, v) and a fourth pair, which
+/// is (a, q) for inverse and (τ, q) for forward dynamics: nv × nv numbers each, [outer derivative][inner
+/// derivative]. qq is symmetric, except within joints of several velocities, where the outer displacement
+/// comes first.
 template <class T> struct HessianBlocks { T *qq, *qv, *vv, *aq; };
 
 /// Computes the second partial derivatives of λ·τ of inverse dynamics in O(n d) on paths of d velocities:

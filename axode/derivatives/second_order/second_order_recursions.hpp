@@ -39,8 +39,8 @@ template <class T> void drive_rates(const Tree<T>& tree, const T* rates, bool jo
 
 template <class Rep, class T> struct SecondOrderRecursion;
 
-/// The recursion in body-fixed twists: twists and wrenches are differentiated in the axes of the bodies,
-/// which turn, by (D3.1) to (D3.5) of docs/derivations.
+/// The recursion in body-fixed twists, by (D3.1) to (D3.5) of docs/derivations. Twists and wrenches are
+/// differentiated by components, in the axes of the bodies.
 template <class T> struct SecondOrderRecursion<BodyFixed, T> {
   using V6 = Twist<BodyFixed, T>;
   using W6 = Wrench<BodyFixed, T>;
