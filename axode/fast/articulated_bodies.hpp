@@ -36,8 +36,9 @@ template <class G, class T> struct FastArticulatedBodies {
     Articulated M;
     Vector m, f;
   };
-  /// Angular velocity ω, angular acceleration ω' and acceleration r'' of the origin of a body for zero joint
-  /// accelerations. accelerate() uses w and a for the parts that are due to joint accelerations.
+  /// The motion of a body for zero joint accelerations: its angular velocity ω, its angular acceleration ω',
+  /// and the acceleration r'' of its origin. accelerate() uses the members w and a for the parts of ω' and
+  /// r'' that are due to joint accelerations.
   struct Motion {
     Vector w, dw, a;
     Factor w_, dw_;
@@ -80,7 +81,8 @@ template <class G, class T> struct FastArticulatedBodies {
     update_kinematics_and_bias(tree, q, v, motion, [](int, const Matrix&, const Motion&, const Vector&) {});
   }
   /// Computes axes, origins, inertias and bias wrenches of all bodies. Calls put(i, R, motion, u) for every
-  /// body i with its rotation R, its motion, and the velocity u of its origin less that of its predecessor's.
+  /// body i with its rotation R, its motion, and the velocity u of its origin relative to the origin of its
+  /// predecessor, in inertial axes.
   template <class S, class Put>
   [[gnu::always_inline]] void update_kinematics_and_bias(const Tree<S>& tree, const T* q, const T* v,
                                                          Motion* motion, Put&& put) noexcept {
@@ -420,8 +422,8 @@ template <class G, class T> struct FastArticulatedBodies {
       return k >= 0 && k < L::width ? L::load(shifted.data() + L::width - k) : Several(T(0));
     }
   }
-  /// Computes axes, origin and inertia of body i. last_R is the rotation of body i - 1 before the call and
-  /// that of body i after it.
+  /// Computes axes, origin and inertia of body i. Before the call last_R must be the rotation of body i - 1;
+  /// after it, last_R is the rotation of body i.
   template <class S>
   [[gnu::always_inline]] void update_kinematics(const Tree<S>& tree, int i, const T* q,
                                                 Matrix& last_R) noexcept {

@@ -27,9 +27,10 @@ template <class T> struct FastForwardDynamics {
     bodies.accelerate(tree, motion, a);
     return true;
   }
-  /// The first two sweeps of forward dynamics, without accelerate(). Calls put(i, R, motion, u) for every
-  /// body i with its rotation, its motion, and the velocity u of its origin less that of its predecessor's.
-  /// Returns false if joints are coupled or the mass matrix may be singular.
+  /// The first two sweeps of forward dynamics; accelerate() is the third one. Calls put(i, R, motion, u) for
+  /// every body i with its rotation R, its motion, and the velocity u of its origin relative to the origin of
+  /// its predecessor, in inertial axes. Returns false if joints are coupled or the mass matrix may be
+  /// singular.
   template <class Put>
   [[gnu::always_inline]] bool prepare(const Tree<T>& tree, const T* q, const T* v, const T* tau,
                                       const Loads<T>& loads, Put&& put) noexcept {

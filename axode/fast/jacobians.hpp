@@ -93,8 +93,8 @@ template <class T, class G = typename FastGeometry<T>::type> struct FastJacobian
         return {X.w, v};
     }
   };
-  /// Writes the Jacobian J of one place for a tree with coupled joints. The screws of several joints may
-  /// belong to one velocity; they are added up.
+  /// Writes the Jacobian J of one place for a tree with coupled joints. If several joints have the same
+  /// velocity, its column is the sum of their screws.
   template <class Rep>
   [[gnu::noinline]] void add_up(const Tree<T>& tree, int i, const ScrewInRep<Rep>& in_rep,
                                 Twist<Rep, T>* J) const noexcept {

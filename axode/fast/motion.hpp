@@ -98,8 +98,9 @@ template <class T, bool rates, class G = typename FastGeometry<T>::type> struct 
     if constexpr (std::same_as<Rep, Mixed>) angular = transposed<G, T>(R, F.R) * Spread(angular);
     return {angular, linear};
   }
-  /// Changes the motion x of a frame with the angular velocity w to that of another frame fixed to the same
-  /// body, with the rotation to.R and the origin at to.r from that of x.
+  /// Converts the motion x of a frame to the motion of another frame that is fixed to the same body. w is the
+  /// angular velocity of the body. The other frame has the rotation to.R, and to.r is the vector to its
+  /// origin from the origin of the first frame.
   static void carry(Body& x, const Factor& w, const Placed<G>& to) noexcept {
     const Factor d(to.r);
     const Vector w_d = cross(w, d);
@@ -181,8 +182,8 @@ template <class T, bool rates, class G = typename FastGeometry<T>::type> struct 
   }
 
  private:
-  /// The twist of a body, and its rate, in another body-fixed frame, whose axes are rotated by R relative to
-  /// those of `from` (Rt is Rᵀ) and whose origin is at r.
+  /// The twist and the twist rate of a body in another body-fixed frame. Relative to the frame of `from`, the
+  /// axes of this frame are rotated by R (Rt is Rᵀ), and its origin is at r.
   static Body seen(const Body& from, const Matrix& Rt, const Factor& r) noexcept {
     const auto of = [&](const Vector& w, const Vector& v) { return Rt * Spread(v + cross(Factor(w), r)); };
     Body out{Rt * Spread(from.w), of(from.w, from.v), from.dw, from.dv};

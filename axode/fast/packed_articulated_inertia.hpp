@@ -2,8 +2,8 @@
 #include "axode/lie/packed.hpp"
 #include "axode/recursion/articulated_inertia.hpp"
 
-/// The articulated inertia in registers of four lanes, a symmetric matrix [[A, B], [Bᵀ, L]] in inertial axes
-/// about the origin of a body, and the steps of the articulated-body algorithm for it and for
+/// Articulated inertias stored in registers of four lanes: symmetric matrices [[A, B], [Bᵀ, L]] in inertial
+/// axes about the origin of a body. The steps of the articulated-body algorithm are written for them and for
 /// ArticulatedInertia.
 namespace axode {
 

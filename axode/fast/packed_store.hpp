@@ -2,9 +2,9 @@
 #include "axode/fast/poses.hpp"
 #include "axode/lie/twist.hpp"
 
-/// Stores the results of fast kernels: vectors, each in a register of four lanes with one unused, become
-/// consecutive numbers in memory. Several vectors are combined so that each store fills a register if
-/// possible.
+/// Stores results of fast kernels as consecutive numbers in memory. A kernel has each vector in a register of
+/// four lanes, of which one is not used. If possible, several vectors are combined so that each store fills a
+/// register.
 namespace axode {
 
 namespace packed {

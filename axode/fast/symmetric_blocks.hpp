@@ -5,8 +5,9 @@
 #include "axode/fast/lanes.hpp"
 #include "axode/scalar/transpose.hpp"
 
-/// Storage of symmetric matrices by square blocks with their columns in SIMD lanes. Only blocks on and above
-/// the diagonal are computed; those below are their transposes.
+/// Stores symmetric matrices that are computed in square blocks, with the columns of a block in SIMD lanes.
+/// Blocks on and above the diagonal are computed; each block below the diagonal is the transpose of one above
+/// it.
 namespace axode {
 
 template <class T> using SquareBlock = std::array<typename Lanes<T>::Number, Lanes<T>::width>;
