@@ -6,8 +6,8 @@
 
 namespace axode {
 
-/// The states, impulses, and sliding and bouncing contacts of a substep with contact, from which its
-/// derivative is computed. A substep is a whole step, unless that was repeated in parts.
+/// What the derivative of a substep with contact needs: its states, its impulses, and which contacts slide
+/// and bounce. A substep is a whole step, or a part of a step that was repeated in parts.
 struct ContactPart {
   using Vector = Eigen::VectorXd;
   /// The distance of a joint from a stop (rad or m) up to which the stop is closed at the end of a step.

@@ -17,8 +17,8 @@ class ContactRecord {
   }
 
   void clear() noexcept;
-  /// Sets the points of contact at the end of a step, or of a part of it, to `found`. A point that received
-  /// an impulse and is not in `found` stays where it was.
+  /// Sets the recorded points of contact at the end of a step, or of a part of it, to `found`. A recorded
+  /// point that received an impulse but is not in `found` keeps its position.
   void locate(std::span<const Contact> found);
   /// Adds the impulses of `contacts`, whose constraints come first in `problem`. lambda are the multipliers
   /// of all constraints, and u the velocities along them after the impulses. A contact is recorded as
@@ -26,8 +26,8 @@ class ContactRecord {
   /// velocities.
   void add(const VelocityProblem& problem, std::span<const Contact> contacts, const double* lambda,
            const double* u, double velocity_norm);
-  /// Ends a step of length h (s): impulses become mean forces, and points without an impulse are removed if
-  /// their gap is above the margin of the shapes.
+  /// Ends a step of length h (s). Impulses are converted to mean forces, and points that received no impulse
+  /// are removed if their gap is above the margin of the shapes.
   void finish(double h);
 
   /// The points of contact and their mean forces after finish(), in ascending order of their keys.

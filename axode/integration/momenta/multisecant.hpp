@@ -7,8 +7,9 @@
 
 namespace axode {
 
-/// Anderson acceleration of a fixed-point iteration x ← g(x) by the secants of its last three steps: the next
-/// x is the combination of the last values g for which the predicted residual g - x is least.
+/// Anderson acceleration of a fixed-point iteration x ← g(x). The next x is a combination of the last four
+/// values of g; it is the combination for which the residual g - x, predicted linearly from the last steps,
+/// is least.
 class Multisecant {
  public:
   void reserve(std::size_t n) {

@@ -22,9 +22,10 @@ inline Eigen::Map<const Eigen::VectorXd> as_eigen(const std::vector<double>& x) 
 inline constexpr const char* no_convergence =
     "the iteration of the step did not converge; try a shorter step";
 
-/// Anderson acceleration of a fixed-point iteration x += dx(x), such as Newton's method with an approximate
-/// matrix: the next x is the combination of the results x + dx of the last steps for which the predicted dx
-/// is least. The iteration converges even if the matrix has the wrong sign in a few directions.
+/// Anderson acceleration of a fixed-point iteration x += dx(x), for example Newton's method with an
+/// approximate matrix. The next x is the combination of the results x + dx of the last steps for which the dx
+/// that is predicted linearly is least. The iteration converges even if the matrix has the wrong sign in a
+/// few directions.
 class AndersonIteration {
  public:
   using Vector = Eigen::VectorXd;
@@ -38,10 +39,10 @@ class AndersonIteration {
   /// `norm` measures the first part of x, which must consist of velocities or accelerations.
   explicit AndersonIteration(const EnergyNorm& norm) : norm_(&norm) {}
 
-  /// Takes a step of the iteration: x and dx are given in parts, and the next x replaces x. The iteration has
-  /// converged if the first part of dx is a rounding error compared with `size`, or, with the x of the least
-  /// dx, if dx is small, has not halved in four steps, and is_rounding() says that it consists of rounding
-  /// errors.
+  /// Takes a step of the iteration: x and dx are given in parts, and the next x replaces x. There are two
+  /// ways to converge. Either the first part of dx is a rounding error compared with `size`. Or dx is small,
+  /// it has not halved in four steps, and is_rounding() says that it consists of rounding errors; then x
+  /// becomes the x with the least dx.
   template <class F> Status update(double size, std::initializer_list<Part> parts, const F& is_rounding) {
     constexpr double rounding = 2e-14, noisy = 1e-10, ill_conditioned = 1e-7;
     constexpr int most = 60, patience = 4;

@@ -8,9 +8,9 @@
 
 namespace axode {
 
-/// A norm of velocities with different units (rad/s, m/s) by their energies, |v| = √Σ m_c v_c², where m_c
-/// bounds the inertia M_cc of velocity c; and the dual norm |p| = √Σ p_c²/m_c of momenta and forces, for
-/// which |M v| is of the size of |v|. Velocities without inertia are ignored.
+/// A norm of velocities whose units differ (rad/s, m/s): |v| = √Σ m_c v_c², where m_c is a bound on the
+/// inertia M_cc of velocity c, so that v_c counts by its energy. For momenta and forces the dual norm is |p|
+/// = √Σ p_c²/m_c, by which |M v| has the size of |v|. Velocities without inertia are ignored.
 class EnergyNorm {
  public:
   using Vector = Eigen::VectorXd;
@@ -41,8 +41,8 @@ class EnergyNorm {
   }
   /// The weights √m_c of the velocities.
   const Vector& weights() const { return root_; }
-  /// The value of velocity c whose norm is `size` if all others are 0. A velocity without inertia counts like
-  /// that with the largest inertia.
+  /// The value that velocity c must have so that the norm is `size` if all other velocities are 0. A velocity
+  /// without inertia is treated like the one with the largest inertia.
   double alone(Eigen::Index c, double size) const {
     return size / (root_[c] > 0 ? root_[c] : root_.maxCoeff());
   }

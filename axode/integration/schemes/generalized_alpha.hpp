@@ -88,8 +88,8 @@ template <class System> class GeneralizedAlpha {
     }
     return {t, "Newton's method did not converge; a shorter step may help"};
   }
-  /// accept() keeps the mean acceleration at the end of the step for the next step. restart() replaces it by
-  /// the accelerations a_0, after a jump.
+  /// accept() stores the mean acceleration at the end of the step, with which the next step starts. restart()
+  /// replaces it by the accelerations a_0; it must be called after a jump.
   void accept() { mean_0_ = mean_; }
   void restart(const Vector& a_0) { mean_0_ = a_0; }
 

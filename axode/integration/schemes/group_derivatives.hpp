@@ -7,10 +7,9 @@
 
 namespace axode {
 
-/// Derivatives of q ⊕ x and of dexp⁻¹_{-x} y, the rate of x for the velocity y, on the configurations of a
-/// tree: if q is displaced by η, x by δx and y by δy,
-///   q ⊕ x is displaced by Ad_{exp(-x)} η + dexp_{-x} δx,
-///   dexp⁻¹_{-x} y changes by dexp⁻¹_{-x} δy + (D dexp⁻¹_{-x} y) δx.
+/// Derivatives of two maps on the configurations of a tree. If q is displaced by η and x changes by δx, then
+/// q ⊕ x is displaced by Ad_{exp(-x)} η + dexp_{-x} δx. If x changes by δx and y by δy, then dexp⁻¹_{-x} y,
+/// the rate of x for the velocity y, changes by dexp⁻¹_{-x} δy + (D dexp⁻¹_{-x} y) δx.
 class GroupDerivatives {
  public:
   using Matrix = Eigen::MatrixXd;  ///< matrix with a row for each velocity
@@ -48,8 +47,9 @@ class GroupDerivatives {
         });
   }
 
-  /// add() adds to `out` the product of one of the maps that at() computes, such as dexp_{-x}, with z for all
-  /// joints, and add_transposed() that of its transpose. z and out have nv rows, and one or more columns.
+  /// Products with one of the maps that at() computes for all joints, such as dexp_{-x}. add() adds the
+  /// product of the map and z to `out`, and add_transposed() the product of the transposed map and z. z and
+  /// `out` have nv rows and one or more columns.
   void add(Block Joints::*map, const Matrix& z, Matrix& out) const {
     add_to(map, z, out, [](const Block& block) -> const Block& { return block; });
   }

@@ -17,9 +17,9 @@ class PhaseSpace {
   explicit PhaseSpace(const Model& model)
       : tree_(&model.tree<double>()), group_(*tree_), kernels_(model.topology()), own_(size(model)) {}
 
-  /// Computes p = M v and f = τ + ∂L/∂q with loads and losses, so that p' = f + ad_vᵀ p (D5.2), with the
-  /// Lagrangian L and the joint forces tau. g[i] is the gravity (m/s²) that acts on root body i and its
-  /// subtree.
+  /// Computes the momenta p = M v and the forces f = τ + ∂L/∂q, with the Lagrangian L and the joint forces
+  /// tau; loads and losses are included in f. The rates of the momenta are then p' = f + ad_vᵀ p (D5.2). g[i]
+  /// is the gravity (m/s²) that acts on root body i and its subtree.
   void partials(const double* q, const double* v, std::span<const Vec3<>> g, std::span<const double> tau,
                 const Loads<double>& loads, double* p, double* f) {
     const Tree<double>& tree = *tree_;
