@@ -52,7 +52,7 @@ template <class S> class Accelerations {
   std::shared_ptr<ClosedMotion> loops_;
 };
 
-/// Which joint losses act in a motion: `damping` is set if damping acts, and `friction` if dry friction or
+/// The joint losses that act in a motion: `damping` is set if damping acts, and `friction` if dry friction or
 /// losses of gears act. With `friction`, steps must find out which joints stick and slide.
 struct Losses {
   bool damping, friction;

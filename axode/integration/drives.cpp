@@ -146,10 +146,11 @@ void ComputedTorque::operator()(double t, Span q, Span v, std::span<double> tau)
   for (std::size_t c = 0; c < tau.size(); ++c) tau[c] -= springs_[c];
 }
 
-/// Finds the drive forces u for which the driven velocities have the accelerations w. Accelerations are a₀ +
-/// R u, where column k of R is the response to a unit force of drive k. With the matrix B that selects the
-/// driven velocities, u is the least-squares solution of B R u = B (w - a₀), independent of units and masses
-/// because the symmetric matrix B R is scaled by its diagonal.
+/// Finds the drive forces u that give the driven velocities the accelerations w of the control law. The
+/// accelerations of all joints are a₀ + R u: a₀ without drive forces, and column k of R for a unit force of
+/// drive k. With the matrix B that selects the driven velocities, u is the least-squares solution of B R u =
+/// B (w - a₀). B R is symmetric and scaled by its diagonal, so that the result depends neither on units nor
+/// on the sizes of masses.
 bool ComputedTorque::make_possible(Span q, Span v) {
   std::vector<int> drives;
   for (int c = 0; c < model_.nv(); ++c)

@@ -101,16 +101,16 @@ class ProportionalDerivative : public Tracking {
 };
 
 /// A computed-torque controller: τ = ID(q, v, a_d + kd (v_d - v) + kp x) minus the spring forces of the
-/// model, with inverse dynamics ID, the reference q_d, v_d and a_d, and the deviation x defined by q ⊕ x =
-/// q_d. Hence small deviations obey x'' + kd x' + kp x = 0. kp is in 1/s², kd in 1/s. Loads and joint losses
-/// are not compensated. Throws std::invalid_argument if gains are negative or not finite, or if their number
-/// is not 1 or nv.
+/// model. ID are the forces of inverse dynamics, q_d, v_d and a_d are the reference, and the deviation x is
+/// defined by q ⊕ x = q_d. Hence small deviations obey x'' + kd x' + kp x = 0. kp is in 1/s², kd in 1/s.
+/// Loads and joint losses are not compensated. Throws std::invalid_argument if gains are negative or not
+/// finite, or if their number is not 1 or nv.
 ///
-/// In a mechanism with loops or passive joints, passive joints have no force, and the control law defines the
-/// accelerations of the driven joints only. If the drives cannot produce these, the nearest ones that they
-/// can produce are used; in this distance, each acceleration is relative to that which a unit force of its
-/// drive causes. τ is NaN if the mass matrix is singular. Each call then allocates and takes O(nv³ + nv d²)
-/// for d drives.
+/// In a mechanism with loops or passive joints, the control law defines the accelerations of the driven
+/// joints only, and passive joints have no force. If the drives cannot produce these accelerations, the
+/// controller uses the nearest ones that they can produce; each difference counts relative to the
+/// acceleration that a unit force of its drive causes. τ is NaN if the mass matrix is singular. Each call
+/// then allocates and takes O(nv³ + nv d²) for d drives.
 class ComputedTorque : public Tracking {
  public:
   ComputedTorque(const Model& model, const Gains& gains, Reference reference);

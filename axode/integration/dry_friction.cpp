@@ -10,8 +10,9 @@ namespace axode {
 
 namespace {
 
-/// Tolerances up to which the acceleration of a sticking joint counts as 0: relative to the one that its
-/// friction can cause, and to the largest acceleration (D9.6).
+/// The acceleration of a sticking joint counts as 0 up to a tolerance, the sum of two parts (D9.6):
+/// by_friction times the acceleration that its own friction can cause, and by_largest times the one that
+/// corresponds to the norm of all accelerations.
 constexpr double by_friction = 1e-9, by_largest = 1e-13;
 
 }  // namespace
@@ -177,11 +178,11 @@ void DryFriction::constrain_derivatives(std::initializer_list<std::span<double>>
   }
 }
 
-/// Finds the friction forces x of sticking joints that minimise x·(Φ x/2 + a_0) under |x_c| ≤ f_c (D9.4),
-/// with Φ = ∂a/∂τ, the accelerations a_0 without these forces and the friction limits f_c. Active-set method:
-/// the forces inside their bounds move to the minimum with the other forces fixed, or until the first of them
-/// reaches its bound. At the minimum, a force at its bound that does not oppose the acceleration of its joint
-/// becomes free.
+/// Finds the friction forces x of sticking joints that minimise x·(Φ x/2 + a_0) under |x_c| ≤ f_c (D9.4).
+/// Here Φ is ∂a/∂τ, a_0 are the accelerations without these forces, and f_c are the friction limits. By an
+/// active-set method: in each iteration, the forces inside their bounds move to the minimum at which the
+/// others remain as they are, or until the first of them reaches its bound. At the minimum, a force at its
+/// bound that does not oppose the acceleration of its joint becomes free.
 void DryFriction::find_forces(double size) {
   const Eigen::Index k = A_.rows();
   const auto accelerations = [&] {

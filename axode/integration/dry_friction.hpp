@@ -52,11 +52,12 @@ class DryFriction {
   /// Adds the damping of all joints and the dry friction of sliding joints at v to the joint forces tau (nv).
   void add_losses(Span v, std::span<double> tau) const;
   /// Finds the friction forces of sticking velocities and of gears with losses, which depend on the
-  /// accelerations, and adds their effect to the accelerations a (nv numbers), which were computed without
-  /// them. `compliance` has the columns of Φ = ∂a/∂τ for these velocities, and `own` the acceleration of each
-  /// under a unit force in the tree without loops; `norm` measures a for tolerances. `drive` (nv numbers) has
-  /// the drive forces that pass through gears, and is not read if no gear has losses. Returns -1 or, if
-  /// accelerations are not unique, the index of the velocity of a gear that locks itself too strongly.
+  /// accelerations. In the call, a (nv numbers) are the accelerations without these forces; their effect is
+  /// added to it. `compliance` has the columns of Φ = ∂a/∂τ for these velocities, and `own` the acceleration
+  /// of each of them under a unit force if the loops are open. `norm` is the measure of accelerations for
+  /// tolerances. `drive` has the drive forces that pass through gears (nv numbers); it is read only if a gear
+  /// has losses. Returns -1 if the accelerations are unique. Otherwise returns the index of the velocity of a
+  /// gear that locks itself too strongly.
   [[nodiscard]] int apply_friction(const Matrix& compliance, Span own, const EnergyNorm& norm, Span v,
                                    Span drive, std::span<double> a);
   /// Adds the losses of moving gears to the residuals r = ID(q, v, a) - τ (nv numbers) of the equations of
@@ -77,11 +78,12 @@ class DryFriction {
   /// (D9.6): more than 1 if friction cannot hold a joint.
   double violation() const { return violation_; }
   void reset_violation() { violation_ = 0; }
-  /// Whether a sliding velocity changes its sign in a step of length h (s), taken as the cubic with the
-  /// velocities v_0 and v_1 and the accelerations a_0 and a_1 at the start and the end of the step.
+  /// Whether a sliding velocity changes its sign in a step of length h (s). Between the start (v_0, a_0) and
+  /// the end (v_1, a_1) of the step, the velocity is taken as the cubic with these velocities and
+  /// accelerations.
   bool reverses(Span v_0, Span a_0, Span v_1, Span a_1, double h) const;
-  /// The time (s), to first order, until the first decelerating sliding velocity is 0: negative if one has
-  /// reversed already, 0 if none decelerates.
+  /// The time (s), at constant accelerations, until the first sliding velocity that decelerates becomes 0. It
+  /// is negative if a velocity has already reversed, and 0 if none decelerates.
   double time_to_stop(Span v, Span a) const;
 
   /// Stops joints. The velocity of a joint becomes 0 if the joint sticks, or if it slides and its velocity is
@@ -118,11 +120,13 @@ class DryFriction {
   }
   int apply_with_gears(const Matrix& compliance, Span own, const EnergyNorm& norm, Span v, Span drive,
                        std::span<double> a);
-  /// Factorises the part of Φ = ∂a/∂τ for friction forces inside their bounds, with its diagonal increased by
-  /// 1e-12 `size`, the magnitude of the entries of Φ, because Φ may be singular.
+  /// Factorises the rows and columns of Φ = ∂a/∂τ of those friction forces that are inside their bounds.
+  /// Because Φ may be singular, 1e-12 `size` is added to its diagonal, where `size` is the magnitude of its
+  /// entries.
   void factorize(double size);
-  /// Computes the friction forces x of sticking joints, from the previous ones as first guess, and the
-  /// accelerations a_0 + Φ x with Φ = ∂a/∂τ. `size` is the magnitude of the entries of Φ without loops.
+  /// Computes the friction forces x of sticking joints and the accelerations a_0 + Φ x with Φ = ∂a/∂τ. The
+  /// iteration begins with the forces of the previous call. `size` is the magnitude of the entries of Φ
+  /// without loops.
   void find_forces(double size);
 
   const Tree<double>* tree_;

@@ -12,10 +12,10 @@
 #include "axode/lie/cayley.hpp"
 #include "axode/lie/twist.hpp"
 
-/// Kinematic reconstruction: the motion C(t) of a body from its twist, by C' = C V^b or C' = V^s C (eq. Vbs).
-/// `twist(t)` is the body-fixed or spatial twist at time t. The results are the poses at all given times, C0
-/// at the first of them, with one step between two times. Throws std::invalid_argument for times that do not
-/// increase or are not finite, and for a faulty tableau.
+/// Kinematic reconstruction: computes the motion C(t) of a body from its twist by C' = C V^b or C' = V^s C
+/// (eq. Vbs). The function twist(t) gives the body-fixed or the spatial twist at time t. The results are the
+/// poses at all given times, beginning with C0, and one step leads from each time to the next. Throws
+/// std::invalid_argument if times do not increase or are not finite, and for a faulty tableau.
 namespace axode {
 
 /// Twists that are the left or right logarithmic derivative of a pose.
@@ -75,10 +75,10 @@ std::vector<SE3<>> reconstruct(const SE3<>& C0, const F& twist, std::span<const 
 /// The two Gauss-Legendre points of a step, in units of the length of the step.
 inline constexpr std::array<double, 2> magnus_points{0.5 - 0.28867513459481287, 0.5 + 0.28867513459481287};
 
-/// Computes the motion of a body from its twist by Magnus' series to fourth order. A step of length h is C
-/// exp(X), or exp(X) C, with X = h (V_1 + V_2) / 2 ± √3/12 h² [V_1, V_2] from the twists V_1 and V_2 at the
-/// two Gauss-Legendre points of the step, + for body-fixed twists and - for spatial ones. Returns the poses
-/// at all times.
+/// Computes the motion of a body from its twist by Magnus' series to fourth order, and returns the poses at
+/// all times. A step of length h is C exp(X) for body-fixed and exp(X) C for spatial twists. There X = h (V_1
+/// + V_2) / 2 ± √3/12 h² [V_1, V_2], with the twists V_1 and V_2 at the two Gauss-Legendre points of the
+/// step, + for body-fixed and - for spatial twists.
 template <PoseRate Rep, std::invocable<double> F>
 std::vector<SE3<>> reconstruct_magnus(const SE3<>& C0, const F& twist, std::span<const double> times) {
   constexpr double root = magnus_points[1] - 0.5;  // √3/6

@@ -45,10 +45,10 @@ Solvability rollout_jvp(const Model& model, std::span<const double> q, std::span
                         std::span<double> dv_out, const Loads<double>& loads = {},
                         const Tableau& method = runge_kutta(4), const Monitor& monitor = {});
 
-/// Receives the gradients by the initial state (nv numbers each for q and v), by the drive forces (K nv
-/// numbers for K steps) and by the geometric parameters (n_bodies × 6 numbers, see geometry_derivatives.hpp).
-/// `geometry` may be empty, and must be for models with springs between frames (std::invalid_argument). The
-/// spans must not overlap.
+/// Receives the gradients of an objective: by q and v of the initial state (nv numbers each), by the drive
+/// forces (K nv numbers for K steps) and by the geometric parameters (n_bodies × 6 numbers, see
+/// geometry_derivatives.hpp). `geometry` may be empty, and must be empty for models with springs between
+/// frames (std::invalid_argument). The spans must not overlap.
 struct RolloutGradients {
   std::span<double> q, v, tau, geometry = {};
 };

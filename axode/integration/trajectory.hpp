@@ -28,8 +28,8 @@ class Trajectory {
   const Model& model() const { return model_; }
   std::size_t size() const { return t_.size(); }
   std::span<const double> t() const { return t_; }
-  /// Coordinates, velocities, accelerations and drive forces (0 without drive), one row for each time: size()
-  /// × nq numbers for q, size() × nv for the others.
+  /// The states at all times, one row for each: coordinates q (nq numbers), velocities v, accelerations a and
+  /// drive forces tau (nv numbers each). Forces are 0 without a drive.
   std::span<const double> q() const { return q_; }
   std::span<const double> v() const { return v_; }
   std::span<const double> a() const { return a_; }
@@ -52,11 +52,11 @@ class Trajectory {
   /// std::invalid_argument for a time outside the trajectory and for a wrong size.
   void drive_states_at(double time, std::span<double> x) const;
 
-  /// Interpolates q, v and, unless it is empty, a at a time (s), on the group of configurations, from q, v
-  /// and a at both ends of the step that contains the time. The errors are of order h⁶ in q, h⁵ in v and h⁴
-  /// in a for steps of length h, which must be short enough that the mean velocity estimated for joints of
-  /// several velocities is wrong by less than half a turn per step. Throws std::invalid_argument for a time
-  /// outside the trajectory and for a wrong size.
+  /// Interpolates q, v and, unless it is empty, a at a time (s), on the group of configurations. It uses q, v
+  /// and a at both ends of the step that contains the time. For steps of length h the errors are of order h⁶
+  /// in q, h⁵ in v and h⁴ in a. Steps must be so short that the mean velocity that is estimated for a joint
+  /// of several velocities is wrong by less than half a turn per step. Throws std::invalid_argument for a
+  /// time outside the trajectory and for a wrong size.
   void at(double time, std::span<double> q, std::span<double> v, std::span<double> a = {}) const;
 
   /// Appends the state at the end of a step: the time t (s), q, v, a, the drive forces tau, and the states x
@@ -120,14 +120,14 @@ class Trajectory {
   };
   std::vector<ContactEvent> contact_events;  ///< in the order of time
 
-  /// In absolute coordinates, for each end of a step: the largest residual of the constraints by joints and
-  /// loops in positions (rad, m), and that in velocities (rad/s, m/s).
+  /// In absolute coordinates: how far joints and loops are violated at the end of each step, as the largest
+  /// residual in positions (rad, m) and the largest one in velocities (rad/s, m/s).
   std::vector<double> position_residuals, velocity_residuals;
   /// In absolute coordinates, for each end of a step: kinetic energy plus potential energy of gravity, J.
   std::vector<double> body_energies;
 
-  /// For each step of a motion with contact, how exactly the laws of contact hold: their residual relative to
-  /// the motion. Rounding is about 1e-12.
+  /// For each step of a motion with contact, how exactly the laws of contact hold: the part of the motion
+  /// that violates them, divided by the whole motion. Rounding errors make it about 1e-12.
   std::vector<double> certificates;
   /// The names of the collision shapes in a motion with contact, in the order of their numbers in contacts.
   std::vector<std::string> contact_shapes;
@@ -151,8 +151,9 @@ class Trajectory {
   };
   std::span<const double> v_before(std::size_t k) const;
   std::span<const double> a_before(std::size_t k) const;
-  /// The index of the state at the start of the step that contains a time (s), or of the last state at the
-  /// last time. Throws std::invalid_argument for a time outside the trajectory.
+  /// The index k of the state from which the step that contains a time (s) begins: t_k ≤ time < t_{k+1}. For
+  /// the last time it is the index of the last state. Throws std::invalid_argument for a time outside the
+  /// trajectory.
   std::size_t step_at(double time) const;
 
   Model model_;

@@ -45,8 +45,8 @@ template <class T = double> class Tree : public TreeNumbers<T> {
   std::shared_ptr<const Topology> topology_;
 };
 
-/// What recursions need of the type of a tree: integers that are accessed by an arrow, as in
-/// `tree->parent[i]`; joints by each_joint(); the poses B of bodies relative to their predecessors at q = 0;
+/// The requirements of recursions on the type of a tree. It has integers that are accessed by an arrow, as in
+/// `tree->parent[i]`, joints by each_joint(), the poses B of bodies relative to their predecessors at q = 0,
 /// and inertias M. The body frames may be any frames.
 template <class X, class T>
 concept TreeOf = requires(const X& tree, int i) {

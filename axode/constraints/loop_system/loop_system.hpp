@@ -20,7 +20,7 @@
 
 namespace axode {
 
-/// Which loop equations are redundant, as LoopSystem::determine_rank() found at a closed configuration. If a
+/// The redundant loop equations, as LoopSystem::determine_rank() found them at a closed configuration. If a
 /// solution is computed with a RowRank, the multipliers of these equations are 0. An integration keeps it for
 /// a whole step, because equations that are redundant by geometry become independent as soon as the loops are
 /// a little open.

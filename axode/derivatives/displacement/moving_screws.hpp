@@ -27,11 +27,13 @@ template <class T> struct MovingInertia {
   }
 };
 
-/// The screws and wrenches of one joint screw S from whose products with those of another joint screw the
-/// derivatives of τ follow ((D1.16) and (D1.17) of docs/derivations). ψ' and ψ'' are the time derivatives of
-/// S as it moves with the predecessor (see CarriedScrew). With the inertia M, the Coriolis inertia B and the
-/// wrench F of the subtree, and the twist V of the body, σ = ψ' + [V, S], U = M S, P = M ψ'' + B ψ' - ad_Sᵀ
-/// F, R = M σ + B S, and t is the moment of Bᵀ S.
+/// The screws and wrenches of one joint screw S that are needed for the derivatives of τ: these are sums of
+/// products of a screw of one joint screw with a wrench of another ((D1.16) and (D1.17) of docs/derivations).
+/// With the inertia M, the Coriolis inertia B and the wrench F of the subtree, and the twist V of the body,
+/// they are
+///   σ = ψ' + [V, S],   U = M S,   P = M ψ'' + B ψ' - ad_Sᵀ F,   R = M σ + B S,
+/// the moment t of the wrench Bᵀ S, and the time derivatives ψ' and ψ'' of S as it moves with the predecessor
+/// (see CarriedScrew).
 template <class T> struct ScrewEffects {
   Motion6<T> S, psi_2, sigma;
   Wrench<Spatial, T> U, P, R;

@@ -13,14 +13,15 @@ struct LoadCondition {
   double weight = 1;         ///< factor of the reserve
 };
 
-/// The reserve of the loads λ: the least, over all conditions, of weight λ_N, weight (λ_N - |f λ_T|) or
-/// weight (bound - |λ_N|). Infinity if there are no conditions.
+/// The reserve by which the loads λ satisfy all conditions: the least reserve of a condition. That of a
+/// condition is its weight times λ_N, times λ_N - |f λ_T| if it has tangential loads, or times bound - |λ_N|
+/// if it has a bound. Infinity if there are no conditions.
 double least_reserve(const std::vector<LoadCondition>& conditions, const Eigen::VectorXd& lambda);
 
-/// Moves the loads λ along the columns of `basis` to those with the largest reserve, up to `most`, and
-/// returns this reserve (D11.31); loads with a reserve of 1e-3 `most` are left as they are. It is found by an
-/// interior-point method to about 1e-14 of `most`. O(k³) for each of some hundred iterations, with k columns.
-/// Allocates.
+/// Moves the loads λ along the columns of `basis` to the loads whose reserve is largest, up to `most`, and
+/// returns this reserve (D11.31). If λ already has a reserve of more than 1e-3 `most`, it is left as it is.
+/// An interior-point method finds the reserve to about 1e-14 of `most`, in some hundred iterations of O(k³)
+/// for k columns. Allocates.
 double maximise_reserve(const std::vector<LoadCondition>& conditions, const Eigen::MatrixXd& basis,
                         double most, Eigen::VectorXd& lambda);
 

@@ -39,10 +39,11 @@ struct Gap {
   double ddg = 0;  ///< NaN if the pair of shapes has no closed form
 };
 
-/// The motion of a mechanism while the same contacts, stops and dry joints are closed, stick and slide
-/// (D11.29), and the changes at the end of such a phase: impacts (D11.34) and the choice of the next phase by
-/// the laws for accelerations (D11.32). An object is the scratch memory of one thread. Functions return a
-/// reason if they fail. Allocates in most functions.
+/// The motion of a mechanism in one phase: as long as the same contacts, stops and dry joints are closed, and
+/// none of them changes between sticking and sliding (D11.29). An object also computes what happens at the
+/// end of a phase: impacts (D11.34), and the next phase by the laws for accelerations (D11.32). It is the
+/// scratch memory of one thread, and most of its functions allocate. Functions that can fail return the
+/// reason, which is otherwise empty.
 class ContactPhase {
  public:
   using Vector = Eigen::VectorXd;
@@ -70,8 +71,9 @@ class ContactPhase {
   /// (D11.31). A load has a reserve, the least distance of its forces from a limit; if several loads give the
   /// same accelerations, the largest reserve counts. It is relative to the motion by all forces.
   double reserve();
-  /// For each constraint in `closed`, its sliding velocity along its direction, or infinity if it does not
-  /// slide; the norm of its sliding velocity; and the speed below which both are rounding errors.
+  /// For each constraint in `closed`: slips() has its sliding velocity along its stored direction, and
+  /// speeds() the norm of its sliding velocity. Velocities of a contact are multiplied by their coefficients
+  /// of friction. Both are infinite for constraints without friction or that do not slide.
   std::span<const double> slips() const { return slips_; }
   std::span<const double> speeds() const { return speeds_; }
   /// The certificate of the accelerations and forces of the phase (D11.7).
@@ -121,8 +123,8 @@ class ContactPhase {
   std::string start(const Vector& q, const Vector& v, double most, bool& impacts);
 
  private:
-  /// One scalar constraint of the phase: its row in the problem, its column R of Y, and the column C of the
-  /// motion that its force causes, with the friction that goes with it.
+  /// A row of the contact problem whose multiplier is found by accelerate(). `friction` has the multipliers
+  /// of the friction rows of a sliding contact, if that of this row is 1.
   struct Active {
     std::size_t constraint;  ///< index in `closed`; its size for loops
     int row;

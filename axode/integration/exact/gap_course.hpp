@@ -3,15 +3,16 @@
 
 namespace axode {
 
-/// The time at which a gap closes in a step, as a part of the step. The gap is negative at `after` and not
-/// negative at `before`. Both are infinite if the gap does not close.
+/// The two times between which a gap becomes negative in a step, as parts of the length of the step: the gap
+/// is not negative at `before`, and negative at `after`. Both are infinite if the gap does not close.
 struct GapClosure {
   double before, after;
 };
 
-/// Finds whether a gap closes in a step of length h (s) from its values and rates at both ends of the step,
-/// by the polynomial with these values. A gap of at most `resolution` at the start that opens, after a bounce
-/// or because its contact became open, closes only when it has been positive (D11.33).
+/// Finds when a gap first becomes negative in a step of length h (s). The gap is taken as the polynomial in
+/// time that has its values and rates at both ends of the step. If the gap is at most `resolution` at the
+/// start, its value there counts as 0: a gap that then opens, after a bounce or because its contact has just
+/// opened, closes only after it has been positive (D11.33).
 GapClosure closure_of(const Gap& start, const Gap& end, double h, double resolution);
 
 }  // namespace axode

@@ -39,13 +39,13 @@ class StraightPath {
   /// positive.
   std::vector<double> velocity_limits(std::span<const double> given) const;
 
-  /// A function that writes the distance of each of joints() along its path at a time t from 0 to the
-  /// duration, with its first two derivatives. `side` is -1 for the values before a jump at t, and 1 for
-  /// those after it.
+  /// A function that writes how far each of joints() has moved along its path at time t, which is between 0
+  /// and the duration, and the first two derivatives of this distance by t. If they jump at t, `side` chooses
+  /// the values before the jump (-1) or after it (1).
   using Profile = std::function<void(double t, int side, std::span<MotionValue> distances)>;
-  /// Computes the trajectory whose joints have the distances that `profile` writes. It has a state at each of
-  /// `jumps`, the times at which a second or third derivative jumps, and at least fifty steps, between which
-  /// it is exact for distances that are polynomials of degree 5. If no joint moves it has one state.
+  /// Computes the trajectory on which joints move along their paths as `profile` says. It has at least fifty
+  /// steps, and states at all times in `jumps`, where a second or third derivative jumps; in between, it is
+  /// exact for distances that are polynomials of degree 5 in time. If no joint moves, it has one state.
   Trajectory follow(std::vector<double> jumps, double duration, const Profile& profile) const;
 
   /// Two jumps whose distance in time is less than this part of the duration are taken as one.

@@ -13,9 +13,10 @@ class FrictionResponse {
  public:
   using Span = std::span<const double>;
 
-  /// Adds the friction of joints that stick, and of gears with losses, to the accelerations a (nv numbers) at
-  /// (q, v), which were computed without them: see DryFriction::apply_friction(). `loops` is null for a
-  /// mechanism without loops. Returns the body whose gear locks itself too strongly, if there is one.
+  /// Computes the friction of joints that stick and of gears with losses, and adds its effect to the
+  /// accelerations a (nv numbers), which were computed without it at (q, v): see
+  /// DryFriction::apply_friction(). `loops` is null if the mechanism has no loops. Fails if a gear locks
+  /// itself too strongly; the result then contains its body.
   [[nodiscard]] Solvability apply(const Model& model, Workspace<>& workspace, ClosedMotion* loops,
                                   DryFriction& friction, const EnergyNorm& norm, Span q, Span v,
                                   Span through_gears, std::span<double> a);

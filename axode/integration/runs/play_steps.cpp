@@ -66,8 +66,9 @@ void SimulationRun::note_plays(Plays::Events events) {
   }
 }
 
-/// Computes for each play (backlash of a coupling) a number that becomes negative when the play must change:
-/// the gap to the nearer end if it is free, and the force with which the end pushes if it is at an end.
+/// Computes a number for each play (backlash of a coupling) that becomes negative when the play must change.
+/// For a free play it is the gap to the nearer end. For a play at an end it is the force with which this end
+/// pushes.
 Failure SimulationRun::reserves(double t, const StepEnd& end, std::vector<double>& out) {
   out.resize(plays_.size());
   if (plays_.any_at_an_end()) {

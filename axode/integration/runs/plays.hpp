@@ -11,9 +11,9 @@
 
 namespace axode {
 
-/// The couplings of joints with play (backlash) in a simulation and, if wanted, hard stops of joints, which
-/// are plays of one joint between its limits. A play is free or at one of its two ends, where the coupling
-/// acts like one without play that pushes and does not pull (D16.18).
+/// The couplings of joints with play (backlash) in a simulation. Hard stops of a joint can be included as a
+/// play of this joint between its limits. A play is either free or at one of its two ends. At an end, the
+/// coupling acts like one without play, as long as the end pushes; it cannot pull (D16.18).
 class Plays {
  public:
   using Span = std::span<const double>;

@@ -19,8 +19,9 @@ double SimulationRun::value_at(const Event& event, double t) const {
   return event.value(t, as_span(q_t), as_span(v_t));
 }
 
-/// The number of parts of the last step, from time `before`, in which no body turns by much more than a
-/// quarter turn, so that no two changes of sign of an event function of an attitude are missed.
+/// Returns a number of equal parts of the last step, which begins at time `before`, such that no body turns
+/// by much more than a quarter turn in a part. If events are searched in each part, two changes of sign of an
+/// event function of an attitude cannot both be missed.
 int SimulationRun::parts_by_rotation(double before) {
   const double h = now() - before;
   const std::size_t k = trajectory.size() - 1;
@@ -33,9 +34,9 @@ int SimulationRun::parts_by_rotation(double before) {
   return static_cast<int>(std::clamp(std::ceil(h * fastest / (std::numbers::pi / 2)), 1.0, 1e9));
 }
 
-/// Finds the times between `before` and `after`, in the last step, at which the function of event e changes
-/// sign. Its values are `begin` and `end` there. There is one such time, or two if the rates of the function
-/// at both ends show that it approaches zero and returns.
+/// Finds the times at which the function of event e changes sign between `before` and `after`, two times in
+/// the last step, where its values are `begin` and `end`. There is one such time, or there are two if the
+/// rates of the function at both ends show that it approaches zero and returns.
 void SimulationRun::find_occurrences(std::size_t e, double before, double after, double begin, double end,
                                      std::vector<Trajectory::EventOccurrence>& met) const {
   const Event& event = options_.events[e];

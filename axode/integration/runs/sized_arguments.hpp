@@ -27,8 +27,8 @@ inline void check_sizes(std::initializer_list<Sized<const double>> arguments,
   }
 }
 
-/// Sets all results to NaN if the motion failed or one of them is not finite. Returns the status with the
-/// reason.
+/// Adds to the status of a motion, `verdict`, whether all results are finite, and returns it. If the motion
+/// failed or a result is not finite, sets all results to NaN.
 inline Solvability solved_or_nan(const Solvability& verdict,
                                  std::initializer_list<std::span<double>> results) {
   const Solvability all = solved(verdict, results);

@@ -6,8 +6,9 @@
 
 namespace axode {
 
-/// Finds the time in a step from t_0 to t_1 at which the least margin of the drives becomes negative, by
-/// regula falsi (Illinois) and bisection. The margin is margin_0 ≥ 0 at t_0 and margin_1 < 0 at t_1.
+/// Finds the time in a step from t_0 to t_1 at which a drive must change to another branch of its law. This
+/// is the time at which the least margin of the drives becomes negative; it is margin_0 ≥ 0 at t_0 and
+/// margin_1 < 0 at t_1. The search is by regula falsi (Illinois) and bisection.
 class SwitchSearch {
  public:
   SwitchSearch(double t_0, double t_1, double margin_0, double margin_1)
