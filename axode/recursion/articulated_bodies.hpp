@@ -268,16 +268,16 @@ template <class Rep, class T> struct ArticulatedBodies {
     const Turn of_o = turn(ties, i, o), of_t = turn(ties, i, t);
     return of_o > of_t || (of_o == of_t && o > t);
   }
-  /// The off-diagonal pivots between joint screw s of body i and the shared velocities of coupled joints
-  /// (ties) that reach this body. Entry t of the returned pointer belongs to tie t.
+  /// The entries of D for joint screw s of body i and the ties of this body, which are the shared velocities
+  /// of coupled joints that the elimination carries through the body. Entry t of the returned pointer belongs
+  /// to tie t.
   template <class AnyTree> T* of_screw(const AnyTree& tree, int i, int s) const noexcept {
     const Topology::Ties& ties = tree->ties;
     return D_screw + ties.of_screws[i] + (s - tree->first_screw[i]) * (ties.begin[i + 1] - ties.begin[i]) -
            ties.begin[i];
   }
-  /// Row t of the matrix of pivots between shared velocities of coupled joints (ties). Entry u of the
-  /// returned pointer belongs to tie u, which must be in the same group as t, because ties of different
-  /// groups are not coupled.
+  /// Row t of the matrix D for ties (shared velocities of coupled joints). Entry o of the returned pointer
+  /// belongs to tie o, which must be in the group of t; ties of different groups are not coupled.
   T* row(const Topology::Ties& ties, int t) const noexcept {
     return D_tie + ties.row[t] - ties.group_begin[t];
   }
@@ -354,8 +354,9 @@ template <class Rep, class T> struct ArticulatedBodies {
     }
   }
 
-  /// The backward step for a velocity that coupled joints share (tie t), which is eliminated at body i: it
-  /// computes u of the velocity, and its contributions to the wrench W[i] and to later eliminations.
+  /// The backward step for tie t, a velocity that coupled joints share, at body i where it is eliminated.
+  /// Computes the entry of u = L⁻ᵀ x for this velocity, and adds its contributions to the wrench W[i] and to
+  /// the entries of velocities that are eliminated later.
   template <class AnyTree> void backward_step_of_tie(const AnyTree& tree, int i, int t, const T* x) noexcept {
     const Topology::Ties& ties = tree->ties;
     const T* const D_t = row(ties, t);

@@ -104,8 +104,9 @@ template <class Rep, class T> struct BodyLinks {
     joint_poses(tree, q, C_pi);
     return run(tree);
   }
-  /// Computes the transformations (links) from the poses C_pi of the bodies relative to their predecessors,
-  /// and moves the positions of the root bodies from C_pi to `origin`.
+  /// Computes the transformations (links) from the poses C_pi of the bodies relative to their predecessors.
+  /// First moves the origins of the root bodies to the inertial origin, and stores their positions in
+  /// `origin`.
   template <TreeOf<T> AnyTree> Link<Rep, T>* run(const AnyTree& tree) noexcept {
     move_to_roots(*tree.operator->(), C_pi, origin);
     link[0] = Link<Rep, T>::root();

@@ -96,8 +96,8 @@ class Scaled {
     }
     return angles;
   }
-  /// Computes the twists of the platform about the centre, scaled to (length ω; v), for a unit of each scaled
-  /// velocity of its joint.
+  /// Computes the twist of the platform about the centre, as (length ω; v), for a unit of each scaled
+  /// velocity of its own joint. This unit is 1 m/s for a translation and 1/length rad/s for a rotation.
   void make_twists() {
     const std::vector<int>& carrying = kernel_.carrying();
     twists_.setZero(6, std::ssize(carrying));

@@ -266,9 +266,9 @@ template <class T> class AXODE_ENTRY LoopSystem {
   bool solve_sound_rows(const T* b, T* lambda, const RowRank& rank) noexcept;
   /// Solves G λ = -b by the proximal iteration (D7.8).
   void solve_filtered_rows(const T* b, T* lambda, const RowRank& rank) noexcept;
-  /// Sets up the linear system of the multipliers in the memory of factor_: A M⁻¹ Aᵀ plus `filter` times the
-  /// squared sizes of the loop equations on its diagonal, and the right side -b. Multipliers of redundant
-  /// equations become 0.
+  /// Sets up the linear system A M⁻¹ Aᵀ λ = -b of the multipliers λ in the memory of factor_, with the
+  /// Jacobian A of the loop equations and the mass matrix M of the tree. `filter` times the squared size of
+  /// each equation is added to its diagonal entry. The multipliers of redundant equations become 0.
   void set_rows(const T* b, const T& filter, const RowRank& rank) noexcept;
   SE3<T> pose(const Loop::End& end, int root, const Vec3<T>& O) const noexcept;
   Wrench<Spatial, T> on_first(const State& at, const Wrench<Spatial, T>& W) const {

@@ -37,10 +37,11 @@ class VelocityProblem {
   /// Removes all blocks of rows and sets the number of compliant contacts, each of which adds a velocity to
   /// those of the mechanism (D11.26).
   void clear(int compliances = 0);
-  /// Appends a block of rows and returns its part of Y (D^-½ L⁻ᵀ times the transposed rows of the Jacobian),
-  /// support.size() × rows, column by column. The caller must fill this part, and the entries of r and c for
-  /// these rows, before the next call. `support` are the velocities that the block moves, in ascending order;
-  /// with `compliant` the last one is that of a compliance. Allocates where more is needed than was reserved.
+  /// Appends a block of rows to the problem. The block moves the velocities `support`, in ascending order;
+  /// with `compliant` the last of them is that of a compliance. Returns the block's part of Y, support.size()
+  /// × rows, column by column. Before the next call, the caller must write to it D^-½ L⁻ᵀ times the
+  /// transposed rows of the Jacobian, and set the entries of r and c for these rows. Allocates where more is
+  /// needed than was reserved.
   double* add(ContactLaw law, int rows, std::span<const int> support, double bound = 0,
               bool compliant = false);
   /// Sets the compliance C of a compliant block after finish(): its normal law is then for u + C λ, not u.

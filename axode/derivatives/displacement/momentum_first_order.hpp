@@ -91,9 +91,9 @@ template <class T> struct MomentumFirstOrder {
     return verdict;
   }
 
-  /// Computes the derivatives (Mv)_q of M v by q, and F_q and F_v of p' by q and v, for the kinetic energy of
-  /// the bodies alone: without gravity, loads and armatures. They are nv × nv numbers each, [component,
-  /// direction].
+  /// Computes derivatives of the momenta p = M v and of their rates p' for the kinetic energy of the bodies
+  /// alone, without gravity, loads and armatures: Mv_q is ∂(M v)/∂q, F_q is ∂p'/∂q and F_v is ∂p'/∂v. They
+  /// are nv × nv numbers each, [component, direction].
   void kinetic(const Tree<T>& tree, const T* q, const T* v_given, T* Mv_q, T* F_q, T* F_v) noexcept {
     const std::ptrdiff_t nv = tree->nv;
     std::fill_n(zero, nv, T(0));
@@ -152,9 +152,9 @@ template <class T> struct MomentumFirstOrder {
       }
   }
 
-  /// Calls Mv_by_q, by_q and by_v as f(component, direction, part of the entry) for the entries of the
-  /// derivatives of M v by q, of p' by q and of p' by v. An entry of a velocity that several joints share
-  /// comes in several parts, which add up.
+  /// Calls Mv_by_q, by_q and by_v as f(component, direction, part of the entry) for the entries of three
+  /// matrices: the derivative of the momenta M v by q, and those of their rates p' by q and by v. If several
+  /// joints share a velocity, its entries come in several parts, which add up.
   template <class MvByQ, class ByQ, class ByV>
   void each_entry(const Tree<T>& tree, const MvByQ& Mv_by_q, const ByQ& by_q, const ByV& by_v) noexcept {
     for (int i = 1; i <= tree->n; ++i)
