@@ -6,9 +6,9 @@
 
 namespace axode {
 
-/// The input u of a drive as a function of time t (s): continuous, or piecewise constant. If it is piecewise
-/// constant, operator() returns for any t the value just after the time of the last begin(), the start of a
-/// step, so that a step that ends at a jump does not see the value after the jump.
+/// The input u of a drive as a function of time t (s), which is continuous or piecewise constant. begin() is
+/// called at the start of a step. Until its next call, a piecewise constant input keeps the value just after
+/// this time at all t, so that a step that ends at a jump does not see the value after the jump.
 class DriveSignal {
  public:
   /// Constructs the input that is always 0.

@@ -5,10 +5,10 @@
 
 namespace axode {
 
-/// A wrench applied to a frame, moment m in N m and force f in N, in any representation of that frame: in the
-/// axes of the frame about its origin (BodyFixed), in inertial axes about the inertial origin (Spatial) or
-/// about the origin of the frame (Hybrid), or with the moment in the axes of the frame and the force in
-/// inertial axes (Mixed). Its power along the twist of the frame enters the system.
+/// A wrench applied to a frame: moment m in N m and force f in N. Its representation says where they are
+/// given: in the axes of the frame about its origin (BodyFixed); in inertial axes about the inertial origin
+/// (Spatial) or about the origin of the frame (Hybrid); or with the moment in the axes of the frame and the
+/// force in inertial axes (Mixed). Its power along the twist of the frame enters the system.
 template <class T = double> struct AppliedWrench {
   int frame;
   Representation representation;

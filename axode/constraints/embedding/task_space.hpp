@@ -28,9 +28,10 @@ struct TaskVerdict {
 };
 
 /// The equations of motion of a parallel manipulator in its task space (D18.11):
-///   M V' + h = Jᵀ u,   v = F V,   a = F V' + c
-/// for f task velocities V (components of the platform's twist, then velocities of joints that it does not
-/// determine), the forces u of the drives, and all nv joint velocities v with accelerations a.
+///   M V' + h = Jᵀ u,   v = F V,   a = F V' + c.
+/// V are the f task velocities: components of the platform's twist, and then the velocities of joints that
+/// the platform does not determine. u are the forces of the drives, and v and a the velocities and
+/// accelerations of all joints (nv each).
 struct TaskEquations {
   TaskVerdict verdict;      ///< if it is not ok(), the matrices are empty
   Eigen::MatrixXd M;        ///< f × f, kg m², kg m and kg

@@ -248,9 +248,9 @@ MotionBranch surface(const Closure& closure, const Germ& germ) {
   return out;
 }
 
-/// Computes what one learns from a point of a branch near q: the dimension of the velocities that the loops
-/// allow there, the coordinates that move along the branch but not at q (dead points) or do not move at all
-/// (idle), and the loops in which something moves.
+/// Examines a point of a branch near q. Finds the dimension of the velocities that the loops allow there, and
+/// the loops in which something moves. Also finds the coordinates that move along the branch but not at q
+/// (dead points), and those that do not move at all (idle).
 void look_beside(const Closure& closure, MotionBranch& branch) {
   if (branch.points.empty()) return;
   const std::size_t at = branch.dimension == 1 ? std::min<std::size_t>(2, branch.points.size() - 1) : 0;

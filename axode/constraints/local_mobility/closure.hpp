@@ -41,10 +41,10 @@ class Closure {
   /// brackets of joint screws are used (D13.5, D13.6).
   Eigen::MatrixXd log_series(const PolynomialRing& ring, const Eigen::Ref<const Eigen::MatrixXd>& x,
                              int degree) const;
-  /// residual() returns the left sides of the closure equations at the coordinates x (rows() numbers): for
-  /// each loop log f, where f is the product of the joint exponentials around the loop, and one number for
-  /// each coupling. jacobian() returns their derivative (rows × n); for open loops it is inexact by factors
-  /// that become the identity if the loops are closed.
+  /// residual() returns the left sides of the closure equations at the coordinates x (rows() numbers). For
+  /// each loop it has log f, where f is the product of the joint exponentials around the loop, and for each
+  /// coupling one number. jacobian() returns the derivative of residual() by x (rows × n). If loops are open,
+  /// it is inexact by factors that become the identity as the loops close.
   Eigen::VectorXd residual(const Eigen::Ref<const Eigen::VectorXd>& x) const;
   Eigen::MatrixXd jacobian(const Eigen::Ref<const Eigen::VectorXd>& x) const;
   /// Changes the coordinates x by Gauss-Newton steps of least norm until the loops are closed and x satisfies

@@ -105,9 +105,10 @@ MobilityProbe probe(const PolynomialRings& rings, const Closure& closure, const 
   return out;
 }
 
-/// Fills in the conclusions of an analysis of mobility (local mobility, kind of the configuration, whether
-/// ranks alone prove the result) from what it found: the rank of the loop equations, the mobility of each
-/// order, the branches, and the closed configurations that lie on no branch.
+/// Fills in the conclusions of an analysis of mobility: the local mobility, the kind of the configuration,
+/// and whether ranks alone prove the result. They follow from the members that are known already: the rank of
+/// the loop equations, the mobility of each order, the branches, and the closed configurations that lie on no
+/// branch.
 void draw_conclusions(LocalMobility& found) {
   std::set<int> dimensions;
   bool all_close = true, all_settled = true, singular = true;

@@ -63,9 +63,9 @@ struct MotionBranch {
   std::vector<int> idle;   ///< indices of coordinates that rest along the branch
   std::vector<int> loops;  ///< indices of the loops and couplings in which something moves
   std::vector<BranchPoint> points;
-  /// How well the power series of a branch of dimension 1 solves the loop equations: for the series cut after
-  /// 1, 2, ... terms, the exponent k with which the residual of the loops was found to vanish as
-  /// (parameter)^k; infinite if the residual is a rounding error.
+  /// A measure of how well the power series of a branch of dimension 1 solves the loop equations. There is an
+  /// exponent k for the series cut after 1, 2, ... terms: the residual of the loops was found to vanish as
+  /// (parameter)^k. It is infinite if the residual is a rounding error.
   std::vector<double> residual_orders;
 
   bool cusp() const { return power > 1; }
@@ -134,14 +134,15 @@ std::vector<std::string> mobility_words(const Model& model, const LocalMobility&
 /// Finds how a mechanism with loops can move from a closed configuration q (nq): the mobility by order, the
 /// branches of the configuration space with tangents and curvatures, cusps and shakiness.
 ///
-/// The equations of the loops are expanded to order K by brackets of joint screws (D13.3 to D13.6), the
-/// coordinates that they determine are eliminated (D13.8), and the remaining equations are solved by blow-ups
+/// The equations of the loops are expanded to order K by brackets of joint screws (D13.3 to D13.6). The
+/// coordinates that they determine are eliminated (D13.8). The remaining equations are solved by blow-ups
 /// (substitutions of a direction and a distance for the unknowns, D13.11) and deflation (additional unknowns
-/// for multiple solutions, D13.12). Every branch is traced by configurations with closed loops. Allocates;
-/// about 1 ms for a loop of six joints with one branch, and growing with the number of products of monomials,
-/// C(2d + K, K) if the loops allow velocities of dimension d. Throws std::invalid_argument for a q of a wrong
-/// size or with numbers that are not finite, a loop that is open at q, rolling contacts and belts, and an
-/// order that is negative, 1, above 20 or too large for d.
+/// for multiple solutions, D13.12). Finally, every branch is traced by configurations with closed loops.
+///
+/// Allocates. The function takes about 1 ms for a loop of six joints with one branch; its time grows with the
+/// number of products of monomials, C(2d + K, K) if the loops allow velocities of dimension d. Throws
+/// std::invalid_argument for a q of a wrong size or with numbers that are not finite, a loop that is open at
+/// q, rolling contacts and belts, and an order that is negative, 1, above 20 or too large for d.
 [[nodiscard]] LocalMobility local_mobility(const Model& model, std::span<const double> q,
                                            const LocalMobilityOptions& options = {});
 

@@ -158,9 +158,9 @@ template <class T> class AXODE_ENTRY LoopSystem {
   void joint_wrenches(const T* lambda, Wrench<Spatial, T>* W) noexcept;
 
   /// Computes derivatives at the motion of the last force() and adds them to three matrices, which are stored
-  /// row by row ((D6.10), (D6.11)): the derivatives of (A v)' = A a + γ, for the loop equations A v = 0, by q
-  /// to by_q and by v to by_v (m × nv each), and the derivatives of the constraint forces Aᵀ λ by q to
-  /// constraint_forces_by_q (nv × nv). Must be called after make_rows(ConstraintLevel::velocity).
+  /// row by row ((D6.10), (D6.11)). With the loop equations A v = 0 and (A v)' = A a + γ, by_q and by_v (m ×
+  /// nv each) are the derivatives of (A v)' by q and by v. constraint_forces_by_q (nv × nv) is the derivative
+  /// of the constraint forces Aᵀ λ by q. Must be called after make_rows(ConstraintLevel::velocity).
   void differentiate(const T* lambda, T* by_q, T* by_v, T* constraint_forces_by_q) noexcept;
   /// Computes the rate of Rᵀ λ (nv) for constant λ as the bodies move with the velocities of the last move().
   void differentiate_residuals(const T* lambda, T* rate) noexcept;

@@ -47,10 +47,11 @@ class VelocityProblem {
   /// Sets the compliance C of a compliant block after finish(): its normal law is then for u + C λ, not u.
   void set_compliance(const Block& block, double C) noexcept;
   double compliance(const Block& block) const noexcept;
-  /// Completes the problem: multiplies the constraint rows by their factors c (coefficients of friction, or
-  /// 1), and computes the scale d² of each row from the diagonal of the Delassus operator Yᵀ Y: the entry of
-  /// the row; in a contact, for all of its rows, the entry of the normal row or half of the largest entry,
-  /// whichever is larger (D11.6). Adds the motion by the given normal impulses of pressed contacts to w.
+  /// Completes the problem. Multiplies the constraint rows by their factors c, which are coefficients of
+  /// friction or 1. Computes the scale d² of each row from the diagonal of the Delassus operator Yᵀ Y
+  /// (D11.6): in general the entry of the row, but all rows of a contact have the entry of the normal row or
+  /// half of the largest entry, whichever is larger. Adds the motion by the given normal impulses of pressed
+  /// contacts to w.
   void finish() noexcept;
   /// Writes the given normal impulses of pressed contacts, which the law leaves out, into a solution.
   void complete(double* lambda) const noexcept;

@@ -5,12 +5,12 @@
 
 namespace axode {
 
-/// The equations of motion for the state (q, p) with the generalised momenta p = M(q) v: computes the
-/// velocities v = M⁻¹ p and the rates
-///   p'_i = τ_i + J_iᵀ W_i^A + (ad_{V_i} J_i)ᵀ Π_i^A
-/// (nv each), where J_i is the joint screw and V_i the twist of body i, and Π_i^A and W_i^A are the momentum
-/// of its subtree and the wrench of gravity and loads on it. O(n). If the mass matrix is singular, the
-/// returned Solvability names a body, and v and dp are NaN. See (D5.1) and (D5.9) of docs/derivations.
+/// The equations of motion for the state (q, p) with the generalised momenta p = M(q) v. Computes the
+/// velocities v = M⁻¹ p and the rates of the momenta (nv each),
+///   p'_i = τ_i + J_iᵀ W_i^A + (ad_{V_i} J_i)ᵀ Π_i^A.
+/// Body i has the joint screw J_i and the twist V_i. Π_i^A is the momentum of its subtree, and W_i^A the
+/// wrench of gravity and loads on the subtree. O(n). If the mass matrix is singular, the returned Solvability
+/// names a body, and v and dp are NaN. See (D5.1) and (D5.9) of docs/derivations.
 ///
 /// The recursion runs in twists of Rep, on which the results do not depend. In spatial twists momenta of
 /// bodies add up without a transformation. Hybrid twists are those of Naudet et al., Multibody System

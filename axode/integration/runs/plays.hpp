@@ -50,8 +50,8 @@ class Plays {
   /// plus gap_resolution() and the overshoot of allow_overshoot(). For a play at an end it is the force with
   /// which the end pushes, which `loops` computed with its last accelerations.
   double reserve(std::size_t k, Span q, const ClosedMotion* loops) const;
-  /// Makes overshoots legal that exist at q, after an event or at the start of a motion: each play may from
-  /// now on be as far beyond an end as it is at q, so that reserve() is not negative there.
+  /// Makes the overshoots at q legal, after an event or at the start of a motion: from now on, each play may
+  /// be as far beyond an end as it is at q. Then reserve() is not negative at q.
   void allow_overshoot(Span q);
   /// Reduces the overshoot that is allowed for plays that are less far beyond their end at q.
   void reduce_overshoot(Span q);

@@ -56,13 +56,14 @@ struct Placement {
 ///
 /// The origin of the joint frame is the point that the description gives for the joint. Its axes are those of
 /// the frame in which the axis is given, turned the shortest way until z is the axis. A spherical joint keeps
-/// the axes of that frame, and the joint frame of a free joint is the body frame. The joint frame of a fixed
-/// joint has no influence on the motion: if the geometry gives joint frames, they are used; if the body is
-/// given in the construction frame and is not on the ground, it is the joint frame of the predecessor,
-/// because body frames may be far away; otherwise it is the body frame. The point of a prismatic joint has no
-/// influence on the motion either: if the centre of mass of a body that is given in the construction frame is
-/// further away from it than 16 radii of gyration, the origin is this centre of mass. A body without mass
-/// takes the mass of its first successor that has one.
+/// the axes of that frame, and the joint frame of a free joint is the body frame.
+///
+/// The joint frame of a fixed joint has no influence on the motion. It is the one that the geometry gives. If
+/// it gives none, it is the body frame; but for a body that is given in the construction frame and is not on
+/// the ground, it is the joint frame of the predecessor, because body frames may be far away. The point of a
+/// prismatic joint has no influence on the motion either. If a body that is given in the construction frame
+/// has its centre of mass further away from this point than 16 radii of gyration, the origin is the centre of
+/// mass. A body without mass takes the mass of its first successor that has one.
 std::vector<Placement> reference_placements(const Description& expanded, const DepthFirstOrder& order);
 
 /// The two joint frames of a loop in the construction frame at q = 0, and its size as in Loop::size.
