@@ -313,7 +313,10 @@ class Script {
   /// The range of the vertical axis, which has a height even if the curves have none.
   static std::pair<double, double> y_range(const std::vector<const Curve*>& curves) {
     auto [low, high] = extent(curves, &Curve::y);
-    if (curves.front()->kind == Curve::bars) low = std::min(low, 0.0), high = std::max(high, 0.0);
+    if (curves.front()->kind == Curve::bars) {
+      low = std::min(low, 0.0);
+      high = std::max(high, 0.0);
+    }
     if (!is_constant(curves)) return {low, high};
     const double part = low == 0 ? 1 : 0.01 * std::abs(low);
     return {low - part, high + part};

@@ -29,7 +29,7 @@ std::string_view to_string(EquilibriumStatus status) {
 
 namespace {
 
-using Matrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
+using RowMajor = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
 using Vector = Eigen::VectorXd;
 
 /// A configuration q with the forces r that are not in equilibrium there, and the derivative of r by q. If
@@ -38,7 +38,7 @@ using Vector = Eigen::VectorXd;
 struct Iterate {
   std::vector<double> q;
   Vector r;
-  Matrix dr_dq, N;
+  RowMajor dr_dq, N;
   double residual = 0;  ///< ‖r‖, N m and N
 
   Iterate(const Model& model, std::span<const double> at)
@@ -83,7 +83,7 @@ class Statics {
   void close(Iterate& at) {
     const Eigen::Index nv = model_.nv(), m = model_.loops().rows;
     Vector lambda(m), forces(nv);
-    Matrix by_q = Matrix::Zero(m, nv), by_v = by_q, forces_q = Matrix::Zero(nv, nv);
+    RowMajor by_q = RowMajor::Zero(m, nv), by_v = by_q, forces_q = RowMajor::Zero(nv, nv);
     loops_->update_kinematics(at.q.data());
     const IndependentRows<double> rows(*loops_, ConstraintLevel::velocity);
     rows.least_multipliers(at.r, as_span(lambda));
@@ -92,7 +92,7 @@ class Statics {
     loops_->differentiate(lambda.data(), by_q.data(), by_v.data(), forces_q.data());
     at.N = rows.kernel();
     at.r = Vector(at.N.transpose() * at.r);
-    at.dr_dq = Matrix(at.N.transpose() * (at.dr_dq - forces_q) * at.N);
+    at.dr_dq = RowMajor(at.N.transpose() * (at.dr_dq - forces_q) * at.N);
   }
 
   const Model& model_;
@@ -101,7 +101,7 @@ class Statics {
   Workspace<> workspace_;
   std::optional<LoopSystem<double>> loops_;
   std::vector<double> rest_, springs_;
-  Matrix by_v_, by_a_;
+  RowMajor by_v_, by_a_;
 };
 
 /// The Newton step -(∂r/∂q)⁺ r for the unbalanced forces r, at most 1 rad or m along each velocity.

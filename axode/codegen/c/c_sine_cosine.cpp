@@ -5,7 +5,7 @@
 namespace axode::codegen {
 namespace {
 
-constexpr const char* one =
+constexpr const char* sine_cosine_loop =
     R"(/* Sines and cosines without a branch, so that several are computed at once: x = m pi/2 + r + low with
    pi/2 in parts whose products with m are exact, and polynomials in r. The error is below 2 units in the
    last place for |x| <= 1e5@BEYOND@. */
@@ -102,18 +102,19 @@ std::string with_constants(std::string text, const std::string& name, const Prec
 
 std::string c_sine_cosine(const std::string& name, const Precision& precision, Angles angles) {
   const bool all = angles == Angles::all;
-  return with_constants(filled(one, {{"LARGE", all ? ", large = 0" : ""},
-                                     {"BEYOND", all ? "; larger angles are left to the library of C" : ""},
-                                     {"LOOK", all ? "    large |= (x > 1e5) | (x < -1e5);\n" : ""},
-                                     {"MEND", all ? R"(  if (large)
+  return with_constants(
+      filled(sine_cosine_loop, {{"LARGE", all ? ", large = 0" : ""},
+                                {"BEYOND", all ? "; larger angles are left to the library of C" : ""},
+                                {"LOOK", all ? "    large |= (x > 1e5) | (x < -1e5);\n" : ""},
+                                {"MEND", all ? R"(  if (large)
     for (k = 0; k < count; ++k)
       if (angle[k] > 1e5 || angle[k] < -1e5) {
         sine[k] = (@T@)sin(angle[k]);
         cosine[k] = (@T@)cos(angle[k]);
       }
 )"
-                                                  : ""}}),
-                        name, precision);
+                                             : ""}}),
+      name, precision);
 }
 
 std::string c_sine_cosine_in_lanes(const std::string& name, const Precision& precision) {

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "axode/constraints/local_mobility/closure_series.hpp"
+#include "axode/eigen.hpp"
 #include "axode/model/configuration.hpp"
 #include "axode/recursion/least_squares.hpp"
 
@@ -12,8 +13,6 @@ namespace {
 
 /// The share of a loop in the norm of a linear combination of equations below which it is a rounding error.
 constexpr double negligible_share = 1e-6;
-
-Eigen::Matrix<double, 6, 1> column(const Screw<>& X) { return {X.w.x, X.w.y, X.w.z, X.v.x, X.v.y, X.v.z}; }
 
 /// The points without duplicates.
 std::vector<Vec3<>> distinct(const std::vector<Vec3<>>& points) {
@@ -77,15 +76,15 @@ std::vector<int> Closure::loops_of_equations(const Eigen::Ref<const Eigen::Vecto
 
 std::vector<int> Closure::loops_of_coordinates(const std::vector<char>& moves) const {
   std::vector<int> out;
-  const auto moved = [&](int c) { return moves[static_cast<std::size_t>(c)] != 0; };
+  const auto is_moving = [&](int c) { return moves[static_cast<std::size_t>(c)] != 0; };
   for (std::size_t l = 0; l < loops_.size(); ++l)
     if (std::ranges::any_of(loops_[l], [&](const PassedJoint& joint) {
-          return std::ranges::any_of(joint.coordinates, moved);
+          return std::ranges::any_of(joint.coordinates, is_moving);
         }))
       out.push_back(static_cast<int>(l));
   for (Eigen::Index k = 0; k < couplings_.rows(); ++k)
     for (int c = 0; c < size(); ++c)
-      if (couplings_(k, c) != 0 && moved(c)) {
+      if (couplings_(k, c) != 0 && is_moving(c)) {
         out.push_back(static_cast<int>(loops_.size()) + static_cast<int>(k));
         break;
       }
@@ -115,11 +114,11 @@ void Closure::evaluate(const Eigen::Ref<const Eigen::VectorXd>& x, Eigen::Vector
       if (J)
         for (std::size_t k = 0; k < joint.S.size(); ++k) {
           const Screw<> S = joint.S.size() > 1 ? dexp(X, joint.S[k]) : joint.S[k];
-          J->block<6, 1>(row, joint.coordinates[k]) += column(Ad(C, S));
+          J->block<6, 1>(row, joint.coordinates[k]) += to_eigen(Ad(C, S));
         }
       C = C * exp(X);
     }
-    r.segment<6>(row) = column(log(C));
+    r.segment<6>(row) = to_eigen(log(C));
   }
   r.tail(couplings_.rows()) = couplings_ * x;
   if (J) J->bottomRows(couplings_.rows()) = couplings_;

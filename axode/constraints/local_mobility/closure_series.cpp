@@ -1,11 +1,12 @@
 #include "axode/constraints/local_mobility/closure_series.hpp"
 
+#include "axode/eigen.hpp"
+
 namespace axode::higher_order {
 namespace {
 
 using Series = Eigen::MatrixXd;  ///< 6 × monomials: a screw whose coordinates are polynomials
 
-Eigen::Matrix<double, 6, 1> column(const Screw<>& X) { return {X.w.x, X.w.y, X.w.z, X.v.x, X.v.y, X.v.z}; }
 Screw<> screw_at(const double* x) { return {{x[0], x[1], x[2]}, {x[3], x[4], x[5]}}; }
 
 /// Computes the Lie bracket of the terms of X of degree a and the terms of Z of degree k - a, multiplies it
@@ -15,7 +16,7 @@ void add_bracket(const PolynomialRing& ring, const Series& X, const Series& Z, i
   for (int i = ring.begin(a); i < ring.begin(a + 1); ++i) {
     const Screw<> x = screw_at(X.data() + 6 * i);
     for (int j = ring.begin(k - a); j < ring.begin(k - a + 1); ++j)
-      out.col(ring.product(i, j)) += scale * column(ad(x, screw_at(Z.data() + 6 * j)));
+      out.col(ring.product(i, j)) += scale * to_eigen(ad(x, screw_at(Z.data() + 6 * j)));
   }
 }
 
@@ -73,7 +74,7 @@ void pass(const PolynomialRing& ring, const PassedJoint& joint, const Eigen::Ref
   Series X = ring.zero(6), W = ring.zero(6);
   for (std::size_t m = 0; m < n; ++m) {
     Series S = ring.zero(6);
-    S.col(0) = column(joint.S[m]);
+    S.col(0) = to_eigen(joint.S[m]);
     for (int k = 1; k < degree; ++k) {
       for (int a = 1; a <= k; ++a) add_bracket(ring, V, S, a, k, 1, S);
       S.middleCols(ring.begin(k), ring.count(k)) /= k;

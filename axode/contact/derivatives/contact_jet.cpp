@@ -27,15 +27,6 @@ SE3<Displaced> displaced(const SE3<>& C) {
   return out;
 }
 
-Eigen::Matrix<double, 1, 6> derivatives(const Displaced& x) {
-  return Eigen::Map<const Eigen::Matrix<double, 1, 6>>(x.dx.data());
-}
-Eigen::Matrix<double, 3, 6> derivatives(const Vec3<Displaced>& a) {
-  Eigen::Matrix<double, 3, 6> out;
-  out << derivatives(a.x), derivatives(a.y), derivatives(a.z);
-  return out;
-}
-
 }  // namespace
 
 ContactJets::ContactJets(ContactShapes shapes) : shapes_(std::move(shapes)), points_(most_points) {}

@@ -36,14 +36,6 @@ Vec3<Displaced> along(const Vec3<>& a, std::size_t first) {
   return out;
 }
 
-Across derivatives(const Vec3<Displaced>& a) {
-  Across out;
-  int row = 0;
-  for (const Displaced* x : {&a.x, &a.y, &a.z})
-    out.row(row++) = Eigen::Map<const Eigen::Matrix<double, 1, 6>>(x->dx.data());
-  return out;
-}
-
 FrameChanges changes(const DisplacedFrame& axes, const VectorChanges& dfrom, const VectorChanges& dto) {
   const auto apply = [&](const Vec3<Displaced>& a) -> VectorChanges {
     const Across by = derivatives(a);

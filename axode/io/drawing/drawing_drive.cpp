@@ -9,7 +9,6 @@
 namespace axode::io {
 namespace {
 
-constexpr std::array<std::string_view, 2> frame_names{"construction", "body"};
 constexpr std::array<std::string_view, 2> anti_windups{"back_calculation", "conditional"};
 
 void read_port(Table& table, DriveDescription& drive) {

@@ -205,8 +205,6 @@ void read_joint(Table& body_table, GeometryForm form, BodyDescription& body) {
   table->finish();
 }
 
-constexpr std::array<std::string_view, 2> frame_names{"construction", "body"};
-
 std::optional<MassProperties> read_inertia(Table& table, GeometryForm form) {
   MassProperties given;
   const bool has_mass = table.has("mass");

@@ -9,7 +9,6 @@ namespace axode::io {
 namespace {
 
 constexpr auto spring_names = names_of(spring_kinds);
-constexpr std::array<std::string_view, 2> frame_names{"construction", "body"};
 constexpr std::array<std::string_view, 2> sides{"tension", "compression"};
 constexpr std::array<std::string_view, 3> law_names{"polynomial", "table", "gas"};
 

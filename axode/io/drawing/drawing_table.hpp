@@ -23,6 +23,9 @@ constexpr std::array<std::string_view, N> names_of(const std::array<Traits, N>& 
   return names;
 }
 
+/// The choices of a key that says in which frame numbers are given.
+inline constexpr std::array<std::string_view, 2> frame_names{"construction", "body"};
+
 /// The list of faults of one file, and the name of the file.
 struct Notes {
   std::vector<Fault>& faults;
