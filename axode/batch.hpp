@@ -46,8 +46,8 @@ struct [[nodiscard]] Outcome {
 
 /// Computes a function, given by its name in the table of axode/catalog.hpp, in N states. Arrays hold one
 /// state after the other; if the function has several results, those of one state follow each other in the
-/// order of the table. Settings are common to all states. Each argument has the name that it has in the
-/// function for one state:
+/// order of the table. Arguments that are not numbers of a state, such as the frame of a pose, are common to
+/// all states. Each argument has the name that it has in the function for one state:
 ///
 ///     std::vector<double> tau(N * nv);
 ///     const Outcome outcome = batch::run(arm, "inverse_dynamics", {.q = q, .v = v, .a = a}, tau, threads);

@@ -14,7 +14,7 @@
 #include "axode/table/check_counts.hpp"
 
 /// The catalogue: a table with a row for each function of a state, such as inverse_dynamics. A row describes
-/// the arguments and the result of the function and has pointers by which it is called.
+/// the arguments and the results of the function and has pointers by which it is called.
 namespace axode::catalog {
 
 /// All arguments that a function of the catalogue can have. A function reads only the arguments of its row.

@@ -28,8 +28,9 @@ std::vector<int> velocities_of(const Model& model, const std::vector<std::string
   return found;
 }
 
-/// Throws InputError if the described initial state (`given`) of a joint with a prescribed motion differs
-/// from `start`, the number with which this motion begins.
+/// Checks the initial state of a joint whose motion is prescribed. Throws InputError if the number that the
+/// model's description gives for this joint (in `given`) differs from `start`, with which the prescribed
+/// motion begins.
 void check_start(const std::vector<std::pair<std::string, std::vector<double>>>& given, const char* what,
                  const std::string& joint, double start) {
   constexpr double tolerance = 1e-6;

@@ -10,9 +10,9 @@ class App;
 
 namespace axode::command {
 
-/// The initial state that the model's description gives, without forces. Joints with a prescribed motion have
-/// the position and velocity with which this motion begins. Throws InputError if the description contradicts
-/// a prescribed motion.
+/// The initial coordinates and velocities that the model's description gives. Joints with a prescribed motion
+/// have the position and velocity with which this motion begins. Throws InputError if the description
+/// contradicts a prescribed motion.
 State starting_state(const Model& model);
 
 /// Options that say whether and how the loops of a state are closed before the state is used.

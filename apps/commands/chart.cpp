@@ -118,8 +118,8 @@ double range(const Curve& curve) {
   return high / 2 - low / 2;  // high - low could overflow
 }
 
-/// The curves of a panel that are drawn. If a panel has more lines than can be drawn, these are the lines
-/// that change most, in their original order.
+/// The curves of a panel that are drawn. If a panel has more lines than a chart can show clearly, these are
+/// the lines that change most, in their original order.
 std::vector<const Curve*> chosen(const Panel& panel) {
   std::vector<const Curve*> curves;
   for (const Curve& curve : panel.curves)
@@ -332,8 +332,8 @@ class Script {
     return ticks_in(low, high, chart_.width / 90.0);
   }
 
-  /// How many powers of ten lie in the horizontal range of the curves. If the axis is logarithmic and ends
-  /// where the curves end, gnuplot writes numbers only at powers of ten.
+  /// The number of powers of ten in the horizontal range of the curves. gnuplot labels a logarithmic axis at
+  /// powers of ten only.
   static double powers_of_ten(const std::vector<const Curve*>& curves) {
     const auto [low, high] = extent(curves, &Curve::x);
     return std::floor(std::log10(high)) - std::ceil(std::log10(low)) + 1;
@@ -388,8 +388,8 @@ class Script {
   }
 
   /// Chooses the colours of curves. If all curves belong to different bodies, each has the colour of its
-  /// body. Otherwise a curve has the palette's colour with the number that the curve names, or else with its
-  /// own number. Marks are black.
+  /// body. Otherwise curve k has colour k of the palette, unless a colour number is set in the curve. Marks
+  /// are black.
   static std::vector<std::string> colors_of(const std::vector<const Curve*>& curves) {
     std::vector<std::string> of_bodies, colors;
     for (std::size_t k = 0; k < curves.size(); ++k) {

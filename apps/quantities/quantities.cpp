@@ -242,8 +242,8 @@ struct Result {
     }
   }
 
-  /// Adds rows to a table, with the numbers of the arrays `results`. In front of a number are the cells
-  /// `before`, and the names that the number has along its array's axes from number `axis` on.
+  /// Adds the numbers of the arrays `results` to a table. The leading cells of each row are `before` and the
+  /// names of the number's place in its array, one for each axis of the array from number `axis` on.
   void tabulate(const std::vector<Reals>& results, std::vector<Cell> before, Table& table,
                 std::size_t axis = 0) const {
     if (on_its_side()) {

@@ -6,9 +6,8 @@
 
 namespace axode::command {
 
-/// The number of operations of forward dynamics by tree contraction, a parallel algorithm that joins
-/// neighbouring bodies in rounds (see TreeContraction). It compresses chains of bodies only in the first
-/// `rounds` rounds.
+/// Counts of the operations of forward dynamics by tree contraction, a parallel algorithm that joins
+/// neighbouring bodies in rounds. Chains of bodies are compressed only in the first `rounds` rounds.
 struct ContractionCount {
   int rounds, compressions;
   Operations operations;

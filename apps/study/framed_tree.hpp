@@ -137,8 +137,8 @@ template <class Joint, class T, class Offset> struct Conjugated {
 
 }  // namespace framed
 
-/// The given tree in the body frames that the type Frames chooses. A joint whose body frame remains the joint
-/// frame does not change; all other joints get constant screws, of which all six entries may be non-zero.
+/// The tree in the body frames that the type Frames chooses. A joint whose body frame remains the joint frame
+/// does not change. All other joints get constant screws, of which all six entries may be non-zero.
 template <class T, class Frames> class FramedTree {
  public:
   static constexpr bool central = std::same_as<Frames, MassCenterFrames>;

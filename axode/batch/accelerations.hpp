@@ -12,7 +12,7 @@
 namespace axode::batch {
 
 /// Computes the accelerations in one motion of a mechanism, without SIMD lanes: by compiled forward dynamics
-/// if the caller has it, otherwise by the library's functions. Models with loops need S = double.
+/// if the caller has it, otherwise by the library's functions. Models with loops need double precision.
 template <class S> class Accelerations {
  public:
   Accelerations(const Model& model, const CompiledDynamics<S>& compiled, bool damping)

@@ -14,8 +14,9 @@ struct MotionsUnderForces {
 };
 
 /// Computes a rollout of a mechanism with drives that have states. The sizes in `motions` and the loops of
-/// the initial states must have been checked. Throws std::invalid_argument for states x of a wrong size or
-/// not finite, for an x_out that shares memory, and for a start other than t = 0 if joints have friction.
+/// the initial states must have been checked. Throws std::invalid_argument for drive states x of a wrong size
+/// or not finite, if the memory x_out for their values overlaps that of an argument or a result, and for a
+/// start other than t = 0 if joints have friction.
 Outcome run_with_drives(const Model& model, const CompiledDynamics<double>& compiled,
                         const MotionsUnderForces& motions, const DriveMotions& drives, const Tableau& method,
                         const Losses& losses, int threads, const Monitor& monitor);

@@ -96,9 +96,9 @@ template <Input input> const auto& argument(const Arguments<T>& given) {
   if constexpr (input == Input::at) return given.at;
 }
 
-/// Calls the function F of row `id`. The parameters of F are the model, the workspace, the inputs of the row,
-/// and the results, which come before or after the loads. A single result such as a pose is the return value
-/// of F instead.
+/// Calls F, the library's function of the row `id` of the catalogue. The arguments of F are the model, the
+/// workspace, the inputs in the order of the row, and the results. The results are last or stand before the
+/// loads. A single result such as a pose is the return value of F instead.
 template <Id id, class F, class W>
 Solvability call(const Model& m, W& w, const Arguments<T>& given, Out out) {
   constexpr const Words& words = id.words();

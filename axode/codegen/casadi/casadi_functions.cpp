@@ -29,8 +29,8 @@ Recording normalised(const Model& model, const Recording& f) {
 }
 
 /// Records the forward dynamics a = M⁻¹ (tau - T(q, v, 0)) and its derivatives, where T(q, v, a) is the
-/// inverse dynamics. T_q, T_v, T_a and T_xx are derivatives of T at the accelerations a; x stands for q, v or
-/// tau. For a direction (dq, dv, dtau), and for the Hessian H of the weighted sum w·a,
+/// inverse dynamics. Indices denote derivatives, taken at the accelerations a; x stands for q, v or tau. For
+/// a direction (dq, dv, dtau), and for the Hessian H of the weighted sum w·a,
 ///
 ///     M da = dtau - T_q dq - T_v dv,    mu = M⁻¹ w,    H = - mu (T_xx + T_xa a_x + (T_xa a_x)ᵀ).
 ///
