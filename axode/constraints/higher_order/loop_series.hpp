@@ -31,9 +31,10 @@ class LoopSeries {
  private:
   using Series = Taylor<double, largest_order + 1>;
 
-  /// about() returns the power series in time of a screw with the coefficients X, moved to a point O, and
-  /// frame_series() that of the frame of a loop joint about O. `shift` is the origin of the root body (the
-  /// body of the branch that is joined to the ground) minus O.
+  /// about() returns the power series in time of a joint screw about a point O, from the coefficients X of
+  /// the series about the origin of its root body (the body of its branch that is joined to the ground).
+  /// frame_series() returns the power series of the frame of a loop joint about O. `shift` is the origin of
+  /// the root body minus O.
   Screw<Series> about(const Vec3<>& shift, const Screw<>* X) const;
   SE3<Series> frame_series(const Loop::End& end, const Vec3<>& shift);
 

@@ -35,8 +35,9 @@ Eigen::RowVectorXd power_of(const Eigen::RowVectorXd& r, double a) {
   return out;
 }
 
-/// Makes a branch of dimension 1, a curve of configurations, from the power series z(t) of its points. The
-/// parameter is changed to that of the normal form (D13.13). If z is 0, the dimension of the branch is 0.
+/// Makes a branch of dimension 1, a curve of configurations, from the power series z(t) of its points in some
+/// parameter t. The result is a series in another parameter: the displacement along the tangent at t = 0 or,
+/// at a cusp, a root of this displacement (D13.13). If z is 0, the dimension of the branch is 0.
 MotionBranch curve(const PolynomialRing& line, Eigen::MatrixXd z) {
   MotionBranch out;
   const int K = line.degree();
@@ -63,8 +64,9 @@ MotionBranch curve(const PolynomialRing& line, Eigen::MatrixXd z) {
   return out;
 }
 
-/// The distance from q, at most 1, up to which the power series z(w) of the points of a branch in parameters
-/// w is used. It is estimated from the largest coefficient of each degree.
+/// The distance from q, at most 1, up to which a power series z(w) is used. z(w) are points of a branch, a
+/// smooth set of configurations with closed loops, in parameters w. The distance is estimated from the
+/// largest coefficient of each degree.
 double reach_of_germ(const PolynomialRing& ring, const Eigen::MatrixXd& z) {
   double out = 1;
   for (int k = 2; k <= ring.degree(); ++k) {
@@ -81,9 +83,10 @@ Eigen::VectorXd point_at(const MotionBranch& branch, double parameter, Eigen::In
   return x;
 }
 
-/// The point of a branch whose projection on the tangent space of the branch at q is that of the point x. It
-/// is computed from the power series of the branch or, if the dimension is above 1, to second order. If the
-/// branch is a curve with a cusp, `other_side` selects the other of its two sides.
+/// The point of a branch, a smooth set of configurations through q, whose projection on the tangent space of
+/// the branch at q is that of the point x. It is computed from the power series of the branch or, if the
+/// dimension is above 1, to second order. If the branch is a curve with a cusp, `other_side` selects the
+/// other of its two sides.
 Eigen::VectorXd nearest(const MotionBranch& branch, const Eigen::VectorXd& x, bool other_side) {
   const Eigen::VectorXd tau = branch.T * x;
   if (branch.dimension == 1) {
@@ -133,9 +136,9 @@ void trace_curve(const Closure& closure, MotionBranch& branch) {
     }
 }
 
-/// Computes the limit, for h → 0, of a difference quotient on a branch, by Romberg's method. difference(a, b,
-/// h) is called with the two points a and b of the branch whose coordinates in the tangent space are h c and
-/// -h c, for several h.
+/// Computes the limit, for h → 0, of a difference quotient on a branch of the configuration space, by
+/// Romberg's method. difference(a, b, h) is called with two points a and b of the branch, whose coordinates
+/// in the tangent space are h c and -h c for a fixed vector c, for several h.
 template <class Difference>
 Eigen::VectorXd extrapolated(const Closure& closure, const Eigen::MatrixXd& T, const Eigen::VectorXd& c,
                              double range, const Difference& difference) {
@@ -176,9 +179,10 @@ Eigen::MatrixXd canonical_basis(const Eigen::MatrixXd& T) {
   return out;
 }
 
-/// The tangent space at q of a branch of dimension above 1, as orthonormal rows. It is spanned by the linear
-/// terms of the power series of the branch. If these are linearly dependent, because the branch is singular
-/// at q, it is computed from differences of points of the branch.
+/// The tangent space at q of a branch (a smooth set of configurations with closed loops) of dimension above
+/// 1, as orthonormal rows. It is spanned by the linear terms of the power series of the branch. If these are
+/// linearly dependent, because the branch is singular at q, it is computed from differences of points of the
+/// branch.
 Eigen::MatrixXd tangent_space(const Closure& closure, const Germ& germ) {
   const Eigen::Index D = germ.ring->variables();
   const Eigen::MatrixXd first = germ.z.middleCols(1, D);
@@ -200,8 +204,9 @@ Eigen::MatrixXd tangent_space(const Closure& closure, const Germ& germ) {
   return canonical_basis(orthonormal_rows(rows.allFinite() ? rows : beside));
 }
 
-/// Computes the second fundamental form II of a branch of dimension D, with II_ab in row a D + b, from second
-/// derivatives along lines in the tangent space (D13.13).
+/// Computes the second fundamental form II of a branch of dimension D, the second derivatives of its points
+/// by tangential coordinates a and b. II_ab is in row a D + b. It is computed from second derivatives along
+/// lines in the tangent space (D13.13).
 Eigen::MatrixXd second_form(const Closure& closure, const Eigen::MatrixXd& T, double range) {
   const Eigen::Index D = T.rows();
   Eigen::MatrixXd II(D * D, T.cols());
@@ -248,9 +253,10 @@ MotionBranch surface(const Closure& closure, const Germ& germ) {
   return out;
 }
 
-/// Examines a point of a branch near q. Finds the dimension of the velocities that the loops allow there, and
-/// the loops in which something moves. Also finds the coordinates that move along the branch but not at q
-/// (dead points), and those that do not move at all (idle).
+/// Examines a point near q of a branch, a smooth set of configurations with closed loops. Finds the dimension
+/// of the velocities that the loops allow there, and the loops in which something moves. Also finds the
+/// coordinates that move along the branch but not at q (dead points), and those that do not move at all
+/// (idle).
 void look_beside(const Closure& closure, MotionBranch& branch) {
   if (branch.points.empty()) return;
   const std::size_t at = branch.dimension == 1 ? std::min<std::size_t>(2, branch.points.size() - 1) : 0;

@@ -6,9 +6,9 @@
 
 namespace axode::higher_order {
 
-/// Makes the branches of the configuration space from the power series of the solutions of the loop
-/// equations. Each branch is traced by points at which Newton's method has closed the loops. All lengths are
-/// divided by a characteristic length.
+/// Makes the branches of the configuration space, the smooth sets of configurations with closed loops, from
+/// the power series of the solutions of the loop equations. Each branch is traced by points at which Newton's
+/// method has closed the loops. All lengths are divided by a characteristic length.
 std::vector<MotionBranch> branches(const Closure& closure, const std::vector<Germ>& germs);
 
 /// The distance from q, at most 1, up to which the power series of a branch is used: the largest number

@@ -66,8 +66,8 @@ void add_dexp(const PolynomialRing& ring, const Series& X, Series W, int degree,
   }
 }
 
-/// Passes a joint on the way around a loop: adds the twist of the joint to the twist V of the body before it,
-/// where both are power series (D13.3, D13.4).
+/// Passes one joint on the way around a loop: adds the twist of the joint to V, the twist of the body before
+/// the joint relative to the first body. Both are power series (D13.3, D13.4).
 void pass(const PolynomialRing& ring, const PassedJoint& joint, const Eigen::Ref<const Eigen::MatrixXd>& x,
           const Eigen::MatrixXd& dx, int degree, Series& V) {
   const std::size_t n = joint.S.size();

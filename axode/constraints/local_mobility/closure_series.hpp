@@ -10,9 +10,9 @@
 namespace axode::higher_order {
 
 /// Computes the power series V of the spatial twist of the last body of a loop, up to the given degree. The
-/// coordinates x of the joints are n polynomials in the variables of `ring`, without constants. V is the
-/// twist of the motion along a ray from the origin of these variables, multiplied by the parameter of the ray
-/// (D13.3, D13.4).
+/// coordinates x of the joints are n polynomials in the variables of `ring`, without constants. The variables
+/// move along a ray from 0, and V is the twist of this motion, multiplied by the parameter of the ray (D13.3,
+/// D13.4).
 Eigen::MatrixXd twist_series(const PolynomialRing& ring, const std::vector<PassedJoint>& loop,
                              const Eigen::Ref<const Eigen::MatrixXd>& x, int degree);
 

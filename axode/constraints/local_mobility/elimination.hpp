@@ -28,8 +28,9 @@ struct Elimination {
   Eigen::MatrixXd z;                     ///< polynomials z(u) that solve the equations in the range of the
                                          ///< derivative
   Eigen::MatrixXd left;                  ///< columns: a basis of the left null space of the derivative
-  /// For each degree, the largest absolute coefficient of the polynomials z(u) and g(u) up to that degree,
-  /// but at least 1. Rounding errors of coefficients are proportional to it.
+  /// Bounds of rounding errors. For each degree it has the largest absolute coefficient, up to that degree,
+  /// of the solution z(u) and of the remaining equations g(u), but at least 1. Rounding errors of
+  /// coefficients are proportional to it.
   std::vector<double> scale;
   Eigen::MatrixXd g;  ///< the remaining equations g(u) = 0, whose terms begin with degree 2
 };

@@ -63,9 +63,9 @@ struct MotionBranch {
   std::vector<int> idle;   ///< indices of coordinates that rest along the branch
   std::vector<int> loops;  ///< indices of the loops and couplings in which something moves
   std::vector<BranchPoint> points;
-  /// A measure of how well the power series of a branch of dimension 1 solves the loop equations. There is an
-  /// exponent k for the series cut after 1, 2, ... terms: the residual of the loops was found to vanish as
-  /// (parameter)^k. It is infinite if the residual is a rounding error.
+  /// For a branch of dimension 1, how well its power series solves the loop equations. Entry n has the
+  /// exponent k for the series cut after n + 1 terms: the residual of the loops was found to vanish as
+  /// (parameter)^k. k is infinite if the residual is a rounding error.
   std::vector<double> residual_orders;
 
   bool cusp() const { return power > 1; }
@@ -105,8 +105,8 @@ struct LocalMobility {
   bool settled = false;      ///< whether the mobility by order, the branches and their closed points agree
   int local_mobility = 0;    ///< largest dimension of a branch
   int rigid_at_order = 0;    ///< first order with mobility 0 if nothing moves; otherwise 0
-  /// The conditions on velocities that do not vanish up to the order of the expansion, sorted by degree.
-  /// Their terms of lowest degree are independent.
+  /// The polynomial conditions of degree 2 or more that the loop equations put on velocities, up to the order
+  /// of the expansion, sorted by degree. Their terms of lowest degree are independent.
   std::vector<MobilityCondition> conditions;
   std::vector<MotionBranch> branches;
   MobilityProbe probe;

@@ -121,8 +121,9 @@ std::span<T> LoopSystem<T>::force_fast(const T* q, const T* v, const T* a, const
 }
 
 /// Computes the entries of Y = D^-½ L⁻ᵀ Aᵀ for n equations of a loop (D7.6), with the Jacobian A of the loop
-/// equations and the mass matrix LᵀD L of the spanning tree. `row` is the first of the equations. Wrenches
-/// are about the origin of each body on the path to the ground.
+/// equations and the mass matrix LᵀD L of the spanning tree. `row` is the first of the equations. The
+/// wrenches of the equations are moved from body to body along the path to the ground; on each body they are
+/// about its origin.
 template <class T>
 template <int n>
 void LoopSystem<T>::pull_rows_fast(const LoopPath& path, const State& at, int row) noexcept {

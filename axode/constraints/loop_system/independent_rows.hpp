@@ -18,8 +18,8 @@ template <class T> class AXODE_ENTRY IndependentRows {
   using Matrix = Eigen::MatrixX<T>;
 
   /// Analyses the loop equations at the position or velocity level, at the present kinematics. An equation is
-  /// redundant if its column of Y, minus the projection on earlier independent columns, has a norm of at most
-  /// `part` times the size of the equation, LoopSystem::scale() (D7.7).
+  /// redundant if its column of Y = D^-½ L⁻ᵀ Aᵀ, minus the projection on earlier independent columns, has a
+  /// norm of at most `part` times the size of the equation, LoopSystem::scale() (D7.7).
   IndependentRows(LoopSystem<T>& system, ConstraintLevel level,
                   T part = std::same_as<T, float> ? T(1e-4) : T(1e-8));
 

@@ -63,8 +63,8 @@ template <class T> class AXODE_ENTRY LoopSystem {
     return level == ConstraintLevel::velocity ? model_.loops().rows : model_.loops().residuals;
   }
 
-  /// Prescribes the positions s, velocities s' and accelerations s'' that some loop equations follow in all
-  /// later calls. For all other equations they are 0 (D12.1).
+  /// Prescribes the right sides s, s' and s'' of some loop equations, for position, velocity and
+  /// acceleration, for all later calls. For all other equations they are 0 (D12.1).
   void prescribe(std::span<const PrescribedRow<T>> rows) { prescribed_.assign(rows.begin(), rows.end()); }
 
   /// Computes the accelerations a (nv) and the multipliers λ of the loop equations at (q, v). If the mass
@@ -129,7 +129,8 @@ template <class T> class AXODE_ENTRY LoopSystem {
   void make_wrenches(ConstraintLevel level) noexcept;  ///< computes only the wrenches of make_rows(), not the
                                                        ///< entries
   /// The entries of the Jacobian of the loop equations that can be non-zero, for each loop. They are stored
-  /// by the columns of its LoopPath; a column has an entry for each equation of the loop.
+  /// column by column: a column belongs to a joint screw on the paths from the loop to the ground and has an
+  /// entry for each equation of the loop.
   const std::vector<std::vector<T>>& entries() const { return entries_; }
   /// Writes the entries of the rows A or R of the present level as a dense matrix, m × nv, row by row.
   void write(T* A) const noexcept;
@@ -139,8 +140,8 @@ template <class T> class AXODE_ENTRY LoopSystem {
   void add_transposed_times(const T* lambda, T* out) const noexcept;
   /// Computes γ - s'' (D6.7). The loop equations are A v = s' with prescribed right sides s', and γ is the
   /// part of (A v)' that does not depend on accelerations. The first function takes the motion of the bodies
-  /// from the last move(). The second one takes twists V and their rates dV, each about the origin of the
-  /// root body (the body of its branch that is on the ground).
+  /// that move() computed last. The second one takes twists V and their rates dV, each about the origin of
+  /// the root body (the body of its branch that is on the ground).
   void bias(T* gamma) noexcept {
     bias(dynamics_->recursion.motion.bodies.V, dynamics_->recursion.motion.bodies.dV, gamma);
   }
@@ -171,19 +172,21 @@ template <class T> class AXODE_ENTRY LoopSystem {
   /// model or another one (nv, kg m² and kg).
   Solvability factorize() noexcept { return factorize_with_armature(tree().armature.data()); }
   Solvability factorize_with_armature(const T* armature) noexcept;
-  /// Computes Y = D^-½ L⁻ᵀ Aᵀ, G = Yᵀ Y = A M⁻¹ Aᵀ and the sizes of the loop equations, with the mass matrix
-  /// M = Lᵀ D L of the spanning tree and the Jacobian A of the equations.
+  /// Computes Y = D^-½ L⁻ᵀ Aᵀ, G = Yᵀ Y = A M⁻¹ Aᵀ and the size of each loop equation: the square root of its
+  /// diagonal entry of G, but not less than a limit (D7.7). M = Lᵀ D L is the mass matrix of the spanning
+  /// tree, and A the Jacobian of the equations.
   void factorize_rows() noexcept;
   /// Solves A M⁻¹ Aᵀ λ = -b for the multipliers λ of the loop equations A v = 0, with the mass matrix M of
   /// the spanning tree; λ is the least (least-squares) solution if equations are redundant (D7.8).
   void solve_rows(const T* b, T* lambda, const RowRank& rank = {}) noexcept;
-  /// Sets the filter μ from the residual of the loops at q. solve_rows() ignores multipliers in directions in
-  /// which A M⁻¹ Aᵀ is small compared with μ times the squared sizes of the loop equations (D7.9); A is the
-  /// Jacobian of the equations, and M the mass matrix of the spanning tree.
+  /// Sets the filter μ from the residual of the loops at q. Multipliers in directions in which A M⁻¹ Aᵀ is
+  /// small compared with μ times its diagonal entries are then 0 in solve_rows() (D7.9). A is the Jacobian of
+  /// the loop equations, and M the mass matrix of the spanning tree.
   void set_filter(const T* q, const RowRank& rank) noexcept;
-  /// How near the loop equations are to being dependent: the least pivot in the last solve_rows(), divided by
-  /// the squared size of its equation; 1 if all pivots are large. If it is near 0, the configuration is
-  /// nearly singular, and the accelerations are those of a mechanism with more degrees of freedom.
+  /// How near the loop equations are to being dependent, by the last solve_rows(). It is 1 if no pivot of the
+  /// matrix A M⁻¹ Aᵀ was small. Otherwise it is the least pivot, each divided by the diagonal entry of the
+  /// matrix in its row. If it is near 0, the configuration is nearly singular, and the accelerations are
+  /// those of a mechanism with more degrees of freedom.
   T weakest_row() const { return weakest_row_; }
   /// Adds A M⁻¹ x to b (m numbers) for x (nv). The rows must be factorised.
   void add_response(const T* x, T* b) noexcept;
@@ -267,8 +270,9 @@ template <class T> class AXODE_ENTRY LoopSystem {
   /// Solves G λ = -b by the proximal iteration (D7.8).
   void solve_filtered_rows(const T* b, T* lambda, const RowRank& rank) noexcept;
   /// Sets up the linear system A M⁻¹ Aᵀ λ = -b of the multipliers λ in the memory of factor_, with the
-  /// Jacobian A of the loop equations and the mass matrix M of the tree. `filter` times the squared size of
-  /// each equation is added to its diagonal entry. The multipliers of redundant equations become 0.
+  /// Jacobian A of the loop equations and the mass matrix M of the tree. Each diagonal entry is increased by
+  /// `filter` times itself, or times a lower limit if the entry is less (D7.9). The multipliers of redundant
+  /// equations become 0.
   void set_rows(const T* b, const T& filter, const RowRank& rank) noexcept;
   SE3<T> pose(const Loop::End& end, int root, const Vec3<T>& O) const noexcept;
   Wrench<Spatial, T> on_first(const State& at, const Wrench<Spatial, T>& W) const {
@@ -305,8 +309,8 @@ template <class T> class AXODE_ENTRY LoopSystem {
 
     explicit TreeDynamics(Arena& arena) : recursion(arena), bodies(arena) {}
   };
-  /// Scratch memory of the fast kernels, whose size depends on the instruction set. It also has the motion of
-  /// the bodies about the origins of their root bodies (those joined to the ground).
+  /// Scratch memory of the fast kernels, whose size depends on the SIMD instruction set. It also has the
+  /// motion of the bodies about the origins of their root bodies (those joined to the ground).
   struct FastKernel {
     using Bodies = typename FastForwardDynamics<T>::Bodies;
     struct OriginMotion {

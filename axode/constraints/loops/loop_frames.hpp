@@ -23,8 +23,8 @@ template <class T> using LoopWrenches = std::array<SpatialWrench<T>, 6>;
 /// The frames of a loop joint on its first body (a) and its second body (b), in inertial axes, with origins
 /// relative to a common point O.
 template <class T> struct LoopFrames { SE3<T> a, b; };
-/// The spatial twists of the two bodies of a loop joint about a common point O, and their rates, with or
-/// without joint accelerations.
+/// The spatial twists of the two bodies of a loop joint about a common point O, and the rates of these
+/// twists. Joint accelerations may be left out of the rates.
 template <class T> struct EndMotion { Screw<T> V_i, V_j, dV_i, dV_j; };
 
 template <class T> T power(const SpatialWrench<T>& W, const Screw<T>& X) {

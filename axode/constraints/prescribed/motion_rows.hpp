@@ -40,8 +40,8 @@ class MotionRows {
   /// Throws std::invalid_argument if a motion is not known at all times from `from` to `until`.
   void check_times(double from, double until) const;
   /// The name of a joint or rod with a prescribed motion: the one whose loop equation has the largest
-  /// absolute entry in `rows` (one entry for each loop equation). Empty if all entries of motions are within
-  /// the tolerance.
+  /// absolute number in `rows`, which has one number for each loop equation. Empty if the numbers of all
+  /// prescribed motions are within the tolerance.
   std::string worst(std::span<const double> rows, double tolerance) const;
 
  private:
