@@ -43,10 +43,10 @@ constexpr std::string_view to_string(LawBranch branch) {
 void add_impulse(const VelocityProblem& problem, std::size_t block, const double* lambda,
                  const Vec3<>& normal, ContactForce& out) noexcept;
 /// Whether one contact is open, sticks or slides after a step. It is open if its normal multiplier is not
-/// positive. Otherwise it slides if the norm of its friction velocities is above `at_rest` (m/s), and sticks
-/// if not; the angular velocities of drilling and rolling friction are multiplied by their coefficients,
-/// which are lengths. `block` is the index of the contact in the problem. `lambda` has the multipliers of all
-/// scalar constraints, and `u` their velocities in physical units.
+/// positive. Otherwise it slides if the norm of its sliding, drilling and rolling velocities is above
+/// `at_rest` (m/s), and sticks if not; the angular velocities of drilling and rolling are multiplied by their
+/// friction coefficients, which are lengths. `block` is the index of the contact in the problem. `lambda` has
+/// the multipliers of all scalar constraints, and `u` their velocities in physical units.
 LawBranch branch_after(const VelocityProblem& problem, std::size_t block, const double* lambda,
                        const double* u, double at_rest) noexcept;
 

@@ -16,7 +16,8 @@ template <class T> struct ContactPointOf {
 };
 using ContactPoint = ContactPointOf<double>;
 
-/// The number (key) that identifies a contact of the shapes a and b (below 2^20) at a feature (below 2^24).
+/// The number (key) that identifies a contact point of two shapes. It is made of the numbers a and b of the
+/// shapes (below 2^20) and a number (below 2^24) for the features, such as faces and edges, that touch.
 /// shapes_of_key() returns the shapes {a, b} of a key.
 constexpr std::uint64_t contact_key(int a, int b, std::uint32_t feature) {
   return std::uint64_t(a) << 44 | std::uint64_t(b) << 24 | feature;

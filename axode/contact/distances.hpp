@@ -18,8 +18,8 @@ struct ShapeDistance {
   double distance = 0;      ///< signed distance, negative in overlap, m; see ConvexDistance
   Vec3<> normal;            ///< unit vector from shape a to shape b
   Vec3<> point_a, point_b;  ///< nearest points, or deepest points in overlap, on the surfaces of a and b, m
-  /// Error bound, m: the true signed distance is at least `distance` and at most `distance + residual`. For
-  /// shapes that overlap the upper bound holds only if `proved` is true, see ConvexDistance.
+  /// Error bound, m: the true signed distance is at least `distance` and at most `distance + residual`. If
+  /// the shapes overlap, the upper bound holds only if `proved` is true.
   double residual = 0;
   bool proved = true;  ///< whether it is proved that no other normal has less overlap
 };

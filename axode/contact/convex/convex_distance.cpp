@@ -40,8 +40,9 @@ bool improve(const CorePair& pair, Candidate& c, const Candidate& t) noexcept {
   return true;
 }
 
-/// Improves the normal of candidate c by at most `rounds` proximal steps (D10.7). Stops before if a step
-/// brings no improvement, or if the residual of c is 0 to rounding.
+/// Improves the normal n of candidate c by at most `rounds` proximal steps (D10.7). Each takes as its new
+/// normal the direction of the point of least norm in the difference of the cores, shifted along n. Stops
+/// before if a step brings no improvement, or if the residual of c is 0 to rounding.
 void ascend(CorePair& pair, Candidate& c, int rounds) noexcept {
   double gap = pair.curved ? pair.step / 16 : pair.rounding;
   for (int k = 0; k < rounds && c.residual > pair.rounding; ++k) {

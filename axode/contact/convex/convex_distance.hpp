@@ -12,16 +12,16 @@ struct ConvexDistance {
   double distance = 0;
   Vec3<> normal;            ///< unit vector n from body a to body b
   Vec3<> point_a, point_b;  ///< nearest (or deepest) points on the boundaries of a and b, m
-  /// The norm of point_b - point_a - distance n with the normal n, m. If the bodies are apart or proved() is
-  /// true, the true distance is at most `distance + residual`. Otherwise this bound holds only among normals
-  /// near n.
+  /// The error of the nearest points: the norm of point_b - point_a - distance n with the normal n, m. If the
+  /// bodies are apart, or if `distance` is proved to be the greatest of all normals, the true distance is at
+  /// most `distance + residual`.
   double residual = 0;
   double core_overlap = 0;   ///< overlap of the cores along n, m; 0 if the cores are apart
   double overlap_bound = 0;  ///< proved lower bound of the overlap of the cores, m, see expand()
 
-  /// Whether the overlap of the bodies along n is proved to be the least of all normals, to 2e-5 of the
-  /// overlap of their cores (see ConvexShape). For cylinders and ellipsoids the proof leaves out normals
-  /// within 0.0045 rad of n. True if the cores are apart.
+  /// Whether the normal n is proved to be the best one: no other normal has an overlap that is less by more
+  /// than 2e-5 of the overlap of the cores (the bodies without the balls that round them). For cylinders and
+  /// ellipsoids, normals within 0.0045 rad of n are not examined. True if the cores are apart.
   bool proved() const noexcept;
 };
 

@@ -21,9 +21,9 @@ struct ContactJet {
   Eigen::Matrix<double, 1, 6> gap_by;
 };
 
-/// Computes derivatives of contact points for pairs of shapes that have a closed form. It is assumed that a
-/// displacement does not change which features (faces, edges, vertices) of the shapes touch. An object is the
-/// scratch memory of one thread.
+/// Computes derivatives of contact points for those pairs of shapes whose contact points have a closed form.
+/// It is assumed that a displacement does not change which features (faces, edges, vertices) of the shapes
+/// touch. An object is the scratch memory of one thread.
 class ContactJets {
  public:
   explicit ContactJets(ContactShapes shapes);

@@ -8,8 +8,9 @@ namespace {
 using Changes = DisplacedMotion::Changes;
 using Across = Eigen::Matrix<double, 3, 6>;
 
-/// The axes of a contact frame with six derivatives: along the three components of the old normal from which
-/// the frame is turned, if there is one, and along those of its own normal.
+/// The axes of a contact with six derivatives. Three are along the components of the normal from which the
+/// axes are made. If the axes are turned from those of an older normal, the other three are along the
+/// components of that older normal.
 struct DisplacedFrame {
   Vec3<Displaced> n, t1, t2;
 };

@@ -47,7 +47,8 @@ class DisplacedMotion {
   /// The changes of the point, normal and gap of a contact that follow from the displacements of its bodies.
   ContactChanges contact(const ContactJet& jet);
   /// Computes the relative velocities u of the bodies at a contact along `axes`, and returns their changes
-  /// along the k directions (`rows` × k). `change` and `daxes` are those of the contact and the axes.
+  /// along the k directions (`rows` × k). `change` and `daxes` are the changes of the contact point and of
+  /// the axes along these directions.
   Changes row_velocities(const ContactJet& at, const ContactChanges& change, const ContactFrame& axes,
                          const FrameChanges& daxes, int rows, double* u);
   /// Adds the changes of the generalised impulse Jᵀ λ of one contact to `out` (nv × k). λ are its impulses

@@ -15,7 +15,7 @@ constexpr double good_start = 1e-6;
 }  // namespace
 
 /// Computes out = D⁻¹ Yᵀ Y D⁻¹ a with the Delassus operator Yᵀ Y and the diagonal matrix D of the scales of
-/// the constraint rows. Overwrites u_ and x_.
+/// the constraint rows. Uses the members u_ and x_ as scratch memory.
 void VelocitySolver::apply_delassus(const Vector& a, Vector& out) noexcept {
   const Eigen::Map<const Eigen::VectorXd> d2(problem_->squared_scales().data(), rows_);
   u_ = a.array() / d2.array().sqrt();

@@ -69,8 +69,8 @@ class ContactDynamics {
   /// Jacobian J, the mass matrix and the terms r of the rows are held constant. If `details` is not null, it
   /// receives the derivatives of the multipliers and whether they are unique.
   Eigen::MatrixXd derivative_by_tau(ProblemDerivative* details = nullptr);
-  /// The derivative ∂v⁺/∂p of the velocities after the step, nv × nv, by the momenta p = M v + h (τ - b) of
-  /// the motion without impulses. `details` may be null.
+  /// The derivative ∂v⁺/∂p of the velocities after the step, nv × nv, by p = M v + h (τ - b), the momenta at
+  /// the end of the step without impulses. `details` may be null.
   Eigen::MatrixXd derivative_by_momenta(ProblemDerivative* details = nullptr);
   /// ∂v⁺/∂r by the number r of each row, nv × rows. `details` may be null.
   Eigen::MatrixXd derivative_by_r(ProblemDerivative* details = nullptr);

@@ -53,11 +53,11 @@ struct DryJoint {
 };
 
 /// The constraint rows of all contacts, hard stops, joints with dry friction and closed loops of a mechanism
-/// at a configuration, and its mass matrix M = Lᵀ D L by articulated bodies. The blocks of rows are, in this
-/// order: contacts, with the rows n, t1, t2 for the velocity of the point of body b relative to that of body
-/// a, and then the relative angular velocity about n and about t1, t2; stops; joints with dry friction;
-/// loops. Row k of the Jacobian J gives column k of Y = D^-½ L⁻ᵀ Jᵀ; it takes one sweep to the root along the
-/// paths of the two bodies (D11.4). An object is the scratch memory of one thread.
+/// at a configuration, and its mass matrix M = Lᵀ D L, factorised by articulated bodies. The blocks of rows
+/// are, in this order: contacts, with the rows n, t1, t2 for the velocity of the point of body b relative to
+/// that of body a, and then the relative angular velocity about n and about t1, t2; stops; joints with dry
+/// friction; loops. Row k of the Jacobian J gives column k of Y = D^-½ L⁻ᵀ Jᵀ, by one sweep along the paths
+/// of the two bodies to the ground (D11.4). An object is the scratch memory of one thread.
 class ContactSystem {
  public:
   /// Reserves memory for `capacity` contacts with `contact_rows` rows each: 3, or 4 with drilling friction,
@@ -72,8 +72,8 @@ class ContactSystem {
   std::span<const JointStop> stops() const { return stops_; }
   std::span<const DryJoint> dry_joints() const { return dry_; }
 
-  /// Computes the poses of the internal frames of all bodies at q (n_bodies + 1 entries). Invalidates the
-  /// constraint rows and factors of an earlier set().
+  /// Computes the poses of the internal frames of all bodies at q (n_bodies + 1 entries). The constraint rows
+  /// and factors that set() has made are invalid afterwards.
   void poses(const double* q, SE3<>* C) noexcept;
   /// Computes the twists of all bodies for the velocities v, at the q of the last call of poses() or set().
   void move_bodies(const double* v) noexcept;
@@ -88,14 +88,15 @@ class ContactSystem {
   void loop_openings(const double* q, double* openings) noexcept;
 
   /// Factorises the mass matrix and makes all constraint rows at q. Of the hard stops only those nearer than
-  /// `stop_margin` (rad or m) get rows. Afterwards problem() has the rows in physical units, with terms r = 0
-  /// and the friction forces of dry joints times the step h as bounds. Allocates only if there are more
-  /// contacts than the capacity.
+  /// `stop_margin` (rad or m) get rows. Afterwards problem() has the rows in physical units; the impulse of a
+  /// joint with dry friction is bounded by its friction force times the step h. Allocates only if there are
+  /// more contacts than the capacity.
   Solvability set(const double* q, std::span<const Contact> contacts, double h,
                   double stop_margin = std::numeric_limits<double>::infinity());
 
-  /// The constraint rows as a VelocityProblem. The caller sets its terms r (in physical units) and its motion
-  /// w without impulses after set(), and calls its finish().
+  /// The problem to find the impulses of the constraint rows. After set(), the caller writes to it the terms
+  /// r that are added to the velocities of the rows, and the motion w without impulses, and calls its
+  /// finish().
   VelocityProblem& problem() { return problem_; }
   const VelocityProblem& problem() const { return problem_; }
   std::span<const int> active_stops() const { return active_; }  ///< indices in stops()
@@ -126,8 +127,8 @@ class ContactSystem {
   void bias_forces(const double* q, const double* v, const Loads<>& loads, double* h) noexcept {
     loops_.move(q, v, loads, h);
   }
-  /// Computes for each row of the loops the part of its acceleration (A v)' without joint accelerations, with
-  /// the Jacobian A of the loops and the motion of the last bias_forces().
+  /// Computes, for each row of the loops with the Jacobian A, the part of (A v)' that does not depend on
+  /// joint accelerations, for the motion with which bias_forces() was called last.
   void loop_bias(double* gamma) noexcept { loops_.bias(gamma); }
   /// The impulse of the contacts on the ground, (moment; force) about the inertial origin, from the impulses
   /// `lambda` of the rows of all contacts in physical units.
@@ -146,11 +147,12 @@ class ContactSystem {
   /// opposite wrench `on_a` on body a, and the generalised forces x.
   void pull_row(int a, int b, const Wrench<Spatial>& on_a, const Wrench<Spatial>& on_b, const double* x,
                 double* Y) noexcept;
-  /// Appends a block of rows for the velocities of the path that find_path() found. Sets Y to the part of Y =
-  /// D^-½ L⁻ᵀ Jᵀ that belongs to the block, and returns the part of J; both have the same layout.
+  /// Appends a block of rows for the velocities of the path that find_path() found. Returns the memory for
+  /// the block's part of the Jacobian J, filled with zeros, and sets Y to the memory for its part of D^-½ L⁻ᵀ
+  /// Jᵀ; both have the same layout.
   double* add_block(ContactLaw law, int rows, double bound, double*& Y, bool compliant = false);
-  /// Adds the constraint rows of a contact. If it is compliant and its normal impulse is unknown, its
-  /// compliance gets the index `compliance`, which is then increased.
+  /// Adds the constraint rows of a contact. The normal force of a compliant contact is an additional unknown
+  /// unless its impulse is given; `compliance` is the index of this unknown, and is then increased.
   void add_contact(const Contact& contact, int& compliance);
   void add_unit_row(ContactLaw law, int velocity, double side, double bound);
   void add_loops(const double* q);

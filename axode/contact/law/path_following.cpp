@@ -3,8 +3,9 @@
 
 #include "axode/contact/law/velocity_solver.hpp"
 
-/// A method for contact problems in which Newton's method fails. The solution of a proximal step depends on
-/// its factor R; the method follows this solution, a path, as R falls from large to small values. See
+/// Solves contact problems in which Newton's method fails. Instead of the law between impulses λ and
+/// velocities u it is easier to solve the law between λ and u + R λ, with a large R, which makes the contacts
+/// compliant. The solutions for all R are a path, which is followed as R falls to small values. See
 /// "Following the path" of docs/derivations/contact.md.
 namespace axode {
 namespace {
@@ -24,8 +25,8 @@ double VelocitySolver::path_residual(double sigma) noexcept {
   return velocity_residual(x_, f_);
 }
 
-/// Writes the Newton step -f'⁻¹ f to dx_ and the unit tangent of the path (D11.10b) to next_, for the
-/// residual f of the equations of the path and its derivative f'.
+/// For the path of solutions of (D11.10a), with the equations f = 0 and their derivative f': writes the
+/// Newton step -f'⁻¹ f to dx_ and the unit tangent of the path (D11.10b) to next_.
 void VelocitySolver::linearize_path() noexcept {
   factorize_velocities(0);
   u_ = (z_ - lambda_0_).cwiseProduct(R_);
@@ -40,10 +41,10 @@ void VelocitySolver::linearize_path() noexcept {
   t *= next_.sigma;
 }
 
-/// Steps from path_point_ by `length` along `direction`, and returns to the path by Newton steps that are
-/// perpendicular to it. If this leads to a point ahead on the path, moves path_point_ there, leaves its
-/// tangent in next_ and returns true. `beyond_kink` says that `direction` is the tangent behind a kink of the
-/// path.
+/// Steps along the path of solutions of (D11.10a): moves from path_point_ by `length` along `direction`, and
+/// returns to the path by Newton steps that are perpendicular to it. If this leads to a point ahead on the
+/// path, moves path_point_ there, leaves its tangent in next_ and returns true. `beyond_kink` says that
+/// `direction` is the tangent behind a kink of the path.
 bool VelocitySolver::step_on_path(const PathVector& direction, double length, bool beyond_kink) noexcept {
   constexpr int most = 8, patience = 3;
   x_ = path_point_.x + length * size_ * direction.x;

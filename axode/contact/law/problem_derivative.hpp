@@ -8,7 +8,7 @@ struct ProblemDerivative {
   Eigen::MatrixXd multipliers;  ///< dλ in scaled rows, rows × directions
   Eigen::MatrixXd motion;       ///< d(w + Y λ), nv × directions
   /// Whether the motion has a derivative. It may have none if contacts that share a load slide, or if the
-  /// changes of the given terms r of redundant contacts contradict each other.
+  /// prescribed velocities r of redundant contacts change in contradictory ways.
   bool unique = true;
   /// Whether a block of rows is within rounding of the boundary between two branches of its law, such as
   /// stick and slide. The derivative is then that of the branch that was taken.
@@ -16,9 +16,9 @@ struct ProblemDerivative {
 };
 
 /// Differentiates the multipliers λ that solve a problem (D11.11) along k changes of its data. With the
-/// velocities u = Yᵀ (w + Y λ) + r of the scaled rows, dx (nv × k) has the changes dw + dY λ, and du (rows ×
-/// k) the changes dYᵀ (w + Y λ) + dr. If contacts share a load, dλ is not unique; then the dλ of least norm
-/// in the metric of the masses is returned. Allocates; O(rows³).
+/// velocities u = Yᵀ (w + Y λ) + r of the rows (friction rows multiplied by their coefficients), dx (nv × k)
+/// has the changes dw + dY λ, and du (rows × k) the changes dYᵀ (w + Y λ) + dr. If contacts share a load, dλ
+/// is not unique; then the dλ of least norm in the metric of the masses is returned. Allocates; O(rows³).
 ProblemDerivative differentiate(const VelocityProblem& problem, const double* lambda,
                                 const Eigen::Ref<const Eigen::MatrixXd>& dx,
                                 const Eigen::Ref<const Eigen::MatrixXd>& du);
@@ -30,12 +30,13 @@ struct LawDerivative {
 };
 
 /// Differentiates multipliers λ that obey the laws of a problem if the velocities u of the rows depend on λ
-/// in any way. by_lambda (rows × rows) is ∂u/∂λ at constant data, and by_data (rows × directions) is the
-/// change of u along each direction at constant λ. The multipliers change by
-///   (1 - Z + Z d⁻² by_lambda) dλ = -Z d⁻² by_data,   Z at z = λ - u/d²                            (D11.18)
-/// with the derivative Z of resolve() and the scales d² of the rows. All rows are scaled. `speed` is the size
-/// of the velocities of the mechanism in the metric of the masses, and `change` is that of their changes
-/// along the directions; rounding errors are judged by them. Allocates; O(rows³).
+/// in any way. The laws are λ = resolve(z) with z = λ - u/d² and the scales d² of the rows. by_lambda (rows ×
+/// rows) is ∂u/∂λ at constant data, and by_data (rows × directions) is the change of u along each direction
+/// at constant λ. The multipliers change by
+///   (1 - Z + Z d⁻² by_lambda) dλ = -Z d⁻² by_data                                                 (D11.18)
+/// with the derivative Z of resolve() at z. Friction rows are multiplied by their coefficients. `speed` is
+/// the size of the velocities of the mechanism in the metric of the masses, and `change` is that of their
+/// changes along the directions; rounding errors are judged by them. Allocates; O(rows³).
 LawDerivative differentiate_law(const VelocityProblem& problem, const double* lambda, const double* u,
                                 const Eigen::Ref<const Eigen::MatrixXd>& by_lambda,
                                 const Eigen::Ref<const Eigen::MatrixXd>& by_data, double speed,

@@ -34,14 +34,14 @@ class VelocityProblem {
 
   /// Allocates memory for `blocks` blocks that have 6 rows each and move all velocities.
   void reserve(std::size_t blocks);
-  /// Removes all blocks of rows and sets the number of compliant contacts, each of which adds a velocity to
-  /// those of the mechanism (D11.26).
+  /// Removes all blocks of rows. Sets the number of compliant contacts, each of which adds an unknown
+  /// velocity to those of the mechanism (D11.26).
   void clear(int compliances = 0);
   /// Appends a block of rows to the problem. The block moves the velocities `support`, in ascending order;
-  /// with `compliant` the last of them is that of a compliance. Returns the block's part of Y, support.size()
-  /// × rows, column by column. Before the next call, the caller must write to it D^-½ L⁻ᵀ times the
-  /// transposed rows of the Jacobian, and set the entries of r and c for these rows. Allocates where more is
-  /// needed than was reserved.
+  /// with `compliant` the last of them is the additional unknown of a compliant contact. Returns the block's
+  /// part of Y, support.size() × rows, column by column. Before the next call, the caller must write to it
+  /// D^-½ L⁻ᵀ times the transposed rows of the Jacobian, and set the entries of r and c for these rows.
+  /// Allocates where more is needed than was reserved.
   double* add(ContactLaw law, int rows, std::span<const int> support, double bound = 0,
               bool compliant = false);
   /// Sets the compliance C of a compliant block after finish(): its normal law is then for u + C λ, not u.
@@ -50,8 +50,8 @@ class VelocityProblem {
   /// Completes the problem. Multiplies the constraint rows by their factors c, which are coefficients of
   /// friction or 1. Computes the scale d² of each row from the diagonal of the Delassus operator Yᵀ Y
   /// (D11.6): in general the entry of the row, but all rows of a contact have the entry of the normal row or
-  /// half of the largest entry, whichever is larger. Adds the motion by the given normal impulses of pressed
-  /// contacts to w.
+  /// half of the largest entry, whichever is larger. If the normal impulse of a contact is given, adds the
+  /// motion by this impulse to w.
   void finish() noexcept;
   /// Writes the given normal impulses of pressed contacts, which the law leaves out, into a solution.
   void complete(double* lambda) const noexcept;
@@ -104,8 +104,9 @@ class VelocityProblem {
 /// errors make it 1e-12; it is NaN if a number is not finite. `scratch` is memory for 2 rows() + nv()
 /// numbers.
 double certificate(const VelocityProblem& problem, const double* lambda, double* scratch) noexcept;
-/// Computes the certificate of multipliers λ, the relative error of the laws, from the residual λ - resolve(λ
-/// - u/d²), with the velocities u and the scales d² of the rows, and from the motion t = Y λ (nv() numbers).
+/// Computes the certificate of multipliers λ, the relative error of the laws. Its inputs are the residual λ -
+/// resolve(λ - u/d²), which is 0 if the laws hold, with the velocities u and the scales d² of the rows, and
+/// the motion t = Y λ (nv() numbers).
 double certificate_of(const VelocityProblem& problem, const double* residual, const double* t) noexcept;
 
 }  // namespace axode

@@ -9,8 +9,8 @@
 namespace axode {
 namespace {
 
-/// The number ε of (D11.9), by which Newton's method on the law changes its matrix. The matrix is then
-/// regular although contacts are redundant, and redundant contacts keep their load.
+/// A small number ε that changes the matrix of Newton's method (D11.9) such that it is regular although
+/// contacts are redundant, and such that redundant contacts keep their load.
 constexpr double keep = 1e-9;
 /// The approximate number of columns of Y that are multiplied at once when Y B Yᵀ is computed.
 constexpr int most_columns = 48;
@@ -135,9 +135,9 @@ double VelocitySolver::certify(const double* lambda) noexcept {
   return certificate_of(*problem_, residual_.data(), t_.data());
 }
 
-/// Evaluates a proximal step from the multipliers λ_0 with the factor R at the multipliers λ: writes
-/// resolve(λ_0 - u/R), with the velocities u of the rows, to resolved_, and λ minus resolved_ to residual_.
-/// Returns the norm of the residual in the metric of the masses.
+/// The residual of a proximal step, λ - resolve(λ_0 - u/R), at multipliers λ. λ_0 are the multipliers at its
+/// start, R is its factor, and u are the velocities of the rows for λ. Writes the term with resolve() to
+/// resolved_ and the residual to residual_, and returns the norm of the residual in the metric of the masses.
 double VelocitySolver::multiplier_residual(const Vector& lambda) noexcept {
   const Eigen::Map<const Eigen::MatrixXd> G(G_memory_.data(), rows_, rows_);
   const Eigen::Map<const Eigen::VectorXd> d2(problem_->squared_scales().data(), rows_);

@@ -15,22 +15,24 @@ struct [[nodiscard]] VelocitySolution {
   bool holds(double tolerance) const { return certificate <= tolerance; }
 };
 
-/// Solves a VelocityProblem by proximal steps on resolve(), each by Newton's method (D11.8), and by Newton's
-/// method on the law itself near the solution (D11.9). The unknowns are velocities, or the multipliers if
-/// their dense matrix takes fewer operations. If the certificate, the relative error of the laws, stays above
-/// 1e-9, the solver starts again: from 0, from the results of alternating directions (D11.10), from points on
-/// the path of solutions (D11.10a), and from disturbed multipliers. It returns the multipliers with the least
-/// certificate, and this certificate.
+/// Solves a VelocityProblem: finds multipliers λ which obey the laws λ = resolve(λ - u/d²) with the
+/// velocities u of the rows. It makes proximal steps: from multipliers λ_0, a step solves λ = resolve(λ_0 -
+/// u/R) by Newton's method, with a factor R that makes the solution unique (D11.8). Near the solution,
+/// Newton's method is applied to the laws themselves (D11.9). If the relative error of the laws, the
+/// certificate, stays above 1e-9, the solver starts again: from 0, from the results of alternating directions
+/// (D11.10), from solutions of easier problems with compliant contacts (D11.10a), and from disturbed
+/// multipliers. It returns the multipliers with the least certificate, and this certificate.
 ///
-/// Matrices in velocities are factorised along the bodies that touch, see SparseFactor, by Cholesky's method
-/// while no contact slides. Matrices in multipliers are dense and take O(rows³).
+/// The unknowns are velocities or multipliers, whichever takes fewer operations. Matrices in velocities are
+/// factorised along the bodies that touch, see SparseFactor, by Cholesky's method while no contact slides.
+/// Matrices in multipliers are dense and take O(rows³).
 class VelocitySolver {
  public:
   /// Allocates memory for problems with up to nv velocities and up to `rows` rows.
   void reserve(int nv, int rows);
 
-  /// Callback before the solver starts again from other multipliers, which may take seconds; the search ends
-  /// if it returns false. May be empty.
+  /// Callback that is called before the solver starts again from other multipliers, which may take seconds.
+  /// If it returns false, the search ends. May be empty.
   using Monitor = std::function<bool()>;
 
   /// Improves the multipliers `lambda` of scaled constraint rows from their given values until the
@@ -58,16 +60,16 @@ class VelocitySolver {
     double mu = 1e-2;  ///< number μ with R = μ d² in the first proximal step
     int patience = 0;  ///< see polish()
   };
-  /// Improves the multipliers λ by proximal steps and, while the certificate (the relative error of the laws)
-  /// is below 1e-2, by polish(). Returns the certificate.
+  /// Improves the multipliers λ. It makes proximal steps (D11.8) and, while the certificate (the relative
+  /// error of the laws) is below 1e-2, tries Newton's method on the laws (D11.9). Returns the certificate.
   double newton(double* lambda, double tolerance, const NewtonOptions& options) noexcept;
   /// Whether to go on: the relative error of the laws is above `accepted`, and the monitor has not ended it.
   bool searches();
   /// Runs Newton's method from start_, and keeps the result if its error of the laws is the least so far.
   void improve(double tolerance, const NewtonOptions& options) noexcept;
-  /// Makes a proximal step from the multipliers lambda_0_ by Newton's method, until the norm of the residual
-  /// is at most `goal`. Writes the new multipliers to resolved_ and the number of Newton steps to
-  /// `iterations`, and returns the norm of the residual.
+  /// Makes a proximal step: solves λ = resolve(λ_0 - u/R) for the multipliers λ_0 in lambda_0_ by Newton's
+  /// method (D11.8), until the norm of the residual is at most `goal`. Writes λ to resolved_ and the number
+  /// of Newton steps to `iterations`, and returns the norm of the residual.
   double proximal_step(double goal, int& iterations) noexcept;
   double multiplier_residual(const Vector& lambda) noexcept;
   double velocity_residual(const Vector& x, Vector& f) noexcept;
@@ -79,16 +81,16 @@ class VelocitySolver {
   /// that do not halve the least certificate.
   double polish(double* lambda, double tolerance, int patience) noexcept;
 
-  /// Makes the matrix B of each block for Newton's method, from the derivative Z of resolve() at z_ and the
-  /// factor R of the proximal step. B is Z/R if `kept` is 0. Otherwise B is (1 - (1 - kept) Z)⁻¹ Z/R, with ε
-  /// = kept of (D11.9). Returns whether all of them are symmetric.
+  /// Makes the matrix B of each block of rows for Newton's method. Z is the derivative of resolve() at z_,
+  /// and R the factor of the proximal step. B is Z/R if `kept` is 0; otherwise it is (1 - (1 - kept) Z)⁻¹
+  /// Z/R, where `kept` is the ε of (D11.9). Returns whether all of these matrices are symmetric.
   bool make_matrices(double kept) noexcept;
   /// Factorises 1 + Y B Yᵀ for Newton's method in velocities; `symmetric` says that all B are symmetric.
   void factorize_with(bool symmetric) noexcept;
   void factorize_velocities(double kept) noexcept;
-  /// Factorises the matrix of Newton's method in multipliers, with the derivative Z of resolve() and the
-  /// factor R of the proximal step: 1 + Z R⁻¹ Yᵀ Y if `kept` is 0, and 1 - (1 - kept) Z + Z R⁻¹ Yᵀ Y with ε =
-  /// kept of (D11.9) otherwise.
+  /// Factorises the matrix of Newton's method whose unknowns are multipliers: 1 - (1 - kept) Z + Z R⁻¹ Yᵀ Y,
+  /// or 1 + Z R⁻¹ Yᵀ Y if `kept` is 0. Z is the derivative of resolve(), R the factor of the proximal step,
+  /// and `kept` the ε of (D11.9).
   void factorize_multipliers(double kept) noexcept;
   /// a := B a, block by block, with the matrices B of make_matrices().
   void multiply_blocks(Vector& a) const noexcept;
@@ -111,9 +113,9 @@ class VelocitySolver {
   double path_residual(double sigma) noexcept;
   void linearize_path() noexcept;
   bool step_on_path(const PathVector& direction, double length, bool beyond_kink) noexcept;
-  /// Follows the path of the solutions of proximal steps with the factor R = exp(σ) d² (D11.10a) as σ falls,
-  /// with the scales d² of the rows, and runs Newton's method from its points. The path begins at the
-  /// multipliers in y_.
+  /// Solves λ = resolve(-u/R), the laws of contacts with a compliance R, for R = exp(σ) d² with falling σ
+  /// (D11.10a), where d² are the scales of the rows. These solutions are a path; Newton's method for the
+  /// contacts without compliance starts from points of it. The path begins at the multipliers in y_.
   void follow_path(double tolerance);
 
   /// The largest certificate at which no further start is made.
