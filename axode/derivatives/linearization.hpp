@@ -27,8 +27,9 @@ Solvability linearize(const Model& model, Workspace<T>& workspace, Numbers<T> q,
                       const std::type_identity_t<Linearization<T>>& linear,
                       const std::type_identity_t<Loads<T>>& loads = {});
 
-/// Computes the matrices A and B of linearize() also for models with drives. `tau` are the forces of the
-/// drives at this state; A and B do not contain the derivatives of these forces.
+/// Computes the matrices A and B of the linear system x' = A x + B δτ, see linearize(), also for models with
+/// drives. `tau` are the forces of the drives at this state; A and B do not contain the derivatives of these
+/// forces.
 template <class T>
 Solvability linearize_without_drives(const Model& model, Workspace<T>& workspace, Numbers<T> q, Numbers<T> v,
                                      Numbers<T> tau, const std::type_identity_t<Linearization<T>>& linear,

@@ -29,7 +29,8 @@ struct DriveDerivatives {
 };
 
 /// Derivatives of the least margin of the statuses of the drives: by q along the left-trivialised directions,
-/// by v, by x, and by the inputs as in DriveDerivatives.
+/// by v, by x, and by the inputs as in DriveDerivatives. A status is a number that selects a branch of a
+/// drive's law; it changes when its margin becomes negative.
 struct MarginDerivatives {
   Eigen::RowVectorXd q, v, x, u;
 };
@@ -80,9 +81,9 @@ class DriveSystem {
   double least_margin(double t, Span q, Span v, Span x);
   /// Computes the derivatives of the least margin; there must be statuses. Allocates.
   MarginDerivatives margin_derivatives(double t, Span q, Span v, Span x);
-  /// Applies the discontinuous changes of the drives at time t and state (q, v, x): inputs that jump at t
-  /// take their values after the jump, and statuses whose margin is negative change, by which states in x may
-  /// jump. Returns whether an input or a status has changed.
+  /// Applies the discontinuous changes of the drives at time t and state (q, v, x). Inputs that jump at t
+  /// take their values after the jump. A status, which selects the branch of a drive's law, changes if its
+  /// margin is negative; states in x may jump then. Returns whether an input or a status has changed.
   bool switch_at(double t, Span q, Span v, std::span<double> x);
 
  private:

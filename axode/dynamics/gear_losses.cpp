@@ -77,10 +77,10 @@ int ResistingForces::not_unique(const Matrix& Phi) const {
   return -1;
 }
 
-/// Sets the friction forces and the data of a problem whose solution is known, at which follow() starts:
-/// joints at rest stick without a friction force, and the drives of moving joints drive their gears. The
-/// forces that the gears transmit differ from joint to joint, so that in a symmetric mechanism the path to
-/// the solution crosses the boundaries between linear pieces one by one.
+/// Sets the friction forces and the data of the problem with which follow() starts, and whose solution is
+/// known: joints at rest stick without a friction force, and the drives of moving joints drive their gears.
+/// The forces that the gears transmit differ from joint to joint, so that in a symmetric mechanism the path
+/// to the solution crosses the boundaries between linear pieces one by one.
 void ResistingForces::start(const Matrix& Phi, const Vector& a_0) {
   const Eigen::Index k = Phi.rows();
   x_ = a_ = Vector::Zero(k);
@@ -97,10 +97,10 @@ void ResistingForces::start(const Matrix& Phi, const Vector& a_0) {
   start_a_0_ = -Phi * x_;
 }
 
-/// Solves the equations (D9.10) for the friction forces x. They are linear because pieces_ says of each joint
-/// whether it sticks or in which direction it slides, and which sign the force of its gear has. The number
-/// `little` is added to the diagonal of the equations of sticking joints; if it is 0, a default is added, and
-/// its effect is removed by iterative refinement.
+/// Solves the equations (D9.10) for the friction forces x. They are linear for the present pieces_, which say
+/// for each joint whether it sticks or in which direction it slides, and which sign the force of its gear
+/// has. The number `little` is added to the diagonal of the equations of sticking joints; if it is 0, a
+/// default is added, and its effect is removed by iterative refinement.
 ResistingForces::Vector ResistingForces::solve(const Matrix& Phi, const Vector& a_0, const Vector& tau,
                                                double little) const {
   const Eigen::Index k = Phi.rows();

@@ -32,19 +32,20 @@ struct Point {
 /// Converts wrenches, six numbers for each frame, to loads on the frames with the given indices.
 std::vector<AppliedWrench<>> applied(std::span<const double> wrenches, std::span<const int> frames);
 /// The time derivatives of a state: q', the accelerations a = v', and the rates x' of the drive states.
-/// `reserves` are numbers that become negative when a status must change: one for each velocity with dry
-/// friction or a gear with losses (DryFriction::reserve()), then one for each play and hard stop
-/// (Plays::reserve()).
+/// `reserves` are numbers that become negative when a joint must begin to stick or to slide, or when a play
+/// (backlash of a coupling) or a hard stop must open or close. There is one for each velocity with dry
+/// friction or a gear with losses, then one for each play and hard stop.
 struct Rates {
   std::vector<double> dq, a, dx, reserves = {};
 };
 
 /// The equations of motion of a mechanism, with loops, prescribed motions, springs, drives and losses of
 /// joints, as ordinary differential equations in (q, v, x) with the states x of drives. Joints with dry
-/// friction stick or slide in one direction until switch_friction(). Plays and hard stops are free or at an
-/// end until switch_plays(). Quaternions in q are normalised first in every function, so that their norm is
-/// constant along solutions. A mechanism with loops has the states of its spanning tree; the accelerations
-/// keep A v constant, with the Jacobian A of the loops, and close() removes accumulated residuals.
+/// friction stick or slide in one direction until switch_friction(). Plays (backlash of couplings) and hard
+/// stops are free or at an end until switch_plays(). Quaternions in q are normalised first in every function,
+/// so that their norm is constant along solutions. A mechanism with loops has the states of its spanning
+/// tree; the accelerations keep A v constant, with the Jacobian A of the loops, and close() removes
+/// accumulated residuals.
 class MotionEquations {
  public:
   using Span = std::span<const double>;
@@ -64,9 +65,9 @@ class MotionEquations {
   /// the time in `at`, by changes of q and v. Then chooses the statuses of the drives and of dry friction.
   /// Throws std::runtime_error if the loops cannot be closed, and NoRates.
   void start(Point& at);
-  /// Finds out which plays and hard stops are at an end, after start(). Those that move against their end
-  /// have an impact, which changes v. Throws std::invalid_argument for a play or joint beyond an end. Without
-  /// this call all plays and stops are free.
+  /// Finds out which plays (backlash of couplings) and hard stops are at an end, after start(). Those that
+  /// move against their end have an impact, which changes v. Throws std::invalid_argument for a play or joint
+  /// beyond an end. Without this call all plays and stops are free.
   void start_plays(Point& at);
   Rates rates(const Point& at);
   /// Whether there are loops, prescribed motions or plays at an end, which close() keeps closed.
@@ -74,8 +75,9 @@ class MotionEquations {
   /// Projects q and v onto closed loops and motions, with unit quaternions. Returns whether this succeeded.
   [[nodiscard]] bool close(Point& at);
 
-  /// Updates the drives at the time in `at`: inputs that jump at this time take their new values, and
-  /// discrete statuses change if they must. The states x of the drives may change at this.
+  /// Updates the drives at the time in `at`. Inputs that jump at this time take their new values. The
+  /// discrete statuses of drives, such as a current at its limit, change if they must; then the states x of
+  /// the drives may change, too.
   void switch_drives(Point& at);
   double next_jump(double t) const;
   /// Lets joints with dry friction begin to stick or to slide, as simulate() does at the end of a step.

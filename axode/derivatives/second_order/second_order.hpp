@@ -36,9 +36,9 @@ template <class T> struct ScrewCurvature {
   static constexpr std::size_t size = 42;
   using Entries = std::array<T, size>;
 
-  /// Computes all members for a joint screw S except Q, which is 0 without loads. `moved` and `momentum` are
-  /// sums over the subtree, V_p is the twist of the predecessor, and Lambda_p the twist that it would have if
-  /// the joints moved with the velocities λ.
+  /// Computes all members for a joint screw S except Q, which is 0 without loads. `moved` and `momentum`
+  /// belong to the subtree of the joint. V_p is the twist of the predecessor, and Lambda_p the twist that it
+  /// would have if the joints moved with the velocities λ.
   static constexpr ScrewCurvature of(const MovingInertia<T>& moved, const VirtualMomentum<T>& momentum,
                                      const Motion6<T>& S, const Motion6<T>& V_p, const Motion6<T>& Lambda_p) {
     const Motion6<T> chi = ad(Lambda_p, S), psi_1 = ad(V_p, S);
@@ -202,8 +202,8 @@ template <class T> struct SecondOrder {
       }
   }
 
-  /// A correction for two screws l and k of one joint: the second derivative of λ·τ by their velocities is
-  /// this term less than the formula for screws of two joints gives. It is the power of the wrench -ad_{S_k}ᵀ
+  /// A correction for the second derivative of λ·τ by the velocities of two screws l and k of one joint,
+  /// which is subtracted from the formula for screws of two joints. It is the power of the wrench -ad_{S_k}ᵀ
   /// A along the screw S_l, with the sum A of M Λ over the subtree.
   T own_bracket(int l, int k) const {
     T sum(0);

@@ -213,8 +213,9 @@ template <class T> struct SecondOrderTensors {
   }
   /// The joint screw of column l of the path.
   Motion6<T> screw(int l) const { return {path_S.get3(0, l), path_S.get3(3, l)}; }
-  /// Corrects the second derivatives by the velocities of two screws l and d of one joint: the products of
-  /// multiply() contain the bracket of these two screws once more than the derivatives do.
+  /// Corrects the second derivatives of τ by the velocities of two screws S_l and S_d of one joint. The
+  /// formula for screws of different joints also has a term with their bracket [S_l, S_d], which is
+  /// subtracted.
   void put_brackets(std::ptrdiff_t nv, const Last& d, T* vv) noexcept {
     const Inertia<T> M = first.screws.subtree_of_column(d.c).M;
     for (int l = d.begin; l < d.end; ++l) {

@@ -32,8 +32,9 @@ inline Status failed(const Component& component, Status status, const char* mess
   return status;
 }
 
-/// Calls f(instance), and converts an exception to a message in the log and a status of FMI: `discard` for
-/// NoRates, after which the importing program may try another state, and `error` for all other exceptions.
+/// Calls f(instance) and converts an exception to a message in the log and a status of FMI: `discard` if the
+/// rates of the state cannot be computed (NoRates), after which the importing program may try another state,
+/// and `error` for all other exceptions.
 template <class F> Status guarded(void* component, const F& f) noexcept {
   if (component == nullptr) return error;
   auto& its = *static_cast<Component*>(component);
@@ -66,8 +67,8 @@ inline std::string contents(const std::filesystem::path& file) {
   return {std::istreambuf_iterator<char>(in), {}};
 }
 
-/// Makes an instance from the files in the folder `resources`, whose hash must be `token`. If this fails,
-/// logs the reason and returns null.
+/// Makes an instance from the files in the folder `resources`. `token` must be the hash of these files, by
+/// which they are recognised as those of the FMU. If this fails, logs the reason and returns null.
 inline void* make_component(Kind kind, const char* token, const std::filesystem::path& resources,
                             std::function<void(Status, const char*)> log) noexcept {
   Component made{nullptr, std::move(log)};
