@@ -51,7 +51,9 @@ template <class G, class T> struct FastInverseDynamics {
     forward(tree, q, v, a, g, [](int, const Motion&, const Vector&) {});
   }
   /// The forward sweep, which computes the resultant wrenches on all bodies. Calls put(i, motion, v_J) for
-  /// every body i with its motion and the linear part v_J of its joint's motion S v.
+  /// every body i. `motion` has the angular velocity and acceleration of the body and the acceleration of its
+  /// origin, if the ground has the acceleration -g. v_J is the linear part of S v, the twist of the body
+  /// relative to its predecessor. All are in the axes of the body.
   template <class S, class Put>
   [[gnu::always_inline]] void forward(const Tree<S>& tree, const T* q, const T* v, const T* a,
                                       const Vec3<T>& g, Put&& put) noexcept {
@@ -138,7 +140,9 @@ template <class T> struct InverseDynamicsRecursion<Fast, T> {
     run(tree, q, v, a, loads, g, [](int, const auto&, const auto&) {});
   }
   /// Computes the wrenches on all bodies under gravity g and the loads. Calls put(i, motion, v_J) for every
-  /// body i with its motion and the linear part v_J of its joint's motion.
+  /// body i. `motion` has the angular velocity and acceleration of the body and the acceleration of its
+  /// origin, if the ground has the acceleration -g. v_J is the linear part of the body's twist relative to
+  /// its predecessor. All are in the axes of the body.
   template <class Put>
   [[gnu::always_inline]] void run(const Tree<T>& tree, const T* q, const T* v, const T* a,
                                   const Loads<T>& loads, const Vec3<T>& g, Put&& put) noexcept {

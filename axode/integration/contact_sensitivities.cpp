@@ -47,8 +47,9 @@ class TangentContactSteps {
   TangentContactSteps(const TangentContactSteps&) = delete;
   TangentContactSteps& operator=(const TangentContactSteps&) = delete;
 
-  /// Takes a step under the drive forces tau, and replaces the changes dq, dv of the state (nv × k for k
-  /// directions) by those at the end of the step. Returns false if this fails, for the reason in `result`.
+  /// Takes a step under the drive forces tau. On entry dq and dv are the changes of the state at its start
+  /// along k directions (nv × k each), and on return those at its end. Returns false if this fails, for the
+  /// reason in `result`.
   bool run(Span tau, Matrix& dq, Matrix& dv, const ContactDirections& directions) {
     const double t = step_ * static_cast<double>(count_++);
     result.failure = run_.interruption(t);

@@ -174,7 +174,7 @@ Trajectory simulate(const Model& model, std::span<const double> q, std::span<con
 /// Integrates a motion with contact in steps that are adapted to tolerances, those of simulate(). Each step
 /// is computed as a whole and in two halves, which must agree within the tolerances; the halves are then
 /// taken. A step through an impact, or in which something begins to stick or to slide, becomes as short as
-/// this needs, but not shorter than 1e-9 of the motion.
+/// this needs, but not shorter than 1e-9 of the duration of the motion.
 Trajectory simulate_contact(const Model& model, std::span<const double> q, std::span<const double> v,
                             double until, const Tolerances& tolerances,
                             const SimulationOptions& options = {});

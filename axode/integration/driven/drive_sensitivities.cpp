@@ -62,8 +62,8 @@ class DriveTangentSteps {
   }
 
   DriveSteps steps;  ///< present state
-  /// The displacements of this state: dq of q, and dy of (v, x). Each direction has a column. The last column is
-  /// the change of the state if the step becomes longer.
+  /// The displacements of the present state: dq of q, and dy of (v, x), with a column for each direction. The
+  /// last column is the change of the state if the step becomes longer.
   TangentSteps tangent;
 
   /// Advances the motion to t_1 under the forces tau, if these change by dtau (nv × directions) and the

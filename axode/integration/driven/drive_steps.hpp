@@ -50,8 +50,8 @@ class DriveSteps {
       drives_.set_state(t, q, v, x);
   }
 
-  /// Advances the motion to t_1, in several steps if inputs jump or statuses change before. The functions are
-  /// those of take_step().
+  /// Advances the motion to t_1, in several steps if inputs jump or statuses of drives change before. rates()
+  /// and close() are called as by take_step().
   template <class Rates, class Close> End advance(double t_1, const Rates& rates, const Close& close) {
     while (t_ < t_1) {
       if (const End end = take_step(t_1, rates, close); end != End::none) return end;

@@ -13,15 +13,16 @@ struct LoadCondition {
   double weight = 1;         ///< factor of the reserve
 };
 
-/// The reserve by which the loads λ satisfy all conditions: the least reserve of a condition. That of a
-/// condition is its weight times λ_N, times λ_N - |f λ_T| if it has tangential loads, or times bound - |λ_N|
-/// if it has a bound. Infinity if there are no conditions.
+/// How far the loads λ (normal and tangential forces of constraints) are from violating a condition: the
+/// least reserve of all conditions. The reserve of a condition is its weight times λ_N or, if it has
+/// tangential loads, times λ_N - |f λ_T| with inverse coefficients of friction f or, if it has a bound, times
+/// bound - |λ_N|. Infinity if there are no conditions.
 double least_reserve(const std::vector<LoadCondition>& conditions, const Eigen::VectorXd& lambda);
 
-/// Moves the loads λ along the columns of `basis` to the loads whose reserve is largest, up to `most`, and
-/// returns this reserve (D11.31). If λ already has a reserve of more than 1e-3 `most`, it is left as it is.
-/// An interior-point method finds the reserve to about 1e-14 of `most`, in some hundred iterations of O(k³)
-/// for k columns. Allocates.
+/// Moves the loads λ along the columns of `basis` to the loads whose least_reserve() is largest, up to
+/// `most`, and returns this reserve, the distance from violating a condition (D11.31). If λ already has a
+/// reserve of more than 1e-3 `most`, it is left as it is. An interior-point method finds the reserve to about
+/// 1e-14 of `most`, in some hundred iterations of O(k³) for k columns. Allocates.
 double maximise_reserve(const std::vector<LoadCondition>& conditions, const Eigen::MatrixXd& basis,
                         double most, Eigen::VectorXd& lambda);
 

@@ -39,11 +39,11 @@ struct Gap {
   double ddg = 0;  ///< NaN if the pair of shapes has no closed form
 };
 
-/// The motion of a mechanism in one phase: as long as the same contacts, stops and dry joints are closed, and
-/// none of them changes between sticking and sliding (D11.29). An object also computes what happens at the
-/// end of a phase: impacts (D11.34), and the next phase by the laws for accelerations (D11.32). It is the
-/// scratch memory of one thread, and most of its functions allocate. Functions that can fail return the
-/// reason, which is otherwise empty.
+/// The motion of a mechanism in one phase: as long as the same contacts, stops and joints with dry friction
+/// are closed, and none of them changes between sticking and sliding (D11.29). An object also computes what
+/// happens at the end of a phase: impacts (D11.34), and the next phase by the laws for accelerations
+/// (D11.32). It is the scratch memory of one thread, and most of its functions allocate. Functions that can
+/// fail return the reason, which is otherwise empty.
 class ContactPhase {
  public:
   using Vector = Eigen::VectorXd;
@@ -63,13 +63,15 @@ class ContactPhase {
   bool any() const { return !closed.empty() || !model_.loops().empty(); }
 
   /// Computes the accelerations (nv) under the constraints of this phase. Fails if the mass matrix is
-  /// singular, a contact has no point with its key or no closed form, or if the accelerations are not unique.
+  /// singular, if the point of a contact cannot be found or has no formula that can be differentiated, or if
+  /// the accelerations are not unique.
   std::string accelerate(const Vector& q, const Vector& v, const Forces& forces, std::span<double> a);
 
   // After accelerate():
   /// A number that becomes negative when normal forces or friction cannot hold the constraints of the phase
-  /// (D11.31). A load has a reserve, the least distance of its forces from a limit; if several loads give the
-  /// same accelerations, the largest reserve counts. It is relative to the motion by all forces.
+  /// (D11.31). It is the least distance of the constraint forces from a limit or, if several sets of forces
+  /// give the same accelerations, the largest such distance. It is divided by the size of the accelerations
+  /// that all forces cause, measured by √(aᵀ M a) with the mass matrix M.
   double reserve();
   /// For each constraint in `closed`: slips() has its sliding velocity along its stored direction, and
   /// speeds() the norm of its sliding velocity. Velocities of a contact are multiplied by their coefficients
@@ -108,7 +110,9 @@ class ContactPhase {
   /// Says of a contact or stop that approaches with a speed and bounces whether this is its last bounce.
   using IsLast = std::function<bool(const Gap& of, double restitution)>;
   /// Computes the velocities v after the impacts of all contacts and stops that touch at q. Those that
-  /// approach are added to `met`. Afterwards `closed` has the constraints about which decide() must decide.
+  /// approach are added to `met`; is_last() says of each that bounces whether this is its last bounce.
+  /// `certificate` receives the relative error of the laws of contact. Afterwards `closed` has the
+  /// constraints about which decide() must decide.
   std::string impact(const Vector& q, Vector& v, const IsLast& is_last, std::vector<Impact>& met,
                      double& certificate);
 
@@ -123,17 +127,19 @@ class ContactPhase {
   std::string start(const Vector& q, const Vector& v, double most, bool& impacts);
 
  private:
-  /// A row of the contact problem whose multiplier is found by accelerate(). `friction` has the multipliers
-  /// of the friction rows of a sliding contact, if that of this row is 1.
+  /// A row of the contact problem whose multiplier accelerate() computes. If the row is the normal row of a
+  /// sliding contact, `friction` has the multipliers of the contact's friction rows, divided by that of this
+  /// row.
   struct Active {
     std::size_t constraint;  ///< index in `closed`; its size for loops
     int row;
     std::array<double, LawBlock::most_rows - 1> friction = {};  ///< forces of the friction rows per unit
   };
   void list_touching(const Vector& q, double most);
-  /// Chooses which constraints in `closed` stick and which slide, from the velocities v, where velocities
-  /// below `of_motion` times the motion are rounding errors. Removes those that open. `impacts` receives
-  /// whether others approach.
+  /// Chooses which constraints in `closed` stick and which slide, from the velocities v, and removes those
+  /// that open. The velocity of a constraint is a rounding error if it is less than `of_motion` times the
+  /// largest one that the constraint could have with the same kinetic energy. `impacts` receives whether
+  /// other constraints approach.
   void select_slow(const Vector& v, double of_motion, bool& impacts);
   std::string find(const Vector& q);  ///< finds all points of contact at q
   const ContactPoint* point(std::uint64_t key) const;
@@ -146,8 +152,8 @@ class ContactPhase {
   bool has_friction(std::size_t k) const;
   double largest_row() const { return Y_.size() > 0 ? Y_.colwise().norm().maxCoeff() : 0; }
   /// Writes the direction of the present friction velocities of a contact, multiplied by their coefficients,
-  /// to `s`, and returns their norm. The change of direction since the stored one is reduced by `resolution`,
-  /// because friction amplifies errors of the direction near rest (D11.29a).
+  /// to `s`, and returns their norm. The component across the stored direction is made smaller by
+  /// `resolution`, because friction amplifies errors of the direction near rest (D11.29a).
   double direction(std::size_t k, double* s) const;
   /// The components of the stored direction of a contact in the axes of its friction rows.
   std::array<double, LawBlock::most_rows - 1> stored_direction(std::size_t k) const;

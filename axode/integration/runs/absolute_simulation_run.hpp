@@ -55,8 +55,8 @@ class AbsoluteSimulationRun {
   double step_end(double t_1) const { return run_.step_end(t_1); }
   void stop(const Failure& failure) { run_.stop(failure); }
   const EnergyNorm& norm() const { return norm_; }
-  /// The magnitude of the terms from which a step of length h computes the bodies' velocities v_t: changes
-  /// that are small compared with it are rounding errors.
+  /// The scale against which rounding errors of velocities are judged: the size of the terms from which a
+  /// step of length h computes the bodies' velocities v_t.
   double velocity_scale(const Vector& v_t, double h) const {
     return std::max(norm_.of_velocities(as_eigen(v_t)), run_.velocity_scale(h));
   }

@@ -5,8 +5,8 @@
 
 namespace axode {
 
-/// The motion of a mechanism between the impulses of contacts, stops, dry friction and loops. Joint losses
-/// must be off in the options: damping acts if `damping` is true, and dry friction acts by impulses.
+/// The motion of a mechanism between the impulses of contacts, stops, dry friction and loops. The options
+/// must not have joint losses: damping acts if `damping` is true, and dry friction acts by impulses.
 class ContactSimulationRun : public MomentumSimulationRun {
  public:
   ContactSimulationRun(const Model& model, Span q_0, Span v_0, double until, const SimulationOptions& options,

@@ -59,8 +59,9 @@ class DriveStates {
   static constexpr double stage = 1 - 0.5 * std::numbers::sqrt2;
   /// The states in the last evaluation of forces.
   Span states() const { return {x_t_.data(), size()}; }
-  /// accept_implicit_step() keeps generalised-α's mean rates of the states for the next step. restart()
-  /// replaces them by the present rates, after a jump.
+  /// accept_implicit_step() stores the mean rates of the drive states at the end of a step of the
+  /// generalised-α method, with which the next step starts. restart() replaces them by the present rates,
+  /// after a jump.
   void accept_implicit_step();
   void restart() { mean_0_ = dx; }
   /// Adds the derivatives of the drive forces by q and v at the last evaluation to by_q and by_v (nv × nv).

@@ -18,9 +18,9 @@ class Plays {
  public:
   using Span = std::span<const double>;
   using Events = std::vector<Trajectory::PlayEvent>;
-  /// Callback that makes the loops of the motion anew, at the present configuration and time, after plays
-  /// have changed: with the couplings of engaged() if any_at_an_end(). Returns null if the mechanism then has
-  /// no loops.
+  /// Callback that makes the constraint equations of the motion anew, at the present configuration and time,
+  /// after plays have changed: those of the loops, and those of plays at an end. Returns null if there are no
+  /// such equations.
   using Engage = std::function<ClosedMotion*()>;
 
   /// Takes the couplings with play and, if `stops` is true, the hard stops of a model. All are free.
@@ -47,8 +47,8 @@ class Plays {
   /// The rounding error of the gap between play k and one of its ends; smaller gaps count as 0.
   double gap_resolution(std::size_t k, Span q) const;
   /// A number that becomes negative when play k must change. For a free play it is the gap to its nearer end,
-  /// plus gap_resolution() and the overshoot of allow_overshoot(). For a play at an end it is the force with
-  /// which the end pushes, which `loops` computed with its last accelerations.
+  /// plus a bound on rounding errors and the overshoot that allow_overshoot() permits. For a play at an end
+  /// it is the force with which the end pushes, which `loops` computed with its last accelerations.
   double reserve(std::size_t k, Span q, const ClosedMotion* loops) const;
   /// Makes the overshoots at q legal, after an event or at the start of a motion: from now on, each play may
   /// be as far beyond an end as it is at q. Then reserve() is not negative at q.
@@ -64,7 +64,7 @@ class Plays {
   /// the events, without times.
   Events change(Span reserves, Span q, std::span<double> v, const Engage& engage);
   /// Frees the plays whose end would have to pull to hold them, in the last accelerations of `loops`. Returns
-  /// their events, without times. If there are any, the loops must be made anew.
+  /// their events, without times. If there are any, the caller must make the constraint equations anew.
   Events release_pulled(const ClosedMotion* loops);
 
  private:

@@ -25,8 +25,9 @@ namespace axode {
 struct StepEnd {
   Eigen::VectorXd q, v, a = {}, x = {}, dx = {};
 };
-/// A function that computes the state at the end of a step from the present time to t_1. It must call
-/// begin_step(), or check_sticking(), which calls begin_step().
+/// A function that computes the state at the end of a step from the present time to t_1. It must first call
+/// begin_step(), which resets what is recorded about an attempt, or call check_sticking(), which does the
+/// same.
 using Attempt = std::function<Failure(double t_1, StepEnd& end)>;
 
 /// The part of a simulation in joint coordinates that all integration schemes share: trajectory and present
@@ -60,9 +61,9 @@ class SimulationRun {
   Span drive(double t, const Vector& q_t, const Vector& v_t);
 
   const EnergyNorm& norm() const { return norm_; }
-  /// The magnitude of the terms from which a step of length h computes velocities (the velocities, their
-  /// changes by gravity and joint forces, and a lower bound at rest): much smaller changes are rounding
-  /// errors.
+  /// The scale against which rounding errors of velocities are judged: the size of the terms from which a
+  /// step of length h computes them. These are the velocities, their changes by gravity and joint forces, and
+  /// a lower bound at rest.
   double velocity_scale(const Vector& v_t, double h) const {
     return std::max(norm_.of_velocities(v_t), velocity_scale(h));
   }
@@ -92,9 +93,9 @@ class SimulationRun {
   /// Appends the state at the end of a step, with the states x_end of the drives, to the trajectory without
   /// projection onto closed loops.
   Failure take_closed(double t, Span q_end, Span v_end, const Vector& x_end);
-  /// Shortens a step in which a discrete status of a drive must change so that it ends just after the change:
-  /// t_1 and `end` change, and `end` may not be that of the last attempt. With `abrupt`, steps are shortened
-  /// only for changes by which forces, rates or states of drives jump.
+  /// If a discrete status of a drive must change within a step, shortens the step so that it ends just after
+  /// the change: t_1 and `end` change. `end` need not be the result of the last call of `attempt`. With
+  /// `abrupt`, steps are shortened only for changes by which forces, rates or states of drives jump.
   Failure end_at_switch(double& t_1, StepEnd& end, const Attempt& attempt, bool abrupt = false);
   /// Lets the statuses and inputs of the drives change at the present time, and computes accelerations anew.
   Failure switch_drives();

@@ -23,9 +23,10 @@ namespace axode {
 /// error, or if r is a rounding error of its terms, as it becomes even for nearly singular M. With a stiff
 /// drive at rest, it has also converged if the change of v moves q by no more than the rounding error of q.
 ///
-/// System is the class of the mechanism, for example a SimulationRun, with the functions partials(t, q, v, p,
-/// f), which computes p = M v and f; factorize(t, q) and solve(x) with M; norm(), velocity_scale(v, h),
-/// place_resolution(h), and the functions that StepMatrix requires.
+/// System is the class of the mechanism, for example a SimulationRun. Its member functions are partials(t, q,
+/// v, p, f), which computes p = M v and f; factorize(t, q) and solve(x) with M; norm(), the EnergyNorm of
+/// velocities; velocity_scale(v, h), the size of the terms of v in a step of length h; place_resolution(h),
+/// the velocity that moves q by its rounding error in a step; and those that StepMatrix requires.
 template <class System> class Midpoint {
  public:
   using Vector = Eigen::VectorXd;

@@ -12,9 +12,10 @@ namespace axode {
 /// Newton's matrix J of an implicit step, factorised (D8.6): the derivative of r = ID(q, v, a) - τ by a, with
 /// inverse dynamics ID and q = q_0 ⊕ x. A change δa of a changes v by c_v δa and x by c_x δa, hence
 ///   J = M + c_v ∂r/∂v + c_x ∂r/∂q dexp_{-x}.
-/// System is the class of the mechanism, with residual_derivatives(q, v, a, dr) for the derivatives of r
-/// without those of a drive in the options; is_driven(), whether there is such a drive; drive(t, q, v), its
-/// forces; norm(), local_coordinates(), velocity_scale(v, h).
+/// System is the class of the mechanism. Its member functions are residual_derivatives(q, v, a, dr), which
+/// computes the derivatives of r without those of a drive in the options; is_driven(), whether there is such
+/// a drive; drive(t, q, v), its forces; norm(), the EnergyNorm of velocities; local_coordinates(),
+/// exponential or Cayley's; and velocity_scale(v, h), the size of the terms of v in a step of length h.
 template <class System> class StepMatrix {
  public:
   using Vector = Eigen::VectorXd;
