@@ -268,9 +268,9 @@ template <class Rep, class T> struct ArticulatedBodies {
     const Turn of_o = turn(ties, i, o), of_t = turn(ties, i, t);
     return of_o > of_t || (of_o == of_t && o > t);
   }
-  /// The entries of D for joint screw s of body i and the ties of this body, which are the shared velocities
-  /// of coupled joints that the elimination carries through the body. Entry t of the returned pointer belongs
-  /// to tie t.
+  /// The entries of the matrix D for joint screw s of body i and the ties of this body. A tie is a velocity
+  /// that several coupled joints share and that the elimination carries through the body. Entry t of the
+  /// returned pointer belongs to tie t.
   template <class AnyTree> T* of_screw(const AnyTree& tree, int i, int s) const noexcept {
     const Topology::Ties& ties = tree->ties;
     return D_screw + ties.of_screws[i] + (s - tree->first_screw[i]) * (ties.begin[i + 1] - ties.begin[i]) -

@@ -45,8 +45,8 @@ double diagonal(const std::vector<Vec3<>>& points) {
   return points.empty() ? 0 : box.diagonal().norm();
 }
 
-/// Returns the points or, if there are many, only those that lie farthest in one of many directions. The page
-/// computes the convex hull of these points, which would take long for many points.
+/// Returns the points or, if there are many, only those that lie farthest in one of many directions. The
+/// viewer computes the convex hull of these points, which would take long for many of them.
 std::vector<Vec3<>> corners(const std::vector<Vec3<>>& points) {
   constexpr int directions = 60;
   if (points.size() <= directions) return points;

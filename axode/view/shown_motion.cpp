@@ -24,8 +24,9 @@ Row row(const std::vector<double>& rows, std::size_t k, int width) {
   return Row(rows).subspan(k * static_cast<std::size_t>(width), static_cast<std::size_t>(width));
 }
 
-/// Appends the forces of one spring between frames to `loads`, as wrenches on these frames, and the tensions
-/// of its segments to `tensions`. C has the poses and V the spatial twists of all frames.
+/// Appends the forces of one spring between frames to `loads`, as wrenches on these frames. If the spring
+/// acts along a path of points, appends the tension in each straight segment of the path to `tensions`. C has
+/// the poses and V the spatial twists of all frames.
 struct AppendSpring {
   const Model& model;
   const ForceLaw& law;
@@ -71,8 +72,9 @@ struct AppendSpring {
   }
 };
 
-/// Appends the forces of all springs between frames to `loads`, and the tensions of segments to `tensions`.
-/// C has the poses and V the spatial twists of all frames.
+/// Appends the forces of all springs between frames to `loads`, as wrenches on these frames. For springs
+/// along paths of points, appends the tension in each straight segment of the paths to `tensions`. C has the
+/// poses and V the spatial twists of all frames.
 void append_springs(const Model& model, Row q, Row v, const std::vector<SE3<>>& C,
                     const std::vector<Twist<Spatial>>& V, std::vector<AppliedWrench<>>& loads,
                     std::vector<double>& tensions) {

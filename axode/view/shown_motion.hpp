@@ -59,8 +59,8 @@ struct MotionNumbers {
   /// spatial wrench: six numbers for each time and frame.
   std::vector<int> load_frames;
   std::vector<double> loads;
-  /// Tensions of the segments of springs along points, N: a number for each time and segment. A negative
-  /// tension pushes the ends apart.
+  /// Tensions in springs that act along a path of points, N: a number for each time and each straight segment
+  /// of a path. A negative tension pushes the ends of the segment apart.
   std::vector<double> tensions;
 };
 /// Computes the numbers that are shown with a motion: energies, the total momentum about the inertial origin,
