@@ -316,8 +316,8 @@ class Rollout {
       }
     }
   }
-  /// Copies n numbers of every motion to the SIMD lane of the motion. The numbers of motion l begin at in + l
-  /// stride. Lanes without a motion get the numbers of the last one.
+  /// Copies n numbers of every motion to the SIMD lane of the motion. The numbers of motion l are in[l
+  /// stride] to in[l stride + n - 1]. Lanes without a motion get the numbers of the last one.
   static void each(const Motions<S>& of, const S* in, std::ptrdiff_t stride, Number* out, std::ptrdiff_t n) {
     for (std::ptrdiff_t l = 0; l < lanes; ++l)
       for (std::ptrdiff_t c = 0; c < n; ++c) out[c].x[l] = in[std::min(l, of.count - 1) * stride + c];

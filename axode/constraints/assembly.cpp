@@ -19,7 +19,7 @@ using Vector = Eigen::VectorXd;
 using Matrix = Eigen::MatrixXd;
 
 /// The search for a configuration with closed loops. All residuals and steps are without units: lengths are
-/// divided by the size of the loops.
+/// divided by size(), the largest distance of a body on a loop from the root of its branch.
 class Assembly {
  public:
   /// Searches in the model of `motions`, in which every prescribed motion is a loop, see MotionRows.
@@ -94,7 +94,7 @@ class Assembly {
   }
   /// The damped Gauss-Newton step towards closed loops: a solution of r + R x = 0 for the residual r and its
   /// Jacobian R, without units. It is shortened until no entry is above 0.5, which means half a radian or
-  /// half the size of the loops.
+  /// half the length by which all lengths are divided.
   static Vector step(const Matrix& R, const Vector& r, double damping) {
     const Vector x = least(R, r, damping * r.norm() + 1e-12 * R.squaredNorm());
     const double largest = x.cwiseAbs().maxCoeff();

@@ -46,7 +46,8 @@ std::string to_string(const Model& model, const AssemblyResult& result);
 /// at the time options.time. The method is that of Levenberg and Marquardt on the configuration manifold.
 /// Unless v is empty, also finds velocities that keep the loops closed and follow the motions. These are the
 /// velocities nearest to v in kinetic energy or, if some velocities are held fixed (options.held), in the
-/// Euclidean norm with lengths divided by the size of the loops.
+/// Euclidean norm. For this norm lengths are divided by the largest distance of a body on a loop from the
+/// root of its branch.
 ///
 /// Redundant loop equations are allowed. Convergence is slow where branches of the motion meet. A residual
 /// that stops decreasing counts as 0 if it is within a bound on its rounding errors, or within a thousand

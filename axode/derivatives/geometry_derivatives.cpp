@@ -11,8 +11,9 @@ template <class T> std::size_t parameters(const Model& model) {
   return static_cast<std::size_t>(model.n_bodies()) * 6;
 }
 
-/// Calls f(i, u, screw) for all geometric parameters that displace a place: for body i and unit screw u, with
-/// the screw expressed in the frame of the place. O(d) on a path of d bodies.
+/// Calls f(i, u, screw) for all geometric parameters that displace a place. Parameter u of body i displaces
+/// the subtree of body i along a unit screw of its frame, and `screw` is this screw in the frame of the
+/// place. O(d) on a path of d bodies.
 template <class T, class F>
 void each_parameter(const Tree<T>& tree, const T* q, const Place<T>& place, const F& f) noexcept {
   SE3<T> E = tree.frame_offset[place.frame] * place.offset;  // the place in the internal frame of body i

@@ -14,16 +14,18 @@
 namespace axode {
 
 /// Computes ∂τ/∂π of the forces τ of inverse dynamics at (q, v, a) with respect to the geometric parameters
-/// π: nv × n_bodies × 6 numbers, [component, body - 1, unit screw]. O(n d) on paths of d velocities. See
-/// (D1.18) of docs/derivations.
+/// π, displacements of the subtree of each body along the six unit screws of its frame: nv × n_bodies × 6
+/// numbers, [component, body - 1, unit screw]. O(n d) on paths of d velocities. See (D1.18) of
+/// docs/derivations.
 template <class T>
 void inverse_dynamics_geometry_derivatives(const Model& model, Workspace<T>& workspace, Numbers<T> q,
                                            Numbers<T> v, Numbers<T> a,
                                            std::type_identity_t<std::span<T>> dtau,
                                            const std::type_identity_t<Loads<T>>& loads = {});
 /// Computes ∂a/∂π of the accelerations a of forward dynamics at (q, v, τ) with respect to the geometric
-/// parameters π: nv × n_bodies × 6 numbers, [component, body - 1, unit screw]. O(n) for each parameter. The
-/// results are NaN if the status is not ok().
+/// parameters π, displacements of the subtree of each body along the six unit screws of its frame: nv ×
+/// n_bodies × 6 numbers, [component, body - 1, unit screw]. O(n) for each parameter. The results are NaN if
+/// the status is not ok().
 template <class T>
 Solvability forward_dynamics_geometry_derivatives(const Model& model, Workspace<T>& workspace, Numbers<T> q,
                                                   Numbers<T> v, Numbers<T> tau,
@@ -31,30 +33,33 @@ Solvability forward_dynamics_geometry_derivatives(const Model& model, Workspace<
                                                   const std::type_identity_t<Loads<T>>& loads = {});
 
 /// Computes the gradient of w·τ, a weighted sum of the forces of inverse dynamics, with respect to the
-/// geometric parameters π: n_bodies × 6 numbers. O(n). See (D1.23) of docs/derivations.
+/// geometric parameters π, displacements of the subtree of each body along the six unit screws of its frame:
+/// n_bodies × 6 numbers. O(n). See (D1.23) of docs/derivations.
 template <class T>
 void inverse_dynamics_geometry_vjp(const Model& model, Workspace<T>& workspace, Numbers<T> q, Numbers<T> v,
                                    Numbers<T> a, Numbers<T> w, std::type_identity_t<std::span<T>> gradient,
                                    const std::type_identity_t<Loads<T>>& loads = {});
 /// Computes the gradient of Σ w_c a_c, a weighted sum of the accelerations of forward dynamics, with respect
-/// to the geometric parameters π: n_bodies × 6 numbers. O(n). The gradient is NaN if the status is not ok().
+/// to the geometric parameters π, displacements of the subtree of each body along the six unit screws of its
+/// frame: n_bodies × 6 numbers. O(n). The gradient is NaN if the status is not ok().
 template <class T>
 Solvability forward_dynamics_geometry_vjp(const Model& model, Workspace<T>& workspace, Numbers<T> q,
                                           Numbers<T> v, Numbers<T> tau, Numbers<T> w,
                                           std::type_identity_t<std::span<T>> gradient,
                                           const std::type_identity_t<Loads<T>>& loads = {});
 
-/// Computes how each geometric parameter π displaces a place, that is a frame or a point on a body: the
-/// body-fixed twists C⁻¹ ∂C/∂π of its pose C, 6 × n_bodies × 6 numbers, [component, body - 1, unit screw].
-/// They are 0 unless the place is in the subtree of the body. O(d) on a path of d bodies, and the time to
-/// write the zeros.
+/// Computes how each geometric parameter π, a displacement of the subtree of a body along a unit screw of its
+/// frame, displaces a place, that is a frame or a point on a body: the body-fixed twists C⁻¹ ∂C/∂π of its
+/// pose C, 6 × n_bodies × 6 numbers, [component, body - 1, unit screw]. They are 0 unless the place is in the
+/// subtree of the body. O(d) on a path of d bodies, and the time to write the zeros.
 template <class T>
 void frame_geometry_jacobian(const Model& model, Workspace<T>& workspace, Numbers<T> q,
                              const std::type_identity_t<Place<T>>& place,
                              std::type_identity_t<std::span<T>> J);
 /// Computes the derivatives of the body-fixed Jacobian of a place, that is a frame or a point on a body, with
-/// respect to the geometric parameters π: n_bodies × 6 × nv twists, [body - 1, unit screw, velocity]. O(d²)
-/// on a path of d velocities, and the time to write the zeros.
+/// respect to the geometric parameters π, displacements of the subtree of each body along the six unit screws
+/// of its frame: n_bodies × 6 × nv twists, [body - 1, unit screw, velocity]. O(d²) on a path of d velocities,
+/// and the time to write the zeros.
 template <class T>
 void jacobian_geometry_derivatives(const Model& model, Workspace<T>& workspace, Numbers<T> q,
                                    const std::type_identity_t<Place<T>>& place,

@@ -80,9 +80,10 @@ template <class G, class T> struct FastArticulatedBodies {
   void update_kinematics_and_bias(const Tree<S>& tree, const T* q, const T* v, Motion* motion) noexcept {
     update_kinematics_and_bias(tree, q, v, motion, [](int, const Matrix&, const Motion&, const Vector&) {});
   }
-  /// Computes axes, origins, inertias and bias wrenches of all bodies. Calls put(i, R, motion, u) for every
-  /// body i with its rotation R, its motion, and the velocity u of its origin relative to the origin of its
-  /// predecessor, in inertial axes.
+  /// Computes axes, origins, inertias and bias wrenches of all bodies, for zero joint accelerations. Calls
+  /// put(i, R, motion, u) for every body i with its rotation R; its angular velocity, its angular
+  /// acceleration and the acceleration of its origin (`motion`); and the velocity u of its origin relative to
+  /// the origin of its predecessor. All are in inertial axes.
   template <class S, class Put>
   [[gnu::always_inline]] void update_kinematics_and_bias(const Tree<S>& tree, const T* q, const T* v,
                                                          Motion* motion, Put&& put) noexcept {
@@ -351,9 +352,11 @@ template <class G, class T> struct FastArticulatedBodies {
       if (tree->branches[i]) W[i] = X;
     }
   }
-  /// The backward step for one joint, whose n screws are those from index s on. It computes the remaining
-  /// forces u of the screws from the right side and the wrenches F of the subtree, and adds the part that the
-  /// joint transmits to F, unless the joint is on the ground.
+  /// One step, from the leaves to the root, of the solution of M X = B: that of one joint, whose n screws
+  /// have the indices s to s + n - 1. right_side(k) is the row of B for screw k, and F the sum of the
+  /// wrenches that the joints of the children transmit. Computes u, the acceleration of each screw if the
+  /// predecessor and the screws before it are at rest. Unless the joint is on the ground, F becomes the
+  /// wrench that the joint transmits if the predecessor is at rest.
   template <int n, class RightSide>
   [[gnu::always_inline]] void pass_to_parent(std::integral_constant<int, n>, int s,
                                              const RightSide& right_side, Several* u, bool on_a_body,
@@ -369,9 +372,10 @@ template <class G, class T> struct FastArticulatedBodies {
     if (on_a_body)
       unrolled<n>([&](auto k) { F.m += g[k] * vector(c[k].K_m), F.f += g[k] * vector(c[k].K_f); });
   }
-  /// The forward step for one joint, whose n screws are those from index s on. The acceleration of screw k is
-  /// free(k), minus the parts that depend on the motion X of the predecessor (0 for the ground) and on the
-  /// other screws of the joint.
+  /// One step, from the root to the leaves, of the solution of M X = B: that of one joint, whose n screws
+  /// have the indices s to s + n - 1. free(k) is the acceleration of screw k if the predecessor and the
+  /// screws before it are at rest. put(k, x) receives the acceleration x of screw k for the motion X of the
+  /// predecessor (0 for the ground). The motion of the joint is added to X.
   template <int n, class Free, class Put>
   [[gnu::always_inline]] void set_in_motion(std::integral_constant<int, n>, int s, const Free& free,
                                             const Put& put, bool on_a_body, Columns& X) const noexcept {

@@ -28,9 +28,10 @@ template <class T> struct FastForwardDynamics {
     return true;
   }
   /// The first two sweeps of forward dynamics; accelerate() is the third one. Calls put(i, R, motion, u) for
-  /// every body i with its rotation R, its motion, and the velocity u of its origin relative to the origin of
-  /// its predecessor, in inertial axes. Returns false if joints are coupled or the mass matrix may be
-  /// singular.
+  /// every body i with its rotation R; its angular velocity, its angular acceleration and the acceleration of
+  /// its origin for zero joint accelerations (`motion`); and the velocity u of its origin relative to the
+  /// origin of its predecessor. All are in inertial axes. Returns false if joints are coupled or the mass
+  /// matrix may be singular.
   template <class Put>
   [[gnu::always_inline]] bool prepare(const Tree<T>& tree, const T* q, const T* v, const T* tau,
                                       const Loads<T>& loads, Put&& put) noexcept {

@@ -52,9 +52,9 @@ class Instance {
   void get_rates(std::span<double> rates);
   void get_indicators(std::span<double> indicators);
   void get_nominals(std::span<double> nominals) const;
-  /// Whether the FMU must go to event mode after the completed step. This is so if a discrete status of a
-  /// drive, of dry friction or of a play must change, if loops are open by more than a tolerance, and if a
-  /// quaternion deviates from unit norm by more than a tolerance.
+  /// Whether the FMU must go to event mode after the completed step. This is so if a drive, dry friction or a
+  /// play (backlash of a coupling) must change its discrete status, if loops are open by more than a
+  /// tolerance, and if a quaternion deviates from unit norm by more than a tolerance.
   bool needs_event();
   struct Event {
     bool states_changed = false;

@@ -92,16 +92,17 @@ class MotionEquations {
   /// The poses of frames, given by indices, with 12 numbers each: columns of the rotation, then position.
   std::vector<double> poses(const Point& at, std::span<const int> frames);
 
-  /// The derivatives of (q', v', x', poses), one below the other, by (q, v, x, tau, wrenches). They are
-  /// exact, with the present statuses of drives, dry friction and plays, but without losses of gears.
+  /// The derivatives of (q', v', x', poses), one below the other, by (q, v, x, tau, wrenches). They are exact
+  /// as long as drives, dry friction and plays (backlash of couplings) keep their present statuses, but do
+  /// not contain losses of gears.
   Eigen::MatrixXd jacobian(const Point& at, std::span<const int> frames);
   /// The derivatives of the accelerations (nv) by a parameter; its has_derivative must be true.
   Eigen::VectorXd acceleration_by(const Point& at, const Parameter& parameter);
 
  private:
   using RowMajor = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
-  /// The derivatives of the accelerations a by q (along left-trivialised directions), by v, by tau and by the
-  /// states x of drives; and the derivatives of the drive forces and of x'.
+  /// The derivatives of the accelerations a and of the drives' forces and rates x', by q (along
+  /// left-trivialised directions), by v and by the states x of drives; and those of a by tau.
   struct Derivatives {
     RowMajor a_q, a_v, a_tau;
     Eigen::MatrixXd a_x;
@@ -118,9 +119,10 @@ class MotionEquations {
   /// friction, the forces of joint losses. Writes the rates of the drive states x to `dx` unless it is null.
   std::vector<double> force_sum(const Point& at, Span q, std::vector<double>* dx);
   Derivatives derivatives(const Point& at, Span q);
-  /// Computes derivatives by coordinates whose quaternions are not normalised yet (`raw`, nq numbers).
-  /// `normalization` (nq × nq) has the derivatives of the normalised coordinates q, and `displacement` (nv ×
-  /// nq) the displacements of the configuration along left-trivialised directions.
+  /// Computes derivatives by the coordinates before quaternions are normalised, `raw` (nq numbers).
+  /// `normalization` (nq × nq) has the derivatives of the normalised coordinates q by `raw`. Column k of
+  /// `displacement` (nv × nq) is the displacement of the configuration, along left-trivialised directions,
+  /// for a unit of raw[k].
   void seeds(Span raw, Span q, Eigen::MatrixXd& displacement, Eigen::MatrixXd& normalization) const;
   Eigen::MatrixXd rates_by_coordinates(Span q, Span v) const;
 

@@ -10,9 +10,9 @@ namespace axode {
 
 namespace {
 
-/// The acceleration of a sticking joint counts as 0 up to a tolerance, the sum of two parts (D9.6):
-/// by_friction times the acceleration that its own friction can cause, and by_largest times the one that
-/// corresponds to the norm of all accelerations.
+/// The acceleration of a sticking joint counts as 0 up to a tolerance, the sum of two parts (D9.6). The first
+/// is by_friction times the acceleration that the joint's own friction can cause. The second is by_largest
+/// times the acceleration with which this joint alone would give the norm of all accelerations.
 constexpr double by_friction = 1e-9, by_largest = 1e-13;
 
 }  // namespace

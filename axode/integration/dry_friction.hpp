@@ -54,7 +54,7 @@ class DryFriction {
   /// Finds the friction forces of sticking velocities and of gears with losses, which depend on the
   /// accelerations. In the call, a (nv numbers) are the accelerations without these forces; their effect is
   /// added to it. `compliance` has the columns of Φ = ∂a/∂τ for these velocities, and `own` the acceleration
-  /// of each of them under a unit force if the loops are open. `norm` is the measure of accelerations for
+  /// of each of them under a unit force if the loops are open. `norm` measures accelerations for the
   /// tolerances. `drive` has the drive forces that pass through gears (nv numbers); it is read only if a gear
   /// has losses. Returns -1 if the accelerations are unique. Otherwise returns the index of the velocity of a
   /// gear that locks itself too strongly.

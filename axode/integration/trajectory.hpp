@@ -126,9 +126,9 @@ class Trajectory {
   /// In absolute coordinates, for each end of a step: kinetic energy plus potential energy of gravity, J.
   std::vector<double> body_energies;
 
-  /// For each step of a motion with contact, how exactly the laws of contact hold: the size of the velocity
-  /// changes that violate them, divided by the size of the velocities, both measured by √(vᵀ M v) with the
-  /// mass matrix M. Rounding errors make it about 1e-12.
+  /// For each step of a motion with contact, the relative error of the laws of contact: the velocities that
+  /// the error of the impulses causes, divided by all velocities, both measured by √(vᵀ M v) with the mass
+  /// matrix M. Rounding errors make it about 1e-12.
   std::vector<double> certificates;
   /// The names of the collision shapes in a motion with contact, in the order of their numbers in contacts.
   std::vector<std::string> contact_shapes;

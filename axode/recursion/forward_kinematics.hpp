@@ -50,8 +50,8 @@ void joint_motion(const AnyTree& tree, const T* q, const T* v, const T* a,
   joint_screws(tree, a, out.Sa);
 }
 
-/// Poses of the internal frames of all bodies in the inertial frame, C_i = C_p C_{p,i} with the predecessor p
-/// of body i (Müller, eqs. POEX, aVbRec2). 36 products and 33 sums for each body.
+/// Poses of the internal frames (joint frames) of all bodies in the inertial frame, C_i = C_p C_{p,i} with
+/// the predecessor p of body i (Müller, eqs. POEX, aVbRec2). 36 products and 33 sums for each body.
 template <class T> struct BodyPoses {
   SE3<T>* C;
 

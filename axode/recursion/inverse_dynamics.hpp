@@ -5,8 +5,8 @@
 namespace axode {
 
 /// One applied wrench W, in the axes of the frame on which it acts and about the origin of this frame. `body`
-/// is the body to which the frame is fixed, and `offset` is the pose of the frame in the internal frame of
-/// this body.
+/// is the body to which the frame is fixed, and `offset` is the pose of the frame in the internal frame (the
+/// joint frame) of this body.
 template <class T> struct ResolvedLoad {
   int body;
   SE3<T> offset;
@@ -36,8 +36,8 @@ template <class T> struct ResolvedLoad {
   }
 };
 
-/// Computes W_app[i], the sum of the applied wrenches on body i in its internal frame, for i = 0 to n, with
-/// the poses C of these frames.
+/// Computes W_app[i], the sum of the applied wrenches on body i in its internal frame (its joint frame), for
+/// i = 0 to n, with the poses C of these frames.
 template <class T, TreeOf<T> AnyTree>
 void sum_applied(const AnyTree& tree, std::span<const AppliedWrench<T>> wrenches, const SE3<T>* C,
                  Wrench<BodyFixed, T>* W_app) noexcept {

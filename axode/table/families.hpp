@@ -3,8 +3,9 @@
 
 #include "axode/table/words.hpp"
 
-/// Values of Count and Counts that are common to families of functions, such as all functions of a given
-/// motion. A Count says whether a function takes a property of mechanisms (loops, springs, ...) into account.
+/// Descriptions of how functions treat properties of mechanisms (loops, springs, ...), which whole families
+/// of functions share. A Count says whether a function takes one property into account, and a Counts has a
+/// Count for each property.
 namespace axode::catalog::table {
 
 /// Advice in the documentation of functions that ignore the forces of springs, dampers and stops.

@@ -19,8 +19,8 @@ class LoopSeries {
 
   int order() const { return motion_.order(); }
 
-  /// Computes the Jacobian A of the loop equations and its time derivatives up to A^(order), from q and the
-  /// rates v, v', ... (order + 1 rows of nv numbers). The last row has no effect.
+  /// Computes the Jacobian A of the loop equations and its time derivatives up to A^(order), from q and
+  /// `rates`, which are v, v', ... (order + 1 rows of nv numbers). The last row of `rates` has no effect.
   void run(const double* q, const double* rates) noexcept;
 
   /// The derivative A^(k) of the rows at the last run(), loops().rows × nv.

@@ -19,7 +19,7 @@ template <class T> class AXODE_ENTRY IndependentRows {
 
   /// Analyses the loop equations at the position or velocity level, at the present kinematics. An equation is
   /// redundant if its column of Y = D^-½ L⁻ᵀ Aᵀ, minus the projection on earlier independent columns, has a
-  /// norm of at most `part` times the size of the equation, LoopSystem::scale() (D7.7).
+  /// norm of at most `part` times the norm of the column, or times a lower limit if that is larger (D7.7).
   IndependentRows(LoopSystem<T>& system, ConstraintLevel level,
                   T part = std::same_as<T, float> ? T(1e-4) : T(1e-8));
 
@@ -29,8 +29,8 @@ template <class T> class AXODE_ENTRY IndependentRows {
   Matrix kernel() const;
 
   /// Computes multipliers λ of the loop equations A v = 0 for which the constraint forces Aᵀ λ approximate
-  /// the forces f (nv) best (least squares). If several do, the least Σ d² λ² decides, with the sizes d of
-  /// the equations, LoopSystem::scale() (D7.11).
+  /// the forces f (nv) best (least squares). If several do, the least Σ d² λ² decides, where d² is the
+  /// diagonal entry of A M⁻¹ Aᵀ for an equation, but not less than a lower limit (D7.11).
   void least_multipliers(const Vector& f, std::span<T> lambda) const;
 
   std::vector<int> independent, redundant;

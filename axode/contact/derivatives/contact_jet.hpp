@@ -28,9 +28,10 @@ class ContactJets {
  public:
   explicit ContactJets(ContactShapes shapes);
 
-  /// Returns the ContactJet of the contact with the given key, or null if its pair of shapes has no closed
-  /// form or no point with this key and a gap below the margin. `C` has the poses of the internal frames of
-  /// all bodies (n_bodies + 1 entries). The pointer is valid until the next call.
+  /// Returns the ContactJet of the contact with the given key. Returns null if contact points of its pair of
+  /// shapes have no closed form, or if no point with this key has a gap below the margin. `C` has the poses
+  /// of the internal frames (joint frames) of all bodies (n_bodies + 1 entries). The pointer is valid until
+  /// the next call.
   const ContactJet* find(std::uint64_t key, std::span<const SE3<>> C, double margin) noexcept;
   /// Whether the contact points of the pair of the last find() have a closed form.
   bool closed_form() const { return closed_; }

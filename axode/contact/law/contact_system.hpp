@@ -72,8 +72,8 @@ class ContactSystem {
   std::span<const JointStop> stops() const { return stops_; }
   std::span<const DryJoint> dry_joints() const { return dry_; }
 
-  /// Computes the poses of the internal frames of all bodies at q (n_bodies + 1 entries). The constraint rows
-  /// and factors that set() has made are invalid afterwards.
+  /// Computes the poses of the internal frames (joint frames) of all bodies at q (n_bodies + 1 entries). The
+  /// constraint rows and factors that set() has made are invalid afterwards.
   void poses(const double* q, SE3<>* C) noexcept;
   /// Computes the twists of all bodies for the velocities v, at the q of the last call of poses() or set().
   void move_bodies(const double* v) noexcept;

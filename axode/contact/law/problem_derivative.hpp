@@ -18,7 +18,8 @@ struct ProblemDerivative {
 /// Differentiates the multipliers λ that solve a problem (D11.11) along k changes of its data. With the
 /// velocities u = Yᵀ (w + Y λ) + r of the rows (friction rows multiplied by their coefficients), dx (nv × k)
 /// has the changes dw + dY λ, and du (rows × k) the changes dYᵀ (w + Y λ) + dr. If contacts share a load, dλ
-/// is not unique; then the dλ of least norm in the metric of the masses is returned. Allocates; O(rows³).
+/// is not unique; then the dλ with the least Σ d² dλ² is returned, where d² are the scales of the rows.
+/// Allocates; O(rows³).
 ProblemDerivative differentiate(const VelocityProblem& problem, const double* lambda,
                                 const Eigen::Ref<const Eigen::MatrixXd>& dx,
                                 const Eigen::Ref<const Eigen::MatrixXd>& du);
@@ -35,8 +36,8 @@ struct LawDerivative {
 /// at constant λ. The multipliers change by
 ///   (1 - Z + Z d⁻² by_lambda) dλ = -Z d⁻² by_data                                                 (D11.18)
 /// with the derivative Z of resolve() at z. Friction rows are multiplied by their coefficients. `speed` is
-/// the size of the velocities of the mechanism in the metric of the masses, and `change` is that of their
-/// changes along the directions; rounding errors are judged by them. Allocates; O(rows³).
+/// the size √(vᵀ M v) of the velocities of the mechanism, with the mass matrix M, and `change` is that of
+/// their changes along the directions; rounding errors are judged by them. Allocates; O(rows³).
 LawDerivative differentiate_law(const VelocityProblem& problem, const double* lambda, const double* u,
                                 const Eigen::Ref<const Eigen::MatrixXd>& by_lambda,
                                 const Eigen::Ref<const Eigen::MatrixXd>& by_data, double speed,

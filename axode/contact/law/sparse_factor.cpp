@@ -20,8 +20,9 @@ struct Panel {
   int rows, stride;
 };
 
-/// Computes out = P Qᵀ for P and Q with n columns, tile by tile. The columns of `out` begin padded(P.rows)
-/// numbers apart. If `lower`, tiles above the diagonal are left out.
+/// Computes out = P Qᵀ for P and Q with n columns, in small square blocks (tiles). The columns of `out` begin
+/// padded(P.rows) numbers apart, the number of rows rounded up to whole tiles. If `lower`, tiles above the
+/// diagonal are left out.
 void multiply(const Panel& P, const Panel& Q, int n, double* out, bool lower) noexcept {
   constexpr int size = SparseFactor::tile;
   const int stride = SparseFactor::padded(P.rows);

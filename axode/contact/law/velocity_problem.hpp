@@ -99,10 +99,10 @@ class VelocityProblem {
   std::vector<char> moves_;
 };
 
-/// Measures how far multipliers λ of scaled rows are from the laws: the norm of the part of the motion that
-/// violates the laws, divided by that of the whole motion, both in the metric of the masses (D11.7). Rounding
-/// errors make it 1e-12; it is NaN if a number is not finite. `scratch` is memory for 2 rows() + nv()
-/// numbers.
+/// The relative error of the laws for multipliers λ (of rows that finish() has scaled): |d (λ - resolve(λ -
+/// u/d²))| / (|w| + |Y λ|), which is 0 if the laws hold (D11.7). u are the velocities and d² the scales of
+/// the rows, w is the motion without impulses and Y λ that by the impulses. Rounding errors make it 1e-12; it
+/// is NaN if a number is not finite. `scratch` is memory for 2 rows() + nv() numbers.
 double certificate(const VelocityProblem& problem, const double* lambda, double* scratch) noexcept;
 /// Computes the certificate of multipliers λ, the relative error of the laws. Its inputs are the residual λ -
 /// resolve(λ - u/d²), which is 0 if the laws hold, with the velocities u and the scales d² of the rows, and

@@ -137,7 +137,7 @@ double VelocitySolver::certify(const double* lambda) noexcept {
 
 /// The residual of a proximal step, λ - resolve(λ_0 - u/R), at multipliers λ. λ_0 are the multipliers at its
 /// start, R is its factor, and u are the velocities of the rows for λ. Writes the term with resolve() to
-/// resolved_ and the residual to residual_, and returns the norm of the residual in the metric of the masses.
+/// resolved_ and the residual ρ to residual_. Returns its norm √(Σ d² ρ²) with the scales d² of the rows.
 double VelocitySolver::multiplier_residual(const Vector& lambda) noexcept {
   const Eigen::Map<const Eigen::MatrixXd> G(G_memory_.data(), rows_, rows_);
   const Eigen::Map<const Eigen::VectorXd> d2(problem_->squared_scales().data(), rows_);

@@ -39,8 +39,8 @@ template <class T> void drive_rates(const Tree<T>& tree, const T* rates, bool jo
 
 template <class Rep, class T> struct SecondOrderRecursion;
 
-/// The recursion in body-fixed twists, by (D3.1) to (D3.5) of docs/derivations. Twists and wrenches are
-/// differentiated by components, in the axes of the bodies.
+/// The recursion for τ, τ' and τ'' in body-fixed twists, by (D3.1) to (D3.5) of docs/derivations. Twists and
+/// wrenches are differentiated by components, in the axes of the bodies.
 template <class T> struct SecondOrderRecursion<BodyFixed, T> {
   using V6 = Twist<BodyFixed, T>;
   using W6 = Wrench<BodyFixed, T>;
@@ -119,8 +119,8 @@ template <class T> struct SecondOrderRecursion<BodyFixed, T> {
   }
 };
 
-/// The recursion in hybrid twists ((D3.6) to (D3.8) of docs/derivations). The axes are inertial, so that the
-/// derivatives of components are those of vectors.
+/// The recursion for τ, τ' and τ'' in hybrid twists ((D3.6) to (D3.8) of docs/derivations). The axes are
+/// inertial, so that the derivatives of components are those of vectors.
 template <class T> struct SecondOrderRecursion<Hybrid, T> {
   using V6 = Twist<Hybrid, T>;
   using W6 = Wrench<Hybrid, T>;

@@ -48,8 +48,9 @@ struct DriveTangents {
 };
 /// Displacements of the states of a motion, or gradients by them: K + 1 rows each of nv, nv and nx numbers.
 template <class T> struct DriveRows { std::span<T> q, v, x; };
-/// Computes the displacements of all states of a motion of K steps along `d`; the first rows are those of
-/// `d`. Each stage costs O(nv³) because of the derivatives of the accelerations.
+/// Computes the displacements of all K + 1 states of a motion of K steps if its initial state, its drive
+/// forces and its inputs are displaced by `d`. The first row is the displacement of the initial state. Each
+/// stage of the method costs O(nv³) because of the derivatives of the accelerations.
 Solvability rollout_jvp_with_drives(const Model& model, const DriveSystem& drives, double t,
                                     std::span<const double> q, std::span<const double> v,
                                     std::span<const double> x, std::span<const double> tau, double step,

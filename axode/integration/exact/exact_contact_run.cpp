@@ -214,9 +214,9 @@ std::vector<char> ExactContactRun::stopping(double t, const std::vector<double>&
   return out;
 }
 
-/// Chooses the next phase after the forces of the present one reach their limits at the time t. The choice is
-/// made at a slightly later time, at which the present phase violates the laws by a little more than rounding
-/// errors.
+/// Chooses the next phase (which contacts are closed, and which of them stick or slide) if the forces of the
+/// present one reach their limits at the time t. The choice is made with the state at a slightly later time,
+/// at which the violation of these limits is certain to be no rounding error.
 Failure ExactContactRun::look_ahead(double t, double t_far, double reserve_far, const Attempt& attempt,
                                     std::vector<ClosedConstraint>& next) {
   constexpr double violation = 1e-5;

@@ -23,19 +23,21 @@ class ContactStep {
   ContactStep(ContactSimulationRun& run, const Model& model, ContactShapes shapes, bool dry_friction);
 
   /// Computes the step of length h from (q_0, v_0) at time t, and sets the public members. x_0 are the states
-  /// of the drives, whose statuses and inputs do not change in the step. If the relative error of the laws of
-  /// contact is above 1e-9, the step is repeated in 4, and then in 16 parts. Allocates only if there are
-  /// drives, or more than 64 contacts and more than ever before. Fails if the mass matrix is singular, a
-  /// number is not finite, there are too many points of contact, or the caller's monitor ends the motion.
+  /// of the drives, whose statuses and inputs do not change in the step. A step that violates the laws of
+  /// contact by more than 1e-9, relative to the motion, is repeated in 4, and then in 16 parts. Allocates
+  /// only if there are drives, or more than 64 contacts and more than ever before. Fails if the mass matrix
+  /// is singular, a number is not finite, there are too many points of contact, or the caller's monitor ends
+  /// the motion.
   Failure run(double t, double h, const Vector& q_0, const Vector& v_0, const Vector& x_0 = {});
 
   /// Forgets the multipliers of earlier steps, so that the next motion does not depend on earlier ones.
   void restart() noexcept;
 
   Vector q, v, drive_states;  ///< state at the end of the step
-  /// The relative error of the laws of contact in the step: the size of the velocity changes that violate
-  /// them, divided by that of the velocities. If the iteration for the impulses at the start of the step does
-  /// not converge, it is at least their relative change in the last iteration.
+  /// The relative error of the laws of contact in the step: the velocities that the error of the impulses
+  /// causes, divided by all velocities, both measured by √(vᵀ M v) with the mass matrix M. If the iteration
+  /// for the impulses at the start of the step does not converge, it is at least their relative change in the
+  /// last iteration.
   double certificate = 0;
   bool touched = false;  ///< whether an impulse acted
   /// The displacement (m) by which the end of the step may be wrong because a contact began to stick in it.

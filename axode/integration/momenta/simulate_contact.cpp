@@ -68,8 +68,8 @@ class ContactMotion {
   }
 
   /// Integrates in adaptive steps: computes each step as a whole and in two halves, and takes the halves if
-  /// both agree; otherwise tries a shorter step. A step not longer than `least` times the duration of the
-  /// motion is always taken, because halves and whole may follow different solutions of the laws of contact.
+  /// both agree; otherwise tries a shorter step. A step not longer than `least` times the whole motion is
+  /// always taken, because halves and whole may follow different solutions of the laws of contact.
   Trajectory within(const Tolerances& tolerances) {
     constexpr double first = 1e-3, least = 1e-9, order = 3;
     const double longest = tolerances.largest_step > 0 ? tolerances.largest_step : until_ / 50;

@@ -50,18 +50,19 @@ class Plays {
   /// plus a bound on rounding errors and the overshoot that allow_overshoot() permits. For a play at an end
   /// it is the force with which the end pushes, which `loops` computed with its last accelerations.
   double reserve(std::size_t k, Span q, const ClosedMotion* loops) const;
-  /// Makes the overshoots at q legal, after an event or at the start of a motion: from now on, each play may
-  /// be as far beyond an end as it is at q. Then reserve() is not negative at q.
+  /// Permits each play (backlash of a coupling) to be as far beyond an end as it is at q, from now on. It is
+  /// called after an event and at the start of a motion. Afterwards reserve() is not negative at q.
   void allow_overshoot(Span q);
   /// Reduces the overshoot that is allowed for plays that are less far beyond their end at q.
   void reduce_overshoot(Span q);
 
-  /// Starts a motion at (q, v). Plays that are at an end and move against it have an impact, which changes v.
-  /// Returns the events of these plays, without times. Throws std::invalid_argument for a play beyond an end.
+  /// Starts a motion at (q, v). Plays (backlash of couplings) that are at an end and move against it have an
+  /// impact, which changes v. Returns the events of these plays, without times. Throws std::invalid_argument
+  /// for a play beyond an end.
   Events start(Span q, std::span<double> v, const Engage& engage);
-  /// Changes the plays whose number in `reserves` (one for each play) is negative: a free play that moves
-  /// towards its nearer end has an impact there, which changes v, and a play at an end becomes free. Returns
-  /// the events, without times.
+  /// Changes the plays (backlash of couplings) whose number in `reserves` is negative; there is a number for
+  /// each play. A free play that moves towards its nearer end has an impact there, which changes v, and a
+  /// play at an end becomes free. Returns the events, without times.
   Events change(Span reserves, Span q, std::span<double> v, const Engage& engage);
   /// Frees the plays whose end would have to pull to hold them, in the last accelerations of `loops`. Returns
   /// their events, without times. If there are any, the caller must make the constraint equations anew.
@@ -80,8 +81,8 @@ class Plays {
   /// The restitution if play k meets its end at a speed: 0 below the mechanism's threshold for impacts.
   double restitution(std::size_t k, double speed) const;
   void refuse_beyond(std::size_t k, Span q) const;
-  /// Computes the impact of play k on an end, which changes v. Another play at an end becomes free if the
-  /// impact would pull there.
+  /// Computes the impact of play k (backlash of a coupling) on one of its ends, which changes v. Another play
+  /// at an end becomes free if the impact would pull there.
   Trajectory::PlayEvent meet_end(std::size_t k, int side, Span q, std::span<double> v, const Engage& engage);
   Trajectory::PlayEvent leave_end(std::size_t k);
 

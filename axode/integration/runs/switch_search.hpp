@@ -92,9 +92,9 @@ class ChangeSearch {
   int tries_ = 0;
 };
 
-/// Limits for motions in which friction, drives or plays change too fast to be followed. A step is short if
-/// it ended early and is shorter than short_part of the step that was attempted. A motion ends after
-/// most_short_steps short steps in a row.
+/// Limits for motions in which friction, drives or couplings with play change too fast to be followed. A step
+/// is short if it ended early and is shorter than short_part of the step that was attempted. A motion ends
+/// after most_short_steps short steps in a row.
 inline constexpr int most_short_steps = 1000;
 inline constexpr double short_part = 1e-9;
 

@@ -101,10 +101,11 @@ inline constexpr const char* jumps =
     "without bound; use a method of fixed steps (rk4), and give dry friction as a joint property that "
     "joint_losses counts";
 
-/// Limits near singular configurations, where the rows of the Jacobian of the loops are nearly dependent and
-/// the error estimate jumps although the motion does not. Up to `most_passing` consecutive such steps ignore
-/// the estimate. A step with a distance from dependence below `too_weak` is tried up to `most_shortened`
-/// times more, each time shorter by the factor `shortened`.
+/// Limits near singular configurations, where the loop equations are nearly dependent and the error estimate
+/// of a step jumps although the motion does not. Up to `most_passing` such steps in a row are accepted
+/// whatever their estimate is. A step in which LoopSystem::weakest_row(), the distance from dependence (0 to
+/// 1), falls below `too_weak` is tried up to `most_shortened` times more, each time shorter by the factor
+/// `shortened`.
 inline constexpr int most_passing = 20, most_shortened = 6;
 inline constexpr double too_weak = 1e-6, shortened = 0.85;
 

@@ -23,10 +23,10 @@ namespace axode {
 /// so that damping and drives keep the order. Newton's matrix consists of M and B at the predicted end of the
 /// step.
 ///
-/// System is the class of the mechanism. Its member functions are bodies(), which returns its AbsoluteSystem;
+/// System is the class of the mechanism, with the functions bodies(), which returns its AbsoluteSystem;
 /// forces(t, q, v, f), factorize(t, q), factorize_with_rank(t, q) and add_turning(v, f), which adds ad_vᵀ M v
-/// to f; norm(), the EnergyNorm of velocities; velocity_scale(v, h), the size of the terms of v in a step of
-/// length h; and drives(), its DriveStates, whose states follow the trapezoidal rule (D17.7a).
+/// to f; norm(); velocity_scale(v, h), the magnitude of the terms of v in a step; and drives(), its
+/// DriveStates, whose states follow the trapezoidal rule (D17.7a).
 template <class System> class Rattle {
  public:
   using Vector = std::vector<double>;

@@ -12,9 +12,9 @@ namespace axode {
 
 /// A step of a symmetric composition (D8.11) of the midpoint rule on (q, p). Part is the scheme of a part of
 /// the step, Midpoint or ClosedMidpoint; its first guess of v is extrapolated from the same part of the last
-/// steps. System is the class of the mechanism, as for Part, with bases(), which returns its FloatingBases;
-/// drives(), its DriveStates; pushes_bases(), whether a load or drive acted on a floating base in the last
-/// evaluation; and close(t, q, p), which projects p onto closed loops.
+/// steps. System is the class of the mechanism. It has the member functions that Part requires, and bases(),
+/// which returns its FloatingBases; drives(), its DriveStates; pushes_bases(), whether a load or drive acted
+/// on a floating base in the last evaluation; and close(t, q, p), which projects p onto closed loops.
 template <class System, class Part> class SymplecticStep {
  public:
   using Vector = Eigen::VectorXd;

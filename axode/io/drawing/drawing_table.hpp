@@ -171,8 +171,8 @@ class Table {
   std::vector<Table> tables(std::string_view key, const std::string& need);
 
  private:
-  /// Reads the table `key` in this one with read(table, name, entry) for each entry. Returns the names and
-  /// results, except results that are empty.
+  /// Reads a table inside this one, which has the key `key`. Calls read(table, name, entry) for each of its
+  /// entries, and returns the names and the results, except results that are empty.
   template <class T, class Read>
   std::vector<std::pair<std::string, T>> named(std::string_view key, const Read& read);
   /// Reads an array of N numbers into `out`. A fault is added only for a number that is not finite.
