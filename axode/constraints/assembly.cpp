@@ -109,9 +109,9 @@ class Assembly {
     system_.residual(q.data(), r.data());
     return r.cwiseQuotient(unit_of_residual_);
   }
-  /// The units by which loop equations are divided: the size of the loops (m) for an equation whose
-  /// constraint wrench has a force, 1 for an equation whose wrench is a couple, and the unit of its first
-  /// term for a coupling of joints.
+  /// The units by which loop equations are divided: the length size() (m) for an equation whose constraint
+  /// wrench has a force, 1 for an equation whose wrench is a couple, and the unit of its first term for a
+  /// coupling of joints.
   Vector units_of_rows(ConstraintLevel level) {
     system_.make_rows(level);
     Vector units = Vector::Ones(system_.size(level));

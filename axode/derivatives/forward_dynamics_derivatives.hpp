@@ -13,7 +13,7 @@ template <class T> struct ForwardDynamicsDerivatives {
 
 /// Computes the first derivatives of the accelerations a of forward dynamics at (q, v, τ): ∂a/∂τ = M⁻¹, and
 /// ∂a/∂x = -M⁻¹ ∂τ/∂x for x = q and v, with ∂τ/∂x of inverse_dynamics_derivatives() at the accelerations a.
-/// Directions of q, loads and losses are those of inverse_dynamics_derivatives(). M⁻¹ is applied by
+/// Direction k of q is q ⊕ ε e_k, and loads and losses are treated as in that function. M⁻¹ is applied by
 /// articulated bodies, O(n) for each column, or by products with M⁻¹ if there are at most 100 velocities. No
 /// allocation. If the status is not ok(), all results are NaN. Throws std::invalid_argument for a wrong size,
 /// quaternions that are not of unit norm, a load on a frame that does not exist and results that overlap. See

@@ -4,8 +4,8 @@
 
 /// Derivatives of the terms of the equations of motion M(q) a + C(q, v) v + g(q) = τ + Q(q, v), each term on
 /// its own; Q are the generalised forces of the loads. A matrix has nv × nv numbers, [component, direction].
-/// No allocation; O(n d) on paths of d velocities, and the time to write the zeros. Directions and loads are
-/// those of inverse_dynamics_derivatives().
+/// Direction k of q is q ⊕ ε e_k. The components of loads are constant in the representation in which they
+/// are given. No allocation; O(n d) on paths of d velocities, and the time to write the zeros.
 namespace axode {
 
 /// Computes ∂g/∂q of the gravity forces g(q).

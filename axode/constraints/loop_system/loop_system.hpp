@@ -80,14 +80,15 @@ template <class T> class AXODE_ENTRY LoopSystem {
   /// valid until the next call. joint_wrenches() and differentiate() must not be called afterwards.
   std::span<T> force_fast(const T* q, const T* v, const T* a, const Loads<T>& loads) noexcept;
   /// Computes the residual (A v)' - s'' of the loop equations A v = s' (loops().rows numbers), where s' is
-  /// not 0 for prescribed motions. Must be called after force() and make_rows(ConstraintLevel::velocity), or
-  /// force_fast(), with the accelerations a. The numbers are valid until the next call.
+  /// not 0 for prescribed motions. The motion (q, v, a) and the loop equations must have been computed, by
+  /// force() and make_rows(ConstraintLevel::velocity) or by force_fast(). The numbers are valid until the
+  /// next call.
   std::span<const T> acceleration_residual(const T* a) noexcept;
   /// Computes the least drive forces τ (nv) and, unless `lambda` is null, multipliers λ of the loop equations
   /// A v = 0, such that τ + Aᵀ λ = f for the forces f that the spanning tree needs. Drives act on the
-  /// velocities with indices in `drives` or, if it is empty, on those of all joints that are not passive.
-  /// Must be called after make_rows(ConstraintLevel::velocity) or force_fast(). Returns false without results
-  /// if some motion has no drive, if λ is wanted and not unique, or if rounding leaves a rank open.
+  /// velocities with indices in `drives` or, if it is empty, on those of all joints that are not passive. A
+  /// must have been computed, by make_rows(ConstraintLevel::velocity) or force_fast(). Returns false without
+  /// results if some motion has no drive, if λ is wanted and not unique, or if rounding leaves a rank open.
   bool drive_forces(std::span<const int> drives, const T* f, T* tau, T* lambda) noexcept;
   /// The threshold below which an entry of the Jacobian of the loop equations may be a rounding error: 0.1,
   /// or a tenth of the largest distance (m) of a loop joint from the root body of its branch if this is less
@@ -155,13 +156,15 @@ template <class T> class AXODE_ENTRY LoopSystem {
   void add_wrenches(const T* lambda, Wrench<Spatial, T>* on, T* tau) const noexcept;
   /// Computes the wrenches W[1] to W[n] that the joints transmit for multipliers λ of the loop equations, in
   /// inertial axes, each about the origin of its root body (the body of its branch that is joined to the
-  /// ground). Must be called after force() and make_rows(ConstraintLevel::velocity).
+  /// ground). The motion and the loop equations must have been computed, by force() and
+  /// make_rows(ConstraintLevel::velocity).
   void joint_wrenches(const T* lambda, Wrench<Spatial, T>* W) noexcept;
 
-  /// Computes derivatives at the motion of the last force() and adds them to three matrices, which are stored
-  /// row by row ((D6.10), (D6.11)). With the loop equations A v = 0 and (A v)' = A a + γ, by_q and by_v (m ×
-  /// nv each) are the derivatives of (A v)' by q and by v. constraint_forces_by_q (nv × nv) is the derivative
-  /// of the constraint forces Aᵀ λ by q. Must be called after make_rows(ConstraintLevel::velocity).
+  /// Computes derivatives at the motion (q, v, a) for which force() was called last, and adds them to three
+  /// matrices, which are stored row by row ((D6.10), (D6.11)). With the loop equations A v = 0 and (A v)' = A
+  /// a + γ, by_q and by_v (m × nv each) are the derivatives of (A v)' by q and by v. constraint_forces_by_q
+  /// (nv × nv) is the derivative of the constraint forces Aᵀ λ by q. A must have been computed, by
+  /// make_rows(ConstraintLevel::velocity).
   void differentiate(const T* lambda, T* by_q, T* by_v, T* constraint_forces_by_q) noexcept;
   /// Computes the rate of Rᵀ λ (nv) for constant λ as the bodies move with the velocities of the last move().
   void differentiate_residuals(const T* lambda, T* rate) noexcept;
@@ -197,7 +200,8 @@ template <class T> class AXODE_ENTRY LoopSystem {
   void solve(T* x) noexcept { dynamics_->bodies.solve(tree(), x); }
 
   /// The wrench of loop joint k on its second body, about the point origin(k), for the multipliers λ; the
-  /// opposite wrench acts on the first body. Must be called after make_rows() or make_wrenches().
+  /// opposite wrench acts on the first body. The wrenches for unit multipliers must have been computed, by
+  /// make_rows() or make_wrenches().
   Wrench<Spatial, T> wrench(std::size_t k, const T* lambda) const noexcept;
   Vec3<T> origin(std::size_t k) const noexcept;
   /// The origins of the root bodies in the inertial frame, stored at the index of each root body.

@@ -140,16 +140,17 @@ class ContactSystem {
     int body, side;  ///< side: 1 on the path of b, -1 on the path of a, 0 on both
   };
   /// Finds the bodies on the paths from bodies a and b to the ground, and the velocities that the
-  /// articulated-body algorithm eliminates at them.
+  /// articulated-body algorithm eliminates at them. Later calls of pull_row() and add_block() use them.
   void find_path(int a, int b);
   /// Writes the column of Y = D^-½ L⁻ᵀ Jᵀ for one row of J, with the mass matrix M = Lᵀ D L, by a backward
   /// sweep along the bodies that find_path() found. The row of J is given by the wrench `on_b` on body b, the
   /// opposite wrench `on_a` on body a, and the generalised forces x.
   void pull_row(int a, int b, const Wrench<Spatial>& on_a, const Wrench<Spatial>& on_b, const double* x,
                 double* Y) noexcept;
-  /// Appends a block of rows for the velocities of the path that find_path() found. Returns the memory for
-  /// the block's part of the Jacobian J, filled with zeros, and sets Y to the memory for its part of D^-½ L⁻ᵀ
-  /// Jᵀ; both have the same layout.
+  /// Appends a block of rows for a constraint between the two bodies for which find_path() was called last.
+  /// The block has the velocities on the paths of these bodies to the ground. Returns the memory for the
+  /// block's part of the Jacobian J, filled with zeros, and sets Y to the memory for its part of D^-½ L⁻ᵀ Jᵀ;
+  /// both have the same layout.
   double* add_block(ContactLaw law, int rows, double bound, double*& Y, bool compliant = false);
   /// Adds the constraint rows of a contact. The normal force of a compliant contact is an additional unknown
   /// unless its impulse is given; `compliance` is the index of this unknown, and is then increased.

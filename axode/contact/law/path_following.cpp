@@ -25,8 +25,9 @@ double VelocitySolver::path_residual(double sigma) noexcept {
   return velocity_residual(x_, f_);
 }
 
-/// For the path of solutions of (D11.10a), with the equations f = 0 and their derivative f': writes the
-/// Newton step -f'⁻¹ f to dx_ and the unit tangent of the path (D11.10b) to next_.
+/// For the path of solutions of contact problems whose compliance falls (D11.10a), with the equations f = 0
+/// of the path and their derivative f': writes the Newton step -f'⁻¹ f to dx_ and the unit tangent of the
+/// path (D11.10b) to next_.
 void VelocitySolver::linearize_path() noexcept {
   factorize_velocities(0);
   u_ = (z_ - lambda_0_).cwiseProduct(R_);
@@ -41,10 +42,10 @@ void VelocitySolver::linearize_path() noexcept {
   t *= next_.sigma;
 }
 
-/// Steps along the path of solutions of (D11.10a): moves from path_point_ by `length` along `direction`, and
-/// returns to the path by Newton steps that are perpendicular to it. If this leads to a point ahead on the
-/// path, moves path_point_ there, leaves its tangent in next_ and returns true. `beyond_kink` says that
-/// `direction` is the tangent behind a kink of the path.
+/// Steps along the path of solutions of contact problems whose compliance falls (D11.10a): moves from
+/// path_point_ by `length` along `direction`, and returns to the path by Newton steps that are perpendicular
+/// to it. If this leads to a point ahead on the path, moves path_point_ there, leaves its tangent in next_
+/// and returns true. `beyond_kink` says that `direction` is the tangent behind a kink of the path.
 bool VelocitySolver::step_on_path(const PathVector& direction, double length, bool beyond_kink) noexcept {
   constexpr int most = 8, patience = 3;
   x_ = path_point_.x + length * size_ * direction.x;

@@ -113,9 +113,10 @@ class VelocitySolver {
   double path_residual(double sigma) noexcept;
   void linearize_path() noexcept;
   bool step_on_path(const PathVector& direction, double length, bool beyond_kink) noexcept;
-  /// Solves λ = resolve(-u/R), the laws of contacts with a compliance R, for R = exp(σ) d² with falling σ
-  /// (D11.10a), where d² are the scales of the rows. These solutions are a path; Newton's method for the
-  /// contacts without compliance starts from points of it. The path begins at the multipliers in y_.
+  /// Finds starts for Newton's method from contact problems that are easier because contacts have a
+  /// compliance R: λ = resolve(-u/R) with R = exp(σ) d² (D11.10a), where u are the velocities and d² the
+  /// scales of the rows. Follows their solutions, which form a path, while σ falls, and runs Newton's method
+  /// for contacts without compliance from points of it. The path begins at the multipliers in y_.
   void follow_path(double tolerance);
 
   /// The largest certificate at which no further start is made.

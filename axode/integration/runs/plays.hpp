@@ -81,8 +81,8 @@ class Plays {
   /// The restitution if play k meets its end at a speed: 0 below the mechanism's threshold for impacts.
   double restitution(std::size_t k, double speed) const;
   void refuse_beyond(std::size_t k, Span q) const;
-  /// Computes the impact of play k (backlash of a coupling) on one of its ends, which changes v. Another play
-  /// at an end becomes free if the impact would pull there.
+  /// Computes the impact of play k (backlash of a coupling) on one of its ends, which changes v. If another
+  /// play is at an end that would have to pull during the impact, it becomes free.
   Trajectory::PlayEvent meet_end(std::size_t k, int side, Span q, std::span<double> v, const Engage& engage);
   Trajectory::PlayEvent leave_end(std::size_t k);
 
