@@ -132,7 +132,7 @@ std::vector<const Curve*> chosen(const Panel& panel) {
   return curves;
 }
 
-/// The indices of the points of a line that are drawn. If a line has more points than can be drawn, it is
+/// The indices of the points of a line that are drawn. If a line has too many points for a chart, it is
 /// divided into parts of equal length, and the lowest and the highest point of each part are drawn.
 std::vector<std::size_t> thinned(const std::vector<double>& y) {
   std::vector<std::size_t> places;

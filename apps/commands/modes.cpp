@@ -15,8 +15,8 @@ using Matrix = Eigen::MatrixXd;
 /// Numbers of the balanced matrix below these fractions of its largest number count as 0.
 constexpr double zero_pivot = 1e-12, zero_part = 1e-10;
 
-/// An estimate of the largest angular frequency (1/s) of x' = A x, where x has displacements and then
-/// velocities, but at least 1/s. With its inverse as the unit of time, all entries of A have similar sizes.
+/// An estimate, at least 1/s, of the largest angular frequency of x' = A x, where x has displacements and
+/// then velocities. With its inverse as the unit of time, all entries of A have similar sizes.
 double largest_rate(const Matrix& A) {
   const Eigen::Index nv = A.rows() / 2;
   return std::sqrt(std::max(1.0, A.bottomLeftCorner(nv, nv).lpNorm<Eigen::Infinity>()));

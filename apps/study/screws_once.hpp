@@ -10,8 +10,8 @@ enum class SpatialOrigin { of_roots, inertial };
 /// Inverse dynamics that transforms every joint screw S once, to J = push(S), as sections 4.2 and 4.3 of the
 /// paper do (the library's InverseDynamicsRecursion transforms S v, S a and the wrench instead):
 ///   V_i = down V_p + J v,  V'_i = down V'_p + J a + bias(V_p, V_i, J v),  τ = J | W,
-/// with the maps push, down and bias of Link (axode/recursion/link.hpp). For trees without coupled joints and
-/// without loads.
+/// with the twists V_i, the wrench W that the joint transmits, and the maps push, down and bias of Link
+/// (axode/recursion/link.hpp). For trees without coupled joints and without loads.
 template <class Rep, class T> struct ScrewsOnce {
   BodyLinks<Rep, T> links;
   Twist<Rep, T>* J;

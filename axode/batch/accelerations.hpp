@@ -23,8 +23,8 @@ template <class S> class Accelerations {
   /// The loops of the mechanism, or null.
   ClosedMotion* loops() const { return loops_.get(); }
 
-  /// Adds the forces of springs to the joint forces tau, and computes the accelerations a. With compiled code
-  /// the forces of damping are also added to tau.
+  /// Adds the forces of springs to the joint forces tau, and computes the accelerations a. Compiled dynamics
+  /// has no damping; if it is used, the forces of damping are added to tau as well.
   Solvability compute(std::span<const S> q, std::span<const S> v, std::span<S> tau, std::span<S> a) {
     if (!model_->springs().empty()) add_spring_forces(*model_, workspace_, q, v, tau);
     const std::span<const S> forces = tau;

@@ -11,17 +11,17 @@ namespace axode {
 template <class T> struct Linearization { std::span<T> A, B; };
 
 /// Computes the linear system x' = A x + B δτ of small deviations x = (δ, δv) from the motion through a state
-/// (q, v) with forces τ. The deviating motion has the coordinates q ⊕ δ, with δ in the directions of
-/// integrate(), the velocities v + δv and the forces τ + δτ. With the accelerations a of forward dynamics
+/// (q, v) with forces τ. The deviating motion has the coordinates q ⊕ δ, the velocities v + δv and the forces
+/// τ + δτ. With the accelerations a of forward dynamics
 ///     A = [-ad_v  I; ∂a/∂q  ∂a/∂v],    B = [0; ∂a/∂τ],
 /// where ad_v is the bracket of each joint's subgroup with its velocities: two poses C and C exp(δ) that move
 /// with the velocities v and v + δv separate at the rate δ' = δv - [v, δ]. ad_v is 0 at rest, and for joints
 /// with one velocity. The forces of springs, dampers and stops of the model are part of a. If a = 0 and v =
 /// 0, the state is an equilibrium, and A and B are constant; otherwise A and B hold at this instant only.
-/// Loads, losses, units and cost are those of forward_dynamics_derivatives(). No allocation. Throws
-/// std::invalid_argument for loops, prescribed motions, drives with states, a wrong size, quaternions that
-/// are not of unit norm, a load on a frame that does not exist and results that overlap. If the status is not
-/// ok(), all results are NaN.
+/// Loads and losses are treated as in forward_dynamics_derivatives(), which also has the same cost. No
+/// allocation. Throws std::invalid_argument for loops, prescribed motions, drives with states, a wrong size,
+/// quaternions that are not of unit norm, a load on a frame that does not exist and results that overlap. If
+/// the status is not ok(), all results are NaN.
 template <class T>
 Solvability linearize(const Model& model, Workspace<T>& workspace, Numbers<T> q, Numbers<T> v, Numbers<T> tau,
                       const std::type_identity_t<Linearization<T>>& linear,

@@ -49,8 +49,8 @@ class ElasticFeedForward {
   /// Computes positions, velocities and forces of the motors of a parallel manipulator from a configuration q
   /// with closed loops and `rates`: four rows V, V', V'' and V''', each with one number for every task
   /// velocity of `space`. If the returned verdict is not ok(), the entries of all drives are NaN. Allocates;
-  /// O(m) for m limbs. Throws std::invalid_argument for wrong sizes, results that overlap arguments, and a
-  /// space whose model does not have nv velocities.
+  /// O(m) for m limbs, the chains that carry the platform. Throws std::invalid_argument for wrong sizes,
+  /// results that overlap arguments, and a space whose model does not have nv velocities.
   [[nodiscard]] TaskVerdict evaluate(TaskSpace& space, std::span<const double> q,
                                      std::span<const double> rates, MotorMotion& motors,
                                      const Loads<double>& loads = {});

@@ -148,10 +148,11 @@ std::vector<ResistingForces::Boundary> ResistingForces::boundaries(Eigen::Index 
   return all;
 }
 
-/// Finds the friction forces by continuation: moves the data along a straight line from the problem of
-/// start() to the frictionless accelerations `a_0` and the drive forces `tau`, and follows the solution from
-/// one linear piece to the next. x_ receives the friction forces at the end. `little` regularises the
-/// equations of sticking joints. Returns false if the end is not reached after a limited number of pieces.
+/// Finds the friction forces by continuation: moves the data along a straight line from the problem that
+/// start() sets up to the frictionless accelerations `a_0` and the drive forces `tau`, and follows the
+/// solution from one linear piece to the next. x_ receives the friction forces at the end. `little` is the
+/// number that regularises the equations of sticking joints. Returns false if the end is not reached after a
+/// limited number of pieces.
 bool ResistingForces::follow(const Matrix& Phi, const Vector& a_0, const Vector& tau, double little) {
   const Eigen::Index k = Phi.rows();
   tau_ = tau;

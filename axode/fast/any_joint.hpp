@@ -12,8 +12,8 @@ template <class T, class S>
     return joint.pose(cast<T>(tree.B[i]), tree->coupled[i] ? &own : q + tree->iq[i]);
   });
 }
-/// The motion S x of joint i with screws S in its frame, for velocities or accelerations x (nv) of all
-/// joints.
+/// The screw S x of joint i, with its screws S in the joint frame and the numbers of x (nv) for its
+/// velocities. If x are velocities, this is the twist of the body relative to its predecessor.
 template <class T, class S>
 [[gnu::noinline]] Twist<BodyFixed, T> any_joint_twist(const Tree<S>& tree, int i, const T* x) noexcept {
   return with_subgroup(tree->kind[i], T(tree.pitch[i]), [&](const auto& joint) {

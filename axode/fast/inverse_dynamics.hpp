@@ -6,9 +6,9 @@
 namespace axode {
 
 /// The recursive Newton-Euler algorithm on the classical accelerations r'' of the bodies' origins, in the
-/// axes of the internal frames. It does not need linear velocities. With the rotation R and the vector r of
-/// the pose C_{p,i} of body i relative to its predecessor p, and with (ω_J; v_J) = S v, (α_J; a_J) = S a for
-/// the joint screws S,
+/// axes of the joint frames. It does not need linear velocities. With the rotation R and the vector r of the
+/// pose C_{p,i} of body i relative to its predecessor p, and with (ω_J; v_J) = S v, (α_J; a_J) = S a for the
+/// joint screws S,
 ///   ω_i = Rᵀ ω_p + ω_J,   ω'_i = Rᵀ ω'_p + Rᵀ ω_p × ω_J + α_J,
 ///   r''_i = Rᵀ (r''_p + ω'_p × r + ω_p × (ω_p × r)) + (Rᵀ ω_p + ω_i) × v_J + a_J.
 /// It takes about 150 products and sums per hinge.

@@ -7,7 +7,7 @@ namespace axode {
 
 /// Computes the partial derivatives of the Lagrangian T - U, the kinetic less the potential energy: the
 /// momenta p = M v and f = ∂(T - U)/∂q at constant v (both left-trivialised). The generalised forces of the
-/// loads are added to f. Without drive forces, p' = f + ad_vᵀ p. Everything is in the axes of the internal
+/// loads are added to f. Without drive forces, p' = f + ad_vᵀ p. Everything is in the axes of the joint
 /// frames of the bodies.
 ///
 /// Let (ω_p; v_p) be the twist of the predecessor about the origin of the body of a joint, and (l; p) and (m;

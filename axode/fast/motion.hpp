@@ -98,9 +98,9 @@ template <class T, bool rates, class G = typename FastGeometry<T>::type> struct 
     if constexpr (std::same_as<Rep, Mixed>) angular = transposed<G, T>(R, F.R) * Spread(angular);
     return {angular, linear};
   }
-  /// Converts the motion x of a frame to the motion of another frame that is fixed to the same body. w is the
-  /// angular velocity of the body. The other frame has the rotation to.R, and to.r is the vector to its
-  /// origin from the origin of the first frame.
+  /// Changes x, the rotation, position, velocity and (if computed) acceleration of the origin of a frame, to
+  /// those of another frame that is fixed to the same body. w is the angular velocity of the body. The other
+  /// frame has the rotation to.R, and to.r is the vector to its origin from the origin of the first frame.
   static void carry(Body& x, const Factor& w, const Placed<G>& to) noexcept {
     const Factor d(to.r);
     const Vector w_d = cross(w, d);

@@ -67,9 +67,9 @@ template <class G, class T, class S>
   return {{R_p * Spread(R.x), R_p * Spread(R.y), R_p * Spread(R.z)}, r};
 }
 
-/// Computes the poses of the internal frames of all bodies, and calls put(i, (R, r)) with the pose of each
-/// body i. r is the position in the inertial frame or, with From::root, relative to the root body of the same
-/// branch, whose joint is on the ground. It takes 51 products and sums for a hinge.
+/// Computes the poses of the internal frames (joint frames) of all bodies, and calls put(i, (R, r)) with the
+/// pose of each body i. r is the position in the inertial frame or, with From::root, relative to the root
+/// body of the same branch, whose joint is on the ground. It takes 51 products and sums for a hinge.
 template <class T, class G = typename FastGeometry<T>::type> struct FastPoses {
   enum class From { inertial_frame, root };
   JointAngles<T> angles;

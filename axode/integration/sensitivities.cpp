@@ -90,7 +90,8 @@ class AdjointStep {
 
   /// Backward differentiation of the step. On entry, w_q and w_v are the gradients of the objective by the
   /// state at the end of the step; on return, those by the state at its start. The gradients by the drive
-  /// forces are added to by_tau, and those by the geometric parameters to by_geometry unless this is null.
+  /// forces are added to by_tau. Those by the geometric parameters, which displace subtrees along unit
+  /// screws, are added to by_geometry unless this is null.
   void back(double h, Matrix& w_q, Matrix& w_v, double* by_tau, double* by_geometry) {
     const Tableau& m = method_;
     const bool euler = m.b.size() == 1;
@@ -137,7 +138,8 @@ class AdjointStep {
   }
   /// Backward differentiation of the accelerations of one stage: from the gradient w_L of the objective by
   /// the accelerations, computes the gradients w_eta_ and w_V_ by the configuration and the velocity of the
-  /// stage. Adds the gradients by drive forces and by geometric parameters.
+  /// stage. Adds the gradients by drive forces and by geometric parameters, which displace subtrees along
+  /// unit screws.
   void multiply(Stage& stage, double* by_tau, double* by_geometry) {
     ForwardVjp<double>& dynamics = *stage.dynamics;
     dynamics.compute_gradient(tree_, stage.q.data(), stage.v.data(), stage.w_L.data(), loads_);

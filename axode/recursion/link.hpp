@@ -5,7 +5,7 @@
 
 /// Link<Rep>: the transformations of twists and wrenches between body i and its predecessor p, and the
 /// dynamics of the body, in each representation. C, R and r are poses, rotations and positions; S v is the
-/// joint motion.
+/// twist of the joint.
 ///
 ///                body-fixed  spatial       hybrid                   mixed
 ///  push, pull    identity    Ad_C          Ad_R                     diag(I, R)       body-fixed <-> Rep
@@ -112,7 +112,7 @@ template <class T> struct Link<Hybrid, T> {
     return transform(r_pi, M);
   }
   /// The part ad_{r'_ip} V_p + ad_ω (X v) of the twist rate V'_i that is due to velocities, with r'_ip = r'_p
-  /// - r'_i and the joint motion X v in inertial axes (Müller, eqs. recVhdot1, dVhRec2).
+  /// - r'_i and the twist X v of the joint in inertial axes (Müller, eqs. recVhdot1, dVhRec2).
   constexpr TwistRate<Hybrid, T> bias(const Twist<Hybrid, T>& V_p, const Twist<Hybrid, T>& V,
                                       const Twist<Hybrid, T>& Sv) const {
     ScrewOperationScope<T>{ScrewOperation::bracket};
@@ -174,8 +174,8 @@ template <class T> struct Link<Mixed, T> {
   }
 };
 
-/// Converts a body-fixed joint screw to representation Rep, or the rate of a joint's twist if the body is at
-/// rest (Müller, eqs. bVsRec, bVhRec2).
+/// Converts a body-fixed joint screw to representation Rep, or the rate of the joint's twist if this rate
+/// contains no terms due to velocities (Müller, eqs. bVsRec, bVhRec2).
 template <template <class, class> class V, class Rep, class T>
   requires Motion<V>
 constexpr V<Rep, T> push(const Link<Rep, T>& link, const V<BodyFixed, T>& X) {

@@ -314,8 +314,9 @@ class Family {
     }
     return all;
   }
-  /// The derivatives, in the form of jac_adj1_NAME, of the gradient of the weighted sum of the results: by
-  /// the inputs, by the values of the outputs (always 0), and by the weights (the transposed Jacobian).
+  /// The derivatives that jac_adj1_NAME has to return, those of the gradient of the weighted sum of the
+  /// results: by the inputs, by the values of the outputs (always 0), and by the weights (the transposed
+  /// Jacobian).
   std::vector<CasadiOutput> second_derivatives() {
     Recording& H = recordings_[hessian];
     for (int i = 0; i < n_; ++i)

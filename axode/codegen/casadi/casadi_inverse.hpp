@@ -35,7 +35,7 @@ class CasadiInverse {
                 std::array<Part, kinds> masses);
 
   const Recording& of_masses(Kind kind) const { return masses_[kind].recording; }
-  /// A stand-in for the recording of this derivative of A = M⁻¹, which describes only its arguments and its
+  /// A stand-in for the recording of a derivative of A = M⁻¹, which describes only its arguments and its
   /// sparsity: it has the names of the arguments, and each result is the constant 0 if it is always 0,
   /// otherwise 1.
   Recording signature(Kind kind) const;

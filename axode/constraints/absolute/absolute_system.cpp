@@ -163,8 +163,8 @@ void AbsoluteSystem::joint_coordinates(int i, const double* near, double* q_i) c
                 [&](const auto& joint) { joint.coordinates(joint_pose(i), near, q_i); });
 }
 /// The first coordinate of joint i at the present poses of its bodies. Of angles that differ by whole turns,
-/// it is the one nearest to that of set_reference_angles() or, for a coupled joint, to that which its leader
-/// determines.
+/// it is the one nearest to the reference angle of the joint or, for a coupled joint, to the angle that its
+/// leader determines.
 double AbsoluteSystem::angle(int i) const {
   const int l = leader_[index(i)];
   std::array<double, 7> near{}, q_i;

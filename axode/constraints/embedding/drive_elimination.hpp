@@ -47,7 +47,8 @@ template <class T> class AXODE_ENTRY DriveElimination {
   /// elimination of the platform's velocities; it is overwritten.
   void set_remaining(T* nu) noexcept;
   /// Subtracts from `forces` (nv), at the velocities with drives, the constraint forces of all loop
-  /// equations, or only of those that remain after the eliminations. Returns the largest absolute product.
+  /// equations, or only of those that remain after the eliminations. Returns the largest magnitude of a
+  /// subtracted term, the product of a multiplier and an entry of an equation.
   T subtract_rows(bool only_remaining, T* forces) const noexcept;
   /// Projects the drive forces `forces` (nv) to those of least norm with the same effect. Returns false if it
   /// is not certain, within rounding errors, which loop equations let drives act against each other.

@@ -49,12 +49,12 @@ class TaskKernel {
   /// Computes the joint velocities or accelerations x (nv) that keep the loops closed, A x = -γ (D18.10),
   /// from task velocities or their rates X (f numbers). A is the Jacobian of the loop equations; γ is the
   /// bias of (A v)' = A a + γ for accelerations, and null for velocities. x may share the memory of X.
-  /// Requires resolve().
+  /// resolve() must have eliminated the dependent velocities.
   void expand(const double* X, const double* gamma, double* x) noexcept;
   /// Computes the rows of F of all limbs (D18.6). Must be called after resolve().
   void make_F() noexcept;
-  /// Computes the mass matrix of the task space (D18.11) at q, f × f for f task velocities. Requires make_F()
-  /// and the kinematics at q.
+  /// Computes the mass matrix of the task space (D18.11) at q, f × f for f task velocities. The kinematics at
+  /// q must have been computed, and then make_F() must have been called.
   void make_M(std::span<const double> q) noexcept;
   /// Computes Fᵀ w (f) for w (nv). Must be called after make_F().
   void project(const double* w, double* out) const noexcept;

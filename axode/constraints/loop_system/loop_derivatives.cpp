@@ -1,8 +1,8 @@
 #include "axode/constraints/loop_system/loop_system.hpp"
 #include "axode/recursion/instantiate.hpp"
 
-/// Derivatives of the loop equations by q and v: each loop joint is evaluated on dual numbers, for the motion
-/// of its two bodies along a direction of q or v (D6.10).
+/// Derivatives of the loop equations by q and v: each loop joint is evaluated on dual numbers (numbers with
+/// their derivatives), for the motion of its two bodies along a direction of q or v (D6.10).
 namespace axode {
 namespace {
 

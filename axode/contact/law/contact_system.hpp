@@ -143,8 +143,9 @@ class ContactSystem {
   /// articulated-body algorithm eliminates at them. Later calls of pull_row() and add_block() use them.
   void find_path(int a, int b);
   /// Writes the column of Y = D^-½ L⁻ᵀ Jᵀ for one row of J, with the mass matrix M = Lᵀ D L, by a backward
-  /// sweep along the bodies that find_path() found. The row of J is given by the wrench `on_b` on body b, the
-  /// opposite wrench `on_a` on body a, and the generalised forces x.
+  /// sweep along the paths of bodies a and b to the ground, which find_path() must have found. The row of J
+  /// is given by the wrench `on_b` on body b, the opposite wrench `on_a` on body a, and the generalised
+  /// forces x.
   void pull_row(int a, int b, const Wrench<Spatial>& on_a, const Wrench<Spatial>& on_b, const double* x,
                 double* Y) noexcept;
   /// Appends a block of rows for a constraint between the two bodies for which find_path() was called last.

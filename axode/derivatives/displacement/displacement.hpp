@@ -48,7 +48,7 @@ template <class T> struct CoriolisInertia {
   constexpr Vec3<T> transposed_times(const Motion6<T>& X) const {
     return T(2) * (transposed_times_(X.w) + cross(p, X.v));
   }
-  /// The derivative of this Coriolis inertia when the bodies are displaced along the screw J together with
+  /// The derivative of the Coriolis inertia B when the bodies are displaced along the screw J together with
   /// their velocities. See (D2.10) of docs/derivations.
   constexpr CoriolisInertia along(const Motion6<T>& J) const {
     const Vec3<T>& e = J.w;

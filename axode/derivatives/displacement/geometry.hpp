@@ -67,8 +67,8 @@ template <class T> struct GeometryDerivatives {
   }
 };
 
-/// Computes ∂a/∂π of forward dynamics with respect to the geometric parameters π: -M⁻¹ ∂τ/∂π, with ∂τ/∂π of
-/// inverse dynamics at the accelerations a.
+/// Computes ∂a/∂π of forward dynamics with respect to the geometric parameters π, each of which displaces a
+/// subtree along a unit screw: -M⁻¹ ∂τ/∂π, with ∂τ/∂π of inverse dynamics at the accelerations a.
 template <class T> struct ForwardGeometryDerivatives {
   AccelerationsAndColumns<T> forward;
   GeometryDerivatives<T> inverse;

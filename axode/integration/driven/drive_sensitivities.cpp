@@ -66,8 +66,8 @@ class DriveTangentSteps {
   /// last column is the change of the state if the step becomes longer.
   TangentSteps tangent;
 
-  /// Advances the motion to t_1 under the forces tau, if these change by dtau (nv × directions) and the
-  /// inputs by du (nu × directions).
+  /// Advances the motion to t_1 under the forces tau. Also advances its displacements if tau changes by dtau
+  /// (nv × directions) and the inputs by du (nu × directions).
   Solvability advance(double t_1, Span tau, const Matrix& dtau, const Matrix& du) {
     const Eigen::Index m = dtau.cols();
     const auto rates = [&](double t, Span q, Span v, Span x, std::span<double> a, std::span<double> dx) {

@@ -37,9 +37,9 @@ class ExactContactRun : public SimulationRun {
   void begin();
   Failure mark(double t, const Vector& q_t, const Vector& v_t, Vector& a_t, Marks& out);
   void predict(double t_1, const Marks& at_end);
-  /// Numbers of which one is negative if the phase has ended before t: the reserve of the forces, the sliding
-  /// velocities, the gaps of the contacts that were known at the start of the step, and the least of all new
-  /// gaps.
+  /// Numbers of which one is negative if the phase has ended before t: the least distance of the constraint
+  /// forces from their limits, the sliding velocities, the gaps of the contacts that were known at the start
+  /// of the step, and the least of all new gaps.
   std::vector<double> entries(double t, const Marks& marks) const;
   /// Shortens a step in which the phase ends to the time t_1 at which it does.
   Failure find_event(double& t_1, StepEnd& end, std::vector<double>& at_high, Marks& marks,

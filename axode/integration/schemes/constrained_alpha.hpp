@@ -21,8 +21,8 @@ template <class System> class ConstrainedAlpha {
  public:
   using Vector = std::vector<double>;
 
-  /// Starts at the state (q_0, v_0) with the acceleration a_0 and multipliers lambda_0. Requires
-  /// factorize_with_rank() of the system at this state.
+  /// Starts at the state (q_0, v_0) with the acceleration a_0 and multipliers lambda_0. factorize_with_rank()
+  /// of the system must have been called at this state.
   ConstrainedAlpha(System& system, double spectral_radius, bool stabilized, const Vector& q_0,
                    const Vector& v_0, const Vector& a_0, const Vector& lambda_0)
       : q(q_0),
