@@ -57,8 +57,8 @@ class ResistingForces {
     int slide, sign;
     bool operator==(const Piece&) const = default;
   };
-  /// A limit beyond which the friction law of a joint follows another linear law: `value` is positive before
-  /// the limit is reached, and `beyond` is the state of the joint after it.
+  /// A limit beyond which the friction law of a joint, which is linear in pieces, follows another piece:
+  /// `value` is positive before the limit is reached, and `beyond` is the state of the joint after it.
   struct Boundary {
     double value;
     Piece beyond;

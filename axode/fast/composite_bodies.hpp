@@ -56,7 +56,8 @@ template <class T> struct FastCompositeBodies {
   }
 
   /// Writes the mass matrix M, nv × nv, armatures included. For i <= j, M_ij = S_i | F_j if velocity i moves
-  /// the joint of velocity j, and 0 otherwise; the entries below the diagonal are equal to those above.
+  /// the joint of velocity j, and 0 otherwise, with the joint screws S and the impulse F_j that gives the
+  /// subtree of joint j the twist S_j. The entries below the diagonal are equal to those above.
   template <class Real> void write(const Tree<Real>& tree, T* out) const noexcept {
     const std::ptrdiff_t nv = tree->nv;
     if constexpr (L::width == 1) {

@@ -44,7 +44,7 @@ class Closure {
   /// residual() returns the left sides of the closure equations at the coordinates x (rows() numbers). For
   /// each loop it has log f, where f is the product of the joint exponentials around the loop, and for each
   /// coupling one number. jacobian() returns the derivative of residual() by x (rows × n). If loops are open,
-  /// it is inexact by factors that become the identity as the loops close.
+  /// it is approximate; its error vanishes as the loops close.
   Eigen::VectorXd residual(const Eigen::Ref<const Eigen::VectorXd>& x) const;
   Eigen::MatrixXd jacobian(const Eigen::Ref<const Eigen::VectorXd>& x) const;
   /// Changes the coordinates x by Gauss-Newton steps of least norm until the loops are closed and x satisfies

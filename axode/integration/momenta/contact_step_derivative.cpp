@@ -56,8 +56,9 @@ ContactStepDerivative::ContactStepDerivative(const Model& model, const ContactSh
       }
 }
 
-/// Differentiates velocities and momenta after the impulses at the start of a substep (D11.19): along each of
-/// k directions at constant multipliers of these impulses, and then by each multiplier.
+/// Differentiates velocities and momenta after the impulses at the start of a substep, a step or a part of
+/// one (D11.19): along each of k directions at constant multipliers of these impulses, and then by each
+/// multiplier.
 bool ContactStepDerivative::begin(const ContactPart& part, const Matrix& dq, const Matrix& dv,
                                   const ContactDirections& directions, Start& out) {
   const Eigen::Index nv = dq.rows(), k = dq.cols();
@@ -109,9 +110,9 @@ bool ContactStepDerivative::begin(const ContactPart& part, const Matrix& dq, con
   return true;
 }
 
-/// Computes the relative velocities at the contacts in the middle of a substep, between the impulses at its
-/// ends, and their changes. Their axes are those at the start, turned so that the first one is the normal in
-/// the middle.
+/// Computes the relative velocities at the contacts in the middle of a substep (a step or a part of one),
+/// between the impulses at its ends, and their changes. Their axes are those at the start, turned so that the
+/// first one is the normal in the middle.
 bool ContactStepDerivative::take_slip(const ContactPart& part, const Start& start, const Flight& flight,
                                       Slip& out) {
   const int width = system_.contact_rows();

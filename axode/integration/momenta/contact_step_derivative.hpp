@@ -37,10 +37,11 @@ class ContactStepDerivative {
   /// dry_friction and damping say whether those of joints acted in the step. Allocates.
   ContactStepDerivative(const Model& model, const ContactShapes& shapes, bool dry_friction, bool damping);
 
-  /// Replaces the changes dq, dv (nv × k) of the state at the start of a substep by those at its end, along
-  /// directions in which drive forces and surfaces may also change. dq is left-trivialised. Returns false if
-  /// the points of a contact have no formula that can be differentiated; why() then says which. Allocates.
-  /// O(n k + nv² k + m³) for m scalar constraints by contacts, stops, dry friction and loops.
+  /// Replaces the changes dq, dv (nv × k) of the state at the start of a substep (a step or a part of one) by
+  /// those at its end, along directions in which drive forces and surfaces may also change. dq is
+  /// left-trivialised. Returns false if the points of a contact have no formula that can be differentiated;
+  /// why() then says which. Allocates. O(n k + nv² k + m³) for m scalar constraints by contacts, stops, dry
+  /// friction and loops.
   bool run(const ContactPart& part, Matrix& dq, Matrix& dv, const ContactDirections& directions);
 
   const std::string& why() const { return why_; }
@@ -55,8 +56,8 @@ class ContactStepDerivative {
     Matrix M, Mv_q, F_q, F_v;
     Eigen::LLT<Matrix> factor;
   };
-  /// A floating base in a substep: the velocity u of its centre of mass, which is that of its moving frame,
-  /// and the changes du of u along the directions.
+  /// A floating base in a substep (a step or a part of one): the velocity u of its centre of mass, which is
+  /// that of its moving frame, and the changes du of u along the directions of differentiation.
   struct Base {
     int body;
     Eigen::Index first;
@@ -74,17 +75,18 @@ class ContactStepDerivative {
     std::vector<ContactFrame> axes = {};
     std::vector<FrameChanges> daxes = {};
   };
-  /// The joint impulses Jᵀ physical() at one end of a substep, with the Jacobian J of contacts, stops, dry
-  /// friction and loops. For each row of J there are a scaled multiplier and its scale c; physical() is their
-  /// product.
+  /// The joint impulses Jᵀ physical() at one end of a substep (a step or a part of one), with the Jacobian J
+  /// of contacts, stops, dry friction and loops. For each row of J there are a scaled multiplier and its
+  /// scale c; physical() is their product.
   struct Impulses {
     Matrix J;
     Vector c, lambda;  ///< λ in scaled rows
     Vector physical() const { return c.cwiseProduct(lambda); }
   };
 
-  /// The start of a substep. Matrices of changes have k columns along the directions of differentiation at
-  /// constant multipliers, and then one for a unit of each multiplier of the impulses.
+  /// The start of a substep (a step or a part of one). Matrices of changes have k columns along the
+  /// directions of differentiation at constant multipliers, and then one for a unit of each multiplier of the
+  /// impulses.
   struct Start {
     Eigen::Index k = 0;
     Matrix dq, dv, dtau, friction;
