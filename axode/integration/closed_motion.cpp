@@ -109,7 +109,8 @@ bool ClosedMotion::close_momenta(Span q, std::span<double> p) {
   LoopSystem<double>& system = workspace_.system(model_);
   if (!system.determine_rank(q.data(), rank_).ok()) return false;
   system.make_rows(ConstraintLevel::velocity);
-  std::ranges::fill(r_, 0.0);
+  std::ranges::fill(x_, 0.0);
+  system.velocity_residual(x_.data(), r_.data());  // -s'
   system.add_response(p.data(), r_.data());
   system.solve_rows(r_.data(), lambda_.data(), rank_);
   system.add_transposed_times(lambda_.data(), p.data());
@@ -135,18 +136,22 @@ bool ClosedMotion::bounce(Span q, double restitution, std::span<double> v) {
          system.impact(v.data(), restitution, v.data(), lambda_.data(), rank_).ok();
 }
 
+double ClosedMotion::open(Span q) {
+  LoopSystem<double>& system = workspace_.system(model_);
+  system.update_kinematics(q.data());
+  system.residual(q.data(), r_.data());
+  return norm(Span(r_).first(static_cast<std::size_t>(model_.loops().residuals)));
+}
+
+bool ClosedMotion::is_closed(Span q) { return open(q) <= closed_enough; }
+
 bool ClosedMotion::close_places(std::span<double> q) {
   LoopSystem<double>& system = workspace_.system(model_);
-  const auto open = [&] {
-    system.update_kinematics(q.data());
-    system.residual(q.data(), r_.data());
-    return norm(Span(r_).first(static_cast<std::size_t>(model_.loops().residuals)));
-  };
-  double before = open();
+  double before = open(q);
   for (int n = 0; n < 5 && before > closed; ++n) {
     if (!system.projection_step(q.data(), x_.data(), rank_).ok()) return false;
     group_.move(q.data(), x_.data(), q.data());
-    const double now = open();
+    const double now = open(q);
     const bool stalled = !(now < 0.5 * before);  // stopped by rounding, or because the loops cannot be closed
     before = now;
     if (stalled) break;

@@ -24,6 +24,8 @@ class ClosedMotion {
   explicit ClosedMotion(const Model& model, std::span<const PrescribedMotion> more = {});
 
   const MotionRows& motions() const { return motions_; }
+  /// The right sides of the prescribed motions at time t (s), as rows of MotionRows::model().
+  std::span<const PrescribedRow<double>> motion_rows(double t) { return motions_.at(t); }
   /// Sets the time (s) at which prescribed motions are followed; it is 0 at first.
   void set_time(double t);
   /// Why the accelerations a do not follow the prescribed motions, as a sentence; empty if they do.
@@ -53,8 +55,10 @@ class ClosedMotion {
   /// is singular.
   [[nodiscard]] bool close(std::span<double> q, std::span<double> v);
   /// close_places() projects q alone onto closed loops; close_momenta() projects the momenta p = M v at a
-  /// closed q onto those that keep the loops closed. Both return false if this fails.
+  /// closed q onto those that keep the loops closed and follow the motions. Both return false if this fails.
   [[nodiscard]] bool close_places(std::span<double> q);
+  /// Whether loops are closed and motions followed at q, up to a residual of 1e-6 (rad and m).
+  [[nodiscard]] bool is_closed(Span q);
   [[nodiscard]] bool close_momenta(Span q, std::span<double> p);
   /// The multiplier of a named coupling of joints: a force after accelerate(), an impulse after bounce().
   double multiplier(std::string_view coupling) const;
@@ -65,6 +69,8 @@ class ClosedMotion {
   void determine_rank(Span q);
 
  private:
+  double open(Span q);  ///< norm of the residual of loops and motions
+
   MotionRows motions_;
   Model model_;  ///< MotionRows::model()
   LoopWorkspace<double> workspace_;

@@ -1,11 +1,16 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <numbers>
+#include <utility>
 
+#include "axode/constraints/assembly.hpp"
 #include "axode/dynamics/forward_dynamics.hpp"
 #include "axode/dynamics/momentum/energy.hpp"
 #include "axode/dynamics/momentum/momentum.hpp"
+#include "axode/integration/exact/simulate_contact_exact.hpp"
 #include "axode/integration/simulation.hpp"
 #include "tests/contact/reference_contacts.hpp"
 #include "tests/contact/scene.hpp"
@@ -14,6 +19,9 @@
 /// Motions with contact whose results are known.
 namespace axode::test {
 namespace {
+
+using Numbers = std::vector<double>;
+using Span = std::span<const double>;
 
 TEST(ContactSimulation, APlasticImpactEndsAtRest) {
   const Model model = Scene({.friction = 0.5}).add("ball", ShapeKind::sphere, 0.1, {.friction = 0.5}).build();
@@ -288,6 +296,108 @@ TEST(ContactSimulation, AStopReflectsByItsRestitution) {
   EXPECT_NEAR(last(motion, true)[0], -0.6, 1e-12);
 }
 
+/// Puts the floor of a scene on a body that slides along x, and lets this body follow a motion.
+Description on_a_slide(Scene scene, std::vector<double> coefficients) {
+  Description d = std::move(scene.description);
+  BodyDescription slide{.name = "slide"};
+  slide.joint = {.name = "rail", .kind = JointKind::prismatic, .axis = {1, 0, 0}};
+  slide.inertia = MassProperties{.mass = 1, .Theta = {1, 1, 1}};
+  slide.shapes = std::exchange(d.shapes, {});
+  d.bodies.insert(d.bodies.begin(), slide);
+  d.motions = {{.of = "rail", .coefficients = std::move(coefficients)}};
+  return d;
+}
+/// The motion until a time in steps of 1 ms, and in smooth phases between exact events.
+std::array<Trajectory, 2> both_ways(const Model& model, Span q, Span v, double until) {
+  return {simulate_contact(model, q, v, until, 1e-3),
+          simulate_contact_exact(model, q, v, until, {.relative = 1e-12, .absolute = 1e-12})};
+}
+Numbers joined(double first, Numbers rest) {
+  rest.insert(rest.begin(), first);
+  return rest;
+}
+
+/// Friction accelerates the ball, and turns it, until it rolls with 2/7 of the speed of the belt.
+TEST(ContactSimulation, ABeltThatFollowsAMotionCarriesABall) {
+  const double speed = 1, mu = 0.3, r = 0.1, until = 0.5;
+  Scene scene({.friction = mu});
+  scene.add("ball", ShapeKind::sphere, r, {.friction = mu});
+  const Model model = ModelBuilder(on_a_slide(scene, {0, speed})).build();
+  const double rolls = speed / (3.5 * mu * g);
+  double tolerance = 1e-4;
+  for (const Trajectory& motion :
+       both_ways(model, joined(0, at({0, 0, r})), joined(speed, Numbers(6)), until)) {
+    ASSERT_TRUE(motion.complete) << motion.stop_reason;
+    EXPECT_LE(std::ranges::max(motion.certificates), 1e-9);
+    EXPECT_NEAR(last(motion, false)[0], speed * until, 1e-12);
+    EXPECT_NEAR(last(motion, true)[0], speed, 1e-12);
+    EXPECT_NEAR(last(motion, false)[5], mu * g * rolls * rolls / 2 + 2 * speed / 7 * (until - rolls),
+                tolerance);
+    EXPECT_NEAR(norm(Vec3<>{last(motion, true)[4], last(motion, true)[5], last(motion, true)[6]}),
+                2 * speed / 7, tolerance);
+    tolerance = 1e-10;
+  }
+}
+
+TEST(ContactSimulation, AWallThatFollowsAMotionHitsABall) {
+  const double speed = 0.8, r = 0.1, distance = 0.3, until = 1, hit = (distance - r) / speed;
+  for (const double e : {0.0, 0.6, 1.0}) {
+    Scene scene({.friction = 0, .restitution = e}, std::numbers::pi / 2);
+    scene.description.gravity = {};
+    scene.add("ball", ShapeKind::sphere, r, {.friction = 0});
+    const Model model = ModelBuilder(on_a_slide(scene, {0, speed})).build();
+    double tolerance = 1e-3;
+    for (const Trajectory& motion :
+         both_ways(model, joined(0, at({distance, 0, 0})), joined(speed, Numbers(6)), until)) {
+      ASSERT_TRUE(motion.complete) << motion.stop_reason;
+      EXPECT_NEAR(last(motion, true)[4], (1 + e) * speed, 1e-10) << "restitution " << e;
+      EXPECT_NEAR(last(motion, false)[5], distance + (1 + e) * speed * (until - hit), tolerance);
+      EXPECT_NEAR(last(motion, false)[0], speed * until, 1e-12);
+      tolerance = 1e-10;
+    }
+  }
+}
+
+/// The slider of a slider-crank pushes a ball while it becomes faster, and the ball keeps its largest speed.
+TEST(ContactSimulation, ACrankThatFollowsAMotionPushesABall) {
+  const double rate = 4, a = 0.1, b = 0.4, r = 0.1;
+  Scene scene({.friction = 0}, std::numbers::pi / 2);
+  scene.description.gravity = {};
+  scene.add("ball", ShapeKind::sphere, r, {.friction = 0});
+  Description d = on_a_slide(scene, {0, rate});
+  d.motions[0].of = "crank";
+  const MassProperties inertia{.mass = 0.5, .Theta = {0.01, 0.01, 0.01}};
+  d.bodies.push_back(
+      {.name = "wheel", .joint = {.name = "crank", .kind = JointKind::revolute}, .inertia = inertia});
+  d.bodies.push_back({.name = "rod",
+                      .predecessor = "wheel",
+                      .joint = {.name = "pin", .kind = JointKind::revolute, .point = {-a, 0, 0}},
+                      .inertia = inertia});
+  d.loops = {{.name = "eye", .between = {"rod", "slide"}, .point = {b - a, 0, 0}}};
+  const Model model = ModelBuilder(d).build();
+  const auto speed_at = [&](double turn) {  // of the slider, whose crank starts at π
+    const double s = std::sin(turn), c = std::cos(turn);
+    return rate * a * s * (1 - a * c / std::sqrt(b * b - a * a * s * s));
+  };
+  double largest_speed = 0;
+  for (int k = 0; k < 100000; ++k)
+    largest_speed = std::max(largest_speed, speed_at(1e-5 * std::numbers::pi * k));
+  Numbers q = joined(0, at({r, 0, 0})), v = joined(0, Numbers(6));
+  q.insert(q.end(), {0, 0});
+  v.insert(v.end(), {0, 0});
+  const AssemblyResult start = assemble(model, q, v);
+  ASSERT_EQ(start.status, AssemblyStatus::closed);
+  v = start.v;
+  double tolerance = 1e-4;
+  for (const Trajectory& motion : both_ways(model, start.q, v, 0.7)) {
+    ASSERT_TRUE(motion.complete) << motion.stop_reason;
+    EXPECT_NEAR(last(motion, true)[4], largest_speed, tolerance);
+    EXPECT_NEAR(last(motion, true)[0], speed_at(rate * 0.7), 1e-9);
+    EXPECT_NEAR(last(motion, false)[8], rate * 0.7, 1e-12);
+    tolerance = 1e-9;
+  }
+}
+
 TEST(ContactSimulation, RefusesWhatItDoesNotCount) {
   const auto refusal = [](const Description& description, const SimulationOptions& options) {
     try {
@@ -297,16 +407,7 @@ TEST(ContactSimulation, RefusesWhatItDoesNotCount) {
     }
     return std::string();
   };
-  const MotionDescription moved{.of = "block_joint", .coefficients = {0, 1}};
-  Description described = block_with_stop();
-  described.motions.push_back(moved);
-  EXPECT_EQ(refusal(described, {}).find("contact does not count prescribed motions, and model"), 0U);
-  SimulationOptions options;
-  options.motions.push_back({"block_joint", MotionFunction(moved)});
-  EXPECT_EQ(refusal(block_with_stop(), options),
-            "contact does not count the prescribed motion of \"block_joint\"; simulate without contact, or "
-            "drive the joints by tau");
-  options = {.local_coordinates = LocalCoordinates::cayley};
+  SimulationOptions options{.local_coordinates = LocalCoordinates::cayley};
   EXPECT_EQ(refusal(block_with_stop(), options),
             "contact needs local_coordinates = \"exponential\"; got \"cayley\"");
   options = {.coordinates = Coordinates::absolute};

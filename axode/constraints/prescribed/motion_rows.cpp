@@ -89,13 +89,13 @@ MotionRows::MotionRows(const Model& model, std::span<const PrescribedMotion> mor
   }
 }
 
-void MotionRows::impose(double t, LoopSystem<double>& system) {
+std::span<const PrescribedRow<double>> MotionRows::at(double t) {
   imposed_.clear();
   for (const Row& row : rows_) {
-    const MotionValue at = row.function(t);
-    imposed_.push_back({row.place.row, row.place.residual, at.s - row.drawn, at.ds, at.dds});
+    const MotionValue value = row.function(t);
+    imposed_.push_back({row.place.row, row.place.residual, value.s - row.drawn, value.ds, value.dds});
   }
-  system.prescribe(imposed_);
+  return imposed_;
 }
 
 double MotionRows::next_jump(double t) const {

@@ -71,6 +71,9 @@ class ContactSystem {
   int contact_rows() const { return contact_rows_; }
   std::span<const JointStop> stops() const { return stops_; }
   std::span<const DryJoint> dry_joints() const { return dry_; }
+  /// Prescribes positions and accelerations for some rows of the loops, for later openings and biases of the
+  /// loops (D12.1).
+  void prescribe(std::span<const PrescribedRow<double>> rows) { loops_.prescribe(rows); }
 
   /// Computes the poses of the internal frames (joint frames) of all bodies at q (n_bodies + 1 entries). The
   /// constraint rows and factors that set() has made are invalid afterwards.

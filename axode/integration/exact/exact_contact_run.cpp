@@ -27,7 +27,7 @@ ExactContactRun::ExactContactRun(const Model& model, const ContactShapes& shapes
                                  double until, const SimulationOptions& options, bool losses,
                                  const Tolerances& tolerances)
     : SimulationRun(model, q_0, v_0, until, options, losses),
-      phase_(model, shapes, losses),
+      phase_(closed_model(), shapes, losses),
       last_(until),
       tolerances_(tolerances) {
   for (int i = 0; i < shapes.size(); ++i) trajectory.contact_shapes.push_back(shapes[i].name);
@@ -42,6 +42,7 @@ void ExactContactRun::begin() {
     return !why.empty();
   };
   bool impacts = false;
+  follow(0);
   if (fails(phase_.overlap(q, touching)) || fails(phase_.start(q, v, touching, impacts))) return;
   std::vector<ContactPhase::Impact> met;
   if (impacts) {
@@ -60,6 +61,7 @@ void ExactContactRun::begin() {
 
 Failure ExactContactRun::find_forces(double t, Span q_t, Span v_t, ContactPhase::Forces& out) {
   Span tau;
+  follow(t);
   if (Failure failure = joint_forces(t, q_t, v_t, tau)) return failure;
   out = {tau, {loads_, false}};
   return {};
@@ -235,6 +237,7 @@ Failure ExactContactRun::look_ahead(double t, double t_far, double reserve_far, 
 
 /// Projects the state at the end of a step on the constraints of the phase and appends it to the trajectory.
 Failure ExactContactRun::accept(double t, StepEnd& end) {
+  follow(t);
   if (phase_.any())
     if (std::string why = phase_.project(end.q, end.v); !why.empty()) return {t, why};
   end.a.resize(end.v.size());
@@ -280,6 +283,7 @@ Failure ExactContactRun::meet(double t, const std::vector<double>& found, const 
   for (std::size_t k = 0; k < before.size(); ++k)
     if (stopped[k]) phase_.closed[k].branch = LawBranch::stick;
   const auto fails = [&](const std::string& why) { return why.empty() ? Failure{} : Failure{t, why}; };
+  follow(t);
   if (Failure failure = fails(phase_.project(q, v))) return failure;
   std::vector<ContactPhase::Impact> met;
   const bool touches =

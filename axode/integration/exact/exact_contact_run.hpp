@@ -57,7 +57,9 @@ class ExactContactRun : public SimulationRun {
   void note_changes(double t, const std::vector<ClosedConstraint>& before,
                     const std::vector<ContactPhase::Impact>& met, const std::vector<char>& stopped);
   void add_event(const ContactPhase::Impact& it, double t);
-  /// Computes the forces at a state without those of contacts and dry friction.
+  /// Lets the phase follow the prescribed motions at time t.
+  void follow(double t) { phase_.follow(motion_rows(t)); }
+  /// Computes the forces at a state without those of contacts and dry friction, and calls follow().
   Failure find_forces(double t, Span q_t, Span v_t, ContactPhase::Forces& out);
 
   ContactPhase phase_;

@@ -195,6 +195,7 @@ std::string ContactPhase::project(Vector& q, Vector& v) {
   if (rows.empty()) return {};
   u_.resize(system_.problem().rows());
   system_.times(v.data(), u_.data());
+  for (const PrescribedRow<double>& it : motions_) u_[system_.first_loop_row() + it.row] -= it.ds;
   const Vector x = correction(rows, u_);
   system_.push(x.data(), change.data());
   v += change;
@@ -295,6 +296,8 @@ std::string ContactPhase::impact(const Vector& q, Vector& v, const IsLast& is_la
     const int row = problem.blocks()[contacts_.size() + k].first;
     problem.r[index(row)] = far * speed_ * Y_.col(row).norm();
   }
+  for (const PrescribedRow<double>& it : motions_)
+    problem.r[index(system_.first_loop_row() + it.row)] = -it.ds;
   std::vector<Impact> all(closed.size());
   std::vector<double> restitution(closed.size());
   for (std::size_t k = 0; k < closed.size(); ++k) {
@@ -323,6 +326,8 @@ std::string ContactPhase::impact(const Vector& q, Vector& v, const IsLast& is_la
     double work = 0;
     for (Eigen::Index row = 0; row < rows; ++row)
       work += c_[index(row)] * lambda[row] * (u_[row] + after[row]) / 2;
+    for (const PrescribedRow<double>& it : motions_)
+      work -= lambda[system_.first_loop_row() + it.row] * it.ds;
     if (!any || work <= rounding * problem.w.squaredNorm()) break;
   }
   if (!(certificate <= accepted))

@@ -10,20 +10,28 @@
 #include "axode/integration/momenta/simulate_contact.hpp"
 #include "axode/integration/schemes/explicit_steps.hpp"
 #include "axode/kinematics/check_arguments.hpp"
+#include "axode/table/check_counts.hpp"
 
 namespace axode {
 namespace {
 
+/// The properties that the exact mode counts: those that rollouts with contact count, and prescribed motions.
+constexpr catalog::Counts of_exact_mode = [] {
+  constexpr catalog::OtherId contact("contact");
+  catalog::Counts counts = catalog::other_functions[contact.index].counts;
+  counts.motions = catalog::counted;
+  counts.drives = catalog::refused("the method contact counts them");
+  return counts;
+}();
+
 void check_exact(const Model& model, const ContactShapes& shapes, const SimulationOptions& options) {
-  check_contact(model, shapes);
+  check_shapes(model, shapes);
+  catalog::check_counts("contact_exact", of_exact_mode, model, catalog::Caller::whole);
   if (options.coordinates != Coordinates::relative)
     throw std::invalid_argument("contact_exact needs coordinates = \"relative\"; got \"" +
                                 std::string(to_string(options.coordinates)) + '"');
   if (options.local_coordinates != LocalCoordinates::exponential)
     throw std::invalid_argument("contact_exact needs local_coordinates = \"exponential\"; got \"cayley\"");
-  if (!options.motions.empty())
-    throw std::invalid_argument("contact_exact does not count the prescribed motion of \"" +
-                                options.motions.front().of + "\"; drive the joint by tau");
   if (!options.drives.empty())
     throw std::invalid_argument("contact_exact does not count drive \"" + options.drives.front().name +
                                 "\"; drive the joints by tau");

@@ -14,12 +14,13 @@ namespace axode {
 /// One step of a motion with contact (D11.12): impulses at its start, the motion without contact by the
 /// midpoint rule, and impulses at its end, which make the velocities obey the laws of contact. The impulses
 /// at the start are those with which gaps and loops are closed at the end of the step and sticking contacts
-/// do not slide in its middle.
+/// do not slide in its middle. Prescribed motions are loops with right sides (D12.1).
 class ContactStep {
  public:
   using Vector = Eigen::VectorXd;
 
-  /// `dry_friction` says whether the dry friction of joints acts.
+  /// `model` is ContactSimulationRun::closed_model() of the run. `dry_friction` says whether the dry friction
+  /// of joints acts.
   ContactStep(ContactSimulationRun& run, const Model& model, ContactShapes shapes, bool dry_friction);
 
   /// Computes the step of length h from (q_0, v_0) at time t, and sets the public members. x_0 are the states
@@ -56,11 +57,16 @@ class ContactStep {
     std::vector<double> lambda = {};  ///< multipliers in scaled rows
     std::vector<double> u = {};       ///< velocities of the rows before the impulses
     std::vector<double> u_after = {};
-    Vector x = {}, v = {};  ///< scratch (nv)
+    std::vector<PrescribedRow<double>> motions = {};  ///< rows of loops that follow functions of time
+    Vector x = {}, v = {};                            ///< scratch (nv)
 
     End(const Model& model, int rows, std::size_t capacity, bool dry_friction)
         : system(model, rows, capacity, dry_friction), x(model.nv()), v(model.nv()) {}
     std::size_t rows() const { return system.problem().r.size(); }
+    void follow(std::span<const PrescribedRow<double>> rows) {
+      motions.assign(rows.begin(), rows.end());
+      system.prescribe(rows);
+    }
   };
   /// Multipliers of a contact at the start and at the end of a step, first guesses for the next step.
   struct Remembered {

@@ -17,11 +17,12 @@
 namespace axode {
 namespace {
 
-/// The properties that simulations with contact count: those that rollouts with contact count, and drives.
+/// The properties that simulations with contact count: those that rollouts with contact count, prescribed
+/// motions and drives.
 constexpr catalog::Counts of_simulations = [] {
   constexpr catalog::OtherId contact("contact");
   catalog::Counts counts = catalog::other_functions[contact.index].counts;
-  counts.drives = catalog::counted;
+  counts.motions = counts.drives = catalog::counted;
   return counts;
 }();
 
@@ -31,10 +32,6 @@ void check_all(const Model& model, const ContactShapes& shapes, const Simulation
   if (options.coordinates != Coordinates::relative)
     throw std::invalid_argument("contact needs coordinates = \"relative\"; got \"" +
                                 std::string(to_string(options.coordinates)) + '"');
-  if (!options.motions.empty())
-    throw std::invalid_argument("contact does not count the prescribed motion of \"" +
-                                options.motions.front().of +
-                                "\"; simulate without contact, or drive the joints by tau");
   if (options.local_coordinates != LocalCoordinates::exponential)
     throw std::invalid_argument("contact needs local_coordinates = \"exponential\"; got \"cayley\"");
 }
@@ -53,7 +50,7 @@ class ContactMotion {
       : model_(model),
         free_options_(without_losses(options)),
         run_(model, q, v, until, free_options_, options.joint_losses),
-        scheme_(run_, model, shapes, options.joint_losses),
+        scheme_(run_, run_.closed_model(), shapes, options.joint_losses),
         until_(until) {
     for (int i = 0; i < shapes.size(); ++i) run_.trajectory.contact_shapes.push_back(shapes[i].name);
   }
@@ -132,7 +129,7 @@ class ContactMotion {
   Failure compute(double t, double t_1, const StepEnd& from, Computed& out) {
     if (Failure failure = scheme_.run(t, t_1 - t, from.q, from.v, from.x)) return failure;
     out = computed();
-    return {};
+    return run_.check_closed(t_1, out.end.q);
   }
   /// Computes the step from the present state to t_1, or to an earlier time at which a drive changes to a
   /// branch of its law with other forces; t_1 then becomes this time.
@@ -156,7 +153,8 @@ class ContactMotion {
   Failure take(double t_1, Computed& step) {
     run_.trajectory.certificates.push_back(step.certificate);
     // Without accelerations, those of the free motion are taken.
-    if (step.touched || !model_.loops().empty()) step.end.a = (step.end.v - run_.v) / (t_1 - run_.now());
+    if (step.touched || !run_.closed_model().loops().empty())
+      step.end.a = (step.end.v - run_.v) / (t_1 - run_.now());
     if (Failure failure = run_.take_contact(t_1, std::move(step.end))) return failure;
     run_.trajectory.set_contacts(step.forces);
     return {};

@@ -33,6 +33,13 @@ class ContactSimulationRun : public MomentumSimulationRun {
     return finite(q_t) && finite(v_t) ? Failure{} : not_finite(t, "the state is", as_span(v_t));
   }
 
+  /// Fails if the loops are open, or a prescribed motion is not followed, at q_t and time t.
+  Failure check_closed(double t, const Vector& q_t) {
+    if (!loops_) return {};
+    loops_->set_time(t);
+    return loops_->is_closed(as_span(q_t)) ? Failure{} : Failure{t, open};
+  }
+
   /// Computes the free motion from (q_0, v_0), with the states x_0 of the drives, at time t over a step of
   /// length h by the midpoint rule (D8.5). Momenta of floating bases are exact to rounding under gravity.
   /// Writes the state at the end to q_end and v_end, and the configuration and velocities in the middle to

@@ -424,7 +424,10 @@ Failure SimulationRun::take(double t, const StepEnd& end) {
 
 Failure SimulationRun::take_closed(double t, Span q_end, Span v_end, const Vector& x_end) {
   accelerations_jumped_ = false;
-  if (loops_) loops_->determine_rank(q_end);
+  if (loops_) {
+    loops_->set_time(t);
+    loops_->determine_rank(q_end);
+  }
   return record(t, {.q = as_eigen(q_end), .v = as_eigen(v_end), .x = x_end});
 }
 

@@ -114,6 +114,12 @@ class SimulationRun {
     const double t = std::min(t_1, drives_.next_jump(now()));
     return loops_ ? std::min(t, loops_->motions().next_jump(now())) : t;
   }
+  /// The mechanism in which loops and prescribed motions are loop equations, and the right sides of the
+  /// motions' equations at time t (s).
+  const Model& closed_model() const { return loops_ ? loops_->motions().model() : model_; }
+  std::span<const PrescribedRow<double>> motion_rows(double t) {
+    return loops_ ? loops_->motion_rows(t) : std::span<const PrescribedRow<double>>();
+  }
   /// Whether forces or motions are functions of time.
   bool is_driven_in_time() const { return options_.drive || (loops_ && !loops_->motions().rows().empty()); }
   DriveStates& drives() { return drives_; }
