@@ -22,16 +22,12 @@ namespace {
 using Vector = Eigen::VectorXd;
 using Span = std::span<const double>;
 
-/// Throws std::invalid_argument for prescribed motions and couplings with play, unsupported by `scheme`.
-void check_no_motions_or_plays(const Model& model, const SimulationOptions& options, const char* scheme) {
+/// Throws std::invalid_argument for couplings with play, unsupported by `scheme`.
+void check_no_plays(const Model& model, const char* scheme) {
   if (!model.loops().backlashes.empty())
     throw std::invalid_argument(
         "coupling \"" + model.loops().backlashes[0].name + "\" has play, which " + scheme +
         " do not count; use dopri5, rk4 or generalized_alpha in relative coordinates");
-  if (!model.motions().empty() || !options.motions.empty())
-    throw std::invalid_argument(std::string(scheme) +
-                                " do not count prescribed motions; use dopri5, rk4 or generalized_alpha in "
-                                "relative coordinates");
 }
 
 /// Calls f(run) with a simulation run in the coordinates of the options, and returns the resulting motion.
@@ -43,7 +39,7 @@ Trajectory in_coordinates(const Model& model, Span q, Span v, double until, cons
     f(run);
     return std::move(run.trajectory);
   }
-  check_no_motions_or_plays(model, options, "absolute coordinates");
+  check_no_plays(model, "absolute coordinates");
   AbsoluteSimulationRun run(model, q, v, until, options);
   f(run);
   return std::move(run.trajectory);
@@ -133,7 +129,7 @@ Trajectory simulate_stiff(const Model& model, Span q, Span v, double until, doub
   if (!(rho >= 0 && rho <= 1))
     throw std::invalid_argument("spectral radius is " + std::to_string(rho) + "; expected 0 to 1");
   if (options.coordinates != Coordinates::relative) {
-    check_no_motions_or_plays(model, options, "absolute coordinates");
+    check_no_plays(model, "absolute coordinates");
     check_exponential(options, "generalised-alpha");
     AbsoluteSimulationRun run(model, q, v, until, options);
     if (run.done()) return std::move(run.trajectory);
@@ -186,7 +182,7 @@ Trajectory simulate_rattle(const Model& model, Span q, Span v, double until, dou
                            const SimulationOptions& options) {
   check_step(step);
   check_absolute(options, "RATTLE");
-  check_no_motions_or_plays(model, options, "absolute coordinates");
+  check_no_plays(model, "absolute coordinates");
   check_exponential(options, "RATTLE");
   check_smooth(model, options, rattle_method(order));
   AbsoluteSimulationRun run(model, q, v, until, options);
@@ -200,7 +196,7 @@ Trajectory simulate_half_explicit(const Model& model, Span q, Span v, double unt
                                   const SimulationOptions& options) {
   check_step(step);
   check_absolute(options, "the half-explicit method");
-  check_no_motions_or_plays(model, options, "absolute coordinates");
+  check_no_plays(model, "absolute coordinates");
   check_exponential(options, "the half-explicit method");
   AbsoluteSimulationRun run(model, q, v, until, options);
   if (run.done()) return std::move(run.trajectory);
@@ -216,7 +212,7 @@ Trajectory simulate_symplectic(const Model& model, Span q, Span v, double until,
   check_smooth(model, options, method);
   check_holonomic(model, method);
   check_relative(options, method);
-  check_no_motions_or_plays(model, options, "schemes on momenta");
+  check_no_plays(model, "schemes on momenta");
   MomentumSimulationRun run(model, q, v, until, options);
   if (run.done()) return std::move(run.trajectory);
   Vector q_0, v_0, p_0;
@@ -228,10 +224,10 @@ Trajectory simulate_symplectic(const Model& model, Span q, Span v, double until,
       return run.take_momenta(t_1, scheme.q, scheme.p, scheme.drive_states);
     });
   };
-  if (model.loops().empty())
+  if (run.closed_model().loops().empty())
     take(Midpoint<MomentumSimulationRun>(run, model.tree<double>()));
   else
-    take(ClosedMidpoint<MomentumSimulationRun>(run, model));
+    take(ClosedMidpoint<MomentumSimulationRun>(run));
   return std::move(run.trajectory);
 }
 
@@ -241,7 +237,7 @@ Trajectory simulate_momenta(const Model& model, Span q, Span v, double until, do
   check_step(step);
   check_smooth(model, options, "rk4_momenta");
   check_relative(options, "rk4_momenta");
-  check_no_motions_or_plays(model, options, "schemes on momenta");
+  check_no_plays(model, "schemes on momenta");
   MomentumSimulationRun run(model, q, v, until, options);
   if (run.done()) return std::move(run.trajectory);
   FloatingBases& bases = run.bases();

@@ -44,10 +44,9 @@ struct SimulationOptions {
   std::function<void(double t, std::span<const double> q, std::span<const double> v,
                      std::vector<AppliedWrench<>>& loads)>
       computed_loads = {};
-  /// Motions that joints and rods follow, in addition to those of the model. They are allowed in relative
-  /// coordinates for simulate(), simulate_fixed() and simulate_stiff(); otherwise std::invalid_argument is
-  /// thrown. Steps end where the third, fourth or fifth derivative of a motion jumps. A motion that cannot be
-  /// followed ends the trajectory.
+  /// Motions that joints and rods follow, in addition to those of the model. They act in all coordinates and
+  /// with all methods. Steps end where the third, fourth or fifth derivative of a motion jumps. A motion that
+  /// cannot be followed ends the trajectory.
   std::vector<PrescribedMotion> motions = {};
   /// Drives with states, in addition to those of the model. Steps end where an input jumps, and with methods
   /// whose steps can be shortened also where a drive changes to another branch of its law; with the others

@@ -84,6 +84,8 @@ void AbsoluteSystem::position_residual(Span q, Vector& out, ConstraintLevel leve
     sum = -coupling.offset;
     for (const LoopCoupling::Term& term : coupling.terms) sum += term.factor * known_angle(term.velocity);
   }
+  for (const PrescribedRow<double>& it : prescribed_)
+    open[level == ConstraintLevel::position ? it.residual : it.row] -= it.s;
 }
 
 void AbsoluteSystem::velocity_residual(Span q, Span v, Vector& out) {
@@ -100,6 +102,7 @@ void AbsoluteSystem::velocity_residual(Span q, Span v, Vector& out) {
   });
   for (const LoopCoupling& coupling : model_.loops().couplings)
     at[coupling.first_row] = coupled_rate(coupling, X_);
+  for (const PrescribedRow<double>& it : prescribed_) at[it.row] -= it.ds;
 }
 /// Computes Σ factor q' over the terms of a coupling, for the relative motions X of all joints.
 double AbsoluteSystem::coupled_rate(const LoopCoupling& coupling, const std::vector<BodyTwist>& X) const {
@@ -287,6 +290,7 @@ void AbsoluteSystem::bias(Span v, Vector& rhs) {
   for (int k = 0; k < model_.loops().rows; ++k) at[k] = -b_[k];
   for (const LoopCoupling& coupling : model_.loops().couplings)
     at[coupling.first_row] = coupled_rate(coupling, X_);
+  for (const PrescribedRow<double>& it : prescribed_) at[it.row] += it.dds;
 }
 
 }  // namespace axode

@@ -72,9 +72,15 @@ class AbsoluteSystem {
   /// Sets the reference joint coordinates (nq of the model), near which angles (by whole turns) and
   /// quaternions (by sign) are chosen when they are computed from poses.
   void set_reference_angles(Span q_joints) { reference_q_.assign(q_joints.begin(), q_joints.end()); }
+  /// Prescribes positions, velocities and accelerations for some equations of the loops, in all later
+  /// residuals and biases; those of all other equations are 0 (D12.1).
+  void prescribe(std::span<const PrescribedRow<double>> rows) {
+    prescribed_.assign(rows.begin(), rows.end());
+  }
 
-  /// Compute the residuals Φ(q) of the constraints, and their rates B v with the constraint Jacobian B, at
-  /// any q. At the velocity level `out` has an entry for each row of B, 0 if the row has no residual.
+  /// Compute the residuals Φ(q) of the constraints, and their rates B v - s' with the constraint Jacobian B
+  /// and prescribed velocities s', at any q. At the velocity level `out` has an entry for each row of B, 0 if
+  /// the row has no residual.
   void position_residual(Span q, Vector& out, ConstraintLevel level = ConstraintLevel::position);
   void velocity_residual(Span q, Span v, Vector& out);
   /// Whether some constraints are nonholonomic, that is, have a row of the constraint Jacobian B but no
@@ -106,8 +112,8 @@ class AbsoluteSystem {
   void solve(Span r, Span rhs, Vector& x, Vector& lambda);
   /// How far the loop equations were from linear dependence in the last solve(), from 0 (dependent) to 1.
   double weakest_row() const { return loops_.weakest_row(); }
-  /// Computes rhs = -B' v of the condition B v' = rhs for the accelerations v', with the constraint Jacobian
-  /// B at the q of the last factorisation.
+  /// Computes rhs = s'' - B' v of the condition B v' = rhs for the accelerations v', with the constraint
+  /// Jacobian B at the q of the last factorisation and prescribed accelerations s''.
   void bias(Span v, Vector& rhs);
 
  private:
@@ -180,6 +186,7 @@ class AbsoluteSystem {
   Tree<double> group_tree_;
   LoopSystem<double> loops_;
   RowRank rank_;
+  std::vector<PrescribedRow<double>> prescribed_;
   ConstraintLevel factorized_level_ = ConstraintLevel::velocity;
   Vector reference_q_;
   std::vector<SE3<>> factorized_C_;

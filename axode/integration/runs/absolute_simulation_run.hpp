@@ -24,7 +24,8 @@ class AbsoluteSimulationRun {
                         const SimulationOptions& options)
       : run_(model, q_0, v_0, until, options),
         trajectory(run_.trajectory),
-        bodies_(model, options.coordinates == Coordinates::absolute ? BodyGroup::SE3 : BodyGroup::SO3xR3),
+        bodies_(run_.closed_model(),
+                options.coordinates == Coordinates::absolute ? BodyGroup::SE3 : BodyGroup::SO3xR3),
         group_(bodies_.group()),
         norm_(inertia_of(bodies_)) {
     if (run_.done()) return;
@@ -61,7 +62,9 @@ class AbsoluteSimulationRun {
     return std::max(norm_.of_velocities(as_eigen(v_t)), run_.velocity_scale(h));
   }
 
-  // The schemes in absolute coordinates call the functions factorize() to take_closed().
+  // The schemes in absolute coordinates call the functions set_time() to take_closed().
+  /// Sets the time (s) at which residuals and biases follow the prescribed motions.
+  void set_time(double t) { bodies_.prescribe(run_.motion_rows(t)); }
   Failure factorize(double t, Span q_t) { return checked(t, bodies_.factorize(q_t)); }
   Failure factorize_with_rank(double t, Span q_t) { return checked(t, bodies_.factorize_with_rank(q_t)); }
   /// Factorises the mass matrix and the constraints at q_t, with the inertia that springs, dampers and drives
@@ -90,6 +93,7 @@ class AbsoluteSimulationRun {
     if (Failure failure = forces(t, q_t, v_t, f_)) return failure;
     if (Failure failure = factorize(t, q_t)) return failure;
     add_turning(v_t, f_);
+    set_time(t);
     bodies_.bias(v_t, rows_);
     bodies_.solve(f_, rows_, x_, lambda);
     weakest_row_ = std::min(weakest_row_, bodies_.weakest_row());
@@ -101,6 +105,7 @@ class AbsoluteSimulationRun {
   /// factorises the mass matrix and the constraints.
   Failure close(double t, Vector& q_1, Vector& v_1) {
     constexpr double closed = 1e-13, tolerable = 1e-6;
+    set_time(t);
     double before = position_error(q_1);
     if (!(before <= closed))
       if (Failure failure = checked(t, bodies_.factorize(q_1, ConstraintLevel::position))) return failure;
@@ -194,6 +199,7 @@ class AbsoluteSimulationRun {
     bodies_.solve(f_, rows_, x_, multipliers_);
   }
   void record_residuals() {
+    set_time(now());
     bodies_.position_residual(q, rows_);
     trajectory.position_residuals.push_back(largest_of(rows_));
     bodies_.velocity_residual(q, v, rows_);

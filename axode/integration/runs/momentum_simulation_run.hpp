@@ -56,18 +56,24 @@ class MomentumSimulationRun : public SimulationRun {
     if (Failure failure = velocity(t, q_t, p, v_t)) return failure;
     if (Failure failure = partials(t, q_t, v_t, p_, f)) return failure;
     if (!loops_) return {};
+    loops_->set_time(t);
     return checked(t, loops_->add_constraint_forces(as_span(q_t_), as_span(v_t_), as_span(forces_), loads(),
                                                     as_span(f)));
   }
   Failure checked(double t, const Solvability& found) const {
     return found.ok() ? Failure{} : Failure{t, to_string(model_, found)};
   }
-  /// close() projects p onto momenta that keep the loops closed, close_places() projects q onto closed loops.
+  /// close() projects p onto momenta that keep the loops closed and follow the prescribed motions at time t,
+  /// close_places() projects q onto such configurations.
   Failure close(double t, const Vector& q_t, Vector& p) {
-    return !loops_ || loops_->close_momenta(as_span(q_t), as_span(p)) ? Failure{} : Failure{t, open};
+    if (!loops_) return {};
+    loops_->set_time(t);
+    return loops_->close_momenta(as_span(q_t), as_span(p)) ? Failure{} : Failure{t, open};
   }
   Failure close_places(double t, Vector& q_t) {
-    return !loops_ || loops_->close_places(as_span(q_t)) ? Failure{} : Failure{t, open};
+    if (!loops_) return {};
+    loops_->set_time(t);
+    return loops_->close_places(as_span(q_t)) ? Failure{} : Failure{t, open};
   }
   /// Whether a load or drive acted on a floating base in the last evaluation of forces.
   bool pushes_bases() const { return pushes_bases_; }

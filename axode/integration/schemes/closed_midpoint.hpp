@@ -10,46 +10,33 @@
 namespace axode {
 
 /// A step of the midpoint rule between two impulses that close loops, one at each end of the step (D8.7).
-/// With the residuals r(q) of the loops, their Jacobian R, multipliers λ, and the step length h,
-///   p_0⁺ = p_0 + h/2 R(q_0)ᵀ λ,   (q_1, p_1⁻) = midpoint step of (q_0, p_0⁺),   r(q_1) = 0.
-/// After the step the caller projects p_1 = p_1⁻ + R(q_1)ᵀ μ so that R M⁻¹ p_1 = 0. Then the method is
-/// symmetric, of second order, and symplectic on the closed configurations if the midpoint rule is. System is
-/// the class of the mechanism, with the functions that Midpoint requires and with checked(t, solvability),
-/// which returns a Failure at time t if a matrix was singular.
+/// With the residuals r(q, t) of loops and prescribed motions, their Jacobian R, multipliers λ, and the step
+/// length h,
+///   p_0⁺ = p_0 + h/2 R(q_0)ᵀ λ,   (q_1, p_1⁻) = midpoint step of (q_0, p_0⁺),   r(q_1, t + h) = 0.
+/// After the step the caller projects p_1 = p_1⁻ + R(q_1)ᵀ μ so that R M⁻¹ p_1 = s', with the rates s' of the
+/// motions, 0 for loops. Then the method is symmetric, of second order, and symplectic on the closed
+/// configurations if the midpoint rule is and motions rest. System is the class of the mechanism, with the
+/// functions that Midpoint requires; closed_model(), in which motions are loops, and motion_rows(t), their
+/// right sides; and checked(t, solvability), which returns a Failure at time t if a matrix was singular.
 template <class System> class ClosedMidpoint {
  public:
   using Vector = Eigen::VectorXd;
 
-  ClosedMidpoint(System& system, const Model& model)
-      : q(model.nq()),
-        q_middle(model.nq()),
-        p(model.nv()),
-        v(model.nv()),
-        f(model.nv()),
-        system_(&system),
-        model_(model),
-        group_(model_.tree<double>(), system.local_coordinates()),
-        ends_(model_),
-        middle_(model_),
-        R_(model.loops().residuals, model.nv()),
-        lambda_(Vector::Zero(model.loops().residuals)),
-        rhs_(lambda_),
-        dlambda_(lambda_),
-        y_(model.nv()),
-        p_0_(model.nv()),
-        momenta_(model.nv()),
-        r_(model.nv()) {}
+  explicit ClosedMidpoint(System& system) : ClosedMidpoint(system, system.closed_model()) {}
 
   /// Computes the step from (q0, p0), where loops are closed, at time t over h, which may be negative. v must
   /// contain a first guess. The results are in the public members.
   Failure run(double t, double h, const Vector& q0, const Vector& p0) {
     LoopSystem<double>&ends = ends_.system(model_), &middle = middle_.system(model_);
     constexpr auto places = ConstraintLevel::position;
+    ends.prescribe(system_->motion_rows(t));
+    middle.prescribe(system_->motion_rows(t));
     if (Failure failure = system_->checked(t, ends.determine_rank(q0.data(), rank_))) return failure;
     middle.update_kinematics(q0.data());
     middle.set_filter(q0.data(), rank_);
     ends.make_rows(places);
     ends.write(R_.data());
+    ends.prescribe(system_->motion_rows(t + h));
     advance(h / 2, q0, q_middle);
     middle.update_kinematics(q_middle.data());
     if (Failure failure = system_->checked(t, middle.factorize())) return failure;
@@ -91,6 +78,26 @@ template <class System> class ClosedMidpoint {
                                 ///< its middle
 
  private:
+  ClosedMidpoint(System& system, const Model& model)
+      : q(model.nq()),
+        q_middle(model.nq()),
+        p(model.nv()),
+        v(model.nv()),
+        f(model.nv()),
+        system_(&system),
+        model_(model),
+        group_(model_.tree<double>(), system.local_coordinates()),
+        ends_(model_),
+        middle_(model_),
+        R_(model.loops().residuals, model.nv()),
+        lambda_(Vector::Zero(model.loops().residuals)),
+        rhs_(lambda_),
+        dlambda_(lambda_),
+        y_(model.nv()),
+        p_0_(model.nv()),
+        momenta_(model.nv()),
+        r_(model.nv()) {}
+
   /// Computes to = q_0 ⊕ y with y = part v.
   void advance(double part, const Vector& q0, Vector& to) {
     y_ = part * v;

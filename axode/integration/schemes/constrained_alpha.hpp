@@ -12,9 +12,9 @@ namespace axode {
 /// Brüls). Φ are the residuals of joints and loops, B is their Jacobian, λ are the multipliers, and f the
 /// forces. The step to q_1 = q_0 ⊕ x has x and v_1 of AlphaMeans, and the acceleration a_1 and
 /// multipliers λ with
-///   M a_1 = f(q_1, v_1) + ad_{v_1}ᵀ M v_1 + B_1ᵀ λ,   Φ(q_1) = 0                    (index 3)
+///   M a_1 = f(q_1, v_1) + ad_{v_1}ᵀ M v_1 + B_1ᵀ λ,   Φ(q_1) = s                    (index 3)
 /// or, stabilised to index 2, with additional multipliers η of positions whose displacement is a multiple of
-/// M⁻¹ Bᵀ η, also B_1 v_1 = 0. Nonholonomic constraints are imposed on v_1 in both forms, and also on the
+/// M⁻¹ Bᵀ η, also B_1 v_1 = s', with the prescribed motions s at the end of the step. Nonholonomic constraints are imposed on v_1 in both forms, and also on the
 /// displacement by η. System is the class of the mechanism, as for Rattle, with factorize(t, q, v, c_x, c_v)
 /// for Newton's matrix; c_x and c_v are the derivatives of x and v_1 by a_1.
 template <class System> class ConstrainedAlpha {
@@ -45,6 +45,7 @@ template <class System> class ConstrainedAlpha {
     q_1_.resize(q.size());
     end_with(h);
     if (Failure failure = system_->factorize(t + h, q_1_, v_1_, c_x, c_v)) return failure;
+    system_->set_time(t + h);
     AndersonIteration iteration(system_->norm());
     for (auto status = AndersonIteration::Status::iterating;;) {
       end_with(h);

@@ -14,9 +14,10 @@ namespace axode {
 /// A step of the half-explicit method of third order (Brasey, Hairer) on a group with constant mass matrix M,
 /// in the form of Munthe-Kaas. With the coefficients a_ij of the method, stage i has the configuration q_i =
 /// q_0 ⊕ θ_i, the velocity V_i, the forces f, the Jacobian B_i of joints and loops, and multipliers λ_i:
-///   M L_i = f(q_i, V_i) + ad_{V_i}ᵀ M V_i + B_iᵀ λ_i with the λ_i for which B_{i+1} V_{i+1} = 0,
+///   M L_i = f(q_i, V_i) + ad_{V_i}ᵀ M V_i + B_iᵀ λ_i with the λ_i for which B_{i+1} V_{i+1} = s'_{i+1},
 ///   θ_{i+1} = h Σ a_ij K_j,  V_{i+1} = v_0 + h Σ a_ij L_j,  K_i = dexp⁻¹_{-θ_i} V_i,
-/// and the states of drives x_{i+1} = x_0 + h Σ a_ij F_j with their rates F_i.
+/// and the states of drives x_{i+1} = x_0 + h Σ a_ij F_j with their rates F_i. s' are the rates of prescribed
+/// motions, 0 for all other rows.
 /// Velocities satisfy the constraints; positions may leave them by O(h⁴) in a step, and are then projected.
 /// System is the class of the mechanism, as for Rattle, with close(t, q, v), which projects q and v.
 template <class System> class HalfExplicit {
@@ -53,6 +54,7 @@ template <class System> class HalfExplicit {
       for (std::size_t j = 0; j <= i; ++j) as_eigen(theta_) += h * a[i][j] * as_eigen(K_[j]);
       for (std::size_t j = 0; j < i; ++j) as_eigen(base_) += h * a[i][j] * as_eigen(L_[j]);
       group_.move(q, theta_, q_next_);
+      system_->set_time(t + (i == 0 ? c[1] : 1) * h);
       if (!accelerate(h * a[i][i], L_[i])) return {t + h, no_convergence};
       as_eigen(V_) = as_eigen(base_) + h * a[i][i] * as_eigen(L_[i]);
       q_i_ = q_next_;

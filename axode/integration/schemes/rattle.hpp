@@ -12,11 +12,11 @@
 namespace axode {
 
 /// A step of RATTLE on a group with constant mass matrix M (D8.9), or of its symmetric composition:
-/// symplectic if the forces f have a potential, with Φ(q) = 0 and B v = 0 at the ends of all steps, for the
-/// residuals Φ of joints and loops and their Jacobian B. With multipliers λ, the mean velocity w, p_0 = M v_0
-/// and x = h w,
-///   dexp⁻¹_xᵀ M w = p_0 + h/2 f(q_0, v_0) + B_0ᵀ λ = k,   q_1 = q_0 ⊕ x,   Φ(q_1) = 0,
-///   M v_1 = Ad_{exp x}ᵀ k + h/2 f(q_1, v_1) + B_1ᵀ λ_1,     B_1 v_1 = 0.
+/// symplectic if the forces f have a potential, with Φ(q) = s and B v = s' at the ends of all steps, for the
+/// residuals Φ of joints and loops, their Jacobian B, and the prescribed motions s(t), 0 for all other rows.
+/// With multipliers λ, the mean velocity w, p_0 = M v_0 and x = h w,
+///   dexp⁻¹_xᵀ M w = p_0 + h/2 f(q_0, v_0) + B_0ᵀ λ = k,   q_1 = q_0 ⊕ x,   Φ(q_1) = s(t + h),
+///   M v_1 = Ad_{exp x}ᵀ k + h/2 f(q_1, v_1) + B_1ᵀ λ_1,     B_1 v_1 = s'(t + h).
 /// Nonholonomic constraints with the Jacobian N are imposed in the middle instead, N(q_0 ⊕ x/2) w = 0
 /// (D8.10), by the discrete principle of Lagrange and d'Alembert (Cortés, Martínez). The method is then
 /// symmetric and keeps its order, but is not symplectic. The second equation for momenta is implicit in v_1,
@@ -25,8 +25,9 @@ namespace axode {
 ///
 /// System is the class of the mechanism, with the functions bodies(), which returns its AbsoluteSystem;
 /// forces(t, q, v, f), factorize(t, q), factorize_with_rank(t, q) and add_turning(v, f), which adds ad_vᵀ M v
-/// to f; norm(); velocity_scale(v, h), the magnitude of the terms of v in a step; and drives(), its
-/// DriveStates, whose states follow the trapezoidal rule (D17.7a).
+/// to f; set_time(t), which lets the residuals of bodies() follow the prescribed motions at time t; norm();
+/// velocity_scale(v, h), the magnitude of the terms of v in a step; and drives(), its DriveStates, whose
+/// states follow the trapezoidal rule (D17.7a).
 template <class System> class Rattle {
  public:
   using Vector = std::vector<double>;
@@ -70,12 +71,14 @@ template <class System> class Rattle {
     // the accelerations.
     r_ = f_;
     system_->add_turning(v, r_);
+    system_->set_time(t);
     bodies.bias(v, rhs_);
     bodies.solve(r_, rhs_, dw_, lambda_);
     as_eigen(w_) += h / 2 * as_eigen(dw_);
     as_eigen(lambda_) *= h / 2;
     advance(h, q_1_);
     if (Failure failure = system_->factorize(t + h, q_1_)) return failure;
+    system_->set_time(t + h);
     AndersonIteration iteration(system_->norm());
     for (auto status = AndersonIteration::Status::iterating;;) {
       advance(h, q_1_);
