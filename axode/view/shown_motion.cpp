@@ -83,12 +83,18 @@ void append_springs(const Model& model, Row q, Row v, const std::vector<SE3<>>& 
 }
 
 /// Computes the constraint forces of the loops, the Lagrange multipliers `lambda`, under the drive forces
-/// tau, the forces of springs and loads. Returns false if the mass matrix is singular or a number is not
-/// finite.
-bool find_multipliers(const Model& model, Row q, Row v, Row tau, std::span<const AppliedWrench<>> loads,
-                      Workspace<>& workspace, LoopWorkspace<>& of_loops, std::vector<double>& lambda) {
+/// tau, the forces of springs, loads and the model's prescribed motions at time t. Returns false if the mass
+/// matrix is singular or a number is not finite.
+bool find_multipliers(const Model& model, double t, Row q, Row v, Row tau,
+                      std::span<const AppliedWrench<>> loads, Workspace<>& workspace,
+                      LoopWorkspace<>& of_loops, std::vector<double>& lambda) {
   std::vector<double> forces(tau.begin(), tau.end()), a(forces);
   add_spring_forces<double>(model, workspace, q, v, forces);
+  if (!model.motions().empty()) {
+    DynamicsAtTime found = forward_dynamics_at(model, t, q, v, forces, {.wrenches = loads});
+    lambda = std::move(found.lambda);
+    return found.solvability.ok();
+  }
   return forward_dynamics<double>(model, of_loops, q, v, forces, a, lambda, {.wrenches = loads}).ok();
 }
 
@@ -258,7 +264,7 @@ view::MotionNumbers view::numbers_of(const Model& model, const ShownMotion& moti
     if (!with_wrenches) continue;
     const Row a = row(motion.a, k, model.nv());
     if (loops) {
-      with_wrenches = find_multipliers(model, q, v, row(motion.tau, k, model.nv()),
+      with_wrenches = find_multipliers(model, motion.t[k], q, v, row(motion.tau, k, model.nv()),
                                        std::span(loads).first(given), workspace, *of_loops, lambda);
       joint_wrenches<Spatial, double>(model, *of_loops, q, v, a, lambda, W, {.wrenches = loads});
       loop_wrenches<Spatial, double>(model, *of_loops, q, lambda, of_loops_and_couplings);

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include "axode/constraints/assembly.hpp"
 #include "axode/integration/simulation.hpp"
 #include "axode/model/building/builder.hpp"
 
@@ -47,6 +48,41 @@ TEST(ShownMotion, WrenchesOfJointsCountTheForcesOfContacts) {
   shown.contacts.resize(motion.size());
   shown.contact_shapes = {"a shape of another mechanism"};
   EXPECT_TRUE(view::numbers_of(model, shown).wrenches.empty());
+}
+
+/// The moment of the joint of a prescribed crank about its axis is the force of the motion.
+TEST(ShownMotion, WrenchesOfJointsCountPrescribedMotions) {
+  const MassProperties inertia{.mass = 1, .com = {0.1, 0, 0}, .Theta = {0.1, 0.1, 0.1}};
+  const auto hinge = [&](const char* name, const char* on, Vec3<> at) {
+    return BodyDescription{
+        .name = name,
+        .predecessor = on,
+        .joint = {.name = std::string(name) + " joint", .kind = JointKind::revolute, .point = at},
+        .inertia = inertia};
+  };
+  Description d{.name = "four-bar", .gravity = {0, -9.81, 0}, .bodies = {}, .frames = {}};
+  d.bodies = {hinge("crank", "ground", {}), hinge("rod", "crank", {0, 0.1, 0}),
+              hinge("rocker", "ground", {0.4, 0, 0})};
+  d.loops = {{.name = "pin", .between = {"rod", "rocker"}, .point = {0.4, 0.3, 0}}};
+  d.motions = {{.of = "crank joint", .coefficients = {0, 3, 1}}};
+  const Model model = ModelBuilder(std::move(d)).build();
+  const AssemblyResult start = assemble(model, std::vector<double>(3), std::vector<double>(3));
+  ASSERT_EQ(start.status, AssemblyStatus::closed);
+  const Trajectory motion = simulate(model, start.q, start.v, 0.5);
+  ASSERT_TRUE(motion.complete) << motion.stop_reason;
+  const ShownMotion shown{.t = {motion.t().begin(), motion.t().end()},
+                          .q = {motion.q().begin(), motion.q().end()},
+                          .v = {motion.v().begin(), motion.v().end()},
+                          .a = {motion.a().begin(), motion.a().end()},
+                          .tau = {motion.tau().begin(), motion.tau().end()}};
+  const view::MotionNumbers numbers = view::numbers_of(model, shown);
+  ASSERT_EQ(numbers.wrenches.size(), 18 * motion.size());
+  for (std::size_t k = 0; k < motion.size(); ++k) {
+    const double force =
+        forward_dynamics_at(model, motion.t()[k], motion.q(k), motion.v(k), std::vector<double>(3))
+            .motion_forces[0];
+    EXPECT_NEAR(numbers.wrenches[18 * k + 2], force, 1e-8 * (1 + std::abs(force))) << motion.t()[k];
+  }
 }
 
 }  // namespace
