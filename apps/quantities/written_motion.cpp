@@ -97,7 +97,13 @@ WrittenMotion written_motion(const Trajectory& motion, const Drive& drive, const
     }
     if (motions == 0) continue;
     add_spring_forces(model, workspace, q, v, tau);
-    const DynamicsAtTime found = forward_dynamics_at(model, t, q, v, tau, loads);
+    std::vector<AppliedWrench<>> acting = constant;
+    for (const ContactForce& contact : motion.contacts_at(t)) {
+      const Vec3<> m = cross(contact.point, contact.force) + contact.moment;
+      acting.emplace_back(contact.body_a, Wrench<Spatial>{-m, -contact.force});
+      acting.emplace_back(contact.body_b, Wrench<Spatial>{m, contact.force});
+    }
+    const DynamicsAtTime found = forward_dynamics_at(model, t, q, v, tau, {acting, loads.joint_losses});
     rows.motion_forces.row(k) = as_eigen(std::span<const double>(found.motion_forces)).transpose();
   }
   return rows;

@@ -251,6 +251,47 @@ TEST(SimulateCommand, FollowsMotionsAndGivesTheirForces) {
   EXPECT_GT(std::abs(motion.at("motion_forces")[1][0].get<double>()), 0.1);
 }
 
+TEST(SimulateCommand, CountsTheForcesOfContactsInThoseOfMotions) {
+  const TemporaryFolder folder;
+  const std::string belt = R"([[body]]
+name = "belt"
+joint = { name = "run", kind = "prismatic", axis = "x" }
+mass = 1
+com = [0, 0, 0]
+inertia = [0.1, 0.1, 0.1]
+[[body.shape]]
+kind = "plane"
+role = "collision"
+friction = 0.3
+[[body]]
+name = "ball"
+joint = { name = "ball", kind = "free" }
+mass = 2
+com = [0, 0, 0]
+inertia = [0.008, 0.008, 0.008]
+[[body.shape]]
+kind = "sphere"
+radius = 0.1
+role = "collision"
+friction = 0.3
+[[motion]]
+of = "run"
+kind = "polynomial"
+coefficients = [0, 1]
+[state]
+q = { ball = [0, 0, 0, 1, 0, 0, 0.1] }
+[contact]
+)";
+  for (const char* method : {"contact", "contact_exact"}) {
+    const Outcome outcome =
+        simulated(folder, belt, {"--method", method, "--until", "0.2", "--format", "json", "--samples", "4"});
+    ASSERT_EQ(outcome.code, 0) << outcome.err;
+    const auto force = Motion::parse(outcome.out).at("motion_forces");
+    EXPECT_NEAR(force[1][0].get<double>(), 0.3 * 2 * 9.81, 1e-9);  // the ball slides
+    EXPECT_NEAR(force[4][0].get<double>(), 0, 1e-9);               // it rolls
+  }
+}
+
 TEST(SimulateCommand, WritesTheStatesOfDrives) {
   const TemporaryFolder folder;
   const std::string driven =

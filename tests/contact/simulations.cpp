@@ -1,3 +1,4 @@
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -20,6 +21,7 @@
 namespace axode::test {
 namespace {
 
+using testing::HasSubstr;
 using Numbers = std::vector<double>;
 using Span = std::span<const double>;
 
@@ -395,6 +397,28 @@ TEST(ContactSimulation, ACrankThatFollowsAMotionPushesABall) {
     EXPECT_NEAR(last(motion, true)[0], speed_at(rate * 0.7), 1e-9);
     EXPECT_NEAR(last(motion, false)[8], rate * 0.7, 1e-12);
     tolerance = 1e-9;
+  }
+}
+
+TEST(ContactSimulation, ABodyThatIsCaughtEndsTheMotion) {
+  const double r = 0.1, speed = 0.5, distance = 0.1;
+  Scene scene({.friction = 0}, std::numbers::pi / 2);
+  scene.description.gravity = {};
+  scene.add("ball", ShapeKind::sphere, r, {.friction = 0});
+  Description d = on_a_slide(scene, {0, speed});
+  ShapeDescription wall = touching(ShapeKind::box, {.friction = 0}, 1);
+  wall.pose.r = {1 + 2 * r + distance, 0, 0};
+  d.shapes = {wall};
+  const Model model = ModelBuilder(d).build();
+  const Numbers q = joined(0, at({r, 0, 0})), v = joined(speed, Numbers(6));
+  const Tolerances tolerances{.relative = 1e-6, .absolute = 1e-6};
+  for (const Trajectory& motion :
+       {simulate_contact(model, q, v, 1, 1e-3), simulate_contact(model, q, v, 1, tolerances),
+        simulate_contact_exact(model, q, v, 1, tolerances)}) {
+    EXPECT_FALSE(motion.complete);
+    EXPECT_NEAR(motion.t().back(), distance / speed, 2e-3);
+    EXPECT_THAT(motion.stop_reason, testing::AnyOf(HasSubstr("block the prescribed motion of \"rail\""),
+                                                   HasSubstr("no impulses were found")));
   }
 }
 

@@ -186,6 +186,27 @@ TEST(PrescribedMotions, AreFollowedAndTheirPowerIsTheChangeOfTheEnergy) {
   EXPECT_GT(tested, 6);
 }
 
+TEST(PrescribedMotions, LeaveTheMomentaOfAFloatingMechanismAsTheyAre) {
+  const Model model = test_tree({});
+  const State<double> state = test_state(model);
+  const Joint& door = model.joint(model.joint_index("door joint"));
+  SimulationOptions options;
+  options.motions = {{door.name, wave(state.q[static_cast<std::size_t>(door.iq)],
+                                      state.v[static_cast<std::size_t>(door.iv)], 0.3)}};
+  Workspace<> workspace(model);
+  const auto momentum = [&](Span q, Span v) {
+    const auto& [l, p] = spatial_momentum<double>(model, workspace, q, v);
+    return Eigen::Vector<double, 6>{l.x, l.y, l.z, p.x, p.y, p.z};
+  };
+  for (const char* method : {"midpoint", "kahan_li6", "rk4_momenta", "contact"}) {
+    const Way& way = *std::ranges::find(ways, std::string_view(method), &Way::method);
+    const Trajectory motion = way.run(model, state.q, state.v, 2, 0.02, options);
+    ASSERT_TRUE(motion.complete) << motion.stop_reason;
+    const auto before = momentum(state.q, state.v);
+    EXPECT_LE((momentum(last_q(motion), last_v(motion)) - before).norm(), 1e-12 * before.norm()) << method;
+  }
+}
+
 /// A slider-crank with a crank of 0.1 m and a rod of 0.4 m.
 Description slider_crank() {
   const auto solid = [](double x) {

@@ -12,6 +12,7 @@
 #include "axode/integration/methods.hpp"
 #include "axode/integration/momenta/contact_step.hpp"
 #include "axode/integration/schemes/explicit_steps.hpp"
+#include "axode/model/building/checks/value_checks.hpp"
 #include "axode/table/check_counts.hpp"
 
 namespace axode {
@@ -53,6 +54,9 @@ class ContactMotion {
         scheme_(run_, run_.closed_model(), shapes, options.joint_losses),
         until_(until) {
     for (int i = 0; i < shapes.size(); ++i) run_.trajectory.contact_shapes.push_back(shapes[i].name);
+    const auto add = [&](const std::string& name) { moved_ += (moved_.empty() ? "" : ", ") + quoted(name); };
+    for (const MotionDescription& motion : model.motions()) add(motion.of);
+    for (const PrescribedMotion& motion : options.motions) add(motion.of);
   }
 
   Trajectory in_steps_of(double step) {
@@ -129,7 +133,10 @@ class ContactMotion {
   Failure compute(double t, double t_1, const StepEnd& from, Computed& out) {
     if (Failure failure = scheme_.run(t, t_1 - t, from.q, from.v, from.x)) return failure;
     out = computed();
-    return run_.check_closed(t_1, out.end.q);
+    constexpr double blocked = 0.1;  // a certificate with which no step makes sense
+    Failure failure = run_.check_closed(t_1, out.end.q);
+    if (moved_.empty() || !(failure || out.certificate > blocked)) return failure;
+    return {t_1, "contacts, stops or loops block the prescribed motion of " + moved_};
   }
   /// Computes the step from the present state to t_1, or to an earlier time at which a drive changes to a
   /// branch of its law with other forces; t_1 then becomes this time.
@@ -192,6 +199,7 @@ class ContactMotion {
   ContactSimulationRun run_;
   ContactStep scheme_;
   double until_;
+  std::string moved_;  ///< the joints and rods that follow motions, for messages
 };
 
 }  // namespace
