@@ -15,7 +15,8 @@ namespace axode::command {
 struct WrittenMotion {
   Eigen::VectorXd t, energy, kinetic_energy;
   Eigen::MatrixXd q, v, a, tau;
-  Eigen::MatrixXd motion_forces;  ///< force that each prescribed motion needs, against the forces of contacts too
+  /// The force that each prescribed motion needs, also against the forces of contacts.
+  Eigen::MatrixXd motion_forces;
   std::vector<std::string> drive_states;
   Eigen::MatrixXd x;  ///< states of the drives
   /// load_frames are the frames on which loads act. The matrix `loads` has six columns for each of them: the

@@ -70,8 +70,8 @@ def simulate(m: Model, q: ArrayLike, v: ArrayLike, until: float, *,
         `f.direction = 1` or -1 counts rising or falling ones alone. One that is met twice within a step is found where it
         goes towards zero at the beginning of the step and away from it at the end.
     motions: functions t -> (s, ds, dds) that joints of one velocity or lengths of rods follow, by the names of these,
-        in addition to those of the drawing; the derivatives must be exact. They are supported in relative coordinates by
-        "dopri5", "rk4", "euler" and "generalized_alpha". One that cannot be followed ends the motion.
+        in addition to those of the drawing; the derivatives must be exact. They act with every method, in all coordinates.
+        One that cannot be followed ends the motion.
     x: the states of the drives at t = 0, in the order of `drive_states` of the motion; if left out, those with which the
         drives start by themselves.
     contact: whether shapes touch, by the method "contact"; if left out, they do if the drawing has `[contact]` and no other

@@ -13,10 +13,11 @@ namespace axode {
 /// forces. The step to q_1 = q_0 ⊕ x has x and v_1 of AlphaMeans, and the acceleration a_1 and
 /// multipliers λ with
 ///   M a_1 = f(q_1, v_1) + ad_{v_1}ᵀ M v_1 + B_1ᵀ λ,   Φ(q_1) = s                    (index 3)
-/// or, stabilised to index 2, with additional multipliers η of positions whose displacement is a multiple of
-/// M⁻¹ Bᵀ η, also B_1 v_1 = s', with the prescribed motions s at the end of the step. Nonholonomic constraints are imposed on v_1 in both forms, and also on the
-/// displacement by η. System is the class of the mechanism, as for Rattle, with factorize(t, q, v, c_x, c_v)
-/// for Newton's matrix; c_x and c_v are the derivatives of x and v_1 by a_1.
+/// or, stabilised to index 2, with additional multipliers η of positions whose displacement is a multiple
+/// of M⁻¹ Bᵀ η, also B_1 v_1 = s', with the prescribed motions s at the end of the step. Nonholonomic
+/// constraints are imposed on v_1 in both forms, and also on the displacement by η. System is the class of
+/// the mechanism, as for Rattle, with factorize(t, q, v, c_x, c_v) for Newton's matrix; c_x and c_v are the
+/// derivatives of x and v_1 by a_1.
 template <class System> class ConstrainedAlpha {
  public:
   using Vector = std::vector<double>;
