@@ -17,6 +17,8 @@ namespace {
 using Span = std::span<const double>;
 using Matrix = Eigen::MatrixXd;
 
+std::size_t size(Eigen::Index count) { return static_cast<std::size_t>(count); }
+
 void check_motion(const Model& model, const ContactShapes& shapes, double step,
                   std::initializer_list<Sized<const double>> arguments,
                   std::initializer_list<Sized<double>> results) {
@@ -26,6 +28,28 @@ void check_motion(const Model& model, const ContactShapes& shapes, double step,
   for (const auto& in : arguments)
     if (!finite(in.x)) throw std::invalid_argument(std::string(in.name) + " is not finite");
 }
+
+/// The numbers of parameters of each kind, or 0 for those that are not asked for.
+struct Counts {
+  Eigen::Index surfaces, placement, inertia, geometry;
+
+  /// Takes the kinds whose spans are not empty. Throws std::invalid_argument for a model whose derivatives by
+  /// geometry are not known.
+  template <class T>
+  Counts(const Model& model, const ContactShapes& shapes, const ContactParameters<T>& asked)
+      : surfaces(asked.surfaces.empty() ? 0 : 3 * shapes.size()),
+        placement(asked.placement.empty() ? 0 : 6 * shapes.size()),
+        inertia(asked.inertia.empty() ? 0 : 10 * model.n_bodies()),
+        geometry(asked.geometry.empty() ? 0 : 6 * model.n_bodies()) {
+    const char* const what = model.springs().between_frames() ? "springs between frames"
+                             : !model.loops().empty()         ? "closed loops"
+                                                              : nullptr;
+    if (geometry > 0 && what)
+      throw std::invalid_argument("model \"" + model.name() + "\" has " + what +
+                                  ", so that derivatives of motions with contact by its geometry are not "
+                                  "known; leave those by geometry out");
+  }
+};
 
 /// Steps of a motion with contact under forces that are constant in each step, with their derivatives.
 class TangentContactSteps {
@@ -93,25 +117,28 @@ ContactSensitivity finished(const ContactSensitivity& result,
   return result;
 }
 
-/// Unit changes of q, v and τ (nv each), and of the friction, the restitution and the layer thickness of each
-/// shape. Every matrix has a column for each of these directions.
+/// Unit changes of q, v and τ (nv each), and then of those parameters whose numbers are not 0.
 struct AllDirections {
   Matrix dq, dv;
   ContactDirections others;
 
-  AllDirections(Eigen::Index nv, Eigen::Index shapes) {
-    const auto unit = [&](Eigen::Index rows, Eigen::Index first) {
-      Matrix x = Matrix::Zero(rows, 3 * nv + 3 * shapes);
-      x.middleCols(first, rows).setIdentity();
+  AllDirections(Eigen::Index nv, const Counts& counts) {
+    const Eigen::Index state = 3 * nv + counts.surfaces,
+                       p = counts.placement + counts.inertia + counts.geometry, shapes = counts.surfaces / 3;
+    const auto unit = [](Eigen::Index rows, Eigen::Index first, Eigen::Index columns) {
+      Matrix x = Matrix::Zero(rows, rows > 0 ? columns : 0);
+      if (rows > 0) x.middleCols(first, rows).setIdentity();
       return x;
     };
-    dq = unit(nv, 0);
-    dv = unit(nv, nv);
-    others.tau = unit(nv, 2 * nv);
-    if (shapes == 0) return;
-    others.friction = unit(shapes, 3 * nv);
-    others.restitution = unit(shapes, 3 * nv + shapes);
-    others.thickness = unit(shapes, 3 * nv + 2 * shapes);
+    dq = unit(nv, 0, state + p);
+    dv = unit(nv, nv, state + p);
+    others.tau = unit(nv, 2 * nv, state + p);
+    others.friction = unit(shapes, 3 * nv, state + p);
+    others.restitution = unit(shapes, 3 * nv + shapes, state + p);
+    others.thickness = unit(shapes, 3 * nv + 2 * shapes, state + p);
+    others.parameters = {unit(counts.inertia, counts.placement, p),
+                         unit(counts.geometry, counts.placement + counts.inertia, p),
+                         unit(counts.placement, 0, p)};
   }
 };
 
@@ -122,17 +149,25 @@ ContactSensitivity contact_rollout_derivatives(const Model& model, const Contact
                                                const ContactRolloutDerivatives& out, const Monitor& monitor) {
   const std::size_t nq = static_cast<std::size_t>(model.nq()), nv = static_cast<std::size_t>(model.nv()),
                     K = steps_of(model, tau);
-  const std::size_t n_shapes = out.C.empty() ? 0 : static_cast<std::size_t>(shapes.size());
-  check_motion(model, shapes, step, {{"q", q, nq, "nq"}, {"v", v, nv, "nv"}, {"tau", tau, K * nv, "K nv"}},
-               {{"out.q", out.q, (K + 1) * nq, "(K + 1) nq"},
-                {"out.v", out.v, (K + 1) * nv, "(K + 1) nv"},
-                {"out.A", out.A, 4 * K * nv * nv, "K * 2 nv * 2 nv"},
-                {"out.B", out.B, 2 * K * nv * nv, "K * 2 nv * nv"},
-                {"out.C", out.C, 6 * K * nv * n_shapes, "K * 2 nv * 3 n for n shapes, or empty"}});
+  const Counts counts(model, shapes,
+                      ContactParameters<double>{out.C, out.by.placement, out.by.inertia, out.by.geometry});
+  const auto rows_of = [&](Eigen::Index count) { return 2 * K * nv * static_cast<std::size_t>(count); };
+  check_motion(
+      model, shapes, step, {{"q", q, nq, "nq"}, {"v", v, nv, "nv"}, {"tau", tau, K * nv, "K nv"}},
+      {{"out.q", out.q, (K + 1) * nq, "(K + 1) nq"},
+       {"out.v", out.v, (K + 1) * nv, "(K + 1) nv"},
+       {"out.A", out.A, 4 * K * nv * nv, "K * 2 nv * 2 nv"},
+       {"out.B", out.B, 2 * K * nv * nv, "K * 2 nv * nv"},
+       {"out.C", out.C, rows_of(counts.surfaces), "K * 2 nv * 3 n for n shapes, or empty"},
+       {"out.by.surfaces", out.by.surfaces, 0, "empty: out.C receives them"},
+       {"out.by.placement", out.by.placement, rows_of(counts.placement),
+        "K * 2 nv * 6 n for n shapes, or empty"},
+       {"out.by.inertia", out.by.inertia, rows_of(counts.inertia), "K * 2 nv * 10 n_bodies, or empty"},
+       {"out.by.geometry", out.by.geometry, rows_of(counts.geometry), "K * 2 nv * 6 n_bodies, or empty"}});
   TangentContactSteps steps(model, shapes, q, v, step, monitor);
   using Rows = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
-  const Eigen::Index n = model.nv(), surfaces = 3 * static_cast<Eigen::Index>(n_shapes);
-  const AllDirections along(n, surfaces / 3);
+  const Eigen::Index n = model.nv();
+  const AllDirections along(n, counts);
   std::ranges::copy(q, out.q.begin());
   std::ranges::copy(v, out.v.begin());
   for (std::size_t k = 0; k < K; ++k) {
@@ -140,22 +175,32 @@ ContactSensitivity contact_rollout_derivatives(const Model& model, const Contact
     if (!steps.run(tau.subspan(k * nv, nv), dq, dv, along.others)) break;
     as_eigen(out.q.subspan((k + 1) * nq, nq)) = steps.q;
     as_eigen(out.v.subspan((k + 1) * nv, nv)) = steps.v;
-    Eigen::Map<Rows> A(out.A.data() + 4 * k * nv * nv, 2 * n, 2 * n);
-    Eigen::Map<Rows> B(out.B.data() + 2 * k * nv * nv, 2 * n, n);
-    Eigen::Map<Rows> C(out.C.data() + 6 * k * nv * n_shapes, 2 * n, surfaces);
-    A << dq.leftCols(2 * n), dv.leftCols(2 * n);
-    B << dq.middleCols(2 * n, n), dv.middleCols(2 * n, n);
-    if (surfaces > 0) C << dq.rightCols(surfaces), dv.rightCols(surfaces);
+    Eigen::Index first = 0;
+    const auto write = [&](std::span<double> to, Eigen::Index columns) {
+      if (columns == 0) return;
+      Eigen::Map<Rows> matrix(to.data() + static_cast<std::ptrdiff_t>(k) * 2 * n * columns, 2 * n, columns);
+      matrix << dq.middleCols(first, columns), dv.middleCols(first, columns);
+      first += columns;
+    };
+    write(out.A, 2 * n);
+    write(out.B, n);
+    write(out.C, counts.surfaces);
+    write(out.by.placement, counts.placement);
+    write(out.by.inertia, counts.inertia);
+    write(out.by.geometry, counts.geometry);
   }
-  return finished(steps.result, {out.q, out.v, out.A, out.B, out.C});
+  return finished(steps.result,
+                  {out.q, out.v, out.A, out.B, out.C, out.by.placement, out.by.inertia, out.by.geometry});
 }
 
 ContactSensitivity contact_rollout_jvp(const Model& model, const ContactShapes& shapes, Span q, Span v,
                                        Span tau, double step, Span dq, Span dv, Span dtau,
                                        std::span<double> dq_out, std::span<double> dv_out,
-                                       const Monitor& monitor) {
+                                       const Monitor& monitor,
+                                       const ContactParameters<const double>& parameters) {
   const std::size_t nq = static_cast<std::size_t>(model.nq()), nv = static_cast<std::size_t>(model.nv()),
                     K = steps_of(model, tau);
+  const Counts counts(model, shapes, parameters);
   check_motion(
       model, shapes, step,
       {{"q", q, nq, "nq"},
@@ -163,14 +208,28 @@ ContactSensitivity contact_rollout_jvp(const Model& model, const ContactShapes& 
        {"tau", tau, K * nv, "K nv"},
        {"dq", dq, nv, "nv"},
        {"dv", dv, nv, "nv"},
-       {"dtau", dtau, K * nv, "K nv"}},
+       {"dtau", dtau, K * nv, "K nv"},
+       {"parameters.surfaces", parameters.surfaces, size(counts.surfaces), "3 n for n shapes, or empty"},
+       {"parameters.placement", parameters.placement, size(counts.placement), "6 n for n shapes, or empty"},
+       {"parameters.inertia", parameters.inertia, size(counts.inertia), "10 n_bodies, or empty"},
+       {"parameters.geometry", parameters.geometry, size(counts.geometry), "6 n_bodies, or empty"}},
       {{"dq_out", dq_out, (K + 1) * nv, "(K + 1) nv"}, {"dv_out", dv_out, (K + 1) * nv, "(K + 1) nv"}});
   TangentContactSteps steps(model, shapes, q, v, step, monitor);
   Matrix dq_k = as_eigen(dq), dv_k = as_eigen(dv);
+  const auto column = [](Span x) { return x.empty() ? Matrix() : Matrix(as_eigen(x)); };
+  const std::size_t n = size(counts.surfaces) / 3;
+  ContactDirections along;
+  if (n > 0) {
+    along.friction = column(parameters.surfaces.first(n));
+    along.restitution = column(parameters.surfaces.subspan(n, n));
+    along.thickness = column(parameters.surfaces.last(n));
+  }
+  along.parameters = {column(parameters.inertia), column(parameters.geometry), column(parameters.placement)};
   std::ranges::copy(dq, dq_out.begin());
   std::ranges::copy(dv, dv_out.begin());
   for (std::size_t k = 0; k < K; ++k) {
-    if (!steps.run(tau.subspan(k * nv, nv), dq_k, dv_k, {.tau = as_eigen(dtau.subspan(k * nv, nv))})) break;
+    along.tau = as_eigen(dtau.subspan(k * nv, nv));
+    if (!steps.run(tau.subspan(k * nv, nv), dq_k, dv_k, along)) break;
     std::copy_n(dq_k.data(), nv, dq_out.data() + (k + 1) * nv);
     std::copy_n(dv_k.data(), nv, dv_out.data() + (k + 1) * nv);
   }
@@ -179,28 +238,36 @@ ContactSensitivity contact_rollout_jvp(const Model& model, const ContactShapes& 
 
 ContactSensitivity contact_rollout_vjp(const Model& model, const ContactShapes& shapes, Span q, Span v,
                                        Span tau, double step, Span w_q, Span w_v,
-                                       const RolloutGradients& gradient, const Monitor& monitor) {
+                                       const RolloutGradients& gradient, const Monitor& monitor,
+                                       const ContactParameters<double>& by_parameters) {
   const std::size_t nq = static_cast<std::size_t>(model.nq()), nv = static_cast<std::size_t>(model.nv()),
                     K = steps_of(model, tau);
-  check_motion(model, shapes, step,
-               {{"q", q, nq, "nq"},
-                {"v", v, nv, "nv"},
-                {"tau", tau, K * nv, "K nv"},
-                {"w_q", w_q, (K + 1) * nv, "(K + 1) nv"},
-                {"w_v", w_v, (K + 1) * nv, "(K + 1) nv"}},
-               {{"gradient.q", gradient.q, nv, "nv"},
-                {"gradient.v", gradient.v, nv, "nv"},
-                {"gradient.tau", gradient.tau, K * nv, "K nv"},
-                {"gradient.geometry", gradient.geometry, 0, "empty: it is not known with contact"}});
+  const Counts counts(model, shapes, by_parameters);
+  const ContactParameters<double>& by = by_parameters;
+  check_motion(
+      model, shapes, step,
+      {{"q", q, nq, "nq"},
+       {"v", v, nv, "nv"},
+       {"tau", tau, K * nv, "K nv"},
+       {"w_q", w_q, (K + 1) * nv, "(K + 1) nv"},
+       {"w_v", w_v, (K + 1) * nv, "(K + 1) nv"}},
+      {{"gradient.q", gradient.q, nv, "nv"},
+       {"gradient.v", gradient.v, nv, "nv"},
+       {"gradient.tau", gradient.tau, K * nv, "K nv"},
+       {"gradient.geometry", gradient.geometry, 0, "empty: by_parameters.geometry receives it"},
+       {"by_parameters.surfaces", by.surfaces, size(counts.surfaces), "3 n for n shapes, or empty"},
+       {"by_parameters.placement", by.placement, size(counts.placement), "6 n for n shapes, or empty"},
+       {"by_parameters.inertia", by.inertia, size(counts.inertia), "10 n_bodies, or empty"},
+       {"by_parameters.geometry", by.geometry, size(counts.geometry), "6 n_bodies, or empty"}});
   TangentContactSteps steps(model, shapes, q, v, step, monitor);
   const Eigen::Index n = model.nv();
-  std::vector<Matrix> by_state;  // (dq; dv) at the end of each step, 2nv × 3nv
-  const AllDirections along(n, 0);
+  std::vector<Matrix> changes;  // (dq; dv) at the end of each step, 2nv rows
+  const AllDirections along(n, counts);
   for (std::size_t k = 0; k < K; ++k) {
     Matrix dq = along.dq, dv = along.dv;
     if (!steps.run(tau.subspan(k * nv, nv), dq, dv, along.others)) break;
-    by_state.emplace_back(2 * n, 3 * n);
-    by_state.back() << dq, dv;
+    changes.emplace_back(2 * n, dq.cols());
+    changes.back() << dq, dv;
   }
   if (steps.result.ok()) {
     const auto weights = [&](std::size_t k) {
@@ -208,16 +275,23 @@ ContactSensitivity contact_rollout_vjp(const Model& model, const ContactShapes& 
       w << as_eigen(w_q.subspan(k * nv, nv)), as_eigen(w_v.subspan(k * nv, nv));
       return w;
     };
-    Eigen::VectorXd w = weights(K);
+    Eigen::VectorXd w = weights(K), all = Eigen::VectorXd::Zero(along.dq.cols());
     for (std::size_t k = K; k-- > 0;) {
-      const Eigen::VectorXd by = by_state[k].transpose() * w;
-      as_eigen(gradient.tau.subspan(k * nv, nv)) = by.tail(n);
-      w = weights(k) + by.head(2 * n);
+      const Eigen::VectorXd of_step = changes[k].transpose() * w;
+      as_eigen(gradient.tau.subspan(k * nv, nv)) = of_step.segment(2 * n, n);
+      all += of_step;
+      w = weights(k) + of_step.head(2 * n);
     }
     as_eigen(gradient.q) = w.head(n);
     as_eigen(gradient.v) = w.tail(n);
+    const double* from = all.data() + 3 * n;
+    for (const std::span<double> to : {by.surfaces, by.placement, by.inertia, by.geometry}) {
+      std::copy_n(from, to.size(), to.data());
+      from += to.size();
+    }
   }
-  return finished(steps.result, {gradient.q, gradient.v, gradient.tau});
+  return finished(steps.result,
+                  {gradient.q, gradient.v, gradient.tau, by.surfaces, by.placement, by.inertia, by.geometry});
 }
 
 }  // namespace axode

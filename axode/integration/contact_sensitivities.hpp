@@ -8,9 +8,9 @@
 
 /// Sensitivities of motions with contact, integrated as by simulate_contact() in equal steps under drive
 /// forces that are constant in each step. They are the exact derivatives of the numerical method, by implicit
-/// differentiation of the equations of a step (D11.19 to D11.23): which contacts touch, stick, slide and
-/// bounce is taken as unchanged by a small displacement. At a gap of 0, the derivative is that of a
-/// displacement that opens the gap. Displacements and gradients of q are left-trivialised, along q ⊕ ε dq.
+/// differentiation of the equations of a step (D11.19 to D11.23, D11.36 to D11.38): which contacts touch,
+/// stick, slide and bounce is taken as unchanged by a small displacement. At a gap of 0, the derivative is
+/// that of a displacement that opens the gap. Displacements and gradients of q are left-trivialised, along q ⊕ ε dq.
 /// Damping and dry friction of joints, springs, hard stops and closed loops act.
 ///
 /// Throws std::invalid_argument for wrong sizes, a state that is not finite or quaternions that are not of
@@ -32,15 +32,32 @@ struct [[nodiscard]] ContactSensitivity {
   bool ok() const { return !failure; }
 };
 
+/// Numbers for the parameters of a mechanism with n shapes and b bodies, such as changes of them or gradients
+/// by them. Each span may be empty.
+template <class T> struct ContactParameters {
+  /// 3 n: n for the friction of each shape, n for the restitution of each, and n for the thickness of a layer
+  /// on each (m), which is the radius of a sphere or capsule and the height of a plane. Derivatives by the
+  /// friction of a pair of shapes without friction, which do not exist, are given as 0.
+  std::span<T> surfaces = {};
+  /// 6 n: displacements of each shape on its body (rad and m) along the unit screws of the frame of the
+  /// shape, angular before linear. The pose P of the shape becomes P exp(Σ π_u U_u).
+  std::span<T> placement = {};
+  /// 10 b: the inertial parameters of each body, see inertial_parameters.hpp (kg, kg m, kg m²).
+  std::span<T> inertia = {};
+  /// 6 b: the geometric parameters of each body, see geometry_derivatives.hpp (rad and m). It must be empty
+  /// for models with loops or with springs between frames (std::invalid_argument).
+  std::span<T> geometry = {};
+};
+
 /// Receives the states of a motion of K steps, K + 1 rows of nq and of nv numbers, and for each step, row by
-/// row, the derivatives of the state at its end: A (2nv × 2nv) by the state at its start and B (2nv × nv) by
-/// the drive forces τ. The first nv rows, and columns of A, are those of q, and the last nv those of v. C
-/// (2nv × 3 n for n shapes, or empty) has the derivatives by the surfaces: n columns by the friction of each
-/// shape, n by the restitution of each, and n by the thickness of a layer on each (m), which is the radius of
-/// a sphere or capsule and the height of a plane. Derivatives by the friction of a pair of shapes without
-/// friction, which do not exist, are given as 0. The spans must not overlap.
+/// row, the derivatives of the state at its end: A (2nv × 2nv) by the state at its start, B (2nv × nv) by the
+/// drive forces τ, and C (2nv × 3 n for n shapes, or empty) by the surfaces, with the columns of
+/// ContactParameters::surfaces. `by` has the derivatives by the other parameters, K times 2nv rows with their
+/// columns; by.surfaces must be empty. The first nv rows, and columns of A, are those of q, and the last nv
+/// those of v. The spans must not overlap.
 struct ContactRolloutDerivatives {
   std::span<double> q, v, A, B, C = {};
+  ContactParameters<double> by = {};
 };
 /// Computes a motion of K steps of length `step` (s) from the state (q, v) under K rows of nv drive forces,
 /// and its derivatives. Allocates; O(nv³ + m³) for a step with m constraints (contacts, stops, dry friction,
@@ -52,22 +69,26 @@ ContactSensitivity contact_rollout_derivatives(const Model& model, const Contact
                                                const Monitor& monitor = {});
 
 /// Computes the displacements of all states of a motion of K steps with contact, under K rows of nv drive
-/// forces, if its start q is displaced by dq, its initial velocity by dv and the forces by dtau (K nv
-/// numbers). dq_out and dv_out receive K + 1 rows of nv numbers; the first rows are dq and dv. Allocates.
+/// forces, if its start q is displaced by dq, its initial velocity by dv, the forces by dtau (K nv numbers)
+/// and the parameters by `parameters`. dq_out and dv_out receive K + 1 rows of nv numbers; the first rows are
+/// dq and dv. Allocates.
 ContactSensitivity contact_rollout_jvp(const Model& model, const ContactShapes& shapes,
                                        std::span<const double> q, std::span<const double> v,
                                        std::span<const double> tau, double step, std::span<const double> dq,
                                        std::span<const double> dv, std::span<const double> dtau,
                                        std::span<double> dq_out, std::span<double> dv_out,
-                                       const Monitor& monitor = {});
+                                       const Monitor& monitor = {},
+                                       const ContactParameters<const double>& parameters = {});
 
 /// Backward differentiation of a motion of K steps with contact: from the gradients w_q and w_v of an
 /// objective by q and v of each of the K + 1 states (K + 1 rows of nv numbers), computes its gradients by the
-/// initial state and the drive forces; gradient.geometry must be empty. Stores 6 K nv² numbers. Allocates.
+/// initial state and the drive forces, and those by the parameters, in by_parameters; gradient.geometry must
+/// be empty. Stores 2 K nv (3 nv + p) numbers for p parameters. Allocates.
 ContactSensitivity contact_rollout_vjp(const Model& model, const ContactShapes& shapes,
                                        std::span<const double> q, std::span<const double> v,
                                        std::span<const double> tau, double step, std::span<const double> w_q,
                                        std::span<const double> w_v, const RolloutGradients& gradient,
-                                       const Monitor& monitor = {});
+                                       const Monitor& monitor = {},
+                                       const ContactParameters<double>& by_parameters = {});
 
 }  // namespace axode

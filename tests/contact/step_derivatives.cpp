@@ -1,162 +1,12 @@
 #include <gtest/gtest.h>
 
-#include <cmath>
-
-#include "axode/integration/contact_sensitivities.hpp"
-#include "axode/integration/simulation.hpp"
-#include "axode/model/configuration.hpp"
-#include "tests/contact/reference_contacts.hpp"
+#include "tests/contact/step_differences.hpp"
 #include "tests/support/random_loops.hpp"
 #include "tests/support/refused_arguments.hpp"
 
 /// Derivatives of steps with contact against differences of fourth order, on every branch of the laws.
 namespace axode::test {
 namespace {
-
-using Matrix = Eigen::MatrixXd;
-using Rows = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
-using Vector = Eigen::VectorXd;
-
-/// A state and a step of it.
-struct Start {
-  std::vector<double> q, v, tau;
-  double step = 5e-3;
-};
-/// The end of a step and its derivatives by displacements, velocities and forces.
-struct Step {
-  std::vector<double> q, v;
-  Rows A, B;
-  ContactSensitivity result;
-};
-Step step_of(const Model& model, const ContactShapes& shapes, const Start& start) {
-  const std::size_t nq = start.q.size(), nv = start.v.size();
-  Step out{
-      std::vector<double>(2 * nq), std::vector<double>(2 * nv), Rows(2 * nv, 2 * nv), Rows(2 * nv, nv), {}};
-  out.result = contact_rollout_derivatives(model, shapes, start.q, start.v, start.tau, start.step,
-                                           {out.q, out.v, as_span(out.A), as_span(out.B)});
-  out.q.erase(out.q.begin(), out.q.begin() + static_cast<std::ptrdiff_t>(nq));
-  out.v.erase(out.v.begin(), out.v.begin() + static_cast<std::ptrdiff_t>(nv));
-  return out;
-}
-
-/// The end of a step as displacements from `from`, and velocities.
-Vector end_of(const Model& model, const Start& start, const std::vector<double>& from) {
-  SimulationOptions options;
-  options.joint_losses = true;
-  options.drive = [&](double, std::span<const double>, std::span<const double>, std::span<double> tau) {
-    std::ranges::copy(start.tau, tau.begin());
-  };
-  const Trajectory motion = simulate_contact(model, start.q, start.v, start.step, start.step, options);
-  EXPECT_TRUE(motion.complete) << motion.stop_reason;
-  const Eigen::Index nv = model.nv();
-  Vector out(2 * nv);
-  const std::size_t last = motion.size() - 1;
-  const std::vector<double> by = difference(model, from, motion.q(last));
-  out.head(nv) = as_eigen(std::span<const double>(by));
-  out.tail(nv) = as_eigen(motion.v(last));
-  return out;
-}
-
-/// Differences of fourth order along the directions of the state and the forces; `along` (3nv × directions).
-Matrix differences(const Model& model, const Start& start, const Step& step, const Matrix& along,
-                   double size) {
-  const Eigen::Index nv = model.nv();
-  Matrix out(2 * nv, along.cols());
-  for (Eigen::Index k = 0; k < along.cols(); ++k) {
-    const auto at = [&](double by) {
-      Start moved = start;
-      const Vector x = by * along.col(k);
-      moved.q = integrate(model, start.q, std::span(x.data(), static_cast<std::size_t>(nv)));
-      for (Eigen::Index c = 0; c < nv; ++c) {
-        moved.v[static_cast<std::size_t>(c)] += x[nv + c];
-        moved.tau[static_cast<std::size_t>(c)] += x[2 * nv + c];
-      }
-      return end_of(model, moved, step.q);
-    };
-    out.col(k) = (8 * (at(size) - at(-size)) - (at(2 * size) - at(-2 * size))) / (12 * size);
-  }
-  return out;
-}
-
-/// Checks the derivatives of a step in all directions, or along some.
-void expect_derivatives(const Model& model, const Start& start, double tolerance = 1e-7, double size = 3e-5,
-                        Matrix along = {}) {
-  const ContactShapes shapes(model);
-  const Step step = step_of(model, shapes, start);
-  ASSERT_TRUE(step.result.ok()) << step.result.failure.why;
-  EXPECT_TRUE(step.result.unique);
-  EXPECT_LE(step.result.certificate, 1e-9);
-  const Eigen::Index nv = model.nv();
-  const Vector end = end_of(model, start, step.q);
-  EXPECT_LE(end.head(nv).norm(), 1e-13);
-  for (Eigen::Index c = 0; c < nv; ++c) EXPECT_EQ(end[nv + c], step.v[static_cast<std::size_t>(c)]);
-  if (along.size() == 0) along = Matrix::Identity(3 * nv, 3 * nv);
-  Matrix by(2 * nv, 3 * nv);
-  by << step.A, step.B;
-  const Matrix exact = by * along, expected = differences(model, start, step, along, size);
-  EXPECT_LE((exact - expected).lpNorm<Eigen::Infinity>(),
-            tolerance * (1 + expected.lpNorm<Eigen::Infinity>()))
-      << "exact\n"
-      << exact << "\ndifferences\n"
-      << expected;
-}
-
-ShapeDescription shape_of(ShapeKind kind, const Vec3<>& size, double friction, double restitution = 0) {
-  ShapeDescription shape{.role = ShapeDescription::Role::collision, .kind = kind, .size = size};
-  shape.radius = size.x;
-  shape.length = size.y;
-  shape.contact = {.friction = friction, .restitution = restitution};
-  return shape;
-}
-
-/// A leaning floor, and free bodies with one shape each.
-struct Bodies {
-  Description description;
-
-  explicit Bodies(double friction) {
-    ShapeDescription plane = shape_of(ShapeKind::plane, {}, friction);
-    plane.name = "floor";
-    const double c = std::cos(0.2), s = std::sin(0.2);
-    plane.pose.R = {{c, 0, -s}, {0, 1, 0}, {s, 0, c}};
-    description.shapes.push_back(plane);
-    description.contact = ContactDescription{.threshold = 0.01};
-  }
-  Bodies& add(const ShapeDescription& shape) {
-    BodyDescription body{.name = "body " + std::to_string(description.bodies.size())};
-    body.joint = {.kind = JointKind::free};
-    body.inertia = MassProperties{
-        .mass = 1.3, .com = {0.01, -0.02, 0.015}, .Theta = {0.02, 0.025, 0.03, 0.001, -0.002, 0.003}};
-    body.shapes.push_back(shape);
-    description.bodies.push_back(body);
-    return *this;
-  }
-  Model build() const { return ModelBuilder(description).build(); }
-};
-Vec3<> up() { return {std::sin(0.2), 0, std::cos(0.2)}; }
-
-/// A pose of a free joint with a rotation about an axis and then a height of its lowest point over the floor.
-std::vector<double> posed(const Vec3<>& turn, const Vec3<>& r) {
-  const double angle = norm(turn), s = angle > 0 ? std::sin(angle / 2) / angle : 0;
-  return {s * turn.x, s * turn.y, s * turn.z, std::cos(angle / 2), r.x, r.y, r.z};
-}
-/// Moves a single free body along the normal of the floor until its least gap is `gap`.
-std::vector<double> lowered(const Model& model, std::vector<double> q, double gap) {
-  Distances distances(model);
-  const double d = distances.evaluate(q)[0].distance;
-  const Vec3<> n = up();
-  q[4] += (gap - d) * n.x;
-  q[5] += (gap - d) * n.y;
-  q[6] += (gap - d) * n.z;
-  return q;
-}
-/// The velocity of a free body that moves with a velocity in space and turns with one in its own axes.
-std::vector<double> moving(const std::vector<double>& q, const Vec3<>& w, const Vec3<>& velocity) {
-  const SO3<> R = rotation(Quaternion<>{q[0], q[1], q[2], q[3]});
-  const Vec3<> v = transpose(R) * velocity;
-  return {w.x, w.y, w.z, v.x, v.y, v.z};
-}
-
-const std::vector<double> push{0.02, -0.01, 0.03, 0.2, -0.1, 0.3};
 
 struct OfOneBody {
   const char* name;
@@ -271,8 +121,54 @@ INSTANTIATE_TEST_SUITE_P(
                             {ShapeKind::box, {0.3, 0.3, 0.2}, {0.1, -0.15, 0.1}}, 0.3)),
     [](const auto& it) { return it.param.name; });
 
-/// The last state of a motion of some steps under constant forces, and its derivative by them.
-/// Bodies on a compliant floor that begin or end to touch in the step, or touch all the time, and stick or slide.
+/// A base with an arm of two bodies, whose shapes fall on the floor.
+TEST(StepDerivatives, OfTreesAgreeWithDifferences) {
+  for (const JointKind base : {JointKind::free, JointKind::spherical, JointKind::prismatic})
+    for (const double friction : {0.2, 5.0})
+      for (const double restitution : {0.0, 0.4}) {
+        SCOPED_TRACE(std::string(to_string(base)) + " " + std::to_string(friction) + " " +
+                     std::to_string(restitution));
+        Bodies bodies(friction);
+        const ShapeDescription ball = shape_of(ShapeKind::sphere, {0.15, 0, 0}, friction, restitution);
+        bodies.add(ball).add(ball).add(ball);
+        std::vector<BodyDescription>& all = bodies.description.bodies;
+        all[0].joint.kind = base;
+        for (const std::size_t i : {1U, 2U}) {
+          all[i].predecessor = all[i - 1].name;
+          all[i].joint = {.kind = JointKind::revolute,
+                          .axis = i == 1 ? Vec3<>{0.2, 1, 0} : Vec3<>{1, 0.3, 0.2}};
+          all[i].geometry = InBodyFrame{{exp_SO3(Vec3<>{0.3, -0.2, 0.1}), {0.5, 0.1, -0.1}}};
+          all[i].shapes[0].pose = {exp_SO3(Vec3<>{-0.2, 0.1, 0.3}), {0.05, 0.02, -0.03}};
+        }
+        const auto gap_of = [](const Model& model, const std::vector<double>& q) {
+          Distances distances(model);
+          double least = 1;
+          for (const ShapeDistance& d : distances.evaluate(q))
+            if (distances.shapes()[d.a].kind == ShapeKind::plane) least = std::min(least, d.distance);
+          return least;
+        };
+        const Model high = bodies.build();
+        std::vector<double> q = neutral(high);
+        for (std::size_t c = q.size() - 2; c < q.size(); ++c) q[c] = 0.3;
+        bodies.description.shapes[0].pose.r += (gap_of(high, q) - 5e-4) * up();
+        const Model model = bodies.build();
+        Random<double> random(5);
+        std::vector<double> v = random_numbers(random, model.nv());
+        const std::vector<double> tau = random_numbers(random, model.nv());
+        const auto touches = [&] {
+          return gap_of(model, step_of(model, ContactShapes(model), {q, v, tau}).q) < 1e-9;
+        };
+        if (!touches())
+          for (double& x : v) x = -x;
+        ASSERT_TRUE(touches());
+        expect_derivatives(model, {q, v, tau}, 1e-7, 1e-5);
+        if (base == JointKind::free)
+          expect_derivatives(model, {q, v, std::vector<double>(tau.size())}, 1e-7, 1e-5);
+      }
+}
+
+/// Bodies on a compliant floor that begin or end to touch in the step, or touch all the time, and stick or
+/// slide.
 TEST(StepDerivatives, OfCompliantContactsAgreeWithDifferences) {
   for (const double friction : {0.0, 0.3, 5.0})
     for (const double gap : {-1.4e-3, -2e-4, 4e-4})
@@ -319,12 +215,16 @@ TEST(StepDerivatives, OfAWholeMotionAreProductsOfThoseOfItsSteps) {
   Random<double> random(3);
   const auto numbers_of = [&](std::size_t n) { return random_numbers(random, static_cast<int>(n)); };
   const std::vector<double> tau = numbers_of(K * nv), dq = numbers_of(nv), dv = numbers_of(nv),
-                            dtau = numbers_of(K * nv), w_q = numbers_of((K + 1) * nv),
-                            w_v = numbers_of((K + 1) * nv);
-  std::vector<double> dq_k((K + 1) * nv), dv_k(dq_k), by_q(nv), by_v(nv), by_tau(K * nv);
-  ContactSensitivity found = contact_rollout_jvp(model, shapes, q, v, tau, 5e-3, dq, dv, dtau, dq_k, dv_k);
+                            dtau = numbers_of(K * nv), dsurfaces = numbers_of(9), dplacement = numbers_of(18),
+                            dinertia = numbers_of(20), dgeometry = numbers_of(12),
+                            w_q = numbers_of((K + 1) * nv), w_v = numbers_of((K + 1) * nv);
+  std::vector<double> dq_k((K + 1) * nv), dv_k(dq_k), by_q(nv), by_v(nv), by_tau(K * nv), by_surfaces(9),
+      by_placement(18), by_inertia(20), by_geometry(12);
+  ContactSensitivity found = contact_rollout_jvp(model, shapes, q, v, tau, 5e-3, dq, dv, dtau, dq_k, dv_k, {},
+                                                 {dsurfaces, dplacement, dinertia, dgeometry});
   ASSERT_TRUE(found.ok()) << found.failure.why;
-  found = contact_rollout_vjp(model, shapes, q, v, tau, 5e-3, w_q, w_v, {by_q, by_v, by_tau});
+  found = contact_rollout_vjp(model, shapes, q, v, tau, 5e-3, w_q, w_v, {by_q, by_v, by_tau}, {},
+                              {by_surfaces, by_placement, by_inertia, by_geometry});
   ASSERT_TRUE(found.ok()) << found.failure.why;
   const auto product = [](const std::vector<double>& a, const std::vector<double>& b) {
     double sum = 0;
@@ -332,46 +232,10 @@ TEST(StepDerivatives, OfAWholeMotionAreProductsOfThoseOfItsSteps) {
     return sum;
   };
   const double forward = product(w_q, dq_k) + product(w_v, dv_k);
-  const double backward = product(by_q, dq) + product(by_v, dv) + product(by_tau, dtau);
+  const double backward = product(by_q, dq) + product(by_v, dv) + product(by_tau, dtau) +
+                          product(by_surfaces, dsurfaces) + product(by_placement, dplacement) +
+                          product(by_inertia, dinertia) + product(by_geometry, dgeometry);
   EXPECT_NEAR(forward, backward, 1e-9 * (1 + std::abs(forward)));
-}
-
-/// Friction and restitution of a floor and of a ball, the height of the floor and the radius of the ball.
-TEST(StepDerivatives, BySurfacesAgreeWithDifferences) {
-  struct Case {
-    double friction;  ///< of the floor
-    Vec3<> velocity;
-  };
-  for (const Case& it : {Case{0.2, {1, 0.5, -1.5}}, Case{0.2, {0.2, 0.5, -0.5}}, Case{6, {0.1, 0, -1.5}}}) {
-    const auto build = [&](const Vector& by) {
-      Bodies bodies(it.friction + by[0]);
-      bodies.add(shape_of(ShapeKind::sphere, {0.1 + by[5], 0, 0}, 0.3 + by[1], 0.5 + by[3]));
-      ShapeDescription& floor = bodies.description.shapes[0];
-      floor.contact.restitution = 0.2 + by[2];
-      floor.pose.r += by[4] * up();
-      return bodies.build();
-    };
-    const Model model = build(Vector::Zero(6));
-    const ContactShapes shapes(model);
-    const std::vector<double> q = lowered(model, posed(some_turn, {0.1, 0.2, 1}), 1e-3);
-    const Start start{q, moving(q, spin, it.velocity), push};
-    std::vector<double> q_k(14), v_k(12);
-    Rows A(12, 12), B(12, 6), C(12, 6);
-    const ContactSensitivity found =
-        contact_rollout_derivatives(model, shapes, start.q, start.v, start.tau, start.step,
-                                    {q_k, v_k, as_span(A), as_span(B), as_span(C)});
-    ASSERT_TRUE(found.ok()) << found.failure.why;
-    const std::vector<double> from(q_k.begin() + 7, q_k.end());
-    EXPECT_GT(C.norm(), 1e-2);
-    for (Eigen::Index k = 0; k < 6; ++k) {
-      const auto at = [&](double by) { return end_of(build(by * Vector::Unit(6, k)), start, from); };
-      const double size = 3e-5;
-      const Vector expected = (8 * (at(size) - at(-size)) - (at(2 * size) - at(-2 * size))) / (12 * size);
-      EXPECT_LE((C.col(k) - expected).norm(), 1e-7 * (1 + expected.norm()))
-          << k << ": " << C.col(k).transpose() << "\n"
-          << expected.transpose();
-    }
-  }
 }
 
 TEST(StepDerivatives, RefuseDrivesWithStates) {
@@ -410,77 +274,6 @@ TEST(StepDerivatives, RefuseContactPointsWithoutAClosedForm) {
             "the points of contact between \"body 0 shape 1\" and \"body 1 shape 1\" have no closed form, so "
             "that their derivatives are not known; give one of the two another shape");
   EXPECT_TRUE(std::isnan(step.A(0, 0)));
-}
-
-/// Mechanisms of all files, with stops, dry joints and loops, along motions of some steps.
-class MotionDerivatives : public testing::TestWithParam<std::string> {
- protected:
-  void SetUp() override {
-    if (GetParam() == no_case) GTEST_SKIP() << missing(contact_folder(), "AXODE_VECTORS");
-  }
-};
-INSTANTIATE_TEST_SUITE_P(Vectors, MotionDerivatives, testing::ValuesIn(contact_cases()), case_name);
-
-/// Forces change the ends of motions as differences say, wherever both one-sided differences agree.
-TEST_P(MotionDerivatives, ByForcesAgreeWithDifferences) {
-  const ReferenceContacts reference(GetParam());
-  const Model model = reference.build();
-  const ContactShapes shapes(model);
-  const std::size_t nv = static_cast<std::size_t>(model.nv()), K = 3;
-  int compared = 0, kinks = 0;
-  for (const Json& state : reference.file.at("states")) {
-    SCOPED_TRACE(state.at("name").text());
-    const std::vector<double> q = numbers(state.at("q")), v = numbers(state.at("v")),
-                              tau_1 = numbers(state.at("tau"));
-    const double step = 2e-3;
-    Random<double> random(7);
-    std::vector<double> tau, dtau = random_numbers(random, static_cast<int>(K * nv));
-    for (std::size_t k = 0; k < K; ++k) tau.insert(tau.end(), tau_1.begin(), tau_1.end());
-    std::vector<double> dq((K + 1) * nv), dv(dq);
-    const std::vector<double> none(nv);
-    const ContactSensitivity found =
-        contact_rollout_jvp(model, shapes, q, v, tau, step, none, none, dtau, dq, dv);
-    ASSERT_TRUE(found.ok()) << found.failure.why;
-    if (found.certificate > 1e-9 || !found.unique) continue;
-    std::vector<double> from = q;
-    const auto at = [&](double by) {
-      SimulationOptions options;
-      options.joint_losses = true;
-      options.drive = [&](double t, std::span<const double>, std::span<const double>, std::span<double> out) {
-        const std::size_t k = std::min(K - 1, static_cast<std::size_t>(t / step));
-        for (std::size_t c = 0; c < nv; ++c) out[c] = tau[k * nv + c] + by * dtau[k * nv + c];
-      };
-      const Trajectory motion = simulate_contact(model, q, v, step * static_cast<double>(K), step, options);
-      EXPECT_TRUE(motion.complete) << motion.stop_reason;
-      const std::size_t last = motion.size() - 1;
-      Vector out(2 * static_cast<Eigen::Index>(nv));
-      if (by == 0) from.assign(motion.q(last).begin(), motion.q(last).end());
-      const std::vector<double> moved = difference(model, from, motion.q(last));
-      out << as_eigen(std::span<const double>(moved)), as_eigen(motion.v(last));
-      return out;
-    };
-    // Where several points share a load and slide, solutions differ by more than rounding: two sizes of the
-    // differences say by how much.
-    const Vector here = at(0);
-    const auto difference_of = [&](double size, Vector& jump) {
-      const Vector one = at(size), two = at(2 * size), back = at(-size), far = at(-2 * size);
-      jump = (4 * (one + back) - (two + far) - 6 * here) / (2 * size);  // of one-sided differences
-      return Vector((8 * (one - back) - (two - far)) / (12 * size));
-    };
-    Vector jump, other_jump;
-    const Vector central = difference_of(1e-3, jump), other = difference_of(2.5e-4, other_jump);
-    Vector exact(2 * static_cast<Eigen::Index>(nv));
-    exact << as_eigen(std::span<const double>(dq).last(nv)), as_eigen(std::span<const double>(dv).last(nv));
-    if (jump.norm() > 1e-3 * central.norm()) {
-      ++kinks;
-      continue;
-    }
-    ++compared;
-    EXPECT_LE((exact - central).norm(), 1e-7 * central.norm() + 1e-9 + 2 * (central - other).norm())
-        << exact.transpose() << "\n"
-        << central.transpose();
-  }
-  EXPECT_GE(compared, 1) << "states where the motion has a derivative";
 }
 
 }  // namespace

@@ -1,7 +1,5 @@
 #include "axode/contact/derivatives/displaced_motion.hpp"
 
-#include "axode/eigen.hpp"
-
 namespace axode {
 namespace {
 
@@ -57,24 +55,39 @@ FrameChanges turned_changes(const Vec3<>& from, const VectorChanges& dfrom, cons
   return changes(turned_frame(frame_of(along(from, 0)), along(to, 3)), dfrom, dto);
 }
 
+ContactChanges contact_changes(const ContactJet& jet, const Displacements& a, const Displacements& b) {
+  Changes relative(6, a.xi.cols());
+  relative.topRows<3>() = b.xi.topRows<3>() - a.xi.topRows<3>();
+  relative.bottomRows<3>() = b.of(jet.about) - a.of(jet.about);
+  return {a.of(jet.point) + jet.point_by * relative,
+          -skew(jet.normal) * a.xi.topRows<3>() + jet.normal_by * relative, jet.gap_by * relative};
+}
+
 DisplacedMotion::DisplacedMotion(const Model& model)
     : tree_(&model.tree<double>()),
       spatial_(model.topology()),
       poses_(static_cast<std::size_t>(model.n_bodies()) + 1),
       V_(poses_.size()) {}
 
+void DisplacedMotion::set_geometry(const Changes& geometry, Eigen::Index first) {
+  geometry_ = geometry;
+  first_ = first;
+}
+
 void DisplacedMotion::run(const double* q, const double* v, const Changes& dq, const Changes& dv) {
   spatial_->run(*tree_, q);
   const Topology& topology = *tree_->operator->();
   xi_.setZero(6 * (topology.n + 1), dq.cols());
   dV_.setZero(6 * (topology.n + 1), dq.cols());
+  if (geometry_.size() > 0 && first_ < dq.cols())
+    xi_.middleCols(first_, geometry_.cols()) = geometric_displacements(*tree_, *spatial_, q, geometry_);
   for (int i = 1; i <= topology.n; ++i) {
     const std::size_t k = static_cast<std::size_t>(i);
     const int p = topology.parent[i];
     poses_[k] = spatial_->pose(i);
     auto xi = xi_.middleRows<6>(6 * i), dV = dV_.middleRows<6>(6 * i);
     Twist<Spatial> Sv{};
-    xi = xi_.middleRows<6>(6 * p);
+    xi += xi_.middleRows<6>(6 * p);
     dV = dV_.middleRows<6>(6 * p);
     spatial_->each_screw(i, [&](int c, const Twist<Spatial>& S) {
       Sv += v[c] * S;
@@ -84,19 +97,6 @@ void DisplacedMotion::run(const double* q, const double* v, const Changes& dq, c
     V_[k] = V_[static_cast<std::size_t>(p)] + Sv;
     dV -= ad_matrix(screw(Sv)) * xi;
   }
-}
-
-VectorChanges DisplacedMotion::displacement(int body, const Vec3<>& point) {
-  const auto xi = of(xi_, body);
-  return xi.bottomRows<3>() - skew(point - origin(body)) * xi.topRows<3>();
-}
-
-ContactChanges DisplacedMotion::contact(const ContactJet& jet) {
-  Changes relative(6, directions());
-  relative.topRows<3>() = of(xi_, jet.b).topRows<3>() - of(xi_, jet.a).topRows<3>();
-  relative.bottomRows<3>() = displacement(jet.b, jet.about) - displacement(jet.a, jet.about);
-  return {displacement(jet.a, jet.point) + jet.point_by * relative,
-          -skew(jet.normal) * of(xi_, jet.a).topRows<3>() + jet.normal_by * relative, jet.gap_by * relative};
 }
 
 Changes DisplacedMotion::row_velocities(const ContactJet& at, const ContactChanges& change,

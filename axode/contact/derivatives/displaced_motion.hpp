@@ -3,7 +3,8 @@
 #include <span>
 
 #include "axode/contact/derivatives/contact_jet.hpp"
-#include "axode/recursion/spatial_tree.hpp"
+#include "axode/contact/derivatives/parameter_changes.hpp"
+#include "axode/eigen.hpp"
 
 namespace axode {
 
@@ -15,6 +16,19 @@ struct ContactChanges {
   VectorChanges point, normal;
   Eigen::RowVectorXd gap;
 };
+
+/// The displacements of a body along k directions: six rows, a rotation and the translation of the point O.
+struct Displacements {
+  Eigen::Matrix<double, 6, Eigen::Dynamic> xi;
+  Vec3<> O;
+
+  /// The displacements of a point that moves with the body.
+  VectorChanges of(const Vec3<>& point) const {
+    return xi.bottomRows<3>() - skew(point - O) * xi.topRows<3>();
+  }
+};
+/// The changes of the point, normal and gap of a contact by displacements of its two bodies (D11.16).
+ContactChanges contact_changes(const ContactJet& jet, const Displacements& a, const Displacements& b);
 
 /// The changes of the axes n, t1, t2 of a contact along k directions.
 struct FrameChanges {
@@ -29,7 +43,7 @@ FrameChanges turned_changes(const Vec3<>& from, const VectorChanges& dfrom, cons
 /// The motion of the bodies of a tree at a state (q, v), and its changes along k directions (dq, dv), a
 /// column for each. dq are left-trivialised displacements. Let ξ_i be the displacement and V_i = V_p + S v
 /// the twist of body i with the predecessor p and the joint screws S; then
-///   ξ_i = ξ_p + S dq,   dV_i = dV_p + [ξ_i, S v] + S dv                                            (D11.17)
+///   ξ_i = ξ_p + U dπ + S dq,   dV_i = dV_p + [ξ_i, S v] + S dv                                     (D11.17)
 /// about a fixed point O, which coincides with the origin of the root of body i at q. Costs O(n k). An object
 /// is the scratch memory of one thread.
 class DisplacedMotion {
@@ -38,6 +52,9 @@ class DisplacedMotion {
 
   explicit DisplacedMotion(const Model& model);
 
+  /// Lets the geometric parameters of all bodies change by `geometry` (6 n × p, or empty) along the p
+  /// directions that begin with the direction `first` of later calls of run(), if these have as many.
+  void set_geometry(const Changes& geometry, Eigen::Index first);
   /// Computes the poses and twists of all bodies and their changes along (dq, dv), nv × k each.
   void run(const double* q, const double* v, const Changes& dq, const Changes& dv);
 
@@ -45,7 +62,9 @@ class DisplacedMotion {
   /// The poses of the internal frames of all bodies in the inertial frame, n_bodies + 1 entries.
   std::span<const SE3<>> poses() const { return poses_; }
   /// The changes of the point, normal and gap of a contact that follow from the displacements of its bodies.
-  ContactChanges contact(const ContactJet& jet);
+  ContactChanges contact(const ContactJet& jet) {
+    return contact_changes(jet, displacements(jet.a), displacements(jet.b));
+  }
   /// Computes the relative velocities u of the bodies at a contact along `axes`, and returns their changes
   /// along the k directions (`rows` × k). `change` and `daxes` are the changes of the contact point and of
   /// the axes along these directions.
@@ -61,14 +80,15 @@ class DisplacedMotion {
   Vec3<> origin(int body) { return body > 0 ? spatial_->origin[body] : Vec3<>{}; }
   /// The six rows of a body in a matrix with six rows for each body.
   auto of(const Changes& x, int body) const { return x.middleRows<6>(6 * body); }
-  /// The displacements of a point that moves with a body along all directions.
-  VectorChanges displacement(int body, const Vec3<>& point);
+  Displacements displacements(int body) { return {of(xi_, body), origin(body)}; }
 
   const Tree<double>* tree_;
   WithScratch<double, SpatialTree<double>> spatial_;
   std::vector<SE3<>> poses_;
   std::vector<Twist<Spatial>> V_;
-  Changes xi_, dV_;  ///< ξ and dV of all bodies, 6 (n_bodies + 1) × k
+  Changes geometry_;
+  Eigen::Index first_ = 0;  ///< first direction of geometry_
+  Changes xi_, dV_;         ///< ξ and dV of all bodies, 6 (n_bodies + 1) × k
 };
 
 }  // namespace axode

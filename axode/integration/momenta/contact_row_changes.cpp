@@ -26,6 +26,13 @@ bool ContactStepDerivative::find(const std::vector<Contact>& contacts, double ma
     out.found.push_back(jet != nullptr);
     out.jets.push_back(jet ? *jet : ContactJet{});
     out.changes.push_back(jet ? motion_.contact(*jet) : ContactChanges{});
+    if (jet && along_.placement.size() > 0 && first_ < motion_.directions()) {
+      const ContactChanges by = placement_changes(contact.key, *jet);
+      ContactChanges& changes = out.changes.back();
+      changes.point.middleCols(first_, p_) += by.point;
+      changes.normal.middleCols(first_, p_) += by.normal;
+      changes.gap.segment(first_, p_) += by.gap;
+    }
     if (!jet || thickness_.size() == 0) continue;
     // A layer on a shape moves the side of this shape at the contact along the normal. The contact point is
     // on b if a is a plane, and otherwise half-way.
@@ -38,6 +45,18 @@ bool ContactStepDerivative::find(const std::vector<Contact>& contacts, double ma
     changes.point += to_eigen(jet->normal) * (part_a * on_a - (1 - part_a) * on_b);
   }
   return true;
+}
+
+ContactChanges ContactStepDerivative::placement_changes(std::uint64_t key, const ContactJet& jet) const {
+  const auto displacements = [&](int shape) {
+    const SE3<> C = motion_.poses()[index(shapes_[shape].body)] * shapes_[shape].pose;
+    const Matrix own = along_.placement.middleRows<6>(6 * shape);
+    Matrix xi(6, p_);
+    xi << to_eigen(C.R) * own.topRows<3>(), to_eigen(C.R) * own.bottomRows<3>();
+    return Displacements{xi, C.r};
+  };
+  const auto [a, b] = ContactJets::shapes_of(key);
+  return contact_changes(jet, displacements(a), displacements(b));
 }
 
 Matrix ContactStepDerivative::coefficient_changes(const std::vector<Contact>& contacts, Eigen::Index rows,

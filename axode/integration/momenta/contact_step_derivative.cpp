@@ -46,6 +46,7 @@ ContactStepDerivative::ContactStepDerivative(const Model& model, const ContactSh
       loops_(model_),
       jets_(shapes),
       motion_(model_),
+      parameter_changes_(model_),
       place_(index(model_.nv()), 0) {
   const Topology& topology = model_.topology();
   for (int i = 1; i <= topology.n; ++i)
@@ -76,6 +77,10 @@ bool ContactStepDerivative::begin(const ContactPart& part, const Matrix& dq, con
   };
   thickness_ = with_multipliers(directions.thickness);
   restitution_ = directions.restitution;
+  along_ = directions.parameters;
+  p_ = along_.count();
+  first_ = k - p_;
+  motion_.set_geometry(along_.geometry, first_);
   out.friction = with_multipliers(directions.friction);
   const Matrix none = Matrix::Zero(nv, k + m);
   motion_.run(part.q_0.data(), part.v_0.data(), out.dq, none);
@@ -100,11 +105,21 @@ bool ContactStepDerivative::begin(const ContactPart& part, const Matrix& dq, con
   if (m > 0) v_a += out.momenta.factor.solve(first.J.transpose() * first.physical());
   // The momenta of a translation of a base do not contribute to the derivatives of its linear momenta by q,
   // so that the latter may be taken at v_0, with the velocity of the moving frame included.
-  begin_bases(part, v_a, out.momenta.M, out.dq, dp + out.momenta.Mv_q * out.dq + out.momenta.M * out.dv);
+  Matrix whole = dp + out.momenta.Mv_q * out.dq + out.momenta.M * out.dv;
+  if (p_ > 0) {
+    parameter_changes_.run(part.q_0.data(), part.v_0.data(), along_);
+    by_parameters(whole) += parameter_changes_.momenta;
+  }
+  begin_bases(part, v_a, out.momenta.M, out.dq, whole);
   const Vector e_0 = frame_velocity(0);
   Matrix de_0 = Matrix::Zero(nv, k + m);
   add_frame_changes(0, 0, 1, out.dq, nullptr, &de_0);
-  if (!bases_.empty()) take_momenta(part.q_0, part.v_0 - e_0, out.momenta);
+  if (!bases_.empty()) {
+    const Vector v = part.v_0 - e_0;
+    take_momenta(part.q_0, v, out.momenta);
+    if (p_ > 0) parameter_changes_.run(part.q_0.data(), v.data(), along_);
+  }
+  if (p_ > 0) by_parameters(dp) += parameter_changes_.momenta;
   dp += out.momenta.Mv_q * out.dq + out.momenta.M * (out.dv - de_0);
   out.p = out.momenta.M * (v_a - e_0);
   return true;

@@ -15,15 +15,16 @@
 
 namespace axode {
 
-/// Directions for the derivative of a step with contact: changes of drive forces and of the surfaces of
-/// shapes, a column for each of k directions. `tau` has nv rows; the other matrices have a row for each
-/// shape, or are empty if surfaces do not change.
+/// Directions for the derivative of a step with contact: changes of drive forces, of the surfaces of shapes
+/// and of the parameters of the mechanism, a column for each of k directions. `tau` has nv rows; the other
+/// matrices have a row for each shape, or are empty if surfaces do not change.
 struct ContactDirections {
-  Eigen::MatrixXd tau;          ///< drive forces, nv × k
-  Eigen::MatrixXd friction;     ///< coefficient of sliding friction
-  Eigen::MatrixXd restitution;  ///< if a pair has two equal ones, the first one's change acts
-  Eigen::MatrixXd thickness;    ///< thickness of a layer, m: radius of a
-                                ///< sphere, height of a plane
+  Eigen::MatrixXd tau;             ///< drive forces, nv × k
+  Eigen::MatrixXd friction;        ///< coefficient of sliding friction
+  Eigen::MatrixXd restitution;     ///< if a pair has two equal ones, the first one's change acts
+  Eigen::MatrixXd thickness;       ///< thickness of a layer, m: radius of a
+                                   ///< sphere, height of a plane
+  ParameterDirections parameters;  ///< for the last p of the k directions
 };
 
 /// The derivative of a step with contact along k directions, by implicit differentiation of its equations
@@ -65,6 +66,8 @@ class ContactStepDerivative {
     double mass;
     Vec3<> u;
     Eigen::Matrix3Xd du;
+    Eigen::Matrix3Xd turn;    ///< rotations by geometric parameters, in inertial axes; 3 × p or empty
+    Eigen::Matrix3Xd center;  ///< changes of the centre of mass at the start by parameters, 3 × p or empty
   };
   /// The contacts in one configuration: for each of them point, normal and gap with their derivatives,
   /// whether it was found, its axes, and the changes of all these along the directions of differentiation.
@@ -119,6 +122,10 @@ class ContactStepDerivative {
   /// of friction. `friction` has the changes of these coefficients for each shape.
   Matrix coefficient_changes(const std::vector<Contact>& contacts, Eigen::Index rows,
                              const Matrix& friction) const;
+  /// The changes of a contact by the displacements of its shapes on their bodies (p columns).
+  ContactChanges placement_changes(std::uint64_t key, const ContactJet& jet) const;
+  /// The p columns of a matrix x along the directions of the parameters of the mechanism.
+  auto by_parameters(Matrix& x) const { return x.middleCols(first_, p_); }
   /// Changes of the restitution of a contact (1 × k) by those of its shapes.
   Eigen::RowVectorXd restitution_changes(const Contact& contact) const;
   void set_axes(const std::vector<Contact>& contacts, Rows& out);
@@ -172,6 +179,9 @@ class ContactStepDerivative {
   LoopWorkspace<double> loops_;
   ContactJets jets_;
   DisplacedMotion motion_;
+  ParameterChanges parameter_changes_;
+  ParameterDirections along_;
+  Eigen::Index first_ = 0, p_ = 0;  ///< the directions of along_
   std::vector<Base> bases_;
   Matrix thickness_, restitution_;  ///< changes along the directions of
                                     ///< motion_ and of the part, or empty

@@ -43,8 +43,13 @@ bool ContactStepDerivative::impulses_at_end(const ContactPart& part, const Start
   motion_.run(q_1.data(), v_1.data(), dq, none);
   if (!find(part.end, part.margin, rows)) return false;
   set_axes(part.end, rows);
-  take_momenta(q_1, v_1 - frame_velocity(part.h), at);
+  const Vector v_moving = v_1 - frame_velocity(part.h);
+  take_momenta(q_1, v_moving, at);
   Matrix momenta = dp - at.Mv_q * dq;
+  if (p_ > 0) {
+    parameter_changes_.run(q_1.data(), v_moving.data(), along_);
+    by_parameters(momenta) -= parameter_changes_.momenta;
+  }
   if (m > 0) momenta += impulse_changes(q_1, rows, last.physical(), dq);
   if (m > 0 && friction.size() > 0)
     momenta += last.J.transpose() * (last.lambda.asDiagonal() * coefficient_changes(part.end, m, friction));
@@ -134,7 +139,12 @@ bool ContactStepDerivative::move_apart(const ContactPart& part, Matrix& dq) {
   Rows rows;
   if (!find(part.apart, part.margin, rows)) return false;
   set_axes(part.apart, rows);
-  Matrix dy = at.factor.solve(impulse_changes(part.q_1, rows, apart.physical(), dq) - at.Mv_q * dq);
+  Matrix momenta = impulse_changes(part.q_1, rows, apart.physical(), dq) - at.Mv_q * dq;
+  if (p_ > 0) {
+    parameter_changes_.run(part.q_1.data(), y.data(), along_);
+    by_parameters(momenta) -= parameter_changes_.momenta;
+  }
+  Matrix dy = at.factor.solve(momenta);
   Vector u;
   Matrix du = velocity_changes(part.q_1, y, rows, dq, u) + apart.J * dy;
   const std::span<const double> room = system_.room();

@@ -74,10 +74,19 @@ void ContactStepDerivative::begin_bases(const ContactPart& part, const Vector& v
     const Eigen::Vector3d linear = p.segment<3>(first + 3);
     const double mass = M(first + 3, first + 3);
     const Eigen::Vector3d u = R * linear / mass;
-    bases_.push_back(
-        {base.body, first, base.constant, mass, from_eigen<Vec3<>>(u),
-         R * (dp.middleRows<3>(first + 3) - skew(from_eigen<Vec3<>>(linear)) * dq.middleRows<3>(first)) /
-             mass});
+    Base out{base.body, first, base.constant, mass, from_eigen<Vec3<>>(u), {}, {}, {}};
+    out.du = R * (dp.middleRows<3>(first + 3) - skew(from_eigen<Vec3<>>(linear)) * dq.middleRows<3>(first));
+    if (along_.geometry.size() > 0) {
+      out.turn = to_eigen(tree_->B[index(base.body)].R * tree_->frame_offset[index(base.body)].R) *
+                 along_.geometry.middleRows<3>(6 * (base.body - 1));
+      out.du.middleCols(first_, p_) -= R * skew(from_eigen<Vec3<>>(linear)) * R.transpose() * out.turn;
+    }
+    if (p_ > 0) {
+      out.du.middleCols(first_, p_) -= u * parameter_changes_.mass(base.body);
+      out.center = parameter_changes_.center(base.body);
+    }
+    out.du /= mass;
+    bases_.push_back(out);
   }
 }
 
@@ -99,11 +108,16 @@ void ContactStepDerivative::add_frame_changes(double time, double of_place, doub
   const Vector e = frame_velocity(time);
   for (const Base& base : bases_) {
     const Eigen::Matrix3d Rt = to_eigen(motion_.poses()[index(base.body)].R).transpose();
+    const Eigen::Matrix3d turn_e = skew(from_eigen<Vec3<>>(e.segment<3>(base.first + 3)));
     if (dv)
       dv->middleRows<3>(base.first + 3) +=
-          of_velocity * (Rt * base.du + skew(from_eigen<Vec3<>>(e.segment<3>(base.first + 3))) *
-                                            dq_moving.middleRows<3>(base.first));
+          of_velocity * (Rt * base.du + turn_e * dq_moving.middleRows<3>(base.first));
     if (dq) dq->middleRows<3>(base.first + 3) += of_place * Rt * base.du;
+    if (base.turn.size() == 0) continue;
+    // The base turns by geometric parameters, and so do the axes of its translations.
+    if (dv) dv->block(base.first + 3, first_, 3, p_) += of_velocity * turn_e * Rt * base.turn;
+    const Eigen::Vector3d path = to_eigen(of_place * (base.u + (time / 2) * tree_->g));
+    if (dq) dq->block(base.first + 3, first_, 3, p_) += Rt * skew(from_eigen<Vec3<>>(path)) * base.turn;
   }
 }
 
@@ -120,7 +134,12 @@ Matrix ContactStepDerivative::rolling_changes(const ContactPart& part, const Row
   take_momenta(part.q_0, gain, at);
   RowMajor gravity(nv, nv);
   gravity_derivatives(model_, workspace_, Numbers<double>(entries(part.q_0)), entries(gravity));
-  const Matrix dvelocity = dv + at.factor.solve(dp - (part.h / 2 * gravity + at.Mv_q) * dq);
+  Matrix momenta = dp - (part.h / 2 * gravity + at.Mv_q) * dq;
+  if (p_ > 0) {
+    parameter_changes_.run(part.q_0.data(), gain.data(), along_);
+    by_parameters(momenta) += part.h / 2 * parameter_changes_.gravity - parameter_changes_.momenta;
+  }
+  const Matrix dvelocity = dv + at.factor.solve(momenta);
   Vector u;
   const Matrix du = velocity_changes(part.q_0, velocity, start, dq, u) + first.J * dvelocity;
   return du.bottomRows(model_.loops().rows);
@@ -128,7 +147,8 @@ Matrix ContactStepDerivative::rolling_changes(const ContactPart& part, const Row
 
 /// Computes, in the middle of a substep, the derivatives f_q and f_v by q and v of the forces ∂T/∂q - ad_vᵀ M
 /// v of the kinetic energy T plus gravity, springs and damping, relative to the moving frames of floating
-/// bases. Adds to df the changes of the spring forces by the motion of the frames.
+/// bases. Adds to df the changes of the forces by parameters of the mechanism, which parameter_changes_ has,
+/// and those of the spring forces by the motion of the frames.
 void ContactStepDerivative::take_forces(const ContactPart& part, const Momenta& at_m, const Vector& v_m,
                                         Matrix& f_q, Matrix& f_v, Matrix& df) {
   const double h = part.h;
@@ -152,13 +172,15 @@ void ContactStepDerivative::take_forces(const ContactPart& part, const Momenta& 
   gravity_derivatives(model_, workspace_, Numbers<double>(entries(part.q_middle)), entries(gravity));
   for (const Base& base : bases_) {
     const Topology& topology = model_.topology();
-    for (int i = base.body; i < topology.subtree_end[index(base.body)]; ++i)
-      gravity
-          .middleRows(topology.iv[index(i)],
-                      topology.first_screw[index(i) + 1] - topology.first_screw[index(i)])
-          .setZero();
+    for (int i = base.body; i < topology.subtree_end[index(base.body)]; ++i) {
+      const Eigen::Index first = topology.iv[index(i)],
+                         n = topology.first_screw[index(i) + 1] - topology.first_screw[index(i)];
+      gravity.middleRows(first, n).setZero();
+      if (p_ > 0) parameter_changes_.gravity.middleRows(first, n).setZero();
+    }
   }
   f_q -= gravity;
+  if (p_ > 0) by_parameters(df) += parameter_changes_.forces + parameter_changes_.gravity;
   if (damping_)
     for (Eigen::Index c = 0; c < nv; ++c) f_v(c, c) -= tree_->damping[index(c)];
   if (!model_.springs().empty()) {
@@ -195,6 +217,7 @@ ContactStepDerivative::Flight ContactStepDerivative::fly(const ContactPart& part
   Matrix carry = Matrix::Zero(nv, k + m), by_v = Matrix::Zero(nv, nv);
   maps_.add(&Joints::carry, start.dq, carry);
   maps_.add(&Joints::velocity, h / 2 * Matrix::Identity(nv, nv), by_v);
+  if (p_ > 0) parameter_changes_.run(part.q_middle.data(), v_m.data(), along_);
   Matrix f_q, f_v, df = start.dtau;
   take_forces(part, at_m, v_m, f_q, f_v, df);
   const Vector q_1 = part.q_1;
@@ -207,7 +230,8 @@ ContactStepDerivative::Flight ContactStepDerivative::fly(const ContactPart& part
   const Matrix N = at_m.M + at_m.Mv_q * by_v - h / 2 * turn_of(y, (p_0 + p_plus) / 2, false) -
                    dexp_transpose(y, p_plus_by_v / 2);
   Matrix dp_plus = Ad_transpose(y, start.dp) + h * (df + f_q * carry);
-  const Matrix left = dexp_transpose(y, (start.dp + dp_plus) / 2) - at_m.Mv_q * carry;
+  Matrix left = dexp_transpose(y, (start.dp + dp_plus) / 2) - at_m.Mv_q * carry;
+  if (p_ > 0) by_parameters(left) -= parameter_changes_.momenta;
   const Matrix dv_m = N.partialPivLu().solve(left);
   dp_plus += p_plus_by_v * dv_m;
   out.dq_m = carry + by_v * dv_m;
@@ -228,6 +252,13 @@ ContactStepDerivative::Flight ContactStepDerivative::fly(const ContactPart& part
     Eigen::Matrix3Xd shift = (to_eigen(C_0.R) * start.momenta.M.middleRows<3>(linear) * start.dq -
                               R_1 * at_1.M.middleRows<3>(linear) * dq_1) /
                              base.mass;
+    if (p_ > 0) {
+      parameter_changes_.run(q_1.data(), v_b.data(), along_);
+      shift.middleCols(first_, p_) += base.center - parameter_changes_.center(base.body);
+      // The centre of mass turns about another point in the moving frame than in the inertial one.
+      if (base.turn.size() > 0)
+        shift.middleCols(first_, p_) -= skew(h * (base.u + (h / 2) * tree_->g)) * base.turn;
+    }
     for (Eigen::Index c = 0; c < k; ++c)
       if (!start.dtau.col(c).segment<6>(base.first).isZero(0)) shift.col(c).setZero();
     dq_1.middleRows<3>(linear) += R_1.transpose() * shift;

@@ -1,0 +1,57 @@
+#pragma once
+#include <Eigen/Core>
+#include <algorithm>
+#include <vector>
+
+#include "axode/model/workspace.hpp"
+#include "axode/recursion/spatial_tree.hpp"
+
+namespace axode {
+
+/// Directions along which the parameters of a mechanism change. Each matrix is empty, or has one column for
+/// each of p directions.
+struct ParameterDirections {
+  Eigen::MatrixXd inertia;    ///< inertial parameters of inertial_parameters.hpp, 10 rows for each body
+  Eigen::MatrixXd geometry;   ///< geometric parameters of geometry_derivatives.hpp, 6 rows for each body
+  Eigen::MatrixXd placement;  ///< displacements of shapes on their bodies, along the unit screws of their
+                              ///< own frames, 6 rows for each shape; angular before linear
+
+  /// The number p of directions.
+  Eigen::Index count() const { return std::max({inertia.cols(), geometry.cols(), placement.cols()}); }
+};
+
+/// The displacements ξ = U dπ of all bodies by geometric parameters alone, without those of their
+/// predecessors: 6 (n + 1) × p for changes dπ (6 n × p). The unit screws U are about the fixed points of
+/// `at`.
+Eigen::MatrixXd geometric_displacements(const Tree<double>& tree, const SpatialTree<double>& at,
+                                        const double* q, const Eigen::MatrixXd& geometry);
+
+/// The changes of the momenta M v, and of the forces of kinetic energy and gravity, if parameters of the
+/// mechanism change but not the state (q, v) (D11.36 to D11.38). An object is the scratch memory of one
+/// thread. Costs O(n p).
+class ParameterChanges {
+ public:
+  using Changes = Eigen::MatrixXd;
+
+  explicit ParameterChanges(const Model& model);
+
+  /// Computes the changes along the directions `along` at a state (q, v), nv × p each.
+  void run(const double* q, const double* v, const ParameterDirections& along);
+
+  Changes momenta;  ///< of M v
+  Changes forces;   ///< of ∂T/∂q, the derivative of the kinetic energy T at constant v
+  Changes gravity;  ///< of the generalised forces of gravity
+  /// The changes of the mass of the subtree of a body (1 × p), and of its centre of mass in inertial axes (3
+  /// × p).
+  Eigen::RowVectorXd mass(int body) const { return dm_.row(body); }
+  Eigen::Matrix3Xd center(int body);
+
+ private:
+  const Tree<double>* tree_;
+  WithScratch<double, SpatialTree<double>> spatial_;
+  std::vector<Twist<Spatial>> V_;
+  std::vector<Momentum<Spatial>> Pi_, Gamma_;  ///< momentum and weight of the subtree of each body
+  Changes xi_, dV_, dPi_, dGamma_, dh_, dm_;   ///< rows for each body, p columns
+};
+
+}  // namespace axode
