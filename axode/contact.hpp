@@ -6,5 +6,6 @@
 #include "axode/contact/contacts_at_rest.hpp"
 #include "axode/contact/distances.hpp"
 #include "axode/contact/floor.hpp"
+#include "axode/contact/with_shapes.hpp"
 
 /// Contact: collision shapes, the points at which they touch, contact forces at rest, and distances.

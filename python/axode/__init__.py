@@ -37,6 +37,8 @@ from ._axode import (
     closure_derivatives,
     constraint_wrenches,
     contact_rollout_derivatives,
+    contact_rollout_jvp,
+    contact_rollout_vjp,
     contacts,
     distances,
     drawing,
@@ -85,6 +87,7 @@ from ._axode import (
     twist_form,
     urdf,
     with_floor,
+    with_shapes,
 )
 from ._axode import instruction_set as _instruction_set
 from ._axode import name_here as _name_here
@@ -95,6 +98,7 @@ from .files import check, load
 from .records import (
     BranchPoint,
     ContactRolloutDerivatives,
+    ContactRolloutGradient,
     ContactEvent,
     ContactForce,
     DriveEquilibrium,
@@ -165,10 +169,10 @@ __all__ = [
     # prescribed motions
     "forward_dynamics_at", "kinematic_motion",
     # collision shapes
-    "contacts", "distances", "pair_distances", "shape_pairs", "with_floor",
+    "contacts", "distances", "pair_distances", "shape_pairs", "with_floor", "with_shapes",
     # motion in time
     "simulate", "rollout", "rollout_derivatives", "rollout_derivatives_with_drives", "rollout_jvp", "rollout_vjp",
-    "contact_rollout_derivatives", "reconstruct", "Trajectory",
+    "contact_rollout_derivatives", "contact_rollout_jvp", "contact_rollout_vjp", "reconstruct", "Trajectory",
     # in a browser
     "view", "Viewer",
     # what else is taken, given and raised
@@ -178,7 +182,7 @@ __all__ = [
     "DriveRolloutDerivatives", "DynamicsAtTime", "KinematicMotion", "Rollout", "RolloutDerivatives", "RolloutGradient",
     "TaskEquations",
     "TaskSingularity", "JointState", "LoopMobility", "RedundantRow", "LocalMobility", "MotionBranch", "BranchPoint",
-    "ContactRolloutDerivatives", "ShapeDistance", "PairDistances", "ContactEvent", "ContactForce", "PlayEvent",
+    "ContactRolloutDerivatives", "ContactRolloutGradient", "ShapeDistance", "PairDistances", "ContactEvent", "ContactForce", "PlayEvent",
     "AssemblyError", "Fault", "ModelError", "NotFiniteError", "SimulationError", "SingularError", "StatesError",
     # modules
     "lie", "closed_form", "codegen", "convert", "drives", "fmi", "identification", "calibration", "table",

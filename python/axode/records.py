@@ -9,7 +9,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from .support import signatures
 
-__all__ = ["BranchPoint", "ContactEvent", "ContactForce", "ContactRolloutDerivatives", "DriveEquilibrium",
+__all__ = ["BranchPoint", "ContactEvent", "ContactForce", "ContactRolloutDerivatives", "ContactRolloutGradient", "DriveEquilibrium",
            "DriveLinearization", "DriveRolloutDerivatives", "DynamicsAtTime", "Equilibrium",
            "ForwardDynamicsDerivatives", "ForwardDynamicsHessian",
            "IndependentEquations", "IndependentLinearization", "InverseDynamicsDerivatives", "InverseDynamicsHessian",
@@ -511,6 +511,25 @@ class ContactRolloutDerivatives(NamedTuple):
     certificate: float
     unique: bool
     at_kink: bool
+    placement: Array | None = None
+    inertia: Array | None = None
+    geometry: Array | None = None
+
+
+class ContactRolloutGradient(NamedTuple):
+    """Gradient of a scalar function of a motion with contact by its start, the drive forces and the parameters.
+
+    `surfaces` (3, n) has that by friction, restitution and the thickness of a layer on each of n collision shapes; `placement`
+    (n, 6), `inertia` (10 n_bodies,) and `geometry` (n_bodies, 6) are explained in `contact_rollout_derivatives`.
+    """
+
+    q: Array
+    v: Array
+    tau: Array
+    surfaces: Array
+    placement: Array
+    inertia: Array
+    geometry: Array | None
 
 
 class RolloutGradient(NamedTuple):

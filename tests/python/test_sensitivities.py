@@ -138,3 +138,43 @@ def test_contact_rollout_derivatives_agree_with_differences():
     e = 1e-5
     differences = (end(v + e * dv, tau + e * dtau) - end(v - e * dv, tau - e * dtau)) / (2 * e)
     np.testing.assert_allclose(x, differences, rtol=1e-6, atol=1e-6)
+
+
+def test_contact_rollouts_have_derivatives_by_all_parameters():
+    """Matrices and products of a quadruped that falls on its feet."""
+    m = axode.load(axode.robots / "quadruped.toml")
+    rng = np.random.default_rng(2)
+    q, v, tau, step = m.neutral(), 0.1 * rng.standard_normal(m.nv), rng.standard_normal((3, m.nv)), 2e-3
+    q[6] += 1e-3 - min(d.distance for d in axode.distances(m, q) if d.a == "floor")
+    v[5] = -1
+    motion = axode.contact_rollout_derivatives(m, q, v, tau, step, parameters=True)
+    n, K, none = motion.C.shape[-1], len(tau), (np.zeros(m.nv), np.zeros(m.nv), 0 * tau)
+    changes = {"placement": rng.standard_normal((n, 6)), "inertia": rng.standard_normal(10 * m.n_bodies),
+               "geometry": rng.standard_normal((m.n_bodies, 6)), "surfaces": rng.standard_normal((3, n))}
+    matrices = {**motion._asdict(), "surfaces": motion.C}
+    w_q, w_v = rng.standard_normal((2, K + 1, m.nv))
+    gradient = axode.contact_rollout_vjp(m, q, v, tau, step, w_q, w_v)
+    for name, dx in changes.items():
+        dq, dv = axode.contact_rollout_jvp(m, q, v, tau, step, *none, **{name: dx})
+        x = np.zeros(2 * m.nv)
+        for A, C in zip(motion.A, matrices[name]):
+            x = A @ x + C.reshape(2 * m.nv, -1) @ dx.ravel()
+        np.testing.assert_allclose(np.append(dq[-1], dv[-1]), x, rtol=1e-9, atol=1e-9)
+        forward = np.sum(w_q * dq) + np.sum(w_v * dv)
+        np.testing.assert_allclose(np.sum(getattr(gradient, name) * dx), forward, rtol=1e-9, atol=1e-9)
+
+
+def test_geometry_of_loops_is_refused_in_motions_with_contact():
+    m = axode.load(axode.robots / "four_bar.toml")
+    motion = m.neutral(), np.zeros(m.nv), np.zeros((2, m.nv)), 1e-3
+    assert axode.contact_rollout_derivatives(*(m, *motion), parameters=True).geometry is None
+    with pytest.raises(ValueError, match='"four-bar.*" has closed loops'):
+        axode.contact_rollout_jvp(m, *motion, *motion[1:3], motion[2], geometry=np.zeros((m.n_bodies, 6)))
+
+
+def test_shapes_that_do_not_exist_are_refused():
+    m = axode.load(axode.robots / "quadruped.toml")
+    with pytest.raises(ValueError, match="friction has 2 numbers; model"):
+        axode.with_shapes(m, friction=[0.5, 0.5])
+    with pytest.raises(ValueError, match="placement: expected shape"):
+        axode.with_shapes(m, placement=[0.5, 0.5])

@@ -25,13 +25,15 @@ except ImportError as error:
 
 from ..support import signatures
 from .._axode import Model, check_counts, shape_pairs
+from ..support.contact_motions import PARAMETERS
 from .calls import distances_of, motion, state_function, twists_by
+from .contact import contact_motion
 from .mechanism import Array, Mechanism, cross, integrated, mechanism_of, rates_of, velocities_of
 
 __all__ = [
-    "accelerations", "center_of_mass", "coordinate_rates", "coriolis_vector", "forward_dynamics", "gravity_torques",
-    "integrate", "inverse_dynamics", "inverse_mass_matrix", "jacobian", "kinetic_energy", "mass_matrix", "momenta",
-    "pair_distances", "poses", "potential_energy", "rollout", "twists", "velocities_from_rates",
+    "accelerations", "center_of_mass", "contact_rollout", "coordinate_rates", "coriolis_vector", "forward_dynamics",
+    "gravity_torques", "integrate", "inverse_dynamics", "inverse_mass_matrix", "jacobian", "kinetic_energy", "mass_matrix",
+    "momenta", "pair_distances", "poses", "potential_energy", "rollout", "twists", "velocities_from_rates",
 ]
 
 Representation = Literal["body", "spatial", "hybrid", "mixed"]
@@ -272,6 +274,41 @@ def rollout(m: Model, q: Array, v: Array, tau: Array, step: float, *, threads: i
     return q_out, v_out
 
 
+def contact_rollout(m: Model, q: Array, v: Array, tau: Array, step: float, *, parameters: Array | None = None,
+                    friction: Array | None = None, restitution: Array | None = None,
+                    placement: Array | None = None) -> tuple[Array, Array]:
+    """(q, v): the states (..., K + 1, nq) and (..., K + 1, nv) of motions with contact, with friction and damping of joints,
+    under tau (..., K, nv), see `axode.rollout`.
+
+    `parameters` (..., 10 n_bodies) replace `m.parameters`, and `friction` (..., n), `restitution` (..., n) and `placement`
+    (..., 6 n) the properties of n collision shapes, see `axode.with_shapes`. First derivatives by all of them exist, see
+    `axode.contact_rollout_derivatives`; contacts without a closed form are an error. XLA calls Python for each motion. If a motion
+    cannot continue, its states are NaN.
+
+    >>> box = {"kind": "box", "role": "collision", "size": [0.2, 0.2, 0.2], "friction": 0.2}
+    >>> table = axode.Model.from_dict({"format": "axode drawing 1", "shape": [{"kind": "plane", "role": "collision"}],
+    ...     "body": [{"name": "box", "joint": "free", "mass": 1, "com": [0, 0, 0], "inertia": [7e-3, 7e-3, 7e-3], "shape": [box]}]})
+    >>> def speed(mu):
+    ...     q, v = axode.jax.contact_rollout(table, jnp.array([0, 0, 0, 1, 0, 0, 0.1]), jnp.array([0, 0, 0, 1.0, 0, 0]),
+    ...                                      jnp.zeros((5, 6)), 1e-2, friction=jnp.array([mu, mu]))
+    ...     return v[-1, 3]
+    >>> round(float(jax.grad(speed)(0.2)), 4)  # -g t
+    -0.4905
+    """
+    of = mechanism_of(m)
+    if not isinstance(step, (int, float, np.integer, np.floating)):
+        raise TypeError(f"step: expected a number, which programs are compiled for, got {type(step).__name__}")
+    if not (np.isfinite(step) and step > 0):
+        raise ValueError(f"step is {step}; it must be finite and above 0")
+    all_given = dict(zip(PARAMETERS, (parameters, friction, restitution, placement)))
+    given = {name: x for name, x in all_given.items() if x is not None}
+    q, v, tau, *theta = _arrays(of, rows=True, q=q, v=v, tau=tau, **given)
+    layout = tuple((name, x.shape[-1]) for name, x in zip(given, theta))
+    none = jnp.zeros((*q.shape[:-1], 0), q.dtype)
+    path, velocities = contact_motion(m, of, layout, float(step), q, v, tau, jnp.concatenate([none, *theta], axis=-1))
+    return path, velocities
+
+
 def integrate(m: Model, q: Array, dv: Array) -> Array:
     """The configuration q (+) dv, (..., nq), see `Model.integrate`. It has derivatives of any order; quaternions keep
     their norms.
@@ -317,6 +354,8 @@ def _arrays(m: Mechanism, rows: bool = False, **given: Array) -> list[Array]:
     for name, x in arrays.items():
         last = 2 if rows and name == "tau" else 1
         length, what = sizes.get(name, (m.nv, "nv numbers"))
+        if name in PARAMETERS and name != "parameters":
+            length, what = x.shape[-1] if x.ndim > 0 else 0, "numbers for all collision shapes"
         if x.ndim < last or x.shape[-1] != length:
             expected = f"(..., K, {length})" if last == 2 else f"(..., {length})"
             raise ValueError(f"{name}: expected shape {expected} with {what}, got {x.shape}")

@@ -25,10 +25,11 @@ try:
 except ImportError as error:
     raise ImportError('axode.torch needs PyTorch: pip install torch') from error
 
-from . import dynamics, operations
+from . import contact, dynamics, operations
+from ..support.contact_motions import PARAMETERS
 from .mechanism import frame_index, heights, key_of, pairs_of, refuse_loops, sizes, still, total_mass
 
-__all__ = ["center_of_mass", "forward_dynamics", "handle", "inertial_parameters", "inverse_dynamics",
+__all__ = ["center_of_mass", "contact_rollout", "forward_dynamics", "handle", "inertial_parameters", "inverse_dynamics",
            "inverse_mass_matrix", "jacobian", "kinetic_energy", "mass_matrix", "pair_distances", "poses", "potential_energy", "rollout"]
 
 
@@ -40,8 +41,7 @@ def _checked(m: Model | Specialised, parameters: Tensor | None,
     if parameters is not None:
         given["parameters"] = parameters
     for name, x in given.items():
-        size, meaning = (nq, "nq numbers") if name == "q" else (nv, "nv numbers") if name != "parameters" else \
-            (n, "ten numbers for each body")
+        size, meaning = {"q": (nq, "nq numbers"), "parameters": (n, "ten numbers for each body")}.get(name, (nv, "nv numbers"))
         if not isinstance(x, Tensor):
             raise ValueError(f"{name}: expected a tensor, got {type(x).__name__}")
         if x.device.type != "cpu":
@@ -53,6 +53,8 @@ def _checked(m: Model | Specialised, parameters: Tensor | None,
             raise ValueError(f"{name}: expected a tensor of float64 or float32, got {x.dtype}")
         if x.dtype != given["q"].dtype:
             raise ValueError(f"{name} is of {x.dtype} and q of {given['q'].dtype}; expected one type for all")
+        if name in PARAMETERS[1:]:  # with_shapes checks their number
+            size = x.shape[-1] if x.ndim > 0 else 0
         if x.ndim == 0 or x.shape[-1] != size:
             raise ValueError(f"{name}: expected shape (..., {size}), {meaning}, got {tuple(x.shape)}")
     same = _broadcast(given)
@@ -244,15 +246,52 @@ def rollout(m: Model, q: Tensor, v: Tensor, tau: Tensor, step: float) -> tuple[T
     >>> path.shape, tau.grad.shape
     (torch.Size([5, 21, 7]), torch.Size([5, 20, 7]))
     """
+    one_step = _one_step(tau, step, "rollout")
+    key, (q, v, _), _ = _checked(m, None, q=q, v=v, tau=one_step)
+    refuse_loops(key, "rollout")
+    states, velocities = dynamics.rollout(key, float(step), q, v, tau.expand(*q.shape[:-1], *tau.shape[-2:]))
+    return states, velocities
+
+
+def contact_rollout(m: Model, q: Tensor, v: Tensor, tau: Tensor, step: float, *, parameters: Tensor | None = None,
+                    friction: Tensor | None = None, restitution: Tensor | None = None,
+                    placement: Tensor | None = None) -> tuple[Tensor, Tensor]:
+    """(q, v): the states (..., K + 1, nq) and (..., K + 1, nv) of motions with contact, with friction and damping of joints,
+    under tau (..., K, nv), see `axode.rollout`.
+
+    `parameters` (..., 10 n_bodies) replace `m.parameters`, and `friction` (..., n), `restitution` (..., n) and `placement`
+    (..., 6 n) the properties of n collision shapes, see `axode.with_shapes`. First derivatives by all of them exist, see
+    `axode.contact_rollout_derivatives`; ValueError for contacts without a closed form, and StatesError if a motion cannot continue.
+
+    >>> box = {"kind": "box", "role": "collision", "size": [0.2, 0.2, 0.2]}
+    >>> table = axode.Model.from_dict({"format": "axode drawing 1", "shape": [{"kind": "plane", "role": "collision"}],
+    ...     "body": [{"name": "box", "joint": "free", "mass": 1, "com": [0, 0, 0], "inertia": [7e-3, 7e-3, 7e-3], "shape": [box]}]})
+    >>> q, v = (torch.tensor(x, dtype=torch.float64) for x in ([0, 0, 0, 1, 0, 0, 0.1], [0, 0, 0, 1, 0, 0]))
+    >>> mu = torch.full((2,), 0.2, dtype=torch.float64, requires_grad=True)
+    >>> _, velocities = axode.torch.contact_rollout(table, q, v, torch.zeros(5, 6, dtype=torch.float64), 1e-2, friction=mu)
+    >>> velocities[-1, 3].backward()
+    >>> mu.grad  # -g t / 2
+    tensor([-0.2453, -0.2453], dtype=torch.float64)
+    """
+    one_step = _one_step(tau, step, "contact_rollout")
+    given = {name: x for name, x in zip(PARAMETERS[1:], (friction, restitution, placement)) if x is not None}
+    key, (q, v, _, *theta), pi = _checked(m, parameters, q=q, v=v, tau=one_step, **given)
+    named = dict(zip(given, theta)) if pi is None else {"parameters": pi, **dict(zip(given, theta))}
+    layout = json.dumps([(name, x.shape[-1]) for name, x in named.items()])
+    together = torch.cat([q.new_empty((*q.shape[:-1], 0)), *named.values()], dim=-1)
+    states, velocities = contact.contact_rollout(key, float(step), layout, q, v, tau.expand(*q.shape[:-1], *tau.shape[-2:]),
+                                                 together)
+    return states, velocities
+
+
+def _one_step(tau: Tensor, step: float, function: str) -> Tensor:
+    """The forces of one step, for checks."""
     if not isinstance(tau, Tensor) or tau.ndim < 2:
         got = tuple(tau.shape) if isinstance(tau, Tensor) else type(tau).__name__
         raise ValueError(f"tau: expected a tensor of shape (..., K, nv), forces for each step, got {got}")
     if isinstance(step, Tensor) and step.requires_grad:
-        raise ValueError("step requires a gradient; expected a number, because rollout has no derivative by step")
-    key, (q, v, _), _ = _checked(m, None, q=q, v=v, tau=tau[..., 0, :] if tau.shape[-2] > 0 else tau.sum(dim=-2))
-    refuse_loops(key, "rollout")
-    states, velocities = dynamics.rollout(key, float(step), q, v, tau.expand(*q.shape[:-1], *tau.shape[-2:]))
-    return states, velocities
+        raise ValueError(f"step requires a gradient; expected a number, because {function} has no derivative by step")
+    return tau[..., 0, :] if tau.shape[-2] > 0 else tau.sum(dim=-2)
 
 
 def inertial_parameters(P: Tensor) -> Tensor:

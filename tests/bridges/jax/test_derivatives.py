@@ -191,6 +191,42 @@ def test_inertial_parameters_have_first_derivatives():
         axode.jax.forward_dynamics(m, q, v, x, parameters=q)
 
 
+#: Two balls on a floor: one slides, and one meets it.
+TABLE = axode.Model.from_dict({
+    "format": "axode drawing 1", "shape": [{"kind": "plane", "role": "collision", "friction": 0.3}],
+    "body": [{"name": name, "joint": "free", "mass": 1, "com": [0.01, 0, 0.02], "inertia": [4e-3, 5e-3, 6e-3], "shape": [
+        {"kind": "sphere", "role": "collision", "radius": 0.1, "friction": 0.3, "restitution": 0.5}]} for name in ("slider", "bouncer")]})
+ON_TABLE = [np.array(x, dtype=float) for x in (
+    [0, 0, 0, 1, 0, 0, 0.1, 0, 0, 0.6, 0.8, 1, 0, 0.1035], [1, 0, 2, 1.5, 0.5, 0, 0.5, 1, 0, 0.5, 0, -1.0], np.full((2, 12), 0.05),
+    1.1 * TABLE.parameters, [0.2, 0.4, 0.3], [0.1, 0.5, 0.4], 0.01 * np.sin(np.arange(18)))]
+
+
+def contact_end(*x):
+    q, v = axode.jax.contact_rollout(TABLE, *x[:3], 5e-3, **dict(zip(("parameters", "friction", "restitution", "placement"), x[3:])))
+    return jnp.append(q[..., -1, :], v[..., -1, :])
+
+
+def test_motions_with_contact_have_first_derivatives_by_parameters():
+    f = jax.jit(contact_end)
+    changed = axode.with_shapes(TABLE.with_parameters(ON_TABLE[3]), friction=ON_TABLE[4], restitution=ON_TABLE[5],
+                                placement=ON_TABLE[6].reshape(3, 6))
+    expected = axode.rollout(changed, *ON_TABLE[:3], 5e-3, joint_losses=True, contact=True)
+    assert close(np.asarray(f(*ON_TABLE)), np.append(expected.q[-1], expected.v[-1]), 1e-12)
+    dx = [np.sin(k + np.arange(x.size)).reshape(x.shape) for k, x in enumerate(ON_TABLE)]
+    dx[0][:4] = dx[0][7:11] = 0  # quaternions keep their norms
+    change = np.asarray(jax.jvp(f, ON_TABLE, dx)[1])
+    e = 1e-6
+    after, before = (np.asarray(f(*(x + s * d for x, d in zip(ON_TABLE, dx)))) for s in (e, -e))
+    assert close(change, (after - before) / (2 * e), 1e-6)
+    w = np.cos(np.arange(26))
+    gradients = jax.vjp(f, *ON_TABLE)[1](w)
+    assert close(sum(np.sum(g * d) for g, d in zip(gradients, dx)), w @ change, 1e-9)
+    two = [np.stack([x, x]) for x in ON_TABLE[:3]]
+    assert close(np.asarray(jax.vmap(contact_end)(*two))[1], np.asarray(f(*ON_TABLE[:3])))
+    with pytest.raises(NotImplementedError, match="contact_rollout has first derivatives; a second one was asked for"):
+        jax.hessian(lambda v: contact_end(ON_TABLE[0], v, ON_TABLE[2]).sum())(ON_TABLE[1])
+
+
 def test_distances_of_shapes_have_first_derivatives():
     m = axode.load(axode.robots / "quadruped.toml")
     pairs = axode.shape_pairs(m)[:5]

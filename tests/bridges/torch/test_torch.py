@@ -147,6 +147,32 @@ def test_gradients_are_those_of_differences_and_so_are_second_ones(mechanism, na
     assert gradgradcheck(function(name, m), arguments, eps=1e-7, atol=1e-4, rtol=1e-5, fast_mode=True)
 
 
+#: Two balls on a floor: one slides, and one meets it.
+TABLE = axode.Model.from_dict({
+    "format": "axode drawing 1", "shape": [{"kind": "plane", "role": "collision", "friction": 0.3}],
+    "body": [{"name": name, "joint": "free", "mass": 1, "com": [0.01, 0, 0.02], "inertia": [4e-3, 5e-3, 6e-3], "shape": [
+        {"kind": "sphere", "role": "collision", "radius": 0.1, "friction": 0.3, "restitution": 0.5}]} for name in ("slider", "bouncer")]})
+ON_TABLE = [torch.tensor(np.array(x, dtype=float)) for x in (
+    [0, 0, 0, 1, 0, 0, 0.1, 0, 0, 0.6, 0.8, 1, 0, 0.1035], [1, 0, 2, 1.5, 0.5, 0, 0.5, 1, 0, 0.5, 0, -1.0], np.full((2, 12), 0.05),
+    1.1 * TABLE.parameters, [0.2, 0.4, 0.3], [0.1, 0.5, 0.4], 0.01 * np.sin(np.arange(18)))]
+
+
+def contact_motion(*x):
+    return axode.torch.contact_rollout(TABLE, *x[:3], 5e-3, **dict(zip(("parameters", "friction", "restitution", "placement"), x[3:])))
+
+
+def test_motions_with_contact_have_first_derivatives_by_parameters():
+    numbers = [x.numpy() for x in ON_TABLE]
+    changed = axode.with_shapes(TABLE.with_parameters(numbers[3]), friction=numbers[4], restitution=numbers[5],
+                                placement=numbers[6].reshape(3, 6))
+    expected = axode.rollout(changed, *numbers[:3], 5e-3, joint_losses=True, contact=True)
+    for ours, theirs in zip(contact_motion(*ON_TABLE), expected[:2]):
+        assert close(ours, torch.tensor(theirs), 1e-12)
+    assert gradcheck(contact_motion, leaves(ON_TABLE), eps=1e-7, atol=1e-4, rtol=1e-5, fast_mode=True, check_forward_ad=True)
+    two = [torch.stack([x, x]) for x in ON_TABLE[:3]]
+    assert close(vmap(contact_motion)(*two)[0][1], contact_motion(*ON_TABLE[:3])[0])
+
+
 def test_distances_of_shapes_have_first_derivatives():
     m = axode.load(axode.robots / "quadruped.toml")
     pairs = axode.shape_pairs(m)[:5]
@@ -304,6 +330,9 @@ def operations():
     of_robot = (axode.torch.handle(robot), json.dumps(axode.shape_pairs(robot)[:2]), torch.tensor(robot.random(seed=1, n=2)))
     yield o.pair_jacobians, of_robot
     yield o.pair_distances, (*of_robot[:2], of_robot[2].clone().requires_grad_())
+    on_table = axode.torch.handle(TABLE), 5e-3, json.dumps([["parameters", 20]]), *(x[None] for x in ON_TABLE[:4])
+    yield o.contact_rollout_matrices, on_table
+    yield o.contact_rollout, (*on_table[:3], *(x.clone().requires_grad_() for x in on_table[3:]))
     yield o.twists, (key, q, v)
     yield o.generalized_loads, (key, q, W)
     yield o.load_product, (key, True, q.detach(), W.detach(), v.detach())

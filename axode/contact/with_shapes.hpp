@@ -1,0 +1,23 @@
+#pragma once
+#include <span>
+
+#include "axode/model/model.hpp"
+
+namespace axode {
+
+/// Numbers for the n collision shapes of a model: those of the ground first, then those of the bodies in the
+/// order of the description, as in ContactShapes. A span is empty, or has entries for all shapes.
+struct ShapeNumbers {
+  std::span<const double> friction = {};     ///< n: coefficients of sliding friction
+  std::span<const double> restitution = {};  ///< n
+  /// 6 n: displacements of each shape on its body (rad and m) along the unit screws of the frame of the
+  /// shape, angular before linear. The pose P of the shape becomes P exp(Σ π_u U_u).
+  std::span<const double> placement = {};
+};
+
+/// Returns a copy of a model whose collision shapes have other friction, restitution or places. Throws
+/// std::invalid_argument for spans of another size, and ModelError for numbers that a shape cannot have.
+/// Allocates.
+Model with_shapes(const Model& model, const ShapeNumbers& numbers);
+
+}  // namespace axode
