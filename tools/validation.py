@@ -21,6 +21,7 @@ SOURCE = Path(__file__).resolve().parents[1]
 sys.path.insert(0, str(SOURCE / "tests/validation"))
 
 import closed_forms  # noqa: E402
+import contact  # noqa: E402
 import flight  # noqa: E402
 import iftomm  # noqa: E402
 import ivp  # noqa: E402
@@ -28,7 +29,7 @@ import spatial  # noqa: E402
 from page import Page, table  # noqa: E402
 
 SECTIONS = {"iftomm": iftomm.CASES, "test set": ivp.CASES, "spatial": spatial.CASES, "flight": flight.CASES,
-            "closed forms": closed_forms.CASES}
+            "closed forms": closed_forms.CASES, "contact": contact.CASES}
 CASES = [name for cases in SECTIONS.values() for name in cases]
 HEADER = ["case", "what is compared", "axode, last", "reference, last", "largest error", "bound", "scheme",
           "time, s"]
