@@ -11,8 +11,9 @@
 
 #include "axode/batch/check_loops.hpp"
 #include "axode/batch/check_states.hpp"
+#include "axode/batch/drive_rollout.hpp"
 #include "axode/batch/portions.hpp"
-#include "axode/integration/momenta/contact_step.hpp"
+#include "axode/integration/momenta/contact_motion.hpp"
 #include "axode/integration/momenta/simulate_contact.hpp"
 #include "axode/integration/simulation.hpp"
 
@@ -22,42 +23,46 @@ namespace {
 using Span = std::span<const double>;
 
 /// Integrates motions with contact, one after the other, in the same memory.
-class ContactMotion {
+class RolledMotion {
  public:
-  /// `goes_on` is called in the thread of the motion, also within long steps; false ends the motion.
-  ContactMotion(const Model& model, const ContactShapes& shapes, const Drive& drive, bool joint_losses,
-                const std::function<bool()>& goes_on)
+  /// Memory is prepared for motions that begin near the finite state (q, v). `goes_on` is called in the
+  /// thread of the motion, also within long steps; false ends the motion.
+  RolledMotion(const Model& model, const ContactShapes& shapes, Span q, Span v, const Drive& drive,
+               const DriveMotions& drives, bool joint_losses, const std::function<bool()>& goes_on)
       : drive_(drive),
-        options_(options_with(goes_on)),
-        rest_(static_cast<std::size_t>(model.nv()), 0.0),
-        run_(model, neutral(model), rest_, 0, options_, joint_losses),
-        step_(run_, model, shapes, joint_losses),
-        q_(model.nq()),
-        v_(model.nv()) {}
-  ContactMotion(const ContactMotion&) = delete;
-  ContactMotion& operator=(const ContactMotion&) = delete;
+        options_(options_with(drives, goes_on)),
+        run_(model, q, v, 0, options_, joint_losses),
+        steps_(run_, shapes, joint_losses) {}
+  RolledMotion(const RolledMotion&) = delete;
+  RolledMotion& operator=(const RolledMotion&) = delete;
 
-  void begin(Span q, Span v) {
-    q_ = as_eigen(q);
-    v_ = as_eigen(v);
-    run_.restart(q_);
-    step_.restart();
+  void begin(double t, Span q, Span v, Span x) {
+    run_.restart(t, q, v, x);
+    steps_.restart();
   }
-  /// Computes step k of length h from the present state, and writes the new state to q_1 and v_1. The forces
-  /// tau act if there is no drive. Returns false on failure.
-  bool run(std::size_t k, double h, Span tau, std::span<double> q_1, std::span<double> v_1) {
+  /// Advances the motion to t_1, in several steps if inputs jump or drives change before. The forces tau act
+  /// if there is no drive. Returns false on failure.
+  bool advance(double t_1, Span tau) {
     tau_ = tau;
-    if (step_.run(static_cast<double>(k) * h, h, q_, v_)) return false;
-    q_ = step_.q;
-    v_ = step_.v;
-    std::ranges::copy(q_, q_1.begin());
-    std::ranges::copy(v_, v_1.begin());
+    certificate = 0;
+    while (run_.now() < t_1) {
+      double t = run_.step_end(t_1);
+      if (steps_.compute_up_to_switch(t, computed_)) return false;
+      certificate = std::max(certificate, computed_.certificate);
+      const StepEnd& end = computed_.end;
+      run_.move_to(t, as_span(end.q), as_span(end.v), end.x);
+      run_.drives().switch_at(t, q(), v());
+    }
     return true;
   }
-  double certificate() const { return step_.certificate; }
+  Span q() const { return as_span(run_.q); }
+  Span v() const { return as_span(run_.v); }
+  Span x() const { return as_span(run_.drives().x); }
+
+  double certificate = 0;  ///< the largest one of the last advance()
 
  private:
-  SimulationOptions options_with(const std::function<bool()>& goes_on) {
+  SimulationOptions options_with(const DriveMotions& drives, const std::function<bool()>& goes_on) {
     SimulationOptions options;
     options.monitor = [goes_on](double) { return goes_on(); };
     options.drive = [this](double t, Span q, Span v, std::span<double> out) {
@@ -68,50 +73,61 @@ class ContactMotion {
       else
         std::ranges::fill(out, 0.0);
     };
+    options.drives = drives.added;
     return options;
   }
 
   Drive drive_;
   Span tau_;
   SimulationOptions options_;
-  std::vector<double> rest_;
   ContactSimulationRun run_;
-  ContactStep step_;
-  Eigen::VectorXd q_, v_;
+  ContactSteps steps_;
+  ComputedContactStep computed_;
 };
 
-Outcome run_motions(const Model& model, const ContactShapes& shapes, Span q, Span v, std::size_t K, Span tau,
-                    const Drive& drive, double step, std::span<double> q_out, std::span<double> v_out,
-                    std::span<double> certificates, int threads, const Monitor& monitor, bool joint_losses) {
+Outcome run_motions(const Model& model, const ContactShapes& shapes, const MotionsUnderForces& motions,
+                    std::span<double> certificates, int threads, const Monitor& monitor, bool joint_losses,
+                    const DriveMotions& drives) {
   if (joint_losses) refuse_gears(model);
-  // The number of steps that a thread computes of one motion before it takes another motion.
-  constexpr std::size_t steps_at_once = 64;
   const std::size_t nq = static_cast<std::size_t>(model.nq()), nv = static_cast<std::size_t>(model.nv()),
-                    N = nq == 0 ? 0 : q.size() / nq;
-  check_size("v", v.size(), N * nv, "nv N");
-  check_size("q_out", q_out.size(), (K + 1) * nq * N, "(K + 1) nq N");
-  check_size("v_out", v_out.size(), (K + 1) * nv * N, "(K + 1) nv N");
+                    K = motions.K, N = nq == 0 ? 0 : motions.q.size() / nq;
+  check_size("v", motions.v.size(), N * nv, "nv N");
+  check_size("q_out", motions.q_out.size(), (K + 1) * nq * N, "(K + 1) nq N");
+  check_size("v_out", motions.v_out.size(), (K + 1) * nv * N, "(K + 1) nv N");
   if (!certificates.empty()) check_size("certificates", certificates.size(), K * N, "K N");
-  for (const auto& [name, given] : {std::pair<const char*, Span>{"q", q}, {"v", v}, {"tau", tau}}) {
-    check_separate("q_out", q_out, name, given);
-    check_separate("v_out", v_out, name, given);
+  for (const auto& [name, given] :
+       {std::pair<const char*, Span>{"q", motions.q}, {"v", motions.v}, {"tau", motions.tau}}) {
+    check_separate("q_out", motions.q_out, name, given);
+    check_separate("v_out", motions.v_out, name, given);
     check_separate("certificates", certificates, name, given);
   }
-  check_separate("q_out", q_out, "v_out", Span(v_out));
-  check_separate("certificates", certificates, "q_out", Span(q_out));
-  check_separate("certificates", certificates, "v_out", Span(v_out));
-  if (!check_loops(model, q, v, threads, monitor)) return {};
+  check_separate("q_out", motions.q_out, "v_out", Span(motions.v_out));
+  for (const auto& [name, states] : {std::pair<const char*, Span>{"q_out", motions.q_out},
+                                     {"v_out", motions.v_out},
+                                     {"x_out", drives.x_out}})
+    check_separate("certificates", certificates, name, states);
+  const DriveSystem system(model, drives.added);
+  check_drives(motions, drives, system, N, {});
+  if (!check_loops(model, motions.q, motions.v, threads, monitor)) return {};
 
-  for (const std::span<double> out : {q_out, v_out, certificates})
+  for (const std::span<double> out : {motions.q_out, motions.v_out, drives.x_out, certificates})
     std::ranges::fill(out, std::numeric_limits<double>::quiet_NaN());
-  const auto q_at = [&](std::size_t n, std::size_t k) { return q_out.subspan((n * (K + 1) + k) * nq, nq); };
-  const auto v_at = [&](std::size_t n, std::size_t k) { return v_out.subspan((n * (K + 1) + k) * nv, nv); };
-  for (std::size_t n = 0; n < N; ++n) {
-    std::ranges::copy(q.subspan(n * nq, nq), q_at(n, 0).begin());
-    std::ranges::copy(v.subspan(n * nv, nv), v_at(n, 0).begin());
-  }
+  const std::size_t nx = system.nx();
+  const auto q_of = [&](std::size_t n) { return motions.q.subspan(n * nq, nq); };
+  const auto v_of = [&](std::size_t n) { return motions.v.subspan(n * nv, nv); };
+  const auto is_finite = [&](std::size_t n) { return finite(q_of(n)) && finite(v_of(n)); };
+  const auto write = [&](std::size_t n, std::size_t k, Span q, Span v, Span x) {
+    const std::size_t row = n * (K + 1) + k;
+    std::ranges::copy(q, motions.q_out.subspan(row * nq, nq).begin());
+    std::ranges::copy(v, motions.v_out.subspan(row * nv, nv).begin());
+    if (!drives.x_out.empty()) std::ranges::copy(x, drives.x_out.subspan(row * nx, nx).begin());
+  };
+  const auto time = [&](std::size_t k) { return drives.t + static_cast<double>(k) * motions.step; };
+  std::size_t first = 0;  // of the motions that can begin
+  while (first < N && !is_finite(first)) ++first;
+
   std::vector<char> failed(N, 0);
-  // All motions advance together. Therefore none is complete if the monitor ends the call.
+  // The monitor is called within motions, because one motion can have many steps.
   const std::thread::id caller = std::this_thread::get_id();
   MonitorThrottle throttle(monitor, N);
   std::atomic<bool> stopped = false;
@@ -119,21 +135,27 @@ Outcome run_motions(const Model& model, const ContactShapes& shapes, Span q, Spa
     if (!stopped && std::this_thread::get_id() == caller && !throttle.should_continue(0)) stopped = true;
     return !stopped;
   };
-  for (std::size_t begin = 0; begin < K && !stopped; begin += steps_at_once) {
-    const std::size_t end = std::min(K, begin + steps_at_once);
-    in_portions(N, 1, threads, {}, [&]() -> Work {
-      return [&, motion = std::make_shared<ContactMotion>(model, shapes, drive, joint_losses, goes_on)](
-                 std::size_t n, std::size_t) {
+  in_portions(N, 1, threads, {}, [&]() -> Work {
+    std::shared_ptr<RolledMotion> motion;
+    if (first < N)
+      motion = std::make_shared<RolledMotion>(model, shapes, q_of(first), v_of(first), motions.drive, drives,
+                                              joint_losses, goes_on);
+    return [&, motion](std::size_t n, std::size_t) {
+      const Span x = drives.x.empty() ? Span{} : drives.x.subspan(n * nx, nx);
+      write(n, 0, q_of(n), v_of(n), x);
+      failed[n] = K > 0 && !is_finite(n) ? 1 : 0;
+      if (!is_finite(n)) return;
+      motion->begin(drives.t, q_of(n), v_of(n), x);
+      write(n, 0, motion->q(), motion->v(), motion->x());
+      for (std::size_t k = 0; k < K && goes_on(); ++k) {
+        const Span tau = motions.drive ? Span{} : motions.tau.subspan((n * K + k) * nv, nv);
+        failed[n] = motion->advance(time(k + 1), tau) ? 0 : 1;
         if (failed[n] != 0) return;
-        motion->begin(q_at(n, begin), v_at(n, begin));
-        for (std::size_t k = begin; k < end && failed[n] == 0 && goes_on(); ++k) {
-          const Span tau_k = drive ? Span{} : tau.subspan((n * K + k) * nv, nv);
-          failed[n] = motion->run(k, step, tau_k, q_at(n, k + 1), v_at(n, k + 1)) ? 0 : 1;
-          if (failed[n] == 0 && !certificates.empty()) certificates[n * K + k] = motion->certificate();
-        }
-      };
-    });
-  }
+        write(n, k + 1, motion->q(), motion->v(), motion->x());
+        if (!certificates.empty()) certificates[n * K + k] = motion->certificate;
+      }
+    };
+  });
   Outcome outcome{.done = stopped ? 0 : N};
   for (std::size_t n = 0; n < outcome.done; ++n)
     if (failed[n] != 0 && outcome.singular_states++ == 0) {
@@ -148,26 +170,26 @@ Outcome run_motions(const Model& model, const ContactShapes& shapes, Span q, Spa
 Outcome rollout_with_contact(const Model& model, const ContactShapes& shapes, Span q, Span v, Span tau,
                              double step, std::span<double> q_out, std::span<double> v_out,
                              std::span<double> certificates, int threads, const Monitor& monitor,
-                             bool joint_losses) {
+                             bool joint_losses, const DriveMotions& drives) {
   check_step(step);
   check_contact(model, shapes);
   const std::size_t nv = static_cast<std::size_t>(model.nv()), N = check_states(model, q, threads),
                     K = N * nv == 0 ? 0 : tau.size() / (N * nv);
   check_size("tau", tau.size(), K * nv * N, "K nv N");
-  return run_motions(model, shapes, q, v, K, tau, {}, step, q_out, v_out, certificates, threads, monitor,
-                     joint_losses);
+  return run_motions(model, shapes, {q, v, tau, {}, K, step, q_out, v_out}, certificates, threads, monitor,
+                     joint_losses, drives);
 }
 
 Outcome rollout_with_contact(const Model& model, const ContactShapes& shapes, Span q, Span v,
                              const Drive& drive, std::size_t K, double step, std::span<double> q_out,
                              std::span<double> v_out, std::span<double> certificates, int threads,
-                             const Monitor& monitor, bool joint_losses) {
+                             const Monitor& monitor, bool joint_losses, const DriveMotions& drives) {
   check_step(step);
   check_contact(model, shapes);
   if (!drive) throw std::invalid_argument("drive is empty; expected a function of (t, q, v)");
   static_cast<void>(check_states(model, q, threads));
-  return run_motions(model, shapes, q, v, K, {}, drive, step, q_out, v_out, certificates, threads, monitor,
-                     joint_losses);
+  return run_motions(model, shapes, {q, v, {}, drive, K, step, q_out, v_out}, certificates, threads, monitor,
+                     joint_losses, drives);
 }
 
 }  // namespace axode::batch

@@ -13,13 +13,17 @@ namespace axode::batch {
 /// calling thread, before and during steps, with 0 finished motions. If it ends the call, Outcome::done is 0.
 ///
 /// `shapes` are the collision shapes of the model. If `joint_losses` is set, damping and dry friction of
-/// joints act. No step allocates, and the results do not depend on the number of threads. Throws
-/// std::invalid_argument for arguments that simulate_contact() refuses and for arrays of a wrong size.
+/// joints act. Drives with states act as in simulate_contact(), with which motions agree to the last bit for
+/// the same forces and times: a step is computed in parts, which end where a drive changes to another branch
+/// of its law and where an input jumps. No step allocates after the first ones, and the results do not depend
+/// on the number of threads. Throws std::invalid_argument for arguments that simulate_contact() refuses and
+/// for arrays of a wrong size.
 Outcome rollout_with_contact(const Model& model, const ContactShapes& shapes, std::span<const double> q,
                              std::span<const double> v, std::span<const double> tau, double step,
                              std::span<double> q_out, std::span<double> v_out,
                              std::span<double> certificates = {}, int threads = 1,
-                             const Monitor& monitor = {}, bool joint_losses = false);
+                             const Monitor& monitor = {}, bool joint_losses = false,
+                             const DriveMotions& drives = {});
 
 /// Integrates N motions with contact under a drive that all motions share, K steps of length `step` (s) each.
 /// Each thread has a copy of the drive. Throws std::invalid_argument if the drive is empty.
@@ -27,6 +31,7 @@ Outcome rollout_with_contact(const Model& model, const ContactShapes& shapes, st
                              std::span<const double> v, const Drive& drive, std::size_t K, double step,
                              std::span<double> q_out, std::span<double> v_out,
                              std::span<double> certificates = {}, int threads = 1,
-                             const Monitor& monitor = {}, bool joint_losses = false);
+                             const Monitor& monitor = {}, bool joint_losses = false,
+                             const DriveMotions& drives = {});
 
 }  // namespace axode::batch

@@ -157,6 +157,8 @@ class MotionWithFriction final : public Motion {
   bool begun_ = false;
 };
 
+}  // namespace
+
 /// Checks the arguments of a rollout that belong to drives. Throws std::invalid_argument if the initial
 /// states x of the drives have a wrong size or are not finite, if x_out has a wrong size or shares memory
 /// with an argument or a result, and if the time of the start is not finite or, with dry friction or losses
@@ -184,8 +186,6 @@ void check_drives(const MotionsUnderForces& motions, const DriveMotions& drives,
                                     {"v_out", motions.v_out}})
     check_separate("x_out", drives.x_out, name, other);
 }
-
-}  // namespace
 
 Outcome run_with_drives(const Model& model, const CompiledDynamics<double>& compiled,
                         const MotionsUnderForces& motions, const DriveMotions& drives, const Tableau& method,

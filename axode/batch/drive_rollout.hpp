@@ -1,6 +1,7 @@
 #pragma once
 #include "axode/batch.hpp"
 #include "axode/batch/accelerations.hpp"
+#include "axode/drives/drive_system.hpp"
 
 namespace axode::batch {
 
@@ -12,6 +13,11 @@ struct MotionsUnderForces {
   double step;
   std::span<double> q_out, v_out;
 };
+
+/// Throws std::invalid_argument for states x of the drives of a wrong size or not finite, for an x_out that
+/// shares memory, and for a start at which a simulation cannot begin. There are N motions.
+void check_drives(const MotionsUnderForces& motions, const DriveMotions& drives, const DriveSystem& system,
+                  std::size_t N, const Losses& losses);
 
 /// Computes a rollout of a mechanism with drives that have states. The sizes in `motions` and the loops of
 /// the initial states must have been checked. Throws std::invalid_argument for drive states x of a wrong size

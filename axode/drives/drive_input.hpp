@@ -23,6 +23,9 @@ class DriveSignal {
   double operator()(double t) const { return function_ ? function_(t) : values_[interval_]; }
   /// The first time after t at which the input or one of its derivatives jumps; infinite if there is none.
   double next_jump(double t) const;
+  /// The number of the present interval of a piecewise constant input.
+  std::size_t interval() const { return interval_; }
+  void set_interval(std::size_t interval) { interval_ = interval; }
 
  private:
   std::function<double(double t)> function_;

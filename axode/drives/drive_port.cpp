@@ -52,26 +52,21 @@ void DrivePort::update(const Tree<double>& tree, std::span<const double> q, std:
 /// r_k changes along the direction of j by w_j × r_k or, if the joint of j is farther from the ground than
 /// that of k, by w_k × r_j; otherwise r_k is constant.
 void DrivePort::add_row_derivatives(const Tree<double>& tree, std::span<const double> q, double factor,
-                                    std::span<double> out) const {
+                                    std::span<double> out) {
   if (!along_line_) return;
-  struct Column {
-    std::size_t end;
-    int body, c;
-    Vec3<> w, r;
-  };
-  std::vector<Column> columns;
+  derived_.clear();
   const Segment<double> line(line_.points.data(), tree, q.data(), nullptr,
                              [&](std::size_t end, int i, int c, const Screw<double>& X) {
-                               columns.push_back({end, i, c, X.w, X.v});
+                               derived_.push_back({end, i, c, X.w, X.v});
                              });
-  for (Column& column : columns) {
+  for (Column& column : derived_) {
     const SO3<>& R = line.R[column.end];
     column.w = R * column.w;
     column.r = column.end == 0 ? -(R * column.r) : R * column.r;
   }
   const std::size_t nv = static_cast<std::size_t>(tree->nv);
-  for (const Column& k : columns)
-    for (const Column& j : columns) {
+  for (const Column& k : derived_)
+    for (const Column& j : derived_) {
       Vec3<> turned{};
       if (j.end == k.end) turned = j.body <= k.body ? cross(j.w, k.r) : cross(k.w, j.r);
       const double across = dot(j.r, k.r) - dot(line.u, j.r) * dot(line.u, k.r);

@@ -32,7 +32,7 @@ class DrivePort {
   /// Adds `factor` times the derivative of the row vector E by q to `out` (nv × nv) (D17.3). Entry [i, j] is
   /// the derivative of entry i of E along the left-trivialised direction of velocity j.
   void add_row_derivatives(const Tree<double>& tree, std::span<const double> q, double factor,
-                           std::span<double> out) const;
+                           std::span<double> out);
 
  private:
   struct Term {
@@ -49,6 +49,14 @@ class DrivePort {
   /// of the end of the line that the entry's velocity moves, and the velocity of this end for a unit of it,
   /// in the axes of the body at this end.
   std::vector<std::pair<std::size_t, Vec3<>>> columns_;
+  /// In add_row_derivatives(), for each entry: the end of the line, the body and the velocity that move it, and
+  /// the rates w_k and r_k.
+  struct Column {
+    std::size_t end;
+    int body, c;
+    Vec3<> w, r;
+  };
+  std::vector<Column> derived_;
 };
 
 }  // namespace axode

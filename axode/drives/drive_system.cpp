@@ -177,87 +177,96 @@ DriveEnergy DriveSystem::energy(double t, Span q, Span v, Span x) {
   return sum;
 }
 
-DriveSystem::Values<DriveLaw::Dual> DriveSystem::with_duals() const {
-  const auto of = [](const std::vector<double>& numbers) {
-    return std::vector<DriveLaw::Dual>(numbers.begin(), numbers.end());
+void DriveSystem::set_duals() {
+  const auto copy = [](const std::vector<double>& from, std::vector<DriveLaw::Dual>& to) {
+    to.assign(from.begin(), from.end());
   };
-  return {of(now_.x), of(now_.l), of(now_.w), of(now_.u), of(now_.outputs), of(now_.dx)};
+  copy(now_.x, duals_.x);
+  copy(now_.l, duals_.l);
+  copy(now_.w, duals_.w);
+  copy(now_.u, duals_.u);
+  copy(now_.outputs, duals_.outputs);
+  copy(now_.dx, duals_.dx);
 }
 
-Eigen::MatrixXd DriveSystem::rates_by_states(double t, Span q, Span v, Span x, std::span<double> dx) {
+void DriveSystem::rates_by_states(double t, Span q, Span v, Span x, std::span<double> dx,
+                                  Eigen::MatrixXd& f_x) {
   evaluate_laws(t, q, v, x);
   std::ranges::copy(now_.dx, dx.begin());
-  Values<DriveLaw::Dual> values = with_duals();
+  set_duals();
   const auto n = static_cast<Eigen::Index>(nx());
-  Eigen::MatrixXd f_x(n, n);
+  f_x.resize(n, n);
   for (Eigen::Index k = 0; k < n; ++k) {
-    DriveLaw::Dual& argument = values.x[static_cast<std::size_t>(k)];
+    DriveLaw::Dual& argument = duals_.x[static_cast<std::size_t>(k)];
     argument.dx[0] = 1;
-    for (const std::size_t d : order_) static_cast<void>(respond(d, t, values));
+    for (const std::size_t d : order_) static_cast<void>(respond(d, t, duals_));
     argument.dx[0] = 0;
-    for (Eigen::Index c = 0; c < n; ++c) f_x(c, k) = values.dx[static_cast<std::size_t>(c)].dx[0];
+    for (Eigen::Index c = 0; c < n; ++c) f_x(c, k) = duals_.dx[static_cast<std::size_t>(c)].dx[0];
   }
-  return f_x;
 }
 
-/// Computes the derivatives of n numbers by the arguments of the laws. After the laws have been evaluated
+/// Computes by_, the derivatives of n numbers by the arguments of the laws. After the laws have been evaluated
 /// with dual numbers along a direction, f(values, out) is called with their results and must write the
 /// directional derivatives of the n numbers to `out`.
-template <class F>
-DriveSystem::ByArguments DriveSystem::by_arguments(double t, Span q, Span v, Eigen::Index n, const F& f) {
+template <class F> void DriveSystem::by_arguments(double t, Span q, Span v, Eigen::Index n, const F& f) {
   const auto index = [](auto k) { return static_cast<Eigen::Index>(k); };
   const Eigen::Index nv = model_.nv();
-  const auto zeros = [n](Eigen::Index columns) { return Eigen::MatrixXd::Zero(n, columns).eval(); };
-  ByArguments out{zeros(nv), zeros(nv), zeros(index(nx())), zeros(index(inputs_.size()))};
-  Values<DriveLaw::Dual> values = with_duals();
-  Vector by(n);
+  by_.q.setZero(n, nv);
+  by_.v.setZero(n, nv);
+  by_.x.setZero(n, index(nx()));
+  by_.u.setZero(n, index(inputs_.size()));
+  set_duals();
+  along_.resize(n);
   const auto along = [&](DriveLaw::Dual& argument) -> const Vector& {
     argument.dx[0] = 1;
-    for (const std::size_t d : order_) static_cast<void>(respond(d, t, values));
-    f(values, by);
+    for (const std::size_t d : order_) static_cast<void>(respond(d, t, duals_));
+    f(duals_, along_);
     argument.dx[0] = 0;
-    return by;
+    return along_;
   };
-  for (std::size_t k = 0; k < nx(); ++k) out.x.col(index(k)) = along(values.x[k]);
-  for (std::size_t k = 0; k < inputs_.size(); ++k) out.u.col(index(k)) = along(values.u[inputs_[k]]);
-  std::vector<double> of_row(static_cast<std::size_t>(nv * nv));
+  for (std::size_t k = 0; k < nx(); ++k) by_.x.col(index(k)) = along(duals_.x[k]);
+  for (std::size_t k = 0; k < inputs_.size(); ++k) by_.u.col(index(k)) = along(duals_.u[inputs_[k]]);
   for (std::size_t d = 0; d < size(); ++d) {
-    const Drive& drive = drives_[d];
-    along(values.l[d]);
-    for (const auto& [c, factor] : drive.port.row()) out.q.col(c) += factor * by;
-    along(values.w[d]);
-    for (const auto& [c, factor] : drive.port.row()) out.v.col(c) += factor * by;
+    Drive& drive = drives_[d];
+    along(duals_.l[d]);
+    for (const auto& [c, factor] : drive.port.row()) by_.q.col(c) += factor * along_;
+    along(duals_.w[d]);
+    for (const auto& [c, factor] : drive.port.row()) by_.v.col(c) += factor * along_;
     // The row E of a line depends on q, and hence w = E v depends on q also by E.
     if (!drive.port.is_line()) continue;
-    std::ranges::fill(of_row, 0.0);
-    drive.port.add_row_derivatives(model_.tree<double>(), q, 1, of_row);
+    of_row_.assign(static_cast<std::size_t>(nv * nv), 0.0);
+    drive.port.add_row_derivatives(model_.tree<double>(), q, 1, of_row_);
     const Eigen::Map<const Vector> velocities(v.data(), nv);
-    out.q += by * (velocities.transpose() * Eigen::Map<const Matrix>(of_row.data(), nv, nv));
+    const Eigen::Map<const Matrix> E_q(of_row_.data(), nv, nv);
+    for (Eigen::Index j = 0; j < nv; ++j) by_.q.col(j) += velocities.dot(E_q.col(j)) * along_;
   }
-  return out;
 }
 
-DriveDerivatives DriveSystem::derivatives(double t, Span q, Span v, Span x) {
+void DriveSystem::derivatives(double t, Span q, Span v, Span x, DriveDerivatives& out) {
   evaluate_laws(t, q, v, x);
   const Eigen::Index nv = model_.nv(), n_x = static_cast<Eigen::Index>(nx());
-  const ByArguments by = by_arguments(t, q, v, nv + n_x, [&](Values<DriveLaw::Dual>& values, Vector& out) {
-    out.setZero();
+  by_arguments(t, q, v, nv + n_x, [&](const Values<DriveLaw::Dual>& values, Vector& along) {
+    along.setZero();
     for (std::size_t d = 0; d < size(); ++d) {
       if (drives_[d].feeds) continue;
-      for (const auto& [c, factor] : drives_[d].port.row()) out[c] += factor * values.outputs[d].dx[0];
+      for (const auto& [c, factor] : drives_[d].port.row()) along[c] += factor * values.outputs[d].dx[0];
     }
-    for (Eigen::Index k = 0; k < n_x; ++k) out[nv + k] = values.dx[static_cast<std::size_t>(k)].dx[0];
+    for (Eigen::Index k = 0; k < n_x; ++k) along[nv + k] = values.dx[static_cast<std::size_t>(k)].dx[0];
   });
-  DriveDerivatives out{by.q.topRows(nv),     by.v.topRows(nv),     by.x.topRows(nv),
-                       by.u.topRows(nv),     by.q.bottomRows(n_x), by.v.bottomRows(n_x),
-                       by.x.bottomRows(n_x), by.u.bottomRows(n_x)};
+  out.tau_q = by_.q.topRows(nv);
+  out.tau_v = by_.v.topRows(nv);
+  out.tau_x = by_.x.topRows(nv);
+  out.tau_u = by_.u.topRows(nv);
+  out.f_q = by_.q.bottomRows(n_x);
+  out.f_v = by_.v.bottomRows(n_x);
+  out.f_x = by_.x.bottomRows(n_x);
+  out.f_u = by_.u.bottomRows(n_x);
   // The force τ = Eᵀ g of a line depends on q also by the row E.
-  std::vector<double> of_row(static_cast<std::size_t>(nv * nv));
+  of_row_.assign(static_cast<std::size_t>(nv * nv), 0.0);
   for (std::size_t d = 0; d < size(); ++d)
     if (!drives_[d].feeds)
-      drives_[d].port.add_row_derivatives(model_.tree<double>(), q, now_.outputs[d], of_row);
-  out.tau_q += Eigen::Map<const Matrix>(of_row.data(), nv, nv);
-  return out;
+      drives_[d].port.add_row_derivatives(model_.tree<double>(), q, now_.outputs[d], of_row_);
+  out.tau_q += Eigen::Map<const Matrix>(of_row_.data(), nv, nv);
 }
 
 double DriveSystem::next_jump(double t) const {
@@ -285,10 +294,10 @@ MarginDerivatives DriveSystem::margin_derivatives(double t, Span q, Span v, Span
   evaluate_laws(t, q, v, x);
   const LeastMargin least = least_margin_now(t);
   const Drive& drive = drives_[least.drive];
-  const ByArguments by = by_arguments(t, q, v, 1, [&](const Values<DriveLaw::Dual>& values, Vector& out) {
+  by_arguments(t, q, v, 1, [&](const Values<DriveLaw::Dual>& values, Vector& out) {
     out[0] = drive.law->margin(least.status, point(least.drive, t, values), drive.statuses).dx[0];
   });
-  return {by.q, by.v, by.x, by.u};
+  return {by_.q, by_.v, by_.x, by_.u};
 }
 
 Eigen::VectorXd DriveSystem::input_rates(double t) const {
@@ -326,6 +335,22 @@ bool DriveSystem::switch_at(double t, Span q, Span v, std::span<double> x) {
     if (!again) break;
   }
   return changed;
+}
+
+void DriveSystem::discrete(std::vector<std::size_t>& out) const {
+  out.clear();
+  for (const Drive& drive : drives_) {
+    out.push_back(drive.signal.interval());
+    for (const int status : drive.statuses) out.push_back(static_cast<std::size_t>(status));
+  }
+}
+
+void DriveSystem::set_discrete(std::span<const std::size_t> from) {
+  auto next = from.begin();
+  for (Drive& drive : drives_) {
+    drive.signal.set_interval(*next++);
+    for (int& status : drive.statuses) status = static_cast<int>(*next++);
+  }
 }
 
 }  // namespace axode

@@ -70,10 +70,16 @@ class DriveSystem {
   /// Adds to tau the last forces of drives along lines between two points, which evaluate() also adds.
   void add_line_forces(std::span<double> tau) const;
   DriveEnergy energy(double t, Span q, Span v, Span x);
-  /// Computes the derivatives of the drive forces and of the rates at constant statuses. Allocates.
-  DriveDerivatives derivatives(double t, Span q, Span v, Span x);
-  /// Writes the rates x' of the drive states to dx, and returns ∂x'/∂x (nx() × nx()). Allocates.
-  Eigen::MatrixXd rates_by_states(double t, Span q, Span v, Span x, std::span<double> dx);
+  /// Computes the derivatives of the drive forces and of the rates at constant statuses. Allocates only the
+  /// matrices of a new result.
+  void derivatives(double t, Span q, Span v, Span x, DriveDerivatives& out);
+  DriveDerivatives derivatives(double t, Span q, Span v, Span x) {
+    DriveDerivatives out;
+    derivatives(t, q, v, x, out);
+    return out;
+  }
+  /// Writes the rates x' of the drive states to dx, and ∂x'/∂x (nx() × nx()) to f_x.
+  void rates_by_states(double t, Span q, Span v, Span x, std::span<double> dx, Eigen::MatrixXd& f_x);
 
   /// The first time after t at which an input or one of its derivatives jumps; infinite if there is none.
   double next_jump(double t) const;
@@ -85,6 +91,10 @@ class DriveSystem {
   /// take their values after the jump. A status, which selects the branch of a drive's law, changes if its
   /// margin is negative; states in x may jump then. Returns whether an input or a status has changed.
   bool switch_at(double t, Span q, Span v, std::span<double> x);
+  /// The discrete state of the drives, which switch_at() changes: statuses and the present intervals of
+  /// inputs. discrete() writes it to `out`, and set_discrete() restores it.
+  void discrete(std::vector<std::size_t>& out) const;
+  void set_discrete(std::span<const std::size_t> from);
 
  private:
   struct Drive {
@@ -103,8 +113,8 @@ class DriveSystem {
   template <class T> struct Values { std::vector<T> x, l, w, u, outputs, dx; };
 
   void order_by_inputs();
-  /// The arguments and results of the last evaluation as dual numbers, whose derivatives are 0.
-  Values<DriveLaw::Dual> with_duals() const;
+  /// Copies the arguments and results of the last evaluation to duals_, with derivatives of 0.
+  void set_duals();
   void update_ports(double t, Span q, Span v);
   /// Evaluates the law of drive d. If another drive feeds it, that one must have been evaluated before.
   template <class T> DriveResponse<T> respond(std::size_t d, double t, Values<T>& values) const;
@@ -120,13 +130,18 @@ class DriveSystem {
   struct ByArguments {
     Eigen::MatrixXd q, v, x, u;
   };
-  template <class F> ByArguments by_arguments(double t, Span q, Span v, Eigen::Index n, const F& f);
+  template <class F> void by_arguments(double t, Span q, Span v, Eigen::Index n, const F& f);
 
   Model model_;
   std::vector<Drive> drives_;
   std::vector<std::size_t> order_, inputs_;
   std::vector<DriveState> states_;
   Values<double> now_;
+  // Memory of derivatives() and rates_by_states().
+  Values<DriveLaw::Dual> duals_;
+  ByArguments by_;
+  Eigen::VectorXd along_;
+  std::vector<double> of_row_;
 };
 
 }  // namespace axode

@@ -10,6 +10,7 @@
 #include "axode/integration/runs/sized_arguments.hpp"
 #include "axode/integration/schemes/explicit_steps.hpp"
 #include "axode/model/finite.hpp"
+#include "axode/table/check_counts.hpp"
 
 namespace axode {
 namespace {
@@ -24,6 +25,7 @@ void check_motion(const Model& model, const ContactShapes& shapes, double step,
                   std::initializer_list<Sized<double>> results) {
   check_step(step);
   check_contact(model, shapes);
+  catalog::check_counts<"contact">(model);  // without drives
   check_sizes(arguments, results);
   for (const auto& in : arguments)
     if (!finite(in.x)) throw std::invalid_argument(std::string(in.name) + " is not finite");

@@ -444,7 +444,7 @@ class Rollout(tuple[Array, Array]):
     """The pair (q, v) of the states of N motions, the `certificates` (N, K) of steps with contact, and states `x` of drives.
 
     A certificate says how exactly the laws of contact hold in a step, 1e-12 being rounding. Without contact there are none,
-    and their shape is (0,). x has the shape (N, K + 1, nx), where nx is 0 if no drive has states; with contact it is (0,).
+    and their shape is (0,). x has the shape (N, K + 1, nx), where nx is 0 if no drive has states.
 
     >>> q, v = path = axode.rollout(arm, np.zeros((5, 7)), np.zeros((5, 7)), np.ones((5, 20, 7)), 1e-3)
     >>> path.q is q, path.certificates.size

@@ -135,9 +135,9 @@ def rollout(m: Model | Specialised, q: ArrayLike, v: ArrayLike,
         which limits hold, and there must not be dry friction with joint_losses.
     contact: whether shapes touch and hard stops stop, as in `simulate` with method="contact", which steps in double
     precision and takes no specialised model. If left out, they do if the drawing has `[contact]`. The result then has
-    `certificates`, see `Rollout`. Every 64 steps, and after each step if tau is a function, the solver of contacts begins
-    anew, so that motions differ from those of `simulate` by its tolerance, and by more where friction at several points
-    has more than one solution.
+    `certificates`, see `Rollout`. Motions are those of `simulate` to the last bit, unless tau is a function: then the solver
+    of contacts begins anew after each step, so that motions differ by its tolerance, and by more where friction at several
+    points has more than one solution.
 
     ValueError for wrong shapes, numbers that are not finite, a drive of another mechanism, loops that are open at
     first and step <= 0. StatesError, with q, if a motion cannot continue: SingularError or NotFiniteError without contact.
@@ -162,14 +162,12 @@ def rollout(m: Model | Specialised, q: ArrayLike, v: ArrayLike,
     shapes = _axode.contact_shapes(model) if touches else None
     if isinstance(tau, (Sampled, PD, ComputedTorque)):
         tau = tau.on(model)
-    if touches and x is not None:
-        raise ValueError("x: rollout with contact does not count drives with states; simulate counts them")
     given: dict[str, Any] = {"threads": threads, "joint_losses": joint_losses}
 
     def under(q: ArrayLike, v: ArrayLike, tau: ArrayLike, x: ArrayLike | None, t: float = 0.0) -> Rollout:
         if shapes is None:
             return _without_contact(_axode.rollout_under(model, q, v, tau, step, compiled, x=x, t=t, **given))
-        return Rollout(*_axode.contact_rollout_under(model, shapes, q, v, tau, step, **given))
+        return Rollout(*_axode.contact_rollout_under(model, shapes, q, v, tau, step, x=x, t=t, **given))
 
     if steps is None:
         if callable(tau):
@@ -184,7 +182,7 @@ def rollout(m: Model | Specialised, q: ArrayLike, v: ArrayLike,
     if isinstance(tau, _axode.Drive):
         if shapes is None:
             return _without_contact(_axode.rollout_driven(model, q, v, tau, steps, step, compiled, x=x, **given))
-        return Rollout(*_axode.contact_rollout_driven(model, shapes, q, v, tau, steps, step, **given))
+        return Rollout(*_axode.contact_rollout_driven(model, shapes, q, v, tau, steps, step, x=x, **given))
     q_0, v_0 = np.asarray(q, dtype=np.float64), np.asarray(v, dtype=np.float64)
     begun = under(q_0, v_0, np.empty((*q_0.shape[:-1], 0, model.nv)), x)
     q_k, v_k = begun
@@ -192,23 +190,21 @@ def rollout(m: Model | Specialised, q: ArrayLike, v: ArrayLike,
     all_v = np.full((*q_0.shape[:-1], steps + 1, model.nv), np.nan, v_k.dtype)
     certificates = None if shapes is None else np.full((*q_0.shape[:-1], steps), np.nan)
     all_q[..., :1, :], all_v[..., :1, :] = q_k, v_k
-    all_x = np.full((*begun.x.shape[:-2], steps + 1, begun.x.shape[-1]), np.nan) if shapes is None else None
-    if all_x is not None:
-        all_x[..., :1, :] = begun.x
+    all_x = np.full((*begun.x.shape[:-2], steps + 1, begun.x.shape[-1]), np.nan)
+    all_x[..., :1, :] = begun.x
     for k in range(steps):
         q_k, v_k = all_q[..., k, :], all_v[..., k, :]
         forces = np.asarray(tau(k * step, q_k.copy(), v_k.copy()), dtype=np.float64)
         if forces.shape != v_k.shape:
             raise ValueError(f"tau(t, q, v): expected shape {v_k.shape}, got {forces.shape}")
         try:
-            made = under(q_k, v_k, forces[..., None, :], None if all_x is None else all_x[..., k, :], k * step)
+            made = under(q_k, v_k, forces[..., None, :], all_x[..., k, :], k * step)
         except StatesError as error:
             all_q[..., k:k + 2, :] = error.result
             error.result = all_q
             raise
         all_q[..., k + 1, :], all_v[..., k + 1, :] = made.q[..., 1, :], made.v[..., 1, :]
-        if all_x is not None:
-            all_x[..., k + 1, :] = made.x[..., 1, :]
+        all_x[..., k + 1, :] = made.x[..., 1, :]
         if certificates is not None:
             certificates[..., k:k + 1] = made.certificates
     return Rollout(all_q, all_v, certificates, all_x)

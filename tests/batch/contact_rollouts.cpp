@@ -4,13 +4,16 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <chrono>
 #include <cmath>
 #include <thread>
 
+#include "axode/drives.hpp"
 #include "axode/integration/momenta/simulate_contact.hpp"
 #include "axode/io.hpp"
 #include "axode/model/configuration.hpp"
+#include "tests/contact/scene.hpp"
 #include "tests/contact/two_shapes.hpp"
 
 /// Rollouts with contact against simulations of each motion alone.
@@ -65,9 +68,9 @@ Rolled roll(const Thrown& at, int threads) {
   return out;
 }
 
-TEST(ContactRollout, HasTheMotionsOfSimulations) {
+TEST(ContactRollout, HasTheMotionsOfSimulationsToTheLastBit) {
   const Thrown at;
-  const Rolled found = roll(at, 1);
+  const Rolled found = roll(at, 2);
   EXPECT_LE(std::ranges::max(found.certificates), 1e-9);
   for (std::size_t n = 0; n < Thrown::N; ++n) {
     SimulationOptions options;
@@ -79,12 +82,100 @@ TEST(ContactRollout, HasTheMotionsOfSimulations) {
     const Trajectory one = simulate_contact(at.model, at.shapes, at.q_of(n), at.v_of(n),
                                             Thrown::step * Thrown::K, Thrown::step, options);
     ASSERT_EQ(one.size(), Thrown::K + 1);
-    for (const std::size_t k : {Thrown::K / 2, Thrown::K}) {
-      const std::span<const double> q =
-          std::span<const double>(found.q).subspan((n * (Thrown::K + 1) + k) * Thrown::nq, Thrown::nq);
-      for (const double d : difference(at.model, one.q(k), q)) EXPECT_NEAR(d, 0, 1e-7) << n << ", step " << k;
+    EXPECT_TRUE(std::ranges::equal(one.q(), std::span(found.q).subspan(n * one.q().size(), one.q().size())));
+    EXPECT_TRUE(std::ranges::equal(one.v(), std::span(found.v).subspan(n * one.v().size(), one.v().size())));
+    EXPECT_TRUE(std::ranges::equal(one.certificates,
+                                   std::span(found.certificates).subspan(n * Thrown::K, Thrown::K)));
+  }
+}
+
+/// Hoppers that fall on a floor, whose motors reach their limits, and whose controllers have inputs that jump.
+struct Hoppers {
+  static constexpr std::size_t N = 3, K = 300;
+  static constexpr double step = 2e-3;
+  Model model;
+  ContactShapes shapes;
+  std::size_t nx;
+  Numbers q, v, x;
+
+  explicit Hoppers(bool given) : model(build()), shapes(model), nx(DriveSystem(model).nx()) {
+    for (std::size_t n = 0; n < N; ++n) {
+      q.insert(q.end(), {0.7 + 0.1 * static_cast<double>(n), 0.0});
+      v.insert(v.end(), {0.0, 0.1});
+      if (given) x.insert(x.end(), nx, 0.001 * static_cast<double>(n));
     }
   }
+  static Model build() {
+    Description d = hopper();
+    d.drives[0].input = {.times = {0, 0.1001, 0.4}, .values = {0.1, -0.05, 0.1}};
+    return ModelBuilder(d).build();
+  }
+  SimulationOptions options_of(std::size_t n, const Drive& drive) const {
+    SimulationOptions options{.drive = drive};
+    if (!x.empty())
+      options.x.assign(x.begin() + static_cast<std::ptrdiff_t>(n * nx),
+                       x.begin() + static_cast<std::ptrdiff_t>((n + 1) * nx));
+    return options;
+  }
+};
+
+TEST(ContactRollout, CarriesDrivesAsSimulationsDoToTheLastBit) {
+  const Drive sway = [](double t, std::span<const double>, std::span<const double> v, std::span<double> out) {
+    for (std::size_t c = 0; c < out.size(); ++c) out[c] = std::sin(9 * t) - 0.1 * v[c];
+  };
+  for (const bool given : {false, true}) {
+    const Hoppers at(given);
+    const std::size_t rows = Hoppers::N * (Hoppers::K + 1);
+    Numbers q(rows * 2), v(rows * 2), x(rows * at.nx), certificates(Hoppers::N * Hoppers::K);
+    ASSERT_TRUE(batch::rollout_with_contact(at.model, at.shapes, at.q, at.v, sway, Hoppers::K, Hoppers::step,
+                                            q, v, certificates, 2, {}, false, {.x = at.x, .x_out = x})
+                    .ok());
+    std::size_t early = 0, touched = 0;
+    for (std::size_t n = 0; n < Hoppers::N; ++n) {
+      const Trajectory one = simulate_contact(at.model, at.shapes, std::span(at.q).subspan(2 * n, 2),
+                                              std::span(at.v).subspan(2 * n, 2), Hoppers::step * Hoppers::K,
+                                              Hoppers::step, at.options_of(n, sway));
+      ASSERT_TRUE(one.complete) << one.stop_reason;
+      std::size_t i = 0;
+      for (std::size_t k = 0; k <= Hoppers::K; ++k, ++i) {
+        for (; one.t()[i] < static_cast<double>(k) * Hoppers::step; ++i) ++early;
+        const std::size_t row = n * (Hoppers::K + 1) + k;
+        EXPECT_TRUE(std::ranges::equal(one.q(i), std::span(q).subspan(2 * row, 2))) << n << " " << k;
+        EXPECT_TRUE(std::ranges::equal(one.v(i), std::span(v).subspan(2 * row, 2))) << n << " " << k;
+        EXPECT_TRUE(std::ranges::equal(one.x(i), std::span(x).subspan(at.nx * row, at.nx))) << n << " " << k;
+        touched += one.contacts(i).empty() ? 0 : 1;
+      }
+    }
+    EXPECT_GT(early, 6U);
+    EXPECT_GT(touched, 200U);
+  }
+}
+
+/// The second half of a motion begins at the state and time at which the first one has ended.
+TEST(ContactRollout, ContinuesFromTheStatesOfDrives) {
+  const Hoppers at(false);
+  constexpr std::size_t K = Hoppers::K, half = K / 2, N = Hoppers::N;
+  const auto roll = [&](const Numbers& q, const Numbers& v, const Numbers& x, std::size_t steps, double t) {
+    std::array<Numbers, 3> out{Numbers(N * (steps + 1) * 2), Numbers(N * (steps + 1) * 2),
+                               Numbers(N * (steps + 1) * at.nx)};
+    EXPECT_TRUE(batch::rollout_with_contact(at.model, at.shapes, q, v, Numbers(N * steps * 2), Hoppers::step,
+                                            out[0], out[1], {}, 1, {}, false,
+                                            {.x = x, .x_out = out[2], .t = t})
+                    .ok());
+    return out;
+  };
+  const auto ends = [&](const Numbers& all, std::size_t steps, std::size_t k, std::size_t width) {
+    Numbers rows;
+    for (std::size_t n = 0; n < N; ++n)
+      for (std::size_t c = 0; c < width; ++c) rows.push_back(all[(n * (steps + 1) + k) * width + c]);
+    return rows;
+  };
+  const auto whole = roll(at.q, at.v, at.x, K, 0), first = roll(at.q, at.v, at.x, half, 0);
+  const auto second = roll(ends(first[0], half, half, 2), ends(first[1], half, half, 2),
+                           ends(first[2], half, half, at.nx), K - half, half * Hoppers::step);
+  for (const auto& [which, width] : {std::pair<std::size_t, std::size_t>{0, 2}, {1, 2}, {2, at.nx}})
+    Comparison("states", 1e-8)
+        .expect_equal(ends(second[which], K - half, K - half, width), ends(whole[which], K, K, width));
 }
 
 TEST(ContactRollout, DoesNotDependOnThreads) {
@@ -210,6 +301,24 @@ TEST(ContactRollout, RefusesCertificatesInTheMemoryOfStates) {
                                                                Thrown::step, out.q, out.v,
                                                                shared.subspan(1, Thrown::N * Thrown::K))),
                  std::invalid_argument);
+}
+
+TEST(ContactRollout, RefusesStatesOfDrivesThatItCannotTake) {
+  const Hoppers at(true);
+  Numbers q(Hoppers::N * 2), v(q), x(Hoppers::N * at.nx);
+  const auto call = [&](const batch::DriveMotions& drives, std::span<double> certificates = {}) {
+    static_cast<void>(batch::rollout_with_contact(at.model, at.shapes, at.q, at.v, Numbers(), 1e-3, q, v,
+                                                  certificates, 1, {}, false, drives));
+  };
+  const auto refuses = [](const char* why) {
+    return testing::ThrowsMessage<std::invalid_argument>(testing::HasSubstr(why));
+  };
+  Numbers lost = at.x;
+  lost.back() = std::nan("");
+  EXPECT_NO_THROW(call({.x = at.x, .x_out = x}));
+  EXPECT_THAT([&] { call({.x = std::span(at.x).first(2)}); }, refuses("x has 2 entries; expected nx N = 9"));
+  EXPECT_THAT([&] { call({.x = lost}); }, refuses("of a drive is not finite"));
+  EXPECT_THAT([&] { call({.x_out = v}); }, refuses("x_out has 6 entries; expected (K + 1) nx N = 9"));
 }
 
 TEST(ContactRollout, RefusesArraysOfAnotherSizeAndAnEmptyDrive) {

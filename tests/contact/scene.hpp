@@ -57,6 +57,39 @@ inline double energy_at(const Model& model, const Trajectory& motion, std::size_
          potential_energy<double>(model, workspace, motion.q(k));
 }
 
+inline constexpr double trunk = 5, leg = 1, foot = 0.05;
+
+/// A trunk on a vertical guide, with a leg below it whose length a controller commands by a motor. The foot
+/// is a ball, and the leg has the length 0.5 m + q at the joint "leg".
+inline Description hopper() {
+  Description d = Scene({.friction = 0.8}).description;
+  d.name = "hopper";
+  d.bodies = {{.name = "trunk",
+               .joint = {.name = "guide", .kind = JointKind::prismatic, .axis = {0, 0, 1}},
+               .inertia = MassProperties{.mass = trunk, .com = {}, .Theta = {0.1, 0.1, 0.1, 0, 0, 0}}},
+              {.name = "leg",
+               .predecessor = "trunk",
+               .joint = {.name = "leg", .kind = JointKind::prismatic, .axis = {0, 0, -1}},
+               .inertia = MassProperties{.mass = leg, .com = {}, .Theta = {0.1, 0.1, 0.1, 0, 0, 0}}}};
+  d.bodies[1].shapes = {touching(ShapeKind::sphere, {.friction = 0.8}, foot)};
+  d.bodies[1].shapes[0].pose.r = {0, 0, -0.5};
+  d.drives = {{.name = "controller",
+               .kind = DriveKind::pid,
+               .joints = {{"leg", 1.0}},
+               .parameters = {{"kp", 400}, {"ki", 800}, {"kd", 40}, {"filter_time", 0.01}, {"limit", 48}},
+               .input = {.values = {0.1}}},
+              {.name = "motor",
+               .kind = DriveKind::dc_motor,
+               .joints = {{"leg", 1.0}},
+               .parameters = {{"resistance", 0.5},
+                              {"inductance", 2e-4},
+                              {"torque_constant", 0.05},
+                              {"ratio", 100},
+                              {"current_limit", 30}},
+               .input = {.from = "controller"}}};
+  return d;
+}
+
 /// A random tree that floats freely, under gravity, with hard stops at ±0.1 rad of its revolute joints. Other
 /// joints have no springs, losses and limits.
 inline Model floating_tree_with_stops(Random<double>& random, double restitution) {

@@ -6,8 +6,9 @@
 #include "axode/constraints/constrained_dynamics.hpp"
 #include "axode/constraints/embedding/task_space.hpp"
 #include "axode/integration/driven/drive_steps.hpp"
-#include "axode/integration/momenta/contact_step.hpp"
+#include "axode/integration/momenta/contact_motion.hpp"
 #include "axode/io.hpp"
+#include "tests/contact/scene.hpp"
 #include "tests/contact/two_shapes.hpp"
 #include "tests/integration/driven_mechanisms.hpp"
 #include "tests/laws/law.hpp"
@@ -307,6 +308,38 @@ TEST(NoAllocation, InStepsWithContact) {
     v = step.v;
   }
   EXPECT_GT(touched, 100);
+}
+
+/// A hopper whose motor is fast, so that steps need Newton's matrix, and reaches its limits when it lands.
+TEST(NoAllocation, InStepsWithContactAndDrives) {
+  const Model model = ModelBuilder(hopper()).build();
+  const std::vector<double> q_0{0.8, 0}, v_0{0, 0};
+  const SimulationOptions options;
+  ContactSimulationRun run(model, q_0, v_0, 10, options, false);
+  ContactSteps steps(run, model, ContactShapes(model), false);
+  ComputedContactStep end;
+  int switches = 0;
+  const auto take = [&](double t_1) {
+    while (run.now() < t_1) {
+      double t = t_1;
+      if (steps.compute_up_to_switch(t, end)) return false;
+      switches += t < t_1 ? 1 : 0;
+      run.move_to(t, as_span(end.end.q), as_span(end.end.v), end.end.x);
+      run.drives().switch_at(t, as_span(run.q), as_span(run.v));
+    }
+    return true;
+  };
+  for (int k = 1; k <= 500; ++k) {
+    constexpr int landing = 100;
+    bool solved = false;
+    const long operations = memory_operations([&] { solved = take(k * 2e-3); });
+    ASSERT_TRUE(solved) << "step " << k;
+    if (k == landing) switches = 0;
+    if (k > landing) {
+      EXPECT_EQ(operations, 0) << "step " << k;
+    }
+  }
+  EXPECT_GT(switches, 0);
 }
 
 }  // namespace

@@ -2,7 +2,9 @@
 
 #include "axode/contact/contact_shapes.hpp"
 #include "axode/integration.hpp"
+#include "axode/integration/exact/simulate_contact_exact.hpp"
 #include "axode/integration/momenta/simulate_contact.hpp"
+#include "axode/io.hpp"
 #include "tests/contact/scene.hpp"
 #include "tests/integration/driven_mechanisms.hpp"
 
@@ -70,39 +72,6 @@ TEST(DrivesInContact, HaveOrderTwoWhileContactsSlide) {
   }
   EXPECT_NEAR(errors[0] / errors[2], 16, 1);
   EXPECT_LT(errors[2], 1e-4);
-}
-
-constexpr double trunk = 5, leg = 1, foot = 0.05;
-
-/// A trunk on a vertical guide, with a leg below it whose length a controller commands by a motor. The foot
-/// is a ball, and the leg has the length 0.5 m + q at the joint "leg".
-Description hopper() {
-  Description d = Scene({.friction = 0.8}).description;
-  d.name = "hopper";
-  d.bodies = {{.name = "trunk",
-               .joint = {.name = "guide", .kind = JointKind::prismatic, .axis = {0, 0, 1}},
-               .inertia = MassProperties{.mass = trunk, .com = {}, .Theta = {0.1, 0.1, 0.1, 0, 0, 0}}},
-              {.name = "leg",
-               .predecessor = "trunk",
-               .joint = {.name = "leg", .kind = JointKind::prismatic, .axis = {0, 0, -1}},
-               .inertia = MassProperties{.mass = leg, .com = {}, .Theta = {0.1, 0.1, 0.1, 0, 0, 0}}}};
-  d.bodies[1].shapes = {touching(ShapeKind::sphere, {.friction = 0.8}, foot)};
-  d.bodies[1].shapes[0].pose.r = {0, 0, -0.5};
-  d.drives = {{.name = "controller",
-               .kind = DriveKind::pid,
-               .joints = {{"leg", 1.0}},
-               .parameters = {{"kp", 400}, {"ki", 800}, {"kd", 40}, {"filter_time", 0.01}, {"limit", 48}},
-               .input = {.values = {0.1}}},
-              {.name = "motor",
-               .kind = DriveKind::dc_motor,
-               .joints = {{"leg", 1.0}},
-               .parameters = {{"resistance", 0.5},
-                              {"inductance", 2e-4},
-                              {"torque_constant", 0.05},
-                              {"ratio", 100},
-                              {"current_limit", 30}},
-               .input = {.from = "controller"}}};
-  return d;
 }
 
 /// The hopper falls on its foot and comes to rest: the floor carries its weight, and the current the trunk.
@@ -181,6 +150,31 @@ TEST(DrivesInContact, FastCurrentsDoNotAlternate) {
   EXPECT_EQ(after, 1);
 }
 
+/// A four-bar that a fast motor drives against a stiff spring: Newton's matrix of a step counts both, and not the
+/// loop, whose impulses are given in the motion between them.
+TEST(DrivesInContact, AFastMotorAndAStiffSpringMoveALoop) {
+  Description d = load(AXODE_SOURCE_DIR "/examples/robots/four_bar.toml").description();
+  d.bodies[0].joint.dof.resize(1);
+  d.bodies[0].joint.dof[0].stiffness = 500;
+  d.drives = {{.name = "motor",
+               .joints = {{d.bodies[0].joint.name, 1.0}},
+               .parameters = {{"resistance", 1}, {"inductance", 1e-4}, {"torque_constant", 3}},
+               .input = {.values = {20}}}};
+  const Model model = ModelBuilder(d).build();
+  const InitialState start = initial_state(model);
+  const double until = 0.02;
+  const Trajectory exact = simulate(model, start.q, start.v, until, {.relative = 1e-11, .absolute = 1e-12});
+  std::vector<double> errors;
+  for (const double h : {1e-3, 5e-5, 2.5e-5}) {
+    const Trajectory motion = simulate_contact(model, start.q, start.v, until, h);
+    ASSERT_TRUE(motion.complete) << motion.stop_reason;
+    errors.push_back(apart(model, last_q(exact), last_q(motion)));
+  }
+  EXPECT_LT(errors[0], 1e-2);
+  EXPECT_NEAR(errors[1] / errors[2], 4, 0.5);
+  EXPECT_LT(errors[2], 1e-5);
+}
+
 /// The limits of a motor end steps, and a status that is the sign of rounding errors does not.
 TEST(DrivesInContact, StepsEndAtLimitsOnly) {
   const Model model = ModelBuilder(limited_motor()).build();
@@ -211,6 +205,93 @@ TEST(DrivesInContact, StepsEndAtLimitsOnly) {
   ASSERT_TRUE(motion.complete) << motion.stop_reason;
   EXPECT_LE(motion.steps, 1600U);
   EXPECT_LE(std::ranges::max(motion.certificates), 1e-9);
+}
+
+constexpr Tolerances tight{.relative = 1e-12, .absolute = 1e-12};
+
+TEST(DrivesInExactContact, HaveTheirStatesAndLimitsInFlight) {
+  for_seeds(6, [](std::uint64_t seed) {
+    const double until = 0.3;
+    const DrivenMotion at(seed, until);
+    const Trajectory motion = simulate_contact_exact(at.smooth, at.q, at.v, until, tight, at.options);
+    ASSERT_TRUE(motion.complete) << motion.stop_reason;
+    EXPECT_LT(deviation_at_end(motion, at.exact), 1e-9);
+  });
+}
+
+/// A drive along the line from the ground to a box on the floor, at a distance of 2 m.
+Model pulled_box(DriveDescription drive, double mu) {
+  constexpr double half = 0.1;
+  Description d = Scene({.friction = mu}).add("box", ShapeKind::box, half, {.friction = mu}).description;
+  drive.line = DriveDescription::Line{.between = {"ground", "box"}, .points = {Vec3<>{-2, 0, half}}};
+  d.drives = {std::move(drive)};
+  return ModelBuilder(d).build();
+}
+std::vector<double> times_of(const Trajectory& motion, Trajectory::ContactEvent::Kind kind) {
+  std::vector<double> times;
+  for (const Trajectory::ContactEvent& event : motion.contact_events)
+    if (event.kind == kind) times.push_back(event.t);
+  return times;
+}
+
+/// The current of a motor grows until friction cannot hold the box any more, which then moves as a slider.
+TEST(DrivesInExactContact, ABoxSlipsWhenTheCurrentOfItsMotorCanPullIt) {
+  constexpr double mu = 0.3, V = 6, R = 1, L = 0.05, k = 1, until = 0.4;
+  DriveDescription motor{.name = "motor", .input = {.values = {V}}};
+  motor.parameters = {{"resistance", R}, {"inductance", L}, {"torque_constant", k}};
+  const Trajectory motion =
+      simulate_contact_exact(pulled_box(motor, mu), at({0, 0, 0.1}), Numbers(6), until, tight);
+  ASSERT_TRUE(motion.complete) << motion.stop_reason;
+  EXPECT_LE(std::ranges::max(motion.certificates), 1e-9);
+  const std::vector<double> slips = times_of(motion, Trajectory::ContactEvent::Kind::slip);
+  ASSERT_FALSE(slips.empty());
+  const double slip = -L / R * std::log(1 - mu * g * R / (k * V));
+  for (const double t : slips) EXPECT_NEAR(t, slip, 1e-10);
+
+  Description slider{.name = "slider"};
+  slider.bodies = {{.name = "box",
+                    .joint = {.name = "slide", .kind = JointKind::prismatic, .axis = {1, 0, 0}},
+                    .inertia = MassProperties{.mass = 1, .com = {}, .Theta = {1, 1, 1, 0, 0, 0}}}};
+  slider.drives = {motor};
+  slider.drives[0].joints = {{"slide", 1.0}};
+  SimulationOptions friction{.x = {mu * g / k}};
+  friction.drive = [](double, Span, Span, std::span<double> tau) { tau[0] = -mu * g; };
+  const Trajectory exact =
+      simulate(ModelBuilder(slider).build(), {{0.0}}, {{0.0}}, until - slip, tight, friction);
+  EXPECT_NEAR(last_q(motion)[4], last_q(exact)[0], 1e-10);
+  EXPECT_NEAR(last_v(motion)[3], last_v(exact)[0], 1e-10);
+  EXPECT_NEAR(motion.x(motion.size() - 1)[0], exact.x(exact.size() - 1)[0], 1e-10);
+}
+
+/// The force of a controller jumps with its reference, and the box begins to slip in this moment.
+TEST(DrivesInExactContact, ABoxSlipsWhenAnInputJumps) {
+  constexpr double mu = 0.3, jump = 0.123, kp = 100, step = 0.05;
+  DriveDescription controller{.name = "controller", .kind = DriveKind::pid};
+  controller.parameters = {{"kp", kp}};
+  controller.input = {.times = {0, jump}, .values = {2, 2 + step}};
+  const Trajectory motion =
+      simulate_contact_exact(pulled_box(controller, mu), at({0, 0, 0.1}), Numbers(6), 0.2, tight);
+  ASSERT_TRUE(motion.complete) << motion.stop_reason;
+  const std::vector<double> slips = times_of(motion, Trajectory::ContactEvent::Kind::slip);
+  ASSERT_FALSE(slips.empty());
+  for (const double t : slips) EXPECT_EQ(t, jump);
+  const double omega = std::sqrt(kp), reach = step - mu * g / kp;
+  EXPECT_NEAR(last_q(motion)[4], reach * (1 - std::cos(omega * (0.2 - jump))), 1e-10);
+}
+
+TEST(DrivesInExactContact, AHopperLandsAndRests) {
+  const Model model = ModelBuilder(hopper()).build();
+  const Trajectory motion =
+      simulate_contact_exact(model, {{0.8, 0.0}}, {{0.0, 0.0}}, 6, {.relative = 1e-9, .absolute = 1e-10});
+  ASSERT_TRUE(motion.complete) << motion.stop_reason;
+  EXPECT_LE(std::ranges::max(motion.certificates), 1e-9);
+  EXPECT_NEAR(last_q(motion)[0], 0.1 + 0.5 + foot, 1e-6);
+  EXPECT_NEAR(motion.x(motion.size() - 1)[2], trunk * g / (0.05 * 100), 1e-4);
+  const Trajectory stepped = simulate_contact(model, {{0.8, 0.0}}, {{0.0, 0.0}}, 0.5, 1e-4);
+  Numbers q(2), v(2);
+  motion.at(0.5, q, v);
+  EXPECT_NEAR(q[0], last_q(stepped)[0], 3e-4);
+  EXPECT_NEAR(q[1], last_q(stepped)[1], 3e-4);
 }
 
 }  // namespace

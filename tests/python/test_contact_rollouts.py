@@ -121,8 +121,25 @@ def test_what_is_wrong_is_refused_as_without_contact():
             axode.rollout(BOX, *given)
     with pytest.raises(ValueError, match="drive of model"):
         axode.rollout(BOX, q, v, axode.drives.PD(1.0, 1.0, np.zeros(7)).on(axode.load(axode.robots / "arm7.toml")), STEP, steps=2)
-    motor = axode.Builder("wheel").body("wheel", joint={"name": "axle", "kind": "revolute", "axis": "z", "point": [0, 0, 0]}, mass=1,
-                                        com=[0, 0, 0], inertia=[1, 1, 1]).drive(
-        "dc_motor", "axle", resistance=1, inductance=0.01, torque_constant=0.1, input=1).build()
-    with pytest.raises(ValueError, match="drives"):
-        axode.rollout(motor, [0], [0], np.zeros((3, 1)), STEP, contact=True)
+
+
+def test_drives_act_as_in_simulate_bit_for_bit():
+    m = axode.Builder("press").body(
+        "ram", joint={"name": "guide", "kind": "prismatic", "axis": "z", "point": [0, 0, 0], "limits": [0.0, 1.0], "stop": "hard"},
+        mass=1, com=[0, 0, 0], inertia=[1, 1, 1]).drive(
+            "dc_motor", "guide", name="motor", resistance=1, inductance=0.02, torque_constant=2, current_limit=4,
+            input={"kind": "steps", "times": [0, 0.0501], "values": [2, 12]}).build()
+    q, v = np.array([[0.02], [0.1]]), np.zeros((2, 1))
+    found = axode.rollout(m, q, v, np.zeros((2, 60, 1)), STEP, contact=True, threads=2)
+    assert found.x.shape == (2, 61, 1) and np.max(found.x) > 4 - 1e-9
+    for k in range(2):
+        motion = axode.simulate(m, q[k], v[k], 60 * STEP, step=STEP, contact=True)
+        ends = np.isin(motion.t, STEP * np.arange(61))
+        for ours, expected in ((found.q, motion.q), (found.v, motion.v), (found.x, motion.x)):
+            np.testing.assert_array_equal(ours[k], expected[ends])
+    started = axode.rollout(m, q, v, np.zeros((2, 5, 1)), STEP, contact=True, x=[[1.0], [2.0]])
+    np.testing.assert_array_equal(started.x[:, 0], [[1.0], [2.0]])
+    called = axode.rollout(m, q, v, lambda t, q, v: np.zeros((2, 1)), STEP, steps=60, contact=True)
+    np.testing.assert_allclose(called.q, found.q, atol=1e-9)
+    with pytest.raises(ValueError, match="x: expected shape"):
+        axode.rollout(m, q, v, np.zeros((2, 5, 1)), STEP, contact=True, x=[1.0])

@@ -33,11 +33,11 @@ def test_a_motor_runs_up_as_its_closed_form():
 def test_a_motor_runs_up_in_every_method():
     m = wheel().drive("dc_motor", "axle", name="motor", **MOTOR, input=12).build()
     exact = axode.simulate(m, [0], [0], 0.2, rtol=1e-11, atol=1e-12)
-    for method, options in {"midpoint": {}, "suzuki4": {}, "kahan_li6": {}, "rk4_momenta": {}, "contact": {}, "contact_adaptive": {},
+    for method, options in {"midpoint": {}, "suzuki4": {}, "kahan_li6": {}, "rk4_momenta": {}, "contact": {}, "contact_adaptive": {}, "contact_exact": {},
                             "rattle": {"coordinates": "absolute"}, "rattle_suzuki4": {"coordinates": "absolute"},
                             "half_explicit": {"coordinates": "absolute"}, "dopri5": {"coordinates": "absolute"},
                             "generalized_alpha": {"coordinates": "absolute"}}.items():
-        steps = {} if method in ("dopri5", "contact_adaptive") else {"step": 1e-3}
+        steps = {} if method in ("dopri5", "contact_adaptive", "contact_exact") else {"step": 1e-3}
         motion = axode.simulate(m, [0], [0], 0.2, method=method, **steps, **options)
         assert motion.complete and motion.drive_states == ["motor.current"] and motion.x.shape == (len(motion.t), 1)
         assert np.allclose(motion.x[-1], exact.x[-1], rtol=0, atol=2e-2), method

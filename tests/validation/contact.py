@@ -7,7 +7,7 @@ import contact_events
 import contact_laws
 import numpy as np
 from comparison import Comparison, Scheme
-from contact_drawings import G, at, ball, cube, scene
+from contact_drawings import at, ball, cube, scene
 
 EXACT = Scheme("contact_exact", rtol=1e-12)
 

@@ -49,14 +49,21 @@ void ExactContactRun::begin() {
     const auto never = [](const Gap&, double) { return false; };
     if (fails(phase_.impact(q, v, never, met, certificate_))) return;
   }
-  ContactPhase::Forces acting;
   if (fails(phase_.project(q, v))) return;
-  if (Failure failure = find_forces(0, as_span(q), as_span(v), acting)) return stop(failure);
-  if (fails(phase_.decide(q, v, acting))) return;
+  if (Failure failure = decide(0)) return stop(failure);
   for (const ContactPhase::Impact& it : met) add_event(it, 0);
   if (Failure failure = settle(0)) return stop(failure);
   trajectory.pop_back();
-  trajectory.append(0, as_span(q), as_span(v), as_span(a), as_span(tau_));
+  trajectory.append(0, as_span(q), as_span(v), as_span(a), as_span(tau_), as_span(drives_.x),
+                    as_span(drives_.dx));
+}
+
+Failure ExactContactRun::decide(double t) {
+  drives_.act_at(as_span(drives_.x));
+  ContactPhase::Forces acting;
+  if (Failure failure = find_forces(t, as_span(q), as_span(v), acting)) return failure;
+  std::string why = phase_.decide(q, v, acting);
+  return why.empty() ? Failure{} : Failure{t, std::move(why)};
 }
 
 Failure ExactContactRun::find_forces(double t, Span q_t, Span v_t, ContactPhase::Forces& out) {
@@ -74,8 +81,14 @@ Failure ExactContactRun::accelerate(double t, Span q_t, Span v_t, std::span<doub
   return why.empty() ? Failure{} : Failure{t, std::move(why)};
 }
 
-Failure ExactContactRun::mark(double t, const Vector& q_t, const Vector& v_t, Vector& a_t, Marks& out) {
+Failure ExactContactRun::mark(double t, StepEnd& end, Marks& out) {
+  return mark(t, end.q, end.v, end.x, end.a, out);
+}
+
+Failure ExactContactRun::mark(double t, const Vector& q_t, const Vector& v_t, const Vector& x_t, Vector& a_t,
+                              Marks& out) {
   a_t.resize(v_t.size());
+  drives_.act_at(as_span(x_t));
   if (Failure failure = accelerate(t, as_span(q_t), as_span(v_t), as_span(a_t))) return failure;
   out.reserve = phase_.reserve();
   out.slips.assign(phase_.slips().begin(), phase_.slips().end());
@@ -121,9 +134,27 @@ std::vector<double> ExactContactRun::entries(double t, const Marks& marks) const
 }
 
 Failure ExactContactRun::take_up_to(double t_1, StepEnd& end, const Attempt& attempt) {
+  if (Failure failure = end_at_switch(t_1, end, attempt)) return failure;
+  if (Failure failure = take_in_phase(t_1, end, attempt)) return failure;
+  return done() ? Failure{} : switch_drives();
+}
+
+/// Lets inputs jump and drives change their statuses, after which forces may begin another phase.
+Failure ExactContactRun::switch_drives() {
+  const double t = now();
+  if (!drives_.switch_at(t, as_span(q), as_span(v))) return {};
+  const std::vector<ClosedConstraint> before = phase_.closed;
+  if (Failure failure = decide(t)) return failure;
+  note_changes(t, before, {}, {});
+  if (Failure failure = settle(t)) return failure;
+  trajectory.jump(as_span(v), as_span(a), as_span(drives_.x), as_span(drives_.dx));
+  return {};
+}
+
+Failure ExactContactRun::take_in_phase(double t_1, StepEnd& end, const Attempt& attempt) {
   const double t_0 = now();
   Marks marks;
-  if (Failure failure = mark(t_1, end.q, end.v, end.a, marks)) return failure;
+  if (Failure failure = mark(t_1, end, marks)) return failure;
   predict(t_1, marks);
   std::vector<double> found = entries(t_1, marks);
   double closes = infinite;  // the first gap that closes before the end, of those that are open there
@@ -134,7 +165,7 @@ Failure ExactContactRun::take_up_to(double t_1, StepEnd& end, const Attempt& att
     StepEnd dip;
     Marks at_dip;
     if (Failure failure = attempt(closes, dip)) return failure;
-    if (Failure failure = mark(closes, dip.q, dip.v, dip.a, at_dip)) return failure;
+    if (Failure failure = mark(closes, dip, at_dip)) return failure;
     if (std::vector<double> there = entries(closes, at_dip); std::ranges::any_of(there, is_negative)) {
       t_1 = closes;
       end = dip;
@@ -179,7 +210,7 @@ Failure ExactContactRun::find_event(double& t_1, StepEnd& end, std::vector<doubl
     const double t = search.t();
     Marks there;
     if (Failure failure = attempt(t, here)) return failure;
-    if (Failure failure = mark(t, here.q, here.v, here.a, there)) return failure;
+    if (Failure failure = mark(t, here, there)) return failure;
     if (!search.take(entries(t, there))) continue;
     marks = there;
     after = here;
@@ -228,6 +259,7 @@ Failure ExactContactRun::look_ahead(double t, double t_far, double reserve_far, 
   if (Failure failure = attempt(t_ahead, ahead)) return failure;
   const std::vector<ClosedConstraint> present = phase_.closed;
   ContactPhase::Forces acting;
+  drives_.act_at(as_span(ahead.x));
   if (Failure failure = find_forces(t_ahead, as_span(ahead.q), as_span(ahead.v), acting)) return failure;
   if (std::string why = phase_.decide(ahead.q, ahead.v, acting); !why.empty()) return {t, why};
   next = phase_.closed;
@@ -241,7 +273,9 @@ Failure ExactContactRun::accept(double t, StepEnd& end) {
   if (phase_.any())
     if (std::string why = phase_.project(end.q, end.v); !why.empty()) return {t, why};
   end.a.resize(end.v.size());
+  drives_.act_at(as_span(end.x));
   if (Failure failure = accelerate(t, as_span(end.q), as_span(end.v), as_span(end.a))) return failure;
+  end.dx = as_eigen(drives_.rates());
   static_cast<void>(phase_.reserve());
   phase_.follow_directions();
   if (phase_.any()) certificate_ = std::max(certificate_, phase_.certificate());
@@ -249,10 +283,12 @@ Failure ExactContactRun::accept(double t, StepEnd& end) {
   if (const double t_end = trajectory.t().back(); t_end < t) {  // a terminal event of the caller
     const std::size_t k = trajectory.size() - 1;
     const Vector q_end = as_eigen(trajectory.q(k)), v_end = as_eigen(trajectory.v(k));
+    const Vector x_end = drives_.x;  // at the event
     if (Failure f = accelerate(t_end, as_span(q_end), as_span(v_end), as_span(end.a))) return f;
     static_cast<void>(phase_.reserve());
     trajectory.pop_back();
-    trajectory.append(t_end, as_span(q_end), as_span(v_end), as_span(end.a), as_span(tau_));
+    trajectory.append(t_end, as_span(q_end), as_span(v_end), as_span(end.a), as_span(tau_), as_span(x_end),
+                      drives_.rates());
   }
   trajectory.certificates.push_back(certificate_);
   trajectory.set_contacts(phase_.forces());
@@ -272,7 +308,7 @@ Failure ExactContactRun::change(double t, const std::vector<double>& found, cons
     note_changes(t, before, {}, {});
     if (Failure failure = settle(t)) return failure;
   }
-  trajectory.jump(as_span(v), as_span(a));
+  trajectory.jump(as_span(v), as_span(a), as_span(drives_.x), as_span(drives_.dx));
   trajectory.certificates.back() = std::max(trajectory.certificates.back(), certificate_);
   return {};
 }
@@ -299,9 +335,7 @@ Failure ExactContactRun::meet(double t, const std::vector<double>& found, const 
     for (const ContactPhase::Impact& it : met) last_impact_[{it.law, it.key}] = t;
   }
   if (Failure failure = fails(phase_.project(q, v))) return failure;
-  ContactPhase::Forces acting;
-  if (Failure failure = find_forces(t, as_span(q), as_span(v), acting)) return failure;
-  if (Failure failure = fails(phase_.decide(q, v, acting))) return failure;
+  if (Failure failure = decide(t)) return failure;
   note_changes(t, before, met, stopped);
   return settle(t);
 }
@@ -311,7 +345,9 @@ Failure ExactContactRun::settle(double t) {
   constexpr double several = 10;  // errors of velocities of one body that act together
   const double fastest = v.size() > 0 ? v.lpNorm<Eigen::Infinity>() : 0;
   phase_.resolution = several * tolerances_.absolute + tolerances_.relative * fastest;
-  return mark(t, q, v, a, now_);
+  if (Failure failure = mark(t, q, v, drives_.x, a, now_)) return failure;
+  drives_.dx = as_eigen(drives_.rates());
+  return {};
 }
 
 void ExactContactRun::add_event(const ContactPhase::Impact& it, double t) {

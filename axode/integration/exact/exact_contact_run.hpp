@@ -18,7 +18,8 @@ class ExactContactRun : public SimulationRun {
 
   /// Computes the accelerations a_t under the constraints of the present phase.
   Failure accelerate(double t, Span q_t, Span v_t, std::span<double> a_t);
-  /// Takes the step to t_1, or to the first event before t_1, after which another phase begins.
+  /// Takes the step to t_1, or to the first event before t_1, after which another phase begins. A drive that
+  /// changes to another branch of its law is such an event.
   Failure take_up_to(double t_1, StepEnd& end, const Attempt& attempt);
 
  private:
@@ -35,7 +36,11 @@ class ExactContactRun : public SimulationRun {
   };
 
   void begin();
-  Failure mark(double t, const Vector& q_t, const Vector& v_t, Vector& a_t, Marks& out);
+  /// Computes accelerations and marks at the end of an attempt at a step.
+  Failure mark(double t, StepEnd& end, Marks& out);
+  Failure mark(double t, const Vector& q_t, const Vector& v_t, const Vector& x_t, Vector& a_t, Marks& out);
+  Failure take_in_phase(double t_1, StepEnd& end, const Attempt& attempt);
+  Failure switch_drives();
   void predict(double t_1, const Marks& at_end);
   /// Numbers of which one is negative if the phase has ended before t: the least distance of the constraint
   /// forces from their limits, the sliding velocities, the gaps of the contacts that were known at the start
@@ -61,6 +66,8 @@ class ExactContactRun : public SimulationRun {
   void follow(double t) { phase_.follow(motion_rows(t)); }
   /// Computes the forces at a state without those of contacts and dry friction, and calls follow().
   Failure find_forces(double t, Span q_t, Span v_t, ContactPhase::Forces& out);
+  /// Chooses the phase of the present state, at time t.
+  Failure decide(double t);
 
   ContactPhase phase_;
   double last_;  ///< end of the motion, s

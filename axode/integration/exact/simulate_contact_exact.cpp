@@ -15,12 +15,12 @@
 namespace axode {
 namespace {
 
-/// The properties that the exact mode counts: those that rollouts with contact count, and prescribed motions.
+/// The properties that the exact mode counts: those that sensitivities of motions with contact count,
+/// prescribed motions and drives.
 constexpr catalog::Counts of_exact_mode = [] {
   constexpr catalog::OtherId contact("contact");
   catalog::Counts counts = catalog::other_functions[contact.index].counts;
-  counts.motions = catalog::counted;
-  counts.drives = catalog::refused("the method contact counts them");
+  counts.motions = counts.drives = catalog::counted;
   return counts;
 }();
 
@@ -32,11 +32,6 @@ void check_exact(const Model& model, const ContactShapes& shapes, const Simulati
                                 std::string(to_string(options.coordinates)) + '"');
   if (options.local_coordinates != LocalCoordinates::exponential)
     throw std::invalid_argument("contact_exact needs local_coordinates = \"exponential\"; got \"cayley\"");
-  if (!options.drives.empty())
-    throw std::invalid_argument("contact_exact does not count drive \"" + options.drives.front().name +
-                                "\"; drive the joints by tau");
-  if (!options.x.empty())
-    throw std::invalid_argument("x is given, and contact_exact does not count drives with states");
   if (options.joint_losses) refuse_gears(model);
   for (const auto& [a, b] : shapes.pairs())
     if (shapes.surface(a, b).compliance)

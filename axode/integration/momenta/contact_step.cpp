@@ -104,6 +104,13 @@ void ContactStep::restart() noexcept {
   hard_ = false;
 }
 
+void ContactStep::continue_from(const ContactStep& other) {
+  remembered_ = other.remembered_;
+  start_.lambda = other.start_.lambda;
+  end_.lambda = other.end_.lambda;
+  hard_ = other.hard_;
+}
+
 /// An estimate of the largest distance (m) that a point of a shape moves in the step.
 double ContactStep::reach(double h, const Vector& v_0) {
   const ContactShapes& shapes = finder_.shapes();

@@ -26,13 +26,16 @@ class ContactStep {
   /// Computes the step of length h from (q_0, v_0) at time t, and sets the public members. x_0 are the states
   /// of the drives, whose statuses and inputs do not change in the step. A step that violates the laws of
   /// contact by more than 1e-9, relative to the motion, is repeated in 4, and then in 16 parts. Allocates
-  /// only if there are drives, or more than 64 contacts and more than ever before. Fails if the mass matrix
+  /// only if there are more than 64 contacts and more than ever before, and in the first step that needs
+  /// Newton's matrix. Fails if the mass matrix
   /// is singular, a number is not finite, there are too many points of contact, or the caller's monitor ends
   /// the motion.
   Failure run(double t, double h, const Vector& q_0, const Vector& v_0, const Vector& x_0 = {});
 
   /// Forgets the multipliers of earlier steps, so that the next motion does not depend on earlier ones.
   void restart() noexcept;
+  /// Takes the multipliers of the last step of another motion of the same mechanism as first guesses.
+  void continue_from(const ContactStep& other);
 
   Vector q, v, drive_states;  ///< state at the end of the step
   /// The relative error of the laws of contact in the step: the velocities that the error of the impulses

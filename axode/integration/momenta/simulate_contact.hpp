@@ -13,8 +13,8 @@ Trajectory simulate_contact(const Model& model, const ContactShapes& shapes, std
                             std::span<const double> v, double until, const Tolerances& tolerances,
                             const SimulationOptions& options = {});
 
-/// The check of rollouts with contact and their derivatives: throws std::invalid_argument if the shapes are
-/// not those of the model, and for prescribed motions, drives with states and couplings with play.
+/// The check of motions with contact: throws std::invalid_argument if the shapes are not those of the model,
+/// and for prescribed motions and couplings with play.
 void check_contact(const Model& model, const ContactShapes& shapes);
 
 }  // namespace axode

@@ -1,6 +1,7 @@
 #pragma once
 #include "axode/integration/runs/momentum_simulation_run.hpp"
 #include "axode/integration/schemes/midpoint.hpp"
+#include "axode/model/building/checks/value_checks.hpp"
 #include "axode/model/finite.hpp"
 
 namespace axode {
@@ -22,22 +23,57 @@ class ContactSimulationRun : public MomentumSimulationRun {
     for (Vector* x : {&v_end, &v_middle, &v_t_}) x->resize(model.nv());
   }
 
-  /// Begins another motion at q_0, for callers that use fly() alone.
-  void restart(const Vector& q_0) {
-    places_ = norm_.of_places(tree(), q_0);
+  /// Begins another motion at time t, at (q_0, v_0). If x_0 is empty, the drives choose their states.
+  void restart(double t, Span q_0, Span v_0, Span x_0) {
+    drives_.start(t, q_0, v_0, x_0);
     h_ = 0;
+    short_steps_ = 0;
+    move_to(t, q_0, v_0, drives_.x);
   }
+  /// Makes the end of a step the present state, which becomes the only one of the trajectory.
+  void move_to(double t, Span q_1, Span v_1, const Vector& x_1) {
+    while (trajectory.size() > 0) trajectory.pop_back();
+    q = as_eigen(q_1);
+    places_ = norm_.of_places(tree(), q);
+    v = as_eigen(v_1);
+    drives_.x = x_1;
+    trajectory.append(t, q_1, v_1, as_span(a), as_span(tau_), as_span(drives_.x), as_span(drives_.dx));
+  }
+  /// Takes the present state of another motion of the same mechanism, and its first guess of the next step.
+  void continue_from(const ContactSimulationRun& other) {
+    a = other.a;
+    drives_ = other.drives_;
+    move_to(other.now(), as_span(other.q), as_span(other.v), other.drives_.x);
+    h_ = other.h_;
+    change_ = other.change_;
+  }
+
+  // Newton's matrix is that of the free motion, in which loops do not act.
+  void residual_derivatives(const Vector& q_t, const Vector& v_t, const Vector& a_t,
+                            const InverseDynamicsDerivatives<double>& dr) {
+    tree_residual_derivatives(q_t, v_t, a_t, dr);
+  }
+  Span drive(double t, const Vector& q_t, const Vector& v_t) { return tree_drive(t, q_t, v_t); }
 
   /// Fails if a state at time t has numbers that are not finite.
   Failure check_finite(double t, const Vector& q_t, const Vector& v_t) const {
     return finite(q_t) && finite(v_t) ? Failure{} : not_finite(t, "the state is", as_span(v_t));
   }
 
-  /// Fails if the loops are open, or a prescribed motion is not followed, at q_t and time t.
-  Failure check_closed(double t, const Vector& q_t) {
+  /// Fails if the loops are open, or prescribed motions are not followed, at q_t and time t, or if the
+  /// certificate of the step shows that contacts block the motions.
+  Failure check_closed(double t, const Vector& q_t, double certificate) {
     if (!loops_) return {};
+    constexpr double blocked = 0.1;  // a certificate with which no step makes sense
     loops_->set_time(t);
-    return loops_->is_closed(as_span(q_t)) ? Failure{} : Failure{t, open};
+    const bool is_closed = loops_->is_closed(as_span(q_t));
+    if (loops_->motions().rows().empty() || (is_closed && certificate <= blocked))
+      return is_closed ? Failure{} : Failure{t, open};
+    std::string moved;
+    const auto add = [&](const std::string& name) { moved += (moved.empty() ? "" : ", ") + quoted(name); };
+    for (const MotionDescription& motion : model_.motions()) add(motion.of);
+    for (const PrescribedMotion& motion : options_.motions) add(motion.of);
+    return {t, "contacts, stops or loops block the prescribed motion of " + moved};
   }
 
   /// Computes the free motion from (q_0, v_0), with the states x_0 of the drives, at time t over a step of

@@ -1,7 +1,6 @@
 #include "axode/integration/runs/drive_states.hpp"
 
 #include <Eigen/Eigenvalues>
-#include <Eigen/LU>
 #include <cmath>
 #include <stdexcept>
 #include <string>
@@ -30,9 +29,9 @@ std::string DriveStates::first_not_finite() const {
   return {};
 }
 
-void DriveStates::start(Span q, Span v, Span given) {
+void DriveStates::start(double t, Span q, Span v, Span given) {
   if (given.empty()) {
-    system_.start(0, q, v, as_span(x));
+    system_.start(t, q, v, as_span(x));
   } else {
     check_size("x", given.size(), size(), "nx");
     for (std::size_t k = 0; k < size(); ++k)
@@ -40,7 +39,7 @@ void DriveStates::start(Span q, Span v, Span given) {
         throw std::invalid_argument("x[" + std::to_string(k) + "], the state \"" + system_.states()[k].name +
                                     "\", is not finite");
     x = as_eigen(given);
-    system_.set_state(0, q, v, given);
+    system_.set_state(t, q, v, given);
   }
   x_t_ = x;
 }
@@ -79,11 +78,12 @@ void DriveStates::take_two_stages(double t, double h, const Vector& x_0, Span q_
                                   Span v_1, Vector& x_1) {
   if (empty()) return;
   const double kappa = stage * h;
-  const Vector start = x_0;
-  begin_stage(kappa, start, start);
+  start_ = x_0;
+  begin_stage(kappa, start_, start_);
   solve_states(t + kappa, q_s, v_s);
-  const Vector rates = (x_t_ - start) / kappa;
-  begin_stage(kappa, start + (h - kappa) * rates, start + h * rates);
+  rates_ = (x_t_ - start_) / kappa;
+  base_ = start_ + (h - kappa) * rates_;
+  x_t_ = start_ + h * rates_;
   solve_states(t + h, q_1, v_1);
   x_1 = x_t_;
 }
@@ -99,24 +99,53 @@ void DriveStates::accept_implicit_step() { mean_0_ = old_mean_ + c_x_ * dx; }
 /// states.
 void DriveStates::solve_states(double t, Span q, Span v) {
   constexpr int most = 20;
-  const auto n = static_cast<Eigen::Index>(size());
   for (int k = 0; k < most; ++k) {
-    f_x_ = system_.rates_by_states(t, q, v, as_span(std::as_const(x_t_)), as_span(dx_t_));
-    const Vector step =
-        (Eigen::MatrixXd::Identity(n, n) - kappa_ * f_x_).partialPivLu().solve(base_ + kappa_ * dx_t_ - x_t_);
-    x_t_ += step;
-    const Vector size_of_x = nominal_.cwiseMax(x_t_.cwiseAbs());
-    if (!(step.cwiseQuotient(size_of_x).lpNorm<Eigen::Infinity>() > 1e-14)) break;
+    system_.rates_by_states(t, q, v, as_span(std::as_const(x_t_)), as_span(dx_t_), f_x_);
+    factorize_stage(f_x_);
+    residual_ = base_ + kappa_ * dx_t_ - x_t_;
+    change_ = lu_.solve(residual_);
+    x_t_ += change_;
+    const auto size_of_x = nominal_.cwiseMax(x_t_.cwiseAbs());
+    if (!(change_.cwiseQuotient(size_of_x).lpNorm<Eigen::Infinity>() > 1e-14)) break;
   }
 }
 
+/// Factorises 1 - κ ∂x'/∂x.
+void DriveStates::factorize_stage(const Eigen::MatrixXd& f_x) {
+  stage_matrix_ = -kappa_ * f_x;
+  stage_matrix_.diagonal().array() += 1;
+  lu_.compute(stage_matrix_);
+}
+
 void DriveStates::add_force_derivatives(Span q, Span v, Eigen::Ref<Matrix> by_q, Eigen::Ref<Matrix> by_v) {
-  const DriveDerivatives by = system_.derivatives(t_, q, v, as_span(std::as_const(x_t_)));
-  const auto n = static_cast<Eigen::Index>(size());
-  const Eigen::MatrixXd tau_f =
-      kappa_ * by.tau_x * (Eigen::MatrixXd::Identity(n, n) - kappa_ * by.f_x).inverse();
-  by_q += by.tau_q + tau_f * by.f_q;
-  by_v += by.tau_v + tau_f * by.f_v;
+  system_.derivatives(t_, q, v, as_span(std::as_const(x_t_)), by_);
+  by_q += by_.tau_q;
+  by_v += by_.tau_v;
+  if (kappa_ == 0) return;
+  factorize_stage(by_.f_x);
+  for (auto* f : {&by_.f_q, &by_.f_v}) {
+    for (Eigen::Index c = 0; c < f->cols(); ++c) {
+      residual_ = f->col(c);
+      f->col(c) = lu_.solve(residual_);
+    }
+  }
+  by_q.noalias() += kappa_ * by_.tau_x * by_.f_q;
+  by_v.noalias() += kappa_ * by_.tau_x * by_.f_v;
+}
+
+bool DriveStates::jumps_at(double t, double h, Span q_1, Span v_1, const Vector& x_1, Vector& dtau) {
+  constexpr double small = 1e-9;
+  dtau.setZero();
+  start_ = rates_ = change_ = x_1;
+  system_.evaluate(t, q_1, v_1, as_span(x_1), as_span(dtau), as_span(rates_));
+  dtau = -dtau;
+  system_.discrete(discrete_);
+  system_.switch_at(t, q_1, v_1, as_span(start_));
+  system_.evaluate(t, q_1, v_1, as_span(std::as_const(start_)), as_span(dtau), as_span(change_));
+  system_.set_discrete(discrete_);
+  const auto change = (start_ - x_1).cwiseAbs() + h * (change_ - rates_).cwiseAbs();
+  const auto size_of_x = nominal_.cwiseMax(start_.cwiseAbs());
+  return !(change.cwiseQuotient(size_of_x).lpNorm<Eigen::Infinity>() <= small);
 }
 
 bool DriveStates::switch_at(double t, Span q, Span v) {

@@ -1,5 +1,5 @@
 #pragma once
-#include <Eigen/Core>
+#include <Eigen/LU>
 #include <numbers>
 #include <span>
 #include <string>
@@ -27,9 +27,9 @@ class DriveStates {
   const Vector& nominal() const { return nominal_; }
   std::vector<std::string> names() const;
 
-  /// Sets the states x and the statuses of the drives at time 0, the start of a motion. If `given` is empty,
+  /// Sets the states x and the statuses of the drives at time t, the start of a motion. If `given` is empty,
   /// the drives choose x. Throws std::invalid_argument for a wrong size or a number that is not finite.
-  void start(Span q, Span v, Span given);
+  void start(double t, Span q, Span v, Span given);
   /// Sets the states with which forces are evaluated from now on, and ends an implicit step.
   void act_at(Span x_t);
   /// Begins an implicit step of length h of the generalised-α method (D17.6). Until act_at(), forces at any
@@ -80,12 +80,17 @@ class DriveStates {
   double least_margin(double t, Span q, Span v, Span x_t) { return system_.least_margin(t, q, v, x_t); }
   /// Applies jumps of inputs and changes of statuses that are due at time t. Returns whether there was one.
   bool switch_at(double t, Span q, Span v);
+  /// Whether the change of statuses that is due at the end (q_1, v_1) of a step of length h to time t, with
+  /// the states x_1, changes rates or states by more than 1e-9 of their size in a step. Writes the change of
+  /// the drive forces to dtau.
+  bool jumps_at(double t, double h, Span q_1, Span v_1, const Vector& x_1, Vector& dtau);
 
   Vector x, dx;  ///< present states and their rates
 
  private:
   void begin_stage(double kappa, const Vector& base, const Vector& guess);
   void solve_states(double t, Span q, Span v);
+  void factorize_stage(const Eigen::MatrixXd& f_x);
 
   DriveSystem system_;
   Vector nominal_, x_t_, dx_t_;
@@ -93,6 +98,12 @@ class DriveStates {
   double kappa_ = 0, c_x_ = 0, t_ = 0;
   Vector base_, mean_0_, old_mean_;
   Eigen::MatrixXd f_x_;  ///< ∂x'/∂x in the last evaluation of an implicit step
+  // Memory of solve_states(), take_two_stages(), add_force_derivatives() and jumps_at().
+  Eigen::MatrixXd stage_matrix_;
+  Eigen::PartialPivLU<Eigen::MatrixXd> lu_;
+  Vector residual_, change_, start_, rates_;
+  DriveDerivatives by_;
+  std::vector<std::size_t> discrete_;  ///< of the drives, in jumps_at()
 };
 
 }  // namespace axode

@@ -9,19 +9,12 @@ namespace axode {
 
 /// Whether the change of statuses at the end of a step changes forces, rates or states of the drives by more
 /// than 1e-9 of the motion in one step, so that the end of the step depends on the time of the change.
-bool SimulationRun::jumps_at_switch(double t, const StepEnd& end) const {
+bool SimulationRun::jumps_at_switch(double t, const StepEnd& end) {
   constexpr double small = 1e-9;
   const double h = t - now();
-  DriveSystem before = drives_.system(), after = before;
-  const Eigen::Index n = end.x.size(), nv = model_.nv();
-  Vector x = end.x, dx_0(n), dx_1(n), tau_0 = Vector::Zero(nv), tau_1 = tau_0;
-  after.switch_at(t, as_span(end.q), as_span(end.v), as_span(x));
-  before.evaluate(t, as_span(end.q), as_span(end.v), as_span(end.x), as_span(tau_0), as_span(dx_0));
-  after.evaluate(t, as_span(end.q), as_span(end.v), as_span(std::as_const(x)), as_span(tau_1), as_span(dx_1));
-  const Vector size = drives_.nominal().cwiseMax(x.cwiseAbs());
-  const Vector change = (x - end.x).cwiseAbs() + h * (dx_1 - dx_0).cwiseAbs();
-  return !(change.cwiseQuotient(size).lpNorm<Eigen::Infinity>() <= small &&
-           h * norm_.of_forces(tau_1 - tau_0) <= small * velocity_scale(end.v, h));
+  jump_.resize(model_.nv());
+  return drives_.jumps_at(t, h, as_span(end.q), as_span(end.v), end.x, jump_) ||
+         !(h * norm_.of_forces(jump_) <= small * velocity_scale(end.v, h));
 }
 
 Failure SimulationRun::end_at_switch(double& t_1, StepEnd& end, const Attempt& attempt, bool abrupt) {
@@ -34,7 +27,8 @@ Failure SimulationRun::end_at_switch(double& t_1, StepEnd& end, const Attempt& a
   const double t_0 = now(), h = t_1 - t_0;
   const double margin_0 = drives_.least_margin(t_0, as_span(q), as_span(v), as_span(drives_.x));
   SwitchSearch search(t_0, t_1, std::max(0.0, margin_0), margin_1);
-  StepEnd after = end;
+  StepEnd& after = after_switch_;
+  after = end;
   while (search.continues()) {
     const double t = search.next();
     if (Failure failure = attempt(t, end)) return failure;
@@ -45,7 +39,7 @@ Failure SimulationRun::end_at_switch(double& t_1, StepEnd& end, const Attempt& a
   if (!search.found_last() && friction_.active())
     if (Failure failure = attempt(search.found(), after)) return failure;
   t_1 = search.found();
-  end = std::move(after);
+  std::swap(end, after);
   return {};
 }
 

@@ -72,7 +72,7 @@ SimulationRun::SimulationRun(const Model& model, Span q_0, Span v_0, double unti
   }
   places_ = norm_.of_places(tree(), q);
   friction_.start(v_0);
-  drives_.start(q_0, v_0, options.x);
+  drives_.start(0, q_0, v_0, options.x);
   trajectory.set_drive_states(drives_.names());
   if (Failure failure = accelerate(0, q_0, v_0, as_span(a))) {
     stop(failure);
@@ -212,40 +212,48 @@ Failure SimulationRun::residual(double t, const Vector& q_t, const Vector& v_t, 
 
 void SimulationRun::residual_derivatives(const Vector& q_t, const Vector& v_t, const Vector& a_t,
                                          const InverseDynamicsDerivatives<double>& dr) {
+  if (!loops_) return tree_residual_derivatives(q_t, v_t, a_t, dr);
   const Eigen::Index nv = model_.nv();
   const Span q_s = as_span(q_t), v_s = as_span(v_t);
-  const bool damped = friction_.active() || damping_;
-  const bool forces = !model_.springs().empty() || damped || !drives_.empty();
-  SquareMatrix by_q, by_v, drives_by_q, drives_by_v;  // of springs, and of drives and damping
-  if (forces) {
-    by_q.resize(nv, nv);
-    by_v.resize(nv, nv);
-    spring_force_derivatives(model_, workspace_, q_s, v_s, {as_span(by_q), as_span(by_v)});
-    drives_by_q = drives_by_v = SquareMatrix::Zero(nv, nv);
-    if (damped) drives_by_v.diagonal() -= as_eigen(Span(tree().damping));
-    if (!drives_.empty()) drives_.add_force_derivatives(q_s, v_s, drives_by_q, drives_by_v);
-  }
   Eigen::Map<SquareMatrix> r_q(dr.q.data(), nv, nv), r_v(dr.v.data(), nv, nv), r_a(dr.a.data(), nv, nv);
-  if (loops_) {
-    compliance_.resize(nv, nv);
-    loops_->differentiate(q_s, v_s, joint_force_sum(q_s, v_s), loads(), {dr.q, dr.v, as_span(compliance_)});
-    if (forces) {
-      r_q += compliance_ * (by_q + drives_by_q);
-      r_v += compliance_ * (by_v + drives_by_v);
-    }
-    friction_.constrain_derivatives({as_span(compliance_), dr.q, dr.v});
-    r_q = -r_q;
-    r_v = -r_v;
-    r_a.setIdentity();
-    return;
+  compliance_.resize(nv, nv);
+  loops_->differentiate(q_s, v_s, joint_force_sum(q_s, v_s), loads(), {dr.q, dr.v, as_span(compliance_)});
+  if (find_force_derivatives(q_s, v_s)) {
+    r_q += compliance_ * (springs_by_q_ + drives_by_q_);
+    r_v += compliance_ * (springs_by_v_ + drives_by_v_);
   }
-  inverse_dynamics_derivatives(model_, workspace_, q_s, v_s, as_span(a_t), dr, loads());
-  if (forces) {
-    r_q -= by_q;
-    r_v -= by_v;
+  friction_.constrain_derivatives({as_span(compliance_), dr.q, dr.v});
+  r_q = -r_q;
+  r_v = -r_v;
+  r_a.setIdentity();
+}
+
+/// Computes the derivatives of the forces of springs, drives and damping. Returns whether there are any.
+bool SimulationRun::find_force_derivatives(Span q_t, Span v_t) {
+  const bool damped = friction_.active() || damping_;
+  if (model_.springs().empty() && !damped && drives_.empty()) return false;
+  const Eigen::Index nv = model_.nv();
+  springs_by_q_.resize(nv, nv);
+  springs_by_v_.resize(nv, nv);
+  spring_force_derivatives(model_, workspace_, q_t, v_t, {as_span(springs_by_q_), as_span(springs_by_v_)});
+  drives_by_q_.setZero(nv, nv);
+  drives_by_v_.setZero(nv, nv);
+  if (damped) drives_by_v_.diagonal() -= as_eigen(Span(tree().damping));
+  if (!drives_.empty()) drives_.add_force_derivatives(q_t, v_t, drives_by_q_, drives_by_v_);
+  return true;
+}
+
+void SimulationRun::tree_residual_derivatives(const Vector& q_t, const Vector& v_t, const Vector& a_t,
+                                              const InverseDynamicsDerivatives<double>& dr) {
+  const Eigen::Index nv = model_.nv();
+  Eigen::Map<SquareMatrix> r_q(dr.q.data(), nv, nv), r_v(dr.v.data(), nv, nv), r_a(dr.a.data(), nv, nv);
+  inverse_dynamics_derivatives(model_, workspace_, as_span(q_t), as_span(v_t), as_span(a_t), dr, loads());
+  if (find_force_derivatives(as_span(q_t), as_span(v_t))) {
+    r_q -= springs_by_q_;
+    r_v -= springs_by_v_;
     if (friction_.has_gears()) friction_.scale_derivatives({dr.a, dr.q, dr.v});
-    r_q -= drives_by_q;
-    r_v -= drives_by_v;
+    r_q -= drives_by_q_;
+    r_v -= drives_by_v_;
   }
   for (const int c : friction_.sticking()) {
     r_q.row(c).setZero();
@@ -255,9 +263,14 @@ void SimulationRun::residual_derivatives(const Vector& q_t, const Vector& v_t, c
   }
 }
 
-SimulationRun::Span SimulationRun::drive(double t, const Vector& q_t, const Vector& v_t) {
+SimulationRun::Span SimulationRun::tree_drive(double t, const Vector& q_t, const Vector& v_t) {
   driven_.resize(v_t.size());
   options_.drive(t, as_span(q_t), as_span(v_t), as_span(driven_));
+  return as_span(std::as_const(driven_));
+}
+
+SimulationRun::Span SimulationRun::drive(double t, const Vector& q_t, const Vector& v_t) {
+  tree_drive(t, q_t, v_t);
   if (loops_) driven_ = compliance_ * driven_;
   for (const int c : friction_.sticking()) driven_[c] = 0;
   return as_span(std::as_const(driven_));

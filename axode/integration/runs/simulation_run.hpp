@@ -123,6 +123,7 @@ class SimulationRun {
   /// Whether forces or motions are functions of time.
   bool is_driven_in_time() const { return options_.drive || (loops_ && !loops_->motions().rows().empty()); }
   DriveStates& drives() { return drives_; }
+  const DriveStates& drives() const { return drives_; }
   /// The friction of joints, with the directions in which they slide at present.
   const DryFriction& friction() const { return friction_; }
   const Tree<double>& tree() const { return model_.tree<double>(); }
@@ -144,6 +145,10 @@ class SimulationRun {
   using SquareMatrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
   static constexpr const char* open = "the loops do not stay closed; use a shorter step";
 
+  /// residual_derivatives() and drive() of the mechanism without its loops.
+  void tree_residual_derivatives(const Vector& q_t, const Vector& v_t, const Vector& a_t,
+                                 const InverseDynamicsDerivatives<double>& dr);
+  Span tree_drive(double t, const Vector& q_t, const Vector& v_t);
   /// Appends the state at the end of a step to the trajectory, finds its events and calls the monitor.
   Failure record(double t, StepEnd end);
   /// Computes the sum of drive forces, spring forces and, if there is dry friction, losses.
@@ -166,16 +171,18 @@ class SimulationRun {
   double weight_;                       ///< the norm of gravity as a force on the whole mechanism
   Vector tau_, forces_;                 ///< drive forces, and the sum of all joint forces
   std::vector<AppliedWrench<>> loads_;  ///< loads at the state of the last evaluation
+  int short_steps_ = 0;                 ///< successive steps that a change has ended at once
 
  private:
   void compute_loads(double t, Span q_t, Span v_t);
   void check_friction_of_motions() const;
+  bool find_force_derivatives(Span q_t, Span v_t);
   /// Computes in tau_ the forces of SimulationOptions::drive and of the drives with states.
   void compute_drive_forces(double t, Span q_t, Span v_t);
   /// Computes the accelerations a, and the rates of the states of the drives, at the present state.
   Failure accelerate_now();
   Failure take_under_friction(double t_1, StepEnd& end, const Attempt& attempt);
-  bool jumps_at_switch(double t, const StepEnd& end) const;
+  bool jumps_at_switch(double t, const StepEnd& end);
   Failure ensure_accelerations(double t, StepEnd& end);
   void start_plays();
   void engage_plays();
@@ -198,6 +205,10 @@ class SimulationRun {
                         std::vector<Trajectory::EventOccurrence>& met) const;
   Failure find_events(double before, double after);
 
+  /// Derivatives of the forces of springs, and of drives and damping, by find_force_derivatives().
+  SquareMatrix springs_by_q_, springs_by_v_, drives_by_q_, drives_by_v_;
+  StepEnd after_switch_;     ///< the end of a step just after a change of a drive's status
+  Vector jump_;              ///< the change of drive forces there
   Vector driven_;            ///< the result of drive()
   SquareMatrix compliance_;  ///< ∂a/∂τ
   FrictionResponse response_;
@@ -205,7 +216,6 @@ class SimulationRun {
   std::vector<double> values_;
   double until_, weakest_row_ = 1;
   bool damping_, ended_ = false, accelerations_jumped_ = false;
-  int short_steps_ = 0;
   Plays plays_;
 };
 

@@ -13,12 +13,13 @@
 /// a time.
 namespace axode {
 
-/// Takes equal steps from time 0 to `until`; the last one may be shorter. take(t_1) computes the step to t_1;
-/// if it fails, the motion ends.
+/// Takes equal steps from the present time to `until`; the last one may be shorter. take(t_1) computes the step
+/// to t_1; if it fails, the motion ends.
 template <class Run, class Take> void each_step(Run& run, double until, double step, const Take& take) {
-  const double whole = std::ceil(until / step - 1e-9);
+  if (run.done()) return;
+  const double begin = run.now(), whole = std::ceil((until - begin) / step - 1e-9);
   for (double k = 1; k <= whole && !run.done(); ++k)
-    if (Failure failure = take(k == whole ? until : k * step)) run.stop(failure);
+    if (Failure failure = take(k == whole ? until : begin + k * step)) run.stop(failure);
 }
 
 /// Takes steps as each_step() does, in several parts if an input of a drive jumps within a step. take(t_1)

@@ -42,7 +42,8 @@ template <class System> class Midpoint {
         matrix_(system, tree),
         y_(tree->nv),
         momenta_(tree->nv),
-        r_(tree->nv) {}
+        r_(tree->nv),
+        none_(Vector::Zero(tree->nv)) {}
 
   /// Computes the step from (q0, p0) at time t over h, which may be negative; v must contain a first guess.
   /// The results are in the public members.
@@ -86,7 +87,7 @@ template <class System> class Midpoint {
       if (!slow) continue;
       newton = true;
       before = std::numeric_limits<double>::infinity();
-      matrix_.compute_with_drive(t + h / 2, q0, y_, q_middle, v, Vector::Zero(v.size()), h * h / 4, h / 2);
+      matrix_.compute_with_drive(t + h / 2, q0, y_, q_middle, v, none_, h * h / 4, h / 2);
     }
     return {t + h, no_convergence};
   }
@@ -98,7 +99,7 @@ template <class System> class Midpoint {
   System* system_;
   ConfigurationGroup<double> group_;
   StepMatrix<System> matrix_;
-  Vector y_, momenta_, r_;
+  Vector y_, momenta_, r_, none_;
 };
 
 }  // namespace axode

@@ -36,7 +36,10 @@ template <class System> class StepMatrix {
     lu_.compute(J_);
   }
   /// Replaces r by J⁻¹ r.
-  void solve(Vector& r) const { r = lu_.solve(r).eval(); }
+  void solve(Vector& r) {
+    solution_ = lu_.solve(r);
+    r = solution_;
+  }
 
  private:
   using Matrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
@@ -46,9 +49,9 @@ template <class System> class StepMatrix {
     for (Matrix* matrix : {&dq_, &dv_, &J_}) matrix->resize(v.size(), v.size());
     system_->residual_derivatives(q, v, a, {as_span(dq_), as_span(dv_), as_span(J_)});
     if (!group_.commutes()) {
-      const Vector back = -x;
+      back_ = -x;
       for (Eigen::Index i = 0; i < dq_.rows(); ++i)  // each row transforms like a momentum, by dexp_{-x}ᵀ
-        group_.dexp_transpose(back, dq_.row(i), dq_.row(i));
+        group_.dexp_transpose(back_, dq_.row(i), dq_.row(i));
     }
     J_ += c_v * dv_ + c_x * dq_;
   }
@@ -70,7 +73,7 @@ template <class System> class StepMatrix {
 
   System* system_;
   ConfigurationGroup<double> group_;
-  Vector q_;
+  Vector q_, back_, solution_;
   Matrix dq_, dv_, J_;
   Eigen::PartialPivLU<Matrix> lu_;
 };

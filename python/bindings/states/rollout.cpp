@@ -76,20 +76,32 @@ std::vector<std::size_t> ended(const States& states, const NewArray& v, const Sh
   return found;
 }
 
+/// The states of the drives of all motions: those at the start, if they are given, and the result.
+class DriveStatesOfMotions {
+ public:
+  DriveStatesOfMotions(const States& states, Steps& steps, nb::handle x)
+      : nx_(static_cast<nb::ssize_t>(states.model().drives().empty() ? 0 : DriveSystem(states.model()).nx())),
+        out_(states.result({steps.K + 1, nx_})) {
+    if (!x.is_none()) given_ = states.items("x", {x.ptr()}, {nx_}, "a number for each state of the drives");
+    if (given_) steps.drives.x = given_->all();
+    steps.drives.x_out = out_.all();
+  }
+  Array array() { return out_.array(); }
+
+ private:
+  nb::ssize_t nx_;
+  NewArray out_;
+  std::optional<Items> given_;
+};
+
 std::tuple<Array, Array, Array> motions_of(const States& states, const BoundSpecialised* compiled,
                                            Steps steps, nb::handle x) {
   const nb::ssize_t K = steps.K;
   if (compiled) compiled->check({"forward_dynamics"});
   const int nq = states.model().nq(), nv = states.model().nv();
-  const auto nx =
-      static_cast<nb::ssize_t>(states.model().drives().empty() ? 0 : DriveSystem(states.model()).nx());
   const Shape shape_v{K + 1, nv};
-  NewArray q_out = states.result({K + 1, nq}), v_out = states.result(shape_v),
-           x_out = states.result({K + 1, nx});
-  std::optional<Items> given;
-  if (!x.is_none()) given = states.items("x", {x.ptr()}, {nx}, "a number for each state of the drives");
-  if (given) steps.drives.x = given->all();
-  steps.drives.x_out = x_out.all();
+  NewArray q_out = states.result({K + 1, nq}), v_out = states.result(shape_v);
+  DriveStatesOfMotions x_out(states, steps, x);
   const batch::Outcome outcome =
       states.unlocked(100.0 * static_cast<double>(K), [&](const batch::Monitor& monitor) {
         return roll(states, compiled, steps, q_out.all(), v_out.all(), monitor);
@@ -149,69 +161,73 @@ std::tuple<Array, Array, Array> driven_rollout_of(const BoundModel& m, ArrayLike
   return motions_of(states, compiled, {velocities.all(), {}, &drive.drive, K, step, joint_losses}, x);
 }
 
-/// Finds why motion n ended early, by simulating its last step again. Returns a text that begins with ": ",
-/// or an empty text if this step succeeds.
+/// Finds why motion n ended early, by simulating it again. Returns a text that begins with ": ", or an empty
+/// text if it then succeeds.
 std::string reason_of_end(const States& states, const ContactShapes& shapes, const Steps& steps,
-                          std::size_t n, std::span<const double> q, std::span<const double> v) {
+                          std::size_t n) {
   const std::size_t K = static_cast<std::size_t>(steps.K), nq = static_cast<std::size_t>(states.model().nq()),
                     nv = static_cast<std::size_t>(states.model().nv());
-  std::size_t k = 0;
-  while (k + 1 < K && all_finite(v.subspan((n * (K + 1) + k + 1) * nv, nv))) ++k;
   SimulationOptions options{.joint_losses = steps.joint_losses};
   options.drive = [&](double t, std::span<const double> q_t, std::span<const double> v_t,
                       std::span<double> out) {
-    if (steps.drive)
-      (*steps.drive)(static_cast<double>(k) * steps.length + t, q_t, v_t, out);
-    else
-      std::ranges::copy(steps.tau.subspan((n * K + k) * nv, nv), out.begin());
+    if (steps.drive) return (*steps.drive)(t, q_t, v_t, out);
+    const std::size_t k = std::min(K - 1, static_cast<std::size_t>(t / steps.length + 1e-6));
+    std::ranges::copy(steps.tau.subspan((n * K + k) * nv, nv), out.begin());
   };
-  const std::size_t state = n * (K + 1) + k;
-  const std::string reason = simulate_contact(states.model(), shapes, q.subspan(state * nq, nq),
-                                              v.subspan(state * nv, nv), steps.length, steps.length, options)
-                                 .stop_reason;
+  if (const std::size_t nx = steps.drives.x.size() / states.count(); nx > 0) {
+    const std::span<const double> x = steps.drives.x.subspan(n * nx, nx);
+    options.x.assign(x.begin(), x.end());
+  }
+  const std::string reason =
+      simulate_contact(states.model(), shapes, states.q().subspan(n * nq, nq), steps.v.subspan(n * nv, nv),
+                       static_cast<double>(K) * steps.length, steps.length, options)
+          .stop_reason;
   return reason.substr(std::min(reason.find(": "), reason.size()));
 }
 
-std::tuple<Array, Array, Array> motions_with_contact(const States& states, const ContactShapes& shapes,
-                                                     const Steps& steps) {
+std::tuple<Array, Array, Array, Array> motions_with_contact(const States& states, const ContactShapes& shapes,
+                                                            Steps steps, nb::handle x) {
   const nb::ssize_t K = steps.K, nq = states.model().nq();
   const Shape shape_v{K + 1, states.model().nv()};
   NewArray q = states.result({K + 1, nq}), v = states.result(shape_v), certificates = states.result({K});
+  DriveStatesOfMotions x_out(states, steps, x);
   const batch::Outcome outcome =
       states.unlocked(1000.0 * static_cast<double>(K), [&](const batch::Monitor& monitor) {
         const auto roll = [&](const auto&... forces) {
           return batch::rollout_with_contact(states.model(), shapes, states.q(), steps.v, forces...,
                                              steps.length, q.all(), v.all(), certificates.all(),
-                                             states.threads(), monitor, steps.joint_losses);
+                                             states.threads(), monitor, steps.joint_losses, steps.drives);
         };
         return steps.drive ? roll(*steps.drive, static_cast<std::size_t>(K)) : roll(steps.tau);
       });
   if (!outcome.ok())
-    states.raise("StatesError",
-                 "the motion with contact cannot continue" +
-                     reason_of_end(states, shapes, steps, outcome.first, q.all(), v.all()),
-                 ended(states, v, shape_v), q);
-  return {q.array(), v.array(), certificates.array()};
+    states.raise(
+        "StatesError",
+        "the motion with contact cannot continue" + reason_of_end(states, shapes, steps, outcome.first),
+        ended(states, v, shape_v), q);
+  return {q.array(), v.array(), certificates.array(), x_out.array()};
 }
 
-std::tuple<Array, Array, Array> contact_rollout_of(const BoundModel& m, const ContactShapes& shapes,
-                                                   ArrayLike q, ArrayLike v, ArrayLike tau, double step,
-                                                   int threads, bool joint_losses) {
+std::tuple<Array, Array, Array, Array> contact_rollout_of(const BoundModel& m, const ContactShapes& shapes,
+                                                          ArrayLike q, ArrayLike v, ArrayLike tau,
+                                                          double step, int threads, bool joint_losses,
+                                                          nb::handle x, double t) {
   const States states(m, q, threads);
   const Items velocities = states.velocities("v", v);
   const Forces forces(states, tau);
-  return motions_with_contact(states, shapes,
-                              {velocities.all(), forces.all(), nullptr, forces.K, step, joint_losses});
+  return motions_with_contact(
+      states, shapes, {velocities.all(), forces.all(), nullptr, forces.K, step, joint_losses, {.t = t}}, x);
 }
 
-std::tuple<Array, Array, Array> driven_contact_rollout_of(const BoundModel& m, const ContactShapes& shapes,
-                                                          ArrayLike q, ArrayLike v, const BoundDrive& drive,
-                                                          nb::ssize_t K, double step, int threads,
-                                                          bool joint_losses) {
+std::tuple<Array, Array, Array, Array> driven_contact_rollout_of(const BoundModel& m,
+                                                                 const ContactShapes& shapes, ArrayLike q,
+                                                                 ArrayLike v, const BoundDrive& drive,
+                                                                 nb::ssize_t K, double step, int threads,
+                                                                 bool joint_losses, nb::handle x) {
   const States states(m, q, threads);
   const Items velocities = states.velocities("v", v);
   check_drive(m, drive);
-  return motions_with_contact(states, shapes, {velocities.all(), {}, &drive.drive, K, step, joint_losses});
+  return motions_with_contact(states, shapes, {velocities.all(), {}, &drive.drive, K, step, joint_losses}, x);
 }
 
 }  // namespace
@@ -232,10 +248,11 @@ void add_rollout(nb::module_& module) {
       "has_contact", [](const BoundModel& m) { return usual_method(m) == "contact"; }, "m"_a,
       "Whether a mechanism moves with contact where nothing else is asked for.");
   module.def("contact_rollout_under", &contact_rollout_of, "m"_a, "shapes"_a, "q"_a, "v"_a, "tau"_a, "step"_a,
-             nb::kw_only(), "threads"_a = 1, "joint_losses"_a = false, "See axode.rollout.");
+             nb::kw_only(), "threads"_a = 1, "joint_losses"_a = false, "x"_a = nb::none(), "t"_a = 0.0,
+             "See axode.rollout.");
   module.def("contact_rollout_driven", &driven_contact_rollout_of, "m"_a, "shapes"_a, "q"_a, "v"_a, "drive"_a,
              "steps"_a, "step"_a, nb::kw_only(), "threads"_a = 1, "joint_losses"_a = false,
-             "See axode.rollout.");
+             "x"_a = nb::none(), "See axode.rollout.");
 }
 
 }  // namespace axode::python

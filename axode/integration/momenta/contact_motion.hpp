@@ -1,0 +1,85 @@
+#pragma once
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "axode/contact/contact_shapes.hpp"
+#include "axode/integration/momenta/contact_step.hpp"
+#include "axode/integration/runs/contact_simulation_run.hpp"
+#include "axode/integration/simulation.hpp"
+
+namespace axode {
+
+/// A step of a motion with contact that has been computed. Its end has no accelerations.
+struct ComputedContactStep {
+  StepEnd end;
+  double certificate = 0, unresolved = 0;
+  bool touched = false;
+  std::vector<ContactForce> forces = {};
+};
+
+/// Steps of a motion with contact and drives that end where a drive changes to a branch of its law with other
+/// forces. Simulations and rollouts take the same steps. After the first step, memory is allocated only if
+/// there are more than 64 contacts.
+class ContactSteps {
+ public:
+  ContactSteps(ContactSimulationRun& run, const ContactShapes& shapes, bool dry_friction);
+
+  /// Computes the step from the state `from` at time t to t_1. Fails if loops are open or prescribed motions
+  /// are not followed at its end.
+  Failure compute(double t, double t_1, const StepEnd& from, ComputedContactStep& out);
+  /// Computes the step from the present state of the run to t_1, or to an earlier time at which a drive
+  /// changes to a branch of its law with other forces; t_1 then becomes this time.
+  Failure compute_up_to_switch(double& t_1, ComputedContactStep& out);
+  /// Forgets the impulses of earlier steps.
+  void restart() noexcept { scheme_.restart(); }
+  /// Takes the impulses of the last step of another motion of the same mechanism as first guesses.
+  void continue_from(const ContactSteps& other) { scheme_.continue_from(other.scheme_); }
+
+ private:
+  ContactSimulationRun* run_;
+  ContactStep scheme_;
+  StepEnd from_, end_;
+  ComputedContactStep attempt_, after_;  ///< the last attempt, and the earliest one after a change
+};
+
+/// A motion with contact during its integration, as by simulate_contact().
+class ContactMotion {
+ public:
+  using Span = std::span<const double>;
+
+  /// Begins at time 0. Throws std::invalid_argument as simulate_contact() does.
+  ContactMotion(const Model& model, const ContactShapes& shapes, Span q, Span v, double until,
+                const SimulationOptions& options);
+  ContactMotion(const ContactMotion&) = delete;
+  ContactMotion& operator=(const ContactMotion&) = delete;
+  /// Begins a motion that continues from the present state of this one, to the last bit as this one does.
+  std::unique_ptr<ContactMotion> fork() const;
+
+  /// Takes equal steps from the present time until the end of the motion; the last one may be shorter.
+  void take_steps(double step);
+  /// Takes adaptive steps until the end of the motion: computes each step as a whole and in two halves, and
+  /// takes the halves if both agree; otherwise tries a shorter step. A step not longer than `least` times the
+  /// duration of the motion is always taken, because halves and whole may follow different solutions of the laws of
+  /// contact.
+  void take_steps(const Tolerances& tolerances);
+  /// Lets a motion that has reached its end continue until a later time (s).
+  void continue_until(double until);
+
+  ContactSimulationRun& run() { return run_; }
+
+ private:
+  StepEnd present() const { return {.q = run_.q, .v = run_.v, .x = run_.drives().x}; }
+  Failure take(double t_1, ComputedContactStep& step);
+  double difference(const ComputedContactStep& whole, const ComputedContactStep& halves, double unresolved,
+                    const Tolerances& tolerances);
+
+  Model model_;
+  ContactShapes shapes_;
+  SimulationOptions options_, free_options_;
+  ContactSimulationRun run_;
+  ContactSteps steps_;
+  double until_, length_ = 0;  ///< the end of the motion, and the length of the next adaptive step, s
+};
+
+}  // namespace axode
